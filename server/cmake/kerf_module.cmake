@@ -1,0 +1,63 @@
+# One static library a folder. Include root is the repository: #include "server/mesh/triangle_mesh.h".
+
+add_library(kerf_warnings INTERFACE)
+target_compile_options(kerf_warnings INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wnon-virtual-dtor -Woverloaded-virtual)
+if(KERF_WERROR)
+  target_compile_options(kerf_warnings INTERFACE -Werror)
+endif()
+
+# What every target, ours or generated, is compiled with. Contraction off: the same source gives the same bits
+# whether or not the processor has fused multiply-add.
+add_library(kerf_flags INTERFACE)
+target_compile_options(kerf_flags INTERFACE -ffp-contract=off)
+target_compile_definitions(kerf_flags INTERFACE EIGEN_DONT_PARALLELIZE EIGEN_MPL2_ONLY)
+if(KERF_VALIDATE)
+  target_compile_definitions(kerf_flags INTERFACE KERF_VALIDATE)
+endif()
+if(KERF_SANITIZE)
+  target_compile_options(kerf_flags INTERFACE -fsanitize=${KERF_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(kerf_flags INTERFACE -fsanitize=${KERF_SANITIZE})
+  if(KERF_SANITIZE MATCHES "undefined")
+    target_compile_options(kerf_flags INTERFACE -fno-sanitize-recover=undefined)
+  endif()
+endif()
+
+# kerf_module(name SOURCES ... DEPENDS ...): library kerf_<name> with alias kerf::<name>.
+function(kerf_module name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT ARG_SOURCES)  # header-only
+    add_library(kerf_${name} INTERFACE)
+    add_library(kerf::${name} ALIAS kerf_${name})
+    target_include_directories(kerf_${name} INTERFACE ${PROJECT_SOURCE_DIR})
+    target_link_libraries(kerf_${name} INTERFACE kerf_flags ${ARG_DEPENDS})
+    return()
+  endif()
+  add_library(kerf_${name} STATIC ${ARG_SOURCES})
+  add_library(kerf::${name} ALIAS kerf_${name})
+  target_include_directories(kerf_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(kerf_${name} PUBLIC kerf_flags ${ARG_DEPENDS} PRIVATE kerf_warnings)
+endfunction()
+
+# kerf_test(path/to/name_test.cc LABEL core DEPENDS ... [DATA ...] [TIMEOUT seconds]): one binary and one ctest entry.
+# Every test requires the fixture `build`, so `ctest --preset dev` builds what is stale first.
+function(kerf_test source)
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "DEPENDS;ARGS" ${ARGN})
+  get_filename_component(folder ${source} DIRECTORY)
+  get_filename_component(stem ${source} NAME_WE)
+  string(REPLACE "/" "_" prefix "${folder}")
+  if(prefix)
+    set(name ${prefix}_${stem})
+  else()
+    set(name ${stem})
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${name} ${source})
+  target_link_libraries(${name} PRIVATE kerf_flags kerf_warnings ${ARG_DEPENDS} GTest::gtest_main GTest::gmock)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_definitions(${name} PRIVATE KERF_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 ${ARG_ARGS})
+  set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} FIXTURES_REQUIRED built)
+endfunction()
