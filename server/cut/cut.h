@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "server/base/result.h"
+#include "server/cut/curve.h"
+#include "server/mesh/mesh_edit.h"
+#include "server/mesh/mesh_editor.h"
+#include "server/mesh/triangle_mesh.h"
+
+// Cuts along a curve in material coordinates. The mesh stays welded in rest space: the curve becomes a chain of locked
+// edges (lips), and only the map from triangle corners to vertices tells the two sides apart. So re-cuts, crossings,
+// T and X junctions, punches, cuts along an older lip or along the border are one case each time: "meets a locked edge".
+//
+// plan() looks, apply() changes; between the two the mesh may have changed, apply() takes it as it finds it.
+namespace kerf::cut {
+
+struct CutOptions {
+  // Largest distance between curve and polyline, as a fraction of the sheet's edge length.  -, in [1e-4, 0.5]
+  double flatness = 0.02;
+  // The same in metres; replaces `flatness` where given.  m, > 0
+  std::optional<double> flatness_m;
+  // The path is laid on points and lips closer than this fraction of the edge length.  -, in [1e-6, 0.1]
+  double snap = 1.0e-3;
+  // Triangles touched by the cut are refined until no angle is smaller, except in corners between lips that are
+  // narrower than 60 degrees.  degrees, in [0, 28]; 0 refines nothing
+  double min_angle_deg = 20.0;
+  // Moves free old points of the touched ring away from the path in rest space before refining, where that improves
+  // the worst triangle around them. Needs far fewer and far less flat triangles; see MeshEdit::moved_vertices.
+  bool relax = true;
+  // New triangle slots one cut may take.  -, > 0
+  std::int64_t max_new_triangles = 100'000;
+};
+
+struct CutRequest {
+  Curve curve;
+  CutOptions options;
+  // Vertices whose rest position must stay (pinned, grabbed). In any order.
+  std::vector<mesh::VertexId> fixed_vertices;
+};
+
+// What apply() will do: the curve flattened, clipped to the neighbourhood of the sheet and spaced. A plain value.
+struct CutPlan {
+  std::vector<Stroke> strokes;         // m, material coordinates; empty where the curve is nowhere near the sheet
+  double curve_deviation_m = 0.0;      // m; proven bound on the distance between curve and strokes
+  double edge_length_m = 0.0;          // m; the sheet's edge length, to which the fractions refer
+  double snap_m = 0.0;                 // m; options.snap * edge_length_m
+  CutOptions options;
+  std::vector<mesh::VertexId> fixed_vertices;  // sorted, unique
+};
+
+enum class CutStatus {
+  kApplied,
+  kNoIntersection,  // the curve misses the sheet, or only retraces border and lips that are already there:
+                    // mesh untouched, edit empty
+};
+
+struct CutReport {
+  std::int32_t pieces = 0;               // connected pieces of the whole sheet after the cut
+  std::int32_t new_vertices = 0;         // vertices of the opened mesh added
+  std::int32_t new_triangles = 0;        // solid triangles added
+  std::int32_t rewritten_triangles = 0;  // slots rewritten, new ones included
+  std::int32_t moved_vertices = 0;       // old vertices relaxed
+  std::int32_t crossed_triangles = 0;    // solid triangles that the strokes ran through, counted once an entry
+  std::int32_t new_lip_edges = 0;        // edges newly locked as lips, before refinement splits them
+  double deviation_m = 0.0;              // m; proven bound on the distance between the curve (inside the sheet) and
+                                         // its lips: flattening + snapping + rounding
+  double min_angle_deg = 180.0;          // degrees; worst angle among the solid triangles that the cut rewrote
+  double max_aspect = 0.0;               // -; worst longest edge / shortest height among them
+  double min_height_m = 0.0;             // m; smallest height among them
+  std::int32_t small_angle_corners = 0;  // triangles left below the angle: corners between lips < 60 degrees, or
+                                         // edges at the length floor of snap / 4
+  bool refinement_stopped = false;       // the guard on refinement steps fired; the mesh is valid, its quality is not
+  std::int32_t snapped_points = 0;       // path points moved onto an existing point or lip (by <= snap)
+  std::int32_t closed_gaps = 0;          // of those: onto an older lip, the border, or another strand of this path
+  std::int32_t merged_segments = 0;      // path segments shorter than the snap distance that vanished ("dust")
+};
+
+struct CutOutcome {
+  CutStatus status = CutStatus::kNoIntersection;
+  mesh::MeshEdit edit;
+  mesh::UndoLog undo;
+  CutReport report;
+};
+
+// Validates and flattens. Reads the mesh for its extent and edge length only.
+// Errors, all kInvalidArgument: those of validate(), and OPTION_OUT_OF_RANGE ("cut.options.snap").
+Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
+
+// Carries the plan out, or leaves the mesh bit-identical.
+// Errors: kResourceExhausted CUT_ELEMENT_BUDGET (max_new_triangles, or the mesh's own limit, or a step counter);
+//         kFailedPrecondition CUT_NOT_REPRESENTABLE (a crossing could not be rounded to a valid point: shift the curve).
+// With KERF_VALIDATE defined every mesh invariant is checked afterwards.
+Result<CutOutcome> apply(mesh::TriangleMesh& mesh, const CutPlan& plan);
+
+}  // namespace kerf::cut
