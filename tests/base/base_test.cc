@@ -1,0 +1,89 @@
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/base/random.h"
+#include "server/base/result.h"
+#include "server/base/state_hash.h"
+
+namespace kerf {
+namespace {
+
+Result<int> half_of(int value) {
+  if (value % 2 != 0) return invalid_argument("ODD", "value must be even", "value");
+  return value / 2;
+}
+
+TEST(Result, HoldsValueOrError) {
+  EXPECT_EQ(*half_of(8), 4);
+  const Result<int> refused = half_of(7);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().reason, "ODD");
+  EXPECT_EQ(refused.error().field, "value");
+}
+
+TEST(ResultDeathTest, ValueOfAFailureIsABug) {
+  EXPECT_DEATH(static_cast<void>(half_of(7).value()), "value\\(\\) of a failed Result");
+}
+
+std::uint64_t hash_of(const std::vector<double>& values) {
+  StateHash hash;
+  hash.add_span(std::span<const double>(values));
+  return hash.value();
+}
+
+TEST(StateHash, SeesEveryBitAndTheOrder) {
+  const std::vector<double> values{0.0, 1.0, -2.5, 1e-300, 3.0};
+  const std::uint64_t before = hash_of(values);
+  EXPECT_EQ(before, hash_of(values));
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    for (int bit = 0; bit < 64; ++bit) {
+      std::vector<double> changed = values;
+      changed[i] = std::bit_cast<double>(std::bit_cast<std::uint64_t>(changed[i]) ^ (1ULL << bit));
+      EXPECT_NE(before, hash_of(changed)) << "value " << i << " bit " << bit;
+    }
+  }
+  EXPECT_NE(hash_of({1.0, 2.0}), hash_of({2.0, 1.0}));
+  EXPECT_NE(hash_of({0.0}), hash_of({0.0, 0.0}));
+  EXPECT_NE(hash_of({0.0}), hash_of({-0.0}));
+}
+
+TEST(StateHash, CountsTheTailOfASpanThatIsNoWholeWord) {
+  const std::array<std::uint8_t, 9> a{1, 2, 3, 4, 5, 6, 7, 8, 9};
+  std::array<std::uint8_t, 9> b = a;
+  b[8] = 10;
+  StateHash hash_a;
+  hash_a.add_span(std::span<const std::uint8_t>(a));
+  StateHash hash_b;
+  hash_b.add_span(std::span<const std::uint8_t>(b));
+  EXPECT_NE(hash_a.value(), hash_b.value());
+}
+
+TEST(SeededRandom, FollowsThePublishedSequence) {
+  // First outputs of SplitMix64 from seed 1234567 (the sequence published with the algorithm).
+  SeededRandom random(1234567);
+  EXPECT_EQ(random.next(), 6457827717110365317ULL);
+  EXPECT_EQ(random.next(), 3203168211198807973ULL);
+  EXPECT_EQ(random.next(), 9817491932198370423ULL);
+}
+
+TEST(SeededRandom, StaysInItsRange) {
+  SeededRandom random(7);
+  double sum = 0.0;
+  for (int i = 0; i < 10000; ++i) {
+    const double u = random.uniform(-2.0, 3.0);
+    ASSERT_GE(u, -2.0);
+    ASSERT_LT(u, 3.0);
+    sum += u;
+    ASSERT_LT(random.below(7), 7U);
+  }
+  EXPECT_NEAR(sum / 10000.0, 0.5, 0.05);
+}
+
+}  // namespace
+}  // namespace kerf
