@@ -12,6 +12,10 @@ using VertexId = std::int32_t;
 // that hold no material (the void around the sheet and in its holes) are not solid.
 using TriangleId = std::int32_t;
 
+// A point of the welded rest mesh, where all the vertices that cuts have made of it still lie together. Points of the
+// void have no vertex. Ids are handed out in order and never reused.
+using PointId = std::int32_t;
+
 inline constexpr std::int32_t kNone = -1;
 
 }  // namespace kerf::mesh

@@ -1,0 +1,209 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/mesh/mesh_edit.h"
+#include "server/mesh/triangle_mesh.h"
+
+namespace kerf::mesh {
+
+// Everything needed to take back one committed edit: old sizes, and each old record that was overwritten.
+struct UndoLog {
+  std::int32_t num_points = 0;
+  std::int32_t num_vertices = 0;
+  std::int32_t num_triangle_slots = 0;
+  std::int32_t num_solid_triangles = 0;
+  std::int32_t num_pieces = 0;
+  std::vector<std::pair<PointId, PointRecord>> points;           // each id once
+  std::vector<std::pair<VertexId, VertexRecord>> vertices;       // each id once
+  std::vector<std::pair<TriangleId, TriangleRecord>> triangles;  // each id once
+  std::uint64_t hash_after = 0;  // of the sizes after the edit, to catch an undo out of order
+
+  // Restores `mesh` bit for bit to what it was before the edit, which must be the last one not yet undone.
+  void undo(TriangleMesh& mesh) const;
+};
+
+struct CommittedEdit {
+  MeshEdit edit;
+  UndoLog undo;
+};
+
+// How an attempt to recover an edge ended.
+struct Recovery {
+  enum class Status {
+    kRecovered,  // edge `corner` of `triangle` joins the two points now
+    kPoint,      // `point` lies strictly between the two; recover the parts
+    kFixedEdge,  // edge `corner` of `triangle` is crossed and may not be flipped: split it first
+    kLimit,      // the flip counter ran out: give the edit up (never seen; the counter is there to be certain)
+  };
+  Status status = Status::kLimit;
+  TriangleId triangle = kNone;
+  int corner = 0;
+  PointId point = kNone;
+};
+
+// One edit of a mesh, whole or not at all: operations, then commit(); rollback() or destruction without commit restores
+// the mesh bit for bit. All operations keep invariants I1-I5, I9 and I10 at every step; the corner -> vertex map and the
+// pieces are brought up to date by open() (until then new points have no vertex: kNone in solid corners).
+//
+// Splits and flips rewrite slots in place: see each operation. Points are never moved but by move_point.
+class MeshEditor {
+ public:
+  static constexpr std::int32_t kDefaultMaxSlots = 4'000'000;
+  // A point closer than this to a locked edge of its triangle cannot be told from a point on it once that edge is split
+  // and rounded; split_triangle refuses it. Lattice units.
+  static constexpr std::int64_t kLockClearance = 16;
+
+  // `max_triangle_slots`: the element budget; an operation that would go beyond it changes nothing and fails.
+  explicit MeshEditor(TriangleMesh& mesh, std::int32_t max_triangle_slots = kDefaultMaxSlots);
+  ~MeshEditor();
+  MeshEditor(const MeshEditor&) = delete;
+  MeshEditor& operator=(const MeshEditor&) = delete;
+
+  [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
+  // Whether an operation failed for want of slots.
+  [[nodiscard]] bool budget_exhausted() const { return budget_exhausted_; }
+  [[nodiscard]] bool is_new(PointId p) const { return p >= log_.num_points; }
+
+  // Inserts p strictly inside t:
+  //
+  //        2                 2
+  //       / \               /|\       slot t keeps edge 0 (1-2), two new slots get edges 1 and 2;
+  //      / p \      ->     / p \      region, piece, outer locks and corner vertices are kept
+  //     0-----1           0-----1
+  //
+  // Returns the new point, or kNone (nothing changed): p is not strictly inside, is closer than kLockClearance to a
+  // locked edge of t, or the budget is exhausted.
+  PointId split_triangle(TriangleId t, const LatticePoint& p);
+
+  // Inserts p on, or within rounding of, edge k of t; u = welded_neighbour(t, k):
+  //
+  //        k                 k
+  //       /t\               /|\       t and u keep their corner k+1 of t, two new slots get the corner k+2 of t;
+  //      a---b      ->     a-p-b      both halves inherit the locks of the edge
+  //       \u/               \|/
+  //        m                 m
+  //
+  // p need not lie on the edge exactly: it is enough that all four new triangles are strictly positive. Returns the
+  // new point, or kNone (nothing changed): one would not be, the edge is on the rim, or the budget is exhausted.
+  PointId split_edge(TriangleId t, int k, const LatticePoint& p);
+
+  // Inserts p where it lies: by split_triangle, by split_edge, or not at all if a point is there already (returned as it
+  // is). kNone as above, or where p is outside the domain.
+  PointId insert_point(const LatticePoint& p, TriangleId hint = kNone);
+
+  // Swaps the diagonal of the quad around edge k of t; u = welded_neighbour(t, k):
+  //
+  //        k                 k
+  //       /t\               /|\       slot t becomes (k, a, m), slot u becomes (m, b, k);
+  //      a---b      ->     a | b      outer locks and all corner vertices travel along
+  //       \u/               \|/
+  //        m                 m
+  //
+  // False (nothing changed) where the edge is fixed or the quad is not strictly convex. On success the new edge is the
+  // edge opposite the corner a in t, whichever number that has.
+  bool flip_edge(TriangleId t, int k);
+
+  // Adds lock bits to edge k of t on both sides. kLockCut also sets kLockFresh where the edge was not cut yet. Returns
+  // false, and changes nothing, for kLockCut on an edge that is not solid on both sides (a border is open already).
+  bool lock_edge(TriangleId t, int k, LockBits bits);
+
+  // Moves p, which must exist already, to `to`. False (nothing changed) where p is on a locked edge, on an edge between
+  // regions or on the rim, or where a triangle of its star would not stay strictly positive.
+  bool move_point(PointId p, const LatticePoint& to);
+
+  // Lawson flips around p until every quad that p is a corner of is locally Delaunay or its edge is fixed. Cocircular
+  // quads are left alone, so an untouched regular grid stays as it is. Returns the number of flips.
+  int legalise(PointId p);
+
+  // Makes edge pq by flips (Sloan 1993, "A fast algorithm for generating constrained Delaunay triangulations"), adds
+  // `locks` to it if there are any (as lock_edge), and then flips those of the edges made on the way that are not locally
+  // Delaunay. On failure some flips may have been done; they are valid, and rolled back with the edit.
+  Recovery recover_edge(PointId p, PointId q, LockBits locks);
+
+  // Brings the corner -> vertex map up to date at new points and at the ends of freshly cut edges: one vertex for each
+  // connected sector of solid triangles around a point. Of the sectors that shared a vertex, the one with the lowest slot
+  // keeps it. Then renumbers pieces: of the parts of a piece, the one that is not exhausted first keeps the number.
+  // May be called more than once; commit() calls it for what is left.
+  void open();
+
+  // Ends the edit. Locks that belong to one edit are cleared. Weights in the record are barycentric in the triangle,
+  // of the mesh before the edit, that holds the vertex's final position on the side of its sector; on an edge that was
+  // locked before, both sides use their own two vertices. Call once.
+  CommittedEdit commit();
+
+  // Restores the mesh to what it was before the edit, sizes included.
+  void rollback();
+
+ private:
+  // What a new vertex inherits from, known when it is made; weights follow at commit, from final positions.
+  struct Birth {
+    VertexId vertex = kNone;
+    VertexId origin = kNone;        // vertex before the edit at the same point, or kNone for a new point
+    TriangleId lip_triangle = kNone;  // slot before the edit whose edge `lip_corner`, locked already, holds the point
+    int lip_corner = 0;
+  };
+  // A slot of the mesh before the edit, and the edge there (opposite `corner`), that a new point was put on.
+  struct Lip {
+    TriangleId triangle = kNone;
+    int corner = 0;
+  };
+  struct Sector {
+    std::vector<TriangleId> triangles;  // counter-clockwise around the point
+    TriangleId lowest = kNone;
+    Lip lip;
+  };
+
+  TriangleRecord& touch_triangle(TriangleId t);
+  PointRecord& touch_point(PointId p);
+  VertexRecord& touch_vertex(VertexId v);
+  TriangleId add_slot(const TriangleRecord& record, TriangleId parent);
+  PointId add_point(const LatticePoint& p);
+  bool take_slots(std::int32_t count);
+  void relink(TriangleId t, int k, TriangleId from);
+  void claim_corners(TriangleId t);
+  void note_pending(PointId p);
+  [[nodiscard]] bool respects_clearance(TriangleId t, const LatticePoint& p) const;
+  [[nodiscard]] Lip lip_of_edge(TriangleId t, int k) const;
+
+  void flip_legal(std::vector<std::array<PointId, 2>>& edges);
+  bool flip_crossed_edges(PointId p, PointId q, std::vector<std::array<PointId, 2>>& crossed,
+                          std::vector<std::array<PointId, 2>>& made);
+
+  void open_point(PointId p);
+  [[nodiscard]] std::vector<Sector> sectors_around(PointId p) const;
+  void assign_lips(PointId p, const std::vector<TriangleId>& fan, std::vector<Sector>& sectors) const;
+  void label_pieces();
+
+  [[nodiscard]] const TriangleRecord& old_record(TriangleId t) const;
+  [[nodiscard]] LatticePoint old_at(PointId p) const;
+  [[nodiscard]] TriangleId old_triangle_near(TriangleId t) const;
+  [[nodiscard]] TriangleId locate_in_old(const LatticePoint& p, TriangleId start) const;
+  [[nodiscard]] VertexSource source_of(const Birth& birth) const;
+  [[nodiscard]] VertexSource interpolate(VertexId v, TriangleId old_triangle) const;
+  [[nodiscard]] VertexSource interpolate_on_lip(VertexId v, const Lip& lip) const;
+  [[nodiscard]] std::vector<TriangleId> rewritten_triangles() const;
+  void index_log();
+  void clear_edit_locks();
+
+  TriangleMesh& mesh_;
+  UndoLog log_;
+  std::int32_t max_slots_;
+  bool budget_exhausted_ = false;
+  bool finished_ = false;
+  std::vector<bool> triangle_logged_;
+  std::vector<bool> point_logged_;
+  std::vector<bool> vertex_logged_;
+  std::vector<TriangleId> parents_;   // of new slots: a slot of the mesh before the edit, near
+  std::vector<Lip> lips_;             // of new points; triangle kNone for those not on an edge that was locked already
+  std::vector<PointId> pending_;      // points to open
+  std::vector<bool> is_pending_;
+  std::vector<PointId> moved_;        // old points whose position changed, each once
+  std::vector<Birth> births_;
+  std::vector<std::pair<TriangleId, std::int32_t>> triangle_index_;  // slot -> entry of log_.triangles, sorted
+};
+
+}  // namespace kerf::mesh

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+
+namespace kerf::mesh {
+
+__extension__ using Int128 = __int128;
+
+// A point of rest space on the mesh's lattice (see Lattice). |x|, |y| <= 2^52, so that every difference of two
+// coordinates is exact in a double and has at most 54 bits with its sign.
+struct LatticePoint {
+  std::int64_t x = 0;  // lattice units
+  std::int64_t y = 0;  // lattice units
+  friend auto operator<=>(const LatticePoint&, const LatticePoint&) = default;
+};
+
+inline constexpr std::int64_t kMaxCoordinate = std::int64_t{1} << 52;
+
+// All predicates below are exact for every admissible point. Signs are -1, 0 or 1. Bits, with differences |d| <= 2^53:
+// orient2d |2A| <= 2^107 (128 bits suffice); in_circle <= 3 * 2^107 * 2^107 < 2^216 (256 bits suffice).
+
+// Twice the signed area of (a, b, c), lattice units squared; > 0 <=> counter-clockwise.
+inline Int128 doubled_area(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
+  return static_cast<Int128>(b.x - a.x) * (c.y - a.y) - static_cast<Int128>(b.y - a.y) * (c.x - a.x);
+}
+
+// > 0 <=> a, b, c turn counter-clockwise; 0 <=> collinear.
+inline int orient2d(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
+  const Int128 area = doubled_area(a, b, c);
+  return area > 0 ? 1 : (area < 0 ? -1 : 0);
+}
+
+// (b - a) . (d - c), lattice units squared.
+inline Int128 dot(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
+  return static_cast<Int128>(b.x - a.x) * (d.x - c.x) + static_cast<Int128>(b.y - a.y) * (d.y - c.y);
+}
+
+// For (a, b, c) counter-clockwise: > 0 <=> d lies strictly inside their circle, 0 <=> on it. A floating-point filter
+// (Shewchuk 1997, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", bound A) answers
+// nearly always; the rest in 256-bit integers.
+int in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
+
+// The exact half of in_circle, without the filter; for tests of the filter.
+int in_circle_exact(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
+
+// Whether p lies on the closed segment ab.
+bool on_segment(const LatticePoint& a, const LatticePoint& b, const LatticePoint& p);
+
+// Whether the open segments ab and cd cross at one point interior to both (touching and overlapping do not count).
+bool segments_cross(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
+
+// Which comes first on the way from a to b: the crossing with the line through c0, d0 or with the one through c1, d1.
+// -1: the first, 0: the same point, 1: the second. Neither line may be parallel to ab.
+int compare_crossings(const LatticePoint& a, const LatticePoint& b, const std::array<LatticePoint, 2>& first,
+                      const std::array<LatticePoint, 2>& second);
+
+// The lattice point nearest to the crossing of line ab with line cd, each coordinate rounded to nearest (ties away from
+// a), so at most half a unit off in x and in y. The lines must not be parallel and the crossing must lie between a and
+// b (inclusive).
+LatticePoint rounded_crossing(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
+                              const LatticePoint& d);
+
+// The lattice point nearest to p's orthogonal projection onto line ab, a != b, the parameter clamped to [0, 1].
+LatticePoint rounded_projection(const LatticePoint& a, const LatticePoint& b, const LatticePoint& p);
+
+}  // namespace kerf::mesh
