@@ -1,0 +1,145 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/base/result.h"
+
+namespace kerf::host {
+class Clock;
+class Host;
+}  // namespace kerf::host
+namespace kerf::render {
+class Renderer;
+}  // namespace kerf::render
+namespace google::protobuf {
+class Empty;
+}  // namespace google::protobuf
+
+namespace kerf::v1 {
+class CreateCutRequest;
+class CreateSheetRequest;
+class CutResult;
+class DeleteSheetRequest;
+class DragPointRequest;
+class ExportSheetRequest;
+class ExportSheetResponse;
+class GetServerInfoRequest;
+class GetSheetRequest;
+class GetSheetStateRequest;
+class GrabPointRequest;
+class InteractionResponse;
+class ListCutsRequest;
+class ListCutsResponse;
+class ListSheetsRequest;
+class ListSheetsResponse;
+class PauseSheetRequest;
+class ReleasePointRequest;
+class RenderImageRequest;
+class RenderImageResponse;
+class ResetSheetRequest;
+class ResumeSheetRequest;
+class ServerInfo;
+class SetSheetGravityRequest;
+class SetSheetPinsRequest;
+class SetSheetWindRequest;
+class Sheet;
+class SheetState;
+class StepSheetRequest;
+}  // namespace kerf::v1
+
+// What every transport offers, once: a transport turns its bytes into these messages, calls the method of the same name
+// as the RPC, and turns the answer into its bytes. Neither gRPC nor HTTP is known here.
+namespace kerf::api {
+
+class WatchSession;
+
+// Called exactly once: on the caller's thread where a request is refused at once, else on a thread of the host or of
+// the picture worker. It must not block; it may call the Api again.
+template <typename T>
+using Reply = std::function<void(Result<T>)>;
+
+struct Limits {
+  std::int32_t max_request_bytes = 1 << 20;                // one request message; enforced by the transports
+  std::int32_t max_subscribers_per_sheet = 256;            // streams watching one sheet
+  std::int32_t max_unsent_bytes_per_subscriber = 4 << 20;  // frames sent and not acknowledged, of one stream
+  std::chrono::milliseconds watch_ack_timeout{10'000};     // a stream that owes an acknowledgement for longer is ended
+  std::size_t max_remembered_requests = 4096;              // request_ids, oldest forgotten first
+  std::size_t max_waiting_pictures = 16;                   // RenderImage calls behind the one being drawn
+};
+
+struct ApiOptions {
+  std::string version = "0.0.0";  // told by GetServerInfo
+  std::string instance_id;        // told by GetServerInfo; different at each start of the server
+  Limits limits;
+};
+
+// A unary method for a transport that speaks JSON: request and response are the JSON forms of the RPC's messages
+// (snake_case names, defaults printed).
+struct Method {
+  std::string path;  // "/kerf.v1.CutService/CreateCut"
+  std::function<void(std::string_view json, Reply<std::string> reply)> call;
+};
+
+// One a server. Safe to call from any thread. `host`, `clock` and `renderer` must outlive it and every WatchSession
+// made by it. Errors are those that the proto files name for each RPC; an unknown sheet is kNotFound SHEET_NOT_FOUND
+// with field "name" or "parent", a malformed name kInvalidArgument, and after stop() everything is kUnavailable.
+class Api {
+ public:
+  // `renderer` may be null or the null renderer: RenderImage is then refused with kUnavailable.
+  Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host::Clock& clock);
+  ~Api();  // stop(), and waits for pictures being drawn
+  Api(const Api&) = delete;
+  Api& operator=(const Api&) = delete;
+
+  void create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply);
+  void get_sheet(const v1::GetSheetRequest& request, Reply<v1::Sheet> reply);
+  void list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheetsResponse> reply);
+  void delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::protobuf::Empty> reply);
+  void pause_sheet(const v1::PauseSheetRequest& request, Reply<v1::Sheet> reply);
+  void resume_sheet(const v1::ResumeSheetRequest& request, Reply<v1::Sheet> reply);
+  void step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply);
+  void reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply);
+  void export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSheetResponse> reply);
+  void get_sheet_state(const v1::GetSheetStateRequest& request, Reply<v1::SheetState> reply);
+
+  void create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> reply);
+  void list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsResponse> reply);
+
+  void grab_point(const v1::GrabPointRequest& request, Reply<v1::InteractionResponse> reply);
+  void drag_point(const v1::DragPointRequest& request, Reply<v1::InteractionResponse> reply);
+  void release_point(const v1::ReleasePointRequest& request, Reply<v1::InteractionResponse> reply);
+  void set_sheet_pins(const v1::SetSheetPinsRequest& request, Reply<v1::InteractionResponse> reply);
+  void set_sheet_gravity(const v1::SetSheetGravityRequest& request, Reply<v1::InteractionResponse> reply);
+  void set_sheet_wind(const v1::SetSheetWindRequest& request, Reply<v1::InteractionResponse> reply);
+
+  void render_image(const v1::RenderImageRequest& request, Reply<v1::RenderImageResponse> reply);
+  void get_server_info(const v1::GetServerInfoRequest& request, Reply<v1::ServerInfo> reply);
+
+  // A new stream of StreamService.Watch.
+  std::shared_ptr<WatchSession> watch();
+
+  // Every unary method above, ordered by path. Lives as long as the Api.
+  [[nodiscard]] const std::vector<Method>& methods() const;
+
+  // Streams open now.
+  [[nodiscard]] std::int32_t num_watchers() const;
+  [[nodiscard]] const Limits& limits() const;
+
+  // Ends every stream with SERVER_STOPPING and refuses what comes after; idempotent. Requests that the host has already
+  // accepted are answered by the host (stop it next).
+  void stop();
+
+ private:
+  struct Core;  // shared with replies and streams that are still under way
+  std::shared_ptr<Core> core_;
+  std::vector<Method> methods_;
+};
+
+}  // namespace kerf::api
