@@ -1,0 +1,46 @@
+#pragma once
+
+#include <array>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "server/mesh/ids.h"
+
+namespace kerf::fem {
+
+// Bending stiffness of one triangle, from a quadratic fitted through its corners and the opposite corners of its up to
+// three neighbours. For a flat rest shape the curvature is linear in the positions, kappa = B x, so that the energy is
+//   E = A/2 sum over x,y,z of kappa.D kappa = 1/2 x.Q x,   Q = A B^T D B  (times the 3x3 identity):
+// constant, positive semidefinite, invariant under translation and rotation. A missing neighbour just leaves out its
+// condition, the natural condition of a free edge.
+struct BendingPatch {
+  // 0..2 corners, 2 + k + 1 the vertex across the edge opposite corner k, kNone where there is none.
+  std::array<mesh::VertexId, 6> vertex{mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone};
+  // Upper triangle of Q by rows, N/m; zero in rows and columns of missing vertices.
+  std::array<double, 21> stiffness{};
+
+  [[nodiscard]] double at(int a, int b) const {
+    const int i = a < b ? a : b;
+    const int j = a < b ? b : a;
+    return stiffness[static_cast<std::size_t>(i * 6 - i * (i - 1) / 2 + (j - i))];
+  }
+};
+
+// One entry of a row of the assembled Q.
+struct BendingEntry {
+  double value = 0.0;  // N/m
+  mesh::VertexId column = mesh::kNone;
+  bool operator==(const BendingEntry&) const = default;
+};
+
+// corners: rest positions of the triangle, m, material axes, counter-clockwise. opposite[k]: of the vertex across the
+// edge opposite corner k; read only where has_opposite[k]. D: plate law, N m, Voigt (k11, k22, 2 k12). Fit: P_r =
+// phi(X_r) - sum_k lambda_k(X_r) phi(X_k) with phi(d) = (d1^2/2, d2^2/2, d1 d2/2) about corner 0 and barycentrics
+// lambda; kappa = D^-1 P^T (P D^-1 P^T)^+ w, w_r = x_r - sum_k lambda_k x_k. Eigenvalues below 0.02 of the largest are
+// cut from the pseudo-inverse: the six points may lie on a conic, where the fit is not unique.
+std::array<double, 21> bending_stiffness(const std::array<Eigen::Vector2d, 3>& corners,
+                                         const std::array<Eigen::Vector2d, 3>& opposite,
+                                         const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D);
+
+}  // namespace kerf::fem

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "server/mesh/ids.h"
+
+namespace kerf::fem {
+
+// Constants of kLanes consecutive triangle slots, lane l of block b being slot kLanes * b + l: an array of structures
+// of arrays. A block's constants are contiguous (one stream to prefetch, whatever the number of slots), and a loop over
+// its lanes works on equal fields side by side, which a compiler turns into vector code of any width up to 8 doubles.
+// Lanes never mix, so results do not depend on the width. A slot without material has area 0 and exerts exactly no
+// force.
+inline constexpr int kLanes = 8;
+
+struct alignas(64) ElementBlock {
+  // Rows of Dm^-1 in material axes, 1/m: gradients of the shape functions of corners 1 and 2; corner 0 has minus their
+  // sum. F = [x1 - x0, x2 - x0] Dm^-1.
+  std::array<std::array<double, kLanes>, 2> g1{};  // [component][lane]
+  std::array<std::array<double, kLanes>, 2> g2{};
+  std::array<double, kLanes> area{};                           // m^2, of the rest triangle; 0 without material
+  std::array<std::array<mesh::VertexId, kLanes>, 3> vertex{};  // [corner][lane]; 0 without material
+};
+
+}  // namespace kerf::fem

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include "server/fem/loads.h"
+#include "server/fem/model.h"
+#include "server/fem/state.h"
+
+namespace kerf::fem {
+
+// Contact as an integrator sees it; contact is a sibling module, so its owner bridges the two.
+class ContactConstraint {
+ public:
+  virtual ~ContactConstraint() = default;
+  // Called once a substep, after positions and velocities were updated and pins set: moves them out of what they
+  // penetrate. dt: the substep, s. Must not allocate.
+  virtual void enforce(double dt, State& state) = 0;
+};
+
+enum StepFlags : std::uint32_t {
+  kNoFlags = 0,
+  kNotConverged = 1U << 0,  // Newton or the linear solver stopped above its tolerance; the step was still accepted
+  kSubstepped = 1U << 1,    // more substeps than planned: a bad trial was thrown away and the step divided
+  kStrainLimit = 1U << 2,   // a principal strain above IntegratorOptions::strain_limit at the end of the step
+  kSubstepLimit = 1U << 3,  // stability asks for more than max_substeps: the step covers less time than dt was asked to
+  kFrozen = 1U << 4,        // no finite step was found: the state is as it was before
+  kRepaired = 1U << 5,      // the fast nonlinear iteration failed; a line-searched one took its place
+};
+
+// What a step did. Degradation is a value: the caller decides what it means.
+struct StepStats {
+  std::uint32_t flags = kNoFlags;
+  int substeps = 0;
+  int newton_iterations = 0;  // summed over substeps
+  int linear_iterations = 0;  // summed over Newton iterations
+  double residual = 0.0;    // largest final Newton residual of a substep, relative (see IntegratorOptions); 0: explicit
+  double max_strain = 0.0;  // -, largest |principal strain| at the end of the step
+  double simulated = 0.0;   // s, time the state advanced: dt, 0 when frozen, less than dt with kSubstepLimit
+};
+
+enum class IntegratorKind {
+  kAutomatic,      // explicit or implicit Euler, whichever is estimated to cost less for this model and tick
+  kExplicit,       // velocity Verlet (leapfrog) with stable substeps: second order, symplectic, hardly any damping
+  kImplicitEuler,  // first order, strongly damped, robust
+  kTrBdf2,         // trapezoidal rule + BDF2, second order, L-stable; two solves a step
+};
+
+enum class LinearSolverKind {
+  kConjugateGradient,  // preconditioned with the inverse 3x3 diagonal blocks
+  kDirect,             // 3x3-block LDL^T
+};
+
+struct IntegratorOptions {
+  IntegratorKind kind = IntegratorKind::kAutomatic;
+  double tick = 1.0 / 60.0;  // s, the dt that step() will be called with; kAutomatic's estimate only
+
+  // Explicit. Substep = dt / ceil(dt / (cfl * stable step)).
+  double cfl = 0.85;                   // -, (0, 1)
+  double highest_mode_damping = 0.05;  // -, [0, 0.5]: damping ratio of the fastest mode, added as Kelvin-Voigt damping.
+                                       // Upper limit of the material's own stiffness_damping as well. Without any, the
+                                       // scheme may gain energy in a crumpled sheet
+  int max_substeps = 20000;            // a step
+
+  // Implicit.
+  int newton_iterations = 3;       // a substep, >= 1
+  double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance |r at the start|; r: residual of the step, N s^2
+  LinearSolverKind linear_solver = LinearSolverKind::kConjugateGradient;
+  double linear_tolerance = 1e-4;  // -, see linear_solver.h
+  int max_linear_iterations = 1000;
+  int max_halvings = 6;  // of a step that fails
+
+  double strain_limit = 0.5;  // -, above it kStrainLimit is set
+};
+
+// Advances a state. Not thread-safe; one a sheet.
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+
+  // To be called before the first step and after every Model::apply. Allocates what step() needs.
+  virtual void rebuild(const Model& model) = 0;
+
+  // Advances `state` by dt (s, > 0). Never allocates, throws or logs; on failure (kFrozen) `state` is left as it was.
+  // The result depends on the arguments alone, not on earlier calls. `contact` may be null.
+  virtual StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
+                         State& state) = 0;
+
+  // What steps here and why, for people; valid until the next rebuild.
+  [[nodiscard]] virtual std::string_view explanation() const = 0;
+  // What runs: never kAutomatic.
+  [[nodiscard]] virtual IntegratorKind kind() const = 0;
+};
+
+std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options);
+
+}  // namespace kerf::fem

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "server/fem/block_matrix.h"
+#include "server/fem/integrator.h"
+
+namespace kerf::fem {
+
+struct LinearStats {
+  int iterations = 0;      // CG iterations; 1 for the direct solver
+  double residual = 0.0;   // |b - A x| / |b| in the Euclidean norm, recomputed from the returned x; 0 where b = 0
+  bool converged = false;  // residual <= tolerance (CG: of its recurrence); false also when A was found not positive
+                           // definite or x not finite
+};
+
+// Solves A x = b for a symmetric positive definite A of 3x3 blocks.
+class LinearSolver {
+ public:
+  virtual ~LinearSolver() = default;
+
+  // Takes the sparsity pattern; may allocate. To be called whenever the pattern changes.
+  virtual void analyse(const BlockMatrix& A) = 0;
+
+  // b, x: 3 x N with N = A.num_rows(). x holds the initial guess and becomes the solution. Converged when
+  // |b - A x| <= tolerance |b|. Never allocates.
+  virtual LinearStats solve(const BlockMatrix& A, const Eigen::Matrix3Xd& b, double tolerance, Eigen::Matrix3Xd& x) = 0;
+};
+
+// max_iterations limits the iterative solver; the direct one ignores it.
+std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_iterations);
+
+}  // namespace kerf::fem

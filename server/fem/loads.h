@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/mesh/ids.h"
+
+namespace kerf::fem {
+
+// Air drag of each triangle, quadratic in the velocity u of the air relative to it (n unit normal, A current area):
+//   f = 1/2 rho A (normal_drag |u.n| (u.n) n + tangential_drag |u_t| u_t),   u_t = u - (u.n) n,
+// a third of f to each corner. Acts on the air's one velocity and density everywhere; density 0 switches it off.
+struct Wind {
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
+  double air_density = 0.0;                            // kg/m^3, >= 0; air is 1.2
+  double normal_drag = 1.2;                            // -, >= 0; a flat plate across the stream has ~1.2
+  double tangential_drag = 0.02;                       // -, >= 0; skin friction
+};
+
+// Dirichlet condition: the vertex is at `target` with `velocity` when the step ends, and on the straight line
+// target - velocity * (time left) within it. A pin at rest has velocity 0.
+struct Pin {
+  mesh::VertexId vertex = mesh::kNone;
+  Eigen::Vector3d target = Eigen::Vector3d::Zero();    // m, where the vertex is when the step ends
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
+};
+
+// A stiff spring from the point sum_k weights[k] x(vertices[k]) to a moving target, treated implicitly by every
+// integrator: any stiffness is stable, an infinite one would put the point onto the target within a substep.
+struct Grab {
+  std::array<mesh::VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};  // corners of one triangle; kNone for
+                                                                                  // an unused one, with weight 0
+  Eigen::Vector3d weights{1.0, 0.0, 0.0};                                         // -, >= 0, sum 1
+  Eigen::Vector3d target =
+      Eigen::Vector3d::Zero();  // m, when the step ends; moves along target - velocity * (time left)
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s, of the target
+  double stiffness = 0.0;                              // N/m, >= 0
+  double damping = 0.0;                                // N s/m, >= 0, against the target's velocity
+};
+
+// Everything that acts on the sheet from outside during one step.
+struct Loads {
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2
+  Wind wind;
+  Eigen::Matrix3Xd external_forces;  // N, 3 x V, or 3 x 0 for none
+  std::vector<Pin> pins;             // each vertex at most once
+  std::vector<Grab> grabs;           // a grab that touches a pinned vertex moves only the others
+};
+
+}  // namespace kerf::fem

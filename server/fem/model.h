@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/fem/bending.h"
+#include "server/fem/element_block.h"
+#include "server/fem/material.h"
+#include "server/fem/row_store.h"
+#include "server/fem/state.h"
+#include "server/mesh/ids.h"
+#include "server/mesh/mesh_edit.h"
+
+namespace kerf::mesh {
+class TriangleMesh;
+}
+
+namespace kerf::fem {
+
+// Energies of a state, J.
+struct Energies {
+  double membrane = 0.0;
+  double bending = 0.0;
+  double gravity = 0.0;  // -sum m g.x
+  double kinetic = 0.0;
+  [[nodiscard]] double total() const { return membrane + bending + gravity + kinetic; }
+};
+
+struct Momentum {
+  Eigen::Vector3d linear = Eigen::Vector3d::Zero();   // kg m/s
+  Eigen::Vector3d angular = Eigen::Vector3d::Zero();  // kg m^2/s, about the world's origin
+};
+
+// Vertices whose lumped mass was recomputed by an edit, added ones included, with the mass they had before.
+struct MassChange {
+  std::vector<mesh::VertexId> vertices;  // sorted, unique
+  std::vector<double> mass_before;       // kg, same length; 0 for an added vertex
+};
+
+// The discrete elastic sheet: constants of every triangle, lumped masses and the bending matrix, for a flat rest shape
+// (the mesh's rest positions) and one material.
+//   Membrane: co-rotational linear triangles, W = A/2 e.C e with e = U - I, F = R U (Biot strain).
+//   Bending: quadratic patch of a triangle and its up to three neighbours, W = A/2 kappa.D kappa (see bending.h).
+//   Mass: a third of each triangle's to each corner.
+// Derived from mesh and material alone: two models of equal mesh and material are equal bit for bit, however they were
+// arrived at.
+class Model {
+ public:
+  // `material` must be valid (see validate).
+  Model(const mesh::TriangleMesh& mesh, const Material& material);
+
+  // Follows an edit the mesh has already made; recomputes the rewritten slots, the bending patches that touch them and
+  // the masses of their vertices, nothing else. Equal to a fresh Model(mesh, material()).
+  MassChange apply(const mesh::TriangleMesh& mesh, const mesh::MeshEdit& edit);
+
+  [[nodiscard]] int num_vertices() const { return static_cast<int>(mass_.size()); }
+  [[nodiscard]] int num_slots() const { return num_slots_; }
+  [[nodiscard]] const Material& material() const { return material_; }
+  // N/m, in material axes, Voigt (e11, e22, 2 e12).
+  [[nodiscard]] const Eigen::Matrix3d& membrane_law() const { return membrane_law_; }
+
+  // kg, length V; 0 for a vertex without material, which nothing ever moves.
+  [[nodiscard]] std::span<const double> mass() const { return mass_; }
+  // 1/kg, length V; 0 where the mass is 0.
+  [[nodiscard]] std::span<const double> inverse_mass() const { return inverse_mass_; }
+  [[nodiscard]] double total_mass() const;  // kg
+
+  // ceil(num_slots / kLanes) blocks; lanes beyond num_slots have no material.
+  [[nodiscard]] std::span<const ElementBlock> element_blocks() const { return blocks_; }
+  [[nodiscard]] bool has_bending() const { return material_.bending_scale > 0.0; }
+  // Q in N/m, one row a vertex: bending force on vertex i = -sum_j Q_ij x_j. Empty rows without bending.
+  [[nodiscard]] const RowStore<BendingEntry>& bending_rows() const { return bending_rows_; }
+  // Solid slots around each vertex, ascending.
+  [[nodiscard]] const RowStore<mesh::TriangleId>& incident_slots() const { return incident_; }
+
+  // f (3 x V, N), overwritten: membrane and bending forces at x (3 x V, m), no damping. f must have V columns.
+  void internal_forces(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& f) const;
+  // gravity: m/s^2.
+  [[nodiscard]] Energies energies(const State& state, const Eigen::Vector3d& gravity) const;
+  [[nodiscard]] Momentum momentum(const State& state) const;
+  [[nodiscard]] Eigen::Vector3d centre_of_mass(const Eigen::Matrix3Xd& x) const;  // m
+
+  // Of every derived number, bit for bit; for tests and replay.
+  [[nodiscard]] std::uint64_t hash() const;
+
+ private:
+  void set_element(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
+  void set_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
+  void set_mass(mesh::VertexId vertex);
+  void set_bending_row(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
+  void resize(const mesh::TriangleMesh& mesh);
+  [[nodiscard]] bool has_material(mesh::TriangleId slot) const;
+
+  Material material_;
+  Eigen::Matrix3d membrane_law_;
+  Eigen::Matrix3d bending_law_;
+  Eigen::Matrix2d material_from_rest_;  // rotation into material axes
+
+  int num_slots_ = 0;
+  std::vector<ElementBlock> blocks_;
+  std::vector<BendingPatch> patches_;  // one a slot; empty without bending
+  RowStore<mesh::TriangleId> incident_;
+  RowStore<BendingEntry> bending_rows_;
+  std::vector<double> mass_;
+  std::vector<double> inverse_mass_;
+};
+
+}  // namespace kerf::fem

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace kerf::fem {
+
+// Rows of varying length in one array, so that a sweep over all rows reads memory nearly in order, while a single row
+// can be replaced without moving the others: a row that outgrows its place moves to the end, and the array is packed
+// again once more than half of it is holes.
+template <typename Entry>
+class RowStore {
+ public:
+  [[nodiscard]] int num_rows() const { return static_cast<int>(rows_.size()); }
+  [[nodiscard]] std::size_t num_entries() const { return num_entries_; }
+  [[nodiscard]] std::span<const Entry> row(int i) const {
+    const Row& r = rows_[static_cast<std::size_t>(i)];
+    return {entries_.data() + r.begin, r.size};
+  }
+
+  // New rows are empty; never shrinks.
+  void resize(int num_rows) {
+    if (num_rows > this->num_rows()) rows_.resize(static_cast<std::size_t>(num_rows));
+  }
+
+  // Invalidates spans of rows.
+  void set_row(int i, std::span<const Entry> content) {
+    Row& r = rows_[static_cast<std::size_t>(i)];
+    num_entries_ += content.size();
+    num_entries_ -= r.size;
+    if (content.size() > r.capacity) {
+      r.begin = entries_.size();
+      r.capacity = content.size();
+      entries_.resize(entries_.size() + content.size());
+    }
+    r.size = content.size();
+    std::copy(content.begin(), content.end(), entries_.begin() + static_cast<std::ptrdiff_t>(r.begin));
+    if (entries_.size() > 2 * num_entries_ + kSlack) pack();
+  }
+
+ private:
+  struct Row {
+    std::size_t begin = 0;
+    std::size_t size = 0;
+    std::size_t capacity = 0;
+  };
+  static constexpr std::size_t kSlack = 1024;  // entries; packing smaller arrays gains nothing
+
+  void pack() {
+    std::vector<Entry> packed;
+    packed.reserve(num_entries_);
+    for (Row& r : rows_) {
+      const auto from = entries_.begin() + static_cast<std::ptrdiff_t>(r.begin);
+      r.begin = packed.size();
+      r.capacity = r.size;
+      packed.insert(packed.end(), from, from + static_cast<std::ptrdiff_t>(r.size));
+    }
+    entries_ = std::move(packed);
+  }
+
+  std::vector<Row> rows_;
+  std::vector<Entry> entries_;
+  std::size_t num_entries_ = 0;
+};
+
+}  // namespace kerf::fem

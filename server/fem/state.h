@@ -1,0 +1,14 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace kerf::fem {
+
+// All that a step changes, and all that it needs to know of the past: no integrator keeps history between steps, so a
+// snapshot of this is enough to continue bit for bit.
+struct State {
+  Eigen::Matrix3Xd x;  // 3 x V, world positions, m
+  Eigen::Matrix3Xd v;  // 3 x V, world velocities, m/s
+};
+
+}  // namespace kerf::fem
