@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "server/base/result.h"
+#include "server/ws/access.h"
+
+namespace kerf::app {
+
+struct Config {
+  ws::Endpoint grpc{"127.0.0.1", 50051};
+  ws::Endpoint http{"127.0.0.1", 8080};
+  std::vector<std::filesystem::path> scenes;  // scene files, each one sheet
+  int workers = 0;                            // threads that step sheets, 1..256; 0: one for each processor
+  std::filesystem::path web;                  // the built viewer; empty: none is served
+  bool render = true;                         // pictures, where EGL works
+  bool allow_remote = false;                  // may listen on other than loopback addresses
+  std::vector<std::string> allowed_origins;   // web pages of other origins that may use this server
+  std::filesystem::path record_dir;           // where recordings go; empty: none
+};
+
+// What --help and --version print.
+struct Notice {
+  std::string text;
+};
+
+// The command line of kerfd. Refusals are INVALID_ARGUMENT with a one-line message; listening on an address that other
+// machines can reach is refused unless --allow-remote is given.
+Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* const* argv);
+
+// Where the built viewer is unless --web says otherwise: share/kerf/web beside the executable's folder, where `cmake
+// --install` puts it, else web/dist of a source tree above the executable; empty if neither has an index.html.
+std::filesystem::path default_web_directory(const std::filesystem::path& executable);
+
+}  // namespace kerf::app

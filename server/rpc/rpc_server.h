@@ -1,0 +1,47 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include "server/base/result.h"
+
+namespace kerf::api {
+class Api;
+}  // namespace kerf::api
+
+namespace kerf::rpc {
+
+struct RpcOptions {
+  int max_streams_per_connection = 100;                 // HTTP/2 streams, 1..10000
+  std::chrono::milliseconds keepalive_interval{20'000};  // a silent connection is pinged after this long ...
+  std::chrono::milliseconds keepalive_timeout{10'000};   // ... and dropped when the answer takes longer than this
+};
+
+// The gRPC transport: every service of kerf.v1, grpc.health.v1.Health and server reflection on one port, without TLS.
+// Requests larger than the Api's limit are refused with RESOURCE_EXHAUSTED.
+class RpcServer {
+ public:
+  // `api` must outlive this.
+  explicit RpcServer(api::Api& api, const RpcOptions& options = {});
+  ~RpcServer();  // stop() without grace
+  RpcServer(const RpcServer&) = delete;
+  RpcServer& operator=(const RpcServer&) = delete;
+
+  // Listens at "HOST:PORT"; port 0 picks a free one. The port it got, or UNAVAILABLE ADDRESS_IN_USE where it cannot be
+  // bound: two servers never share a port. Once.
+  Result<int> start(const std::string& address);
+
+  // Health says NOT_SERVING from now on; calls are still answered.
+  void drain();
+
+  // Accepts no more calls, waits up to `grace` for those under way, then cancels them; returns when none is left.
+  // Idempotent. The replies that the Api owes for calls under way must have come or come by themselves.
+  void stop(std::chrono::milliseconds grace);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf::rpc

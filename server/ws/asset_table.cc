@@ -1,0 +1,119 @@
+#include "server/ws/asset_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <span>
+#include <system_error>
+#include <utility>
+
+#include "server/base/state_hash.h"
+
+namespace kerf::ws {
+namespace {
+
+namespace fs = std::filesystem;
+
+Error unreadable(const fs::path& path, std::string_view why) {
+  return {ErrorCode::kNotFound, "VIEWER_UNREADABLE", "cannot read " + path.string() + ": " + std::string(why), {}};
+}
+
+std::optional<std::string> read_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string content{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file.good() && !file.eof()) return std::nullopt;
+  return content;
+}
+
+std::string etag_of(const std::string& content) {
+  StateHash hash;
+  hash.add_span(std::span<const char>(content.data(), content.size()));
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string tag = "\"";
+  for (int shift = 60; shift >= 0; shift -= 4) tag += kDigits[(hash.value() >> shift) & 15U];
+  return tag + '"';
+}
+
+Asset make_asset(std::string_view path, std::string content) {
+  Asset asset;
+  asset.etag = etag_of(content);
+  asset.content = std::make_shared<const std::string>(std::move(content));
+  asset.media_type = media_type_of(path);
+  asset.immutable = path.starts_with("/assets/");  // Vite puts the content's hash into these names
+  return asset;
+}
+
+}  // namespace
+
+std::string_view media_type_of(std::string_view path) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 17> kTypes{{
+      {".html", "text/html; charset=utf-8"},
+      {".js", "text/javascript; charset=utf-8"},
+      {".mjs", "text/javascript; charset=utf-8"},
+      {".css", "text/css; charset=utf-8"},
+      {".json", "application/json"},
+      {".map", "application/json"},
+      {".wasm", "application/wasm"},
+      {".svg", "image/svg+xml"},
+      {".png", "image/png"},
+      {".jpg", "image/jpeg"},
+      {".jpeg", "image/jpeg"},
+      {".webp", "image/webp"},
+      {".ico", "image/x-icon"},
+      {".txt", "text/plain; charset=utf-8"},
+      {".woff2", "font/woff2"},
+      {".glb", "model/gltf-binary"},
+      {".webmanifest", "application/manifest+json"},
+  }};
+  const std::size_t dot = path.find_last_of("./");
+  if (dot == std::string_view::npos || path[dot] != '.') return "application/octet-stream";
+  std::string extension(path.substr(dot));
+  std::ranges::transform(extension, extension.begin(),
+                         [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
+  const auto* const found = std::ranges::find(kTypes, std::string_view(extension),
+                                              &std::pair<std::string_view, std::string_view>::first);
+  return found == kTypes.end() ? std::string_view("application/octet-stream") : found->second;
+}
+
+Result<AssetTable> AssetTable::read(const fs::path& directory) {
+  std::error_code error;
+  if (!fs::is_directory(directory, error)) return unreadable(directory, "no such directory");
+  AssetTable table;
+  std::size_t bytes = 0;
+  fs::recursive_directory_iterator entry(directory, error);
+  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    const fs::directory_entry& file = *entry;
+    std::error_code ignored;
+    const bool hidden = file.path().filename().string().starts_with('.');
+    if (hidden || file.is_symlink(ignored)) {
+      if (file.is_directory(ignored)) entry.disable_recursion_pending();
+      continue;
+    }
+    if (!file.is_regular_file(ignored)) continue;
+    std::optional<std::string> content = read_file(file.path());
+    if (!content) return unreadable(file.path(), "reading failed");
+    bytes += content->size();
+    if (table.assets_.size() == kMaxFiles || bytes > kMaxBytes) {
+      return Error{ErrorCode::kResourceExhausted, "VIEWER_TOO_LARGE",
+                   directory.string() + " holds more than " + std::to_string(kMaxFiles) + " files or " +
+                       std::to_string(kMaxBytes >> 20) + " MiB; give the folder of the built viewer",
+                   {}};
+    }
+    std::string path = "/" + file.path().lexically_relative(directory).generic_string();
+    Asset asset = make_asset(path, std::move(*content));
+    table.assets_.emplace(std::move(path), std::move(asset));
+  }
+  if (error) return unreadable(directory, error.message());
+  if (table.find("/") == nullptr) return unreadable(directory / "index.html", "no such file");
+  return table;
+}
+
+const Asset* AssetTable::find(std::string_view path) const {
+  const auto found = assets_.find(path == "/" ? std::string_view("/index.html") : path);
+  return found == assets_.end() ? nullptr : &found->second;
+}
+
+}  // namespace kerf::ws
