@@ -1,0 +1,82 @@
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+#include "server/base/result.h"
+
+// Fixed bodies that a sheet rests on, and the signed distance to them. World coordinates, metres.
+namespace kerf::contact {
+
+// The half-space behind the plane is solid; the sheet stays on the normal's side.
+struct Plane {
+  Eigen::Vector3d point{0.0, 0.0, 0.0};   // m, |.| <= 1e6 a component
+  Eigen::Vector3d normal{0.0, 0.0, 1.0};  // -, any length > 0; normalised where it is used
+};
+
+struct Sphere {
+  Eigen::Vector3d centre{0.0, 0.0, 0.0};  // m
+  double radius = 1.0;                    // m, > 0, <= 1e4
+};
+
+struct OrientedBox {
+  Eigen::Vector3d centre{0.0, 0.0, 0.0};        // m
+  Eigen::Vector3d half_extents{0.5, 0.5, 0.5};  // m, each > 0, <= 1e4
+  Eigen::Vector3d axis{0.0, 0.0, 0.0};          // -, rotation axis; zero: unrotated
+  double angle = 0.0;                           // rad, about `axis`, right-handed
+};
+
+// All points within `radius` of the segment from a to b; a sphere where a = b.
+struct Capsule {
+  Eigen::Vector3d a{0.0, 0.0, 0.0};  // m
+  Eigen::Vector3d b{0.0, 0.0, 1.0};  // m
+  double radius = 0.1;               // m, > 0, <= 1e4
+};
+
+using Shape = std::variant<Plane, Sphere, OrientedBox, Capsule>;
+
+struct Collider {
+  Shape shape;
+  double friction = 0.0;  // -, Coulomb's mu, in [0, 10]
+};
+
+// Refuses what is not finite, not positive or outside the ranges above; `path` is put before the field's name in the
+// error ("colliders[2]" -> "colliders[2].sphere.radius_m"). Field names are those of kerf.v1.Collider.
+Status validate(const Collider& collider, const std::string& path);
+
+// Where a point lies against a shape.
+struct Proximity {
+  double distance = 0.0;  // m; < 0 inside. The true Euclidean distance to the surface, inside and outside
+  Eigen::Vector3d normal{0.0, 0.0, 1.0};  // -, unit; direction in which `distance` grows fastest
+};
+
+// A shape made ready for many queries: normals of length one, the rotation as a matrix.
+class PreparedCollider {
+ public:
+  // `collider` must be valid.
+  explicit PreparedCollider(const Collider& collider);
+
+  // Exact up to rounding. Where the nearest surface point is not unique (the centre of a sphere, a point equally far
+  // from several faces of a box, the axis of a capsule), one of them is chosen by a fixed rule.
+  [[nodiscard]] Proximity query(const Eigen::Vector3d& point) const;
+
+  [[nodiscard]] double friction() const { return friction_; }
+
+ private:
+  enum class Kind { kPlane, kSphere, kBox, kCapsule };
+
+  [[nodiscard]] Proximity query_box(const Eigen::Vector3d& point) const;
+  [[nodiscard]] Proximity query_capsule(const Eigen::Vector3d& point) const;
+
+  Kind kind_ = Kind::kPlane;
+  Eigen::Vector3d origin_{0.0, 0.0, 0.0};                   // m: plane point, centres, capsule end a
+  Eigen::Vector3d vector_{0.0, 0.0, 1.0};                   // plane normal (-), box half extents (m), capsule b - a (m)
+  Eigen::Matrix3d rotation_ = Eigen::Matrix3d::Identity();  // world from box
+  double radius_ = 0.0;                                     // m
+  double friction_ = 0.0;                                   // -
+};
+
+}  // namespace kerf::contact

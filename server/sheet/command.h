@@ -1,0 +1,119 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/cut/cut.h"
+#include "server/mesh/ids.h"
+
+// What can be asked of a running sheet, and the answers: kerf.v1.Command without Protocol Buffers. Each takes effect
+// whole at a tick boundary, or is refused and changes nothing.
+namespace kerf::sheet {
+
+inline constexpr std::size_t kMaxPinRegions = 64;
+inline constexpr std::size_t kMaxGrabs = 64;
+inline constexpr std::size_t kMaxGrabIdBytes = 63;
+inline constexpr double kMaxGravity = 1.0e4;         // m/s^2, length
+inline constexpr double kMaxWindSpeed = 1.0e3;       // m/s, length
+inline constexpr double kMaxAirDensity = 100.0;      // kg/m^3
+inline constexpr double kMaxDragCoefficient = 10.0;  // -
+inline constexpr double kMaxGrabStiffness = 1.0e6;   // N/m
+
+// Edges of the material bounding box.
+enum class PinEdge {
+  kTop,         // y = maximum
+  kBottom,      // y = minimum
+  kLeft,        // x = minimum
+  kRight,       // x = maximum
+  kCorners,     // the vertex nearest to each corner of the bounding box; the smallest id of several
+  kTopCorners,  // of those, the two at y = maximum
+};
+
+// Closed box in material coordinates.
+struct MaterialBox {
+  Eigen::Vector2d min{0.0, 0.0};  // m
+  Eigen::Vector2d max{0.0, 0.0};  // m, each >= min's
+};
+
+// Vertices held in place.
+using PinRegion = std::variant<PinEdge, MaterialBox, std::vector<mesh::VertexId>>;
+
+// Moving air. Force on a triangle: see fem/loads.h.
+struct Wind {
+  Eigen::Vector3d velocity{0.0, 0.0, 0.0};  // m/s, |.| <= kMaxWindSpeed
+  double air_density = 0.0;                 // kg/m^3, 0..kMaxAirDensity; 0: no air at all
+  double drag_coefficient = 1.0;            // -, 0..kMaxDragCoefficient
+};
+
+// A cut along a curve, whole or not at all.
+struct Cut {
+  cut::Curve curve;                          // m, material coordinates
+  double tolerance = 0.02;                   // -, 1e-6..0.5; largest distance curve to lips / edge length
+  double min_angle_deg = 20.0;               // degrees, 5..28; asked of new triangles
+  std::int32_t max_new_triangles = 200'000;  // 1..1000000
+};
+
+// Ties a point of the sheet to a moving target by a stiff spring. The point stays the same material point through later
+// cuts.
+struct Grab {
+  std::string grab_id;                                  // 1..kMaxGrabIdBytes bytes, unique among the sheet's grabs
+  std::variant<mesh::VertexId, Eigen::Vector2d> point;  // an existing vertex, or a material point of the sheet (m)
+  std::optional<Eigen::Vector3d> target;                // m, world; absent: where the point is now
+  double stiffness = 0.0;                               // N/m, 0..kMaxGrabStiffness; 0: as stiff as stays stable
+};
+
+struct Drag {
+  std::string grab_id;
+  Eigen::Vector3d target{0.0, 0.0, 0.0};  // m, world
+};
+
+struct Release {
+  std::string grab_id;
+};
+
+// Replaces all pins; pinned vertices stay where they are at that moment.
+struct SetPins {
+  std::vector<PinRegion> pins;  // at most kMaxPinRegions; empty releases the sheet
+};
+
+struct SetGravity {
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= kMaxGravity
+};
+
+struct SetWind {
+  Wind wind;
+};
+
+// Back to the initial state: mesh, positions, pins, loads, no grabs. The tick and the topology version go on counting,
+// and scheduled commands are not repeated.
+struct Reset {};
+
+using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetWind, Reset>;
+
+// Everything that can be said of a command without a sheet. Errors are kInvalidArgument with the field named as in
+// kerf.v1.Command ("cut.curve.bezier.points[1].x", "grab.stiffness_npm"); a Sheet checks the rest.
+Status validate(const Command& command);
+
+// Part of a CommandReply.
+struct CutReply {
+  cut::CutStatus status = cut::CutStatus::kNoIntersection;
+  cut::CutReport report;              // all zero on kNoIntersection, but for `pieces`
+  std::vector<std::string> warnings;  // gaps closed, dust merged, refinement stopped: for people
+};
+
+// What a command that was done answers. `tick` and `state_hash` name one state: the sheet as it was when the step (or
+// apply) in which the command took effect had ended.
+struct CommandReply {
+  std::int64_t tick = 0;
+  std::int32_t topology_version = 0;  // right after the command
+  std::uint64_t state_hash = 0;       // Sheet::state_hash() at the end of that tick
+  std::optional<CutReply> cut;        // of a Cut
+};
+
+}  // namespace kerf::sheet

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "server/base/result.h"
+#include "server/sheet/command.h"
+#include "server/sheet/sheet.h"
+#include "server/sheet/sheet_config.h"
+
+// A run as (tick, commands, hash): bug report, regression test and journal in one.
+namespace kerf::sheet {
+
+// One step() or apply(). An entry whose tick is that of the entry before it (0 before the first) was an apply(), or a
+// step of a frozen sheet, which is the same.
+struct RecordedTick {
+  std::int64_t tick = 0;          // after it
+  std::vector<Command> commands;  // that came from outside, in order; the config's own are not repeated
+  std::uint64_t state_hash = 0;   // after it
+};
+
+struct Recording {
+  SheetConfig config;
+  std::vector<RecordedTick> entries;
+};
+
+// Where a recording goes while it is made. Called from the sheet's strand, in order.
+class RecordingSink {
+ public:
+  virtual ~RecordingSink() = default;
+  virtual void start(const SheetConfig& config) = 0;
+  virtual void append(const RecordedTick& entry) = 0;
+};
+
+// Keeps a recording in memory.
+class Recorder : public RecordingSink {
+ public:
+  void start(const SheetConfig& config) override;
+  void append(const RecordedTick& entry) override;
+
+  [[nodiscard]] const Recording& recording() const { return recording_; }
+
+ private:
+  Recording recording_;
+};
+
+struct Divergence {
+  std::size_t entry = 0;  // index into Recording::entries
+  std::int64_t tick = 0;  // recorded
+  std::uint64_t recorded_hash = 0;
+  std::uint64_t replayed_hash = 0;
+  std::int64_t replayed_tick = 0;  // differs from `tick` where the recording cannot have come from this config
+};
+
+struct ReplayReport {
+  std::int64_t ticks = 0;                // replayed
+  std::optional<Divergence> divergence;  // the first; empty: equal bit for bit
+};
+
+// Builds the sheet anew, gives it the same commands at the same ticks and compares every hash; stops at the first that
+// differs. Errors: those of Sheet::create; kDataLoss RECORDING_ORDER where ticks go back or skip.
+Result<ReplayReport> replay(const Recording& recording);
+
+}  // namespace kerf::sheet

@@ -1,0 +1,150 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/fem/integrator.h"
+#include "server/fem/state.h"
+#include "server/mesh/mesh_edit.h"
+#include "server/mesh/triangle_mesh.h"
+#include "server/sheet/command.h"
+#include "server/sheet/sheet_config.h"
+#include "server/sheet/snapshot.h"
+
+namespace kerf::sheet {
+
+// The parts of a tick, in the order in which they run.
+enum class Stage {
+  kCut,          // plan, apply, local remesh of one cut
+  kModelUpdate,  // model, state, pins and grabs of the slots a cut touched
+  kLoads,        // gravity, wind, pins and grabs handed to the integrator
+  kIntegrate,    // the integrator's substeps, contact among them
+};
+
+// Told when stages begin and end, so that the owner can time them: the sheet itself reads no clock.
+class StageObserver {
+ public:
+  virtual ~StageObserver() = default;
+  // `command`: index into the commands given to step() or apply(); -1 where the stage serves none of them (scheduled
+  // commands, loads, integration).
+  virtual void begin(Stage stage, std::int32_t command) = 0;
+  virtual void end(Stage stage, std::int32_t command) = 0;
+};
+
+// The answer to a command of SheetConfig::commands.
+struct ScheduledReply {
+  std::size_t index = 0;  // into SheetConfig::commands
+  Result<CommandReply> reply;
+};
+
+// What one step() or apply() did. Degradation is a value here: nothing is thrown or logged.
+struct TickReport {
+  std::int64_t tick = 0;                      // after it
+  std::vector<Result<CommandReply>> replies;  // one for each given command, in order
+  std::vector<ScheduledReply> scheduled;      // those that fell due, in order
+  fem::StepStats stats;                       // of the integrator; default where time did not advance
+  bool advanced = false;                      // ++tick happened
+  bool step_failed = false;  // the integrator gave up: positions and velocities are those before the tick
+  bool frozen = false;       // see Sheet::frozen()
+  bool at_rest = false;      // see Sheet::at_rest()
+  bool topology_changed = false;
+};
+
+// Energies of the whole sheet.
+struct Energies {
+  double kinetic = 0.0;   // J
+  double membrane = 0.0;  // J
+  double bending = 0.0;   // J
+  double gravity = 0.0;   // J, zero at z = 0 for gravity along -z: -sum m g . x
+};
+
+// A point held by a Grab.
+struct GrabState {
+  std::string grab_id;
+  std::array<mesh::VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};
+  Eigen::Vector3d weights{1.0, 0.0, 0.0};  // -, >= 0, sum 1
+  Eigen::Vector3d target{0.0, 0.0, 0.0};   // m, world
+  double stiffness = 0.0;                  // N/m, in force
+};
+
+// One simulated sheet: mesh, material, state, pins, grabs, colliders. The unit of simulation, ownership and isolation.
+//
+// step() is a pure function of the sheet and the commands: single-threaded, clock-free, no I/O, no logging, no
+// randomness. The same binary given the same config and commands produces the same bits, and so does a copy: copies
+// continue with equal hashes. Not thread-safe; the owner serialises.
+class Sheet {
+ public:
+  // A sheet whose fastest vertex stays below this for kRestTicks ticks, with kinetic energy not growing over them, is
+  // at rest.
+  static constexpr double kRestSpeed = 1.0e-4;  // m/s
+  static constexpr std::int32_t kRestTicks = 30;
+  // After this many failed steps in a row a sheet is frozen.
+  static constexpr std::int32_t kMaxFailedSteps = 3;
+
+  // Checks the whole config and builds the sheet at tick 0.
+  // Errors: kInvalidArgument with the field of kerf.v1.Scene ("pins[1].vertices.vertices[0]").
+  static Result<Sheet> create(SheetConfig config);
+
+  Sheet(const Sheet& other);
+  Sheet& operator=(const Sheet& other);
+  Sheet(Sheet&&) noexcept;
+  Sheet& operator=(Sheet&&) noexcept;
+  ~Sheet();
+
+  // Advances by one tick of dt() seconds: due scheduled commands, then `commands`, each -> cut -> model update; loads
+  // -> integrate with contact -> ++tick. A command that fails has its error in the report and changes nothing.
+  // Allocates nothing where there is no command. A frozen sheet does its commands and does not advance.
+  TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr);
+
+  // Does commands without advancing time: a paused sheet is cut at once. Scheduled commands stay where they are.
+  TickReport apply(std::span<const Command> commands, StageObserver* observer = nullptr);
+
+  [[nodiscard]] const SheetConfig& config() const;      // as given
+  [[nodiscard]] std::int64_t tick() const;              // ticks done
+  [[nodiscard]] double dt() const;                      // s
+  [[nodiscard]] std::int32_t topology_version() const;  // 1 at first; + 1 with each applied cut and each reset
+  [[nodiscard]] std::int32_t settings_version() const;  // + 1 with each change of pins, gravity or wind
+  [[nodiscard]] const mesh::TriangleMesh& mesh() const;
+  [[nodiscard]] const fem::State& state() const;                             // x: 3 x V, m; v: 3 x V, m/s
+  [[nodiscard]] const Eigen::Vector3d& gravity() const;                      // m/s^2, in force
+  [[nodiscard]] const Wind& wind() const;                                    // in force
+  [[nodiscard]] const std::vector<mesh::VertexId>& pinned_vertices() const;  // sorted, unique
+  [[nodiscard]] const std::vector<GrabState>& grabs() const;                 // in the order they were made
+  [[nodiscard]] std::int64_t contact_phases() const;                // substeps in which colliders were looked at
+  [[nodiscard]] std::int64_t num_cuts() const;                      // cuts applied since creation
+  [[nodiscard]] const std::string& integrator_description() const;  // which one runs and why
+  [[nodiscard]] Energies energies() const;
+
+  // Nothing would move if it were stepped on: slow for kRestTicks ticks, no grabs, no scheduled command to come, not
+  // frozen. Sleeping is the owner's act.
+  [[nodiscard]] bool at_rest() const;
+
+  // kMaxFailedSteps steps failed in a row: the state is that of the last good tick; the sheet can be looked at, cut and
+  // reset. Only a Reset lets it advance again.
+  [[nodiscard]] bool frozen() const;
+
+  // Of mesh, positions, velocities, pins, grabs, loads and tick, bit for bit.
+  [[nodiscard]] std::uint64_t state_hash() const;
+
+  // The same without the tick and the versions: equal after a Reset to what it was at first.
+  [[nodiscard]] std::uint64_t shape_hash() const;
+
+  // The state as viewers get it. The Topology in it is built anew only after it changed.
+  [[nodiscard]] std::shared_ptr<const Snapshot> snapshot(const RunStats& stats = {}) const;
+
+ private:
+  struct Impl;
+  explicit Sheet(std::unique_ptr<Impl> impl);
+
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace kerf::sheet

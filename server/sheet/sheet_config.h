@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/contact/collider.h"
+#include "server/fem/material.h"
+#include "server/mesh/ids.h"
+#include "server/sheet/command.h"
+
+// Everything that is needed to start one sheet and to run it again, bit for bit: kerf.v1.Scene without Protocol
+// Buffers. SI units throughout; right-handed world, +z up. Nothing changes a SheetConfig after Sheet::create.
+namespace kerf::sheet {
+
+// Limits on what a scene may hold (reliability table of the README).
+inline constexpr std::int32_t kMaxVertices = 250'000;
+inline constexpr std::size_t kMaxObjBytes = std::size_t{64} << 20U;
+inline constexpr std::size_t kMaxColliders = 64;
+inline constexpr std::size_t kMaxScheduledCommands = 10'000;
+inline constexpr double kMaxMaterialCoordinate = 1.0e4;  // m
+inline constexpr double kMaxWorldCoordinate = 1.0e6;     // m, a component of any world vector
+
+enum class GridPattern { kUniformDiagonals, kJitteredDelaunay };
+
+// A rectangle from (0, 0) to (width, height) in material coordinates. Vertex ids are row-major: id = j * columns + i.
+struct GridSource {
+  std::int32_t columns = 50;  // vertices along x, 2..1000
+  std::int32_t rows = 50;     // vertices along y, 2..1000; columns * rows <= kMaxVertices
+  double width = 1.0;         // m, > 0, <= 1e4
+  double height = 1.0;        // m, > 0, <= 1e4
+  GridPattern pattern = GridPattern::kUniformDiagonals;
+  std::uint32_t seed = 0;  // of the jitter
+};
+
+// Wavefront OBJ; see mesh/obj_import.h. The positions in the text place the sheet; Placement is ignored.
+struct ObjSource {
+  std::string text;  // at most kMaxObjBytes
+};
+
+// A mesh given by its arrays.
+struct ArraySource {
+  Eigen::Matrix2Xd material_positions;  // 2 x V, m
+  Eigen::Matrix3Xi triangles;           // 3 x T, vertex ids in 0..V-1
+  Eigen::Matrix3Xd positions;           // 3 x V, m, world; or 3 x 0: Placement is used
+};
+
+using MeshSource = std::variant<GridSource, ObjSource, ArraySource>;
+
+// World position of material point (x, y): origin + x * x_axis + y * y_axis.
+struct Placement {
+  Eigen::Vector3d origin{0.0, 0.0, 0.0};  // m
+  Eigen::Vector3d x_axis{1.0, 0.0, 0.0};  // -, unit (1e-6)
+  Eigen::Vector3d y_axis{0.0, 0.0, 1.0};  // -, unit (1e-6), perpendicular to x_axis (1e-6)
+};
+
+enum class IntegratorKind {
+  kAutomatic,         // the cheaper of the two at the sheet's stiffness, step and size
+  kExplicitLeapfrog,  // stable substeps
+  kImplicitEuler,     // Newton iterations
+};
+enum class LinearSolverKind { kBlockJacobiCg, kDirect };
+
+struct IntegratorSettings {
+  IntegratorKind kind = IntegratorKind::kAutomatic;
+  std::int32_t max_substeps = 2000;    // explicit: a tick, 1..100000
+  std::int32_t newton_iterations = 2;  // implicit: a tick, 1..100
+  double solver_tolerance = 1.0e-4;    // implicit: relative residual, 1e-14..0.1
+  LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;
+};
+
+// Takes effect at the start of `tick`: in the step that leads from tick - 1 to tick, before commands from outside.
+struct ScheduledCommand {
+  std::int64_t tick = 1;  // >= 1
+  Command command;
+};
+
+struct SheetConfig {
+  std::string sheet_id;  // for the owner: [a-z][a-z0-9-]{0,62} or empty; no effect on the simulation
+  MeshSource mesh;
+  fem::Material material;
+  Placement placement;
+  std::vector<PinRegion> pins;               // at most kMaxPinRegions
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= 1e4
+  Wind wind;                                 // default: no air at all
+  std::vector<contact::Collider> colliders;  // at most kMaxColliders
+  double tick_rate_hz = 60.0;                // 1..1000; a tick is 1 / tick_rate_hz seconds
+  IntegratorSettings integrator;
+  std::vector<ScheduledCommand> commands;  // at most kMaxScheduledCommands; equal ticks are done in the given order
+  std::int64_t ticks = 0;                  // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation
+  std::string description;                 // for people; at most 1000 bytes; no effect on the simulation
+};
+
+// Everything that can be said without building the mesh; Sheet::create calls it and then checks the rest. Fields are
+// named as in kerf.v1.Scene ("grid.columns", "colliders[2].sphere.radius_m", "commands[0].command.grab.target.x").
+Status validate(const SheetConfig& config);
+
+}  // namespace kerf::sheet
