@@ -1,0 +1,34 @@
+/**
+ * Age of frames without synchronised clocks: the smallest difference seen between arrival here and publication there is
+ * taken as the clocks' offset plus the shortest way, so ages are relative to the fastest frame of this stream.
+ */
+export class FrameClock {
+  private offsetMs = Number.POSITIVE_INFINITY;
+  private publishedMs = 0;
+  private arrivedMs = 0;
+
+  /**
+   * @param publishedUnixUs  kerf.v1.FrameStats.published_unix_us
+   * @param localMs          this machine's Unix time on arrival, milliseconds
+   */
+  arrived(publishedUnixUs: bigint, localMs: number): void {
+    this.publishedMs = Number(publishedUnixUs) / 1000;
+    this.arrivedMs = localMs;
+    this.offsetMs = Math.min(this.offsetMs, localMs - this.publishedMs);
+  }
+
+  /** How much later than the fastest frame the last one arrived, ms, >= 0; undefined before the first. */
+  delayMs(): number | undefined {
+    return Number.isFinite(this.offsetMs) ? this.arrivedMs - this.publishedMs - this.offsetMs : undefined;
+  }
+
+  /** Age at `localMs` of the state that the last frame shows, ms, >= 0; undefined before the first. */
+  ageMs(localMs: number): number | undefined {
+    return Number.isFinite(this.offsetMs) ? Math.max(0, localMs - this.publishedMs - this.offsetMs) : undefined;
+  }
+}
+
+/** Unix time in milliseconds with the resolution of performance.now(). */
+export function unixTimeMs(): number {
+  return performance.timeOrigin + performance.now();
+}

@@ -1,0 +1,16 @@
+import { defineConfig } from 'vitest/config';
+
+// `npm run dev` serves the viewer with hot reload and passes calls and the stream on to a running kerfd.
+const kerfd = process.env.KERF_HTTP ?? 'http://127.0.0.1:8080';
+
+export default defineConfig({
+  base: './',
+  build: { target: 'es2022', outDir: 'dist', emptyOutDir: true, chunkSizeWarningLimit: 1200 },
+  server: {
+    proxy: {
+      '^/kerf\\.v1\\.': { target: kerfd },
+      '/watch': { target: kerfd, ws: true },
+    },
+  },
+  test: { include: ['test/**/*.test.ts'], environment: 'node' },
+});
