@@ -107,7 +107,8 @@ class Sheet {
   // Does commands without advancing time: a paused sheet is cut at once. Scheduled commands stay where they are.
   TickReport apply(std::span<const Command> commands, StageObserver* observer = nullptr);
 
-  [[nodiscard]] const SheetConfig& config() const;      // as given
+  [[nodiscard]] const SheetConfig& config() const;  // as given
+  [[nodiscard]] std::shared_ptr<const SheetConfig> shared_config() const;
   [[nodiscard]] std::int64_t tick() const;              // ticks done
   [[nodiscard]] double dt() const;                      // s
   [[nodiscard]] std::int32_t topology_version() const;  // 1 at first; + 1 with each applied cut and each reset

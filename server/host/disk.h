@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "server/base/result.h"
+
+namespace kerf::host {
+
+// A file that only grows.
+class AppendFile {
+ public:
+  virtual ~AppendFile() = default;
+  // All of `bytes` or an error, after which the end of the file is undefined.
+  virtual Status append(std::string_view bytes) = 0;
+  // What was appended survives a loss of power.
+  virtual Status sync() = 0;
+};
+
+// All that the server knows of files. Paths as the operating system takes them. Errors: kNotFound FILE_NOT_FOUND,
+// kResourceExhausted FILE_TOO_LARGE or DISK_FULL, kUnavailable FILE_IO, with the path in the message. Thread-safe.
+class Disk {
+ public:
+  virtual ~Disk() = default;
+  // The whole file, at most `max_bytes` of it.
+  virtual Result<std::string> read_file(const std::string& path, std::size_t max_bytes) = 0;
+  // The old content or the new one stays, never a part: written beside, synced, renamed.
+  virtual Status write_file(const std::string& path, std::string_view content) = 0;
+  // Opens for appending; an existing file is emptied.
+  virtual Result<std::unique_ptr<AppendFile>> create_file(const std::string& path) = 0;
+};
+
+// The machine's file system.
+class RealDisk : public Disk {
+ public:
+  Result<std::string> read_file(const std::string& path, std::size_t max_bytes) override;
+  Status write_file(const std::string& path, std::string_view content) override;
+  Result<std::unique_ptr<AppendFile>> create_file(const std::string& path) override;
+};
+
+// Files in memory, for tests and simulation. A capacity makes it run full.
+class MemoryDisk : public Disk {
+ public:
+  explicit MemoryDisk(std::size_t capacity_bytes = std::size_t{1} << 30U);
+  Result<std::string> read_file(const std::string& path, std::size_t max_bytes) override;
+  Status write_file(const std::string& path, std::string_view content) override;
+  Result<std::unique_ptr<AppendFile>> create_file(const std::string& path) override;
+
+ private:
+  // Shared with the open files, which may outlive the disk.
+  struct Content {
+    std::mutex mutex;
+    std::size_t capacity_bytes = 0;
+    std::size_t used_bytes = 0;
+    std::map<std::string, std::string> files;
+  };
+  class MemoryFile;
+
+  std::shared_ptr<Content> content_;
+};
+
+}  // namespace kerf::host

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/host/clock.h"
+#include "server/host/entropy.h"
+#include "server/host/metrics.h"
+#include "server/sheet/command.h"
+#include "server/sheet/recording.h"
+#include "server/sheet/sheet.h"
+#include "server/sheet/sheet_config.h"
+#include "server/sheet/snapshot.h"
+
+namespace kerf::host {
+
+struct HostOptions {
+  std::int32_t workers = 2;      // threads that step sheets, 1..256
+  std::int32_t max_sheets = 64;  // >= 1
+  std::int32_t max_vertices_per_sheet = sheet::kMaxVertices;
+  std::int32_t max_queued_commands = 64;  // a sheet, >= 1
+  std::int32_t max_step_ticks = 100'000;  // a call of step()
+  // Where a new sheet's recording goes; null, or a null result: nowhere.
+  std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;
+};
+
+enum class RunState {
+  kRunning,
+  kPaused,
+  kSleeping,  // at rest; costs nothing until something touches it
+  kFailed,    // frozen at its last good tick; still served, cuttable and resettable
+};
+
+// A sheet as it is between two ticks.
+struct SheetStatus {
+  std::string id;
+  RunState run_state = RunState::kRunning;
+  std::int64_t tick = 0;
+  std::int32_t topology_version = 0;
+  std::int32_t num_vertices = 0;
+  std::int32_t num_triangles = 0;  // with material
+  std::int32_t pieces = 0;
+  std::uint64_t state_hash = 0;
+  sheet::RunStats stats;
+  std::vector<mesh::VertexId> pinned_vertices;
+  Eigen::Vector3d gravity{0.0, 0.0, 0.0};            // m/s^2, in force
+  sheet::Wind wind;                                  // in force
+  std::shared_ptr<const sheet::SheetConfig> config;  // as created
+  std::string integrator;                            // which one runs and why
+};
+
+struct CommandTimings {
+  double queued_us = 0.0;  // from submit() to the tick boundary
+  double cut_us = 0.0;     // plan, apply, remesh
+  double update_us = 0.0;  // model and state
+};
+
+struct CommandResult {
+  sheet::CommandReply reply;
+  CommandTimings timings;
+};
+
+// Called exactly once: on a worker thread, or from within the call for what is refused at once. Must not block.
+template <typename T>
+using Callback = std::function<void(Result<T>)>;
+
+// The only owner of sheets, and the only place where they meet real time. Runs each sheet on its own strand of one
+// thread pool, a tick at each absolute deadline t0 + k * dt. A sheet that is late catches up by at most
+// kMaxCatchUpTicks; the rest of the time is given up, counted and told. A sheet at rest gets no timer until something
+// touches it. Unwatched, no snapshot is built. All functions are thread-safe and return at once, but for stop() and
+// wait_idle().
+//
+// Errors, beside those named at each function: kNotFound SHEET_NOT_FOUND, kUnavailable HOST_STOPPING, kAborted
+// SHEET_DELETED for what was waiting when the sheet was deleted.
+class Host {
+ public:
+  static constexpr std::int64_t kMaxCatchUpTicks = 2;
+  static constexpr std::int32_t kTicksPerTurn = 4;  // of a step() call, before other sheets get their turn
+
+  // `clock` and `entropy` must outlive the host.
+  Host(HostOptions options, Clock& clock, Entropy& entropy);
+  ~Host();  // stop()
+  Host(const Host&) = delete;
+  Host& operator=(const Host&) = delete;
+
+  // Builds a sheet on a worker and starts its clock unless `paused`. `id`: [a-z][a-z0-9-]{0,62}; empty:
+  // config.sheet_id, and if that is empty too, a random one. kAlreadyExists SHEET_EXISTS, kResourceExhausted
+  // TOO_MANY_SHEETS or TOO_MANY_VERTICES, and the errors of Sheet::create.
+  void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done);
+  // Ends its sinks (kSheetDeleted) and what waits for it (kAborted).
+  void delete_sheet(const std::string& id, Callback<Nothing> done);
+
+  // Ids, sorted; sheets that are still being built left out.
+  [[nodiscard]] std::vector<std::string> list() const;
+  void status(const std::string& id, Callback<SheetStatus> done);
+  // Of those of `ids` that exist, in that order.
+  void statuses(std::vector<std::string> ids, std::function<void(std::vector<SheetStatus>)> done);
+
+  // Queues a command for the next tick boundary; on a paused or failed sheet it is done at once, without advancing
+  // time. Wakes a sleeping sheet. kResourceExhausted QUEUE_FULL at once; validate()'s errors at once; else what the
+  // sheet says.
+  void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
+
+  void pause(const std::string& id, Callback<SheetStatus> done);
+  // kFailedPrecondition STEPPING while a step() call runs.
+  void resume(const std::string& id, Callback<SheetStatus> done);
+  // Runs exactly `ticks` ticks of a paused sheet as fast as it can, and answers when they are done. kInvalidArgument
+  // outside 1..max_step_ticks; kFailedPrecondition NOT_PAUSED, STEPPING or SHEET_FROZEN.
+  void step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done);
+
+  // Calls `look` between two ticks, on the sheet's strand.
+  void inspect(const std::string& id, std::function<void(const sheet::Sheet&)> look, Callback<Nothing> done);
+
+  // The sink gets the present snapshot at once, asleep or not, and every one after it while it wants them.
+  void add_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done);
+  // When `done` is called the sink gets no more calls. No ended().
+  void remove_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done);
+
+  [[nodiscard]] HostMetrics metrics() const;
+  [[nodiscard]] const HostOptions& options() const;
+
+  // Blocks until no work is queued or running (timers do not count). For tests and simulation on a ManualClock.
+  void wait_idle();
+
+  // Refuses new calls, answers all that wait (kUnavailable), ends all sinks (kHostStopping), joins the workers. A tick
+  // in progress ends. Idempotent. Not from a callback.
+  void stop();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Whether `id` matches [a-z][a-z0-9-]{0,62}.
+bool is_valid_sheet_id(const std::string& id);
+
+}  // namespace kerf::host
