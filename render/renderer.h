@@ -18,7 +18,8 @@ namespace kerf::render {
 inline constexpr int kMinImageSize = 16;    // pixels, of width and of height
 inline constexpr int kMaxImageSize = 4096;  // pixels, of width and of height
 inline constexpr std::size_t kMaxTriangles = 2'000'000;
-inline constexpr std::size_t kMaxColliders = 1'000;
+inline constexpr std::size_t kMaxColliders = 256;
+inline constexpr double kMaxCoordinate = 1e6;  // m, of every position and length
 
 struct Vec3 {
   double x = 0.0;
@@ -95,7 +96,7 @@ struct Camera {
   Vec3 eye{0.0, -3.0, 1.0};    // m
   Vec3 target;                 // m, not the eye
   Vec3 up{0.0, 0.0, 1.0};      // -, not zero, not along target - eye (at least 0.001 rad off)
-  double vertical_fov = 40.0;  // degrees, in (1, 179)
+  double vertical_fov = 40.0;  // degrees, in [1, 179]
 };
 
 // The box around a sheet's vertices; empty for an empty mesh. Vertices that no triangle uses count.
@@ -114,6 +115,7 @@ Camera fit_camera(const Bounds& bounds, double aspect, Vec3 from = {0.55, -1.0, 
 Status validate(const Camera& camera);
 Status validate_size(int width, int height);
 Status validate(const Scene& scene);
+Status validate(const Scene& scene, const Camera& camera, int width, int height);  // size, camera, scene, in that order
 
 // Draws scenes. Safe to call from any thread; calls block until their picture is done and share one render thread,
 // which alone owns the graphics context.

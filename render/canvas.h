@@ -1,0 +1,26 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "render/draw_list.h"
+
+namespace kerf::render {
+
+// A graphics context and what was made in it. Created, used and destroyed on one thread.
+class Canvas {
+ public:
+  virtual ~Canvas() = default;
+
+  // Overwrites `pixels`. After a failure the canvas is in no known state and must be thrown away.
+  virtual Status draw(const DrawList& list, Pixels& pixels) = 0;
+
+  // One line: platform, vendor, renderer, version.
+  [[nodiscard]] virtual std::string description() const = 0;
+};
+
+// Makes a canvas on the calling thread; on failure `canvas` stays null.
+using CanvasFactory = std::function<Status(std::unique_ptr<Canvas>& canvas)>;
+
+}  // namespace kerf::render

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "render/renderer.h"
+#include "render/views.h"
+
+namespace kerf::render {
+
+// One corner of a triangle, as the vertex shaders read it. Triangles do not share vertices, so that a corner's place in
+// its triangle, from which the wireframe comes, is its index modulo 3.
+struct SurfaceVertex {
+  std::array<float, 3> position;     // m, world
+  std::array<float, 3> normal;       // unit; on a sheet, of the front side
+  std::array<float, 2> material;     // sheet: checks, one unit each; ground: place in the disc, radius 1
+  std::array<std::uint8_t, 4> tint;  // factors on the colour over 255, of which 128/255 leaves it as it is; last unused
+};
+
+// An edge that only one triangle uses.
+struct BorderSegment {
+  std::array<float, 3> start;  // m, world
+  std::array<float, 3> end;    // m, world
+};
+
+// All that a picture takes, ready to be copied to the graphics device: what is costly and needs no context is done on
+// the caller's thread.
+struct DrawList {
+  int width = 0;                       // pixels
+  int height = 0;                      // pixels
+  std::vector<SurfaceVertex> sheet;    // 3*T
+  std::vector<SurfaceVertex> solids;   // 3 for each triangle of the colliders
+  std::vector<SurfaceVertex> ground;   // 6 for each plane
+  std::vector<BorderSegment> borders;  // empty unless the style asks for them
+  Views views;
+  Vec3 eye;  // m
+  Vec3 up;   // unit
+  Style style;
+  bool textured = false;  // the style asks for it and there are material coordinates
+};
+
+// Of arguments that passed validate().
+DrawList make_draw_list(const Scene& scene, const Camera& camera, int width, int height);
+
+// The edges that only one triangle uses, each with its triangle's sense, ordered by triangle.
+std::vector<std::array<std::int32_t, 2>> border_edges(std::span<const std::int32_t> triangles,
+                                                      std::size_t num_vertices);
+
+}  // namespace kerf::render

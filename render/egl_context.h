@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "render/image.h"
+
+namespace kerf::render {
+
+// A way to a context that needs no window system.
+struct EglPlatform {
+  std::string name;        // for people
+  unsigned kind = 0;       // EGLenum
+  void* device = nullptr;  // what the platform of that kind takes
+};
+
+// Hardware devices, then Mesa's software device, then Mesa's surfaceless platform; those that this machine offers.
+std::vector<EglPlatform> egl_platforms();
+
+// An OpenGL 3.3 core context without a surface, current on the thread that opened it.
+class EglContext {
+ public:
+  EglContext() = default;
+  ~EglContext();
+  EglContext(const EglContext&) = delete;
+  EglContext& operator=(const EglContext&) = delete;
+
+  // Once. Errors: "RENDERER_UNAVAILABLE".
+  Status open(const EglPlatform& platform);
+  // Makes it current again. Errors: "CONTEXT_LOST".
+  [[nodiscard]] Status check() const;
+  // Whether the context was asked to tell of resets, with OpenGL's graphics reset status.
+  [[nodiscard]] bool tells_resets() const { return tells_resets_; }
+  // An OpenGL entry point; not null even for some that the driver lacks, so ask its extensions first.
+  static void* function(const char* name);
+
+ private:
+  void* display_ = nullptr;  // EGLDisplay
+  void* context_ = nullptr;  // EGLContext
+  bool tells_resets_ = false;
+};
+
+}  // namespace kerf::render

@@ -1,0 +1,267 @@
+#include "render/gl_canvas.h"
+
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "render/gl_objects.h"
+
+namespace kerf::render {
+
+namespace {
+
+constexpr int kSamples = 4;                        // a pixel, each 8 bytes
+constexpr std::int64_t kMaxSampled = 2048 * 2048;  // pixels; a larger picture gets one sample a pixel
+constexpr int kShadowMapSize = 1024;               // texels
+// Of the distance: solids are drawn that much farther away, so that a sheet's flat triangles hide the round one below.
+constexpr double kSolidsBehind = 0.0015;
+constexpr double kBordersInFront = 3.0;  // pixel sides by which borders are drawn nearer than the edges they mark
+
+Vec3 linear(const Colour& colour) {
+  const auto channel = [](double srgb) {
+    return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
+  };
+  return {channel(colour.red), channel(colour.green), channel(colour.blue)};
+}
+
+class GlCanvas final : public Canvas {
+ public:
+  Status open(const EglPlatform& platform);
+  Status draw(const DrawList& list, Pixels& pixels) override;
+  [[nodiscard]] std::string description() const override { return description_; }
+
+ private:
+  // What lives in the context, made once it is there.
+  struct Objects {
+    Program sheet;
+    Program solid;
+    Program ground;
+    Program line;
+    Program shadow;
+    VertexStream sheet_vertices;
+    VertexStream solid_vertices;
+    VertexStream ground_vertices;
+    VertexStream border_segments;
+    ShadowMap shadow_map{kShadowMapSize};
+    RenderTarget target;    // drawn to
+    RenderTarget resolved;  // read from
+  };
+
+  Status check_context() const;
+  Status build_programs();
+  Status resize(int width, int height);
+  void upload(const DrawList& list) const;
+  void draw_shadow_map(const DrawList& list) const;
+  void set_surface_uniforms(const Program& program, const DrawList& list) const;
+  void draw_ground(const DrawList& list) const;
+  void draw_solids(const DrawList& list) const;
+  void draw_sheet(const DrawList& list) const;
+  void draw_borders(const DrawList& list) const;
+  void read_back(Pixels& pixels) const;
+
+  EglContext context_;                                      // before the objects in it, so destroyed after them
+  PFNGLGETGRAPHICSRESETSTATUSPROC reset_status_ = nullptr;  // null where the driver does not tell
+  std::string description_;
+  std::optional<Objects> objects_;
+  int width_ = 0;   // pixels, of the targets
+  int height_ = 0;  // pixels
+};
+
+bool has_extension(const std::string& name) {
+  GLint count = 0;
+  glGetIntegerv(GL_NUM_EXTENSIONS, &count);
+  for (GLint i = 0; i < count; ++i) {
+    if (name == reinterpret_cast<const char*>(glGetStringi(GL_EXTENSIONS, static_cast<GLuint>(i)))) return true;
+  }
+  return false;
+}
+
+Status GlCanvas::open(const EglPlatform& platform) {
+  if (Status status = context_.open(platform); !status.ok()) return status;
+  const auto text = [](GLenum name) { return std::string(reinterpret_cast<const char*>(glGetString(name))); };
+  description_ = platform.name + ", " + text(GL_VENDOR) + ", " + text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION);
+  if (context_.tells_resets() && has_extension("GL_ARB_robustness")) {
+    reset_status_ =
+        reinterpret_cast<PFNGLGETGRAPHICSRESETSTATUSPROC>(EglContext::function("glGetGraphicsResetStatusARB"));
+  }
+  objects_.emplace();
+  return build_programs();
+}
+
+Status GlCanvas::check_context() const {
+  if (Status status = context_.check(); !status.ok() || reset_status_ == nullptr) return status;
+  const GLenum reset = reset_status_();
+  if (reset == GL_NO_ERROR) return {};
+  return {StatusCode::kUnavailable, "CONTEXT_LOST",
+          "the graphics context was lost (reset status " + std::to_string(reset) + "); try again", ""};
+}
+
+Status GlCanvas::build_programs() {
+  Objects& o = *objects_;
+  const auto surface = {kSurfaceVertexShader};
+  if (Status s = o.sheet.build("sheet", surface, {kLightingShader, kSheetFragmentShader}); !s.ok()) return s;
+  if (Status s = o.solid.build("solid", surface, {kLightingShader, kSolidFragmentShader}); !s.ok()) return s;
+  if (Status s = o.ground.build("ground", surface, {kLightingShader, kGroundFragmentShader}); !s.ok()) return s;
+  if (Status s = o.line.build("line", {kLineVertexShader}, {kLineFragmentShader}); !s.ok()) return s;
+  if (Status s = o.shadow.build("shadow", {kShadowVertexShader}, {kShadowFragmentShader}); !s.ok()) return s;
+  for (const VertexStream* stream : {&o.sheet_vertices, &o.solid_vertices, &o.ground_vertices}) {
+    stream->set_layout({{3, GL_FLOAT, offsetof(SurfaceVertex, position)},
+                        {3, GL_FLOAT, offsetof(SurfaceVertex, normal)},
+                        {2, GL_FLOAT, offsetof(SurfaceVertex, material)},
+                        {4, GL_UNSIGNED_BYTE, offsetof(SurfaceVertex, tint)}},
+                       sizeof(SurfaceVertex), 0);
+  }
+  o.border_segments.set_layout(
+      {{3, GL_FLOAT, offsetof(BorderSegment, start)}, {3, GL_FLOAT, offsetof(BorderSegment, end)}},
+      sizeof(BorderSegment), 1);
+  return {};
+}
+
+Status GlCanvas::resize(int width, int height) {
+  if (width == width_ && height == height_) return {};
+  const int samples = static_cast<std::int64_t>(width) * height <= kMaxSampled ? kSamples : 0;
+  if (Status status = objects_->target.resize(width, height, samples, true); !status.ok()) return status;
+  if (Status status = objects_->resolved.resize(width, height, 0, false); !status.ok()) return status;
+  width_ = width;
+  height_ = height;
+  return {};
+}
+
+Status GlCanvas::draw(const DrawList& list, Pixels& pixels) {
+  if (Status status = check_context(); !status.ok()) return status;
+  if (Status status = resize(list.width, list.height); !status.ok()) return status;
+  upload(list);
+  glEnable(GL_DEPTH_TEST);
+  glDisable(GL_BLEND);
+  if (list.style.shadows) draw_shadow_map(list);
+
+  glBindFramebuffer(GL_FRAMEBUFFER, objects_->target.framebuffer());
+  glViewport(0, 0, width_, height_);
+  const Colour& background = list.style.background;
+  glClearColor(static_cast<float>(background.red), static_cast<float>(background.green),
+               static_cast<float>(background.blue), 1.0F);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  glBindTexture(GL_TEXTURE_2D, objects_->shadow_map.texture());
+  // The picture stays opaque: alpha is never blended.
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ZERO, GL_ONE);
+  draw_ground(list);
+  draw_solids(list);
+  draw_sheet(list);
+  draw_borders(list);
+  read_back(pixels);
+
+  if (Status status = check_context(); !status.ok()) return status;
+  if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
+    return drawing_failed("OpenGL error " + std::to_string(error));
+  }
+  return {};
+}
+
+void GlCanvas::upload(const DrawList& list) const {
+  objects_->sheet_vertices.upload(list.sheet);
+  objects_->solid_vertices.upload(list.solids);
+  objects_->ground_vertices.upload(list.ground);
+  objects_->border_segments.upload(list.borders);
+}
+
+void GlCanvas::draw_shadow_map(const DrawList& list) const {
+  const Objects& o = *objects_;
+  glBindFramebuffer(GL_FRAMEBUFFER, o.shadow_map.framebuffer());
+  glViewport(0, 0, o.shadow_map.size(), o.shadow_map.size());
+  glClear(GL_DEPTH_BUFFER_BIT);
+  o.shadow.use();
+  o.shadow.set("u_shadow_from_world", list.views.shadow_from_world);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(2.0F, 4.0F);  // by slope: a surface at a grazing angle must not shade itself
+  o.sheet_vertices.draw(list.sheet.size());
+  o.solid_vertices.draw(list.solids.size());
+  glDisable(GL_POLYGON_OFFSET_FILL);
+}
+
+void GlCanvas::set_surface_uniforms(const Program& program, const DrawList& list) const {
+  program.use();
+  program.set("u_clip_from_world", list.views.clip_from_world);
+  program.set("u_clip_z_offset", 0.0);
+  program.set("u_eye", list.eye);
+  program.set("u_up", list.up);
+  program.set("u_to_light", list.views.to_light);
+  program.set("u_background", linear(list.style.background));
+  program.set("u_shadows", list.style.shadows);
+  program.set("u_shadow_from_world", list.views.shadow_from_world);
+  program.set("u_shadow_texel_m", list.views.shadow_extent / kShadowMapSize);
+  program.set("u_shadow_texel", 1.0 / kShadowMapSize);
+}
+
+void GlCanvas::draw_ground(const DrawList& list) const {
+  if (list.ground.empty()) return;
+  set_surface_uniforms(objects_->ground, list);
+  glEnable(GL_BLEND);
+  objects_->ground_vertices.draw(list.ground.size());
+  glDisable(GL_BLEND);
+}
+
+void GlCanvas::draw_solids(const DrawList& list) const {
+  if (list.solids.empty()) return;
+  set_surface_uniforms(objects_->solid, list);
+  objects_->solid.set("u_clip_z_offset", list.views.depth_per_fraction * (1.0 / (1.0 + kSolidsBehind) - 1.0));
+  objects_->solid_vertices.draw(list.solids.size());
+}
+
+void GlCanvas::draw_sheet(const DrawList& list) const {
+  if (list.sheet.empty()) return;
+  const Program& program = objects_->sheet;
+  set_surface_uniforms(program, list);
+  program.set("u_front", linear(list.style.front));
+  program.set("u_back", linear(list.style.back));
+  program.set("u_textured", list.textured);
+  program.set("u_wireframe", list.style.wireframe);
+  program.set("u_wire_width_px", std::max(0.8, height_ / 900.0));
+  objects_->sheet_vertices.draw(list.sheet.size());
+}
+
+void GlCanvas::draw_borders(const DrawList& list) const {
+  if (list.borders.empty()) return;
+  const Program& program = objects_->line;
+  program.use();
+  program.set("u_clip_from_world", list.views.clip_from_world);
+  const double fraction = std::min(kBordersInFront * list.views.pixel_fraction, 0.05);
+  program.set("u_clip_z_offset", list.views.depth_per_fraction * (1.0 / (1.0 - fraction) - 1.0));
+  program.set("u_half_viewport_px", 0.5 * width_, 0.5 * height_);
+  program.set("u_half_width_px", std::max(0.6, height_ / 800.0));
+  glEnable(GL_BLEND);
+  glDepthMask(GL_FALSE);  // the ends of neighbours lie over one another
+  objects_->border_segments.bind();
+  glDrawArraysInstanced(GL_TRIANGLES, 0, 6, static_cast<GLsizei>(list.borders.size()));
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+}
+
+void GlCanvas::read_back(Pixels& pixels) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, objects_->target.framebuffer());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, objects_->resolved.framebuffer());
+  glBlitFramebuffer(0, 0, width_, height_, 0, 0, width_, height_, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, objects_->resolved.framebuffer());
+  pixels.width = width_;
+  pixels.height = height_;
+  const std::size_t row = 4 * static_cast<std::size_t>(width_);
+  const auto num_rows = static_cast<std::size_t>(height_);
+  pixels.rgba.resize(row * num_rows);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, width_, height_, GL_RGBA, GL_UNSIGNED_BYTE, pixels.rgba.data());
+  for (std::size_t top = 0; top < num_rows / 2; ++top) {  // OpenGL's first row is the lowest
+    const auto upper = pixels.rgba.begin() + static_cast<std::ptrdiff_t>(row * top);
+    const auto lower = pixels.rgba.begin() + static_cast<std::ptrdiff_t>(row * (num_rows - 1 - top));
+    std::swap_ranges(upper, upper + static_cast<std::ptrdiff_t>(row), lower);
+  }
+}
+
+}  // namespace
+
+Status make_gl_canvas(const EglPlatform& platform, std::unique_ptr<Canvas>& canvas) {
+  auto made = std::make_unique<GlCanvas>();
+  Status status = made->open(platform);
+  if (status.ok()) canvas = std::move(made);
+  return status;
+}
+
+}  // namespace kerf::render

@@ -1,0 +1,234 @@
+#pragma once
+
+// GLSL 3.30 sources. Colours are linear until the last line; names as in draw_list.h and views.h.
+namespace kerf::render {
+
+inline constexpr const char* kShaderVersion = "#version 330 core\n";
+
+// Sheets, solids and ground.
+inline constexpr const char* kSurfaceVertexShader = R"(
+layout(location = 0) in vec3 a_position;
+layout(location = 1) in vec3 a_normal;
+layout(location = 2) in vec2 a_material;
+layout(location = 3) in vec4 a_tint;
+uniform mat4 u_clip_from_world;
+uniform float u_clip_z_offset;
+out vec3 v_world;
+out vec3 v_normal;
+out vec2 v_material;
+out vec3 v_tint;
+out vec3 v_barycentric;
+
+void main() {
+  v_world = a_position;
+  v_normal = a_normal;
+  v_material = a_material;
+  v_tint = a_tint.rgb * (255.0 / 128.0);
+  int corner = gl_VertexID % 3;
+  v_barycentric = vec3(corner == 0, corner == 1, corner == 2);
+  gl_Position = u_clip_from_world * vec4(a_position, 1.0);
+  gl_Position.z += u_clip_z_offset;
+}
+)";
+
+// What the fragment shaders below share: shadows, and light from a sky above, a key light and the viewer's side.
+inline constexpr const char* kLightingShader = R"(
+in vec3 v_world;
+in vec3 v_normal;
+in vec2 v_material;
+in vec3 v_tint;
+in vec3 v_barycentric;
+uniform vec3 u_eye;
+uniform vec3 u_up;
+uniform vec3 u_to_light;
+uniform vec3 u_background;
+uniform bool u_shadows;
+uniform mat4 u_shadow_from_world;
+uniform float u_shadow_texel_m;
+uniform float u_shadow_texel;
+uniform sampler2DShadow u_shadow_map;
+out vec4 f_colour;
+
+// Twelve places spread evenly over the unit disc (Vogel's spiral).
+const vec2 kDisc[12] = vec2[](
+    vec2(0.204, 0.000), vec2(-0.261, 0.239), vec2(0.040, -0.455), vec2(0.328, 0.429),
+    vec2(-0.603, -0.107), vec2(0.571, -0.363), vec2(-0.191, 0.711), vec2(-0.361, -0.704),
+    vec2(0.790, 0.289), vec2(-0.819, 0.347), vec2(0.391, -0.849), vec2(0.301, 0.931));
+
+// The share of the key light that reaches a point, in [0, 1]; `n` points to the side the light falls on.
+float light_visibility(vec3 point, vec3 n) {
+  if (!u_shadows) return 1.0;
+  vec4 clip = u_shadow_from_world * vec4(point + 2.5 * u_shadow_texel_m * n, 1.0);
+  vec3 place = 0.5 * clip.xyz + 0.5;
+  if (any(lessThan(place, vec3(0.0))) || any(greaterThan(place, vec3(1.0)))) return 1.0;
+  float sum = 0.0;
+  for (int i = 0; i < 12; ++i) {
+    sum += texture(u_shadow_map, vec3(place.xy + 3.0 * u_shadow_texel * kDisc[i], place.z));
+  }
+  return sum / 12.0;
+}
+
+// `gloss` in [0, 1]: how much of a highlight there is; `translucency` in [0, 1]: how much light comes through.
+vec3 shade(vec3 albedo, vec3 n, float gloss, float translucency) {
+  vec3 to_eye = normalize(u_eye - v_world);
+  float facing = clamp(dot(n, to_eye), 0.0, 1.0);
+  float towards_light = dot(n, u_to_light);
+  float visible = light_visibility(v_world, towards_light >= 0.0 ? n : -n);
+  vec3 ambient = mix(vec3(0.17, 0.155, 0.15), vec3(0.42, 0.45, 0.50), 0.5 + 0.5 * dot(n, u_up));
+  vec3 key = vec3(0.98, 0.94, 0.86) * visible *
+             (max(towards_light, 0.0) + translucency * max(-towards_light, 0.0));
+  vec3 light = ambient + key + vec3(0.10) * facing;
+  vec3 halfway = normalize(u_to_light + to_eye);
+  float highlight = gloss * visible * pow(max(dot(n, halfway), 0.0), 24.0) * step(0.0, towards_light);
+  float rim = 0.14 * pow(1.0 - facing, 3.0) * (0.5 + 0.5 * dot(n, u_up));
+  return albedo * light + vec3(0.22 * highlight) + vec3(rim) * mix(vec3(0.8), albedo, 0.5);
+}
+
+vec4 to_srgb(vec3 linear, float alpha) {
+  vec3 c = clamp(linear, 0.0, 1.0);
+  return vec4(mix(12.92 * c, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(vec3(0.0031308), c)), alpha);
+}
+
+vec3 unit(vec3 v, vec3 otherwise) {
+  float square = dot(v, v);
+  return square > 0.0 ? v * inversesqrt(square) : otherwise;
+}
+)";
+
+inline constexpr const char* kSheetFragmentShader = R"(
+uniform vec3 u_front;
+uniform vec3 u_back;
+uniform bool u_textured;
+uniform bool u_wireframe;
+uniform float u_wire_width_px;
+
+// Checks averaged over the fragment's footprint (the product of two box-filtered square waves), in [0, 1].
+float checks(vec2 p, vec2 footprint) {
+  vec2 w = max(footprint, 1e-4);
+  vec2 wave = 2.0 * (abs(fract((p - 0.5 * w) * 0.5) - 0.5) - abs(fract((p + 0.5 * w) * 0.5) - 0.5)) / w;
+  return 0.5 - 0.5 * wave.x * wave.y;
+}
+
+// A plain weave: threads that go over and under one another, as a factor near 1. Fades out where threads are too fine.
+float weave(vec2 p, vec2 footprint) {
+  vec2 along = p * 8.0;
+  float over = mod(floor(along.x) + floor(along.y), 2.0);
+  vec2 ridge = abs(sin(3.14159265 * along));
+  float height = over > 0.5 ? ridge.x : ridge.y;
+  float fine = 8.0 * max(footprint.x, footprint.y);
+  return 1.0 + 0.16 * (height - 0.6366) * (1.0 - smoothstep(0.2, 0.6, fine));
+}
+
+void main() {
+  vec3 n = unit(v_normal, u_up);
+  if (!gl_FrontFacing) n = -n;
+  vec3 albedo = (gl_FrontFacing ? u_front : u_back) * v_tint;
+  vec2 footprint = fwidth(v_material);
+  if (u_textured) {
+    float check = checks(v_material, footprint);
+    albedo = mix(albedo * 0.80, mix(albedo, vec3(1.0), 0.13) * 1.12, check) * weave(v_material, footprint);
+  }
+  vec3 colour = shade(albedo, n, 0.35, 0.22);
+  vec3 distance_px = v_barycentric / max(fwidth(v_barycentric), vec3(1e-9));
+  if (u_wireframe) {
+    float nearest = min(distance_px.x, min(distance_px.y, distance_px.z));
+    float line = 1.0 - smoothstep(0.5 * u_wire_width_px - 0.5, 0.5 * u_wire_width_px + 0.5, nearest);
+    colour = mix(colour, vec3(0.012, 0.016, 0.025), 0.62 * line);
+  }
+  f_colour = to_srgb(colour, 1.0);
+}
+)";
+
+inline constexpr const char* kSolidFragmentShader = R"(
+void main() {
+  vec3 n = unit(v_normal, u_up);
+  f_colour = to_srgb(shade(vec3(0.52, 0.52, 0.50), n, 0.6, 0.0), 1.0);
+}
+)";
+
+// A disc of the background's colour, darkened by shadows, that fades out.
+inline constexpr const char* kGroundFragmentShader = R"(
+void main() {
+  float r = length(v_material);
+  if (!gl_FrontFacing || r > 1.0) discard;
+  vec3 n = unit(v_normal, u_up);
+  float light = mix(0.50, 0.86, light_visibility(v_world, n));
+  f_colour = to_srgb(u_background * light, 1.0 - smoothstep(0.25, 1.0, r));
+}
+)";
+
+// Lines of constant width in the image, with round ends: one instance a segment, six vertices each.
+inline constexpr const char* kLineVertexShader = R"(
+layout(location = 0) in vec3 a_start;
+layout(location = 1) in vec3 a_end;
+uniform mat4 u_clip_from_world;
+uniform float u_clip_z_offset;
+uniform vec2 u_half_viewport_px;
+uniform float u_half_width_px;
+out vec2 v_place_px;
+flat out vec2 v_start_px;
+flat out vec2 v_end_px;
+
+const vec2 kCorners[6] = vec2[](vec2(0, -1), vec2(1, -1), vec2(1, 1), vec2(0, -1), vec2(1, 1), vec2(0, 1));
+
+// The end `a` of the segment, or where the segment comes out of the near plane.
+vec4 before_near_plane(vec4 a, vec4 b) {
+  float inside_a = a.z + a.w;
+  float inside_b = b.z + b.w;
+  return inside_a >= 0.0 || inside_b <= 0.0 ? a : mix(a, b, inside_a / (inside_a - inside_b));
+}
+
+void main() {
+  vec4 start = u_clip_from_world * vec4(a_start, 1.0);
+  vec4 end = u_clip_from_world * vec4(a_end, 1.0);
+  if (start.z < -start.w && end.z < -end.w) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    v_place_px = v_start_px = v_end_px = vec2(0.0);
+    return;
+  }
+  start = before_near_plane(start, end);
+  end = before_near_plane(end, start);
+  v_start_px = start.xy / start.w * u_half_viewport_px;
+  v_end_px = end.xy / end.w * u_half_viewport_px;
+  vec2 along = v_end_px - v_start_px;
+  float length_px = length(along);
+  along = length_px > 1e-6 ? along / length_px : vec2(1.0, 0.0);
+  vec2 corner = kCorners[gl_VertexID];
+  bool at_end = corner.x > 0.5;
+  float reach = u_half_width_px + 1.0;
+  v_place_px = (at_end ? v_end_px : v_start_px) +
+               reach * (corner.y * vec2(-along.y, along.x) + (at_end ? along : -along));
+  vec4 clip = at_end ? end : start;
+  gl_Position = vec4(v_place_px / u_half_viewport_px, (clip.z + u_clip_z_offset) / clip.w, 1.0);
+}
+)";
+
+inline constexpr const char* kLineFragmentShader = R"(
+in vec2 v_place_px;
+flat in vec2 v_start_px;
+flat in vec2 v_end_px;
+uniform float u_half_width_px;
+out vec4 f_colour;
+
+void main() {
+  vec2 along = v_end_px - v_start_px;
+  float t = clamp(dot(v_place_px - v_start_px, along) / max(dot(along, along), 1e-9), 0.0, 1.0);
+  float away_px = distance(v_place_px, v_start_px + t * along);
+  float cover = 1.0 - smoothstep(u_half_width_px - 0.5, u_half_width_px + 0.5, away_px);
+  if (cover <= 0.0) discard;
+  f_colour = vec4(0.07, 0.08, 0.11, 0.9 * cover);
+}
+)";
+
+inline constexpr const char* kShadowVertexShader = R"(
+layout(location = 0) in vec3 a_position;
+uniform mat4 u_shadow_from_world;
+
+void main() { gl_Position = u_shadow_from_world * vec4(a_position, 1.0); }
+)";
+
+inline constexpr const char* kShadowFragmentShader = R"(
+void main() {}
+)";
+
+}  // namespace kerf::render

@@ -1,0 +1,112 @@
+#include "render/threaded_renderer.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace kerf::render {
+
+namespace {
+
+Status shutting_down() {
+  return {StatusCode::kUnavailable, "SHUTTING_DOWN", "the renderer is shutting down", ""};
+}
+
+}  // namespace
+
+ThreadedRenderer::ThreadedRenderer(CanvasFactory factory, const RendererOptions& options)
+    : max_admitted_(std::max(options.max_waiting, 0) + 1),
+      thread_([this, factory = std::move(factory)] { run(factory); }) {
+  std::unique_lock lock(mutex_);
+  done_.wait(lock, [this] { return started_; });
+}
+
+ThreadedRenderer::~ThreadedRenderer() {
+  {
+    std::unique_lock lock(mutex_);
+    stopping_ = true;
+    work_.notify_one();
+    done_.wait(lock, [this] { return num_admitted_ == 0; });
+    work_.notify_one();  // with no caller left, the thread ends
+  }
+  thread_.join();
+}
+
+bool ThreadedRenderer::admit(Status& refusal) {
+  const std::lock_guard lock(mutex_);
+  if (stopping_) {
+    refusal = shutting_down();
+    return false;
+  }
+  if (num_admitted_ >= max_admitted_) {
+    refusal = {
+        StatusCode::kResourceExhausted, "RENDER_QUEUE_FULL",
+        std::to_string(num_admitted_) + " pictures are being drawn or waiting, which is the limit; try again later",
+        ""};
+    return false;
+  }
+  ++num_admitted_;
+  return true;
+}
+
+void ThreadedRenderer::leave() {
+  const std::lock_guard lock(mutex_);
+  --num_admitted_;
+  done_.notify_all();  // under the lock: the destructor may be waiting for this
+}
+
+Status ThreadedRenderer::render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels) {
+  if (Status status = validate(scene, camera, width, height); !status.ok()) return status;
+  Status refusal;
+  if (!admit(refusal)) return refusal;  // before any work is done for it
+  const DrawList list = make_draw_list(scene, camera, width, height);
+  Job job;
+  job.list = &list;
+  {
+    std::unique_lock lock(mutex_);
+    waiting_.push_back(&job);
+    work_.notify_one();
+    done_.wait(lock, [&job] { return job.done; });
+  }
+  leave();
+  if (job.status.ok()) pixels = std::move(job.pixels);
+  return job.status;
+}
+
+void ThreadedRenderer::run(const CanvasFactory& factory) {
+  std::unique_ptr<Canvas> canvas;
+  const Status first = factory(canvas);
+  std::unique_lock lock(mutex_);
+  available_ = first.ok();
+  description_ = first.ok() ? canvas->description() : "none: " + first.message;
+  started_ = true;
+  done_.notify_all();
+  while (true) {
+    work_.wait(lock, [this] { return !waiting_.empty() || (stopping_ && num_admitted_ == 0); });
+    if (waiting_.empty()) return;
+    Job& job = *waiting_.front();
+    waiting_.pop_front();
+    if (stopping_) {
+      job.status = shutting_down();
+    } else {
+      lock.unlock();
+      draw(factory, canvas, job);
+      lock.lock();
+    }
+    job.done = true;
+    done_.notify_all();
+  }
+}
+
+void ThreadedRenderer::draw(const CanvasFactory& factory, std::unique_ptr<Canvas>& canvas, Job& job) {
+  if (canvas == nullptr) {
+    job.status = factory(canvas);
+    if (!job.status.ok()) {
+      canvas.reset();
+      return;
+    }
+  }
+  job.status = canvas->draw(*job.list, job.pixels);
+  if (!job.status.ok()) canvas.reset();
+}
+
+}  // namespace kerf::render

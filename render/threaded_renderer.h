@@ -1,0 +1,63 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+
+#include "render/canvas.h"
+#include "render/renderer.h"
+
+namespace kerf::render {
+
+// One thread that owns a canvas and draws for all callers, in the order they came. A canvas that failed is thrown away;
+// the next call gets a fresh one.
+class ThreadedRenderer final : public Renderer {
+ public:
+  // Waits until the thread has made its first canvas, or failed to: see available().
+  ThreadedRenderer(CanvasFactory factory, const RendererOptions& options);
+  // Refuses the calls still waiting and returns when all of them have left.
+  ~ThreadedRenderer() override;
+
+  ThreadedRenderer(const ThreadedRenderer&) = delete;
+  ThreadedRenderer& operator=(const ThreadedRenderer&) = delete;
+
+  Status render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels) override;
+  // Whether the first canvas could be made.
+  [[nodiscard]] bool available() const override { return available_; }
+  // Of the first canvas, or why there was none.
+  [[nodiscard]] std::string description() const override { return description_; }
+
+ private:
+  struct Job {
+    const DrawList* list = nullptr;
+    Pixels pixels;
+    Status status;
+    bool done = false;
+  };
+
+  void run(const CanvasFactory& factory);
+  // On the render thread; makes a canvas first where there is none.
+  static void draw(const CanvasFactory& factory, std::unique_ptr<Canvas>& canvas, Job& job);
+  bool admit(Status& refusal);
+  void leave();
+
+  const int max_admitted_;
+  // Written by the render thread before `started_`, then never again.
+  bool available_ = false;
+  std::string description_;
+
+  std::mutex mutex_;
+  std::condition_variable work_;  // the render thread waits on it
+  std::condition_variable done_;  // callers, the constructor and the destructor do
+  std::deque<Job*> waiting_;      // guarded by mutex_, as are the rest
+  int num_admitted_ = 0;          // calls inside render()
+  bool started_ = false;
+  bool stopping_ = false;
+
+  std::thread thread_;
+};
+
+}  // namespace kerf::render

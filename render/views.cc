@@ -1,0 +1,142 @@
+#include "render/views.h"
+
+#include <algorithm>
+#include <numbers>
+
+namespace kerf::render {
+
+namespace {
+
+constexpr double kMinRadius = 1e-4;       // m; a point still gets a view volume
+constexpr double kMinNearOverFar = 5e-4;  // -; 24 depth bits then still tell 0.1 mm at 1 m from 0.1 mm at 10 m apart
+
+double half_height(const Camera& camera) {
+  return std::tan(camera.vertical_fov * std::numbers::pi / 360.0);  // at distance 1
+}
+
+Matrix4 view_from_world(const ViewAxes& axes, Vec3 origin) {
+  Matrix4 matrix;
+  const std::array<Vec3, 3> rows{axes.right, axes.up, axes.back};
+  for (std::size_t row = 0; row < 3; ++row) {
+    matrix.at(row, 0) = rows[row].x;
+    matrix.at(row, 1) = rows[row].y;
+    matrix.at(row, 2) = rows[row].z;
+    matrix.at(row, 3) = -dot(rows[row], origin);
+  }
+  matrix.at(3, 3) = 1.0;
+  return matrix;
+}
+
+struct DepthRange {
+  double near;  // m, > 0
+  double far;   // m, > near
+};
+
+DepthRange depth_range(const Camera& camera, const ViewAxes& axes, const Bounds& seen) {
+  const Vec3 half = 0.5 * (seen.upper - seen.lower);
+  const double middle = dot(camera.eye - centre(seen), axes.back);
+  const double reach = std::abs(axes.back.x) * half.x + std::abs(axes.back.y) * half.y + std::abs(axes.back.z) * half.z;
+  // A hundredth more on both sides: lines are drawn a little nearer than what they lie on.
+  const double margin = 0.01 * std::max({reach, std::abs(middle), kMinRadius});
+  const double far = std::max(middle + reach + margin, kMinRadius);
+  return {std::max(middle - reach - margin, kMinNearOverFar * far), far};
+}
+
+// Looking from the light: back is towards it.
+ViewAxes light_axes(Vec3 to_light) {
+  const Vec3 right = perpendicular(to_light);
+  return {right, cross(to_light, right), to_light};
+}
+
+}  // namespace
+
+ViewAxes view_axes(const Camera& camera) {
+  const Vec3 back = normalized(camera.eye - camera.target);
+  const Vec3 right = normalized(cross(normalized(camera.up), back));
+  return {right, cross(back, right), back};
+}
+
+Views make_views(const Camera& camera, double aspect, int height, const Bounds& lit, const Bounds& seen) {
+  const ViewAxes axes = view_axes(camera);
+  const auto [near, far] = depth_range(camera, axes, seen);
+  const double tangent = half_height(camera);
+
+  Views views;
+  Matrix4 clip_from_view;
+  clip_from_view.at(0, 0) = 1.0 / (aspect * tangent);
+  clip_from_view.at(1, 1) = 1.0 / tangent;
+  clip_from_view.at(2, 2) = -(far + near) / (far - near);
+  clip_from_view.at(2, 3) = -2.0 * far * near / (far - near);
+  clip_from_view.at(3, 2) = -1.0;
+  views.clip_from_world = clip_from_view * view_from_world(axes, camera.eye);
+  views.depth_per_fraction = clip_from_view.at(2, 3);
+  views.pixel_fraction = 2.0 * tangent / height;
+
+  // Over the left shoulder, and high enough that ground under the scene is lit from above.
+  views.to_light = normalized(0.95 * normalized(camera.up) + 0.45 * axes.back - 0.5 * axes.right);
+  const double extent = std::max(radius(lit), kMinRadius) * 1.02;
+  Matrix4 clip_from_light;
+  for (std::size_t k = 0; k < 2; ++k) clip_from_light.at(k, k) = 1.0 / extent;
+  clip_from_light.at(2, 2) = -1.0 / extent;
+  clip_from_light.at(3, 3) = 1.0;
+  views.shadow_from_world = clip_from_light * view_from_world(light_axes(views.to_light), centre(lit));
+  views.shadow_extent = 2.0 * extent;
+  return views;
+}
+
+bool is_empty(const Bounds& bounds) {
+  return bounds.lower.x > bounds.upper.x || bounds.lower.y > bounds.upper.y || bounds.lower.z > bounds.upper.z;
+}
+
+void extend(Bounds& bounds, Vec3 point) {
+  if (is_empty(bounds)) {
+    bounds = {point, point};
+    return;
+  }
+  bounds.lower = {std::min(bounds.lower.x, point.x), std::min(bounds.lower.y, point.y),
+                  std::min(bounds.lower.z, point.z)};
+  bounds.upper = {std::max(bounds.upper.x, point.x), std::max(bounds.upper.y, point.y),
+                  std::max(bounds.upper.z, point.z)};
+}
+
+Vec3 centre(const Bounds& bounds) {
+  return 0.5 * (bounds.lower + bounds.upper);
+}
+
+double radius(const Bounds& bounds) {
+  return 0.5 * norm(bounds.upper - bounds.lower);
+}
+
+Bounds bounds_of(const Mesh& mesh) {
+  Bounds bounds;
+  for (std::size_t i = 0; i + 2 < mesh.positions.size(); i += 3) {
+    extend(bounds, {static_cast<double>(mesh.positions[i]), static_cast<double>(mesh.positions[i + 1]),
+                    static_cast<double>(mesh.positions[i + 2])});
+  }
+  return bounds;
+}
+
+Camera fit_camera(const Bounds& bounds, double aspect, Vec3 from, Vec3 up) {
+  const Bounds box = is_empty(bounds) ? Bounds{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}} : bounds;
+  Camera camera;
+  camera.target = centre(box);
+  camera.up = up;
+  camera.eye = camera.target + normalized(from);
+  const ViewAxes axes = view_axes(camera);
+  const double tangent_y = half_height(camera);
+  const double tangent_x = tangent_y * aspect;
+  // Each corner must lie within the frustum: |corner along right| <= tangent * (distance - corner along back).
+  double distance = kMinRadius;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 point{(corner & 1) != 0 ? box.upper.x : box.lower.x, (corner & 2) != 0 ? box.upper.y : box.lower.y,
+                     (corner & 4) != 0 ? box.upper.z : box.lower.z};
+    const Vec3 offset = point - camera.target;
+    const double across =
+        std::max(std::abs(dot(offset, axes.right)) / tangent_x, std::abs(dot(offset, axes.up)) / tangent_y);
+    distance = std::max(distance, across + dot(offset, axes.back));
+  }
+  camera.eye = camera.target + (1.08 * distance) * axes.back;  // a margin around it
+  return camera;
+}
+
+}  // namespace kerf::render
