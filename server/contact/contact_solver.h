@@ -13,18 +13,21 @@ namespace kerf::contact {
 // Counts since the solver was made; a scene without colliders leaves all of them at zero.
 struct ContactCounters {
   std::int64_t phases = 0;    // calls of resolve() that had colliders to look at
-  std::int64_t contacts = 0;  // (vertex, collider) pairs that were pushed out
+  std::int64_t contacts = 0;  // times a vertex was pushed out of a collider
 };
 
 // Keeps vertices outside fixed colliders: unilateral contact with Coulomb friction, one vertex at a time.
 //
-// For a vertex at signed distance d < thickness from a collider with unit normal n (see Proximity):
-//   position   x += (thickness - d) n
-//   velocity   v_n = v . n; an approaching vertex (v_n < 0) loses it: impulse per mass J = -v_n;
-//              the tangential velocity v_t loses min(|v_t|, mu * J)                            (Coulomb's cone)
-// The projection adds no velocity: what a step of length dt moved a vertex through the surface is taken back without
-// becoming energy. Followed for each collider in the given order, twice over, so that a vertex in the notch between two
-// bodies ends outside both (Bridson, Fedkiw, Anderson 2002, sec. 7.3, uses the same impulse with friction).
+// For a vertex at signed distance d < thickness from a collider with unit normal n (see Proximity), which moved by u
+// since the substep began:
+//   position   x += p n, p = thickness - d;  the tangential displacement u_t loses min(|u_t|, mu p)
+//   velocity   an approaching vertex (v . n < 0) loses v . n: impulse per mass J = -v . n; the tangential velocity v_t
+//              loses min(|v_t|, mu J)
+// Both lines are Coulomb's cone, once for the motion that was done and once for the motion to come (Mueller,
+// Heidelberger, Hennix, Ratcliff 2007, sec. 3.4 and 3.6; Bridson, Fedkiw, Anderson 2002, sec. 7.3, for the impulse):
+// with the second alone a sheet that sticks would creep down an incline by what it moved before friction was asked. The
+// correction of a position adds no velocity, so that taking back a penetration is never turned into energy. Done for
+// each collider in the given order, twice over, so that a vertex in the notch between two bodies ends outside both.
 class ContactSolver {
  public:
   // Passes over the colliders in one resolve(): the second repairs what the later colliders of the first undid.
@@ -37,9 +40,10 @@ class ContactSolver {
 
   // Moves the vertices in `x` (3 x V, m) and `v` (3 x V, m/s) out of all colliders.
   // `thickness`: m, >= 0; the distance at which a vertex is kept from a surface: half the sheet's thickness, so that
-  // its lower face touches. `fixed`: V bytes, non-zero = leave that vertex alone (a pin); empty = none is.
-  void resolve(double thickness, std::span<const std::uint8_t> fixed, Eigen::Ref<Eigen::Matrix3Xd> x,
-               Eigen::Ref<Eigen::Matrix3Xd> v);
+  // its lower face touches. `fixed`: V bytes, non-zero = leave that vertex alone (a pin); empty = none is. `x_before`:
+  // 3 x V, m, where the vertices were when the substep began.
+  void resolve(double thickness, std::span<const std::uint8_t> fixed, const Eigen::Matrix3Xd& x_before,
+               Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& v);
 
   [[nodiscard]] const ContactCounters& counters() const { return counters_; }
 

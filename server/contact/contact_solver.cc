@@ -1,0 +1,77 @@
+#include "server/contact/contact_solver.h"
+
+#include <algorithm>
+
+namespace kerf::contact {
+
+namespace {
+
+// `along` shortened by at most `limit`, never turned round.
+Eigen::Vector3d lessened(const Eigen::Vector3d& along, double limit) {
+  const double length = along.stableNorm();
+  if (length <= limit) return Eigen::Vector3d::Zero();
+  return along * (1.0 - limit / length);
+}
+
+// Pushes one vertex out of one collider. Returns whether it had to.
+bool push_out(const PreparedCollider& collider, double thickness, const Eigen::Vector3d& x_before, Eigen::Vector3d& x,
+              Eigen::Vector3d& v) {
+  const Proximity near = collider.query(x);
+  if (near.distance >= thickness) return false;
+  const Eigen::Vector3d& n = near.normal;
+  const double mu = collider.friction();
+
+  const double depth = thickness - near.distance;
+  if (mu > 0.0) {
+    const Eigen::Vector3d u = x - x_before;
+    const Eigen::Vector3d u_t = u - u.dot(n) * n;
+    x += lessened(u_t, mu * depth) - u_t;
+  }
+  x += depth * n;
+
+  const double v_n = v.dot(n);
+  if (v_n < 0.0) {
+    const Eigen::Vector3d v_t = v - v_n * n;
+    v = mu > 0.0 ? lessened(v_t, mu * -v_n) : v_t;
+  }
+  return true;
+}
+
+}  // namespace
+
+void ContactSolver::set_colliders(std::span<const Collider> colliders) {
+  colliders_.clear();
+  colliders_.reserve(colliders.size());
+  for (const Collider& collider : colliders) colliders_.emplace_back(collider);
+}
+
+void ContactSolver::resolve(double thickness, std::span<const std::uint8_t> fixed, const Eigen::Matrix3Xd& x_before,
+                            Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& v) {
+  if (colliders_.empty()) return;
+  KERF_CHECK(x.cols() == v.cols() && x.cols() == x_before.cols(), "positions and velocities of different meshes");
+  KERF_CHECK(fixed.empty() || static_cast<Eigen::Index>(fixed.size()) == x.cols(), "pin mask of another mesh");
+  ++counters_.phases;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    if (!fixed.empty() && fixed[static_cast<std::size_t>(i)] != 0) continue;
+    const Eigen::Vector3d before = x_before.col(i);
+    Eigen::Vector3d position = x.col(i);
+    Eigen::Vector3d velocity = v.col(i);
+    bool touched = false;
+    for (int pass = 0; pass < kPasses; ++pass) {
+      bool pushed = false;
+      for (const PreparedCollider& collider : colliders_) {
+        if (push_out(collider, thickness, before, position, velocity)) {
+          pushed = true;
+          ++counters_.contacts;
+        }
+      }
+      if (!pushed) break;
+      touched = true;
+    }
+    if (!touched) continue;
+    x.col(i) = position;
+    v.col(i) = velocity;
+  }
+}
+
+}  // namespace kerf::contact

@@ -1,0 +1,256 @@
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "server/base/random.h"
+#include "server/contact/collider.h"
+#include "server/contact/contact_solver.h"
+
+namespace kerf::contact {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+constexpr double kTight = 1e-12;
+
+Vector3d random_vector(SeededRandom& random, double extent) {
+  const double x = random.uniform(-extent, extent);
+  const double y = random.uniform(-extent, extent);
+  return {x, y, random.uniform(-extent, extent)};
+}
+
+void expect_proximity(const Shape& shape, const Vector3d& point, double distance, const Vector3d& normal) {
+  const Proximity near = PreparedCollider({shape, 0.0}).query(point);
+  EXPECT_NEAR(near.distance, distance, kTight) << "at " << point.transpose();
+  EXPECT_NEAR((near.normal - normal).norm(), 0.0, kTight) << "normal " << near.normal.transpose();
+}
+
+TEST(Collider, PlaneDistanceIsSignedAndScaleFree) {
+  const Plane plane{{0.0, 0.0, 1.0}, {0.0, 0.0, 250.0}};
+  expect_proximity(plane, {3.0, -2.0, 1.5}, 0.5, {0, 0, 1});
+  expect_proximity(plane, {3.0, -2.0, 0.25}, -0.75, {0, 0, 1});
+  const Plane tilted{{0.0, 0.0, 0.0}, {1.0, 1.0, 0.0}};
+  expect_proximity(tilted, {1.0, 1.0, 7.0}, std::sqrt(2.0), Vector3d(1, 1, 0).normalized());
+  expect_proximity(Plane{{0, 0, 0}, {0, 0, 1e-200}}, {0, 0, 2}, 2.0, {0, 0, 1});
+}
+
+TEST(Collider, SphereDistanceInsideOutsideAndAtTheCentre) {
+  const Sphere sphere{{1.0, 0.0, 0.0}, 0.5};
+  expect_proximity(sphere, {3.0, 0.0, 0.0}, 1.5, {1, 0, 0});
+  expect_proximity(sphere, {1.0, -0.25, 0.0}, -0.25, {0, -1, 0});
+  expect_proximity(sphere, {1.0, 0.0, 0.0}, -0.5, {0, 0, 1});
+}
+
+TEST(Collider, BoxDistanceToFaceEdgeCornerAndFromInside) {
+  const OrientedBox box{{0.0, 0.0, 0.0}, {1.0, 2.0, 3.0}, {0.0, 0.0, 0.0}, 0.0};
+  expect_proximity(box, {1.5, 0.3, -0.4}, 0.5, {1, 0, 0});
+  expect_proximity(box, {-1.3, 2.4, 1.0}, 0.5, {-0.6, 0.8, 0.0});
+  expect_proximity(box, {2.0, 4.0, 5.0}, 3.0, Vector3d(1, 2, 2) / 3.0);
+  expect_proximity(box, {0.2, -1.9, 0.0}, -0.1, {0, -1, 0});
+  expect_proximity(box, {0.0, 0.0, 0.0}, -1.0, {1, 0, 0});
+  expect_proximity(box, {1.0, 0.0, 0.0}, 0.0, {1, 0, 0});
+}
+
+TEST(Collider, RotatedBoxEqualsTheUnrotatedOneInItsFrame) {
+  const OrientedBox straight{{0.0, 0.0, 0.0}, {0.3, 0.2, 0.1}, {0.0, 0.0, 0.0}, 0.0};
+  const Vector3d axis(1.0, -2.0, 0.5);
+  const OrientedBox turned{{0.4, 0.5, 0.6}, {0.3, 0.2, 0.1}, 7.0 * axis, 1.1};
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(1.1, axis.normalized()).toRotationMatrix();
+  SeededRandom random(5);
+  for (int i = 0; i < 500; ++i) {
+    const Vector3d local = random_vector(random, 0.5);
+    const Proximity expected = PreparedCollider({straight, 0.0}).query(local);
+    const Proximity actual = PreparedCollider({turned, 0.0}).query(turned.centre + R * local);
+    EXPECT_NEAR(actual.distance, expected.distance, kTight);
+    EXPECT_NEAR((actual.normal - R * expected.normal).norm(), 0.0, 1e-9);
+  }
+}
+
+TEST(Collider, CapsuleDistanceAlongTheAxisAtTheEndsAndDegenerate) {
+  const Capsule capsule{{0.0, 0.0, 0.0}, {0.0, 0.0, 2.0}, 0.5};
+  expect_proximity(capsule, {2.0, 0.0, 1.0}, 1.5, {1, 0, 0});
+  expect_proximity(capsule, {0.0, 0.0, 3.0}, 0.5, {0, 0, 1});
+  expect_proximity(capsule, {0.0, 0.3, -0.4}, 0.0, {0.0, 0.6, -0.8});
+  expect_proximity(capsule, {0.1, 0.0, 1.0}, -0.4, {1, 0, 0});
+  const Proximity on_axis = PreparedCollider({capsule, 0.0}).query({0.0, 0.0, 1.0});
+  EXPECT_DOUBLE_EQ(on_axis.distance, -0.5);
+  EXPECT_NEAR(on_axis.normal.norm(), 1.0, kTight);
+  EXPECT_NEAR(on_axis.normal.z(), 0.0, kTight);
+  expect_proximity(Capsule{{1, 1, 1}, {1, 1, 1}, 0.5}, {1, 1, 3}, 1.5, {0, 0, 1});
+  expect_proximity(Capsule{{1, 1, 1}, {1, 1, 1}, 0.5}, {1, 1, 1}, -0.5, {0, 0, 1});
+}
+
+TEST(Collider, NormalIsTheGradientOfTheDistance) {
+  const std::vector<Shape> shapes{Plane{{0.1, 0.2, 0.3}, {1.0, -2.0, 0.3}}, Sphere{{0.1, 0.0, -0.1}, 0.4},
+                                  OrientedBox{{0.0, 0.1, 0.0}, {0.3, 0.5, 0.4}, {1.0, 1.0, 0.2}, 0.7},
+                                  Capsule{{-0.2, 0.0, 0.1}, {0.3, 0.2, 0.0}, 0.25}};
+  SeededRandom random(11);
+  constexpr double kStep = 1e-6;
+  for (const Shape& shape : shapes) {
+    const PreparedCollider collider({shape, 0.0});
+    int kinks = 0;
+    for (int i = 0; i < 400; ++i) {
+      const Vector3d p = random_vector(random, 1.0);
+      const Proximity near = collider.query(p);
+      Vector3d gradient;
+      for (int k = 0; k < 3; ++k) {
+        const Vector3d d = kStep * Vector3d::Unit(k);
+        gradient[k] = (collider.query(p + d).distance - collider.query(p - d).distance) / (2.0 * kStep);
+      }
+      if ((gradient - near.normal).norm() > 1e-4) ++kinks;
+    }
+    EXPECT_LE(kinks, 1);  // inside a box the nearest face may change within the difference
+  }
+}
+
+TEST(Collider, RefusesBadValuesAndNamesTheField) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto field = [](const Collider& collider) {
+    const Status status = validate(collider, "colliders[2]");
+    return status.ok() ? std::string("accepted") : status.error().field;
+  };
+  EXPECT_EQ(field({Sphere{}, 0.3}), "accepted");
+  EXPECT_EQ(field({Plane{{0, nan, 0}, {0, 0, 1}}, 0.0}), "colliders[2].plane.point.y");
+  EXPECT_EQ(field({Plane{{0, 0, 0}, {0, 0, 0}}, 0.0}), "colliders[2].plane.normal");
+  EXPECT_EQ(field({Sphere{{0, 0, 2e6}, 1.0}, 0.0}), "colliders[2].sphere.center.z");
+  EXPECT_EQ(field({Sphere{{0, 0, 0}, 0.0}, 0.0}), "colliders[2].sphere.radius_m");
+  EXPECT_EQ(field({Sphere{{0, 0, 0}, 1.1e4}, 0.0}), "colliders[2].sphere.radius_m");
+  EXPECT_EQ(field({OrientedBox{{0, 0, 0}, {1, -1, 1}, {0, 0, 1}, 0.0}, 0.0}), "colliders[2].box.half_extents_m.y");
+  EXPECT_EQ(field({OrientedBox{{0, 0, 0}, {1, 1, 1}, {0, 0, 1}, nan}, 0.0}), "colliders[2].box.angle_rad");
+  EXPECT_EQ(field({Capsule{{0, 0, 0}, {0, nan, 1}, 1.0}, 0.0}), "colliders[2].capsule.b.y");
+  EXPECT_EQ(field({Sphere{}, -0.1}), "colliders[2].friction");
+  EXPECT_EQ(field({Sphere{}, 10.5}), "colliders[2].friction");
+}
+
+// One free particle under gravity, by symplectic Euler.
+struct Particle {
+  Matrix3Xd x{3, 1};
+  Matrix3Xd v = Matrix3Xd::Zero(3, 1);
+
+  void step(ContactSolver& solver, double dt, double thickness) {
+    const Matrix3Xd before = x;
+    v.col(0) += dt * Vector3d(0.0, 0.0, -9.81);
+    x += dt * v;
+    solver.resolve(thickness, {}, before, x, v);
+  }
+};
+
+TEST(ContactSolver, RestsOnAPlaneAtItsThickness) {
+  ContactSolver solver;
+  const std::vector<Collider> floor{{Plane{}, 0.5}};
+  solver.set_colliders(floor);
+  Particle particle;
+  particle.x.col(0) = Vector3d(0.0, 0.0, 0.3);
+  for (int i = 0; i < 1000; ++i) particle.step(solver, 1e-3, 2e-3);
+  EXPECT_NEAR(particle.x(2, 0), 2e-3, kTight);
+  EXPECT_NEAR(particle.v.norm(), 0.0, kTight);
+  EXPECT_EQ(solver.counters().phases, 1000);
+  EXPECT_GT(solver.counters().contacts, 500);
+}
+
+TEST(ContactSolver, SticksOnAnInclineExactlyWhereTheTangentIsBelowMu) {
+  constexpr double kMu = 0.5;
+  constexpr double kSeconds = 1.0;
+  constexpr double kDt = 1e-3;
+  for (const double tangent : {0.3, 0.49, 0.51, 0.8}) {
+    const double angle = std::atan(tangent);
+    const Vector3d normal(std::sin(angle), 0.0, std::cos(angle));
+    ContactSolver solver;
+    const std::vector<Collider> incline{{Plane{{0, 0, 0}, normal}, kMu}};
+    solver.set_colliders(incline);
+    Particle particle;
+    particle.x.col(0).setZero();
+    for (int i = 0; i < static_cast<int>(kSeconds / kDt); ++i) particle.step(solver, kDt, 0.0);
+    const double slid = particle.x.col(0).norm();
+    if (tangent < kMu) {
+      EXPECT_LT(slid, 1e-9) << "tangent " << tangent;
+    } else {
+      // Down the slope with g (sin - mu cos), first-order in the step.
+      const double acceleration = 9.81 * (std::sin(angle) - kMu * std::cos(angle));
+      EXPECT_NEAR(slid, 0.5 * acceleration * kSeconds * kSeconds, 2.0 * acceleration * kDt) << "tangent " << tangent;
+    }
+  }
+}
+
+TEST(ContactSolver, FrictionlessContactKeepsTheTangentialVelocity) {
+  ContactSolver solver;
+  const std::vector<Collider> floor{{Plane{}, 0.0}};
+  solver.set_colliders(floor);
+  Matrix3Xd x(3, 1);
+  x << 0.0, 0.0, -0.01;
+  Matrix3Xd v(3, 1);
+  v << 1.0, -2.0, -3.0;
+  const Matrix3Xd before = Matrix3Xd::Zero(3, 1);
+  solver.resolve(0.0, {}, before, x, v);
+  EXPECT_EQ(Vector3d(x.col(0)), Vector3d(0, 0, 0));
+  EXPECT_EQ(Vector3d(v.col(0)), Vector3d(1, -2, 0));
+}
+
+TEST(ContactSolver, NeverAddsKineticEnergy) {
+  ContactSolver solver;
+  const std::vector<Collider> bodies{{Sphere{{0, 0, 0}, 0.5}, 0.4},
+                                     {OrientedBox{{0.3, 0, 0}, {0.4, 0.2, 0.3}, {0, 1, 1}, 0.5}, 1.5},
+                                     {Capsule{{-0.5, 0, 0}, {0.5, 0.5, 0}, 0.2}, 0.0}};
+  solver.set_colliders(bodies);
+  SeededRandom random(3);
+  for (int i = 0; i < 1000; ++i) {
+    Matrix3Xd x(3, 1);
+    Matrix3Xd v(3, 1);
+    x.col(0) = random_vector(random, 0.6);
+    v.col(0) = random_vector(random, 5.0);
+    const Matrix3Xd before = x - 1e-3 * v;
+    const double speed = v.norm();
+    solver.resolve(1e-3, {}, before, x, v);
+    EXPECT_LE(v.norm(), speed * (1.0 + 1e-14));
+  }
+}
+
+TEST(ContactSolver, LeavesFixedVerticesAndFarOnesAlone) {
+  ContactSolver solver;
+  const std::vector<Collider> bodies{{Sphere{}, 0.0}};
+  solver.set_colliders(bodies);
+  Matrix3Xd x(3, 3);
+  x << 0.0, 0.5, 3.0,  //
+      0.0, 0.0, 0.0,   //
+      0.1, 0.0, 0.0;
+  Matrix3Xd v = Matrix3Xd::Constant(3, 3, -1.0);
+  const Matrix3Xd x_before = x;
+  const Matrix3Xd v_before = v;
+  const std::vector<std::uint8_t> fixed{1, 0, 0};
+  solver.resolve(0.0, fixed, x_before, x, v);
+  EXPECT_EQ(Vector3d(x.col(0)), Vector3d(x_before.col(0)));
+  EXPECT_EQ(Vector3d(v.col(0)), Vector3d(v_before.col(0)));
+  EXPECT_NEAR(x.col(1).norm(), 1.0, kTight);
+  EXPECT_EQ(Vector3d(x.col(2)), Vector3d(x_before.col(2)));
+}
+
+TEST(ContactSolver, DoesNothingAndCountsNothingWithoutColliders) {
+  ContactSolver solver;
+  Matrix3Xd x = Matrix3Xd::Constant(3, 4, -1.0);
+  Matrix3Xd v = x;
+  const Matrix3Xd before = x;
+  solver.resolve(0.1, {}, before, x, v);
+  EXPECT_TRUE(solver.empty());
+  EXPECT_EQ(solver.counters().phases, 0);
+  EXPECT_TRUE(x == before && v == before);
+}
+
+TEST(ContactSolver, EndsOutsideBothWallsOfANotch) {
+  ContactSolver solver;
+  const std::vector<Collider> notch{{Plane{{0, 0, 0}, {1.0, 0.0, 1.0}}, 0.3},
+                                    {Plane{{0, 0, 0}, {-1.0, 0.0, 1.0}}, 0.3}};
+  solver.set_colliders(notch);
+  Particle particle;
+  particle.x.col(0) = Vector3d(0.02, 0.0, 0.5);
+  for (int i = 0; i < 2000; ++i) particle.step(solver, 1e-3, 0.0);
+  for (const Collider& wall : notch) {
+    EXPECT_GT(PreparedCollider(wall).query(particle.x.col(0)).distance, -1e-5);
+  }
+  EXPECT_LT(particle.v.norm(), 0.05);
+}
+
+}  // namespace
+}  // namespace kerf::contact
