@@ -15,7 +15,7 @@ namespace kerf::fem {
 // constant, positive semidefinite, invariant under translation and rotation. A missing neighbour just leaves out its
 // condition, the natural condition of a free edge.
 struct BendingPatch {
-  // 0..2 corners, 2 + k + 1 the vertex across the edge opposite corner k, kNone where there is none.
+  // 0..2 corners, 3 + k the vertex across the edge opposite corner k, kNone where there is none.
   std::array<mesh::VertexId, 6> vertex{mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone};
   // Upper triangle of Q by rows, N/m; zero in rows and columns of missing vertices.
   std::array<double, 21> stiffness{};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -87,12 +88,19 @@ class Model {
   [[nodiscard]] std::uint64_t hash() const;
 
  private:
-  void set_element(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
-  void set_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
-  void set_mass(mesh::VertexId vertex);
-  void set_bending_row(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
+  // Rewrites the slots and the incidence of their vertices; returns those vertices, old and new, sorted.
+  std::vector<mesh::VertexId> set_elements(const mesh::TriangleMesh& mesh,
+                                           const std::vector<mesh::TriangleId>& rewritten);
   void resize(const mesh::TriangleMesh& mesh);
+  void set_element(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
+  void set_mass(mesh::VertexId vertex);
+  void set_bending(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten);
+  [[nodiscard]] BendingPatch make_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
+  // Row `vertex` of Q: the sum over the patches of `slots`, in that order.
+  void sum_bending_row(mesh::VertexId vertex, const std::vector<mesh::TriangleId>& slots,
+                       std::vector<BendingEntry>& entries) const;
   [[nodiscard]] bool has_material(mesh::TriangleId slot) const;
+  [[nodiscard]] std::array<mesh::VertexId, 3> corners(mesh::TriangleId slot) const;
 
   Material material_;
   Eigen::Matrix3d membrane_law_;

@@ -11,4 +11,9 @@ struct State {
   Eigen::Matrix3Xd v;  // 3 x V, world velocities, m/s
 };
 
+// Whether every position and velocity is finite.
+inline bool is_finite(const State& state) {
+  return state.x.allFinite() && state.v.allFinite();
+}
+
 }  // namespace kerf::fem

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "server/fem/bending.h"
+#include "server/fem/row_store.h"
+
+namespace kerf::fem {
+
+// f (3 x V, N) += -Q x for x (3 x V, m), as f_i = sum_j Q_ij (x_i - x_j): equal since the rows of Q sum to zero, but
+// exactly invariant under translation and, pair by pair, exactly without resultant force. For damping beta pass
+// x + beta v. Rows in order.
+void add_bending_forces(const RowStore<BendingEntry>& rows, const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& f);
+
+// J.
+double bending_energy(const RowStore<BendingEntry>& rows, const Eigen::Matrix3Xd& x);
+
+}  // namespace kerf::fem

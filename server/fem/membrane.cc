@@ -1,0 +1,177 @@
+#include "server/fem/membrane.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include "server/fem/element_lanes.h"
+
+namespace kerf::fem {
+namespace {
+
+// C sigma of a general symmetric plane-stress law.
+struct Law {
+  explicit Law(const Eigen::Matrix3d& C)
+      : C11(C(0, 0)), C22(C(1, 1)), C33(C(2, 2)), C12(C(0, 1)), C13(C(0, 2)), C23(C(1, 2)) {}
+  double C11, C22, C33, C12, C13, C23;
+};
+
+struct LaneStrain {
+  Lane e1, e2, e3;
+};
+
+struct LaneForces {
+  Lane3 corner1, corner2;  // N; corner 0 has minus their sum
+};
+
+void biot_strain(const LaneFrames& frames, LaneStrain& e) {
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    e.e1[l] = frames.S11[l] - 1.0;
+    e.e2[l] = frames.S22[l] - 1.0;
+    e.e3[l] = 2.0 * frames.S12[l];
+  }
+}
+
+// e += beta dS/dt. M = R^T dF/dt = dS/dt + w S with the spin w = [[0, -omega], [omega, 0]], hence omega = (M21 - M12) /
+// tr S: the rate of a rigid rotation is exactly zero however the triangle is strained.
+void add_strain_rate(const ElementBlock& block, const Eigen::Matrix3Xd& v, double beta, const LaneFrames& frames,
+                     LaneStrain& e) {
+  LaneEdges dv;
+  Lane3 f1;
+  Lane3 f2;
+  gather_edges(block, v, dv);
+  multiply_by_dm_inverse(block, dv, f1, f2);
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const double M11 = frames.R1[0][l] * f1[0][l] + frames.R1[1][l] * f1[1][l] + frames.R1[2][l] * f1[2][l];
+    const double M21 = frames.R2[0][l] * f1[0][l] + frames.R2[1][l] * f1[1][l] + frames.R2[2][l] * f1[2][l];
+    const double M12 = frames.R1[0][l] * f2[0][l] + frames.R1[1][l] * f2[1][l] + frames.R1[2][l] * f2[2][l];
+    const double M22 = frames.R2[0][l] * f2[0][l] + frames.R2[1][l] * f2[1][l] + frames.R2[2][l] * f2[2][l];
+    const double omega = (M21 - M12) * frames.inverse_trace[l];
+    e.e1[l] += beta * (M11 + omega * frames.S12[l]);
+    e.e2[l] += beta * (M22 - omega * frames.S12[l]);
+    e.e3[l] += beta * (M12 + M21 + omega * (frames.S22[l] - frames.S11[l]));
+  }
+}
+
+void corner_forces(const ElementBlock& block, const Law& law, const LaneFrames& frames, const LaneStrain& e,
+                   LaneForces& forces) {
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const double sigma1 = law.C11 * e.e1[l] + law.C12 * e.e2[l] + law.C13 * e.e3[l];
+    const double sigma2 = law.C12 * e.e1[l] + law.C22 * e.e2[l] + law.C23 * e.e3[l];
+    const double sigma3 = law.C13 * e.e1[l] + law.C23 * e.e2[l] + law.C33 * e.e3[l];
+    const double a =
+        (frames.S12[l] * (sigma1 - sigma2) + sigma3 * (frames.S22[l] - frames.S11[l])) * frames.inverse_trace[l];
+    const double minus_area = -block.area[l];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double P1 = minus_area * (frames.R1[c][l] * sigma1 + frames.R2[c][l] * (sigma3 + a));
+      const double P2 = minus_area * (frames.R1[c][l] * (sigma3 - a) + frames.R2[c][l] * sigma2);
+      forces.corner1[c][l] = P1 * block.g1[0][l] + P2 * block.g1[1][l];
+      forces.corner2[c][l] = P1 * block.g2[0][l] + P2 * block.g2[1][l];
+    }
+  }
+}
+
+void scatter(const ElementBlock& block, const LaneForces& forces, Eigen::Matrix3Xd& f) {
+  double* data = f.data();
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    double* f0 = data + 3 * static_cast<std::ptrdiff_t>(block.vertex[0][l]);
+    double* f1 = data + 3 * static_cast<std::ptrdiff_t>(block.vertex[1][l]);
+    double* f2 = data + 3 * static_cast<std::ptrdiff_t>(block.vertex[2][l]);
+    for (std::size_t c = 0; c < 3; ++c) {
+      f0[c] -= forces.corner1[c][l] + forces.corner2[c][l];
+      f1[c] += forces.corner1[c][l];
+      f2[c] += forces.corner2[c][l];
+    }
+  }
+}
+
+void frames_at(const ElementBlock& block, const Eigen::Matrix3Xd& x, LaneFrames& frames) {
+  LaneEdges dx;
+  Lane3 f1;
+  Lane3 f2;
+  gather_edges(block, x, dx);
+  multiply_by_dm_inverse(block, dx, f1, f2);
+  polar_decomposition(f1, f2, frames);
+}
+
+}  // namespace
+
+void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, LaneFrames& frames) {
+  const Eigen::Vector3d a(f1[0][lane], f1[1][lane], f1[2][lane]);
+  const Eigen::Vector3d b(f2[0][lane], f2[1][lane], f2[2][lane]);
+  const Eigen::Vector3d line = a.squaredNorm() >= b.squaredNorm() ? a : b;
+  Eigen::Vector3d R1 = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d R2 = Eigen::Vector3d::UnitY();
+  const double length = line.norm();
+  frames.inverse_trace[lane] = 1.0;
+  if (length > 1e-15) {
+    // Across the line: perpendicular to it and to the coordinate axis it is least aligned with, the first such.
+    int axis = 0;
+    const Eigen::Vector3d size = line.cwiseAbs();
+    if (size[1] < size[axis]) axis = 1;
+    if (size[2] < size[axis]) axis = 2;
+    const Eigen::Vector3d n = line.cross(Eigen::Vector3d::Unit(axis)).normalized();
+    const double s = std::sqrt(a.squaredNorm() + b.squaredNorm());
+    R1 = (a + b.cross(n)) / s;
+    R2 = (b + n.cross(a)) / s;
+    frames.inverse_trace[lane] = 1.0 / s;
+  }
+  for (int c = 0; c < 3; ++c) {
+    frames.R1[static_cast<std::size_t>(c)][lane] = R1[c];
+    frames.R2[static_cast<std::size_t>(c)][lane] = R2[c];
+  }
+  const double inverse_s = frames.inverse_trace[lane];
+  frames.S11[lane] = a.squaredNorm() * inverse_s;
+  frames.S22[lane] = b.squaredNorm() * inverse_s;
+  frames.S12[lane] = a.dot(b) * inverse_s;
+}
+
+void add_membrane_forces(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, double beta,
+                         const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& f) {
+  const Law law(C);
+  LaneFrames frames;
+  LaneStrain e;
+  LaneForces forces;
+  for (const ElementBlock& block : blocks) {
+    frames_at(block, x, frames);
+    biot_strain(frames, e);
+    if (beta > 0.0) add_strain_rate(block, v, beta, frames, e);
+    corner_forces(block, law, frames, e, forces);
+    scatter(block, forces, f);
+  }
+}
+
+double membrane_energy(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, const Eigen::Matrix3Xd& x) {
+  double energy = 0.0;
+  LaneFrames frames;
+  LaneStrain e;
+  for (const ElementBlock& block : blocks) {
+    frames_at(block, x, frames);
+    biot_strain(frames, e);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (block.area[l] == 0.0) continue;
+      const Eigen::Vector3d strain(e.e1[l], e.e2[l], e.e3[l]);
+      energy += 0.5 * block.area[l] * strain.dot(C * strain);
+    }
+  }
+  return energy;
+}
+
+double max_principal_strain(std::span<const ElementBlock> blocks, const Eigen::Matrix3Xd& x) {
+  double largest = 0.0;
+  LaneFrames frames;
+  for (const ElementBlock& block : blocks) {
+    frames_at(block, x, frames);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (block.area[l] == 0.0) continue;
+      const double mean = 0.5 * (frames.S11[l] + frames.S22[l]);
+      const double half = 0.5 * (frames.S11[l] - frames.S22[l]);
+      const double radius = std::sqrt(half * half + frames.S12[l] * frames.S12[l]);
+      largest = std::max({largest, std::abs(mean + radius - 1.0), std::abs(mean - radius - 1.0)});
+    }
+  }
+  return largest;
+}
+
+}  // namespace kerf::fem

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+#include "server/fem/element_block.h"
+
+namespace kerf::fem {
+
+// Co-rotational linear triangle with a plane-stress law C (N/m, Voigt (e11, e22, 2 e12), material axes):
+//   F = [x1 - x0, x2 - x0] Dm^-1 (3x2) = R S,  e = S - I,  sigma = C e,  W = A/2 e.sigma,
+// with R and S in closed form. n = (f1 x f2) / d, d = |f1 x f2|, s = tr S = sqrt(tr F^T F + 2 d):
+//   R = [f1 + f2 x n, f2 + n x f1] / s,   S = (F^T F + d I) / s.
+// Its exact gradient needs the skew part a, since sigma and S do not commute for an anisotropic law:
+//   a = (S12 (sigma1 - sigma2) + sigma3 (S22 - S11)) / s,  T = [[sigma1, sigma3 - a], [sigma3 + a, sigma2]],
+//   dW/dx_i = A R T g_i.
+// A triangle collapsed to a line or a point has no normal; one is chosen perpendicular to the line, or fixed axes: the
+// same for the same shape, always finite.
+//
+// Everything here works on the slots in order and adds to vertices in that order: one sum order, whatever the
+// processor.
+
+// f (3 x V, N) += forces at x (3 x V, m) and v (3 x V, m/s). Kelvin-Voigt damping with beta (s, >= 0): sigma = C (e +
+// beta de/dt), which does no work on rigid motions and never adds energy. v is not read where beta is 0.
+void add_membrane_forces(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, double beta,
+                         const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& f);
+
+// J.
+double membrane_energy(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, const Eigen::Matrix3Xd& x);
+
+// Largest |principal strain| of any triangle with material, -.
+double max_principal_strain(std::span<const ElementBlock> blocks, const Eigen::Matrix3Xd& x);
+
+}  // namespace kerf::fem

@@ -1,0 +1,49 @@
+#include <Eigen/Geometry>
+
+#include "server/fem/bending_forces.h"
+#include "server/fem/membrane.h"
+#include "server/fem/model.h"
+
+namespace kerf::fem {
+
+double Model::total_mass() const {
+  double total = 0.0;
+  for (const double m : mass_) total += m;
+  return total;
+}
+
+void Model::internal_forces(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& f) const {
+  f.setZero();
+  add_membrane_forces(blocks_, membrane_law_, 0.0, x, x, f);
+  add_bending_forces(bending_rows_, x, f);
+}
+
+Energies Model::energies(const State& state, const Eigen::Vector3d& gravity) const {
+  Energies energies;
+  energies.membrane = membrane_energy(blocks_, membrane_law_, state.x);
+  energies.bending = bending_energy(bending_rows_, state.x);
+  for (int i = 0; i < num_vertices(); ++i) {
+    const double m = mass_[static_cast<std::size_t>(i)];
+    energies.gravity -= m * gravity.dot(state.x.col(i));
+    energies.kinetic += 0.5 * m * state.v.col(i).squaredNorm();
+  }
+  return energies;
+}
+
+Momentum Model::momentum(const State& state) const {
+  Momentum momentum;
+  for (int i = 0; i < num_vertices(); ++i) {
+    const Eigen::Vector3d p = mass_[static_cast<std::size_t>(i)] * state.v.col(i);
+    momentum.linear += p;
+    momentum.angular += state.x.col(i).cross(p);
+  }
+  return momentum;
+}
+
+Eigen::Vector3d Model::centre_of_mass(const Eigen::Matrix3Xd& x) const {
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();
+  for (int i = 0; i < num_vertices(); ++i) moment += mass_[static_cast<std::size_t>(i)] * x.col(i);
+  return moment / total_mass();
+}
+
+}  // namespace kerf::fem

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <span>
+
+#include <Eigen/Core>
+
+#include "server/fem/element_block.h"
+#include "server/fem/loads.h"
+#include "server/fem/state.h"
+
+namespace kerf::fem {
+
+// f (3 x V, N) += air drag at x (3 x V, m) and v (3 x V, m/s); see Wind. surface_density: kg/m^2 of the sheet at rest.
+// The force acts over a kick of `duration` (s); it is divided by 1 + (drag rate) duration, so that however strong the
+// wind a kick cannot carry a triangle past the velocity of the air. Slots in order.
+void add_wind_drag(std::span<const ElementBlock> blocks, const Wind& wind, double surface_density, double duration,
+                   const State& state, Eigen::Matrix3Xd& f);
+
+}  // namespace kerf::fem
