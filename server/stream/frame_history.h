@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "server/sheet/snapshot.h"
+#include "server/stream/message.h"
+#include "server/wire/frame_encoder.h"
+
+namespace kerf::stream {
+
+// What was computed so far, for metrics and for tests that nothing is computed in vain or twice.
+struct EncodeCounters {
+  std::int64_t quantised = 0;
+  std::int64_t keyframes = 0;   // encoded
+  std::int64_t deltas = 0;      // encoded
+  std::int64_t topologies = 0;  // encoded
+  std::int64_t taken = 0;       // frames given to subscribers
+};
+
+// What a subscriber has been sent so far.
+struct Viewed {
+  std::int64_t publication = 0;        // of its last frame; 0: none yet
+  std::int32_t topology_version = -1;  // -1: none yet
+};
+
+// What a subscriber is sent next, in bytes that others may share.
+struct FramePick {
+  Viewed viewed;  // once this is sent
+  std::int64_t tick = 0;
+  bool keyframe = false;
+  Bytes body;      // see wire::encode_frame_body
+  Bytes topology;  // see wire::encode_topology; null where the subscriber's is up to date
+};
+
+// The last few quantised frames of a sheet and everything encoded from them. A subscriber whose last frame is still
+// here and has the newest one's box gets the difference to it; everyone else gets the keyframe, as does everyone who
+// needs the full topology, and everyone when the difference is no smaller. Equal needs are encoded once. Not
+// thread-safe.
+class FrameHistory {
+ public:
+  static constexpr std::size_t kFrames = 8;
+
+  // `publication` > 0 numbers the snapshots; it never falls from call to call.
+  FramePick pick(std::int64_t publication, const sheet::Snapshot& snapshot, const Viewed& viewed);
+
+  [[nodiscard]] const EncodeCounters& counters() const { return counters_; }
+
+ private:
+  struct Frame {
+    std::int64_t publication = 0;
+    wire::QuantisedFrame quantised;
+    std::map<std::int64_t, Bytes> bodies;  // by publication of the base; 0: keyframe
+  };
+  struct Topology {
+    Bytes bytes;
+    bool full = false;
+  };
+
+  Frame& frame(std::int64_t publication, const sheet::Snapshot& snapshot);
+  const Frame* find(std::int64_t publication) const;
+  const Topology& topology(const sheet::Topology& topology, std::int32_t base_version);
+  const Bytes& keyframe(Frame& frame);
+  // The keyframe where it is no larger.
+  const Bytes& delta(Frame& frame, const Frame& base);
+
+  std::deque<Frame> frames_;  // oldest first
+  std::int32_t topology_version_ = -1;
+  std::map<std::int32_t, Topology> topologies_;  // of topology_version_, by base version
+  EncodeCounters counters_;
+};
+
+}  // namespace kerf::stream

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+
+#include "server/base/result.h"
+#include "server/stream/frame_history.h"
+#include "server/stream/message.h"
+#include "server/wire/frame_encoder.h"
+
+namespace kerf::stream {
+
+class Channel;
+
+// Since any fixed start, the same for all calls on one subscriber.
+using Nanoseconds = std::chrono::nanoseconds;
+
+struct SubscriberOptions {
+  std::int32_t window = 2;                             // frames in flight, 1..8
+  double max_rate_hz = 0.0;                            // frames a second, >= 0; 0: every tick
+  std::size_t max_unacknowledged_bytes = 4 << 20;      // no frame is sent while this much or more is in flight
+  Nanoseconds ack_timeout = std::chrono::seconds(10);  // for the oldest frame in flight
+};
+
+inline constexpr std::int32_t kMaxWindow = 8;
+
+// One stream of frames. A frame is given only while fewer than `window` frames and max_unacknowledged_bytes are
+// unacknowledged and max_rate_hz allows, and it is always the sheet's newest: a slow reader skips, never lags. The
+// stream is taken as reliable and ordered: a frame given by next() is the base of later deltas. Thread-safe.
+class Subscriber {
+ public:
+  // Made by Channel::subscribe().
+  Subscriber(std::shared_ptr<Channel> channel, const SubscriberOptions& options, std::function<void()> ready);
+  ~Subscriber();  // leave()
+  Subscriber(const Subscriber&) = delete;
+  Subscriber& operator=(const Subscriber&) = delete;
+
+  struct Next {
+    std::optional<Message> message;      // to be sent
+    std::optional<Nanoseconds> wake_at;  // without a message: call next() again then, unless `ready` comes first
+  };
+  Next next(Nanoseconds now);
+
+  // All frames up to `sequence` have arrived. One that is acknowledged already is no error.
+  // kInvalidArgument ACK_OUT_OF_RANGE, field "ack.sequence": outside 1..last sent.
+  Status acknowledge(std::int64_t sequence);
+
+  // next() has given an Ended message; nothing follows.
+  [[nodiscard]] bool ended() const;
+
+  // No more frames, no more `ready`. Idempotent.
+  void leave();
+
+ private:
+  friend class Channel;
+  struct InFlight {
+    std::int64_t sequence = 0;
+    std::size_t bytes = 0;
+    Nanoseconds sent_at{0};
+  };
+
+  // By the channel: calls `ready` if next() gave nothing last time and may have something now.
+  void wake();
+  void end(wire::EndReason reason);
+
+  [[nodiscard]] bool window_open() const;  // mutex_ held
+  Next end_now(wire::EndReason reason);    // mutex_ held
+  Next idle(Nanoseconds now);              // mutex_ held
+  Message take(Nanoseconds now);           // mutex_ held
+
+  const std::shared_ptr<Channel> channel_;
+  const SubscriberOptions options_;
+  const std::function<void()> ready_;
+
+  // Lock order: mutex_, then the channel's.
+  mutable std::mutex mutex_;
+  std::deque<InFlight> in_flight_;
+  std::size_t bytes_in_flight_ = 0;
+  std::int64_t last_sequence_ = 0;
+  std::int64_t last_tick_ = 0;
+  Viewed viewed_;
+  Nanoseconds next_allowed_ = Nanoseconds::min();  // by max_rate_hz
+  std::optional<wire::EndReason> end_;             // to be told
+  bool idle_ = true;                               // next() gave nothing last time
+  bool ended_ = false;
+  bool left_ = false;
+};
+
+}  // namespace kerf::stream

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "kerf/v1/scene.pb.h"
+#include "server/base/result.h"
+#include "server/sheet/sheet_config.h"
+
+// kerf.v1.Scene and what it is made of <-> the types of the sheet. Errors are kInvalidArgument with the field path as
+// in scene.proto, from the message given ("grid.columns", "pins[2].box.min.x", "commands[0].command.cut.curve"): what
+// the message alone can get wrong (a choice left open, an array of odd length, an unknown preset) and all that
+// sheet::validate() refuses.
+namespace kerf::wire {
+
+// Reads the file that ObjMesh.file names.
+using ObjReader = std::function<Result<std::string>(const std::string& path)>;
+
+// Fills in the defaults that scene.proto documents. Without a reader ObjMesh.file is refused (OBJ_FILE_REFUSED), as it
+// must be for what comes over the network.
+Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const ObjReader& read_obj = {});
+
+// The complete scene, every number given: decode_scene(encode_scene(c)) equals c bit for bit, for every c that came out
+// of decode_scene().
+v1::Scene encode_scene(const sheet::SheetConfig& config);
+
+// A scene file: JSON, decoded. Errors of from_json() and decode_scene().
+Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const ObjReader& read_obj);
+
+// Parts of a scene that are told by themselves (kerf.v1.Sheet.scene).
+v1::Material encode_material(const fem::Material& material);
+v1::Collider encode_collider(const contact::Collider& collider);
+v1::Wind encode_wind(const sheet::Wind& wind);
+
+}  // namespace kerf::wire
