@@ -1,0 +1,79 @@
+#include "server/rpc/rpc_server.h"
+
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
+#include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/security/server_credentials.h>
+#include <grpcpp/server.h>
+#include <grpcpp/server_builder.h>
+
+#include <vector>
+
+#include "server/api/api.h"
+#include "server/rpc/services.h"
+
+namespace kerf::rpc {
+
+struct RpcServer::Impl {
+  RpcOptions options;
+  int max_request_bytes = 0;
+  std::vector<NamedService> services;
+  std::unique_ptr<grpc::Server> server;  // destroyed before its services
+};
+
+namespace {
+
+void set_limits(grpc::ServerBuilder& builder, const RpcOptions& options, int max_request_bytes) {
+  builder.SetMaxReceiveMessageSize(max_request_bytes);
+  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // on by default: two servers would share a port unnoticed
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.max_streams_per_connection);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, static_cast<int>(options.keepalive_interval.count()));
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, static_cast<int>(options.keepalive_timeout.count()));
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 5000);
+}
+
+}  // namespace
+
+RpcServer::RpcServer(api::Api& api, const RpcOptions& options) : impl_(std::make_unique<Impl>()) {
+  impl_->options = options;
+  impl_->max_request_bytes = api.limits().max_request_bytes;
+  impl_->services = make_services(api);
+}
+
+RpcServer::~RpcServer() { stop(std::chrono::milliseconds(0)); }
+
+Result<int> RpcServer::start(const std::string& address) {
+  grpc::EnableDefaultHealthCheckService(true);
+  grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+  grpc::ServerBuilder builder;
+  set_limits(builder, impl_->options, impl_->max_request_bytes);
+  int port = 0;
+  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port);
+  for (const NamedService& named : impl_->services) builder.RegisterService(named.service.get());
+  impl_->server = builder.BuildAndStart();
+  if (!impl_->server || port == 0) {
+    impl_->server.reset();
+    return Error{ErrorCode::kUnavailable, "ADDRESS_IN_USE",
+                 "cannot listen on " + address +
+                     " for gRPC: the port is taken or the address is not this machine's; stop the other program or "
+                     "choose another --listen port",
+                 {}};
+  }
+  for (const NamedService& named : impl_->services) {
+    impl_->server->GetHealthCheckService()->SetServingStatus(named.name, true);
+  }
+  return port;
+}
+
+void RpcServer::drain() {
+  if (impl_->server) impl_->server->GetHealthCheckService()->SetServingStatus(false);
+}
+
+void RpcServer::stop(std::chrono::milliseconds grace) {
+  if (!impl_->server) return;
+  impl_->server->Shutdown(std::chrono::system_clock::now() + grace);
+  impl_->server->Wait();
+  impl_->server.reset();
+}
+
+}  // namespace kerf::rpc

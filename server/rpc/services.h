@@ -1,0 +1,26 @@
+#pragma once
+
+#include <grpcpp/impl/codegen/service_type.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace kerf::api {
+class Api;
+}  // namespace kerf::api
+
+namespace kerf::rpc {
+
+struct NamedService {
+  std::string name;  // "kerf.v1.CutService"
+  std::unique_ptr<grpc::Service> service;
+};
+
+// Every service of kerf.v1 over `api`, which must outlive them.
+std::vector<NamedService> make_services(api::Api& api);
+
+// StreamService, whose messages are passed through as bytes: frames are serialised once for all streams.
+std::unique_ptr<grpc::Service> make_stream_service(api::Api& api);
+
+}  // namespace kerf::rpc

@@ -1,0 +1,249 @@
+#include "server/ws/connection.h"
+
+#include <boost/asio/async_result.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/parser.hpp>
+#include <boost/beast/http/read.hpp>
+#include <boost/beast/http/span_body.hpp>
+#include <boost/beast/http/string_body.hpp>
+#include <boost/beast/http/write.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+
+#include <exception>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "server/ws/watch_stream.h"
+
+namespace kerf::ws {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+using Request = http::request<http::string_body>;
+using Parser = http::request_parser<http::string_body>;
+
+std::string header(const Request& request, http::field field) {
+  const beast::string_view value = request[field];
+  return {value.data(), value.size()};
+}
+
+HttpRequest to_request(Request& message) {
+  return {std::string(message.method_string()),
+          std::string(message.target()),
+          header(message, http::field::host),
+          header(message, http::field::origin),
+          header(message, http::field::if_none_match),
+          std::move(message.body())};
+}
+
+// What to tell a client whose request cannot be read; nothing where nobody listens any more.
+std::optional<HttpResponse> unreadable(const boost::system::error_code& error) {
+  if (error == http::error::body_limit) {
+    HttpResponse response =
+        refusal({ErrorCode::kResourceExhausted, "REQUEST_TOO_LARGE", "the request's body exceeds the limit", {}});
+    response.status = 413;
+    return response;
+  }
+  if (error == http::error::header_limit || error == http::error::buffer_overflow) {
+    HttpResponse response =
+        refusal({ErrorCode::kResourceExhausted, "HEADER_TOO_LARGE", "the request's header exceeds the limit", {}});
+    response.status = 431;
+    return response;
+  }
+  const bool silent = error == http::error::end_of_stream || error == http::error::partial_message;
+  if (silent || error.category() != http::make_error_code(http::error::bad_value).category()) return std::nullopt;
+  return refusal(invalid_argument("MALFORMED_REQUEST", "not HTTP/1.1: " + error.message()));
+}
+
+class HttpConnection : public Connection, public std::enable_shared_from_this<HttpConnection> {
+ public:
+  HttpConnection(ConnectionContext& context, asio::ip::tcp::socket socket)
+      : context_(context), stream_(std::move(socket)), executor_(stream_.get_executor()) {}
+
+  void run(std::function<void()> done) override {
+    // A connection that throws (out of memory) is dropped like one that fails.
+    asio::co_spawn(executor_, serve(), [self = shared_from_this(), done = std::move(done)](const std::exception_ptr&) {
+      self->close_now();
+      done();
+    });
+  }
+
+  void finish() override {
+    asio::post(executor_, [self = shared_from_this()] {
+      self->finishing_ = true;
+      if (self->idle_) self->stream_.close();
+    });
+  }
+
+  void abort() override {
+    asio::post(executor_, [self = shared_from_this()] {
+      self->finishing_ = true;
+      self->close_now();
+    });
+  }
+
+ private:
+  // What of a request decides how its response is framed.
+  struct Framing {
+    unsigned version = 11;
+    bool keep_alive = false;
+    bool head = false;  // length, but no body
+  };
+
+  // An upgraded connection's socket belongs to its stream.
+  void close_now() {
+    if (watch_) {
+      watch_->abort();
+    } else {
+      stream_.close();
+    }
+  }
+
+  asio::awaitable<void> serve() {
+    while (co_await serve_request()) {
+    }
+  }
+
+  // False if that was the last one of this connection.
+  asio::awaitable<bool> serve_request() {
+    if (!co_await request_has_begun()) co_return false;
+    Parser parser;
+    parser.header_limit(static_cast<std::uint32_t>(context_.options.max_header_bytes));
+    parser.body_limit(context_.max_body_bytes);
+    stream_.expires_after(context_.options.request_timeout);
+    boost::system::error_code error;
+    co_await http::async_read_header(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
+    if (!error && beast::websocket::is_upgrade(parser.get())) co_return co_await upgrade(parser.release());
+    if (!error && parser.get()[http::field::expect] == "100-continue") co_await invite_body();
+    if (!error) co_await http::async_read(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
+    if (error) {
+      const std::optional<HttpResponse> response = unreadable(error);
+      if (response && co_await write(*response, {})) co_await discard_rest();
+      co_return false;
+    }
+    Request message = parser.release();
+    Framing framing{message.version(), message.keep_alive(), message.method() == http::verb::head};
+    const HttpRequest request = to_request(message);
+    const HttpResponse response = co_await answer(request);
+    framing.keep_alive = framing.keep_alive && !finishing_;
+    co_return co_await write(response, framing) && framing.keep_alive;
+  }
+
+  asio::awaitable<bool> request_has_begun() {
+    if (finishing_) co_return false;
+    if (buffer_.size() > 0) co_return true;
+    const bool first = std::exchange(first_, false);
+    stream_.expires_after(first ? context_.options.request_timeout : context_.options.idle_timeout);
+    boost::system::error_code error;
+    idle_ = true;
+    const std::size_t bytes = co_await stream_.async_read_some(
+        buffer_.prepare(4096), asio::redirect_error(asio::use_awaitable, error));
+    idle_ = false;
+    buffer_.commit(bytes);
+    co_return !error;
+  }
+
+  asio::awaitable<bool> upgrade(Request message) {
+    const std::string subprotocols = header(message, http::field::sec_websocket_protocol);
+    const unsigned version = message.version();
+    const std::optional<HttpResponse> refused = context_.router.refuse_watch(to_request(message), subprotocols);
+    if (refused) {
+      co_await write(*refused, {version, false, false});
+      co_return false;
+    }
+    watch_ = std::make_shared<WatchStream>(context_, std::move(stream_));
+    if (finishing_) co_return false;
+    co_await watch_->run(message);
+    co_return false;
+  }
+
+  asio::awaitable<void> invite_body() {
+    http::response<http::empty_body> invitation{http::status::continue_, 11};
+    boost::system::error_code ignored;
+    co_await http::async_write(stream_, invitation, asio::redirect_error(asio::use_awaitable, ignored));
+  }
+
+  // The Api may reply on any of its threads: back to this strand.
+  asio::awaitable<HttpResponse> answer(const HttpRequest& request) {
+    stream_.expires_never();
+    auto initiate = [this, &request](auto handler) {
+      auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+      context_.router.respond(request, [shared, executor = executor_](HttpResponse response) {
+        asio::post(executor, [shared, response = std::move(response)]() mutable {
+          (*shared)(std::move(response));
+        });
+      });
+    };
+    return asio::async_initiate<const asio::use_awaitable_t<>, void(HttpResponse)>(std::move(initiate),
+                                                                                    asio::use_awaitable);
+  }
+
+  asio::awaitable<bool> write(const HttpResponse& response, Framing framing) {
+    ++context_.requests;
+    if (response.status >= 400) ++context_.failed_requests;
+    const std::string_view content = response.body ? std::string_view(*response.body) : std::string_view();
+    const auto status = static_cast<http::status>(response.status);
+    if (framing.head || response.status == 304) {
+      http::response<http::empty_body> message{status, framing.version};
+      if (framing.head) message.content_length(content.size());
+      co_return co_await write_message(message, response, framing);
+    }
+    http::response<http::span_body<const char>> message{status, framing.version};
+    message.body() = beast::span<const char>(content.data(), content.size());
+    message.content_length(content.size());
+    co_return co_await write_message(message, response, framing);
+  }
+
+  template <typename Body>
+  asio::awaitable<bool> write_message(http::response<Body>& message, const HttpResponse& response, Framing framing) {
+    message.set(http::field::server, "kerfd");
+    message.set("X-Content-Type-Options", "nosniff");
+    message.set("Cross-Origin-Resource-Policy", "same-origin");
+    if (!response.media_type.empty()) message.set(http::field::content_type, response.media_type);
+    for (const auto& [name, value] : response.headers) message.set(name, value);
+    message.keep_alive(framing.keep_alive);
+    stream_.expires_after(context_.options.write_timeout);
+    boost::system::error_code error;
+    co_await http::async_write(stream_, message, asio::redirect_error(asio::use_awaitable, error));
+    co_return !error;
+  }
+
+  // A socket that is closed with bytes unread is reset, and the reset may overtake the response: let the client read it.
+  asio::awaitable<void> discard_rest() {
+    boost::system::error_code error;
+    stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, error);
+    stream_.expires_after(std::chrono::seconds(1));
+    for (std::size_t discarded = 0; !error && discarded < (std::size_t{8} << 20);) {
+      buffer_.clear();
+      discarded += co_await stream_.async_read_some(buffer_.prepare(std::size_t{64} << 10),
+                                                    asio::redirect_error(asio::use_awaitable, error));
+    }
+  }
+
+  ConnectionContext& context_;
+  beast::tcp_stream stream_;
+  const beast::tcp_stream::executor_type executor_;  // a strand
+  beast::flat_buffer buffer_;
+  std::shared_ptr<WatchStream> watch_;  // once upgraded
+  bool first_ = true;
+  bool idle_ = false;
+  bool finishing_ = false;
+};
+
+}  // namespace
+
+std::shared_ptr<Connection> make_connection(ConnectionContext& context, asio::ip::tcp::socket socket) {
+  return std::make_shared<HttpConnection>(context, std::move(socket));
+}
+
+}  // namespace kerf::ws

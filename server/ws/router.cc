@@ -1,0 +1,181 @@
+#include "server/ws/router.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "server/api/api.h"
+#include "server/wire/error_codec.h"
+
+namespace kerf::ws {
+namespace {
+
+constexpr std::string_view kSubprotocol = "kerf.v1";
+// The viewer is self-contained: nothing it loads or talks to lies elsewhere, and no other site may frame it.
+constexpr std::string_view kContentSecurityPolicy =
+    "default-src 'self'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; "
+    "img-src 'self' data: blob:; worker-src 'self' blob:; frame-ancestors 'none'; base-uri 'none'";
+
+HttpResponse text(int status, std::string body) {
+  return {status, "text/plain; charset=utf-8", std::make_shared<const std::string>(std::move(body))};
+}
+
+HttpResponse refusal_with_status(int status, const Error& error) {
+  HttpResponse response = refusal(error);
+  response.status = status;
+  return response;
+}
+
+Error no_such_path(std::string_view path) {
+  return {ErrorCode::kNotFound, "PATH_NOT_FOUND",
+          "there is nothing at '" + std::string(path.substr(0, 200)) +
+              "'; POST /kerf.v1.SERVICE/METHOD with a JSON body calls a method",
+          {}};
+}
+
+HttpResponse method_not_allowed(std::string_view allowed) {
+  HttpResponse response = refusal_with_status(
+      405, {ErrorCode::kInvalidArgument, "METHOD_NOT_ALLOWED", "use " + std::string(allowed) + " here", {}});
+  response.headers.emplace_back("Allow", allowed);
+  return response;
+}
+
+// Browsers revalidate with the tag they were given; weak tags compare equal too (RFC 9110, 13.1.2).
+bool matches_etag(std::string_view if_none_match, std::string_view etag) {
+  return if_none_match == "*" || if_none_match.find(etag) != std::string_view::npos;
+}
+
+HttpResponse serve(const Asset& asset, std::string_view if_none_match) {
+  HttpResponse response;
+  response.media_type = asset.media_type;
+  response.headers.emplace_back("ETag", asset.etag);
+  response.headers.emplace_back("Cache-Control", asset.immutable ? "public, max-age=31536000, immutable" : "no-cache");
+  if (asset.media_type.starts_with("text/html")) {
+    response.headers.emplace_back("Content-Security-Policy", kContentSecurityPolicy);
+  }
+  if (matches_etag(if_none_match, asset.etag)) {
+    response.status = 304;
+    return response;
+  }
+  response.body = asset.content;
+  return response;
+}
+
+}  // namespace
+
+int http_status(ErrorCode code) {
+  switch (code) {
+    case ErrorCode::kInvalidArgument:
+    case ErrorCode::kFailedPrecondition:
+      return 400;
+    case ErrorCode::kNotFound:
+      return 404;
+    case ErrorCode::kAlreadyExists:
+    case ErrorCode::kAborted:
+      return 409;
+    case ErrorCode::kResourceExhausted:
+      return 429;
+    case ErrorCode::kUnavailable:
+      return 503;
+    case ErrorCode::kDataLoss:
+    case ErrorCode::kInternal:
+      return 500;
+  }
+  return 500;
+}
+
+HttpResponse refusal(const Error& error) {
+  HttpResponse response{http_status(error.code), "application/json",
+                        std::make_shared<const std::string>(wire::error_to_json(error))};
+  if (error.code == ErrorCode::kResourceExhausted || error.code == ErrorCode::kUnavailable) {
+    response.headers.emplace_back("Retry-After", "1");
+  }
+  return response;
+}
+
+bool lists_token(std::string_view list, std::string_view token) {
+  const auto same = [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+  };
+  while (!list.empty()) {
+    const std::size_t comma = std::min(list.find(','), list.size());
+    std::string_view entry = list.substr(0, comma);
+    list.remove_prefix(std::min(comma + 1, list.size()));
+    while (!entry.empty() && (entry.front() == ' ' || entry.front() == '\t')) entry.remove_prefix(1);
+    while (!entry.empty() && (entry.back() == ' ' || entry.back() == '\t')) entry.remove_suffix(1);
+    if (std::ranges::equal(entry, token, same)) return true;
+  }
+  return false;
+}
+
+Router::Router(api::Api& api, AssetTable assets, std::function<std::string()> metrics)
+    : assets_(std::move(assets)), metrics_(std::move(metrics)) {
+  for (const api::Method& method : api.methods()) methods_.emplace(method.path, &method);
+}
+
+HttpResponse Router::get(const HttpRequest& request, std::string_view path) const {
+  if (path == "/healthz") return text(200, "ok\n");
+  if (path == "/readyz") return draining_ ? text(503, "draining\n") : text(200, "ready\n");
+  if (path == "/metrics") {
+    return {200, "text/plain; version=0.0.4; charset=utf-8", std::make_shared<const std::string>(metrics_())};
+  }
+  if (const Asset* asset = assets_.find(path)) return serve(*asset, request.if_none_match);
+  if (path == "/" && assets_.num_files() == 0) {
+    return text(404, "kerfd runs, but no viewer was found; build web/ or give --web DIR\n");
+  }
+  if (methods_.contains(path)) return method_not_allowed("POST");
+  return refusal(no_such_path(path));
+}
+
+void Router::respond(const HttpRequest& request, std::function<void(HttpResponse)> done) const {
+  if (const Status host = check_host(access_, request.host); !host) {
+    done(refusal_with_status(host.error().code == ErrorCode::kInvalidArgument ? 400 : 403, host.error()));
+    return;
+  }
+  const std::string_view path = std::string_view(request.target).substr(0, request.target.find('?'));
+  if (request.method == "GET" || request.method == "HEAD") {
+    done(get(request, path));
+    return;
+  }
+  if (request.method != "POST") {
+    done(method_not_allowed("GET, HEAD, POST"));
+    return;
+  }
+  const auto method = methods_.find(path);
+  if (method == methods_.end()) {
+    done(refusal(no_such_path(path)));
+    return;
+  }
+  if (const Status origin = check_origin(access_, request.origin, request.host); !origin) {
+    done(refusal_with_status(403, origin.error()));
+    return;
+  }
+  // An empty body is the message with nothing set, so that `curl -X POST` works for List and Get*Info.
+  method->second->call(request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
+                       [done = std::move(done)](Result<std::string> reply) {
+                         if (!reply) {
+                           done(refusal(reply.error()));
+                           return;
+                         }
+                         done({200, "application/json", std::make_shared<const std::string>(std::move(*reply)),
+                               {{"Cache-Control", "no-store"}}});
+                       });
+}
+
+std::optional<HttpResponse> Router::refuse_watch(const HttpRequest& request, std::string_view subprotocols) const {
+  if (const Status host = check_host(access_, request.host); !host) {
+    return refusal_with_status(host.error().code == ErrorCode::kInvalidArgument ? 400 : 403, host.error());
+  }
+  if (std::string_view(request.target).substr(0, request.target.find('?')) != "/watch") {
+    return refusal(no_such_path(request.target));
+  }
+  if (const Status origin = check_origin(access_, request.origin, request.host); !origin) {
+    return refusal_with_status(403, origin.error());
+  }
+  if (!lists_token(subprotocols, kSubprotocol)) {
+    return refusal(invalid_argument("SUBPROTOCOL_MISSING", "ask for the WebSocket subprotocol 'kerf.v1'",
+                                    "Sec-WebSocket-Protocol"));
+  }
+  return std::nullopt;
+}
+
+}  // namespace kerf::ws

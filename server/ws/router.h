@@ -1,0 +1,77 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "server/ws/access.h"
+#include "server/ws/asset_table.h"
+
+namespace kerf::api {
+class Api;
+struct Method;
+}  // namespace kerf::api
+
+namespace kerf::ws {
+
+// What matters of a request. A header that is absent is empty.
+struct HttpRequest {
+  std::string method;         // "GET"
+  std::string target;         // "/path?query", as sent
+  std::string host;           // Host
+  std::string origin;         // Origin
+  std::string if_none_match;  // If-None-Match
+  std::string body;
+};
+
+struct HttpResponse {
+  int status = 200;
+  std::string media_type;
+  std::shared_ptr<const std::string> body;                     // null: none
+  std::vector<std::pair<std::string, std::string>> headers{};  // beside Content-Type and Content-Length
+};
+
+// The HTTP status of a refusal.
+int http_status(ErrorCode code);
+// {"code", "message", "details"}, as JSON.
+HttpResponse refusal(const Error& error);
+
+// From requests to responses, without a socket. Safe to call from any thread.
+class Router {
+ public:
+  // `metrics` gives the page of /metrics. `api` must outlive this.
+  Router(api::Api& api, AssetTable assets, std::function<std::string()> metrics);
+
+  // Before listening.
+  void set_access(AccessPolicy access) { access_ = std::move(access); }
+  // /readyz says 503 from now on.
+  void drain() { draining_ = true; }
+
+  // `done` is called exactly once: on this thread, or on one of the Api's.
+  void respond(const HttpRequest& request, std::function<void(HttpResponse)> done) const;
+
+  // Nothing if `request` may open a WebSocket that speaks the subprotocols listed in `subprotocols` (the value of
+  // Sec-WebSocket-Protocol), else the refusal.
+  [[nodiscard]] std::optional<HttpResponse> refuse_watch(const HttpRequest& request,
+                                                         std::string_view subprotocols) const;
+
+ private:
+  [[nodiscard]] HttpResponse get(const HttpRequest& request, std::string_view path) const;
+
+  AssetTable assets_;
+  std::function<std::string()> metrics_;
+  AccessPolicy access_;
+  std::map<std::string, const api::Method*, std::less<>> methods_;  // by path
+  std::atomic<bool> draining_ = false;
+};
+
+// True if the comma-separated list names `token`, without regard to case.
+bool lists_token(std::string_view list, std::string_view token);
+
+}  // namespace kerf::ws

@@ -1,0 +1,148 @@
+#include "server/ws/watch_stream.h"
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/http/field.hpp>
+#include <boost/beast/websocket/rfc6455.hpp>
+
+#include <exception>
+#include <string>
+#include <vector>
+
+#include "server/api/api.h"
+
+namespace kerf::ws {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+
+constexpr std::size_t kMaxCloseReasonBytes = 123;  // RFC 6455, 5.5: a control frame holds 125 bytes, 2 are the code
+
+// Cut to what a close frame holds, at the start of a UTF-8 sequence.
+std::string close_text(std::string text) {
+  if (text.size() <= kMaxCloseReasonBytes) return text;
+  std::size_t end = kMaxCloseReasonBytes;
+  while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) --end;
+  text.resize(end);
+  return text;
+}
+
+}  // namespace
+
+WatchStream::WatchStream(ConnectionContext& context, beast::tcp_stream stream)
+    : context_(context), socket_(std::move(stream)), alarm_(socket_.get_executor()) {
+  alarm_.expires_at(asio::steady_timer::time_point::max());
+  websocket::stream_base::timeout timeout{};
+  timeout.handshake_timeout = context.options.handshake_timeout;
+  timeout.idle_timeout = context.options.silence_timeout;
+  timeout.keep_alive_pings = true;
+  socket_.set_option(timeout);
+  websocket::permessage_deflate deflate;
+  deflate.server_enable = false;  // frames are packed already
+  socket_.set_option(deflate);
+  socket_.auto_fragment(false);
+  socket_.binary(true);
+  socket_.read_message_max(context.options.max_message_bytes);
+}
+
+asio::awaitable<bool> WatchStream::accept(const Request& request) {
+  socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
+    response.set(beast::http::field::sec_websocket_protocol, "kerf.v1");
+    response.set(beast::http::field::server, "kerfd");
+  }));
+  beast::get_lowest_layer(socket_).expires_never();  // the WebSocket layer has timeouts of its own
+  boost::system::error_code error;
+  co_await socket_.async_accept(request, asio::redirect_error(asio::use_awaitable, error));
+  co_return !error;
+}
+
+asio::awaitable<void> WatchStream::run(const Request& request) {
+  const std::shared_ptr<WatchStream> self = shared_from_this();
+  if (!co_await accept(request)) co_return;
+  ++context_.watch_streams;
+  ++context_.open_watch_streams;
+  session_ = context_.api.watch();
+  session_->set_ready([weak = weak_from_this(), executor = socket_.get_executor()] {
+    asio::post(executor, [weak] {
+      if (const std::shared_ptr<WatchStream> stream = weak.lock()) stream->wake();
+    });
+  });
+  reading_ = true;
+  asio::co_spawn(socket_.get_executor(), read_messages(), [self](const std::exception_ptr&) {
+    self->reading_ = false;
+    self->wake();
+  });
+  co_await write_messages();
+  session_->set_ready({});
+  const websocket::close_reason reason = closing_reason();
+  session_->close();
+  boost::system::error_code ignored;
+  co_await socket_.async_close(reason, asio::redirect_error(asio::use_awaitable, ignored));
+  abort();  // releases a reader where the closing handshake was not answered
+  while (reading_) co_await wait_until_woken();
+  --context_.open_watch_streams;
+}
+
+void WatchStream::abort() { beast::get_lowest_layer(socket_).close(); }
+
+asio::awaitable<void> WatchStream::read_messages() {
+  beast::flat_buffer buffer;
+  while (!session_->ended()) {
+    boost::system::error_code error;
+    co_await socket_.async_read(buffer, asio::redirect_error(asio::use_awaitable, error));
+    if (error) {
+      peer_gone_ = true;
+      co_return;
+    }
+    if (!socket_.got_binary()) {
+      violation_.emplace(websocket::close_code::unknown_data, "messages are binary: a serialised WatchRequest each");
+      co_return;
+    }
+    session_->on_bytes({static_cast<const char*>(buffer.cdata().data()), buffer.size()});
+    buffer.consume(buffer.size());
+  }
+}
+
+asio::awaitable<void> WatchStream::write_messages() {
+  while (!peer_gone_ && !violation_) {
+    // Asked before the queue is emptied: what is there once the session has ended is all there will be.
+    const bool ended = session_->ended();
+    while (const std::optional<stream::Message> message = session_->next()) {
+      std::vector<asio::const_buffer> parts;
+      for (const stream::Bytes& part : message->parts) parts.emplace_back(part->data(), part->size());
+      boost::system::error_code error;
+      co_await socket_.async_write(parts, asio::redirect_error(asio::use_awaitable, error));
+      if (error) co_return;
+    }
+    if (ended) co_return;
+    co_await wait_until_woken();
+  }
+}
+
+asio::awaitable<void> WatchStream::wait_until_woken() {
+  if (!woken_) {
+    boost::system::error_code cancelled;
+    co_await alarm_.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
+  }
+  woken_ = false;
+}
+
+void WatchStream::wake() {
+  woken_ = true;
+  alarm_.cancel();
+}
+
+websocket::close_reason WatchStream::closing_reason() const {
+  if (violation_) return *violation_;
+  if (const std::optional<Error> failure = session_->failure()) {
+    return {websocket::close_code::policy_error, close_text(failure->reason + ": " + failure->message)};
+  }
+  return context_.stopping ? websocket::close_code::going_away : websocket::close_code::normal;
+}
+
+}  // namespace kerf::ws
