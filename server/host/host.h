@@ -137,7 +137,4 @@ class Host {
   std::unique_ptr<Impl> impl_;
 };
 
-// Whether `id` matches [a-z][a-z0-9-]{0,62}.
-bool is_valid_sheet_id(const std::string& id);
-
 }  // namespace kerf::host

@@ -17,13 +17,16 @@
 namespace kerf::sheet {
 
 inline constexpr std::size_t kMaxPinRegions = 64;
+inline constexpr std::size_t kMaxPinnedVertexIds = 1'000'000;  // in all vertex lists of one request together
 inline constexpr std::size_t kMaxGrabs = 64;
 inline constexpr std::size_t kMaxGrabIdBytes = 63;
-inline constexpr double kMaxGravity = 1.0e4;         // m/s^2, length
-inline constexpr double kMaxWindSpeed = 1.0e3;       // m/s, length
-inline constexpr double kMaxAirDensity = 100.0;      // kg/m^3
-inline constexpr double kMaxDragCoefficient = 10.0;  // -
-inline constexpr double kMaxGrabStiffness = 1.0e6;   // N/m
+inline constexpr double kMaxMaterialCoordinate = 1.0e4;  // m
+inline constexpr double kMaxWorldCoordinate = 1.0e6;     // m, a component of any world vector
+inline constexpr double kMaxGravity = 1.0e4;             // m/s^2, length
+inline constexpr double kMaxWindSpeed = 1.0e3;           // m/s, length
+inline constexpr double kMaxAirDensity = 100.0;          // kg/m^3
+inline constexpr double kMaxDragCoefficient = 10.0;      // -
+inline constexpr double kMaxGrabStiffness = 1.0e6;       // N/m
 
 // Edges of the material bounding box.
 enum class PinEdge {
@@ -93,6 +96,10 @@ struct SetWind {
 // Back to the initial state: mesh, positions, pins, loads, no grabs. The tick and the topology version go on counting,
 // and scheduled commands are not repeated.
 struct Reset {};
+
+// Ranges only; whether a listed vertex exists is the sheet's to say. `field`: the path of the list ("pins").
+Status validate(const std::vector<PinRegion>& pins, const std::string& field);
+Status validate(const Wind& wind, const std::string& field);
 
 using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetWind, Reset>;
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -20,10 +21,9 @@ namespace kerf::sheet {
 // Limits on what a scene may hold (reliability table of the README).
 inline constexpr std::int32_t kMaxVertices = 250'000;
 inline constexpr std::size_t kMaxObjBytes = std::size_t{64} << 20U;
+inline constexpr std::size_t kMaxSheetIdBytes = 63;
 inline constexpr std::size_t kMaxColliders = 64;
 inline constexpr std::size_t kMaxScheduledCommands = 10'000;
-inline constexpr double kMaxMaterialCoordinate = 1.0e4;  // m
-inline constexpr double kMaxWorldCoordinate = 1.0e6;     // m, a component of any world vector
 
 enum class GridPattern { kUniformDiagonals, kJitteredDelaunay };
 
@@ -94,6 +94,9 @@ struct SheetConfig {
   std::int64_t ticks = 0;                  // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation
   std::string description;                 // for people; at most 1000 bytes; no effect on the simulation
 };
+
+// Whether `id` matches [a-z][a-z0-9-]{0,62}.
+bool is_valid_sheet_id(std::string_view id);
 
 // Everything that can be said without building the mesh; Sheet::create calls it and then checks the rest. Fields are
 // named as in kerf.v1.Scene ("grid.columns", "colliders[2].sphere.radius_m", "commands[0].command.grab.target.x").

@@ -1,0 +1,104 @@
+#include "server/sheet/command.h"
+
+#include "server/sheet/field_checks.h"
+
+namespace kerf::sheet {
+
+namespace {
+
+Status check_grab_id(const std::string& grab_id, const std::string& field) {
+  if (grab_id.empty()) return invalid_argument("EMPTY", field + " must not be empty", field);
+  return check_count(grab_id.size(), kMaxGrabIdBytes, "bytes", field);
+}
+
+Status check_vertex_id(mesh::VertexId vertex, const std::string& field) {
+  if (vertex >= 0) return Nothing{};
+  return invalid_argument("UNKNOWN_VERTEX", field + " is " + std::to_string(vertex) + "; vertex ids start at 0", field);
+}
+
+Status validate_box(const MaterialBox& box, const std::string& field) {
+  if (Status s = check_vector(box.min, kMaxMaterialCoordinate, field + ".min"); !s) return s;
+  if (Status s = check_vector(box.max, kMaxMaterialCoordinate, field + ".max"); !s) return s;
+  if (box.min.x() <= box.max.x() && box.min.y() <= box.max.y()) return Nothing{};
+  return invalid_argument("BOX_INVERTED", field + ".max must not be less than min", field + ".max");
+}
+
+Status validate_command(const Cut& cut) {
+  if (Status s = cut::validate(cut.curve); !s) return s;
+  if (Status s = check_number(cut.tolerance, 1.0e-6, 0.5, "cut.tolerance"); !s) return s;
+  if (Status s = check_number(cut.min_angle_deg, 5.0, 28.0, "cut.min_angle_deg"); !s) return s;
+  return check_integer(cut.max_new_triangles, 1, 1'000'000, "cut.max_new_triangles");
+}
+
+Status validate_command(const Grab& grab) {
+  if (Status s = check_grab_id(grab.grab_id, "grab.grab_id"); !s) return s;
+  if (const auto* vertex = std::get_if<mesh::VertexId>(&grab.point)) {
+    if (Status s = check_vertex_id(*vertex, "grab.vertex"); !s) return s;
+  } else if (Status s = check_vector(std::get<Eigen::Vector2d>(grab.point), kMaxMaterialCoordinate, "grab.material");
+             !s) {
+    return s;
+  }
+  if (grab.target) {
+    if (Status s = check_vector(*grab.target, kMaxWorldCoordinate, "grab.target"); !s) return s;
+  }
+  return check_number(grab.stiffness, 0.0, kMaxGrabStiffness, "grab.stiffness_npm");
+}
+
+Status validate_command(const Drag& drag) {
+  if (Status s = check_grab_id(drag.grab_id, "drag.grab_id"); !s) return s;
+  return check_vector(drag.target, kMaxWorldCoordinate, "drag.target");
+}
+
+Status validate_command(const Release& release) {
+  return check_grab_id(release.grab_id, "release.grab_id");
+}
+
+Status validate_command(const SetPins& set_pins) {
+  return validate(set_pins.pins, "set_pins.pins");
+}
+
+Status validate_command(const SetGravity& set_gravity) {
+  return check_length(set_gravity.gravity, kMaxGravity, "set_gravity.gravity_mps2");
+}
+
+Status validate_command(const SetWind& set_wind) {
+  return validate(set_wind.wind, "set_wind.wind");
+}
+
+Status validate_command(const Reset& /*reset*/) {
+  return Nothing{};
+}
+
+}  // namespace
+
+Status validate(const std::vector<PinRegion>& pins, const std::string& field) {
+  if (Status s = check_count(pins.size(), kMaxPinRegions, "pin regions", field); !s) return s;
+  std::size_t num_ids = 0;
+  for (std::size_t i = 0; i < pins.size(); ++i) {
+    const std::string path = field + "[" + std::to_string(i) + "]";
+    if (const auto* box = std::get_if<MaterialBox>(&pins[i])) {
+      if (Status s = validate_box(*box, path + ".box"); !s) return s;
+    } else if (const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&pins[i])) {
+      num_ids += ids->size();
+      if (Status s = check_count(num_ids, kMaxPinnedVertexIds, "vertex ids", field); !s) return s;
+      for (std::size_t k = 0; k < ids->size(); ++k) {
+        const mesh::VertexId id = (*ids)[k];
+        if (id >= 0) continue;
+        return check_vertex_id(id, path + ".vertices.vertices[" + std::to_string(k) + "]");
+      }
+    }
+  }
+  return Nothing{};
+}
+
+Status validate(const Wind& wind, const std::string& field) {
+  if (Status s = check_length(wind.velocity, kMaxWindSpeed, field + ".velocity_mps"); !s) return s;
+  if (Status s = check_number(wind.air_density, 0.0, kMaxAirDensity, field + ".air_density_kgpm3"); !s) return s;
+  return check_number(wind.drag_coefficient, 0.0, kMaxDragCoefficient, field + ".drag_coefficient");
+}
+
+Status validate(const Command& command) {
+  return std::visit([](const auto& c) { return validate_command(c); }, command);
+}
+
+}  // namespace kerf::sheet

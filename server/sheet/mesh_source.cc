@@ -1,0 +1,79 @@
+#include "server/sheet/mesh_source.h"
+
+#include <cmath>
+#include <utility>
+
+#include "server/mesh/grid_mesh.h"
+#include "server/mesh/mesh_import.h"
+#include "server/mesh/obj_import.h"
+#include "server/sheet/field_checks.h"
+
+namespace kerf::sheet {
+
+namespace {
+
+Eigen::Matrix3Xd place(const mesh::TriangleMesh& mesh, const Placement& placement) {
+  Eigen::Matrix3Xd positions(3, mesh.num_vertices());
+  for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+    const Eigen::Vector2d at = mesh.rest_position(v);
+    positions.col(v) = placement.origin + at.x() * placement.x_axis + at.y() * placement.y_axis;
+  }
+  return positions;
+}
+
+Error with_field(Error error, std::string field) {
+  error.field = std::move(field);
+  return error;
+}
+
+Result<BuiltMesh> build(const GridSource& grid, const Placement& placement) {
+  mesh::GridConfig config;
+  config.num_x = grid.columns;
+  config.num_y = grid.rows;
+  config.width = grid.width;
+  config.height = grid.height;
+  Result<mesh::TriangleMesh> built = grid.pattern == GridPattern::kJitteredDelaunay
+                                         ? mesh::make_jittered_grid(config, grid.seed)
+                                         : mesh::make_grid(config);
+  if (!built) return with_field(built.error(), "grid");
+  Eigen::Matrix3Xd positions = place(*built, placement);
+  return BuiltMesh{std::move(built).value(), std::move(positions)};
+}
+
+Result<BuiltMesh> build(const ObjSource& obj, const Placement& /*placement*/) {
+  Result<mesh::ObjSheet> parsed = mesh::parse_obj(obj.text);
+  if (!parsed) return with_field(parsed.error(), "obj.text");
+  for (Eigen::Index i = 0; i < parsed->world.cols(); ++i) {
+    if (Status s = check_vector(Eigen::Vector3d(parsed->world.col(i)), kMaxWorldCoordinate, "obj.text"); !s) {
+      return with_field(s.error(), "obj.text");
+    }
+  }
+  Result<mesh::TriangleMesh> built = mesh::import_mesh(parsed->sheet);
+  if (!built) return with_field(built.error(), "obj.text");
+  return BuiltMesh{std::move(built).value(), std::move(parsed->world)};
+}
+
+Result<BuiltMesh> build(const ArraySource& arrays, const Placement& placement) {
+  mesh::IndexedMesh indexed;
+  indexed.rest = arrays.material_positions;
+  indexed.triangles = arrays.triangles;
+  Result<mesh::TriangleMesh> built = mesh::import_mesh(indexed);
+  if (!built) {
+    const bool rest = built.error().field == "rest";
+    return with_field(built.error(), rest ? "inline.material_positions" : "inline.triangles");
+  }
+  Eigen::Matrix3Xd positions = arrays.positions.cols() > 0 ? arrays.positions : place(*built, placement);
+  return BuiltMesh{std::move(built).value(), std::move(positions)};
+}
+
+}  // namespace
+
+Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement) {
+  Result<BuiltMesh> built = std::visit([&](const auto& s) { return build(s, placement); }, source);
+  if (built) {
+    KERF_CHECK(built->positions.cols() == built->mesh.num_vertices(), "importer lost or added vertices");
+  }
+  return built;
+}
+
+}  // namespace kerf::sheet

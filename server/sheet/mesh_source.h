@@ -1,0 +1,20 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/mesh/triangle_mesh.h"
+#include "server/sheet/sheet_config.h"
+
+namespace kerf::sheet {
+
+// An undeformed mesh and where its vertices start in the world.
+struct BuiltMesh {
+  mesh::TriangleMesh mesh;
+  Eigen::Matrix3Xd positions;  // 3 x V, m
+};
+
+// Builds what a valid source describes. Errors: those of the mesh importers, the field named as in kerf.v1.Scene.
+Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement);
+
+}  // namespace kerf::sheet

@@ -1,0 +1,137 @@
+#include "server/sheet/sheet_config.h"
+
+#include <cmath>
+
+#include "server/sheet/field_checks.h"
+
+namespace kerf::sheet {
+
+namespace {
+
+constexpr std::int32_t kMaxGridSide = 1000;  // vertices
+constexpr double kMinExtent = 1.0e-6;        // m
+constexpr double kAxisTolerance = 1.0e-6;    // -, on length and angle of the placement's axes
+constexpr std::size_t kMaxDescriptionBytes = 1000;
+constexpr std::int64_t kMaxTicks = 10'000'000;
+
+std::string indexed(const std::string& field, std::size_t index) {
+  return field + "[" + std::to_string(index) + "]";
+}
+
+Status validate_source(const GridSource& grid) {
+  if (Status s = check_integer(grid.columns, 2, kMaxGridSide, "grid.columns"); !s) return s;
+  if (Status s = check_integer(grid.rows, 2, kMaxGridSide, "grid.rows"); !s) return s;
+  const std::int64_t num_vertices = std::int64_t{grid.columns} * grid.rows;
+  if (num_vertices > kMaxVertices) {
+    return invalid_argument("TOO_MANY", "grid has " + std::to_string(num_vertices) + " vertices; the limit is 250000",
+                            "grid.rows");
+  }
+  if (Status s = check_number(grid.width, kMinExtent, kMaxMaterialCoordinate, "grid.width_m"); !s) return s;
+  return check_number(grid.height, kMinExtent, kMaxMaterialCoordinate, "grid.height_m");
+}
+
+Status validate_source(const ObjSource& obj) {
+  if (obj.text.empty()) return invalid_argument("EMPTY", "obj.text must not be empty", "obj.text");
+  return check_count(obj.text.size(), kMaxObjBytes, "bytes", "obj.text");
+}
+
+Status validate_source(const ArraySource& arrays) {
+  const Eigen::Index num_vertices = arrays.material_positions.cols();
+  if (Status s = check_integer(num_vertices, 3, kMaxVertices, "inline.material_positions"); !s) return s;
+  if (arrays.triangles.cols() == 0) {
+    return invalid_argument("EMPTY", "inline.triangles must not be empty", "inline.triangles");
+  }
+  if (Status s = check_integer(arrays.triangles.cols(), 1, 2 * std::int64_t{kMaxVertices}, "inline.triangles"); !s) {
+    return s;
+  }
+  const Eigen::Index num_positions = arrays.positions.cols();
+  if (num_positions != 0 && num_positions != num_vertices) {
+    return invalid_argument("LENGTH_MISMATCH",
+                            "inline.positions has " + std::to_string(num_positions) + " points; must have none or " +
+                                std::to_string(num_vertices) + ", as many as material_positions",
+                            "inline.positions");
+  }
+  for (Eigen::Index i = 0; i < num_positions; ++i) {
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const double value = arrays.positions(k, i);
+      if (std::abs(value) <= kMaxWorldCoordinate) continue;  // false for NaN
+      return check_number(value, -kMaxWorldCoordinate, kMaxWorldCoordinate,
+                          indexed("inline.positions", static_cast<std::size_t>(3 * i + k)));
+    }
+  }
+  return Nothing{};
+}
+
+Status check_unit(const Eigen::Vector3d& axis, const std::string& field) {
+  if (Status s = check_vector(axis, kMaxWorldCoordinate, field); !s) return s;
+  if (std::abs(axis.norm() - 1.0) <= kAxisTolerance) return Nothing{};
+  return invalid_argument(
+      "NOT_UNIT", field + " has length " + std::to_string(axis.norm()) + "; must have length 1 (to 1e-6)", field);
+}
+
+Status validate_placement(const Placement& placement) {
+  if (Status s = check_vector(placement.origin, kMaxWorldCoordinate, "placement.origin"); !s) return s;
+  if (Status s = check_unit(placement.x_axis, "placement.x_axis"); !s) return s;
+  if (Status s = check_unit(placement.y_axis, "placement.y_axis"); !s) return s;
+  if (std::abs(placement.x_axis.dot(placement.y_axis)) <= kAxisTolerance) return Nothing{};
+  return invalid_argument("NOT_PERPENDICULAR", "placement.y_axis must be perpendicular to x_axis (to 1e-6)",
+                          "placement.y_axis");
+}
+
+Status validate_integrator(const IntegratorSettings& settings) {
+  if (Status s = check_integer(settings.max_substeps, 1, 100'000, "integrator.max_substeps"); !s) return s;
+  if (Status s = check_integer(settings.newton_iterations, 1, 100, "integrator.newton_iterations"); !s) return s;
+  return check_number(settings.solver_tolerance, 1.0e-14, 0.1, "integrator.solver_tolerance");
+}
+
+Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
+  if (Status s = check_count(commands.size(), kMaxScheduledCommands, "commands", "commands"); !s) return s;
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const std::string field = indexed("commands", i);
+    if (commands[i].tick < 1) {
+      return invalid_argument("OUT_OF_RANGE",
+                              field + ".tick is " + std::to_string(commands[i].tick) + "; the first tick is 1",
+                              field + ".tick");
+    }
+    if (Status s = validate(commands[i].command); !s) {
+      Error error = s.error();
+      error.field = field + ".command." + error.field;
+      return error;
+    }
+  }
+  return Nothing{};
+}
+
+}  // namespace
+
+bool is_valid_sheet_id(std::string_view id) {
+  if (id.empty() || id.size() > kMaxSheetIdBytes || id[0] < 'a' || id[0] > 'z') return false;
+  for (const char c : id) {
+    const bool allowed = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-';
+    if (!allowed) return false;
+  }
+  return true;
+}
+
+Status validate(const SheetConfig& config) {
+  if (!config.sheet_id.empty() && !is_valid_sheet_id(config.sheet_id)) {
+    return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
+  }
+  if (Status s = std::visit([](const auto& source) { return validate_source(source); }, config.mesh); !s) return s;
+  if (Status s = fem::validate(config.material); !s) return s;
+  if (Status s = validate_placement(config.placement); !s) return s;
+  if (Status s = validate(config.pins, "pins"); !s) return s;
+  if (Status s = check_length(config.gravity, kMaxGravity, "gravity_mps2"); !s) return s;
+  if (Status s = validate(config.wind, "wind"); !s) return s;
+  if (Status s = check_count(config.colliders.size(), kMaxColliders, "colliders", "colliders"); !s) return s;
+  for (std::size_t i = 0; i < config.colliders.size(); ++i) {
+    if (Status s = contact::validate(config.colliders[i], indexed("colliders", i)); !s) return s;
+  }
+  if (Status s = check_number(config.tick_rate_hz, 1.0, 1000.0, "tick_rate_hz"); !s) return s;
+  if (Status s = validate_integrator(config.integrator); !s) return s;
+  if (Status s = validate_schedule(config.commands); !s) return s;
+  if (Status s = check_integer(config.ticks, 0, kMaxTicks, "ticks"); !s) return s;
+  return check_count(config.description.size(), kMaxDescriptionBytes, "bytes", "description");
+}
+
+}  // namespace kerf::sheet
