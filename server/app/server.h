@@ -14,7 +14,8 @@ namespace kerf::app {
 class Server {
  public:
   // Builds it all, loads the scenes and listens on both ports. Fails with the first thing that is wrong, before any tick.
-  // `note` is told, a line each, what the operator should know (no viewer, no renderer); it is not kept.
+  // `note` is told, a line each and from any thread, what the operator should know: no viewer, no renderer, a recording
+  // that stopped.
   static Result<std::unique_ptr<Server>> start(const Config& config,
                                                const std::function<void(std::string_view line)>& note);
   ~Server();  // stop()

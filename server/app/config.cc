@@ -1,0 +1,128 @@
+#include "server/app/config.h"
+
+#include <CLI/CLI.hpp>
+
+#include <system_error>
+#include <utility>
+
+#include "server/app/version.h"
+
+namespace kerf::app {
+namespace {
+
+constexpr const char* kDescription =
+    "Kerf: steps finite-element sheets in real time, takes cuts over gRPC and streams them to viewers.\n"
+    "When ready it prints one line on standard output: {\"grpc\":\"HOST:PORT\",\"http\":\"http://HOST:PORT\"}\n"
+    "SIGTERM or SIGINT (Ctrl-C) stops it in good order.";
+
+// As typed; checked after parsing, so that every refusal is ours and on one line.
+struct Arguments {
+  std::string listen = "127.0.0.1:50051";
+  std::string http = "127.0.0.1:8080";
+  std::vector<std::string> scenes;
+  int workers = 0;
+  std::string web;
+  bool no_render = false;
+  bool allow_remote = false;
+  std::vector<std::string> allowed_origins;
+  std::string record_dir;
+};
+
+void declare(CLI::App& parser, Arguments& arguments) {
+  parser.set_version_flag("--version", std::string("kerfd ") + kVersion, "Print the version and exit");
+  parser.add_option("--listen", arguments.listen, "Address of the gRPC services; port 0 picks a free one")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  parser
+      .add_option("--http", arguments.http, "Address of the viewer, the WebSocket and JSON calls; port 0 picks a free one")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  parser.add_option("--scene", arguments.scenes, "Scene file (JSON of kerf.v1.Scene) to start a sheet from; repeatable")
+      ->type_name("FILE")
+      ->take_all();
+  parser.add_option("--workers", arguments.workers, "Threads that step sheets, 1..256; 0: one for each processor")
+      ->type_name("N")
+      ->capture_default_str();
+  parser.add_option("--web", arguments.web, "Folder of the built viewer (default: found beside the program)")
+      ->type_name("DIR");
+  parser.add_flag("--no-render", arguments.no_render, "Draw no pictures, even where EGL works");
+  parser.add_flag("--allow-remote", arguments.allow_remote,
+                  "Listen on addresses that other machines can reach. There is no TLS and no login: whoever reaches the "
+                  "port can do everything");
+  parser
+      .add_option("--allow-origin", arguments.allowed_origins,
+                  "Web origin, such as https://viewer.example.org, whose pages may use this server; repeatable")
+      ->type_name("ORIGIN")
+      ->take_all();
+  parser.add_option("--record", arguments.record_dir, "Folder for a recording of every sheet, for `kerf replay`")
+      ->type_name("DIR");
+}
+
+Result<ws::Endpoint> listening_address(const std::string& text, const std::string& option, bool allow_remote) {
+  Result<ws::Endpoint> endpoint = ws::parse_endpoint(text);
+  if (!endpoint) return invalid_argument("BAD_ADDRESS", option + ": " + endpoint.error().message, option);
+  if (!allow_remote && !ws::is_loopback(endpoint->host)) {
+    return invalid_argument("REMOTE_NOT_ALLOWED",
+                            option + ": other machines could reach " + text +
+                                ", and kerfd has no TLS and no login yet; listen on 127.0.0.1, or give --allow-remote "
+                                "if everybody on that network may use it",
+                            option);
+  }
+  return endpoint;
+}
+
+Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
+  Config config;
+  const Result<ws::Endpoint> grpc = listening_address(arguments.listen, "--listen", arguments.allow_remote);
+  if (!grpc) return grpc.error();
+  config.grpc = *grpc;
+  const Result<ws::Endpoint> http = listening_address(arguments.http, "--http", arguments.allow_remote);
+  if (!http) return http.error();
+  config.http = *http;
+  if (arguments.workers < 0 || arguments.workers > 256) {
+    return invalid_argument("WORKERS_OUT_OF_RANGE",
+                            "--workers: " + std::to_string(arguments.workers) + " is not in 0..256", "--workers");
+  }
+  config.workers = arguments.workers;
+  config.scenes.assign(arguments.scenes.begin(), arguments.scenes.end());
+  config.web = arguments.web;
+  config.render = !arguments.no_render;
+  config.allow_remote = arguments.allow_remote;
+  config.allowed_origins = arguments.allowed_origins;
+  config.record_dir = arguments.record_dir;
+  return std::variant<Config, Notice>(std::move(config));
+}
+
+}  // namespace
+
+Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* const* argv) {
+  CLI::App parser(kDescription, "kerfd");
+  Arguments arguments;
+  declare(parser, arguments);
+  try {
+    parser.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    return std::variant<Config, Notice>(Notice{parser.help()});
+  } catch (const CLI::CallForVersion& version) {
+    return std::variant<Config, Notice>(Notice{std::string(version.what()) + "\n"});
+  } catch (const CLI::ParseError& error) {
+    return invalid_argument("BAD_COMMAND_LINE", std::string(error.what()) + " (kerfd --help lists the options)");
+  }
+  return to_config(arguments);
+}
+
+std::filesystem::path default_web_directory(const std::filesystem::path& executable) {
+  const auto has_viewer = [](const std::filesystem::path& folder) {
+    std::error_code ignored;
+    return std::filesystem::is_regular_file(folder / "index.html", ignored);
+  };
+  const std::filesystem::path bin = executable.parent_path();
+  if (const auto installed = bin.parent_path() / "share" / "kerf" / "web"; has_viewer(installed)) return installed;
+  // build/<preset>/bin/kerfd in a source tree.
+  for (std::filesystem::path folder = bin; folder != folder.root_path(); folder = folder.parent_path()) {
+    if (const auto built = folder / "web" / "dist"; has_viewer(built)) return built;
+  }
+  return {};
+}
+
+}  // namespace kerf::app

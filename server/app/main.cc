@@ -1,0 +1,73 @@
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <variant>
+
+#include <unistd.h>
+
+#include "server/app/config.h"
+#include "server/app/server.h"
+
+namespace {
+
+constexpr int kExitRefused = 2;
+constexpr unsigned kStopLimitS = 10;
+
+void note(std::string_view line) { std::cerr << "kerfd: " + std::string(line) + "\n" << std::flush; }
+
+// Blocked in every thread, so that only wait_for_stop() sees them.
+sigset_t block_stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+// Until the first SIGTERM or SIGINT. A second one ends the process as usual, and so does a stop that takes too long.
+void wait_for_stop(const sigset_t& signals) {
+  int signal = 0;
+  sigwait(&signals, &signal);
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  alarm(kStopLimitS);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  setenv("GRPC_VERBOSITY", "NONE", 0);  // what matters is told by kerfd itself, on one line
+  std::signal(SIGPIPE, SIG_IGN);
+  const sigset_t signals = block_stop_signals();
+
+  auto parsed = kerf::app::parse_command_line(argc, argv);
+  if (!parsed) {
+    note(parsed.error().message);
+    return kExitRefused;
+  }
+  if (const auto* notice = std::get_if<kerf::app::Notice>(&*parsed)) {
+    std::cout << notice->text;
+    return EXIT_SUCCESS;
+  }
+  auto config = std::get<kerf::app::Config>(std::move(parsed).value());
+  if (config.web.empty()) {
+    std::error_code ignored;
+    config.web = kerf::app::default_web_directory(std::filesystem::read_symlink("/proc/self/exe", ignored));
+  }
+
+  auto server = kerf::app::Server::start(config, note);
+  if (!server) {
+    note(server.error().message);
+    return kExitRefused;
+  }
+  std::cout << (*server)->ready_line() << std::endl;
+  wait_for_stop(signals);
+  note("stopping");
+  (*server)->stop();
+  return EXIT_SUCCESS;
+}

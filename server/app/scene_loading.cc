@@ -1,0 +1,70 @@
+#include "server/app/scene_loading.h"
+
+#include <future>
+#include <memory>
+#include <utility>
+
+#include "server/host/disk.h"
+#include "server/host/host.h"
+#include "server/wire/scene_codec.h"
+
+namespace kerf::app {
+namespace {
+
+constexpr std::size_t kMaxSceneBytes = std::size_t{128} << 20;  // an OBJ text of 64 MiB, escaped
+
+// Before anything listens there is nothing else to do than to wait.
+template <typename T, typename Start>
+Result<T> wait_for(const Start& start) {
+  const auto promise = std::make_shared<std::promise<Result<T>>>();
+  std::future<Result<T>> future = promise->get_future();
+  start([promise](Result<T> result) { promise->set_value(std::move(result)); });
+  return future.get();
+}
+
+Error in_file(const std::filesystem::path& file, Error error) {
+  const std::string field = error.field.empty() ? "" : error.field + ": ";
+  error.message = "scene " + file.string() + ": " + field + error.message;
+  return error;
+}
+
+Result<std::string> load(const std::filesystem::path& file, host::Disk& disk, host::Host& host) {
+  const Result<std::string> json = disk.read_file(file.string(), kMaxSceneBytes);
+  if (!json) return in_file(file, json.error());
+  const wire::ObjReader read_obj = [&](const std::string& path) {
+    return disk.read_file((file.parent_path() / path).string(), sheet::kMaxObjBytes);
+  };
+  Result<sheet::SheetConfig> config = wire::decode_scene_file(*json, read_obj);
+  if (!config) return in_file(file, config.error());
+  const std::string stem = file.stem().string();
+  const std::string id = config->sheet_id.empty() && sheet::is_valid_sheet_id(stem) ? stem : config->sheet_id;
+  const Result<host::SheetStatus> status = wait_for<host::SheetStatus>(
+      [&](host::Callback<host::SheetStatus> done) { host.create_sheet(id, std::move(config).value(), true, std::move(done)); });
+  if (!status) return in_file(file, status.error());
+  return status->id;
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, host::Disk& disk,
+                                             host::Host& host) {
+  std::vector<std::string> ids;
+  for (const std::filesystem::path& file : files) {
+    Result<std::string> id = load(file, disk, host);
+    if (!id) return id.error();
+    ids.push_back(std::move(id).value());
+  }
+  return ids;
+}
+
+Status resume_sheets(const std::vector<std::string>& ids, host::Host& host) {
+  for (const std::string& id : ids) {
+    const Result<host::SheetStatus> status = wait_for<host::SheetStatus>(
+        [&](host::Callback<host::SheetStatus> done) { host.resume(id, std::move(done)); });
+    // Whoever deleted it in the meantime, through a transport that listens already, was free to.
+    if (!status && status.error().code != ErrorCode::kNotFound) return status.error();
+  }
+  return Nothing{};
+}
+
+}  // namespace kerf::app

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "server/base/result.h"
+
+namespace kerf::host {
+class Disk;
+class Host;
+}  // namespace kerf::host
+
+namespace kerf::app {
+
+// Makes one paused sheet a scene file and returns the ids, in order. A scene without sheet_id gets the file's name
+// without extension. What is refused names the file in its message.
+Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::path>& files, host::Disk& disk,
+                                             host::Host& host);
+
+// Starts the clocks of these sheets.
+Status resume_sheets(const std::vector<std::string>& ids, host::Host& host);
+
+}  // namespace kerf::app

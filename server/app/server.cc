@@ -1,0 +1,151 @@
+#include "server/app/server.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "render/renderer.h"
+#include "server/api/api.h"
+#include "server/app/file_recording.h"
+#include "server/app/scene_loading.h"
+#include "server/app/version.h"
+#include "server/host/clock.h"
+#include "server/host/disk.h"
+#include "server/host/entropy.h"
+#include "server/host/host.h"
+#include "server/rpc/rpc_server.h"
+#include "server/wire/reply_codec.h"
+#include "server/ws/http_server.h"
+#include "server/ws/metrics_page.h"
+
+namespace kerf::app {
+namespace {
+
+constexpr std::chrono::seconds kStopGrace{3};  // for each transport
+
+}  // namespace
+
+// In the order of construction; destroyed in reverse.
+struct Server::Impl {
+  Config config;
+  std::function<void(std::string_view)> note;
+  host::RealDisk disk;
+  host::SystemEntropy entropy;
+  host::RealClock clock;
+  std::string instance_id = wire::encode_hash(entropy.next());
+  std::atomic<int> num_recordings = 0;
+  std::unique_ptr<render::Renderer> renderer;  // null with --no-render
+  std::unique_ptr<host::Host> host;
+  std::unique_ptr<api::Api> api;
+  std::unique_ptr<rpc::RpcServer> rpc;
+  std::unique_ptr<ws::HttpServer> http;
+  int grpc_port = 0;
+  int http_port = 0;
+
+  host::HostOptions host_options();
+  void build_renderer();
+  Result<ws::AssetTable> read_viewer();
+  Status listen(ws::AssetTable viewer);
+  Status start();
+  void stop();
+};
+
+host::HostOptions Server::Impl::host_options() {
+  host::HostOptions options;
+  const auto processors = static_cast<std::int32_t>(std::thread::hardware_concurrency());
+  options.workers = config.workers > 0 ? config.workers : std::clamp(processors, 1, 256);
+  if (!config.record_dir.empty()) {
+    options.make_recording = [this](const std::string& id) -> std::shared_ptr<sheet::RecordingSink> {
+      // Two sheets may bear the same id, one after the other.
+      const std::string name = id + "-" + instance_id + "-" + std::to_string(++num_recordings) + ".kerf";
+      return std::make_shared<FileRecording>(disk, (config.record_dir / name).string(), note);
+    };
+  }
+  return options;
+}
+
+void Server::Impl::build_renderer() {
+  if (!config.render) return;
+  renderer = render::make_renderer();
+  if (!renderer->available()) note("no pictures are drawn: " + renderer->description());
+}
+
+Result<ws::AssetTable> Server::Impl::read_viewer() {
+  if (!config.web.empty()) return ws::AssetTable::read(config.web);
+  note("no viewer was found to serve: build web/ or give --web DIR; everything else works");
+  return ws::AssetTable();
+}
+
+Status Server::Impl::listen(ws::AssetTable viewer) {
+  rpc = std::make_unique<rpc::RpcServer>(*api);
+  const Result<int> grpc = rpc->start(ws::format_endpoint(config.grpc.host, config.grpc.port));
+  if (!grpc) return grpc.error();
+  grpc_port = *grpc;
+  ws::HttpOptions options;
+  options.access.allowed_origins = config.allowed_origins;
+  http = std::make_unique<ws::HttpServer>(
+      *api, std::move(viewer),
+      [this](const ws::HttpCounts& counts) {
+        return ws::metrics_page(host->metrics(), counts, api->num_watchers(), kVersion);
+      },
+      options);
+  const Result<int> bound = http->start(config.http);
+  if (!bound) return bound.error();
+  http_port = *bound;
+  return Nothing{};
+}
+
+Status Server::Impl::start() {
+  Result<ws::AssetTable> viewer = read_viewer();
+  if (!viewer) return viewer.error();
+  host = std::make_unique<host::Host>(host_options(), clock, entropy);
+  const Result<std::vector<std::string>> sheets = load_scenes(config.scenes, disk, *host);
+  if (!sheets) return sheets.error();
+  build_renderer();
+  api::ApiOptions options;
+  options.version = kVersion;
+  options.instance_id = instance_id;
+  api = std::make_unique<api::Api>(*host, renderer.get(), options, clock);
+  if (const Status listening = listen(std::move(viewer).value()); !listening) return listening.error();
+  return resume_sheets(*sheets, *host);
+}
+
+void Server::Impl::stop() {
+  if (rpc) rpc->drain();
+  if (http) http->drain();
+  if (api) api->stop();
+  if (host) host->stop();
+  if (rpc) rpc->stop(kStopGrace);
+  if (http) http->stop(kStopGrace);
+}
+
+Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+Server::~Server() { stop(); }
+
+Result<std::unique_ptr<Server>> Server::start(const Config& config,
+                                              const std::function<void(std::string_view line)>& note) {
+  auto impl = std::make_unique<Impl>();
+  impl->config = config;
+  impl->note = note;
+  std::unique_ptr<Server> server(new Server(std::move(impl)));  // stops what was started, also when the rest fails
+  if (const Status started = server->impl_->start(); !started) return started.error();
+  return server;
+}
+
+std::string Server::grpc_address() const { return ws::format_endpoint(impl_->config.grpc.host, impl_->grpc_port); }
+
+std::string Server::http_url() const {
+  return "http://" + ws::format_endpoint(impl_->config.http.host, impl_->http_port);
+}
+
+std::string Server::ready_line() const {
+  return R"({"grpc":")" + grpc_address() + R"(","http":")" + http_url() + R"("})";
+}
+
+void Server::stop() { impl_->stop(); }
+
+}  // namespace kerf::app

@@ -1,0 +1,117 @@
+#include "server/ws/metrics_page.h"
+
+#include <prometheus/metric_family.h>
+#include <prometheus/text_serializer.h>
+
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace kerf::ws {
+namespace {
+
+using prometheus::ClientMetric;
+using prometheus::MetricFamily;
+using prometheus::MetricType;
+
+class Page {
+ public:
+  template <typename Number>
+  void counter(std::string name, std::string help, Number value) {
+    ClientMetric metric;
+    metric.counter.value = static_cast<double>(value);
+    families_.push_back({std::move(name), std::move(help), MetricType::Counter, {std::move(metric)}});
+  }
+
+  template <typename Number>
+  void gauge(std::string name, std::string help, Number value) {
+    begin_gauge(std::move(name), std::move(help));
+    gauge_value({}, value);
+  }
+
+  // Another value of the gauge begun last.
+  template <typename Number>
+  void gauge_value(std::vector<ClientMetric::Label> labels, Number value) {
+    ClientMetric metric;
+    metric.label = std::move(labels);
+    metric.gauge.value = static_cast<double>(value);
+    families_.back().metric.push_back(std::move(metric));
+  }
+
+  void begin_gauge(std::string name, std::string help) {
+    families_.push_back({std::move(name), std::move(help), MetricType::Gauge, {}});
+  }
+
+  void histogram(std::string name, std::string help, const host::DurationHistogram& durations) {
+    ClientMetric metric;
+    std::uint64_t cumulative = 0;
+    for (std::size_t i = 0; i < durations.counts.size(); ++i) {
+      cumulative += durations.counts[i];
+      const double bound = i < host::DurationHistogram::kBounds.size() ? host::DurationHistogram::kBounds[i]
+                                                                       : std::numeric_limits<double>::infinity();
+      metric.histogram.bucket.push_back({cumulative, bound});
+    }
+    metric.histogram.sample_count = durations.total;
+    metric.histogram.sample_sum = durations.sum_s;
+    families_.push_back({std::move(name), std::move(help), MetricType::Histogram, {std::move(metric)}});
+  }
+
+  [[nodiscard]] std::string text() const { return prometheus::TextSerializer().Serialize(families_); }
+
+ private:
+  std::vector<MetricFamily> families_;
+};
+
+void add_host(Page& page, const host::HostMetrics& host) {
+  page.counter("kerf_ticks_total", "Ticks stepped, of all sheets.", host.ticks);
+  page.counter("kerf_failed_ticks_total", "Ticks whose integrator found no finite step.", host.failed_ticks);
+  page.counter("kerf_degraded_ticks_total", "Ticks that reported a flag, such as an unconverged solve.",
+               host.degraded_ticks);
+  page.counter("kerf_overruns_total", "Ticks that ended after their deadline.", host.overruns);
+  page.counter("kerf_slipped_seconds_total", "Simulated time given up because a sheet could not keep pace.",
+               host.slipped_s);
+  page.counter("kerf_tick_cpu_seconds_total", "CPU time of all ticks.", host.tick_cpu_s);
+  page.histogram("kerf_tick_duration_seconds", "Wall time of a tick, publishing included.", host.tick_duration);
+  page.counter("kerf_snapshots_total", "Snapshots built; none is built unwatched.", host.snapshots);
+  page.counter("kerf_contact_phases_total", "Substeps in which colliders were looked at.", host.contact_phases);
+  page.counter("kerf_cuts_total", "Cuts applied.", host.cuts);
+  page.histogram("kerf_cut_duration_seconds", "Wall time of a cut: plan, apply, remesh, model update.",
+                 host.cut_duration);
+  page.counter("kerf_commands_total", "Commands done, cuts among them.", host.commands);
+  page.counter("kerf_commands_refused_total", "Commands refused by a full queue, by validation or by the sheet.",
+               host.commands_refused);
+  page.counter("kerf_sheet_sleeps_total", "Times a sheet fell asleep.", host.sleeps);
+  page.begin_gauge("kerf_sheets", "Sheets, by run state.");
+  page.gauge_value({{"state", "running"}}, host.running_sheets);
+  page.gauge_value({{"state", "paused"}}, host.paused_sheets);
+  page.gauge_value({{"state", "sleeping"}}, host.sleeping_sheets);
+  page.gauge_value({{"state", "failed"}}, host.failed_sheets);
+  page.gauge("kerf_queued_commands", "Commands waiting for a tick boundary.", host.queued_commands);
+}
+
+void add_transports(Page& page, const HttpCounts& http, std::int32_t watchers) {
+  page.gauge("kerf_watch_streams", "Watch streams open now, of all transports.", watchers);
+  page.counter("kerf_websocket_streams_total", "WebSocket handshakes done.", http.watch_streams);
+  page.gauge("kerf_websocket_open_streams", "WebSocket streams open now.", http.open_watch_streams);
+  page.counter("kerf_http_connections_total", "TCP connections accepted.", http.connections);
+  page.gauge("kerf_http_open_connections", "TCP connections open now.", http.open_connections);
+  page.counter("kerf_http_refused_connections_total", "TCP connections closed at once, over the limit.",
+               http.refused_connections);
+  page.counter("kerf_http_requests_total", "HTTP requests answered.", http.requests);
+  page.counter("kerf_http_failed_requests_total", "HTTP requests answered with a status of 400 or above.",
+               http.failed_requests);
+}
+
+}  // namespace
+
+std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, std::int32_t watchers,
+                         const std::string& version) {
+  Page page;
+  page.begin_gauge("kerf_build_info", "Always 1; the label is the version.");
+  page.gauge_value({{"version", version}}, 1);
+  add_host(page, host);
+  add_transports(page, http, watchers);
+  return page.text();
+}
+
+}  // namespace kerf::ws
