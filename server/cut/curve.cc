@@ -36,7 +36,7 @@ Status check_points(const std::vector<Vector2d>& points, const std::string& path
 }
 
 Status check(const CubicBezier& bezier) {
-  const std::string path = "cut.bezier.points";
+  const std::string path = "cut.curve.bezier.points";
   const std::size_t count = bezier.points.size();
   if (count > 3 * kMaxBezierPieces + 1) {
     return invalid_argument("CURVE_TOO_LONG",
@@ -51,7 +51,7 @@ Status check(const CubicBezier& bezier) {
 }
 
 Status check(const Polyline& polyline) {
-  const std::string path = "cut.polyline.points";
+  const std::string path = "cut.curve.polyline.points";
   const std::size_t count = polyline.points.size();
   if (count > kMaxPolylinePoints) {
     return invalid_argument("CURVE_TOO_LONG", std::to_string(count) + " points; the limit is 4096", path);
@@ -61,13 +61,13 @@ Status check(const Polyline& polyline) {
 }
 
 Status check(const Circle& circle) {
-  if (Status status = check_scalar(circle.centre.x(), "cut.circle.centre.x"); !status.ok()) return status;
-  if (Status status = check_scalar(circle.centre.y(), "cut.circle.centre.y"); !status.ok()) return status;
-  if (Status status = check_scalar(circle.radius, "cut.circle.radius"); !status.ok()) return status;
+  if (Status status = check_scalar(circle.centre.x(), "cut.curve.circle.center.x"); !status.ok()) return status;
+  if (Status status = check_scalar(circle.centre.y(), "cut.curve.circle.center.y"); !status.ok()) return status;
+  if (Status status = check_scalar(circle.radius, "cut.curve.circle.radius_m"); !status.ok()) return status;
   if (circle.radius <= 0.0) {
     return invalid_argument("RADIUS_NOT_POSITIVE",
                             "the radius is " + std::to_string(circle.radius) + " m; it must be above zero",
-                            "cut.circle.radius");
+                            "cut.curve.circle.radius_m");
   }
   return Nothing{};
 }

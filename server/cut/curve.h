@@ -47,7 +47,7 @@ struct FlatCurve {
 };
 
 // Checks a curve by itself: finite, inside the limits, more than one distinct point. Errors, all kInvalidArgument, with
-// the path of the field ("cut.bezier.points[2].x"): CURVE_NOT_FINITE, CURVE_OUT_OF_RANGE, CURVE_TOO_LONG,
+// the path of the field ("cut.curve.bezier.points[2].x"): CURVE_NOT_FINITE, CURVE_OUT_OF_RANGE, CURVE_TOO_LONG,
 // CURVE_TOO_SHORT, CURVE_DEGENERATE, RADIUS_NOT_POSITIVE.
 Status validate(const Curve& curve);
 

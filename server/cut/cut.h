@@ -18,11 +18,12 @@
 namespace kerf::cut {
 
 struct CutOptions {
-  // Largest distance between curve and polyline, as a fraction of the sheet's edge length.  -, in [1e-4, 0.5]
-  double flatness = 0.02;
-  // The same in metres; replaces `flatness` where given.  m, > 0
-  std::optional<double> flatness_m;
-  // The path is laid on points and lips closer than this fraction of the edge length.  -, in [1e-6, 0.1]
+  // Distance asked for between curve and lips, as a fraction of the sheet's edge length.  -, in [1e-6, 0.5]
+  double tolerance = 0.02;
+  // The same in metres; replaces `tolerance` where given.  m, in [1e-9, 1e4]
+  std::optional<double> tolerance_m;
+  // The path is laid on points and lips closer than this fraction of the edge length, but never farther than a tenth
+  // of the tolerance.  -, in [1e-6, 0.1]
   double snap = 1.0e-3;
   // Triangles touched by the cut are refined until no angle is smaller, except in corners between lips that are
   // narrower than 60 degrees.  degrees, in [0, 28]; 0 refines nothing
@@ -31,7 +32,7 @@ struct CutOptions {
   // the worst triangle around them. Needs far fewer and far less flat triangles; see MeshEdit::moved_vertices.
   bool relax = true;
   // New triangle slots one cut may take.  -, > 0
-  std::int64_t max_new_triangles = 100'000;
+  std::int64_t max_new_triangles = 200'000;
 };
 
 struct CutRequest {
@@ -46,7 +47,7 @@ struct CutPlan {
   std::vector<Stroke> strokes;         // m, material coordinates; empty where the curve is nowhere near the sheet
   double curve_deviation_m = 0.0;      // m; proven bound on the distance between curve and strokes
   double edge_length_m = 0.0;          // m; the sheet's edge length, to which the fractions refer
-  double snap_m = 0.0;                 // m; options.snap * edge_length_m
+  double snap_m = 0.0;                 // m; distance below which the path is laid on points and lips
   CutOptions options;
   std::vector<mesh::VertexId> fixed_vertices;  // sorted, unique
 };
@@ -63,15 +64,15 @@ struct CutReport {
   std::int32_t new_triangles = 0;        // solid triangles added
   std::int32_t rewritten_triangles = 0;  // slots rewritten, new ones included
   std::int32_t moved_vertices = 0;       // old vertices relaxed
-  std::int32_t crossed_triangles = 0;    // solid triangles that the strokes ran through, counted once an entry
+  std::int32_t crossed_triangles = 0;    // solid triangles of the mesh before that the strokes run through
   std::int32_t new_lip_edges = 0;        // edges newly locked as lips, before refinement splits them
   double deviation_m = 0.0;              // m; proven bound on the distance between the curve (inside the sheet) and
                                          // its lips: flattening + snapping + rounding
   double min_angle_deg = 180.0;          // degrees; worst angle among the solid triangles that the cut rewrote
   double max_aspect = 0.0;               // -; worst longest edge / shortest height among them
   double min_height_m = 0.0;             // m; smallest height among them
-  std::int32_t small_angle_corners = 0;  // triangles left below the angle: corners between lips < 60 degrees, or
-                                         // edges at the length floor of snap / 4
+  std::int32_t triangles_below_angle = 0;  // of those, below min_angle_deg: in corners between lips < 60 degrees, at the
+                                           // length floor of snap / 4, or an element of the sheet that was so before
   bool refinement_stopped = false;       // the guard on refinement steps fired; the mesh is valid, its quality is not
   std::int32_t snapped_points = 0;       // path points moved onto an existing point or lip (by <= snap)
   std::int32_t closed_gaps = 0;          // of those: onto an older lip, the border, or another strand of this path
@@ -86,7 +87,7 @@ struct CutOutcome {
 };
 
 // Validates and flattens. Reads the mesh for its extent and edge length only.
-// Errors, all kInvalidArgument: those of validate(), and OPTION_OUT_OF_RANGE ("cut.options.snap").
+// Errors, all kInvalidArgument: those of validate(), and OPTION_OUT_OF_RANGE ("cut.min_angle_deg"), VERTEX_UNKNOWN.
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 
 // Carries the plan out, or leaves the mesh bit-identical.

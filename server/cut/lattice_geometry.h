@@ -1,0 +1,33 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Core>
+
+#include "server/mesh/predicates.h"
+
+// Measures in lattice units, in double: for choices that may be a little off (what is near, what is ill-shaped). What
+// decides topology goes through the exact predicates.
+namespace kerf::cut {
+
+// b - a, exact.
+inline Eigen::Vector2d difference(const mesh::LatticePoint& a, const mesh::LatticePoint& b) {
+  return {static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y)};
+}
+
+inline double squared_distance(const mesh::LatticePoint& a, const mesh::LatticePoint& b) {
+  return difference(a, b).squaredNorm();
+}
+
+inline double distance_to_segment(const mesh::LatticePoint& p, const mesh::LatticePoint& a,
+                                  const mesh::LatticePoint& b) {
+  const Eigen::Vector2d along = difference(a, b);
+  const Eigen::Vector2d offset = difference(a, p);
+  const double squared_length = along.squaredNorm();
+  if (squared_length == 0.0) return offset.norm();
+  const double t = std::clamp(offset.dot(along) / squared_length, 0.0, 1.0);
+  return (offset - t * along).norm();
+}
+
+}  // namespace kerf::cut

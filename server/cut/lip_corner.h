@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/mesh/triangle_mesh.h"
+
+namespace kerf::cut {
+
+// Sharp corners between fixed edges (lips, border, region borders): points where two of them meet at less than 60 degrees
+// with material in between. No refinement can widen such an angle, and without care it goes on for ever there.
+class LipCorners {
+ public:
+  explicit LipCorners(const mesh::TriangleMesh& mesh) : mesh_(mesh) {}
+
+  [[nodiscard]] bool is_sharp(mesh::PointId p);
+
+  // Whether p and q lie equally far from a sharp corner, one on either of its two lips: an edge pq that the corner
+  // forces (Miller, Pav and Walkington's "seditious" edge).
+  [[nodiscard]] bool joins_lips_of_sharp_corner(mesh::PointId p, mesh::PointId q);
+
+  // Where to split the fixed edge ab of this length (lattice units), as a fraction from a, in [1/3, 2/3]: in the middle, or
+  // with a sharp corner at one end at a power of two from it, so that the parts of both its lips come to match.
+  [[nodiscard]] double split_fraction(mesh::PointId a, mesh::PointId b, double length);
+
+ private:
+  // A point on the fixed edges that run on from another, and how it lies from there.
+  struct Reach {
+    mesh::PointId point = mesh::kNone;
+    double distance = 0.0;  // lattice units, straight
+  };
+
+  void find_fixed_neighbours(mesh::PointId p, std::vector<mesh::PointId>& neighbours);
+  void follow_lips(mesh::PointId p, std::vector<Reach>& reached);
+
+  const mesh::TriangleMesh& mesh_;
+  std::vector<mesh::TriangleId> fan_;
+  std::vector<mesh::PointId> ends_, onward_;
+  std::vector<Reach> from_p_, from_q_;
+};
+
+}  // namespace kerf::cut

@@ -1,0 +1,246 @@
+#include "server/cut/path_insertion.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "server/cut/lattice_geometry.h"
+
+namespace kerf::cut {
+
+using mesh::kNone;
+using mesh::LatticePoint;
+using mesh::Location;
+using mesh::next_corner;
+using mesh::PointId;
+using mesh::previous_corner;
+using mesh::Recovery;
+using mesh::TriangleId;
+
+namespace {
+
+constexpr std::int64_t kMaxLegs = 2'000'000;        // straight legs of one cut
+constexpr std::size_t kMaxSnapNeighbourhood = 512;  // triangles searched for something to snap to
+
+// The lattice point wanted and its neighbours, nearest first: rounding can put a point on the wrong side of an edge of a
+// very flat triangle, and one of the others is then inside.
+constexpr std::array<std::array<std::int64_t, 2>, 9> kRoundings{
+    {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
+
+Error budget_error() {
+  return {ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
+          "the cut needs more new triangles than allowed; shorten it, or raise max_new_triangles", "cut"};
+}
+
+Error rounding_error() {
+  return {ErrorCode::kFailedPrecondition, "CUT_NOT_REPRESENTABLE",
+          "a point of the cut could not be rounded to a valid position; shift the curve slightly", "cut.curve"};
+}
+
+void sort_unique(std::vector<PointId>& points) {
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+}
+
+}  // namespace
+
+PathInsertion::PathInsertion(mesh::MeshEditor& editor, double snap)
+    : editor_(editor), mesh_(editor.mesh()), snap_(snap), walk_(editor.mesh(), snap) {}
+
+std::vector<PointId> PathInsertion::path_points() const {
+  std::vector<PointId> points = path_points_;
+  sort_unique(points);
+  return points;
+}
+
+std::vector<PointId> PathInsertion::corridor_points() const {
+  std::vector<PointId> points = corridor_points_;
+  sort_unique(points);
+  return points;
+}
+
+Status PathInsertion::insert(const Stroke& stroke) {
+  last_point_ = kNone;
+  LatticePoint from_at = mesh_.lattice().nearest(stroke.points.front());
+  segment_start_ = segment_end_ = from_at;
+  Result<PathPosition> from = place(from_at);
+  if (!from.ok()) return from.error();
+  for (std::size_t i = 1; i < stroke.points.size(); ++i) {
+    const LatticePoint to_at = mesh_.lattice().nearest(stroke.points[i]);
+    if (to_at == from_at) continue;
+    segment_start_ = from_at;
+    segment_end_ = to_at;
+    last_point_ = from->point;
+    const Result<PathPosition> to = place(to_at);
+    if (!to.ok()) return to.error();
+    if (to->point != kNone && to->point == from->point) {
+      ++counts_.merged_segments;
+    } else if (Status status = run_segment(*from, *to); !status.ok()) {
+      return status;
+    }
+    from = to;
+    from_at = to_at;
+  }
+  return Nothing{};
+}
+
+// Everything within the snap distance is reached over edges within it, so a search outwards from the triangle that holds
+// the place finds all of it.
+PathInsertion::Snap PathInsertion::find_snap(const LatticePoint& at, TriangleId start) const {
+  Snap best;
+  double best_point = snap_;
+  double best_edge = snap_;
+  std::vector<TriangleId> found{start};
+  for (std::size_t i = 0; i < found.size() && i < kMaxSnapNeighbourhood; ++i) {
+    const TriangleId t = found[i];
+    for (int k = 0; k < 3; ++k) {
+      const PointId p = mesh_.points(t)[k];
+      const double to_point = difference(mesh_.at(p), at).norm();
+      if (to_point < best_point || (to_point == best_point && p < best.point)) {
+        best_point = to_point;
+        best.point = p;
+      }
+      const PointId a = mesh_.points(t)[next_corner(k)];
+      const PointId b = mesh_.points(t)[previous_corner(k)];
+      const double to_edge = distance_to_segment(at, mesh_.at(a), mesh_.at(b));
+      if (to_edge >= snap_) continue;
+      if (mesh_.is_fixed(t, k) && to_edge < best_edge) {
+        best_edge = to_edge;
+        best.triangle = t;
+        best.corner = k;
+      }
+      const TriangleId u = mesh_.welded_neighbour(t, k);
+      if (u != kNone && std::find(found.begin(), found.end(), u) == found.end()) found.push_back(u);
+    }
+  }
+  return best;
+}
+
+Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
+  const Location location = mesh_.locate(at, hint_);
+  KERF_CHECK(location.kind != Location::Kind::kOutside, "a clipped path stays inside the domain");
+  hint_ = location.triangle;
+  if (location.kind == Location::Kind::kPoint) {
+    note_point(location.point);
+    return PathPosition{at, location.point, kNone};
+  }
+  const Snap snap = find_snap(at, location.triangle);
+  PointId point = snap.point;
+  if (point != kNone) {
+    if (point != last_point_ && mesh_.locks_at_point(point) != 0) ++counts_.closed_gaps;
+    ++counts_.snapped_points;
+  } else if (snap.triangle != kNone) {
+    const LatticePoint& a = mesh_.at(mesh_.points(snap.triangle)[next_corner(snap.corner)]);
+    const LatticePoint& b = mesh_.at(mesh_.points(snap.triangle)[previous_corner(snap.corner)]);
+    const LatticePoint foot = rounded_projection(a, b, at);
+    const Result<PointId> split = split_near(snap.triangle, snap.corner, foot);
+    if (!split.ok()) return split.error();
+    point = *split;
+    if (foot != at) {
+      ++counts_.snapped_points;
+      ++counts_.closed_gaps;
+    }
+  } else if (!mesh_.is_solid(location.triangle)) {
+    return PathPosition{at, kNone, location.triangle};
+  } else {
+    const Result<PointId> inserted = insert_here(at, location);
+    if (!inserted.ok()) return inserted.error();
+    point = *inserted;
+  }
+  counts_.deviation = std::max(counts_.deviation, difference(at, mesh_.at(point)).norm());
+  note_point(point);
+  return PathPosition{mesh_.at(point), point, kNone};
+}
+
+Result<PointId> PathInsertion::insert_here(const LatticePoint& at, const Location& location) {
+  if (location.kind == Location::Kind::kEdge) return split_near(location.triangle, location.corner, at);
+  const PointId point = editor_.split_triangle(location.triangle, at);
+  if (point == kNone) return editor_.budget_exhausted() ? budget_error() : rounding_error();
+  editor_.legalise(point);
+  return point;
+}
+
+Result<PointId> PathInsertion::split_near(TriangleId t, int corner, const LatticePoint& at) {
+  for (const auto& [dx, dy] : kRoundings) {
+    const PointId point = editor_.split_edge(t, corner, {at.x + dx, at.y + dy});
+    if (editor_.budget_exhausted()) return budget_error();
+    if (point == kNone) continue;
+    editor_.legalise(point);
+    return point;
+  }
+  return rounding_error();
+}
+
+void PathInsertion::note_point(PointId point) {
+  path_points_.push_back(point);
+  hint_ = mesh_.records().points[static_cast<std::size_t>(point)].triangle;
+  const double distance = distance_to_segment(mesh_.at(point), segment_start_, segment_end_);
+  counts_.deviation = std::max(counts_.deviation, distance);
+}
+
+Status PathInsertion::run_segment(PathPosition from, const PathPosition& to) {
+  if (from.point == kNone) from.triangle = mesh_.locate(from.at, from.triangle).triangle;
+  std::vector<PathPosition> targets{to};
+  while (!targets.empty()) {
+    if (++legs_ > kMaxLegs) return budget_error();
+    const PathPosition target = targets.back();
+    const Encounter met = walk_.follow(from, target);
+    switch (met.kind) {
+      case Encounter::Kind::kArrived: {
+        if (from.point != kNone && target.point != kNone && runs_through_sheet(met)) {
+          if (Status status = secure_edge(from.point, target.point); !status.ok()) return status;
+        }
+        from = target;
+        if (from.point == kNone) from.triangle = met.triangle;
+        targets.pop_back();
+        break;
+      }
+      case Encounter::Kind::kPoint: {
+        note_point(met.point);
+        targets.push_back({mesh_.at(met.point), met.point, kNone});
+        break;
+      }
+      case Encounter::Kind::kFixedEdge: {
+        const LatticePoint& a = mesh_.at(mesh_.points(met.triangle)[next_corner(met.corner)]);
+        const LatticePoint& b = mesh_.at(mesh_.points(met.triangle)[previous_corner(met.corner)]);
+        const LatticePoint crossing = rounded_crossing(from.at, target.at, a, b);
+        const Result<PointId> split = split_near(met.triangle, met.corner, crossing);
+        if (!split.ok()) return split.error();
+        note_point(*split);
+        const PathPosition position{mesh_.at(*split), *split, kNone};
+        if (met.solid) {
+          targets.push_back(position);
+        } else {
+          from = position;
+        }
+        break;
+      }
+      case Encounter::Kind::kLost:
+        return budget_error();
+    }
+  }
+  return Nothing{};
+}
+
+bool PathInsertion::runs_through_sheet(const Encounter& arrival) const {
+  if (!arrival.edge_exists) return arrival.solid;
+  const TriangleId other = mesh_.welded_neighbour(arrival.triangle, arrival.corner);
+  return mesh_.is_solid(arrival.triangle) || (other != kNone && mesh_.is_solid(other));
+}
+
+Status PathInsertion::secure_edge(PointId p, PointId q) {
+  const auto& corridor = walk_.corridor();
+  corridor_points_.insert(corridor_points_.end(), corridor.begin(), corridor.end());
+  const Recovery recovery = editor_.recover_edge(p, q, mesh::kLockRequest);
+  if (recovery.status == Recovery::Status::kLimit) return budget_error();
+  KERF_CHECK(recovery.status == Recovery::Status::kRecovered, "a leg that was followed to its end can be recovered");
+  lock_as_cut(recovery.triangle, recovery.corner);
+  return Nothing{};
+}
+
+void PathInsertion::lock_as_cut(TriangleId t, int corner) {
+  if ((mesh_.locks(t, corner) & mesh::kLocksThatOpen) != 0) return;
+  if (editor_.lock_edge(t, corner, mesh::kLockCut)) ++counts_.new_lip_edges;
+}
+
+}  // namespace kerf::cut

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "server/base/result.h"
+#include "server/cut/curve.h"
+#include "server/cut/path_walk.h"
+#include "server/mesh/mesh_editor.h"
+
+namespace kerf::cut {
+
+// What insertion did, in lattice units where a length.
+struct InsertionCounts {
+  std::int32_t new_lip_edges = 0;
+  std::int32_t snapped_points = 0;
+  std::int32_t closed_gaps = 0;
+  std::int32_t merged_segments = 0;
+  double deviation = 0.0;  // largest distance between the strokes and the chain of edges that stands for them
+};
+
+// Lays strokes into the mesh: incremental constrained Delaunay on the mesh itself. Each point of a stroke is put on a
+// point or a fixed edge closer than the snap distance, or becomes a point; each segment is recovered by flips, passing
+// through points closer than the snap distance and splitting the fixed edges it crosses (older lips, the border, its own
+// earlier edges, region borders) at the rounded crossing. The edges it becomes are locked as cut; in the void nothing is
+// inserted or locked.
+class PathInsertion {
+ public:
+  // `snap`: lattice units, >= 2 * MeshEditor::kLockClearance.
+  PathInsertion(mesh::MeshEditor& editor, double snap);
+
+  // An Error as of cut::apply(); the editor is then to be rolled back.
+  Status insert(const Stroke& stroke);
+
+  [[nodiscard]] const InsertionCounts& counts() const { return counts_; }
+  // Mesh points on the path, sorted, unique.
+  [[nodiscard]] std::vector<mesh::PointId> path_points() const;
+  // End points of edges flipped away to make room for the path, sorted, unique.
+  [[nodiscard]] std::vector<mesh::PointId> corridor_points() const;
+
+ private:
+  struct Snap {
+    mesh::PointId point = mesh::kNone;        // nearest point within the snap distance, or
+    mesh::TriangleId triangle = mesh::kNone;  // nearest fixed edge within it
+    int corner = 0;
+  };
+
+  Result<PathPosition> place(const mesh::LatticePoint& at);
+  [[nodiscard]] Snap find_snap(const mesh::LatticePoint& at, mesh::TriangleId start) const;
+  Result<mesh::PointId> insert_here(const mesh::LatticePoint& at, const mesh::Location& location);
+  Result<mesh::PointId> split_near(mesh::TriangleId t, int corner, const mesh::LatticePoint& at);
+  Status run_segment(PathPosition from, const PathPosition& to);
+  [[nodiscard]] bool runs_through_sheet(const Encounter& arrival) const;
+  Status secure_edge(mesh::PointId p, mesh::PointId q);
+  void lock_as_cut(mesh::TriangleId t, int corner);
+  void note_point(mesh::PointId point);
+
+  mesh::MeshEditor& editor_;
+  const mesh::TriangleMesh& mesh_;
+  double snap_;
+  PathWalk walk_;
+  InsertionCounts counts_;
+  mesh::TriangleId hint_ = mesh::kNone;
+  mesh::PointId last_point_ = mesh::kNone;         // where the stroke is
+  mesh::LatticePoint segment_start_, segment_end_;  // of the segment being inserted
+  std::vector<mesh::PointId> path_points_;
+  std::vector<mesh::PointId> corridor_points_;
+  std::int64_t legs_ = 0;
+};
+
+}  // namespace kerf::cut

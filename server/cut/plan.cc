@@ -1,0 +1,76 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "server/cut/cut.h"
+#include "server/cut/stroke.h"
+
+namespace kerf::cut {
+namespace {
+
+constexpr double kSpacing = 0.8;         // -; longest path segment, as a fraction of the edge length
+constexpr double kMaxPathPoints = 2.0e6;  // points of a spaced path; more cannot fit in any element budget
+
+Status check_range(double value, double low, double high, const std::string& field) {
+  if (value >= low && value <= high) return Nothing{};  // false for NaN
+  return invalid_argument("OPTION_OUT_OF_RANGE",
+                          field + " is " + std::to_string(value) + "; allowed is " + std::to_string(low) + " to " +
+                              std::to_string(high),
+                          field);
+}
+
+Status check_options(const CutOptions& options) {
+  if (Status s = check_range(options.tolerance, 1e-6, 0.5, "cut.tolerance"); !s.ok()) return s;
+  if (Status s = check_range(options.tolerance_m.value_or(1.0), 1e-9, 1e4, "cut.tolerance_m"); !s.ok()) return s;
+  if (Status s = check_range(options.snap, 1e-6, 0.1, "cut.snap"); !s.ok()) return s;
+  if (Status s = check_range(options.min_angle_deg, 0.0, 28.0, "cut.min_angle_deg"); !s.ok()) return s;
+  return check_range(static_cast<double>(options.max_new_triangles), 1.0, 1e9, "cut.max_new_triangles");
+}
+
+Status check_vertices(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& vertices) {
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    if (vertices[i] >= 0 && vertices[i] < mesh.num_vertices()) continue;
+    return invalid_argument("VERTEX_UNKNOWN",
+                            "vertex " + std::to_string(vertices[i]) + " does not exist; the sheet has " +
+                                std::to_string(mesh.num_vertices()),
+                            "cut.fixed_vertices[" + std::to_string(i) + "]");
+  }
+  return Nothing{};
+}
+
+}  // namespace
+
+Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) {
+  if (Status s = validate(request.curve); !s.ok()) return s.error();
+  if (Status s = check_options(request.options); !s.ok()) return s.error();
+  if (Status s = check_vertices(mesh, request.fixed_vertices); !s.ok()) return s.error();
+
+  CutPlan plan;
+  plan.options = request.options;
+  plan.fixed_vertices = request.fixed_vertices;
+  std::sort(plan.fixed_vertices.begin(), plan.fixed_vertices.end());
+  plan.fixed_vertices.erase(std::unique(plan.fixed_vertices.begin(), plan.fixed_vertices.end()),
+                            plan.fixed_vertices.end());
+  // The length of the sheet as built, which cuts leave alone: the same curve is flattened and spaced the same way every
+  // time, so a second identical cut meets the lips of the first exactly.
+  plan.edge_length_m = mesh.base_edge_length();
+  const double tolerance = plan.options.tolerance_m.value_or(plan.options.tolerance * plan.edge_length_m);
+  // Two clearances of the lattice keep a point that did not snap to a lip insertable beside it.
+  const double smallest_snap = 2.0 * static_cast<double>(mesh::MeshEditor::kLockClearance) * mesh.lattice().spacing;
+  plan.snap_m = std::max(std::min(plan.options.snap * plan.edge_length_m, 0.1 * tolerance), smallest_snap);
+
+  const FlatCurve flat = flatten(request.curve, std::max(tolerance - plan.snap_m, 0.1 * tolerance));
+  const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(plan.edge_length_m + plan.snap_m);
+  const FlatCurve clipped = clip(flat, {bounds.min() - margin, bounds.max() + margin});
+  if (spaced_size(clipped, kSpacing * plan.edge_length_m) > kMaxPathPoints) {
+    return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
+                 "the cut is longer than 1.6 million edge lengths; split it into several", "cut.curve"};
+  }
+  FlatCurve spaced = space(clipped, kSpacing * plan.edge_length_m);
+  plan.strokes = std::move(spaced.strokes);
+  plan.curve_deviation_m = spaced.deviation_m;
+  return plan;
+}
+
+}  // namespace kerf::cut

@@ -1,0 +1,236 @@
+#include "server/cut/refinement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <queue>
+
+#include "server/cut/lattice_geometry.h"
+#include "server/cut/lip_corner.h"
+#include "server/cut/path_walk.h"
+#include "server/cut/triangle_shape.h"
+
+namespace kerf::cut {
+
+using Eigen::Vector2d;
+using mesh::kNone;
+using mesh::LatticePoint;
+using mesh::Location;
+using mesh::next_corner;
+using mesh::PointId;
+using mesh::previous_corner;
+using mesh::TriangleId;
+
+namespace {
+
+constexpr std::size_t kMaxCavity = 256;  // triangles searched for fixed edges that a new point encroaches on
+constexpr int kMaxWalk = 512;            // triangles between an ill-shaped one and its off-centre
+// Ungor's off-centre pulled in by 5 %, so that rounding does not leave the new triangle just below the angle
+// (the factor of Shewchuk's Triangle 1.6).
+constexpr double kOffCentreFactor = 0.475;
+
+LatticePoint rounded(const LatticePoint& from, const Vector2d& offset) {
+  return {from.x + std::llround(offset.x()), from.y + std::llround(offset.y())};
+}
+
+// An ill-shaped triangle waiting. It is looked at again only if the slot still holds the same corners.
+struct Pending {
+  double cos_smallest = 0.0;
+  std::int64_t order = 0;
+  TriangleId triangle = kNone;
+  std::array<PointId, 3> points{};
+
+  // The worst first, the oldest of equals: the order does not depend on the heap.
+  friend bool operator<(const Pending& a, const Pending& b) {
+    if (a.cos_smallest != b.cos_smallest) return a.cos_smallest < b.cos_smallest;
+    return a.order > b.order;
+  }
+};
+
+struct Edge {
+  TriangleId triangle = kNone;
+  int corner = 0;
+};
+
+class Refinement {
+ public:
+  Refinement(mesh::MeshEditor& editor, const RefinementConfig& config)
+      : editor_(editor),
+        mesh_(editor.mesh()),
+        config_(config),
+        cos_limit_(std::cos(config.min_angle_deg * std::numbers::pi / 180.0)),
+        corners_(editor.mesh()) {}
+
+  Result<RefinementCounts> run(std::span<const TriangleId> seeds) {
+    for (const TriangleId t : seeds) consider(t);
+    while (!queue_.empty()) {
+      const Pending next = queue_.top();
+      queue_.pop();
+      if (mesh_.points(next.triangle) != next.points) continue;
+      if (counts_.insertions >= config_.max_insertions) {
+        counts_.stopped = true;
+        break;
+      }
+      // A triangle that outlived the insertion is still to be removed.
+      if (improve(next.triangle)) consider(next.triangle);
+      if (editor_.budget_exhausted()) {
+        return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
+                     "refining the cut needs more new triangles than allowed; shorten it, or raise max_new_triangles",
+                     "cut.max_new_triangles"};
+      }
+    }
+    return counts_;
+  }
+
+ private:
+  void consider(TriangleId t) {
+    if (!mesh_.is_solid(t)) return;
+    const TriangleShape shape = shape_of(corners_of(mesh_, t));
+    if (shape.cos_smallest > cos_limit_) queue_.push({shape.cos_smallest, order_++, t, mesh_.points(t)});
+  }
+
+  // Inserts one point that removes t or brings its removal nearer. False where t has to stay as it is.
+  bool improve(TriangleId t) {
+    const TriangleShape shape = shape_of(corners_of(mesh_, t));
+    const int c = shape.sharpest_corner;
+    if (shape.shortest <= config_.length_floor) return false;
+    if (mesh_.is_fixed(t, next_corner(c)) && mesh_.is_fixed(t, previous_corner(c))) return false;
+    const PointId p = mesh_.points(t)[next_corner(c)];
+    const PointId q = mesh_.points(t)[previous_corner(c)];
+    if (!mesh_.is_fixed(t, c) && corners_.joins_lips_of_sharp_corner(p, q)) return false;
+
+    const LatticePoint target = off_centre(t, c);
+    Location location;
+    if (const std::optional<Edge> wall = find_wall(t, target, location)) return split(*wall);
+    if (location.kind == Location::Kind::kOutside || location.kind == Location::Kind::kPoint) return false;
+    if (const std::optional<Edge> edge = find_encroached(location.triangle, target)) return split(*edge);
+    const PointId added = editor_.insert_point(target, location.triangle);
+    if (added == kNone) return false;
+    settle(added);
+    return true;
+  }
+
+  // Opposite the shortest edge pq on its bisector: the circumcentre, or nearer where that is enough for the angle.
+  [[nodiscard]] LatticePoint off_centre(TriangleId t, int c) const {
+    const LatticePoint& p = mesh_.at(mesh_.points(t)[next_corner(c)]);
+    const LatticePoint& q = mesh_.at(mesh_.points(t)[previous_corner(c)]);
+    const LatticePoint& apex = mesh_.at(mesh_.points(t)[c]);
+    const Vector2d edge = difference(p, q);
+    const Vector2d to_apex = difference(p, apex);
+    const double doubled_area = static_cast<double>(mesh::doubled_area(p, q, apex));
+    const Vector2d inward(-edge.y(), edge.x());
+    // Circumcentre = middle of pq + height * inward, height = (apex - p) . (apex - q) / (2 * doubled area).
+    const double circumcentre = to_apex.dot(to_apex - edge) / (2.0 * doubled_area);
+    const double cos_angle = cos_limit_;
+    const double nearer = kOffCentreFactor * std::sqrt((1.0 + cos_angle) / (1.0 - cos_angle));
+    return rounded(p, 0.5 * edge + std::min(circumcentre, nearer) * inward);
+  }
+
+  // Walks straight from the middle of t to the target. Returns the first fixed edge on the way, or fills `location`
+  // (kOutside where the walk lost its way, which rounding may cause in a needle).
+  std::optional<Edge> find_wall(TriangleId t, const LatticePoint& target, Location& location) {
+    const std::array<LatticePoint, 3> at = corners_of(mesh_, t);
+    const Vector2d to_middle = (difference(at[0], at[1]) + difference(at[0], at[2])) / 3.0;
+    const LatticePoint middle = rounded(at[0], to_middle);
+    int entered = kNone;  // the edge of t the walk came in by
+    location = Location{};
+    for (int step = 0; step < kMaxWalk; ++step) {
+      int exit = kNone;
+      for (int k = 0; k < 3 && exit == kNone; ++k) {
+        if (k == entered) continue;
+        const LatticePoint& right = mesh_.at(mesh_.points(t)[next_corner(k)]);
+        const LatticePoint& left = mesh_.at(mesh_.points(t)[previous_corner(k)]);
+        if (mesh::orient2d(right, left, target) >= 0) continue;
+        if (mesh::orient2d(middle, target, right) <= 0 && mesh::orient2d(middle, target, left) >= 0) exit = k;
+      }
+      if (exit == kNone) {
+        if (holds(t, target)) location = mesh_.locate(target, t);
+        return std::nullopt;
+      }
+      if (mesh_.is_fixed(t, exit)) return Edge{t, exit};
+      entered = mesh_.mirror_corner(t, exit);
+      t = mesh_.welded_neighbour(t, exit);
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] bool holds(TriangleId t, const LatticePoint& at) const {
+    const std::array<LatticePoint, 3> p = corners_of(mesh_, t);
+    return mesh::orient2d(p[0], p[1], at) >= 0 && mesh::orient2d(p[1], p[2], at) >= 0 &&
+           mesh::orient2d(p[2], p[0], at) >= 0;
+  }
+
+  // Of the fixed edges that bound the cavity of `at` (the triangles whose circles hold it), the one whose diametral
+  // circle holds it deepest.
+  std::optional<Edge> find_encroached(TriangleId start, const LatticePoint& at) {
+    std::optional<Edge> worst;
+    double worst_cos = 0.0;
+    cavity_.assign(1, start);
+    for (std::size_t i = 0; i < cavity_.size() && i < kMaxCavity; ++i) {
+      const TriangleId t = cavity_[i];
+      for (int k = 0; k < 3; ++k) {
+        if (!mesh_.is_fixed(t, k)) {
+          grow_cavity(mesh_.welded_neighbour(t, k), at);
+          continue;
+        }
+        const Vector2d to_a = difference(at, mesh_.at(mesh_.points(t)[next_corner(k)]));
+        const Vector2d to_b = difference(at, mesh_.at(mesh_.points(t)[previous_corner(k)]));
+        const double cos_seen = to_a.dot(to_b) / std::sqrt(to_a.squaredNorm() * to_b.squaredNorm());
+        if (cos_seen < worst_cos) {
+          worst_cos = cos_seen;
+          worst = Edge{t, k};
+        }
+      }
+    }
+    return worst;
+  }
+
+  void grow_cavity(TriangleId t, const LatticePoint& at) {
+    if (std::find(cavity_.begin(), cavity_.end(), t) != cavity_.end()) return;
+    const std::array<LatticePoint, 3> corners = corners_of(mesh_, t);
+    if (mesh::in_circle(corners[0], corners[1], corners[2], at) > 0) cavity_.push_back(t);
+  }
+
+  // Splits a fixed edge in its middle, or on a shell around a sharp corner at one of its ends.
+  bool split(const Edge& edge) {
+    const PointId a = mesh_.points(edge.triangle)[next_corner(edge.corner)];
+    const PointId b = mesh_.points(edge.triangle)[previous_corner(edge.corner)];
+    const double length = difference(mesh_.at(a), mesh_.at(b)).norm();
+    if (length <= 2.0 * config_.length_floor) return false;
+    const double fraction = corners_.split_fraction(a, b, length);
+    const LatticePoint middle = rounded(mesh_.at(a), fraction * difference(mesh_.at(a), mesh_.at(b)));
+    const PointId added = editor_.split_edge(edge.triangle, edge.corner, middle);
+    if (added == kNone) return false;
+    settle(added);
+    return true;
+  }
+
+  void settle(PointId added) {
+    ++counts_.insertions;
+    editor_.legalise(added);
+    mesh_.fan_around(added, fan_);
+    for (const TriangleId t : fan_) consider(t);
+  }
+
+  mesh::MeshEditor& editor_;
+  const mesh::TriangleMesh& mesh_;
+  RefinementConfig config_;
+  double cos_limit_;
+  LipCorners corners_;
+  RefinementCounts counts_;
+  std::priority_queue<Pending> queue_;
+  std::int64_t order_ = 0;
+  std::vector<TriangleId> cavity_;
+  std::vector<TriangleId> fan_;
+};
+
+}  // namespace
+
+Result<RefinementCounts> refine(mesh::MeshEditor& editor, std::span<const TriangleId> seeds,
+                                const RefinementConfig& config) {
+  return Refinement(editor, config).run(seeds);
+}
+
+}  // namespace kerf::cut

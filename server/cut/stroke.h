@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/cut/curve.h"
+
+namespace kerf::cut {
+
+// An axis-aligned box in material coordinates.  m
+struct Box {
+  Eigen::Vector2d low{0.0, 0.0};
+  Eigen::Vector2d high{0.0, 0.0};
+
+  [[nodiscard]] bool contains(const Eigen::Vector2d& point) const {
+    return (point.array() >= low.array()).all() && (point.array() <= high.array()).all();
+  }
+};
+
+// The parts of the curve inside the box, in order; a stroke that leaves and comes back becomes several. Points inside are
+// kept bit for bit; the bound grows by the rounding of the points where strokes were clipped.
+FlatCurve clip(const FlatCurve& curve, const Box& box);
+
+// Number of points that space() would make; counts in double, so that absurd requests do not overflow.
+double spaced_size(const FlatCurve& curve, double spacing);
+
+// Splits every segment longer than `spacing` (m, > 0) into equal parts no longer than it. Why before insertion: a long
+// straight lip would drag needles as long as itself across the sheet. The bound grows by the rounding of new points.
+FlatCurve space(const FlatCurve& curve, double spacing);
+
+}  // namespace kerf::cut

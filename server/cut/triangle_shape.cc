@@ -1,0 +1,31 @@
+#include "server/cut/triangle_shape.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/cut/lattice_geometry.h"
+
+namespace kerf::cut {
+
+TriangleShape shape_of(const std::array<mesh::LatticePoint, 3>& corners) {
+  std::array<double, 3> squared{};  // of the edge opposite each corner
+  for (int k = 0; k < 3; ++k) {
+    squared[k] =
+        squared_distance(corners[mesh::next_corner(k)],
+                         corners[mesh::previous_corner(k)]);
+  }
+  const double doubled_area = static_cast<double>(mesh::doubled_area(corners[0], corners[1], corners[2]));
+  TriangleShape shape;
+  shape.sharpest_corner = static_cast<int>(std::min_element(squared.begin(), squared.end()) - squared.begin());
+  const double a = squared[shape.sharpest_corner];
+  const double b = squared[mesh::next_corner(shape.sharpest_corner)];
+  const double c = squared[mesh::previous_corner(shape.sharpest_corner)];
+  shape.cos_smallest = (b + c - a) / (2.0 * std::sqrt(b * c));
+  shape.shortest = std::sqrt(a);
+  shape.longest = std::sqrt(std::max(b, c));
+  shape.smallest_height = doubled_area / shape.longest;
+  shape.quality = 2.0 * std::sqrt(3.0) * doubled_area / (a + b + c);
+  return shape;
+}
+
+}  // namespace kerf::cut
