@@ -9,8 +9,8 @@
 
 namespace kerf::mesh {
 
-// Where a vertex's fields come from: any field f of `vertex` becomes sum_k weights[k] * f(sources[k]), with every f read
-// as it was before the edit.
+// Where a vertex's fields come from: any field f of `vertex` becomes sum_k weights[k] * f(sources[k]), with every f
+// read as it was before the edit.
 struct VertexSource {
   VertexId vertex = kNone;
   std::array<VertexId, 3> sources{kNone, kNone, kNone};  // existed before the edit; may repeat
@@ -20,10 +20,10 @@ struct VertexSource {
 // What one edit of the mesh did, in ids that stay valid: the one record that cut writes, fem carries state over with,
 // stream sends topology from and tests check invariants on. Nobody compares two meshes to find out what happened.
 struct MeshEdit {
-  std::vector<VertexSource> added_vertices;      // ids consecutive from the former num_vertices()
-  std::vector<VertexSource> moved_vertices;      // existed before; their rest position changed (relaxation)
-  std::vector<TriangleId> rewritten_triangles;   // slots whose vertices, rest shape or solidity changed, or whose
-                                                 // neighbours did; new slots included; sorted, unique
+  std::vector<VertexSource> added_vertices;     // ids consecutive from the former num_vertices()
+  std::vector<VertexSource> moved_vertices;     // existed before; their rest position changed (relaxation)
+  std::vector<TriangleId> rewritten_triangles;  // slots whose vertices, rest shape or solidity changed, or whose
+                                                // neighbours did; new slots included; sorted, unique
 
   [[nodiscard]] bool empty() const {
     return added_vertices.empty() && moved_vertices.empty() && rewritten_triangles.empty();

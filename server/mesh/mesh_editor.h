@@ -2,7 +2,8 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
+#include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "server/mesh/mesh_edit.h"
@@ -20,10 +21,16 @@ struct UndoLog {
   std::vector<std::pair<PointId, PointRecord>> points;           // each id once
   std::vector<std::pair<VertexId, VertexRecord>> vertices;       // each id once
   std::vector<std::pair<TriangleId, TriangleRecord>> triangles;  // each id once
-  std::uint64_t hash_after = 0;  // of the sizes after the edit, to catch an undo out of order
+  std::int32_t num_points_after = 0;                             // sizes after the edit, to catch an undo out of order
+  std::int32_t num_vertices_after = 0;
+  std::int32_t num_triangle_slots_after = 0;
 
-  // Restores `mesh` bit for bit to what it was before the edit, which must be the last one not yet undone.
+  // Restores `mesh` bit for bit to what it was before the edit, which must be the last one not yet undone. O(touched).
   void undo(TriangleMesh& mesh) const;
+
+ private:
+  friend class MeshEditor;
+  void restore(TriangleMesh& mesh) const;
 };
 
 struct CommittedEdit {
@@ -46,8 +53,8 @@ struct Recovery {
 };
 
 // One edit of a mesh, whole or not at all: operations, then commit(); rollback() or destruction without commit restores
-// the mesh bit for bit. All operations keep invariants I1-I5, I9 and I10 at every step; the corner -> vertex map and the
-// pieces are brought up to date by open() (until then new points have no vertex: kNone in solid corners).
+// the mesh bit for bit. All operations keep invariants I1-I5, I9 and I10 at every step; the corner -> vertex map and
+// the pieces are brought up to date by open() (until then new points have no vertex: kNone in solid corners).
 //
 // Splits and flips rewrite slots in place: see each operation. Points are never moved but by move_point.
 class MeshEditor {
@@ -91,8 +98,8 @@ class MeshEditor {
   // new point, or kNone (nothing changed): one would not be, the edge is on the rim, or the budget is exhausted.
   PointId split_edge(TriangleId t, int k, const LatticePoint& p);
 
-  // Inserts p where it lies: by split_triangle, by split_edge, or not at all if a point is there already (returned as it
-  // is). kNone as above, or where p is outside the domain.
+  // Inserts p where it lies: by split_triangle, by split_edge, or not at all if a point is there already (returned as
+  // it is). kNone as above, or where p is outside the domain.
   PointId insert_point(const LatticePoint& p, TriangleId hint = kNone);
 
   // Swaps the diagonal of the quad around edge k of t; u = welded_neighbour(t, k):
@@ -120,14 +127,14 @@ class MeshEditor {
   int legalise(PointId p);
 
   // Makes edge pq by flips (Sloan 1993, "A fast algorithm for generating constrained Delaunay triangulations"), adds
-  // `locks` to it if there are any (as lock_edge), and then flips those of the edges made on the way that are not locally
-  // Delaunay. On failure some flips may have been done; they are valid, and rolled back with the edit.
+  // `locks` to it if there are any (as lock_edge), and then flips those of the edges made on the way that are not
+  // locally Delaunay. On failure some flips may have been done; they are valid, and rolled back with the edit.
   Recovery recover_edge(PointId p, PointId q, LockBits locks);
 
   // Brings the corner -> vertex map up to date at new points and at the ends of freshly cut edges: one vertex for each
-  // connected sector of solid triangles around a point. Of the sectors that shared a vertex, the one with the lowest slot
-  // keeps it. Then renumbers pieces: of the parts of a piece, the one that is not exhausted first keeps the number.
-  // May be called more than once; commit() calls it for what is left.
+  // connected sector of solid triangles around a point. Of the sectors that shared a vertex, the one with the lowest
+  // slot keeps it. Then renumbers pieces: of the parts of a piece, the one that is not exhausted first keeps the
+  // number. May be called more than once; commit() calls it for what is left.
   void open();
 
   // Ends the edit. Locks that belong to one edit are cleared. Weights in the record are barycentric in the triangle,
@@ -139,20 +146,20 @@ class MeshEditor {
   void rollback();
 
  private:
+  // A slot of the mesh before the edit and its edge opposite `corner`, locked then, that a new point was put on.
+  struct Lip {
+    TriangleId triangle = kNone;  // kNone: the point is not on such an edge
+    int corner = 0;
+  };
   // What a new vertex inherits from, known when it is made; weights follow at commit, from final positions.
   struct Birth {
     VertexId vertex = kNone;
-    VertexId origin = kNone;        // vertex before the edit at the same point, or kNone for a new point
-    TriangleId lip_triangle = kNone;  // slot before the edit whose edge `lip_corner`, locked already, holds the point
-    int lip_corner = 0;
+    VertexId origin = kNone;  // vertex before the edit at the same point, or kNone for a new point
+    Lip lip;                  // on the side of the vertex's sector
   };
-  // A slot of the mesh before the edit, and the edge there (opposite `corner`), that a new point was put on.
-  struct Lip {
-    TriangleId triangle = kNone;
-    int corner = 0;
-  };
+  // A maximal run of solid triangles around a point that no lock separates.
   struct Sector {
-    std::vector<TriangleId> triangles;  // counter-clockwise around the point
+    std::vector<TriangleId> triangles;  // counter-clockwise
     TriangleId lowest = kNone;
     Lip lip;
   };
@@ -163,30 +170,33 @@ class MeshEditor {
   TriangleId add_slot(const TriangleRecord& record, TriangleId parent);
   PointId add_point(const LatticePoint& p);
   bool take_slots(std::int32_t count);
-  void relink(TriangleId t, int k, TriangleId from);
-  void claim_corners(TriangleId t);
-  void note_pending(PointId p);
-  [[nodiscard]] bool respects_clearance(TriangleId t, const LatticePoint& p) const;
+  void relink(TriangleId t, TriangleId from, TriangleId to);
+  void hand_over(TriangleId from, TriangleId to, PointId p, VertexId v);
+  [[nodiscard]] bool respects_clearance(TriangleId t, const LatticePoint& p, int skipped_edge) const;
   [[nodiscard]] Lip lip_of_edge(TriangleId t, int k) const;
 
-  void flip_legal(std::vector<std::array<PointId, 2>>& edges);
-  bool flip_crossed_edges(PointId p, PointId q, std::vector<std::array<PointId, 2>>& crossed,
-                          std::vector<std::array<PointId, 2>>& made);
+  using Edge = std::array<PointId, 2>;
+  bool flip_crossed_edges(PointId p, PointId q, const std::vector<Edge>& crossed, std::vector<Edge>& made);
+  void legalise_edges(std::vector<Edge>& edges);
 
   void open_point(PointId p);
   [[nodiscard]] std::vector<Sector> sectors_around(PointId p) const;
-  void assign_lips(PointId p, const std::vector<TriangleId>& fan, std::vector<Sector>& sectors) const;
+  [[nodiscard]] Lip lip_left_of(PointId p, const std::vector<TriangleId>& fan, std::size_t& first,
+                                std::size_t& last) const;
+  void add_vertex(PointId p, const Sector& sector, VertexId held);
   void label_pieces();
 
   [[nodiscard]] const TriangleRecord& old_record(TriangleId t) const;
-  [[nodiscard]] LatticePoint old_at(PointId p) const;
-  [[nodiscard]] TriangleId old_triangle_near(TriangleId t) const;
+  [[nodiscard]] const LatticePoint& old_at(PointId p) const;
+  [[nodiscard]] bool is_moved(PointId p) const { return !is_new(p) && old_at(p) != mesh_.at(p); }
+  [[nodiscard]] TriangleId parent_of(TriangleId t) const;
+  [[nodiscard]] Lip old_edge(TriangleId t, int k) const;
   [[nodiscard]] TriangleId locate_in_old(const LatticePoint& p, TriangleId start) const;
   [[nodiscard]] VertexSource source_of(const Birth& birth) const;
-  [[nodiscard]] VertexSource interpolate(VertexId v, TriangleId old_triangle) const;
+  [[nodiscard]] VertexSource interpolate(VertexId v) const;
   [[nodiscard]] VertexSource interpolate_on_lip(VertexId v, const Lip& lip) const;
+  [[nodiscard]] std::vector<VertexSource> moved_sources() const;
   [[nodiscard]] std::vector<TriangleId> rewritten_triangles() const;
-  void index_log();
   void clear_edit_locks();
 
   TriangleMesh& mesh_;
@@ -197,13 +207,14 @@ class MeshEditor {
   std::vector<bool> triangle_logged_;
   std::vector<bool> point_logged_;
   std::vector<bool> vertex_logged_;
-  std::vector<TriangleId> parents_;   // of new slots: a slot of the mesh before the edit, near
-  std::vector<Lip> lips_;             // of new points; triangle kNone for those not on an edge that was locked already
-  std::vector<PointId> pending_;      // points to open
-  std::vector<bool> is_pending_;
-  std::vector<PointId> moved_;        // old points whose position changed, each once
-  std::vector<Birth> births_;
-  std::vector<std::pair<TriangleId, std::int32_t>> triangle_index_;  // slot -> entry of log_.triangles, sorted
+  // Slot or point -> its entry in the log; looked up, never iterated.
+  std::unordered_map<TriangleId, std::size_t> triangle_entry_;
+  std::unordered_map<PointId, std::size_t> point_entry_;
+  std::vector<TriangleId> parents_;  // of new slots: the slot before the edit that they were split from
+  std::vector<Lip> lips_;            // of new points
+  std::vector<PointId> pending_;     // points to open, may repeat
+  std::vector<PointId> moved_;       // old points that move_point was called on, may repeat
+  std::vector<Birth> births_;        // by VertexId - log_.num_vertices
 };
 
 }  // namespace kerf::mesh

@@ -15,15 +15,15 @@ inline constexpr double kMaxRestCoordinate = 1e4;  // m
 
 // A sheet as indexed arrays.
 struct IndexedMesh {
-  Eigen::Matrix2Xd rest;       // 2 x V, m, |coordinate| <= kMaxRestCoordinate, V <= kMaxVertices
-  Eigen::Matrix3Xi triangles;  // 3 x T, vertex ids
+  Eigen::Matrix2Xd rest;              // 2 x V, m, |coordinate| <= kMaxRestCoordinate, V <= kMaxVertices
+  Eigen::Matrix3Xi triangles;         // 3 x T, vertex ids
   std::vector<std::int32_t> regions;  // T labels >= 0, or empty: all 0
 };
 
 // Builds a mesh from a sheet of one or several components, with or without holes. Components may touch at points and
 // along whole edges: vertices of equal rest position are welded there, so a sheet that was cut before keeps its cuts. A
-// component whose triangles are all clockwise is turned over (corners 1 and 2 swapped). Refused, the offending triangles
-// or vertices listed in the message, field = `rest`, `triangles` or `regions`:
+// component whose triangles are all clockwise is turned over (corners 1 and 2 swapped). Refused, the offending
+// triangles or vertices listed in the message, field = `rest`, `triangles` or `regions`:
 //   MESH_EMPTY, MESH_TOO_LARGE, MESH_NOT_FINITE, MESH_OUT_OF_RANGE, MESH_INDEX, MESH_REGIONS, MESH_UNUSED_VERTEX,
 //   MESH_DEGENERATE_TRIANGLE, MESH_NON_MANIFOLD_EDGE, MESH_NON_MANIFOLD_VERTEX, MESH_INCONSISTENT_ORIENTATION,
 //   MESH_OVERLAP (triangles overlap, or a vertex lies inside another triangle's edge).

@@ -47,16 +47,20 @@ struct TriangleRecord {
 // All that a TriangleMesh holds.
 struct MeshRecords {
   Lattice lattice;
-  Eigen::AlignedBox2d bounds;              // of the sheet as built, m
-  double base_edge_length = 0.0;           // m, see TriangleMesh::base_edge_length
-  std::vector<PointRecord> points;         // by PointId
-  std::vector<VertexRecord> vertices;      // by VertexId
-  std::vector<TriangleRecord> triangles;   // by TriangleId
+  Eigen::AlignedBox2d bounds;             // of the sheet as built, m
+  double base_edge_length = 0.0;          // m, see TriangleMesh::base_edge_length
+  std::vector<PointRecord> points;        // by PointId
+  std::vector<VertexRecord> vertices;     // by VertexId
+  std::vector<TriangleRecord> triangles;  // by TriangleId
   std::int32_t num_solid_triangles = 0;
   std::int32_t num_pieces = 0;
 };
 
-inline constexpr int next_corner(int k) { return k == 2 ? 0 : k + 1; }
-inline constexpr int previous_corner(int k) { return k == 0 ? 2 : k - 1; }
+inline constexpr int next_corner(int k) {
+  return k == 2 ? 0 : k + 1;
+}
+inline constexpr int previous_corner(int k) {
+  return k == 0 ? 2 : k - 1;
+}
 
 }  // namespace kerf::mesh

@@ -153,6 +153,8 @@ class TriangleMesh {
   [[nodiscard]] SegmentWalk walk_segment(PointId p, PointId q) const;
 
   // --- Whole-mesh checks.
+  // Closed chains of edges without neighbour in the opened mesh: borders and lips. O(n).
+  [[nodiscard]] std::int32_t num_boundary_loops() const;
   // Adds everything two meshes must agree on to behave alike from here on.
   void add_to(StateHash& hash) const;
   [[nodiscard]] std::uint64_t state_hash() const;

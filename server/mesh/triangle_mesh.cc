@@ -1,0 +1,182 @@
+#include "server/mesh/triangle_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/base/check.h"
+
+namespace kerf::mesh {
+
+TriangleMesh::TriangleMesh(MeshRecords records) : records_(std::move(records)) {
+  build_hints();
+}
+
+void TriangleMesh::triangles_around(VertexId v, std::vector<TriangleId>& ring) const {
+  ring.clear();
+  const PointId p = point(v);
+  const TriangleId start = triangle_at(v);
+  TriangleId first = start;
+  for (TriangleId t = start;;) {  // back to the clockwise end
+    t = neighbour(t, previous_corner(corner_of(t, p)));
+    if (t == kNone) break;
+    first = t;
+    if (t == start) break;
+  }
+  for (TriangleId t = first; t != kNone;) {
+    ring.push_back(t);
+    t = neighbour(t, next_corner(corner_of(t, p)));
+    if (t == first) break;
+  }
+}
+
+void TriangleMesh::one_ring(VertexId v, std::vector<VertexId>& ring) const {
+  std::vector<TriangleId> triangles;
+  triangles_around(v, triangles);
+  ring.clear();
+  const PointId p = point(v);
+  for (const TriangleId t : triangles) ring.push_back(vertices(t)[next_corner(corner_of(t, p))]);
+  const TriangleId last = triangles.back();
+  const int corner = corner_of(last, p);
+  if (neighbour(last, next_corner(corner)) == kNone) ring.push_back(vertices(last)[previous_corner(corner)]);
+}
+
+LockBits TriangleMesh::locks_around(VertexId v) const {
+  std::vector<TriangleId> triangles;
+  triangles_around(v, triangles);
+  const PointId p = point(v);
+  LockBits bits = 0;
+  for (const TriangleId t : triangles) {
+    const int corner = corner_of(t, p);
+    bits = static_cast<LockBits>(bits | locks(t, next_corner(corner)) | locks(t, previous_corner(corner)));
+  }
+  return bits;
+}
+
+LockBits TriangleMesh::locks_at_point(PointId p) const {
+  std::vector<TriangleId> fan;
+  fan_around(p, fan);
+  LockBits bits = 0;
+  for (const TriangleId t : fan) {
+    const int corner = corner_of(t, p);
+    bits = static_cast<LockBits>(bits | locks(t, next_corner(corner)) | locks(t, previous_corner(corner)));
+  }
+  return bits;
+}
+
+void TriangleMesh::fan_around(PointId p, std::vector<TriangleId>& fan) const {
+  fan.clear();
+  const TriangleId start = records_.points[p].triangle;
+  TriangleId first = start;
+  if (std::abs(at(p).x) == Lattice::kHalfDomain &&
+      std::abs(at(p).y) == Lattice::kHalfDomain) {  // open: corner of the domain
+    for (TriangleId t = start; t != kNone; t = welded_neighbour(t, previous_corner(corner_of(t, p)))) first = t;
+  }
+  for (TriangleId t = first; t != kNone;) {
+    fan.push_back(t);
+    t = welded_neighbour(t, next_corner(corner_of(t, p)));
+    if (t == first) break;
+  }
+}
+
+double TriangleMesh::area(TriangleId t) const {
+  const std::array<PointId, 3>& p = points(t);
+  const double spacing = records_.lattice.spacing;
+  return 0.5 * spacing * spacing * static_cast<double>(doubled_area(at(p[0]), at(p[1]), at(p[2])));
+}
+
+double TriangleMesh::edge_length(TriangleId t, int k) const {
+  const LatticePoint& a = at(points(t)[next_corner(k)]);
+  const LatticePoint& b = at(points(t)[previous_corner(k)]);
+  const double dx = static_cast<double>(b.x - a.x);
+  const double dy = static_cast<double>(b.y - a.y);
+  return records_.lattice.spacing * std::sqrt(dx * dx + dy * dy);
+}
+
+double TriangleMesh::local_edge_length(TriangleId t) const {
+  return std::sqrt(2.0 * area(t));
+}
+
+bool TriangleMesh::is_fixed(TriangleId t, int k) const {
+  const TriangleRecord& r = record(t);
+  if (r.locks[k] != 0 || r.neighbours[k] == kNone) return true;
+  return record(r.neighbours[k]).region != r.region;
+}
+
+int TriangleMesh::corner_of(TriangleId t, PointId p) const {
+  const std::array<PointId, 3>& corners = points(t);
+  for (int k = 0; k < 3; ++k) {
+    if (corners[k] == p) return k;
+  }
+  return kNone;
+}
+
+int TriangleMesh::mirror_corner(TriangleId t, int k) const {
+  const PointId end = points(t)[previous_corner(k)];
+  return previous_corner(corner_of(welded_neighbour(t, k), end));
+}
+
+TriangleId TriangleMesh::find_edge(PointId p, PointId q, int& corner) const {
+  const TriangleId start = records_.points[p].triangle;
+  for (const bool clockwise :
+       {false, true}) {  // the second way round only where the fan is open, at the domain's corners
+    TriangleId t = start;
+    do {
+      const int c = corner_of(t, p);
+      if (points(t)[next_corner(c)] == q) {
+        corner = previous_corner(c);
+        return t;
+      }
+      t = welded_neighbour(t, clockwise ? previous_corner(c) : next_corner(c));
+    } while (t != kNone && t != start);
+    if (t == start) break;
+  }
+  return kNone;
+}
+
+void TriangleMesh::add_to(StateHash& hash) const {
+  hash.add(records_.lattice.origin.x());
+  hash.add(records_.lattice.origin.y());
+  hash.add(records_.lattice.spacing);
+  for (const double value : {records_.bounds.min().x(), records_.bounds.min().y(), records_.bounds.max().x(),
+                             records_.bounds.max().y(), records_.base_edge_length}) {
+    hash.add(value);
+  }
+  hash.add(num_points());
+  for (const PointRecord& point : records_.points) {
+    hash.add(point.at.x);
+    hash.add(point.at.y);
+    hash.add(point.triangle);
+  }
+  hash.add(num_vertices());
+  hash.add_span(std::span<const VertexRecord>(records_.vertices));
+  hash.add(num_triangle_slots());
+  const auto pair = [](std::int32_t a, std::int32_t b) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(a)) << 32 | static_cast<std::uint32_t>(b);
+  };
+  for (const TriangleRecord& r : records_.triangles) {  // by field: the record has padding
+    for (int k = 0; k < 3; ++k) {
+      hash.add(pair(r.points[k], r.neighbours[k]));
+      hash.add(pair(r.vertices[k], r.locks[k]));
+    }
+    hash.add(pair(r.region, r.piece));
+  }
+  hash.add(records_.num_solid_triangles);
+  hash.add(records_.num_pieces);
+}
+
+std::uint64_t TriangleMesh::state_hash() const {
+  StateHash hash;
+  add_to(hash);
+  return hash.value();
+}
+
+bool operator==(const TriangleMesh& a, const TriangleMesh& b) {
+  const MeshRecords& x = a.records_;
+  const MeshRecords& y = b.records_;
+  return x.lattice == y.lattice && x.bounds.min() == y.bounds.min() && x.bounds.max() == y.bounds.max() &&
+         x.base_edge_length == y.base_edge_length && x.points == y.points && x.vertices == y.vertices &&
+         x.triangles == y.triangles && x.num_solid_triangles == y.num_solid_triangles && x.num_pieces == y.num_pieces;
+}
+
+}  // namespace kerf::mesh
