@@ -1,0 +1,205 @@
+import { ApiError, call } from './api';
+import { SheetService } from './gen/kerf/v1/sheets_pb';
+import type { Sheet } from './gen/kerf/v1/sheets_pb';
+import { Surface } from './geometry/surface';
+import { ColliderView } from './scene/colliders';
+import { PinView } from './scene/pin_view';
+import { SheetView } from './scene/sheet_view';
+import { Stage } from './scene/stage';
+import { worldBox } from './scene/world_box';
+import { FrameClock, unixTimeMs } from './stream/frame_clock';
+import type { SheetMirror } from './stream/mirror';
+import { Watch } from './stream/watch';
+import type { ConnectionState } from './stream/watch';
+import { CutTool } from './tools/cut_tool';
+import { GrabTool } from './tools/grab_tool';
+import { PinTool } from './tools/pin_tool';
+import { PointerRouter } from './tools/pointer_router';
+import type { NoticeKind, Tool, ToolId, Viewer } from './tools/tool';
+import { ViewTool } from './tools/view_tool';
+import { CutPanel } from './ui/cut_panel';
+import { Choice, element, setText } from './ui/dom';
+import { Notices } from './ui/notices';
+import { SimulationControls } from './ui/simulation_controls';
+import { StatusLine } from './ui/status_line';
+
+const kStateText: Record<ConnectionState, string> = {
+  connecting: 'Connecting', live: 'Live', lost: 'Connection lost', ended: 'Ended',
+};
+
+/** The viewer of one sheet: what the server sends goes in, pictures and the tools' calls come out. */
+export class App implements Viewer {
+  readonly overlay = element('overlay');
+  readonly stage: Stage;
+  readonly controls: SimulationControls;
+  readonly cutTool: CutTool;
+  sheetName = '';
+  surface: Surface | undefined;
+  watch: Watch | undefined;
+  sheet: Sheet | undefined;
+  tool: Tool;
+  framesDrawn = 0;
+
+  private readonly canvas = element<HTMLCanvasElement>('canvas');
+  private readonly sheetView = new SheetView();
+  private readonly pinView = new PinView();
+  private readonly colliderView: ColliderView;
+  private readonly notices = new Notices(element('notices'));
+  private readonly status = new StatusLine();
+  private readonly tools: Record<ToolId, Tool>;
+  private readonly grabTool: GrabTool;
+  private readonly cutPanel: CutPanel;
+  private readonly toolChoice: Choice<ToolId>;
+  private clock = new FrameClock();
+  private hasNewFrame = false;
+  private isFitted = false;
+  private settingsVersion = -1;
+
+  constructor() {
+    this.stage = new Stage(this.canvas);
+    this.colliderView = new ColliderView(this.stage.ground);
+    this.stage.scene.add(this.sheetView.object, this.pinView.object, this.colliderView.object);
+    this.cutTool = new CutTool(this, () => this.cutPanel?.update(this.tool === this.cutTool));
+    this.grabTool = new GrabTool(this);
+    this.tools = { view: new ViewTool(), cut: this.cutTool, grab: this.grabTool, pin: new PinTool(this) };
+    this.tool = this.tools.view;
+    this.cutPanel = new CutPanel(this.cutTool);
+    this.toolChoice = new Choice<ToolId>(element('tools'), 'tool', (id) => this.choose(id));
+    this.controls = new SimulationControls(this);
+    new PointerRouter(element('stage'), this.canvas, this.stage, () => this.tool);
+    document.addEventListener('visibilitychange', () => {
+      if (!document.hidden) this.watch?.retryNow();
+    });
+    this.choose('view');
+    requestAnimationFrame((nowMs) => this.draw(nowMs));
+  }
+
+  get isWireframe(): boolean {
+    return this.sheetView.isWireframe;
+  }
+
+  toggleWireframe(): void {
+    this.sheetView.setWireframe(!this.isWireframe);
+    element('wireframe').setAttribute('aria-pressed', String(this.isWireframe));
+    this.stage.invalidate();
+  }
+
+  choose(id: ToolId): void {
+    if (this.tool !== this.tools[id]) this.tool.leave();
+    this.tool = this.tools[id];
+    this.tool.enter();
+    this.toolChoice.show(id);
+    this.cutPanel.update(this.tool === this.cutTool);
+    this.canvas.style.cursor = this.tool.cursor;
+  }
+
+  /** @param name  sheets/{sheet} */
+  open(name: string): void {
+    this.tool.leave();
+    this.watch?.close();
+    this.sheetName = name;
+    this.surface = undefined;
+    this.sheet = undefined;
+    this.isFitted = false;
+    this.settingsVersion = -1;
+    this.clock = new FrameClock();
+    const { protocol, host } = location;
+    this.watch = new Watch(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/watch`, name, {
+      onState: (state, detail) => this.showConnection(state, detail),
+      onFrame: (mirror) => this.receive(mirror),
+      onRejection: (rejection) => this.grabTool.rejected(rejection),
+    });
+    void this.refreshSheet();
+  }
+
+  fit(): void {
+    if (!this.surface) return;
+    const colliders = this.sheet?.scene?.colliders ?? [];
+    this.stage.fit(worldBox(this.surface.mirror, colliders));
+    this.colliderView.set(colliders);
+  }
+
+  notify(kind: NoticeKind, text: string): void {
+    this.notices.add(kind, text);
+  }
+
+  async attempt<T>(run: () => Promise<T>): Promise<T | undefined> {
+    try {
+      return await run();
+    } catch (error) {
+      const code = error instanceof ApiError ? ` (${error.code})` : '';
+      this.notify('error', `${(error as Error).message}${code}`);
+      return undefined;
+    }
+  }
+
+  async refreshSheet(): Promise<void> {
+    const name = this.sheetName;
+    try {
+      const sheet = await call(SheetService.method.getSheet, { name });
+      if (name === this.sheetName) this.setSheet(sheet);
+    } catch {
+      // The stream tells about a lost connection or a sheet that is gone; the next settings_version asks again.
+      this.settingsVersion = -1;
+    }
+  }
+
+  setSheet(sheet: Sheet): void {
+    this.sheet = sheet;
+    this.controls.show(sheet);
+    this.pinView.set(sheet.pinnedVertices);
+    this.colliderView.set(sheet.scene?.colliders ?? []);
+    this.hasNewFrame = this.surface !== undefined;
+    this.stage.invalidate();
+  }
+
+  showConnection(state: ConnectionState, detail: string): void {
+    const chip = element('connection');
+    chip.dataset.state = state;
+    setText(chip.querySelector('b')!, kStateText[state]);
+    const line = element('connection-detail');
+    line.hidden = detail === '';
+    setText(line, detail);
+  }
+
+  private receive(mirror: SheetMirror): void {
+    if (this.surface?.mirror !== mirror) this.surface = new Surface(mirror);
+    const { stats } = mirror;
+    if (stats) {
+      this.clock.arrived(stats.publishedUnixUs, unixTimeMs());
+      if (stats.settingsVersion !== this.settingsVersion) {
+        this.settingsVersion = stats.settingsVersion;
+        void this.refreshSheet();
+      }
+    }
+    this.hasNewFrame = true;
+    this.stage.invalidate();
+  }
+
+  private draw(nowMs: number): void {
+    requestAnimationFrame((nextMs) => this.draw(nextMs));
+    if (this.stage.advance()) {
+      if (this.hasNewFrame) this.takeFrame();
+      this.tool.update();
+      this.stage.draw();
+      this.framesDrawn += 1;
+      this.status.drawn(nowMs);
+    }
+    const isLive = this.watch?.state === 'live';
+    this.status.update(this.surface?.mirror, isLive ? this.clock.ageMs(unixTimeMs()) : undefined, nowMs);
+  }
+
+  private takeFrame(): void {
+    this.hasNewFrame = false;
+    const surface = this.surface!;
+    if (!this.isFitted) {
+      this.fit();
+      // Once more when the colliders are known.
+      this.isFitted = this.sheet !== undefined;
+    }
+    this.sheetView.update(surface);
+    const { min, max } = surface.locator;
+    this.pinView.update(surface.mirror, 0.009 * Math.max(max.x - min.x, max.y - min.y));
+    this.watch?.acknowledge();
+  }
+}

@@ -1,0 +1,56 @@
+import type { App } from './app';
+
+/**
+ * window.kerf: what the browser test (tests/e2e) reads, and nothing that changes anything. Not an interface for programs:
+ * those speak kerf.v1 with the server.
+ */
+export interface Hooks {
+  readonly connection: string;
+  readonly sheet: string;
+  readonly tick: number;
+  readonly topologyVersion: number;
+  readonly pieces: number;
+  readonly numVertices: number;
+  readonly isPaused: boolean;
+  readonly isWireframe: boolean;
+  readonly tool: string;
+  readonly pinnedVertices: readonly number[];
+  readonly framesDrawn: number;
+  /** World position of a material point, metres; undefined before the first frame. */
+  toWorld(materialX: number, materialY: number): { x: number; y: number; z: number } | undefined;
+  /** The same on the page, CSS pixels. */
+  toClient(materialX: number, materialY: number): { x: number; y: number } | undefined;
+}
+
+declare global {
+  interface Window {
+    kerf?: Hooks;
+  }
+}
+
+export function installHooks(app: App, canvas: HTMLCanvasElement): void {
+  const world = (x: number, y: number) => app.surface?.toWorld({ x, y });
+  window.kerf = {
+    get connection() { return app.watch?.state ?? 'connecting'; },
+    get sheet() { return app.sheetName; },
+    get tick() { return app.surface?.mirror.tick ?? -1; },
+    get topologyVersion() { return app.surface?.mirror.topologyVersion ?? -1; },
+    get pieces() { return app.surface?.mirror.numPieces ?? 0; },
+    get numVertices() { return app.surface?.mirror.numVertices ?? 0; },
+    get isPaused() { return app.surface?.mirror.stats?.paused ?? false; },
+    get isWireframe() { return app.isWireframe; },
+    get tool() { return app.tool.id; },
+    get pinnedVertices() { return app.sheet?.pinnedVertices ?? []; },
+    get framesDrawn() { return app.framesDrawn; },
+    toWorld(x, y) {
+      const at = world(x, y);
+      return at && { x: at.x, y: at.y, z: at.z };
+    },
+    toClient(x, y) {
+      const at = world(x, y);
+      const px = at && app.stage.project(at);
+      const bounds = canvas.getBoundingClientRect();
+      return px && { x: bounds.left + px.x, y: bounds.top + px.y };
+    },
+  };
+}

@@ -1,0 +1,48 @@
+import { DoubleSide, MeshStandardMaterial } from 'three';
+import type { IUniform } from 'three';
+
+// Checks of woven bands in material coordinates, so that stretch and shear show, filtered to the size of a pixel. The two
+// sides differ in colour, so that folds show.
+const kPattern = /* glsl */ `
+  uniform float checkSize;
+
+  float band(float t, float halfWidth) {
+    float blur = max(fwidth(t), 1e-4);
+    float distance = abs(fract(t) - 0.5);
+    float edge = smoothstep(halfWidth - blur, halfWidth + blur, distance);
+    return mix(edge, 1.0 - 2.0 * halfWidth, smoothstep(0.4, 1.2, blur));
+  }
+
+  vec3 clothColor(vec2 material, bool isFront) {
+    vec2 t = material / checkSize;
+    float bands = 0.5 * (band(t.x, 0.25) + band(t.y, 0.25));
+    vec2 thread = t * 24.0;
+    float weaveBlur = max(fwidth(thread.x), fwidth(thread.y));
+    float weave = sin(6.2832 * thread.x) * sin(6.2832 * thread.y) * (1.0 - smoothstep(0.15, 0.5, weaveBlur));
+    vec3 light = isFront ? vec3(0.93, 0.90, 0.83) : vec3(0.95, 0.66, 0.44);
+    vec3 dark = isFront ? vec3(0.09, 0.24, 0.42) : vec3(0.72, 0.22, 0.13);
+    vec3 color = mix(light, dark, bands * (isFront ? 0.92 : 0.6));
+    return color * (1.0 + 0.10 * weave);
+  }
+`;
+
+export class ClothMaterial extends MeshStandardMaterial {
+  private readonly checkSize: IUniform<number> = { value: 0.1 };
+
+  constructor() {
+    super({ side: DoubleSide, shadowSide: DoubleSide, roughness: 0.86, metalness: 0, polygonOffset: true,
+            polygonOffsetFactor: 1.5, polygonOffsetUnits: 2 });
+    this.defines = { ...this.defines, USE_UV: '' };
+    this.onBeforeCompile = (shader) => {
+      shader.uniforms.checkSize = this.checkSize;
+      shader.fragmentShader = shader.fragmentShader
+        .replace('#include <common>', `#include <common>\n${kPattern}`)
+        .replace('#include <color_fragment>', 'diffuseColor.rgb = clothColor(vUv, gl_FrontFacing);');
+    };
+  }
+
+  /** @param size  metres, > 0: width of one light and one dark band together */
+  setCheckSize(size: number): void {
+    this.checkSize.value = size;
+  }
+}

@@ -1,0 +1,67 @@
+import { DynamicDrawUsage, InstancedInterleavedBuffer, InterleavedBufferAttribute } from 'three';
+import type { ColorRepresentation } from 'three';
+import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
+import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
+import { LineSegmentsGeometry } from 'three/addons/lines/LineSegmentsGeometry.js';
+
+export interface FatLineStyle {
+  color: ColorRepresentation;
+  /** CSS pixels */
+  width: number;
+  opacity?: number;
+  /** Drawn over everything, hidden or not. */
+  onTop?: boolean;
+}
+
+/** Line segments of a width in pixels whose ends are rewritten in place, frame after frame. */
+export class FatLines {
+  readonly object: LineSegments2;
+  readonly material: LineMaterial;
+  private buffer: InstancedInterleavedBuffer;
+
+  constructor(style: FatLineStyle) {
+    this.material = new LineMaterial({
+      color: style.color,
+      linewidth: style.width,
+      transparent: (style.opacity ?? 1) < 1,
+      opacity: style.opacity ?? 1,
+      depthTest: !style.onTop,
+      depthWrite: false,
+    });
+    this.object = new LineSegments2(new LineSegmentsGeometry(), this.material);
+    this.object.frustumCulled = false;
+    if (style.onTop) this.object.renderOrder = 10;
+    this.buffer = this.allocate(16);
+    this.object.geometry.instanceCount = 0;
+  }
+
+  /** Room for `count` segments: 6 numbers each (start, end; metres), to be filled before the next draw. */
+  begin(count: number): Float32Array {
+    if (6 * count > this.buffer.array.length) this.buffer = this.allocate(Math.max(count, this.buffer.array.length / 3));
+    this.object.geometry.instanceCount = count;
+    this.object.visible = count > 0;
+    this.buffer.clearUpdateRanges();
+    this.buffer.addUpdateRange(0, 6 * count);
+    this.buffer.needsUpdate = true;
+    return this.buffer.array as Float32Array;
+  }
+
+  /** Draws the polyline through n points; 3 n numbers, metres. */
+  setPolyline(points: ArrayLike<number>): void {
+    const count = Math.max(0, points.length / 3 - 1);
+    const ends = this.begin(count);
+    for (let i = 0; i < count; ++i) {
+      for (let k = 0; k < 6; ++k) ends[6 * i + k] = points[3 * i + k];
+    }
+  }
+
+  private allocate(segments: number): InstancedInterleavedBuffer {
+    const buffer = new InstancedInterleavedBuffer(new Float32Array(6 * Math.ceil(segments)), 6, 1);
+    buffer.setUsage(DynamicDrawUsage);
+    const { geometry } = this.object;
+    geometry.dispose();
+    geometry.setAttribute('instanceStart', new InterleavedBufferAttribute(buffer, 3, 0));
+    geometry.setAttribute('instanceEnd', new InterleavedBufferAttribute(buffer, 3, 3));
+    return buffer;
+  }
+}

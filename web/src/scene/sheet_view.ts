@@ -1,0 +1,111 @@
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Group, LineBasicMaterial, LineSegments, Mesh } from 'three';
+import { vertexNormals } from '../geometry/normals';
+import type { Surface } from '../geometry/surface';
+import { ClothMaterial } from './cloth_material';
+import { FatLines } from './fat_lines';
+
+function upload(attribute: BufferAttribute, count: number): void {
+  attribute.clearUpdateRanges();
+  attribute.addUpdateRange(0, count);
+  attribute.needsUpdate = true;
+}
+
+/** Draws one sheet: the lit surface, dark lines along border and lips, and the wireframe on request. */
+export class SheetView {
+  readonly object = new Group();
+
+  private readonly cloth = new ClothMaterial();
+  private readonly mesh = new Mesh(new BufferGeometry(), this.cloth);
+  private readonly wires = new LineSegments(
+    new BufferGeometry(), new LineBasicMaterial({ color: 0x05070a, transparent: true, opacity: 0.42, depthWrite: false }));
+  private readonly lips = new FatLines({ color: 0x10151c, width: 2 });
+  private surface: Surface | undefined;
+  private shownVersion = -1;
+  private wiresVersion = -1;
+
+  constructor() {
+    this.mesh.castShadow = true;
+    this.mesh.receiveShadow = true;
+    this.mesh.frustumCulled = false;
+    this.wires.frustumCulled = false;
+    this.wires.visible = false;
+    this.object.add(this.mesh, this.wires, this.lips.object);
+  }
+
+  get isWireframe(): boolean {
+    return this.wires.visible;
+  }
+
+  setWireframe(isOn: boolean): void {
+    this.wires.visible = isOn;
+    if (isOn) this.updateWires();
+  }
+
+  /** Takes the mirror's newest state; `surface` may be another one after a new connection. */
+  update(surface: Surface): void {
+    const { mirror } = surface;
+    if (surface !== this.surface || mirror.topologyVersion !== this.shownVersion) {
+      this.surface = surface;
+      this.updateTopology();
+      this.shownVersion = mirror.topologyVersion;
+    }
+    const { geometry } = this.mesh;
+    const positions = geometry.getAttribute('position') as BufferAttribute;
+    const normals = geometry.getAttribute('normal') as BufferAttribute;
+    vertexNormals(mirror.positions, mirror.numVertices, mirror.triangles, mirror.numSlots, normals.array as Float32Array);
+    upload(positions, 3 * mirror.numVertices);
+    upload(normals, 3 * mirror.numVertices);
+    this.updateLips();
+    if (this.wires.visible) this.updateWires();
+  }
+
+  private updateTopology(): void {
+    const { mirror, locator } = this.surface!;
+    const { geometry } = this.mesh;
+    if (geometry.getAttribute('position')?.array !== mirror.positions) {
+      geometry.dispose();
+      this.wires.geometry.dispose();
+      const positions = new BufferAttribute(mirror.positions, 3).setUsage(DynamicDrawUsage);
+      geometry.setAttribute('position', positions);
+      geometry.setAttribute('normal', new BufferAttribute(new Float32Array(mirror.positions.length), 3).setUsage(DynamicDrawUsage));
+      this.wires.geometry.setAttribute('position', positions);
+      this.wiresVersion = -1;
+    }
+    geometry.setAttribute('uv', new BufferAttribute(mirror.materialPositions.slice(0, 2 * mirror.numVertices), 2));
+    // An empty slot becomes a triangle without area.
+    const index = new Uint32Array(3 * mirror.numSlots);
+    for (let i = 0; i < index.length; ++i) index[i] = Math.max(0, mirror.triangles[i]);
+    geometry.setIndex(new BufferAttribute(index, 1));
+    const width = Math.max(locator.max.x - locator.min.x, locator.max.y - locator.min.y);
+    if (width > 0) this.cloth.setCheckSize(width / 10);
+  }
+
+  private updateLips(): void {
+    const { mirror: { positions }, boundary } = this.surface!;
+    const ends = this.lips.begin(boundary.length / 3);
+    for (let i = 0, at = 0; i < boundary.length; i += 3) {
+      for (let end = 0; end < 2; ++end) {
+        const from = 3 * boundary[i + end];
+        ends[at++] = positions[from];
+        ends[at++] = positions[from + 1];
+        ends[at++] = positions[from + 2];
+      }
+    }
+  }
+
+  private updateWires(): void {
+    if (!this.surface || this.wiresVersion === this.shownVersion) return;
+    const { mirror: { triangles, numSlots }, boundary } = this.surface;
+    // Each inner edge belongs to two triangles that run along it in opposite directions, each border edge to one.
+    const edges: number[] = [];
+    for (let i = 0; i < 3 * numSlots; ++i) {
+      const next = i % 3 === 2 ? i - 2 : i + 1;
+      if (triangles[i] < triangles[next]) edges.push(triangles[i], triangles[next]);
+    }
+    for (let i = 0; i < boundary.length; i += 3) {
+      if (boundary[i] > boundary[i + 1]) edges.push(boundary[i], boundary[i + 1]);
+    }
+    this.wires.geometry.setIndex(new BufferAttribute(Uint32Array.from(edges), 1));
+    this.wiresVersion = this.shownVersion;
+  }
+}

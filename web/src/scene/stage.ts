@@ -1,0 +1,127 @@
+import {
+  Box3, DirectionalLight, HemisphereLight, PerspectiveCamera, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer,
+} from 'three';
+import type { Ray } from 'three';
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { GroundMaterial } from './ground_material';
+
+const kFovDeg = 36;
+const kViewDirection = new Vector3(0.5, -1, 0.62).normalize();
+const kLightDirection = new Vector3(-0.45, -0.5, 1).normalize();
+
+/** Renderer, camera, lights and floor; z is up. Draws only when something called invalidate(). */
+export class Stage {
+  readonly scene = new Scene();
+  readonly camera = new PerspectiveCamera(kFovDeg, 1, 0.01, 100);
+  readonly controls: OrbitControls;
+  readonly ground = new GroundMaterial();
+  /** Of the canvas, CSS pixels. */
+  readonly sizePx = new Vector2(1, 1);
+
+  private readonly renderer: WebGLRenderer;
+  private readonly sun = new DirectionalLight(0xfff4e2, 2.6);
+  private readonly sky = new HemisphereLight(0xffffff, 0x8c8f98, 1.5);
+  private readonly raycaster = new Raycaster();
+  private isStale = true;
+
+  constructor(private readonly canvas: HTMLCanvasElement) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
+    this.renderer.shadowMap.enabled = true;
+    this.camera.up.set(0, 0, 1);
+    this.sky.position.set(0, 0, 1);
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(1024, 1024);
+    this.sun.shadow.radius = 4;
+    this.sun.shadow.bias = -0.0008;
+    this.scene.add(this.sky, this.sun, this.sun.target);
+    this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.addEventListener('change', () => this.invalidate());
+    this.fit(new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 1)));
+    new ResizeObserver(() => this.resize()).observe(canvas);
+    this.resize();
+    const dark = matchMedia('(prefers-color-scheme: dark)');
+    dark.addEventListener('change', () => this.setDark(dark.matches));
+    this.setDark(dark.matches);
+  }
+
+  invalidate(): void {
+    this.isStale = true;
+  }
+
+  /** Moves the camera on; true if something changed since the last draw(). */
+  advance(): boolean {
+    this.controls.update();
+    return this.isStale;
+  }
+
+  draw(): void {
+    this.isStale = false;
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  /** Looks at the whole of a box, and sizes light, shadow and floor for it. */
+  fit(box: Box3): void {
+    const sphere = box.getBoundingSphere(new Sphere());
+    const radius = Math.max(sphere.radius, 1e-3);
+    const halfFov = 0.5 * kFovDeg * (Math.PI / 180);
+    const narrow = Math.min(1, this.camera.aspect);
+    const distance = radius / Math.sin(Math.atan(Math.tan(halfFov) * narrow));
+    this.controls.target.copy(sphere.center);
+    this.camera.position.copy(sphere.center).addScaledVector(kViewDirection, distance);
+    this.camera.near = 0.01 * distance;
+    this.camera.far = 30 * distance;
+    this.camera.updateProjectionMatrix();
+    this.controls.minDistance = 0.05 * distance;
+    this.controls.maxDistance = 8 * distance;
+    this.controls.update();
+
+    this.sun.position.copy(sphere.center).addScaledVector(kLightDirection, 4 * radius);
+    this.sun.target.position.copy(sphere.center);
+    const { camera: shadow } = this.sun.shadow;
+    [shadow.left, shadow.right, shadow.bottom, shadow.top] = [-1.7 * radius, 1.7 * radius, -1.7 * radius, 1.7 * radius];
+    [shadow.near, shadow.far] = [0.5 * radius, 8 * radius];
+    this.sun.shadow.normalBias = 0.012 * radius;
+    shadow.updateProjectionMatrix();
+    this.ground.reach = 4 * radius;
+    this.invalidate();
+  }
+
+  /** Ray through a point of the canvas, CSS pixels from its upper left corner. */
+  rayAt(point: Vector2): Ray {
+    const clip = new Vector2((2 * point.x) / this.sizePx.x - 1, 1 - (2 * point.y) / this.sizePx.y);
+    this.raycaster.setFromCamera(clip, this.camera);
+    return this.raycaster.ray.clone();
+  }
+
+  /** Canvas point of a world point, CSS pixels; undefined behind the camera. */
+  project(world: Vector3): Vector2 | undefined {
+    const p = world.clone().project(this.camera);
+    if (p.z > 1) return undefined;
+    return new Vector2((0.5 + 0.5 * p.x) * this.sizePx.x, (0.5 - 0.5 * p.y) * this.sizePx.y);
+  }
+
+  /** Metres that one CSS pixel covers at a world point, across the view. */
+  metresPerPx(at: Vector3): number {
+    const forward = this.camera.getWorldDirection(new Vector3());
+    const depth = at.clone().sub(this.camera.position).dot(forward);
+    return (2 * Math.abs(depth) * Math.tan(0.5 * kFovDeg * (Math.PI / 180))) / this.sizePx.y;
+  }
+
+  private resize(): void {
+    const { clientWidth, clientHeight } = this.canvas;
+    if (clientWidth === 0 || clientHeight === 0) return;
+    this.sizePx.set(clientWidth, clientHeight);
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(clientWidth, clientHeight, false);
+    this.camera.aspect = clientWidth / clientHeight;
+    this.camera.updateProjectionMatrix();
+    this.invalidate();
+  }
+
+  private setDark(isDark: boolean): void {
+    this.sky.intensity = isDark ? 1.0 : 1.6;
+    this.sky.groundColor.set(isDark ? 0x3a4250 : 0x9a948c);
+    this.ground.setColors(isDark ? 0x2a303a : 0xe9ecf0, isDark ? 0x8794a8 : 0x5b6675);
+    this.invalidate();
+  }
+}

@@ -1,0 +1,102 @@
+import { Plane, Vector3 } from 'three';
+import { FatLines } from '../scene/fat_lines';
+import type { Rejection } from '../gen/kerf/v1/stream_pb';
+import type { Watch } from '../stream/watch';
+import type { Pointer, Tool, Viewer } from './tool';
+
+interface ActiveGrab {
+  id: string;
+  vertex: number;
+  watch: Watch;
+  /** Through the grabbed point, facing the camera: where the pointer moves the target. */
+  plane: Plane;
+  target: Vector3;
+  isTargetNew: boolean;
+}
+
+/** Drags a vertex by a spring. Targets go out at most once a drawn frame. */
+export class GrabTool implements Tool {
+  readonly id = 'grab';
+  readonly cursor = 'pointer';
+  private readonly spring = new FatLines({ color: 0xff7a1a, width: 3, onTop: true });
+  private active: ActiveGrab | undefined;
+  private count = 0;
+  private readonly idPrefix = `web-${crypto.getRandomValues(new Uint32Array(1))[0].toString(36)}`;
+
+  constructor(private readonly viewer: Viewer) {
+    viewer.stage.scene.add(this.spring.object);
+    this.spring.begin(0);
+  }
+
+  enter(): void {}
+
+  leave(): void {
+    this.release();
+  }
+
+  press(pointer: Pointer): boolean {
+    const { surface, watch, stage } = this.viewer;
+    const hit = surface?.pick(pointer.ray);
+    if (!surface || !watch || !hit) return false;
+    const target = surface.vertexPosition(hit.vertex);
+    const id = `${this.idPrefix}-${++this.count}`;
+    if (!watch.send({ case: 'grab', value: { grabId: id, point: { case: 'vertex', value: hit.vertex }, target } })) {
+      this.viewer.notify('error', 'Not connected: the sheet cannot be pulled');
+      return false;
+    }
+    const plane = new Plane().setFromNormalAndCoplanarPoint(stage.camera.getWorldDirection(new Vector3()), target);
+    this.active = { id, vertex: hit.vertex, watch, plane, target, isTargetNew: false };
+    stage.invalidate();
+    return true;
+  }
+
+  drag(pointer: Pointer): void {
+    if (!this.active) return;
+    if (pointer.ray.intersectPlane(this.active.plane, this.active.target)) {
+      this.active.isTargetNew = true;
+      this.viewer.stage.invalidate();
+    }
+  }
+
+  release(): void {
+    if (!this.active) return;
+    this.active.watch.send({ case: 'release', value: { grabId: this.active.id } });
+    this.forget();
+  }
+
+  tap(): void {}
+
+  key(key: string): boolean {
+    if (key !== 'Escape' || !this.active) return false;
+    this.release();
+    return true;
+  }
+
+  update(): void {
+    const { active } = this;
+    const { surface, watch } = this.viewer;
+    if (!active || !surface) return;
+    // The grab ended with its stream, or its vertex with a reset.
+    if (watch !== active.watch || watch.state !== 'live' || active.vertex >= surface.mirror.numVertices) {
+      this.forget();
+      return;
+    }
+    if (active.isTargetNew) {
+      active.watch.send({ case: 'drag', value: { grabId: active.id, target: active.target } });
+      active.isTargetNew = false;
+    }
+    const at = surface.vertexPosition(active.vertex);
+    this.spring.setPolyline([...at.toArray(), ...active.target.toArray()]);
+  }
+
+  rejected({ grabId, message, reason }: Rejection): void {
+    this.viewer.notify('error', `The server refused the pull: ${message || reason}`);
+    if (this.active?.id === grabId) this.forget();
+  }
+
+  private forget(): void {
+    this.active = undefined;
+    this.spring.begin(0);
+    this.viewer.stage.invalidate();
+  }
+}

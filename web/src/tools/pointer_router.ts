@@ -1,0 +1,69 @@
+import { Vector2 } from 'three';
+import type { Stage } from '../scene/stage';
+import type { Pointer, Tool } from './tool';
+
+// A press that moves less than this, in CSS pixels, is a tap.
+const kTapReachPx = 6;
+
+/** Gives pointer gestures on the canvas to the chosen tool first; what it does not take moves the view. */
+export class PointerRouter {
+  private pressed: { id: number; start: Vector2; isTaken: boolean; isTap: boolean } | undefined;
+
+  /**
+   * @param area  contains the canvas: events are seen here before OrbitControls sees them there
+   */
+  constructor(area: HTMLElement, private readonly canvas: HTMLCanvasElement,
+              private readonly stage: Stage, private readonly tool: () => Tool) {
+    area.addEventListener('pointerdown', (event) => this.down(event), { capture: true });
+    area.addEventListener('pointermove', (event) => this.move(event), { capture: true });
+    area.addEventListener('pointerup', (event) => this.up(event, true), { capture: true });
+    area.addEventListener('pointercancel', (event) => this.up(event, false), { capture: true });
+  }
+
+  private pointer(event: PointerEvent): Pointer {
+    const bounds = this.canvas.getBoundingClientRect();
+    const px = new Vector2(event.clientX - bounds.left, event.clientY - bounds.top);
+    return { px, ray: this.stage.rayAt(px) };
+  }
+
+  private down(event: PointerEvent): void {
+    if (event.target !== this.canvas) return;
+    // Keys belong to the tool from here on, not to the button that was pressed before.
+    this.canvas.focus({ preventScroll: true });
+    if (this.pressed) {
+      // A second finger: zooms the view, unless a tool holds the first.
+      this.pressed.isTap = false;
+      if (this.pressed.isTaken) event.stopPropagation();
+      return;
+    }
+    if (event.button !== 0) return;
+    const pointer = this.pointer(event);
+    const isTaken = this.tool().press(pointer);
+    this.pressed = { id: event.pointerId, start: pointer.px, isTaken, isTap: !isTaken };
+    if (isTaken) {
+      event.stopPropagation();
+      this.canvas.setPointerCapture(event.pointerId);
+    }
+  }
+
+  private move(event: PointerEvent): void {
+    if (!this.pressed || event.pointerId !== this.pressed.id) return;
+    const pointer = this.pointer(event);
+    if (pointer.px.distanceTo(this.pressed.start) > kTapReachPx) this.pressed.isTap = false;
+    if (!this.pressed.isTaken) return;
+    event.stopPropagation();
+    this.tool().drag(pointer);
+  }
+
+  private up(event: PointerEvent, isTapAllowed: boolean): void {
+    if (!this.pressed || event.pointerId !== this.pressed.id) return;
+    const { isTaken, isTap } = this.pressed;
+    this.pressed = undefined;
+    if (isTaken) {
+      event.stopPropagation();
+      this.tool().release();
+    } else if (isTap && isTapAllowed) {
+      this.tool().tap(this.pointer(event));
+    }
+  }
+}

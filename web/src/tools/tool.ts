@@ -1,0 +1,51 @@
+import type { Ray, Vector2 } from 'three';
+import type { Sheet } from '../gen/kerf/v1/sheets_pb';
+import type { Surface } from '../geometry/surface';
+import type { Stage } from '../scene/stage';
+import type { Watch } from '../stream/watch';
+
+export type ToolId = 'view' | 'cut' | 'grab' | 'pin';
+
+export interface Pointer {
+  /** On the canvas, CSS pixels. */
+  px: Vector2;
+  ray: Ray;
+}
+
+/** What a press, drag or key means while the tool is chosen. What a tool does not take moves the view. */
+export interface Tool {
+  readonly id: ToolId;
+  /** CSS cursor over the canvas. */
+  readonly cursor: string;
+  enter(): void;
+  leave(): void;
+  /** The pointer went down; true takes the gesture, which drag() and release() then follow. */
+  press(pointer: Pointer): boolean;
+  drag(pointer: Pointer): void;
+  release(): void;
+  /** The pointer went down and up in one place, and press() did not take it. */
+  tap(pointer: Pointer): void;
+  /** True if the key was used. */
+  key(key: string): boolean;
+  /** Before each drawing: the sheet may have moved. */
+  update(): void;
+}
+
+export type NoticeKind = 'info' | 'success' | 'error';
+
+/** What tools may use of the viewer. */
+export interface Viewer {
+  readonly stage: Stage;
+  /** Covers the canvas exactly; takes handles. */
+  readonly overlay: HTMLElement;
+  /** sheets/{sheet} */
+  readonly sheetName: string;
+  readonly surface: Surface | undefined;
+  readonly watch: Watch | undefined;
+  /** As last told by the server. */
+  readonly sheet: Sheet | undefined;
+  notify(kind: NoticeKind, text: string): void;
+  /** Runs a call; its failure becomes a notice. Undefined if it failed. */
+  attempt<T>(call: () => Promise<T>): Promise<T | undefined>;
+  refreshSheet(): Promise<void>;
+}

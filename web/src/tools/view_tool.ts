@@ -1,0 +1,19 @@
+import type { Tool } from './tool';
+
+/** Only looks: every gesture moves the view. */
+export class ViewTool implements Tool {
+  readonly id = 'view';
+  readonly cursor = 'grab';
+  enter(): void {}
+  leave(): void {}
+  press(): boolean {
+    return false;
+  }
+  drag(): void {}
+  release(): void {}
+  tap(): void {}
+  key(): boolean {
+    return false;
+  }
+  update(): void {}
+}

@@ -1,0 +1,39 @@
+/** The element of index.html with this id. */
+export function element<T extends HTMLElement = HTMLElement>(id: string): T {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`index.html has no #${id}`);
+  return found as T;
+}
+
+/** Replaces text only when it differs, so that a line updated every frame costs no layout. */
+export function setText(target: HTMLElement, text: string): void {
+  if (target.textContent !== text) target.textContent = text;
+}
+
+/** Buttons of which one is chosen; arrow keys move between them. */
+export class Choice<T extends string> {
+  private readonly buttons: HTMLButtonElement[];
+
+  /** @param attribute  name of the data attribute that holds each button's value */
+  constructor(container: HTMLElement, private readonly attribute: string, chosen: (value: T) => void) {
+    this.buttons = [...container.querySelectorAll<HTMLButtonElement>(`[data-${attribute}]`)];
+    this.buttons.forEach((button, i) => {
+      button.addEventListener('click', () => chosen(button.dataset[attribute] as T));
+      button.addEventListener('keydown', ({ key }) => {
+        const step = key === 'ArrowDown' || key === 'ArrowRight' ? 1 : key === 'ArrowUp' || key === 'ArrowLeft' ? -1 : 0;
+        if (step === 0) return;
+        const next = this.buttons[(i + step + this.buttons.length) % this.buttons.length];
+        next.focus();
+        next.click();
+      });
+    });
+  }
+
+  show(value: T): void {
+    for (const button of this.buttons) {
+      const isChosen = button.dataset[this.attribute] === value;
+      button.setAttribute('aria-checked', String(isChosen));
+      button.tabIndex = isChosen ? 0 : -1;
+    }
+  }
+}

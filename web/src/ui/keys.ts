@@ -1,0 +1,48 @@
+import type { App } from '../app';
+import { element } from './dom';
+
+/** Keys and the buttons that do the same. */
+export function bindKeys(app: App): void {
+  const help = element<HTMLDialogElement>('help');
+  const openHelp = () => help.showModal();
+  const actions: Record<string, () => void> = {
+    v: () => app.choose('view'),
+    c: () => app.choose('cut'),
+    g: () => app.choose('grab'),
+    p: () => app.choose('pin'),
+    b: () => setCutMode('bezier'),
+    l: () => setCutMode('freehand'),
+    ' ': () => void app.controls.togglePause(),
+    '.': () => void app.controls.step(),
+    r: () => void app.controls.reset(),
+    w: () => app.toggleWireframe(),
+    f: () => app.fit(),
+    '?': openHelp,
+  };
+  const setCutMode = (mode: 'bezier' | 'freehand') => {
+    if (app.tool === app.cutTool) app.cutTool.setMode(mode);
+  };
+
+  element('wireframe').addEventListener('click', actions.w);
+  element('fit').addEventListener('click', actions.f);
+  element('help-open').addEventListener('click', openHelp);
+  help.addEventListener('click', (event) => {
+    if (event.target === help) help.close();
+  });
+
+  addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
+    const target = event.target as HTMLElement;
+    if (target.closest('input, select')) return;
+    if (target.closest('button') && (event.key === ' ' || event.key === 'Enter')) return;
+    if (app.tool.key(event.key)) {
+      event.preventDefault();
+      return;
+    }
+    const action = actions[event.key.toLowerCase()];
+    if (!action) return;
+    event.preventDefault();
+    // A held key steps on; everything else happens once.
+    if (!event.repeat || event.key === '.') action();
+  });
+}

@@ -1,0 +1,52 @@
+import type { FrameStats } from '../gen/kerf/v1/stream_pb';
+import type { SheetMirror } from '../stream/mirror';
+import { element, setText } from './dom';
+
+const kFpsWindowMs = 1000;
+
+/** Tick, real-time factor, vertices, pieces, frame age and drawn frames a second. */
+export class StatusLine {
+  private readonly tick = element('status-tick');
+  private readonly realTime = element('status-rtf');
+  private readonly vertices = element('status-vertices');
+  private readonly pieces = element('status-pieces');
+  private readonly age = element('status-age');
+  private readonly fps = element('status-fps');
+  private drawnMs: number[] = [];
+
+  /** A frame was drawn at `nowMs` (performance.now()). */
+  drawn(nowMs: number): void {
+    this.drawnMs.push(nowMs);
+  }
+
+  /** @param ageMs  of the shown state; undefined if none is shown or the connection is lost */
+  update(mirror: SheetMirror | undefined, ageMs: number | undefined, nowMs: number): void {
+    this.drawnMs = this.drawnMs.filter((at) => nowMs - at < kFpsWindowMs);
+    setText(this.fps, String(this.drawnMs.length));
+    if (!mirror) return;
+    setText(this.tick, mirror.tick.toLocaleString('en'));
+    setText(this.vertices, mirror.numVertices.toLocaleString('en'));
+    setText(this.pieces, String(mirror.numPieces));
+    const { stats } = mirror;
+    setText(this.realTime, this.realTimeText(stats));
+    this.realTime.dataset.level = isBehind(stats) ? 'warn' : '';
+    setText(this.age, this.ageText(stats, ageMs));
+  }
+
+  private realTimeText(stats: FrameStats | undefined): string {
+    if (!stats) return '–';
+    if (stats.paused) return 'paused';
+    if (stats.sleeping) return 'at rest';
+    return `${stats.realTimeFactor.toFixed(2)} ×`;
+  }
+
+  // A sheet that does not move sends nothing: its last frame is not old, it is the present.
+  private ageText(stats: FrameStats | undefined, ageMs: number | undefined): string {
+    if (ageMs === undefined || stats?.paused || stats?.sleeping) return '–';
+    return ageMs < 1000 ? `${ageMs.toFixed(0)} ms` : `${(ageMs / 1000).toFixed(1)} s`;
+  }
+}
+
+function isBehind(stats: FrameStats | undefined): boolean {
+  return stats !== undefined && !stats.paused && !stats.sleeping && stats.realTimeFactor < 0.95;
+}
