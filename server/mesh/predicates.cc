@@ -18,7 +18,7 @@ struct Int256 {
   Uint128 low = 0;
   Int128 high = 0;
 
-  Int256& operator+=(const Int256& other) {
+  Int256& operator+=(Int256 other) {  // by value: x += x must work
     low += other.low;
     const Uint128 carry = low < other.low ? 1 : 0;
     high = static_cast<Int128>(static_cast<Uint128>(high) + static_cast<Uint128>(other.high) + carry);
