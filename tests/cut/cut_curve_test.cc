@@ -129,22 +129,22 @@ TEST(CutCurve, RefusesWithReasonAndField) {
     const char* field;
   };
   const std::vector<Case> cases{
-      {CubicBezier{{{0, 0}, {1, 0}, {nan, 1}, {1, 1}}}, "CURVE_NOT_FINITE", "cut.bezier.points[2].x"},
-      {CubicBezier{{{0, 0}, {1, infinity}, {0, 1}, {1, 1}}}, "CURVE_NOT_FINITE", "cut.bezier.points[1].y"},
-      {CubicBezier{{{0, 0}, {1, 0}, {0, 1}}}, "CURVE_TOO_SHORT", "cut.bezier.points"},
-      {CubicBezier{{{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 2}}}, "CURVE_TOO_SHORT", "cut.bezier.points"},
-      {CubicBezier{std::vector<Vector2d>(196, Vector2d(0, 0))}, "CURVE_TOO_LONG", "cut.bezier.points"},
-      {CubicBezier{std::vector<Vector2d>(4, Vector2d(2, 3))}, "CURVE_DEGENERATE", "cut.bezier.points"},
-      {Polyline{{{0, 0}}}, "CURVE_TOO_SHORT", "cut.polyline.points"},
-      {Polyline{{}}, "CURVE_TOO_SHORT", "cut.polyline.points"},
-      {Polyline{{{0, 0}, {10000.001, 0}}}, "CURVE_OUT_OF_RANGE", "cut.polyline.points[1].x"},
-      {Polyline{{{0, 0}, {0, 0}}}, "CURVE_DEGENERATE", "cut.polyline.points"},
-      {Polyline{std::vector<Vector2d>(4097, Vector2d(0, 0))}, "CURVE_TOO_LONG", "cut.polyline.points"},
-      {Circle{{0, 0}, 0.0}, "RADIUS_NOT_POSITIVE", "cut.circle.radius"},
-      {Circle{{0, 0}, -1.0}, "RADIUS_NOT_POSITIVE", "cut.circle.radius"},
-      {Circle{{0, 0}, nan}, "CURVE_NOT_FINITE", "cut.circle.radius"},
-      {Circle{{0, -infinity}, 1.0}, "CURVE_NOT_FINITE", "cut.circle.centre.y"},
-      {Circle{{1e5, 0}, 1.0}, "CURVE_OUT_OF_RANGE", "cut.circle.centre.x"},
+      {CubicBezier{{{0, 0}, {1, 0}, {nan, 1}, {1, 1}}}, "CURVE_NOT_FINITE", "cut.curve.bezier.points[2].x"},
+      {CubicBezier{{{0, 0}, {1, infinity}, {0, 1}, {1, 1}}}, "CURVE_NOT_FINITE", "cut.curve.bezier.points[1].y"},
+      {CubicBezier{{{0, 0}, {1, 0}, {0, 1}}}, "CURVE_TOO_SHORT", "cut.curve.bezier.points"},
+      {CubicBezier{{{0, 0}, {1, 0}, {0, 1}, {1, 1}, {2, 2}}}, "CURVE_TOO_SHORT", "cut.curve.bezier.points"},
+      {CubicBezier{std::vector<Vector2d>(196, Vector2d(0, 0))}, "CURVE_TOO_LONG", "cut.curve.bezier.points"},
+      {CubicBezier{std::vector<Vector2d>(4, Vector2d(2, 3))}, "CURVE_DEGENERATE", "cut.curve.bezier.points"},
+      {Polyline{{{0, 0}}}, "CURVE_TOO_SHORT", "cut.curve.polyline.points"},
+      {Polyline{{}}, "CURVE_TOO_SHORT", "cut.curve.polyline.points"},
+      {Polyline{{{0, 0}, {10000.001, 0}}}, "CURVE_OUT_OF_RANGE", "cut.curve.polyline.points[1].x"},
+      {Polyline{{{0, 0}, {0, 0}}}, "CURVE_DEGENERATE", "cut.curve.polyline.points"},
+      {Polyline{std::vector<Vector2d>(4097, Vector2d(0, 0))}, "CURVE_TOO_LONG", "cut.curve.polyline.points"},
+      {Circle{{0, 0}, 0.0}, "RADIUS_NOT_POSITIVE", "cut.curve.circle.radius_m"},
+      {Circle{{0, 0}, -1.0}, "RADIUS_NOT_POSITIVE", "cut.curve.circle.radius_m"},
+      {Circle{{0, 0}, nan}, "CURVE_NOT_FINITE", "cut.curve.circle.radius_m"},
+      {Circle{{0, -infinity}, 1.0}, "CURVE_NOT_FINITE", "cut.curve.circle.center.y"},
+      {Circle{{1e5, 0}, 1.0}, "CURVE_OUT_OF_RANGE", "cut.curve.circle.center.x"},
   };
   for (const Case& item : cases) {
     const Status status = validate(item.curve);
