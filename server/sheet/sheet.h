@@ -70,9 +70,11 @@ struct Energies {
 struct GrabState {
   std::string grab_id;
   std::array<mesh::VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};
-  Eigen::Vector3d weights{1.0, 0.0, 0.0};  // -, >= 0, sum 1
-  Eigen::Vector3d target{0.0, 0.0, 0.0};   // m, world
-  double stiffness = 0.0;                  // N/m, in force
+  Eigen::Vector3d weights{1.0, 0.0, 0.0};          // -, >= 0, sum 1
+  std::optional<Eigen::Vector2d> material;         // m, the point that is held; empty: vertices[0], wherever it goes
+  Eigen::Vector3d target{0.0, 0.0, 0.0};           // m, world
+  Eigen::Vector3d previous_target{0.0, 0.0, 0.0};  // m, when the last tick ended; the target moves in between
+  double stiffness = 0.0;                          // N/m, in force
 };
 
 // One simulated sheet: mesh, material, state, pins, grabs, colliders. The unit of simulation, ownership and isolation.
@@ -99,9 +101,9 @@ class Sheet {
   Sheet& operator=(Sheet&&) noexcept;
   ~Sheet();
 
-  // Advances by one tick of dt() seconds: due scheduled commands, then `commands`, each -> cut -> model update; loads
-  // -> integrate with contact -> ++tick. A command that fails has its error in the report and changes nothing.
-  // Allocates nothing where there is no command. A frozen sheet does its commands and does not advance.
+  // Advances by one tick of dt() seconds. Drains the scheduled commands that are due, then `commands`, each with its cut
+  // and model update; then loads, integration with contact, ++tick. A command that fails has its error in the report and
+  // changes nothing. Allocates nothing where there is no command. A frozen sheet does its commands and does not advance.
   TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr);
 
   // Does commands without advancing time: a paused sheet is cut at once. Scheduled commands stay where they are.

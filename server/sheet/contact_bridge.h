@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/contact/contact_solver.h"
+#include "server/fem/integrator.h"
+
+namespace kerf::sheet {
+
+// Contact as the integrators call it, once a substep: fem and contact do not know each other. Copyable.
+class ContactBridge : public fem::ContactConstraint {
+ public:
+  // `half_thickness`: m, >= 0, the distance that the sheet's middle surface keeps from a collider.
+  void set_colliders(std::span<const contact::Collider> colliders, double half_thickness);
+  // After every change of pins or topology; `pinned` are left alone. Allocates.
+  void set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned);
+  // Before a step from positions `x`.
+  void begin_step(const Eigen::Matrix3Xd& x) { x_before_ = x; }
+
+  void enforce(double dt, fem::State& state) override;
+
+  [[nodiscard]] bool empty() const { return solver_.empty(); }
+  [[nodiscard]] std::int64_t phases() const { return solver_.counters().phases; }
+
+ private:
+  contact::ContactSolver solver_;
+  double half_thickness_ = 0.0;
+  std::vector<std::uint8_t> is_pinned_;
+  Eigen::Matrix3Xd x_before_;  // m, when the present substep began
+};
+
+}  // namespace kerf::sheet

@@ -1,0 +1,311 @@
+#include "server/sheet/sheet.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "server/sheet/mesh_source.h"
+#include "server/sheet/pins.h"
+#include "server/sheet/sheet_impl.h"
+#include "server/sheet/topology.h"
+
+namespace kerf::sheet {
+
+namespace {
+
+fem::IntegratorOptions integrator_options(const SheetConfig& config) {
+  const IntegratorSettings& settings = config.integrator;
+  fem::IntegratorOptions options;
+  switch (settings.kind) {
+    case IntegratorKind::kAutomatic:
+      options.kind = fem::IntegratorKind::kAutomatic;
+      break;
+    case IntegratorKind::kExplicitLeapfrog:
+      options.kind = fem::IntegratorKind::kExplicit;
+      break;
+    case IntegratorKind::kImplicitEuler:
+      options.kind = fem::IntegratorKind::kImplicitEuler;
+      break;
+  }
+  options.tick = 1.0 / config.tick_rate_hz;
+  options.max_substeps = settings.max_substeps;
+  options.newton_iterations = settings.newton_iterations;
+  options.linear_tolerance = settings.solver_tolerance;
+  options.linear_solver = settings.solver == LinearSolverKind::kDirect ? fem::LinearSolverKind::kDirect
+                                                                       : fem::LinearSolverKind::kConjugateGradient;
+  return options;
+}
+
+std::vector<std::size_t> order_schedule(const std::vector<ScheduledCommand>& commands) {
+  std::vector<std::size_t> order(commands.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return commands[a].tick < commands[b].tick; });
+  return order;
+}
+
+}  // namespace
+
+Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state)
+    : config(std::move(sheet_config)),
+      initial(std::move(initial_state)),
+      schedule(order_schedule(config->commands)),
+      dt(1.0 / config->tick_rate_hz),
+      mesh(initial->mesh),
+      state{initial->positions, Eigen::Matrix3Xd::Zero(3, initial->positions.cols())},
+      model(mesh, config->material),
+      integrator(integrator_options(*config)),
+      topology(full_topology(mesh, topology_version)) {
+  contact.set_colliders(config->colliders, 0.5 * config->material.thickness);
+  loads.gravity = config->gravity;
+  set_wind(config->wind);
+  loads.grabs.reserve(kMaxGrabs);
+  pin(initial->pinned);
+  rebuild();
+}
+
+TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* observer, bool advance) {
+  TickReport report;
+  const std::int32_t version_before = topology_version;
+  const bool advancing = advance && !frozen;
+  drain_commands(commands, observer, advancing, report);
+  if (advancing) {
+    {
+      const StageScope scope(observer, Stage::kLoads, -1);
+      set_loads();
+    }
+    {
+      const StageScope scope(observer, Stage::kIntegrate, -1);
+      integrate(report);
+    }
+    ++tick;
+    report.advanced = true;
+    watch_rest();
+  }
+  report.tick = tick;
+  report.frozen = frozen;
+  report.at_rest = at_rest && grabs.empty() && next_scheduled == schedule.size() && !frozen;
+  report.topology_changed = topology_version != version_before;
+  if (report.replies.empty() && report.scheduled.empty()) return report;
+
+  StateHash hash;
+  add_shape_to(hash);
+  hash.add(tick);
+  const auto stamp = [&](Result<CommandReply>& reply) {
+    if (!reply) return;
+    reply->tick = tick;
+    reply->state_hash = hash.value();
+  };
+  for (Result<CommandReply>& reply : report.replies) stamp(reply);
+  for (ScheduledReply& scheduled : report.scheduled) stamp(scheduled.reply);
+  return report;
+}
+
+void Sheet::Impl::drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled,
+                                 TickReport& report) {
+  while (scheduled && next_scheduled < schedule.size() && config->commands[schedule[next_scheduled]].tick <= tick + 1) {
+    const std::size_t index = schedule[next_scheduled++];
+    report.scheduled.push_back({index, do_command(config->commands[index].command, {observer, -1})});
+  }
+  report.replies.reserve(commands.size());
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    report.replies.push_back(do_command(commands[i], {observer, static_cast<std::int32_t>(i)}));
+  }
+}
+
+void Sheet::Impl::set_loads() {
+  loads.grabs.resize(grabs.size());
+  for (std::size_t i = 0; i < grabs.size(); ++i) {
+    const GrabState& from = grabs[i];
+    fem::Grab& to = loads.grabs[i];
+    to.vertices = from.vertices;
+    to.weights = from.weights;
+    to.target = from.target;
+    to.velocity = (from.target - from.previous_target) / dt;
+    to.stiffness = from.stiffness;
+    // Critical damping of the held point's own mass, 1 / sum w^2 / m.
+    double mobility = 0.0;  // 1/kg
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (from.vertices[k] == mesh::kNone) continue;
+      const double w = from.weights[static_cast<Eigen::Index>(k)];
+      mobility += w * w * model.inverse_mass()[static_cast<std::size_t>(from.vertices[k])];
+    }
+    to.damping = mobility > 0.0 ? 2.0 * std::sqrt(from.stiffness / mobility) : 0.0;
+  }
+}
+
+void Sheet::Impl::integrate(TickReport& report) {
+  last_good = state;
+  contact.begin_step(state.x);
+  report.stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
+  if (!state.x.allFinite() || !state.v.allFinite()) report.stats.flags |= fem::kFrozen;
+  report.step_failed = (report.stats.flags & fem::kFrozen) != 0;
+  if (report.step_failed) {
+    state = last_good;
+    if (++failed_steps >= kMaxFailedSteps) frozen = true;
+  } else {
+    failed_steps = 0;
+  }
+  for (GrabState& grab : grabs) grab.previous_target = grab.target;
+}
+
+void Sheet::Impl::watch_rest() {
+  double fastest_squared = 0.0;
+  double kinetic = 0.0;
+  for (Eigen::Index i = 0; i < state.v.cols(); ++i) {
+    const double squared = state.v.col(i).squaredNorm();
+    fastest_squared = std::max(fastest_squared, squared);
+    kinetic += 0.5 * model.mass()[static_cast<std::size_t>(i)] * squared;
+  }
+  if (fastest_squared >= kRestSpeed * kRestSpeed) {
+    quiet_ticks = 0;
+    at_rest = false;
+    return;
+  }
+  if (quiet_ticks == 0) quiet_energy = kinetic;
+  if (++quiet_ticks < kRestTicks) return;
+  at_rest = kinetic <= quiet_energy;
+  quiet_ticks = 0;  // look at the next window
+}
+
+void Sheet::Impl::add_shape_to(StateHash& hash) const {
+  mesh.add_to(hash);
+  const auto add_vector = [&](const Eigen::Vector3d& value) {
+    for (int k = 0; k < 3; ++k) hash.add(value[k]);
+  };
+  hash.add_span(std::span<const double>(state.x.data(), static_cast<std::size_t>(state.x.size())));
+  hash.add_span(std::span<const double>(state.v.data(), static_cast<std::size_t>(state.v.size())));
+  hash.add(static_cast<std::uint64_t>(loads.pins.size()));
+  for (const fem::Pin& p : loads.pins) {
+    hash.add(p.vertex);
+    add_vector(p.target);
+  }
+  hash.add(static_cast<std::uint64_t>(grabs.size()));
+  for (const GrabState& grab : grabs) {
+    hash.add_span(std::span<const char>(grab.grab_id));
+    for (std::size_t k = 0; k < 3; ++k) hash.add(grab.vertices[k]);
+    add_vector(grab.weights);
+    add_vector(grab.target);
+    add_vector(grab.previous_target);
+    hash.add(grab.stiffness);
+  }
+  add_vector(loads.gravity);
+  add_vector(wind.velocity);
+  hash.add(wind.air_density);
+  hash.add(wind.drag_coefficient);
+}
+
+Sheet::Sheet(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Sheet::Sheet(const Sheet& other) : impl_(std::make_unique<Impl>(*other.impl_)) {
+  impl_->integrator->rebuild(impl_->model);
+}
+Sheet& Sheet::operator=(const Sheet& other) {
+  if (this != &other) *this = Sheet(other);
+  return *this;
+}
+Sheet::Sheet(Sheet&&) noexcept = default;
+Sheet& Sheet::operator=(Sheet&&) noexcept = default;
+Sheet::~Sheet() = default;
+
+Result<Sheet> Sheet::create(SheetConfig config) {
+  if (Status s = validate(config); !s) return s.error();
+  Result<BuiltMesh> built = build_mesh(config.mesh, config.placement);
+  if (!built) return built.error();
+  Result<std::vector<mesh::VertexId>> pinned = find_pinned(built->mesh, config.pins, "pins");
+  if (!pinned) return pinned.error();
+  auto initial = std::make_shared<InitialState>();
+  initial->mesh = std::move(built->mesh);
+  initial->positions = std::move(built->positions);
+  initial->pinned = std::move(pinned).value();
+  return Sheet(std::make_unique<Impl>(std::make_shared<const SheetConfig>(std::move(config)), std::move(initial)));
+}
+
+TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer) {
+  return impl_->run(commands, observer, true);
+}
+
+TickReport Sheet::apply(std::span<const Command> commands, StageObserver* observer) {
+  return impl_->run(commands, observer, false);
+}
+
+const SheetConfig& Sheet::config() const {
+  return *impl_->config;
+}
+std::shared_ptr<const SheetConfig> Sheet::shared_config() const {
+  return impl_->config;
+}
+std::int64_t Sheet::tick() const {
+  return impl_->tick;
+}
+double Sheet::dt() const {
+  return impl_->dt;
+}
+std::int32_t Sheet::topology_version() const {
+  return impl_->topology_version;
+}
+std::int32_t Sheet::settings_version() const {
+  return impl_->settings_version;
+}
+const mesh::TriangleMesh& Sheet::mesh() const {
+  return impl_->mesh;
+}
+const fem::State& Sheet::state() const {
+  return impl_->state;
+}
+const Eigen::Vector3d& Sheet::gravity() const {
+  return impl_->loads.gravity;
+}
+const Wind& Sheet::wind() const {
+  return impl_->wind;
+}
+const std::vector<mesh::VertexId>& Sheet::pinned_vertices() const {
+  return impl_->pinned;
+}
+const std::vector<GrabState>& Sheet::grabs() const {
+  return impl_->grabs;
+}
+std::int64_t Sheet::contact_phases() const {
+  return impl_->contact.phases();
+}
+std::int64_t Sheet::num_cuts() const {
+  return impl_->num_cuts;
+}
+const std::string& Sheet::integrator_description() const {
+  return impl_->integrator_description;
+}
+bool Sheet::frozen() const {
+  return impl_->frozen;
+}
+
+bool Sheet::at_rest() const {
+  return impl_->at_rest && impl_->grabs.empty() && impl_->next_scheduled == impl_->schedule.size() && !impl_->frozen;
+}
+
+Energies Sheet::energies() const {
+  const fem::Energies energies = impl_->model.energies(impl_->state, impl_->loads.gravity);
+  return {energies.kinetic, energies.membrane, energies.bending, energies.gravity};
+}
+
+std::uint64_t Sheet::state_hash() const {
+  StateHash hash;
+  impl_->add_shape_to(hash);
+  hash.add(impl_->tick);
+  return hash.value();
+}
+
+std::uint64_t Sheet::shape_hash() const {
+  StateHash hash;
+  impl_->add_shape_to(hash);
+  return hash.value();
+}
+
+std::shared_ptr<const Snapshot> Sheet::snapshot(const RunStats& stats) const {
+  auto snapshot = std::make_shared<Snapshot>();
+  snapshot->tick = impl_->tick;
+  snapshot->positions = impl_->state.x;
+  snapshot->topology = impl_->topology;
+  snapshot->stats = stats;
+  return snapshot;
+}
+
+}  // namespace kerf::sheet

@@ -1,0 +1,133 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/fem/model.h"
+#include "server/sheet/contact_bridge.h"
+#include "server/sheet/sheet.h"
+
+namespace kerf::sheet {
+
+// What a Reset goes back to.
+struct InitialState {
+  mesh::TriangleMesh mesh;
+  Eigen::Matrix3Xd positions;  // 3 x V, m
+  std::vector<mesh::VertexId> pinned;
+};
+
+// An integrator that is copied by making a new one of the same kind, to be rebuilt before its first step. Nothing is
+// lost: integrators keep no history.
+class OwnedIntegrator {
+ public:
+  explicit OwnedIntegrator(const fem::IntegratorOptions& options)
+      : options_(options), integrator_(fem::make_integrator(options)) {}
+  OwnedIntegrator(const OwnedIntegrator& other) : OwnedIntegrator(other.options_) {}
+  OwnedIntegrator& operator=(const OwnedIntegrator& other) = delete;
+  OwnedIntegrator(OwnedIntegrator&&) noexcept = default;
+  OwnedIntegrator& operator=(OwnedIntegrator&&) noexcept = default;
+  ~OwnedIntegrator() = default;
+
+  fem::Integrator* operator->() const { return integrator_.get(); }
+
+ private:
+  fem::IntegratorOptions options_;
+  std::unique_ptr<fem::Integrator> integrator_;
+};
+
+// Tells an observer, if there is one, when a stage begins and ends.
+class StageScope {
+ public:
+  StageScope(StageObserver* observer, Stage stage, std::int32_t command)
+      : observer_(observer), stage_(stage), command_(command) {
+    if (observer_ != nullptr) observer_->begin(stage_, command_);
+  }
+  ~StageScope() {
+    if (observer_ != nullptr) observer_->end(stage_, command_);
+  }
+  StageScope(const StageScope&) = delete;
+  StageScope& operator=(const StageScope&) = delete;
+
+ private:
+  StageObserver* observer_;
+  Stage stage_;
+  std::int32_t command_;
+};
+
+// Where a command comes from: who is told of its stages, and under which number.
+struct CommandContext {
+  StageObserver* observer = nullptr;
+  std::int32_t index = -1;
+};
+
+struct Sheet::Impl {
+  Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state);
+
+  TickReport run(std::span<const Command> commands, StageObserver* observer, bool advance);
+
+  // Stages of a tick (sheet.cc).
+  void drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled, TickReport& report);
+  void set_loads();
+  void integrate(TickReport& report);
+  void watch_rest();
+
+  // Commands (sheet_commands.cc). Each changes everything it should, or nothing.
+  Result<CommandReply> do_command(const Command& command, const CommandContext& context);
+  Result<CommandReply> cut(const Cut& cut, const CommandContext& context);
+  Status grab(const Grab& grab);
+  Status drag(const Drag& drag);
+  Status release(const Release& release);
+  Status set_pins(const SetPins& pins);
+  void set_wind(const Wind& value);
+  void reset();
+
+  void follow(const mesh::MeshEdit& edit);
+  void pin(std::vector<mesh::VertexId> vertices);
+  void rebuild();
+  [[nodiscard]] std::vector<GrabState>::iterator find_grab(const std::string& grab_id);
+  [[nodiscard]] std::vector<mesh::VertexId> vertices_that_stay() const;
+  [[nodiscard]] double default_stiffness() const;
+
+  void add_shape_to(StateHash& hash) const;
+
+  // Settings: never change.
+  std::shared_ptr<const SheetConfig> config;
+  std::shared_ptr<const InitialState> initial;
+  std::vector<std::size_t> schedule;  // config->commands by tick, equal ticks in their order
+  double dt;                          // s
+
+  // State: what a step changes, and what decides the next one.
+  mesh::TriangleMesh mesh;
+  fem::State state;
+  std::vector<mesh::VertexId> pinned;  // sorted, unique
+  std::vector<GrabState> grabs;
+  Wind wind;
+  fem::Loads loads;  // its pins hold the vertices in `pinned`, in order; its grabs are set anew each tick
+  std::int64_t tick = 0;
+  std::size_t next_scheduled = 0;  // into `schedule`
+  std::int32_t failed_steps = 0;   // in a row
+  bool frozen = false;
+
+  // Counters.
+  std::int32_t topology_version = 1;
+  std::int32_t settings_version = 0;
+  std::int64_t num_cuts = 0;
+  std::int32_t quiet_ticks = 0;  // in a row, below kRestSpeed
+  double quiet_energy = 0.0;     // J, kinetic, when they began
+  bool at_rest = false;
+
+  // Derived from settings and state.
+  fem::Model model;
+  OwnedIntegrator integrator;
+  std::string integrator_description;
+  ContactBridge contact;
+  std::shared_ptr<const Topology> topology;
+
+  // Scratch of a step.
+  fem::State last_good;
+};
+
+}  // namespace kerf::sheet
