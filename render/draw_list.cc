@@ -69,7 +69,7 @@ std::array<std::uint8_t, 4> piece_tint(std::int32_t piece) {
   if (piece == 0) return tint;
   const double hue = 2.0 * std::numbers::pi * std::fmod(piece * std::numbers::phi, 1.0);
   for (std::size_t k = 0; k < 3; ++k) {
-    const double factor = 1.0 + 0.22 * std::cos(hue - 2.0 * std::numbers::pi / 3.0 * static_cast<double>(k));
+    const double factor = 1.0 + 0.32 * std::cos(hue - 2.0 * std::numbers::pi / 3.0 * static_cast<double>(k));
     tint[k] = static_cast<std::uint8_t>(std::lround(128.0 * factor));
   }
   return tint;

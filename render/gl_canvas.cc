@@ -49,7 +49,7 @@ class GlCanvas final : public Canvas {
 
   Status check_context() const;
   Status build_programs();
-  Status resize(int width, int height);
+  Status resize(int width, int height, bool antialias);
   void upload(const DrawList& list) const;
   void draw_shadow_map(const DrawList& list) const;
   void set_surface_uniforms(const Program& program, const DrawList& list) const;
@@ -63,8 +63,9 @@ class GlCanvas final : public Canvas {
   PFNGLGETGRAPHICSRESETSTATUSPROC reset_status_ = nullptr;  // null where the driver does not tell
   std::string description_;
   std::optional<Objects> objects_;
-  int width_ = 0;   // pixels, of the targets
-  int height_ = 0;  // pixels
+  int width_ = 0;    // pixels, of the targets
+  int height_ = 0;   // pixels
+  int samples_ = 0;  // a pixel of the target
 };
 
 bool has_extension(const std::string& name) {
@@ -117,19 +118,20 @@ Status GlCanvas::build_programs() {
   return {};
 }
 
-Status GlCanvas::resize(int width, int height) {
-  if (width == width_ && height == height_) return {};
-  const int samples = static_cast<std::int64_t>(width) * height <= kMaxSampled ? kSamples : 0;
+Status GlCanvas::resize(int width, int height, bool antialias) {
+  const int samples = antialias && static_cast<std::int64_t>(width) * height <= kMaxSampled ? kSamples : 0;
+  if (width == width_ && height == height_ && samples == samples_) return {};
   if (Status status = objects_->target.resize(width, height, samples, true); !status.ok()) return status;
   if (Status status = objects_->resolved.resize(width, height, 0, false); !status.ok()) return status;
   width_ = width;
   height_ = height;
+  samples_ = samples;
   return {};
 }
 
 Status GlCanvas::draw(const DrawList& list, Pixels& pixels) {
   if (Status status = check_context(); !status.ok()) return status;
-  if (Status status = resize(list.width, list.height); !status.ok()) return status;
+  if (Status status = resize(list.width, list.height, list.style.antialias); !status.ok()) return status;
   upload(list);
   glEnable(GL_DEPTH_TEST);
   glDisable(GL_BLEND);
@@ -215,7 +217,7 @@ void GlCanvas::draw_sheet(const DrawList& list) const {
   program.set("u_back", linear(list.style.back));
   program.set("u_textured", list.textured);
   program.set("u_wireframe", list.style.wireframe);
-  program.set("u_wire_width_px", std::max(0.8, height_ / 900.0));
+  program.set("u_wire_width_px", std::max(1.0, height_ / 800.0));
   objects_->sheet_vertices.draw(list.sheet.size());
 }
 

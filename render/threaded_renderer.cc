@@ -21,14 +21,23 @@ ThreadedRenderer::ThreadedRenderer(CanvasFactory factory, const RendererOptions&
 }
 
 ThreadedRenderer::~ThreadedRenderer() {
+  stop();
   {
     std::unique_lock lock(mutex_);
-    stopping_ = true;
-    work_.notify_one();
     done_.wait(lock, [this] { return num_admitted_ == 0; });
     work_.notify_one();  // with no caller left, the thread ends
   }
   thread_.join();
+}
+
+void ThreadedRenderer::stop() {
+  const std::lock_guard lock(mutex_);
+  stopping_ = true;
+}
+
+int ThreadedRenderer::num_calls() const {
+  const std::lock_guard lock(mutex_);
+  return num_admitted_;
 }
 
 bool ThreadedRenderer::admit(Status& refusal) {

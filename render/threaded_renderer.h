@@ -18,7 +18,7 @@ class ThreadedRenderer final : public Renderer {
  public:
   // Waits until the thread has made its first canvas, or failed to: see available().
   ThreadedRenderer(CanvasFactory factory, const RendererOptions& options);
-  // Refuses the calls still waiting and returns when all of them have left.
+  // stop(), and returns when all callers have left.
   ~ThreadedRenderer() override;
 
   ThreadedRenderer(const ThreadedRenderer&) = delete;
@@ -29,6 +29,11 @@ class ThreadedRenderer final : public Renderer {
   [[nodiscard]] bool available() const override { return available_; }
   // Of the first canvas, or why there was none.
   [[nodiscard]] std::string description() const override { return description_; }
+
+  // Finishes the picture being drawn; refuses the calls that wait and all later ones. Returns at once.
+  void stop();
+  // Calls inside render() whose picture is being prepared, waiting or being drawn.
+  [[nodiscard]] int num_calls() const;
 
  private:
   struct Job {
@@ -49,7 +54,7 @@ class ThreadedRenderer final : public Renderer {
   bool available_ = false;
   std::string description_;
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable work_;  // the render thread waits on it
   std::condition_variable done_;  // callers, the constructor and the destructor do
   std::deque<Job*> waiting_;      // guarded by mutex_, as are the rest

@@ -135,7 +135,7 @@ Camera fit_camera(const Bounds& bounds, double aspect, Vec3 from, Vec3 up) {
         std::max(std::abs(dot(offset, axes.right)) / tangent_x, std::abs(dot(offset, axes.up)) / tangent_y);
     distance = std::max(distance, across + dot(offset, axes.back));
   }
-  camera.eye = camera.target + (1.08 * distance) * axes.back;  // a margin around it
+  camera.eye = camera.target + (1.04 * distance) * axes.back;  // borders are drawn on both sides of their edges
   return camera;
 }
 
