@@ -1,0 +1,173 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/commands.h"
+#include "client/cli/scene_run.h"
+#include "server/host/disk.h"
+#include "server/sheet/recording.h"
+#include "server/wire/recording_codec.h"
+#include "server/wire/reply_codec.h"
+#include "server/wire/scene_codec.h"
+
+namespace kerf::cli {
+namespace {
+
+constexpr std::size_t kMaxSceneBytes = std::size_t{256} << 20;
+constexpr std::size_t kMaxRecordingBytes = std::size_t{4} << 30;
+
+struct RunArguments {
+  std::string scene;
+  std::int64_t ticks = 0;
+  std::string out;
+  std::string record;
+  std::string integrator;
+};
+
+// A bar on stderr while a person looks on, redrawn when the percentage changes.
+class ProgressBar {
+ public:
+  void show(std::int64_t done, std::int64_t of) {
+    const auto percent = static_cast<int>(100 * done / of);
+    if (!live_ || percent == shown_) return;
+    shown_ = percent;
+    const auto filled = static_cast<std::size_t>(percent * 4 / 10);
+    const std::string bar = std::string(filled, '#') + std::string(40 - filled, '.');
+    std::fprintf(stderr, "\r[%s] %3d %%  tick %lld of %lld%s", bar.c_str(), percent, static_cast<long long>(done),
+                 static_cast<long long>(of), done == of ? "\n" : "");
+    std::fflush(stderr);
+  }
+
+ private:
+  bool live_ = isatty(STDERR_FILENO) != 0;
+  int shown_ = -1;
+};
+
+std::string build_name() {
+#ifdef __OPTIMIZE__
+  return std::string("g++ ") + __VERSION__ + ", optimised";
+#else
+  return std::string("g++ ") + __VERSION__ + ", not optimised";
+#endif
+}
+
+Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path) {
+  const Result<std::string> json = disk.read_file(path, kMaxSceneBytes);
+  if (!json) return json.error();
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  return wire::decode_scene_file(*json, [&disk, &folder](const std::string& file) {
+    return disk.read_file((folder / file).string(), sheet::kMaxObjBytes);
+  });
+}
+
+std::string summary(const v1::RunResult& result) {
+  char text[512];
+  std::snprintf(text, sizeof text,
+                "%lld ticks (%.3f s simulated) in %.3f s of CPU time, %.0f us a tick\n"
+                "  %d vertices, %d triangles, %d %s, %d %s\n"
+                "  kinetic %.4g J, membrane %.4g J, bending %.4g J\n"
+                "  state hash %s\n",
+                static_cast<long long>(result.ticks()), result.simulated_s(), result.cpu_s(), result.cpu_per_tick_us(),
+                result.num_vertices(), result.num_triangles(), result.pieces(),
+                result.pieces() == 1 ? "piece" : "pieces", result.cuts_size(), result.cuts_size() == 1 ? "cut" : "cuts",
+                result.energies().kinetic_j(), result.energies().membrane_j(), result.energies().bending_j(),
+                result.state_hash().c_str());
+  std::string all = text;
+  all += "  " + result.integrator();
+  if (result.degraded_ticks() > 0) all += "\n  degraded ticks: " + std::to_string(result.degraded_ticks());
+  return all;
+}
+
+int run(const Session& session, const RunArguments& arguments) {
+  host::RealDisk disk;
+  Result<sheet::SheetConfig> config = read_scene(disk, arguments.scene);
+  if (!config) return refuse(config.error());
+  if (arguments.integrator == "explicit") config->integrator.kind = sheet::IntegratorKind::kExplicitLeapfrog;
+  if (arguments.integrator == "implicit") config->integrator.kind = sheet::IntegratorKind::kImplicitEuler;
+  if (arguments.integrator == "auto") config->integrator.kind = sheet::IntegratorKind::kAutomatic;
+
+  ProgressBar bar;
+  SceneRunOptions options{arguments.ticks, !arguments.record.empty(), build_name(),
+                          [&bar](std::int64_t tick, std::int64_t of) { bar.show(tick, of); }};
+  const Result<SceneRun> done = run_scene(*config, options);
+  if (!done) return refuse(done.error());
+
+  const std::string json = to_script_json(done->result);
+  if (!arguments.out.empty()) {
+    const Status written = disk.write_file(arguments.out, json + "\n");
+    if (!written) return refuse(written.error());
+  }
+  if (!arguments.record.empty()) {
+    const Status written = disk.write_file(arguments.record, done->recording);
+    if (!written) return refuse(written.error());
+  }
+  std::printf("%s\n", (session.json ? json : summary(done->result)).c_str());
+  return kDone;
+}
+
+int replay(const Session& session, const std::string& path) {
+  host::RealDisk disk;
+  const Result<std::string> bytes = disk.read_file(path, kMaxRecordingBytes);
+  if (!bytes) return refuse(bytes.error());
+  const Result<wire::RecordingFile> file = wire::decode_recording(*bytes);
+  if (!file) return refuse(file.error());
+  const Result<sheet::ReplayReport> report = sheet::replay(file->recording);
+  if (!report) return refuse(report.error());
+
+  nlohmann::ordered_json json{{"identical", !report->divergence.has_value()}, {"ticks", report->ticks}};
+  if (report->divergence) {
+    json["first_diverging_tick"] = report->divergence->tick;
+    json["recorded_hash"] = wire::encode_hash(report->divergence->recorded_hash);
+    json["replayed_hash"] = wire::encode_hash(report->divergence->replayed_hash);
+  } else if (!file->recording.entries.empty()) {
+    json["state_hash"] = wire::encode_hash(file->recording.entries.back().state_hash);
+  }
+  if (session.json) std::printf("%s\n", json.dump(2).c_str());
+  if (report->divergence) {
+    std::fprintf(stderr, "kerf: the replay differs from tick %lld on (recorded %s, replayed %s); recorded by: %s, here: %s\n",
+                 static_cast<long long>(report->divergence->tick),
+                 wire::encode_hash(report->divergence->recorded_hash).c_str(),
+                 wire::encode_hash(report->divergence->replayed_hash).c_str(), file->build.c_str(),
+                 build_name().c_str());
+    return kRefused;
+  }
+  if (!session.json) {
+    std::printf("identical, bit for bit: %lld ticks, state hash %s\n", static_cast<long long>(report->ticks),
+                json.value("state_hash", std::string("none")).c_str());
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_offline_commands(CLI::App& app, Session& session) {
+  const auto arguments = std::make_shared<RunArguments>();
+  CLI::App* running = app.add_subcommand("run", "Run a scene file as fast as this machine can, with no server.\n"
+                                                "Example: kerf run deploy/scenes/demo.json --ticks 300 --out result.json");
+  running->add_option("SCENE", arguments->scene, "Scene file: the JSON form of kerf.v1.Scene")->required();
+  running->add_option("--ticks", arguments->ticks, "How many ticks (default: the scene's, else 600)")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}));
+  running->add_option("--out", arguments->out, "Write the results to this file (kerf.v1.RunResult as JSON)");
+  running->add_option("--record", arguments->record, "Write a recording for `kerf replay`");
+  running->add_option("--integrator", arguments->integrator, "Instead of the scene's: explicit, implicit or auto")
+      ->check(CLI::IsMember({"explicit", "implicit", "auto"}));
+  running->callback([&session, arguments] {
+    session.action = [&session, arguments] { return run(session, *arguments); };
+  });
+
+  const auto file = std::make_shared<std::string>();
+  CLI::App* replaying = app.add_subcommand("replay", "Run a recording again and compare every tick, bit for bit");
+  replaying->add_option("FILE", *file, "Recording made with `kerf run --record`")->required();
+  replaying->callback([&session, file] { session.action = [&session, file] { return replay(session, *file); }; });
+}
+
+}  // namespace kerf::cli

@@ -1,0 +1,118 @@
+#include "client/cli/output.h"
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/message.h>
+#include <nlohmann/json.hpp>
+
+#include "client/cpp/failure.h"
+#include "server/wire/json.h"
+
+namespace kerf::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+
+void make_numbers(Json& json, const Descriptor& type);
+
+void make_number(Json& json, const FieldDescriptor& field) {
+  if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+    make_numbers(json, *field.message_type());
+  } else if (json.is_string() && field.cpp_type() == FieldDescriptor::CPPTYPE_INT64) {
+    json = std::stoll(json.get<std::string>());
+  } else if (json.is_string() && field.cpp_type() == FieldDescriptor::CPPTYPE_UINT64) {
+    json = std::stoull(json.get<std::string>());
+  }
+}
+
+void make_numbers(Json& json, const Descriptor& type) {
+  if (!json.is_object()) return;
+  for (auto& [name, value] : json.items()) {
+    const FieldDescriptor* field = type.FindFieldByName(name);
+    if (field == nullptr || field->is_map()) continue;
+    if (field->is_repeated()) {
+      for (Json& element : value) make_number(element, *field);
+    } else {
+      make_number(value, *field);
+    }
+  }
+}
+
+const char* name_of(v1::Sheet::RunState state) {
+  switch (state) {
+    case v1::Sheet::RUNNING: return "running";
+    case v1::Sheet::PAUSED: return "paused";
+    case v1::Sheet::SLEEPING: return "sleeping";
+    case v1::Sheet::FAILED: return "FAILED, frozen at its last good tick";
+    default: return "unknown";
+  }
+}
+
+template <typename... Values>
+std::string format(const char* pattern, Values... values) {
+  std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, pattern, values...)), '\0');
+  std::snprintf(text.data(), text.size() + 1, pattern, values...);
+  return text;
+}
+
+}  // namespace
+
+std::string to_script_json(const google::protobuf::Message& message, int indent) {
+  Json json = Json::parse(wire::to_json(message));
+  make_numbers(json, *message.GetDescriptor());
+  return json.dump(indent);
+}
+
+int refuse(const grpc::Status& status, const std::string& server) {
+  const client::Failure failure = client::failure_of(status);
+  std::string line = client::describe(failure);
+  if (failure.code == grpc::StatusCode::UNAVAILABLE && failure.reason.empty()) {
+    line = "no Kerf server answers at " + server + ": start one with deploy/run, or name another with --server (" +
+           failure.message + ")";
+  }
+  std::fprintf(stderr, "kerf: %s\n", line.c_str());
+  return kRefused;
+}
+
+int refuse(const Error& error) {
+  const std::string field = error.field.empty() ? "" : " [field: " + error.field + "]";
+  std::fprintf(stderr, "kerf: %s%s (%s)\n", error.message.c_str(), field.c_str(), error.reason.c_str());
+  return kRefused;
+}
+
+int misuse(const std::string& message) {
+  std::fprintf(stderr, "kerf: %s\n", message.c_str());
+  return kWrongUsage;
+}
+
+std::string describe(const v1::Sheet& sheet) {
+  return format("%-20s %-8s tick %-8lld %6d vertices %6d triangles %3d %s  x%.2f real time  hash %s",
+                sheet.name().c_str(), name_of(sheet.run_state()), static_cast<long long>(sheet.tick()),
+                sheet.num_vertices(), sheet.num_triangles(), sheet.pieces(), sheet.pieces() == 1 ? "piece" : "pieces",
+                sheet.real_time_factor(), sheet.state_hash().c_str());
+}
+
+std::string describe(const v1::CutResult& result) {
+  if (result.status() == v1::CutResult::NO_INTERSECTION) {
+    return format("NO_INTERSECTION at tick %lld: the curve misses the sheet or only retraces an earlier cut; %d %s",
+                  static_cast<long long>(result.tick()), result.pieces(), result.pieces() == 1 ? "piece" : "pieces");
+  }
+  std::string text = format(
+      "APPLIED at tick %lld: %d %s, %d new vertices, %d new triangles\n"
+      "  deviation <= %.3g m, smallest new angle %.1f degrees, %d triangles crossed\n"
+      "  %s, topology version %d, state hash %s\n"
+      "  queued %.0f us, cut %.0f us, model update %.0f us",
+      static_cast<long long>(result.tick()), result.pieces(), result.pieces() == 1 ? "piece" : "pieces",
+      result.new_vertices(), result.new_triangles(), result.deviation_m(), result.min_angle_deg(),
+      result.crossed_triangles(), result.name().c_str(), result.topology_version(), result.state_hash().c_str(),
+      result.queued_us(), result.cut_us(), result.update_us());
+  for (const std::string& warning : result.warnings()) text += "\n  note: " + warning;
+  return text;
+}
+
+}  // namespace kerf::cli

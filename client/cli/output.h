@@ -1,0 +1,46 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include <grpcpp/support/status.h>
+
+#include "kerf/v1/cuts.pb.h"
+#include "kerf/v1/sheets.pb.h"
+#include "server/base/result.h"
+
+namespace google::protobuf {
+class Message;
+}
+
+namespace kerf::cli {
+
+// Exit codes that scripts rely on.
+enum ExitCode {
+  kDone = 0,        // also a cut that missed
+  kRefused = 1,     // the reason is on stderr
+  kWrongUsage = 2,  // likewise
+};
+
+// What every command gets from the options before it.
+struct Session {
+  std::string server = "127.0.0.1:50051";
+  bool json = false;
+  // Set by the subcommand that was given; returns an exit code.
+  std::function<int()> action;
+};
+
+// The JSON form of a message for scripts: snake_case names, defaults printed, 64-bit integers as numbers (protobuf's own
+// mapping makes strings of them). `indent`: spaces, or -1 for one line.
+std::string to_script_json(const google::protobuf::Message& message, int indent = 2);
+
+// Print the reason on stderr and return the exit code.
+int refuse(const grpc::Status& status, const std::string& server);
+int refuse(const Error& error);
+int misuse(const std::string& message);
+
+// For people.
+std::string describe(const v1::Sheet& sheet);
+std::string describe(const v1::CutResult& result);
+
+}  // namespace kerf::cli

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "kerf/v1/run.pb.h"
+#include "server/base/result.h"
+#include "server/sheet/sheet_config.h"
+
+namespace kerf::cli {
+
+struct SceneRun {
+  v1::RunResult result;
+  std::string recording;  // the file's bytes; empty unless asked for
+};
+
+struct SceneRunOptions {
+  std::int64_t ticks = 0;  // 0: the scene's own
+  bool record = false;
+  std::string build;       // written into the recording
+  // Called after each tick; may be empty.
+  std::function<void(std::int64_t tick, std::int64_t of)> on_tick;
+};
+
+// Steps the scene from its start, as fast as this machine can, with no clock and no server. Equal scenes give equal
+// state hashes. Errors: those of Sheet::create, and of a scheduled command that is refused.
+Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptions& options);
+
+}  // namespace kerf::cli

@@ -1,0 +1,174 @@
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+#include "client/cli/arguments.h"
+#include "client/cli/commands.h"
+#include "client/cpp/client.h"
+
+namespace kerf::cli {
+namespace {
+
+struct CreateArguments {
+  std::string id;
+  std::string grid = "50x50";
+  std::string size = "1x1";
+  std::string pin = "top";
+  std::string material;
+};
+
+void print(const Session& session, const v1::Sheet& sheet) {
+  std::printf("%s\n", (session.json ? to_script_json(sheet) : describe(sheet)).c_str());
+}
+
+int create_sheet(const Session& session, const CreateArguments& arguments) {
+  const Parsed<GridSize> grid = parse_grid(arguments.grid);
+  const Parsed<SheetSize> size = parse_size(arguments.size);
+  if (const auto* wrong = std::get_if<UsageError>(&grid)) return misuse("--grid: " + wrong->message);
+  if (const auto* wrong = std::get_if<UsageError>(&size)) return misuse("--size: " + wrong->message);
+
+  v1::CreateSheetRequest request;
+  request.set_sheet_id(arguments.id);
+  v1::Scene& scene = *request.mutable_scene();
+  scene.mutable_grid()->set_columns(std::get<GridSize>(grid).columns);
+  scene.mutable_grid()->set_rows(std::get<GridSize>(grid).rows);
+  scene.mutable_grid()->set_width_m(std::get<SheetSize>(size).width);
+  scene.mutable_grid()->set_height_m(std::get<SheetSize>(size).height);
+  if (!arguments.material.empty()) scene.mutable_material()->set_preset(arguments.material);
+  if (arguments.pin == "top") scene.add_pins()->set_edge(v1::PinRegion::TOP);
+  if (arguments.pin == "corners") scene.add_pins()->set_edge(v1::PinRegion::CORNERS);
+
+  client::Client client(session.server);
+  v1::Sheet sheet;
+  const grpc::Status status =
+      client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet);
+  if (!status.ok()) return refuse(status, session.server);
+  print(session, sheet);
+  return kDone;
+}
+
+int list_sheets(const Session& session) {
+  client::Client client(session.server);
+  v1::ListSheetsResponse all;
+  v1::ListSheetsRequest request;
+  do {
+    v1::ListSheetsResponse page;
+    const grpc::Status status = client.call(&v1::SheetService::Stub::ListSheets, client.sheets(), request, page);
+    if (!status.ok()) return refuse(status, session.server);
+    request.set_page_token(page.next_page_token());
+    all.mutable_sheets()->MergeFrom(page.sheets());
+  } while (!request.page_token().empty());
+  if (session.json) {
+    std::printf("%s\n", to_script_json(all).c_str());
+  } else if (all.sheets().empty()) {
+    std::printf("no sheets\n");
+  } else {
+    for (const v1::Sheet& sheet : all.sheets()) std::printf("%s\n", describe(sheet).c_str());
+  }
+  return kDone;
+}
+
+// The calls that take a sheet's name and answer with the sheet.
+template <typename Request>
+int call_with_name(const Session& session, const std::string& id,
+                   grpc::Status (v1::SheetService::Stub::*method)(grpc::ClientContext*, const Request&, v1::Sheet*)) {
+  client::Client client(session.server);
+  Request request;
+  request.set_name("sheets/" + id);
+  v1::Sheet sheet;
+  const grpc::Status status = client.call(method, client.sheets(), request, sheet);
+  if (!status.ok()) return refuse(status, session.server);
+  print(session, sheet);
+  return kDone;
+}
+
+int delete_sheet(const Session& session, const std::string& id) {
+  client::Client client(session.server);
+  v1::DeleteSheetRequest request;
+  request.set_name("sheets/" + id);
+  google::protobuf::Empty nothing;
+  const grpc::Status status = client.call(&v1::SheetService::Stub::DeleteSheet, client.sheets(), request, nothing);
+  if (!status.ok()) return refuse(status, session.server);
+  std::printf("%s\n", session.json ? to_script_json(nothing).c_str() : ("sheets/" + id + " deleted").c_str());
+  return kDone;
+}
+
+int step_sheet(const Session& session, const std::string& id, std::int32_t ticks) {
+  client::Client client(session.server);
+  v1::StepSheetRequest request;
+  request.set_name("sheets/" + id);
+  request.set_ticks(ticks);
+  v1::Sheet sheet;
+  const grpc::Status status = client.call(&v1::SheetService::Stub::StepSheet, client.sheets(), request, sheet,
+                                          std::chrono::hours(24));
+  if (!status.ok()) return refuse(status, session.server);
+  print(session, sheet);
+  return kDone;
+}
+
+void add_create(CLI::App& sheet, Session& session) {
+  const auto arguments = std::make_shared<CreateArguments>();
+  CLI::App* create = sheet.add_subcommand("create", "Create a sheet from a grid.\n"
+                                                    "Example: kerf sheet create flag --grid 50x50 --size 1x1 --pin top");
+  create->add_option("ID", arguments->id, "Name of the sheet: a small letter, then letters, digits, dashes")->required();
+  create->add_option("--grid", arguments->grid, "Vertices along x and y")->capture_default_str();
+  create->add_option("--size", arguments->size, "Width and height in metres; the sheet spans (0,0) to (width,height)")
+      ->capture_default_str();
+  create->add_option("--pin", arguments->pin, "What is held: top (the edge y = height), corners, none")
+      ->check(CLI::IsMember({"top", "corners", "none"}))
+      ->capture_default_str();
+  create->add_option("--material", arguments->material, "Material preset; `kerf info` lists them");
+  create->callback([&session, arguments] {
+    session.action = [&session, arguments] { return create_sheet(session, *arguments); };
+  });
+}
+
+// A subcommand with the sheet's ID as its one argument.
+void add_named(CLI::App& sheet, Session& session, const std::string& name, const std::string& help,
+               std::function<int(const Session&, const std::string&)> action) {
+  const auto id = std::make_shared<std::string>();
+  CLI::App* command = sheet.add_subcommand(name, help);
+  command->add_option("ID", *id, "Name of the sheet")->required();
+  command->callback([&session, id, action = std::move(action)] {
+    session.action = [&session, id, action] { return action(session, *id); };
+  });
+}
+
+}  // namespace
+
+void add_sheet_commands(CLI::App& app, Session& session) {
+  CLI::App* sheet = app.add_subcommand("sheet", "Create, list, run and remove sheets");
+  sheet->require_subcommand(1);
+  add_create(*sheet, session);
+  CLI::App* list = sheet->add_subcommand("list", "List all sheets");
+  list->callback([&session] { session.action = [&session] { return list_sheets(session); }; });
+  add_named(*sheet, session, "get", "Show one sheet", [](const Session& s, const std::string& id) {
+    return call_with_name(s, id, &v1::SheetService::Stub::GetSheet);
+  });
+  add_named(*sheet, session, "delete", "Remove a sheet", delete_sheet);
+  add_named(*sheet, session, "pause", "Stop a sheet's clock", [](const Session& s, const std::string& id) {
+    return call_with_name(s, id, &v1::SheetService::Stub::PauseSheet);
+  });
+  add_named(*sheet, session, "resume", "Let a sheet run again", [](const Session& s, const std::string& id) {
+    return call_with_name(s, id, &v1::SheetService::Stub::ResumeSheet);
+  });
+  add_named(*sheet, session, "reset", "Back to the initial state", [](const Session& s, const std::string& id) {
+    return call_with_name(s, id, &v1::SheetService::Stub::ResetSheet);
+  });
+
+  const auto id = std::make_shared<std::string>();
+  const auto ticks = std::make_shared<std::int32_t>(1);
+  CLI::App* step = sheet->add_subcommand("step", "Run exactly N ticks of a paused sheet, as fast as it can");
+  step->add_option("ID", *id, "Name of the sheet")->required();
+  step->add_option("N", *ticks, "Ticks, 1..100000")->required();
+  step->callback([&session, id, ticks] {
+    session.action = [&session, id, ticks] { return step_sheet(session, *id, *ticks); };
+  });
+}
+
+}  // namespace kerf::cli

@@ -1,0 +1,197 @@
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/arguments.h"
+#include "client/cli/commands.h"
+#include "client/cpp/client.h"
+#include "client/cpp/watcher.h"
+#include "server/host/disk.h"
+
+namespace kerf::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct RenderArguments {
+  std::string id;
+  std::string out;
+  std::string size = "640x360";
+  bool wireframe = false;
+};
+
+int write(const std::string& path, std::string_view content) {
+  host::RealDisk disk;
+  const Status written = disk.write_file(path, content);
+  return written ? kDone : refuse(written.error());
+}
+
+int render(const Session& session, const RenderArguments& arguments) {
+  const Parsed<ImageSize> size = parse_image_size(arguments.size);
+  if (const auto* wrong = std::get_if<UsageError>(&size)) return misuse("--size: " + wrong->message);
+  const bool jpeg = has_ending(arguments.out, ".jpg") || has_ending(arguments.out, ".jpeg");
+  if (!jpeg && !has_ending(arguments.out, ".png")) return misuse("--out: the file must end in .png, .jpg or .jpeg");
+
+  v1::RenderImageRequest request;
+  request.set_name("sheets/" + arguments.id);
+  request.set_width_px(std::get<ImageSize>(size).width);
+  request.set_height_px(std::get<ImageSize>(size).height);
+  request.set_wireframe(arguments.wireframe);
+  request.set_format(jpeg ? v1::RenderImageRequest::JPEG : v1::RenderImageRequest::PNG);
+  client::Client client(session.server);
+  v1::RenderImageResponse response;
+  const grpc::Status status = client.call(&v1::RenderService::Stub::RenderImage, client.render(), request, response);
+  if (!status.ok()) return refuse(status, session.server);
+  if (const int code = write(arguments.out, response.image()); code != kDone) return code;
+  if (session.json) {
+    const Json json{{"file", arguments.out},
+                    {"media_type", response.media_type()},
+                    {"tick", response.tick()},
+                    {"width_px", response.width_px()},
+                    {"height_px", response.height_px()},
+                    {"bytes", response.image().size()}};
+    std::printf("%s\n", json.dump(2).c_str());
+  } else {
+    std::printf("%s: %dx%d, tick %lld\n", arguments.out.c_str(), response.width_px(), response.height_px(),
+                static_cast<long long>(response.tick()));
+  }
+  return kDone;
+}
+
+int export_sheet(const Session& session, const std::string& id, const std::string& out) {
+  if (!has_ending(out, ".obj")) return misuse("--out: the file must end in .obj");
+  v1::ExportSheetRequest request;
+  request.set_name("sheets/" + id);
+  client::Client client(session.server);
+  v1::ExportSheetResponse response;
+  const grpc::Status status = client.call(&v1::SheetService::Stub::ExportSheet, client.sheets(), request, response);
+  if (!status.ok()) return refuse(status, session.server);
+  if (const int code = write(out, response.content()); code != kDone) return code;
+  if (session.json) {
+    const Json json{{"file", out}, {"media_type", response.media_type()}, {"bytes", response.content().size()}};
+    std::printf("%s\n", json.dump(2).c_str());
+  } else {
+    std::printf("%s: %zu bytes\n", out.c_str(), response.content().size());
+  }
+  return kDone;
+}
+
+void print_frame(const Session& session, const v1::Frame& frame, const client::Mirror& mirror) {
+  const auto now = std::chrono::duration_cast<std::chrono::microseconds>(
+                       std::chrono::system_clock::now().time_since_epoch()).count();
+  const double age_ms = static_cast<double>(now - frame.stats().published_unix_us()) / 1000.0;
+  const bool keyframe = frame.base_tick() < 0;
+  if (session.json) {
+    const Json json{{"sequence", frame.sequence()},
+                    {"tick", frame.tick()},
+                    {"kind", keyframe ? "keyframe" : "delta"},
+                    {"bytes", frame.ByteSizeLong()},
+                    {"topology_version", frame.topology_version()},
+                    {"num_vertices", mirror.num_vertices()},
+                    {"num_triangles", frame.stats().num_triangles()},
+                    {"pieces", mirror.num_pieces()},
+                    {"skipped", frame.stats().skipped()},
+                    {"age_ms", age_ms},
+                    {"real_time_factor", frame.stats().real_time_factor()}};
+    std::printf("%s\n", json.dump().c_str());
+    std::fflush(stdout);
+    return;
+  }
+  const bool live = isatty(STDOUT_FILENO) != 0;
+  std::printf("%stick %-8lld %-8s %7zu bytes  %6d vertices %3d pieces  skipped %lld  age %.1f ms  x%.2f real time%s",
+              live ? "\r" : "", static_cast<long long>(frame.tick()), keyframe ? "keyframe" : "delta",
+              frame.ByteSizeLong(), mirror.num_vertices(), mirror.num_pieces(),
+              static_cast<long long>(frame.stats().skipped()), age_ms, frame.stats().real_time_factor(),
+              live ? "\033[K" : "\n");
+  std::fflush(stdout);
+}
+
+int watch(const Session& session, const std::string& id, std::int64_t frames) {
+  client::Client client(session.server);
+  client::Watcher watcher(client);
+  std::int64_t seen = 0;
+  const grpc::Status status =
+      watcher.run("sheets/" + id, {}, [&](const v1::Frame& frame, const client::Mirror& mirror) {
+        print_frame(session, frame, mirror);
+        ++seen;
+        return frames == 0 || seen < frames;
+      });
+  if (!session.json && isatty(STDOUT_FILENO) != 0 && seen > 0) std::printf("\n");
+  if (!status.ok()) return refuse(status, session.server);
+  if (frames > 0 && seen < frames) {
+    std::fprintf(stderr, "kerf: the server ended the stream after %lld of %lld frames: %s\n",
+                 static_cast<long long>(seen), static_cast<long long>(frames), watcher.ended().message().c_str());
+    return kRefused;
+  }
+  return kDone;
+}
+
+int info(const Session& session) {
+  client::Client client(session.server);
+  v1::ServerInfo reply;
+  const grpc::Status status =
+      client.call(&v1::ServerService::Stub::GetServerInfo, client.server(), v1::GetServerInfoRequest(), reply);
+  if (!status.ok()) return refuse(status, session.server);
+  if (session.json) {
+    std::printf("%s\n", to_script_json(reply).c_str());
+    return kDone;
+  }
+  std::printf("Kerf %s at %s, up %.0f s\n  sheets    %d of %d\n  workers   %d\n  renderer  %s\n  materials", reply.version().c_str(),
+              session.server.c_str(), reply.uptime_s(), reply.num_sheets(), reply.limits().max_sheets(),
+              reply.workers(), reply.renderer().c_str());
+  for (const std::string& preset : reply.material_presets()) std::printf(" %s", preset.c_str());
+  std::printf("\n");
+  return kDone;
+}
+
+void add_render(CLI::App& app, Session& session) {
+  const auto arguments = std::make_shared<RenderArguments>();
+  CLI::App* command = app.add_subcommand("render", "Draw a sheet on the server and save the picture (PNG or JPEG).\n"
+                                                   "Example: kerf render demo --out frame.png --size 1280x720");
+  command->add_option("ID", arguments->id, "Name of the sheet")->required();
+  command->add_option("--out", arguments->out, "File to write: .png, .jpg or .jpeg")->required();
+  command->add_option("--size", arguments->size, "Width and height in pixels, 16..4096 each")->capture_default_str();
+  command->add_flag("--wireframe", arguments->wireframe, "Draw the triangles' edges");
+  command->callback([&session, arguments] {
+    session.action = [&session, arguments] { return render(session, *arguments); };
+  });
+}
+
+}  // namespace
+
+void add_view_commands(CLI::App& app, Session& session) {
+  add_render(app, session);
+
+  const auto id = std::make_shared<std::string>();
+  const auto out = std::make_shared<std::string>();
+  const auto frames = std::make_shared<std::int64_t>(0);
+
+  CLI::App* watching = app.add_subcommand("watch", "Follow a sheet live: a status line, or with --json a line a frame");
+  watching->add_option("ID", *id, "Name of the sheet")->required();
+  watching->add_option("--frames", *frames, "Stop after this many frames; 0: go on until interrupted")
+      ->check(CLI::NonNegativeNumber);
+  watching->callback([&session, id, frames] {
+    session.action = [&session, id, frames] { return watch(session, *id, *frames); };
+  });
+
+  CLI::App* exporting = app.add_subcommand("export", "Save a sheet as it is now, as a Wavefront OBJ file");
+  exporting->add_option("ID", *id, "Name of the sheet")->required();
+  exporting->add_option("--out", *out, "File to write: .obj")->required();
+  exporting->callback([&session, id, out] {
+    session.action = [&session, id, out] { return export_sheet(session, *id, *out); };
+  });
+
+  CLI::App* about = app.add_subcommand("info", "Show the server: version, renderer, limits, material presets");
+  about->callback([&session] { session.action = [&session] { return info(session); }; });
+}
+
+}  // namespace kerf::cli

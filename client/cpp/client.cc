@@ -1,0 +1,33 @@
+#include "client/cpp/client.h"
+
+#include <utility>
+
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/support/channel_arguments.h>
+
+namespace kerf::client {
+namespace {
+
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(Client::kMaxReceiveBytes);
+  // Never through a proxy of the environment: Kerf servers are near, and a proxy that buffers would spoil the stream.
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
+}
+
+}  // namespace
+
+Client::Client(const std::string& address) : Client(open_channel(address)) {}
+
+Client::Client(std::shared_ptr<grpc::Channel> channel)
+    : channel_(std::move(channel)),
+      sheets_(v1::SheetService::NewStub(channel_)),
+      cuts_(v1::CutService::NewStub(channel_)),
+      interaction_(v1::InteractionService::NewStub(channel_)),
+      stream_(v1::StreamService::NewStub(channel_)),
+      render_(v1::RenderService::NewStub(channel_)),
+      server_(v1::ServerService::NewStub(channel_)) {}
+
+}  // namespace kerf::client

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+
+#include <grpcpp/channel.h>
+#include <grpcpp/client_context.h>
+
+#include "client/cpp/failure.h"
+#include "kerf/v1/cuts.grpc.pb.h"
+#include "kerf/v1/interaction.grpc.pb.h"
+#include "kerf/v1/render.grpc.pb.h"
+#include "kerf/v1/server.grpc.pb.h"
+#include "kerf/v1/sheets.grpc.pb.h"
+#include "kerf/v1/stream.grpc.pb.h"
+
+namespace kerf::client {
+
+// A connection to one Kerf server with the typed stubs of all services. Connecting is lazy: an unreachable server shows
+// at the first call, as UNAVAILABLE. Thread-safe, as gRPC stubs are.
+class Client {
+ public:
+  // Messages up to this size are received: a 250,000-vertex sheet's exact state with room to spare.
+  static constexpr int kMaxReceiveBytes = 64 << 20;
+
+  // "HOST:PORT".
+  explicit Client(const std::string& address);
+  explicit Client(std::shared_ptr<grpc::Channel> channel);
+
+  // One unary call with a deadline:
+  //   client.call(&v1::CutService::Stub::CreateCut, client.cuts(), request, response)
+  template <typename Service, typename Request, typename Response>
+  grpc::Status call(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*), Service& service,
+                    const Request& request, Response& response,
+                    std::chrono::milliseconds timeout = std::chrono::seconds(60)) {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + timeout);
+    return (service.*method)(&context, request, &response);
+  }
+
+  [[nodiscard]] v1::SheetService::Stub& sheets() { return *sheets_; }
+  [[nodiscard]] v1::CutService::Stub& cuts() { return *cuts_; }
+  [[nodiscard]] v1::InteractionService::Stub& interaction() { return *interaction_; }
+  [[nodiscard]] v1::StreamService::Stub& stream() { return *stream_; }
+  [[nodiscard]] v1::RenderService::Stub& render() { return *render_; }
+  [[nodiscard]] v1::ServerService::Stub& server() { return *server_; }
+
+
+ private:
+  std::shared_ptr<grpc::Channel> channel_;
+  std::unique_ptr<v1::SheetService::Stub> sheets_;
+  std::unique_ptr<v1::CutService::Stub> cuts_;
+  std::unique_ptr<v1::InteractionService::Stub> interaction_;
+  std::unique_ptr<v1::StreamService::Stub> stream_;
+  std::unique_ptr<v1::RenderService::Stub> render_;
+  std::unique_ptr<v1::ServerService::Stub> server_;
+};
+
+}  // namespace kerf::client

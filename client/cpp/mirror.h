@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kerf/v1/stream.pb.h"
+
+namespace kerf::client {
+
+// A viewer's copy of a sheet, kept up to date by the frames of one Watch stream. The reference for every other client:
+// after each frame it holds exactly the integers and triangles that the server sent.
+class Mirror {
+ public:
+  // Applies the next frame of the stream. On a frame that cannot follow what is here (a gap, an index out of range, an
+  // array of the wrong size) it returns what is wrong; the mirror is then useless, and the stream should be opened anew.
+  [[nodiscard]] std::optional<std::string> apply(const v1::Frame& frame);
+
+  [[nodiscard]] std::int64_t tick() const { return tick_; }  // -1 before the first frame
+  [[nodiscard]] std::int32_t topology_version() const { return topology_version_; }
+  [[nodiscard]] std::int32_t num_vertices() const { return static_cast<std::int32_t>(quantised_.size() / 3); }
+  [[nodiscard]] std::int32_t num_slots() const { return static_cast<std::int32_t>(triangles_.size()); }
+  [[nodiscard]] std::int32_t num_pieces() const { return num_pieces_; }
+
+  // 3 V numbers, x, y, z interleaved, in the box.
+  [[nodiscard]] const std::vector<std::uint16_t>& quantised_positions() const { return quantised_; }
+  [[nodiscard]] const v1::Box3& box() const { return box_; }
+  // World position of a vertex in 0..V-1, m.
+  [[nodiscard]] std::array<double, 3> position(std::int32_t vertex) const;
+  // A slot's vertices, counter-clockwise in material coordinates; -1 thrice without material.
+  [[nodiscard]] const std::vector<std::array<std::int32_t, 3>>& triangles() const { return triangles_; }
+  // A slot's piece; -1 without material.
+  [[nodiscard]] const std::vector<std::int32_t>& pieces() const { return pieces_; }
+  // 2 V numbers, x, y interleaved, m.
+  [[nodiscard]] const std::vector<float>& material_positions() const { return material_positions_; }
+
+ private:
+  [[nodiscard]] std::optional<std::string> apply_positions(const v1::Frame& frame);
+  [[nodiscard]] std::optional<std::string> apply_topology(const v1::TopologyPatch& patch, std::int32_t num_vertices);
+  [[nodiscard]] std::optional<std::string> apply_triangles(const v1::TopologyPatch& patch, std::int32_t num_vertices);
+  [[nodiscard]] std::optional<std::string> apply_materials(const v1::TopologyPatch& patch, std::int32_t num_vertices);
+
+  std::int64_t tick_ = -1;
+  std::int64_t sequence_ = 0;
+  std::int32_t topology_version_ = -1;
+  std::int32_t num_pieces_ = 0;
+  v1::Box3 box_;
+  std::vector<std::uint16_t> quantised_;
+  std::vector<std::array<std::int32_t, 3>> triangles_;
+  std::vector<std::int32_t> pieces_;
+  std::vector<float> material_positions_;
+};
+
+}  // namespace kerf::client

@@ -1,0 +1,46 @@
+#include "client/cpp/watcher.h"
+
+#include <optional>
+
+namespace kerf::client {
+
+grpc::Status Watcher::run(const std::string& name, const WatchOptions& options, const OnFrame& on_frame) {
+  const auto stream = client_.stream().Watch(&context_);
+  v1::WatchRequest start;
+  start.mutable_start()->set_name(name);
+  start.mutable_start()->set_window(options.window);
+  start.mutable_start()->set_max_rate_hz(options.max_rate_hz);
+  stream->Write(start);
+
+  Mirror mirror;
+  v1::WatchResponse response;
+  grpc::Status failure = grpc::Status::OK;
+  bool wanted = true;
+  while (wanted && stream->Read(&response)) {
+    if (response.has_ended()) ended_ = response.ended();
+    if (!response.has_frame()) continue;
+    if (const std::optional<std::string> wrong = mirror.apply(response.frame())) {
+      failure = grpc::Status(grpc::StatusCode::DATA_LOSS, "a frame does not fit: " + *wrong);
+      break;
+    }
+    wanted = on_frame(response.frame(), mirror);
+    v1::WatchRequest ack;
+    ack.mutable_ack()->set_sequence(response.frame().sequence());
+    stream->Write(ack);
+  }
+  if (!wanted || !failure.ok()) {
+    context_.TryCancel();
+    stream->Finish();
+    return failure;
+  }
+  stream->WritesDone();
+  const grpc::Status status = stream->Finish();
+  return stopped_ ? grpc::Status::OK : status;
+}
+
+void Watcher::stop() {
+  stopped_ = true;
+  context_.TryCancel();
+}
+
+}  // namespace kerf::client
