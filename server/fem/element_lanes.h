@@ -52,7 +52,7 @@ inline void multiply_by_dm_inverse(const ElementBlock& block, const LaneEdges& d
 // Frame of a triangle collapsed to a line (any unit vector across the line serves as normal) or to a point.
 void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, LaneFrames& frames);
 
-inline void polar_decomposition(const Lane3& f1, const Lane3& f2, LaneFrames& frames) {
+inline void polar_decomposition(const Lane3& __restrict f1, const Lane3& __restrict f2, LaneFrames& __restrict frames) {
   // Below this ratio of |f1 x f2| to |f1|^2 + |f2|^2, squared, the normal is all rounding; the second term catches
   // triangles shrunk to 1e-15 of their size.
   constexpr double kCollapsedSquared = 1e-24;
@@ -89,6 +89,16 @@ inline void polar_decomposition(const Lane3& f1, const Lane3& f2, LaneFrames& fr
   for (std::size_t l = 0; l < kLanes; ++l) {
     if (!(excess[l] > 0.0)) repair_collapsed_lane(f1, f2, l, frames);
   }
+}
+
+// Frames of the block's triangles at x (3 x V, m).
+inline void frames_at(const ElementBlock& block, const Eigen::Matrix3Xd& x, LaneFrames& frames) {
+  LaneEdges dx;
+  Lane3 f1;
+  Lane3 f2;
+  gather_edges(block, x, dx);
+  multiply_by_dm_inverse(block, dx, f1, f2);
+  polar_decomposition(f1, f2, frames);
 }
 
 }  // namespace kerf::fem

@@ -18,7 +18,7 @@ struct Preset {
 // rounded, meant to look and feel like the thing, not to predict a sample of it.
 constexpr std::array<Preset, 7> kPresets{{
     // Light, soft cloth that one core steps in real time at 50x50: E t = 200 N/m, 0.2 kg/m^2.
-    {"demo", {4.0e5, 4.0e5, 0.3, 1.5385e5, 0.0, 5.0e-4, 400.0, 1.0, 0.2, 1.0e-4}},
+    {"demo", {4.0e5, 4.0e5, 0.3, 1.5385e5, 0.0, 5.0e-4, 400.0, 1.0, 0.2, 2.0e-5}},
     // Wool of the thesis Kerf starts from: E 3.1 GPa, G 0.51 GPa, nu 0.63 (above 0.5: woven, not isotropic), 0.5 mm.
     {"wool", {3.1e9, 3.1e9, 0.63, 0.51e9, 0.0, 5.0e-4, 1300.0, 1.0, 0.0, 0.0}},
     // Plain-weave cotton, 150 g/m^2: low-load tensile and shear stiffness and bending rigidity (~1e-5 N m) of the order

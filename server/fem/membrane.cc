@@ -86,15 +86,6 @@ void scatter(const ElementBlock& block, const LaneForces& forces, Eigen::Matrix3
   }
 }
 
-void frames_at(const ElementBlock& block, const Eigen::Matrix3Xd& x, LaneFrames& frames) {
-  LaneEdges dx;
-  Lane3 f1;
-  Lane3 f2;
-  gather_edges(block, x, dx);
-  multiply_by_dm_inverse(block, dx, f1, f2);
-  polar_decomposition(f1, f2, frames);
-}
-
 }  // namespace
 
 void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, LaneFrames& frames) {

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <vector>
+
+#include "server/fem/linear_solver.h"
+
+namespace kerf::fem {
+
+// Direct solver: L L^T = P A P^T in 3x3 blocks, left-looking (Davis 2006, Direct Methods for Sparse Linear Systems, ch.
+// 4), P a minimum-degree order of the vertices. Each solve factorises anew; the factor's pattern comes from analyse(),
+// so no solve allocates.
+class BlockCholesky final : public LinearSolver {
+ public:
+  void analyse(const BlockMatrix& A) override;
+  LinearStats solve(const BlockMatrix& A, const Eigen::Matrix3Xd& b, double tolerance, Eigen::Matrix3Xd& x) override;
+
+  [[nodiscard]] std::size_t num_factor_blocks() const { return row_.size(); }
+
+ private:
+  // Block L_jk, k < j, as the columns to its left are gone through for column j.
+  struct RowEntry {
+    int column = 0;    // k
+    int position = 0;  // of L_jk in row_ and block_
+  };
+
+  void order(const BlockMatrix& A);
+  void analyse_factor(const BlockMatrix& A);
+  bool factorise(const BlockMatrix& A);  // false: not positive definite
+  void substitute(const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x);
+
+  std::vector<int> new_from_old_, old_from_new_;
+  std::vector<int> column_begin_;  // positions of column j: its diagonal first, then rows ascending
+  std::vector<int> row_;
+  std::vector<Eigen::Matrix3d> block_;
+  std::vector<int> left_begin_;  // entries of row j of L left of the diagonal
+  std::vector<RowEntry> left_;
+  std::vector<Eigen::Matrix3d> work_;  // one block a row, zero between columns
+  Eigen::Matrix3Xd permuted_, residual_;
+};
+
+}  // namespace kerf::fem

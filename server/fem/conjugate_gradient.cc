@@ -1,0 +1,72 @@
+#include "server/fem/conjugate_gradient.h"
+
+#include <cmath>
+
+#include <Eigen/LU>
+
+namespace kerf::fem {
+namespace {
+
+double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+  const double* const pa = a.data();
+  const double* const pb = b.data();
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < a.size(); ++i) sum += pa[i] * pb[i];
+  return sum;
+}
+
+}  // namespace
+
+void ConjugateGradient::analyse(const BlockMatrix& A) {
+  inverse_diagonal_.resize(static_cast<std::size_t>(A.num_rows()));
+  for (Eigen::Matrix3Xd* vector : {&r_, &z_, &p_, &Ap_}) vector->resize(3, A.num_rows());
+}
+
+void ConjugateGradient::precondition() {
+  for (std::size_t i = 0; i < inverse_diagonal_.size(); ++i) {
+    const auto column = static_cast<Eigen::Index>(i);
+    z_.col(column).noalias() = inverse_diagonal_[i] * r_.col(column);
+  }
+}
+
+LinearStats ConjugateGradient::solve(const BlockMatrix& A, const Eigen::Matrix3Xd& b, double tolerance,
+                                     Eigen::Matrix3Xd& x) {
+  LinearStats stats;
+  for (int i = 0; i < A.num_rows(); ++i) {
+    inverse_diagonal_[static_cast<std::size_t>(i)] = A.block(A.diagonal(i)).inverse();
+  }
+  const double b_norm = std::sqrt(dot(b, b));
+  if (b_norm == 0.0) {
+    x.setZero();
+    stats.converged = true;
+    return stats;
+  }
+  A.multiply(x, Ap_);
+  r_ = b - Ap_;
+  precondition();
+  p_ = z_;
+  double rz = dot(r_, z_);
+  while (true) {
+    const double r_norm = std::sqrt(dot(r_, r_));
+    stats.converged = r_norm <= tolerance * b_norm;
+    if (stats.converged || stats.iterations == max_iterations_ || !std::isfinite(r_norm)) break;
+    A.multiply(p_, Ap_);
+    const double curvature = dot(p_, Ap_);
+    if (!(curvature > 0.0)) break;  // not positive definite
+    const double alpha = rz / curvature;
+    x += alpha * p_;
+    r_ -= alpha * Ap_;
+    precondition();
+    const double rz_next = dot(r_, z_);
+    p_ = z_ + (rz_next / rz) * p_;
+    rz = rz_next;
+    ++stats.iterations;
+  }
+  A.multiply(x, Ap_);
+  r_ = b - Ap_;
+  stats.residual = std::sqrt(dot(r_, r_)) / b_norm;
+  if (!x.allFinite()) stats.converged = false;
+  return stats;
+}
+
+}  // namespace kerf::fem

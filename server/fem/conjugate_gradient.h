@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "server/fem/linear_solver.h"
+
+namespace kerf::fem {
+
+// Conjugate gradients (Hestenes, Stiefel 1952) preconditioned with the inverses of the 3x3 diagonal blocks: these,
+// other than the diagonal alone, follow the rotation of the sheet.
+class ConjugateGradient final : public LinearSolver {
+ public:
+  explicit ConjugateGradient(int max_iterations) : max_iterations_(max_iterations) {}
+
+  void analyse(const BlockMatrix& A) override;
+  LinearStats solve(const BlockMatrix& A, const Eigen::Matrix3Xd& b, double tolerance, Eigen::Matrix3Xd& x) override;
+
+ private:
+  void precondition();  // z_ = P^-1 r_
+
+  int max_iterations_;
+  std::vector<Eigen::Matrix3d> inverse_diagonal_;
+  Eigen::Matrix3Xd r_, z_, p_, Ap_;  // 3 x N
+};
+
+}  // namespace kerf::fem

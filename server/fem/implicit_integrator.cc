@@ -1,0 +1,142 @@
+#include "server/fem/implicit_integrator.h"
+
+#include "server/base/check.h"
+#include "server/fem/bending_forces.h"
+#include "server/fem/grab_point.h"
+#include "server/fem/membrane.h"
+#include "server/fem/wind_drag.h"
+
+namespace kerf::fem {
+
+ImplicitIntegrator::ImplicitIntegrator(const IntegratorOptions& options) : options_(options), solver_(options) {
+  KERF_CHECK(options.kind == IntegratorKind::kImplicitEuler || options.kind == IntegratorKind::kTrBdf2,
+             "an implicit kind");
+}
+
+std::string_view ImplicitIntegrator::explanation() const {
+  return options_.kind == IntegratorKind::kTrBdf2 ? "implicit: TR-BDF2, one step a tick"
+                                                  : "implicit: Euler, one step a tick";
+}
+
+void ImplicitIntegrator::rebuild(const Model& model) {
+  solver_.rebuild(model);
+  for (Eigen::Matrix3Xd* field :
+       {&scratch_.start.x, &scratch_.start.v, &scratch_.substep_start.x, &scratch_.substep_start.v, &scratch_.force,
+        &scratch_.constant, &scratch_.damped, &scratch_.stage.base.x, &scratch_.stage.base.v}) {
+    field->resize(3, model.num_vertices());
+  }
+}
+
+StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
+                                   State& state) {
+  KERF_CHECK(state.x.cols() == scratch_.force.cols() && model.num_vertices() == scratch_.force.cols(),
+             "rebuild() was called for this model");
+  StepStats stats;
+  scratch_.start.x = state.x;
+  scratch_.start.v = state.v;
+  bool done = false;
+  for (int halving = 0; halving <= options_.max_halvings && !done; ++halving) {
+    if (halving > 0) stats.flags |= kSubstepped;
+    const int substeps = 1 << halving;
+    const double h = dt / substeps;
+    stats.residual = 0.0;
+    done = true;
+    for (int i = 1; i <= substeps && done; ++i) {
+      done = advance(model, loads, h, i == substeps ? 0.0 : dt - h * i, state, stats);
+      if (done && contact != nullptr) contact->enforce(h, state);
+      done = done && is_finite(state);
+    }
+    stats.substeps = substeps;
+    if (done) break;
+    state.x = scratch_.start.x;
+    state.v = scratch_.start.v;
+  }
+  if (!done) {
+    stats.flags |= kFrozen;
+    stats.substeps = 0;
+    return stats;
+  }
+  stats.simulated = dt;
+  stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
+  if (stats.max_strain > options_.strain_limit) stats.flags |= kStrainLimit;
+  return stats;
+}
+
+bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, double h, double time_left, State& state,
+                                 StepStats& stats) {
+  evaluate_constant_force(model, loads, h, state);
+  if (options_.kind == IntegratorKind::kTrBdf2) return advance_tr_bdf2(model, loads, h, time_left, state, stats);
+  return advance_euler(model, loads, h, time_left, state, stats);
+}
+
+bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, double h, double time_left, State& state,
+                                       StepStats& stats) {
+  Stage& stage = scratch_.stage;
+  stage.base.x = state.x;
+  stage.base.v = state.v;
+  stage.d = h;
+  stage.time_left = time_left;
+  return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
+}
+
+bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads, double h, double time_left,
+                                         State& state, StepStats& stats) {
+  constexpr double kGamma = 0.58578643762690495;  // 2 - sqrt 2
+  constexpr double kNew = 1.0 / (kGamma * (2.0 - kGamma));
+  constexpr double kOld = (1.0 - kGamma) * (1.0 - kGamma) / (kGamma * (2.0 - kGamma));
+  Stage& stage = scratch_.stage;
+  State& start = scratch_.substep_start;
+  start.x = state.x;
+  start.v = state.v;
+  stage.d = 0.5 * kGamma * h;
+
+  evaluate_acceleration(model, loads, time_left + h, state);
+  stage.base.x = start.x + stage.d * start.v;
+  stage.base.v = start.v + stage.d * scratch_.force;
+  stage.time_left = time_left + (1.0 - kGamma) * h;
+  if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
+
+  stage.base.x = kNew * state.x - kOld * start.x;
+  stage.base.v = kNew * state.v - kOld * start.v;
+  stage.time_left = time_left;
+  return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
+}
+
+void ImplicitIntegrator::evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state) {
+  if (loads.external_forces.cols() > 0) {
+    scratch_.constant = loads.external_forces;
+  } else {
+    scratch_.constant.setZero();
+  }
+  const Material& material = model.material();
+  add_wind_drag(model.element_blocks(), loads.wind, material.density * material.thickness, h, state, scratch_.constant);
+}
+
+void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& loads, double time_left,
+                                               const State& state) {
+  const Material& material = model.material();
+  Eigen::Matrix3Xd& f = scratch_.force;
+  f = scratch_.constant;
+  add_membrane_forces(model.element_blocks(), model.membrane_law(), material.stiffness_damping, state.x, state.v, f);
+  if (model.has_bending()) {
+    scratch_.damped = state.x + material.stiffness_damping * state.v;
+    add_bending_forces(model.bending_rows(), scratch_.damped, f);
+  }
+  for (const Grab& grab : loads.grabs) {
+    const Eigen::Vector3d target = grab.target - time_left * grab.velocity;
+    const Eigen::Vector3d pull = grab.stiffness * (target - grab_point(grab, state.x)) +
+                                 grab.damping * (grab.velocity - grab_point(grab, state.v));
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (grab.vertices[k] == mesh::kNone) continue;
+      f.col(grab.vertices[k]) += grab.weights[static_cast<Eigen::Index>(k)] * pull;
+    }
+  }
+  for (Eigen::Index i = 0; i < f.cols(); ++i) {
+    const double w = model.inverse_mass()[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d a = w * f.col(i) + loads.gravity - material.mass_damping * state.v.col(i);
+    f.col(i).setZero();
+    if (w > 0.0) f.col(i) = a;
+  }
+}
+
+}  // namespace kerf::fem

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "server/fem/integrator.h"
+#include "server/fem/stage_solver.h"
+
+namespace kerf::fem {
+
+// Implicit Euler, or TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2). One substep
+// a step; a substep that finds no finite solution is thrown away and the step divided. Wind drag is taken at the start
+// of each substep, everything else at its end.
+class ImplicitIntegrator final : public Integrator {
+ public:
+  // options.kind: kImplicitEuler or kTrBdf2.
+  explicit ImplicitIntegrator(const IntegratorOptions& options);
+
+  void rebuild(const Model& model) override;
+  StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
+  [[nodiscard]] std::string_view explanation() const override;
+  [[nodiscard]] IntegratorKind kind() const override { return options_.kind; }
+
+ private:
+  struct Scratch {
+    State start;  // of the step
+    State substep_start;
+    Eigen::Matrix3Xd force;     // 3 x V, N
+    Eigen::Matrix3Xd constant;  // 3 x V, N: external forces and wind
+    Eigen::Matrix3Xd damped;    // 3 x V, m
+    Stage stage;
+  };
+
+  bool advance(const Model& model, const Loads& loads, double h, double time_left, State& state, StepStats& stats);
+  bool advance_euler(const Model& model, const Loads& loads, double h, double time_left, State& state,
+                     StepStats& stats);
+  bool advance_tr_bdf2(const Model& model, const Loads& loads, double h, double time_left, State& state,
+                       StepStats& stats);
+  void evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state);
+  // Into scratch_.force: acceleration at `state`, m/s^2, 0 where the mass is 0.
+  void evaluate_acceleration(const Model& model, const Loads& loads, double time_left, const State& state);
+
+  IntegratorOptions options_;
+  StageSolver solver_;
+  Scratch scratch_;
+};
+
+}  // namespace kerf::fem

@@ -1,0 +1,111 @@
+#include "server/fem/membrane_tangent.h"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace kerf::fem {
+namespace {
+
+// Nearest positive semidefinite matrix to a symmetric 2x2 one: eigenvalues cut at 0, in closed form.
+Eigen::Matrix2d positive_part(const Eigen::Matrix2d& A) {
+  const double mean = 0.5 * (A(0, 0) + A(1, 1));
+  const double half = 0.5 * (A(0, 0) - A(1, 1));
+  const double radius = std::sqrt(half * half + A(0, 1) * A(1, 0));
+  const double low = mean - radius;
+  const double high = mean + radius;
+  if (low >= 0.0) return A;
+  if (high <= 0.0) return Eigen::Matrix2d::Zero();
+  // A = high P + low (I - P) with the projector P on the upper eigenvector.
+  return (high / (high - low)) * (A - low * Eigen::Matrix2d::Identity());
+}
+
+}  // namespace
+
+MembraneTangent::MembraneTangent(const ElementBlock& block, std::size_t lane, const LaneFrames& frames,
+                                 const Eigen::Matrix3d& C)
+    : area_(block.area[lane]), C_(C), inverse_trace_(frames.inverse_trace[lane]) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    R_(static_cast<Eigen::Index>(axis), 0) = frames.R1[axis][lane];
+    R_(static_cast<Eigen::Index>(axis), 1) = frames.R2[axis][lane];
+  }
+  n_ = R_.col(0).cross(R_.col(1));
+  S_(0, 0) = frames.S11[lane];
+  S_(1, 1) = frames.S22[lane];
+  S_(0, 1) = frames.S12[lane];
+  S_(1, 0) = frames.S12[lane];
+  g_.col(1) = Eigen::Vector2d(block.g1[0][lane], block.g1[1][lane]);
+  g_.col(2) = Eigen::Vector2d(block.g2[0][lane], block.g2[1][lane]);
+  g_.col(0) = -g_.col(1) - g_.col(2);
+  const double S12 = S_(0, 1);
+  const double difference = S_(1, 1) - S_(0, 0);
+  for (int k = 0; k < 3; ++k) {
+    const double gx = g_(0, k);
+    const double gy = g_(1, k);
+    const double wu = -gy * inverse_trace_;
+    const double wv = gx * inverse_trace_;
+    w_(2 * k) = wu;
+    w_(2 * k + 1) = wv;
+    B_.col(2 * k) = Eigen::Vector3d(gx + wu * S12, -wu * S12, gy + wu * difference);
+    B_.col(2 * k + 1) = Eigen::Vector3d(wv * S12, gy - wv * S12, gx + wv * difference);
+  }
+}
+
+Eigen::Vector3d MembraneTangent::stress() const {
+  return C_ * Eigen::Vector3d(S_(0, 0) - 1.0, S_(1, 1) - 1.0, 2.0 * S_(0, 1));
+}
+
+Eigen::Vector3d MembraneTangent::predicted_stress(const ElementVector& dx) const {
+  Eigen::Vector3d e(S_(0, 0) - 1.0, S_(1, 1) - 1.0, 2.0 * S_(0, 1));
+  for (int k = 0; k < 3; ++k) e += B_.middleCols<2>(2 * k) * (R_.transpose() * dx.segment<3>(3 * k));
+  return C_ * e;
+}
+
+MembraneTangent::Geometric MembraneTangent::geometric(const Eigen::Vector3d& sigma, bool project) const {
+  constexpr double kCollapsed = 1e-12;  // -, of det S against (tr S)^2: then S has no inverse worth using
+  Geometric result;
+  const double a = (S_(0, 1) * (sigma[0] - sigma[1]) + sigma[2] * (S_(1, 1) - S_(0, 0))) * inverse_trace_;
+  const Eigen::Matrix2d T{
+      {sigma[0], sigma[2] - a},
+      {sigma[2] + a, sigma[1]},
+  };
+  result.gamma = sigma[0] * S_(0, 0) + sigma[1] * S_(1, 1) + 2.0 * sigma[2] * S_(0, 1);
+  result.c = Eigen::RowVector3d(-2.0 * T(1, 0), 2.0 * T(0, 1), T(0, 0) - T(1, 1));
+  const double trace = S_.trace();
+  const double det = S_.determinant();
+  if (det > kCollapsed * trace * trace) {
+    const Eigen::Matrix2d Sigma = ((trace * Eigen::Matrix2d::Identity() - S_) / det) * T;
+    result.Sigma = 0.5 * (Sigma + Sigma.transpose());
+  }
+  if (!project) return result;
+  result.Sigma = positive_part(result.Sigma);
+  if (result.gamma <= 0.0) {
+    result.gamma = 0.0;
+    result.c.setZero();
+    return result;
+  }
+  const double needed = 0.25 * result.c.dot(C_.inverse() * result.c.transpose());
+  if (needed > result.gamma) result.c *= std::sqrt(result.gamma / needed);
+  return result;
+}
+
+void MembraneTangent::stiffness(const Eigen::Vector3d& sigma, double material_scale, double geometric_scale,
+                                bool project, ElementMatrix& K) const {
+  const Geometric part = geometric(sigma, project);
+  const Eigen::Matrix<double, 1, 6> cB = part.c * B_;
+  Eigen::Matrix<double, 6, 6> K_in = material_scale * (B_.transpose() * (C_ * B_));
+  K_in += geometric_scale * (part.gamma * (w_.transpose() * w_) + 0.5 * (w_.transpose() * cB + cB.transpose() * w_));
+  const Eigen::Matrix3d K_out = geometric_scale * (g_.transpose() * (part.Sigma * g_));
+  const Eigen::Matrix3d nn = n_ * n_.transpose();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      const Eigen::Matrix2d in_plane = K_in.block<2, 2>(2 * i, 2 * j);
+      const Eigen::Matrix3d K_ij = area_ * (R_ * (in_plane * R_.transpose()) + K_out(i, j) * nn);
+      K.block<3, 3>(3 * i, 3 * j) = K_ij;
+      if (j > i) K.block<3, 3>(3 * j, 3 * i) = K_ij.transpose();
+    }
+  }
+}
+
+}  // namespace kerf::fem

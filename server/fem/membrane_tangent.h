@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "server/fem/element_block.h"
+#include "server/fem/element_lanes.h"
+
+namespace kerf::fem {
+
+using ElementMatrix = Eigen::Matrix<double, 9, 9>;  // rows and columns: corner * 3 + world axis
+using ElementVector = Eigen::Matrix<double, 9, 1>;
+
+// Second derivative of the energy of membrane.h for one triangle. With the in-plane rows of each corner k in the frame
+// R, (gx, gy) = g_k:
+//   spin      w = (-gy, gx) / tr S
+//   strain    B = [gx + wu S12, wv S12; -wu S12, gy - wv S12; gy + wu (S22 - S11), gx + wv (S22 - S11)]
+//   in plane  K_in = B^T C B + gamma w^T w + (w^T (c B) + (c B)^T w) / 2,
+//             gamma = sigma1 S11 + sigma2 S22 + 2 sigma3 S12,   c = (-2 T21, 2 T12, T11 - T22)
+//   out       k_n = g_i^T Sigma g_j,   Sigma = S^-1 T (second Piola-Kirchhoff stress)
+//   K_ij = A (R K_in R^T + k_n n n^T).
+// The terms with gamma, c and Sigma are the geometric stiffness; B^T C B alone is positive semidefinite.
+class MembraneTangent {
+ public:
+  // x relative: frames of the lane's triangle; C in N/m.
+  MembraneTangent(const ElementBlock& block, std::size_t lane, const LaneFrames& frames, const Eigen::Matrix3d& C);
+
+  // sigma = C e, N/m.
+  [[nodiscard]] Eigen::Vector3d stress() const;
+  // C (e + B dx): what the stress becomes to first order, dx in world axes (m).
+  [[nodiscard]] Eigen::Vector3d predicted_stress(const ElementVector& dx) const;
+
+  // K (N/m) = material_scale A B^T C B + geometric_scale (the rest for the stress sigma). With `project` the geometric
+  // part is changed so that the whole is positive semidefinite for material_scale >= geometric_scale: gamma and the
+  // eigenvalues of Sigma are cut at 0 and c is shortened as far as needed.
+  void stiffness(const Eigen::Vector3d& sigma, double material_scale, double geometric_scale, bool project,
+                 ElementMatrix& K) const;
+
+ private:
+  using Matrix36 = Eigen::Matrix<double, 3, 6>;
+  using Matrix32 = Eigen::Matrix<double, 3, 2>;
+
+  struct Geometric {
+    double gamma = 0.0;
+    Eigen::RowVector3d c = Eigen::RowVector3d::Zero();
+    Eigen::Matrix2d Sigma = Eigen::Matrix2d::Zero();
+  };
+  [[nodiscard]] Geometric geometric(const Eigen::Vector3d& sigma, bool project) const;
+
+  double area_;
+  const Eigen::Matrix3d& C_;
+  Matrix32 R_;
+  Eigen::Vector3d n_;
+  Eigen::Matrix2d S_;
+  double inverse_trace_;
+  Eigen::Matrix<double, 2, 3> g_;  // column k: gradient of corner k, 1/m
+  Matrix36 B_;                     // columns: corner * 2 + frame axis
+  Eigen::Matrix<double, 1, 6> w_;
+};
+
+}  // namespace kerf::fem

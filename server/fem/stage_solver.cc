@@ -1,0 +1,220 @@
+#include "server/fem/stage_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "server/fem/bending_forces.h"
+#include "server/fem/grab_point.h"
+#include "server/fem/membrane.h"
+
+namespace kerf::fem {
+namespace {
+
+constexpr int kRepairIterations = 30;
+constexpr int kMaxBacktracks = 30;
+
+}  // namespace
+
+StageSolver::StageSolver(const IntegratorOptions& options)
+    : options_(options), solver_(make_linear_solver(options.linear_solver, options.max_linear_iterations)) {}
+
+void StageSolver::rebuild(const Model& model) {
+  std::vector<std::vector<int>> columns(static_cast<std::size_t>(model.num_vertices()));
+  for (int i = 0; i < model.num_vertices(); ++i) {
+    std::vector<int>& row = columns[static_cast<std::size_t>(i)];
+    row.push_back(i);
+    for (const BendingEntry& entry :
+         model.has_bending() ? model.bending_rows().row(i) : std::span<const BendingEntry>{}) {
+      row.push_back(entry.column);
+    }
+    for (const mesh::TriangleId slot : model.incident_slots().row(i)) {
+      const ElementBlock& block = model.element_blocks()[static_cast<std::size_t>(slot / kLanes)];
+      for (std::size_t k = 0; k < 3; ++k) row.push_back(block.vertex[k][static_cast<std::size_t>(slot % kLanes)]);
+    }
+    std::sort(row.begin(), row.end());
+    row.erase(std::unique(row.begin(), row.end()), row.end());
+  }
+  matrix_.set_pattern(columns);
+  solver_->analyse(matrix_);
+
+  const std::span<const ElementBlock> blocks = model.element_blocks();
+  positions_.assign(blocks.size() * kLanes, {});
+  stress_.assign(blocks.size() * kLanes, Eigen::Vector3d::Zero());
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (blocks[b].area[l] == 0.0) continue;
+      for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) {
+          positions_[b * kLanes + l][3 * i + j] = matrix_.find(blocks[b].vertex[i][l], blocks[b].vertex[j][l]);
+        }
+      }
+    }
+  }
+  for (Eigen::Matrix3Xd* field : {&force_, &residual_, &rhs_, &step_, &velocity_, &damped_, &trial_, &start_}) {
+    field->resize(3, model.num_vertices());
+  }
+}
+
+bool StageSolver::solve(const Model& model, const Loads& loads, const Eigen::Matrix3Xd& constant_force,
+                        const Stage& stage, State& state, StepStats& stats) {
+  const Problem problem{model, loads, constant_force, stage, model.material().stiffness_damping};
+  start_ = state.x;
+  for (const Pin& pin : loads.pins) start_.col(pin.vertex) = pin.target - stage.time_left * pin.velocity;
+  bool found = iterate(problem, state.x, stats);
+  if (!found) {
+    Problem undamped = problem;
+    undamped.beta = 0.0;
+    found = repair(undamped, start_, state.x, stats);
+  }
+  if (!found || !state.x.allFinite()) return false;
+  state.v = (state.x - stage.base.x) / stage.d;
+  for (const Pin& pin : loads.pins) state.v.col(pin.vertex) = pin.velocity;
+  return true;
+}
+
+// True where it converged, or ended below the potential it began at.
+bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats& stats) {
+  step_.setZero();
+  predict_stress(problem, x);
+  double reference = 0.0;
+  double residual = 0.0;
+  for (int i = 0;; ++i) {
+    residual = evaluate_residual(problem, x);
+    if (i > 0) {
+      const double relative = reference > 0.0 ? residual / reference : 0.0;
+      if (relative <= options_.newton_tolerance) {
+        stats.residual = std::max(stats.residual, relative);
+        return true;
+      }
+      if (i == options_.newton_iterations || !std::isfinite(residual)) break;
+    }
+    assemble(problem, x, true);
+    rhs_ = residual_;
+    step_ = problem.stage.d * problem.stage.base.v;
+    if (i > 0) step_.setZero();
+    constrain(problem, x);
+    if (i == 0) reference = rhs_.norm();
+    solve_linear(stats);
+    ++stats.newton_iterations;
+    predict_stress(problem, x);
+    x += step_;
+  }
+  if (!x.allFinite()) return false;
+  Problem undamped = problem;
+  undamped.beta = 0.0;
+  if (!(merit(undamped, x) <= merit(undamped, start_))) return false;
+  stats.flags |= kNotConverged;
+  stats.residual = std::max(stats.residual, residual / reference);
+  return true;
+}
+
+bool StageSolver::repair(const Problem& problem, const Eigen::Matrix3Xd& start, Eigen::Matrix3Xd& x, StepStats& stats) {
+  stats.flags |= kRepaired;
+  x = start;
+  double reference = 0.0;
+  double relative = 0.0;
+  double value = merit(problem, x);
+  if (!std::isfinite(value)) return false;
+  for (int i = 0; i < kRepairIterations; ++i) {
+    const double residual = evaluate_residual(problem, x);
+    reference = std::max(reference, residual);
+    relative = reference > 0.0 ? residual / reference : 0.0;
+    if (relative <= options_.newton_tolerance) break;
+    assemble(problem, x, false);
+    rhs_ = residual_;
+    step_.setZero();
+    constrain(problem, x);
+    solve_linear(stats);
+    ++stats.newton_iterations;
+    if (!step_.allFinite() || !search_line(problem, value, x)) break;
+  }
+  stats.residual = std::max(stats.residual, relative);
+  if (relative > options_.newton_tolerance) stats.flags |= kNotConverged;
+  return true;
+}
+
+// Armijo backtracking along step_; false where no step lowers the potential any more.
+bool StageSolver::search_line(const Problem& problem, double& value, Eigen::Matrix3Xd& x) {
+  constexpr double kSufficientDecrease = 1e-4;
+  double slope = 0.0;
+  for (Eigen::Index i = 0; i < step_.cols(); ++i) slope += residual_.col(i).dot(step_.col(i));
+  double scale = 1.0;
+  for (int i = 0; i < kMaxBacktracks; ++i, scale *= 0.5) {
+    trial_ = x + scale * step_;
+    const double next = merit(problem, trial_);
+    if (!(next < value - kSufficientDecrease * scale * slope)) continue;
+    value = next;
+    x = trial_;
+    return true;
+  }
+  return false;
+}
+
+double StageSolver::evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x) {
+  const Stage& stage = problem.stage;
+  const Model& model = problem.model;
+  velocity_ = (x - stage.base.x) / stage.d;
+  force_ = problem.constant_force;
+  add_membrane_forces(model.element_blocks(), model.membrane_law(), problem.beta, x, velocity_, force_);
+  if (model.has_bending()) {
+    damped_ = x + problem.beta * velocity_;
+    add_bending_forces(model.bending_rows(), damped_, force_);
+  }
+  add_grab_forces(problem, x);
+  const double inertia = 1.0 + stage.d * model.material().mass_damping;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    const double m = model.mass()[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d impulse =
+        stage.base.v.col(i) - (inertia / stage.d) * (x.col(i) - stage.base.x.col(i)) + stage.d * problem.loads.gravity;
+    residual_.col(i) = m * stage.d * impulse + stage.d * stage.d * force_.col(i);
+    if (m == 0.0) residual_.col(i).setZero();
+  }
+  double sum = 0.0;
+  for (const Pin& pin : problem.loads.pins) residual_.col(pin.vertex).setZero();
+  for (Eigen::Index i = 0; i < x.cols(); ++i) sum += residual_.col(i).squaredNorm();
+  return std::sqrt(sum);
+}
+
+void StageSolver::add_grab_forces(const Problem& problem, const Eigen::Matrix3Xd& x) {
+  for (const Grab& grab : problem.loads.grabs) {
+    const Eigen::Vector3d target = grab.target - problem.stage.time_left * grab.velocity;
+    const Eigen::Vector3d f =
+        grab.stiffness * (target - grab_point(grab, x)) + grab.damping * (grab.velocity - grab_point(grab, velocity_));
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (grab.vertices[k] == mesh::kNone) continue;
+      force_.col(grab.vertices[k]) += grab.weights[static_cast<Eigen::Index>(k)] * f;
+    }
+  }
+}
+
+double StageSolver::merit(const Problem& problem, const Eigen::Matrix3Xd& x) const {
+  const Stage& stage = problem.stage;
+  const Model& model = problem.model;
+  const double d = stage.d;
+  double potential = membrane_energy(model.element_blocks(), model.membrane_law(), x);
+  if (model.has_bending()) potential += bending_energy(model.bending_rows(), x);
+  const double inertia = 1.0 + d * model.material().mass_damping;
+  double kinetic = 0.0;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    const double m = model.mass()[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d dx = x.col(i) - stage.base.x.col(i);
+    kinetic += m * (0.5 * inertia * dx.squaredNorm() - d * stage.base.v.col(i).dot(dx));
+    potential -= (m * problem.loads.gravity + problem.constant_force.col(i)).dot(dx);
+  }
+  for (const Grab& grab : problem.loads.grabs) {
+    const Eigen::Vector3d target = grab.target - stage.time_left * grab.velocity;
+    const Eigen::Vector3d p = grab_point(grab, x);
+    const Eigen::Vector3d slip = (p - grab_point(grab, stage.base.x)) / d - grab.velocity;
+    potential += 0.5 * grab.stiffness * (p - target).squaredNorm() + 0.5 * grab.damping * d * slip.squaredNorm();
+  }
+  return kinetic + d * d * potential;
+}
+
+LinearStats StageSolver::solve_linear(StepStats& stats) {
+  const LinearStats linear = solver_->solve(matrix_, rhs_, options_.linear_tolerance, step_);
+  stats.linear_iterations += linear.iterations;
+  if (!linear.converged) stats.flags |= kNotConverged;
+  return linear;
+}
+
+}  // namespace kerf::fem
