@@ -1,0 +1,335 @@
+#include "server/host/host.h"
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "server/host/metrics_board.h"
+#include "server/host/sheet_runner.h"
+#include "server/host/workers.h"
+
+namespace kerf::host {
+
+namespace {
+
+Error not_found(const std::string& id) {
+  return {ErrorCode::kNotFound, "SHEET_NOT_FOUND", "there is no sheet \"" + id + "\"", ""};
+}
+
+Error stopping() {
+  return {ErrorCode::kUnavailable, "HOST_STOPPING", "the server is stopping", ""};
+}
+
+Error too_many_vertices(std::int64_t count, std::int32_t limit) {
+  return {ErrorCode::kResourceExhausted, "TOO_MANY_VERTICES",
+          "the sheet has " + std::to_string(count) + " vertices; this server's limit is " + std::to_string(limit), ""};
+}
+
+// Vertices that a config asks for, as far as that can be told without building it.
+std::int64_t declared_vertices(const sheet::SheetConfig& config) {
+  if (const auto* grid = std::get_if<sheet::GridSource>(&config.mesh)) return std::int64_t{grid->columns} * grid->rows;
+  if (const auto* arrays = std::get_if<sheet::ArraySource>(&config.mesh)) return arrays->material_positions.cols();
+  return 0;
+}
+
+std::string random_id(std::uint64_t bits) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string id = "sheet-";
+  for (int i = 0; i < 10; ++i, bits >>= 4U) id += kDigits[bits & 15U];
+  return id;
+}
+
+}  // namespace
+
+class Host::Impl {
+ public:
+  Impl(HostOptions options, Clock& clock, Entropy& entropy)
+      : options_(std::move(options)), clock_(clock), entropy_(entropy), workers_(options_.workers) {}
+
+  void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done) {
+    if (id.empty()) id = config.sheet_id;
+    if (id.empty()) id = random_id(entropy_.next());
+    if (Status s = reserve(id, config); !s) return done(s.error());
+    const Workers::Strand strand = workers_.make_strand();
+    auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
+    const bool posted = strand.post([this, id, shared, paused, strand, done] {
+      Result<sheet::Sheet> built = build(std::move(*shared));
+      if (!built) {
+        release(id);
+        return done(built.error());
+      }
+      const auto runner = std::make_shared<SheetRunner>(id, std::move(built).value(), context(), strand);
+      // Begun before it can be found: on this strand, ahead of whatever finds it.
+      runner->begin(paused, options_.make_recording ? options_.make_recording(id) : nullptr);
+      if (!admit(id, runner)) {
+        runner->close(sheet::SinkEnd::kHostStopping);
+        return done(stopping());
+      }
+      done(runner->status());
+    });
+    if (!posted) done(stopping());
+  }
+
+  void delete_sheet(const std::string& id, Callback<Nothing> done) {
+    std::shared_ptr<SheetRunner> runner;
+    {
+      const std::lock_guard lock(mutex_);
+      const auto found = sheets_.find(id);
+      if (found != sheets_.end() && found->second) {
+        runner = std::move(found->second);
+        sheets_.erase(found);
+      }
+    }
+    if (!runner) return done(missing(id));
+    runner->post(
+        [done](SheetRunner& r) {
+          r.close(sheet::SinkEnd::kSheetDeleted);
+          done(Nothing{});
+        },
+        done);
+  }
+
+  [[nodiscard]] std::vector<std::string> list() const {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> ids;
+    for (const auto& [id, runner] : sheets_) {
+      if (runner) ids.push_back(id);
+    }
+    return ids;
+  }
+
+  void statuses(std::vector<std::string> ids, std::function<void(std::vector<SheetStatus>)> done);
+  void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
+
+  // Runs `work` on the sheet's strand; what stands against it goes to `done`.
+  template <typename T>
+  void on_strand(const std::string& id, const Callback<T>& done, std::function<void(SheetRunner&)> work) {
+    const std::shared_ptr<SheetRunner> runner = find(id);
+    if (!runner) return done(missing(id));
+    runner->post(std::move(work), [done](Error error) { done(std::move(error)); });
+  }
+
+  [[nodiscard]] HostMetrics metrics() const { return board_.read(); }
+  [[nodiscard]] const HostOptions& options() const { return options_; }
+  void wait_idle() { workers_.wait_idle(); }
+
+  void stop() {
+    std::map<std::string, std::shared_ptr<SheetRunner>> taken;
+    {
+      const std::lock_guard lock(mutex_);
+      stopping_ = true;
+      taken.swap(sheets_);
+    }
+    for (const auto& [id, runner] : taken) {
+      if (!runner) continue;  // still being built: admit() will turn it away
+      runner->post([](SheetRunner& r) { r.close(sheet::SinkEnd::kHostStopping); }, [](const Error&) {});
+    }
+    workers_.join();
+  }
+
+ private:
+  [[nodiscard]] SheetRunner::Context context() { return {options_, clock_, board_}; }
+
+  Status reserve(const std::string& id, const sheet::SheetConfig& config) {
+    if (!sheet::is_valid_sheet_id(id)) {
+      return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
+    }
+    const std::int64_t declared = declared_vertices(config);
+    if (declared > options_.max_vertices_per_sheet && declared <= sheet::kMaxVertices) {
+      return too_many_vertices(declared, options_.max_vertices_per_sheet);
+    }
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return stopping();
+    if (sheets_.contains(id)) {
+      return Error{ErrorCode::kAlreadyExists, "SHEET_EXISTS", "there is a sheet \"" + id + "\" already", "sheet_id"};
+    }
+    if (sheets_.size() >= static_cast<std::size_t>(options_.max_sheets)) {
+      return Error{ErrorCode::kResourceExhausted, "TOO_MANY_SHEETS",
+                   "this server's limit of " + std::to_string(options_.max_sheets) + " sheets is reached; delete one",
+                   ""};
+    }
+    sheets_.emplace(id, nullptr);
+    return Nothing{};
+  }
+
+  Result<sheet::Sheet> build(sheet::SheetConfig config) {
+    Result<sheet::Sheet> built = sheet::Sheet::create(std::move(config));
+    if (built && built->mesh().num_vertices() > options_.max_vertices_per_sheet) {
+      return too_many_vertices(built->mesh().num_vertices(), options_.max_vertices_per_sheet);
+    }
+    return built;
+  }
+
+  void release(const std::string& id) {
+    const std::lock_guard lock(mutex_);
+    sheets_.erase(id);
+  }
+
+  bool admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner) {
+    const std::lock_guard lock(mutex_);
+    if (stopping_) return false;
+    sheets_[id] = runner;
+    return true;
+  }
+
+  [[nodiscard]] std::shared_ptr<SheetRunner> find(const std::string& id) const {
+    const std::lock_guard lock(mutex_);
+    const auto found = sheets_.find(id);
+    return found == sheets_.end() ? nullptr : found->second;
+  }
+
+  [[nodiscard]] Error missing(const std::string& id) const {
+    const std::lock_guard lock(mutex_);
+    return stopping_ ? stopping() : not_found(id);
+  }
+
+  const HostOptions options_;
+  Clock& clock_;
+  Entropy& entropy_;
+  MetricsBoard board_;
+  mutable std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built. Guarded by mutex_
+  bool stopping_ = false;                                       // guarded by mutex_
+  Workers workers_;                                             // last: its threads use everything above
+};
+
+void Host::Impl::statuses(std::vector<std::string> ids, std::function<void(std::vector<SheetStatus>)> done) {
+  // Filled by several strands; the last one to come reports.
+  struct Gathering {
+    std::mutex mutex;
+    std::vector<std::shared_ptr<SheetStatus>> found;
+    std::size_t missing = 0;
+    std::function<void(std::vector<SheetStatus>)> done;
+
+    void add(std::size_t index, std::shared_ptr<SheetStatus> status) {
+      std::vector<SheetStatus> complete;
+      {
+        const std::lock_guard lock(mutex);
+        found[index] = std::move(status);
+        if (--missing != 0) return;
+        for (const auto& one : found) {
+          if (one) complete.push_back(std::move(*one));
+        }
+      }
+      done(std::move(complete));
+    }
+  };
+  if (ids.empty()) return done({});
+  const auto gathering = std::make_shared<Gathering>();
+  gathering->found.resize(ids.size());
+  gathering->missing = ids.size();
+  gathering->done = std::move(done);
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const std::shared_ptr<SheetRunner> runner = find(ids[i]);
+    if (!runner) {
+      gathering->add(i, nullptr);
+      continue;
+    }
+    runner->post([gathering, i](SheetRunner& r) { gathering->add(i, std::make_shared<SheetStatus>(r.status())); },
+                 [gathering, i](const Error&) { gathering->add(i, nullptr); });
+  }
+}
+
+void Host::Impl::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {
+  const std::shared_ptr<SheetRunner> runner = find(id);
+  Status accepted = Nothing{};
+  if (!runner) {
+    accepted = missing(id);
+  } else if (accepted = sheet::validate(command); accepted) {
+    accepted = runner->enqueue(std::move(command), done);
+  }
+  if (accepted) return;
+  board_.update([](HostMetrics& m) { ++m.commands_refused; });
+  done(accepted.error());
+}
+
+Host::Host(HostOptions options, Clock& clock, Entropy& entropy)
+    : impl_(std::make_unique<Impl>(std::move(options), clock, entropy)) {}
+
+Host::~Host() {
+  stop();
+}
+
+void Host::create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done) {
+  impl_->create_sheet(std::move(id), std::move(config), paused, std::move(done));
+}
+
+void Host::delete_sheet(const std::string& id, Callback<Nothing> done) {
+  impl_->delete_sheet(id, std::move(done));
+}
+
+std::vector<std::string> Host::list() const {
+  return impl_->list();
+}
+
+void Host::status(const std::string& id, Callback<SheetStatus> done) {
+  impl_->on_strand(id, done, [done](SheetRunner& r) { done(r.status()); });
+}
+
+void Host::statuses(std::vector<std::string> ids, std::function<void(std::vector<SheetStatus>)> done) {
+  impl_->statuses(std::move(ids), std::move(done));
+}
+
+void Host::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {
+  impl_->submit(id, std::move(command), std::move(done));
+}
+
+void Host::pause(const std::string& id, Callback<SheetStatus> done) {
+  impl_->on_strand(id, done, [done](SheetRunner& r) {
+    r.pause();
+    done(r.status());
+  });
+}
+
+void Host::resume(const std::string& id, Callback<SheetStatus> done) {
+  impl_->on_strand(id, done, [done](SheetRunner& r) {
+    if (Status s = r.resume(); !s) return done(s.error());
+    done(r.status());
+  });
+}
+
+void Host::step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done) {
+  const std::int32_t limit = options().max_step_ticks;
+  if (ticks < 1 || ticks > limit) {
+    return done(invalid_argument(
+        "OUT_OF_RANGE", "ticks is " + std::to_string(ticks) + "; must be in 1.." + std::to_string(limit), "ticks"));
+  }
+  impl_->on_strand(id, done, [ticks, done](SheetRunner& r) { r.step(ticks, done); });
+}
+
+void Host::inspect(const std::string& id, std::function<void(const sheet::Sheet&)> look, Callback<Nothing> done) {
+  impl_->on_strand(id, done, [look = std::move(look), done](SheetRunner& r) {
+    look(r.sheet());
+    done(Nothing{});
+  });
+}
+
+void Host::add_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done) {
+  impl_->on_strand(id, done, [sink = std::move(sink), done](SheetRunner& r) {
+    r.add_sink(sink);
+    done(Nothing{});
+  });
+}
+
+void Host::remove_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done) {
+  impl_->on_strand(id, done, [sink = std::move(sink), done](SheetRunner& r) {
+    r.remove_sink(sink);
+    done(Nothing{});
+  });
+}
+
+HostMetrics Host::metrics() const {
+  return impl_->metrics();
+}
+const HostOptions& Host::options() const {
+  return impl_->options();
+}
+void Host::wait_idle() {
+  impl_->wait_idle();
+}
+void Host::stop() {
+  impl_->stop();
+}
+
+}  // namespace kerf::host

@@ -1,0 +1,49 @@
+#include "server/host/pace.h"
+
+#include "server/host/host.h"
+
+namespace kerf::host {
+
+namespace {
+
+constexpr Nanoseconds kWindow = std::chrono::seconds(1);
+constexpr double kCpuWeight = 1.0 / 16.0;  // -, of the newest tick in the running mean
+
+double seconds(Nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+}  // namespace
+
+void Pace::start(Nanoseconds now) {
+  deadline_ = now;
+  window_begin_ = now;
+  window_ticks_ = 0;
+}
+
+void Pace::tick_done(Nanoseconds end, Nanoseconds cpu) {
+  deadline_ += period_;
+  if (end > deadline_) ++overruns_;
+  if (end >= deadline_) {
+    const std::int64_t due = (end - deadline_) / period_ + 1;  // ticks that should have begun by now
+    if (due > Host::kMaxCatchUpTicks) {
+      const Nanoseconds given_up = (due - Host::kMaxCatchUpTicks) * period_;
+      deadline_ += given_up;
+      slipped_ += given_up;
+    }
+  }
+  ++window_ticks_;
+  if (end - window_begin_ >= kWindow) {
+    real_time_factor_ = static_cast<double>(window_ticks_) * seconds(period_) / seconds(end - window_begin_);
+    window_begin_ = end;
+    window_ticks_ = 0;
+  }
+  add_cpu(cpu);
+}
+
+void Pace::add_cpu(Nanoseconds cpu) {
+  const double us = 1.0e6 * seconds(cpu);
+  tick_cpu_us_ = tick_cpu_us_ == 0.0 ? us : tick_cpu_us_ + kCpuWeight * (us - tick_cpu_us_);
+}
+
+}  // namespace kerf::host

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/host/clock.h"
+
+namespace kerf::host {
+
+// When a sheet's next tick is due, and how it keeps up: absolute deadlines a tick apart, at most kMaxCatchUpTicks late,
+// the rest of the time given up. A plain value, driven by the times it is told.
+class Pace {
+ public:
+  // `period`: of a tick, > 0.
+  explicit Pace(Nanoseconds period) : period_(period) {}
+
+  // The next tick is due at `now`; time before is forgotten.
+  void start(Nanoseconds now);
+  // A tick that was due ended at `end`, having used `cpu`.
+  void tick_done(Nanoseconds end, Nanoseconds cpu);
+
+  [[nodiscard]] Nanoseconds deadline() const { return deadline_; }
+  [[nodiscard]] std::int64_t overruns() const { return overruns_; }
+  [[nodiscard]] Nanoseconds slipped() const { return slipped_; }
+  [[nodiscard]] double real_time_factor() const { return real_time_factor_; }  // -, over the last second or so
+  [[nodiscard]] double tick_cpu_us() const { return tick_cpu_us_; }            // us, mean over the last ticks
+
+  // A tick that was not timed against a deadline: step() calls.
+  void add_cpu(Nanoseconds cpu);
+
+ private:
+  Nanoseconds period_;
+  Nanoseconds deadline_{0};
+  Nanoseconds slipped_{0};
+  std::int64_t overruns_ = 0;
+  Nanoseconds window_begin_{0};
+  std::int64_t window_ticks_ = 0;
+  double real_time_factor_ = 1.0;
+  double tick_cpu_us_ = 0.0;
+};
+
+}  // namespace kerf::host

@@ -1,0 +1,302 @@
+#include "server/host/sheet_runner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace kerf::host {
+
+namespace {
+
+double seconds(Nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+Nanoseconds period_of(const sheet::Sheet& sheet) {
+  return Nanoseconds(std::llround(1.0e9 * sheet.dt()));
+}
+
+Error host_stopping() {
+  return {ErrorCode::kUnavailable, "HOST_STOPPING", "the server is stopping", ""};
+}
+
+std::int32_t& gauge(HostMetrics& metrics, RunState state) {
+  switch (state) {
+    case RunState::kRunning:
+      return metrics.running_sheets;
+    case RunState::kPaused:
+      return metrics.paused_sheets;
+    case RunState::kSleeping:
+      return metrics.sleeping_sheets;
+    case RunState::kFailed:
+      return metrics.failed_sheets;
+  }
+  check_failed("state", __FILE__, __LINE__, "unknown run state");
+}
+
+}  // namespace
+
+SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand)
+    : id_(std::move(id)),
+      context_(context),
+      strand_(std::move(strand)),
+      sheet_(std::move(sheet)),
+      pace_(period_of(sheet_)) {}
+
+void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse) {
+  const bool posted = strand_.post([self = shared_from_this(), work = std::move(work), refuse] {
+    if (self->closed_) {
+      refuse(self->closed_error());
+    } else {
+      work(*self);
+    }
+  });
+  if (!posted) refuse(host_stopping());
+}
+
+Status SheetRunner::enqueue(sheet::Command command, Callback<CommandResult>& done) {
+  {
+    const std::lock_guard lock(queue_mutex_);
+    const auto limit = static_cast<std::size_t>(context_.options.max_queued_commands);
+    if (queue_.size() >= limit) {
+      return Error{ErrorCode::kResourceExhausted, "QUEUE_FULL",
+                   "the sheet has " + std::to_string(limit) + " commands waiting, its limit; try again after a tick",
+                   ""};
+    }
+    context_.board.update([](HostMetrics& m) { ++m.queued_commands; });
+    queue_.push_back({std::move(command), std::move(done), context_.clock.now()});
+  }
+  // Closed or not: close() empties the queue, and so must whoever comes after it.
+  if (!strand_.post([self = shared_from_this()] { self->commands_arrived(); })) {
+    for (Pending& pending : take_queue()) pending.done(host_stopping());
+  }
+  return Nothing{};
+}
+
+void SheetRunner::begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording) {
+  recording_ = std::move(recording);
+  if (recording_) recording_->start(sheet_.config());
+  paused_ = paused;
+  note_state();
+  if (!paused_) start_clock();
+}
+
+void SheetRunner::close(sheet::SinkEnd reason) {
+  if (closed_) return;
+  closed_ = reason;
+  stop_clock();
+  for (Pending& pending : take_queue()) pending.done(closed_error());
+  if (step_call_) finish_step(closed_error());
+  context_.board.update([&](HostMetrics& m) {
+    --gauge(m, *noted_state_);
+    --m.sheets;
+    m.sinks -= static_cast<std::int32_t>(sinks_.size());
+  });
+  for (const auto& sink : sinks_) sink->ended(reason);
+  sinks_.clear();
+  recording_.reset();
+}
+
+void SheetRunner::pause() {
+  if (paused_) return;
+  paused_ = true;
+  sleeping_ = false;
+  stop_clock();
+  note_state();
+  commands_arrived();
+  publish();
+}
+
+Status SheetRunner::resume() {
+  if (step_call_) {
+    return Error{ErrorCode::kFailedPrecondition, "STEPPING", "the sheet is being stepped; resume it when that is done",
+                 ""};
+  }
+  if (!paused_) return Nothing{};
+  paused_ = false;
+  note_state();
+  if (!sheet_.frozen()) start_clock();
+  publish();
+  return Nothing{};
+}
+
+void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done) {
+  const auto refuse = [&](const char* reason, const char* message) {
+    done(Error{ErrorCode::kFailedPrecondition, reason, message, ""});
+  };
+  if (!paused_) return refuse("NOT_PAUSED", "only a paused sheet is stepped by hand; pause it first");
+  if (step_call_) return refuse("STEPPING", "the sheet is being stepped already; wait for that call");
+  if (sheet_.frozen()) return refuse("SHEET_FROZEN", "the sheet is frozen at its last good tick; reset it first");
+  step_call_ = StepCall{ticks, std::move(done)};
+  take_turn();
+}
+
+void SheetRunner::add_sink(std::shared_ptr<sheet::SnapshotSink> sink) {
+  context_.board.update([](HostMetrics& m) { ++m.sinks; });
+  sinks_.push_back(std::move(sink));
+  if (!sinks_.back()->wants_snapshot()) return;
+  context_.board.update([](HostMetrics& m) { ++m.snapshots; });
+  sinks_.back()->publish(sheet_.snapshot(run_stats()));
+}
+
+void SheetRunner::remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) {
+  const auto found = std::find(sinks_.begin(), sinks_.end(), sink);
+  if (found == sinks_.end()) return;
+  sinks_.erase(found);
+  context_.board.update([](HostMetrics& m) { --m.sinks; });
+}
+
+SheetStatus SheetRunner::status() const {
+  SheetStatus status;
+  status.id = id_;
+  status.run_state = run_state();
+  status.tick = sheet_.tick();
+  status.topology_version = sheet_.topology_version();
+  status.num_vertices = sheet_.mesh().num_vertices();
+  status.num_triangles = sheet_.mesh().num_solid_triangles();
+  status.pieces = sheet_.mesh().num_pieces();
+  status.state_hash = sheet_.state_hash();
+  status.stats = run_stats();
+  status.pinned_vertices = sheet_.pinned_vertices();
+  status.gravity = sheet_.gravity();
+  status.wind = sheet_.wind();
+  status.config = sheet_.shared_config();
+  status.integrator = sheet_.integrator_description();
+  return status;
+}
+
+// Running: they wait for the next deadline. Asleep: wake. Else there is no tick to wait for.
+void SheetRunner::commands_arrived() {
+  if (closed_) {
+    for (Pending& pending : take_queue()) pending.done(closed_error());
+    return;
+  }
+  if (step_call_) return;  // its ticks take them
+  if (sleeping_) {
+    sleeping_ = false;
+    note_state();
+    start_clock();
+    return;
+  }
+  if (!paused_ && !sheet_.frozen()) return;
+  const bool was_frozen = sheet_.frozen();
+  if (!run_once(false)) return;
+  note_state();
+  if (was_frozen && !sheet_.frozen() && !paused_) start_clock();
+}
+
+void SheetRunner::on_deadline(std::uint64_t generation) {
+  if (closed_ || generation != generation_) return;
+  timer_.reset();
+  run_once(true);
+  if (sheet_.frozen()) {
+    stop_clock();
+    note_state();
+  } else if (sheet_.at_rest()) {
+    stop_clock();
+    sleeping_ = true;
+    context_.board.update([](HostMetrics& m) { ++m.sleeps; });
+    note_state();
+    publish();
+  } else {
+    schedule();
+  }
+}
+
+void SheetRunner::take_turn() {
+  if (closed_ || !step_call_) return;
+  for (std::int32_t i = 0; i < Host::kTicksPerTurn && step_call_->remaining > 0; ++i) {
+    run_once(true);
+    --step_call_->remaining;
+    if (!sheet_.frozen()) continue;
+    finish_step(Error{
+        ErrorCode::kFailedPrecondition, "SHEET_FROZEN",
+        "no finite step was found at tick " + std::to_string(sheet_.tick()) + "; the sheet is frozen there, reset it",
+        ""});
+    return;
+  }
+  if (step_call_->remaining > 0) {
+    strand_.post([self = shared_from_this()] { self->take_turn(); });
+    return;
+  }
+  finish_step(status());
+}
+
+void SheetRunner::finish_step(Result<SheetStatus> result) {
+  const Callback<SheetStatus> done = std::move(step_call_->done);
+  step_call_.reset();
+  note_state();
+  done(std::move(result));
+  commands_arrived();
+}
+
+void SheetRunner::start_clock() {
+  stop_clock();
+  pace_.start(context_.clock.now());
+  schedule();
+}
+
+void SheetRunner::stop_clock() {
+  ++generation_;
+  if (timer_) context_.clock.cancel(*timer_);
+  timer_.reset();
+}
+
+void SheetRunner::schedule() {
+  const auto fire = [weak = weak_from_this(), strand = strand_, generation = generation_] {
+    strand.post([weak, generation] {
+      if (const auto self = weak.lock()) self->on_deadline(generation);
+    });
+  };
+  if (pace_.deadline() > context_.clock.now()) {
+    timer_ = context_.clock.schedule(pace_.deadline(), fire);
+  } else {
+    fire();
+  }
+}
+
+void SheetRunner::note_state() {
+  const RunState state = run_state();
+  if (noted_state_ == state) return;
+  context_.board.update([&](HostMetrics& m) {
+    if (noted_state_) {
+      --gauge(m, *noted_state_);
+    } else {
+      ++m.sheets;
+    }
+    ++gauge(m, state);
+  });
+  if (noted_state_) ++state_changes_;
+  noted_state_ = state;
+}
+
+RunState SheetRunner::run_state() const {
+  if (sheet_.frozen()) return RunState::kFailed;
+  if (paused_) return RunState::kPaused;
+  return sleeping_ ? RunState::kSleeping : RunState::kRunning;
+}
+
+sheet::RunStats SheetRunner::run_stats() const {
+  sheet::RunStats stats;
+  const RunState state = run_state();
+  const bool stands = state == RunState::kPaused || state == RunState::kFailed;
+  stats.real_time_factor = stands ? 0.0 : pace_.real_time_factor();
+  stats.overruns = pace_.overruns();
+  stats.slipped_s = seconds(pace_.slipped());
+  stats.tick_cpu_us = pace_.tick_cpu_us();
+  stats.published_unix_us = context_.clock.unix_us();
+  stats.settings_version = sheet_.settings_version() + state_changes_;
+  stats.paused = paused_;
+  stats.sleeping = sleeping_;
+  stats.failed = sheet_.frozen();
+  return stats;
+}
+
+Error SheetRunner::closed_error() const {
+  if (closed_ == sheet::SinkEnd::kHostStopping) {
+    return host_stopping();
+  }
+  return {ErrorCode::kAborted, "SHEET_DELETED", "the sheet \"" + id_ + "\" was deleted meanwhile", ""};
+}
+
+}  // namespace kerf::host

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/host/host.h"
+#include "server/host/metrics_board.h"
+#include "server/host/pace.h"
+#include "server/host/stage_timer.h"
+#include "server/host/workers.h"
+
+namespace kerf::host {
+
+// One sheet in real time: its strand, queue, clockwork and sinks. All but enqueue() runs on the strand; what is said of
+// a function of the same name in Host holds here.
+class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
+ public:
+  // What the host lends to its runners.
+  struct Context {
+    const HostOptions& options;
+    Clock& clock;
+    MetricsBoard& board;
+  };
+
+  SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand);
+
+  // Runs `work` with this runner on its strand, if it is not closed by then; else `refuse` with the reason.
+  void post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse);
+
+  // From any thread. kResourceExhausted QUEUE_FULL, and `done` is not taken.
+  Status enqueue(sheet::Command command, Callback<CommandResult>& done);
+
+  void begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording);
+  void close(sheet::SinkEnd reason);
+  void pause();
+  Status resume();
+  void step(std::int64_t ticks, Callback<SheetStatus> done);
+  void add_sink(std::shared_ptr<sheet::SnapshotSink> sink);
+  void remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
+  [[nodiscard]] SheetStatus status() const;
+  [[nodiscard]] const sheet::Sheet& sheet() const { return sheet_; }
+
+ private:
+  struct Pending {
+    sheet::Command command;
+    Callback<CommandResult> done;
+    Nanoseconds queued_at{0};
+  };
+  struct StepCall {
+    std::int64_t remaining = 0;
+    Callback<SheetStatus> done;
+  };
+
+  void commands_arrived();
+  void on_deadline(std::uint64_t generation);
+  void take_turn();
+  bool run_once(bool advance);
+  std::vector<Pending> take_queue();
+  void answer(std::vector<Pending> pending, const sheet::TickReport& report, Nanoseconds drained_at,
+              const StageTimer& timer);
+  void count(const sheet::TickReport& report, Nanoseconds wall, Nanoseconds cpu);
+  void publish();
+  void finish_step(Result<SheetStatus> result);
+
+  void start_clock();
+  void stop_clock();
+  void schedule();
+  void note_state();
+  [[nodiscard]] RunState run_state() const;
+  [[nodiscard]] sheet::RunStats run_stats() const;
+  [[nodiscard]] Error closed_error() const;
+
+  const std::string id_;
+  const Context context_;
+  Workers::Strand strand_;
+
+  std::mutex queue_mutex_;
+  std::vector<Pending> queue_;  // guarded by queue_mutex_
+
+  // On the strand.
+  sheet::Sheet sheet_;
+  Pace pace_;
+  std::vector<std::shared_ptr<sheet::SnapshotSink>> sinks_;
+  std::shared_ptr<sheet::RecordingSink> recording_;
+  std::optional<StepCall> step_call_;
+  std::optional<TimerId> timer_;
+  std::uint64_t generation_ = 0;  // of the clockwork: a deadline of an older one means nothing
+  bool paused_ = false;
+  bool sleeping_ = false;
+  std::optional<sheet::SinkEnd> closed_;
+  std::optional<RunState> noted_state_;  // as counted on the board
+  std::int32_t state_changes_ = 0;       // of the run state; part of the settings version
+  std::int64_t contact_phases_ = 0;      // already counted
+  std::int64_t cuts_ = 0;                // already counted
+  std::int64_t overruns_ = 0;            // already counted
+  Nanoseconds slipped_{0};               // already counted
+};
+
+}  // namespace kerf::host

@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <utility>
+
+#include "server/host/sheet_runner.h"
+
+// The tick of a SheetRunner: drain, step, publish, answer, count.
+namespace kerf::host {
+
+namespace {
+
+double seconds(Nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+double microseconds(Nanoseconds time) {
+  return 1.0e6 * seconds(time);
+}
+
+}  // namespace
+
+// One Sheet::step, or, where time stands still, Sheet::apply; false if there was nothing to apply.
+bool SheetRunner::run_once(bool advance) {
+  const Nanoseconds begin = context_.clock.now();
+  const Nanoseconds cpu_begin = context_.clock.thread_cpu();
+  std::vector<Pending> pending = take_queue();
+  if (!advance && pending.empty()) return false;
+  std::vector<sheet::Command> commands;
+  commands.reserve(pending.size());
+  for (Pending& p : pending) commands.push_back(std::move(p.command));
+  StageTimer timer(context_.clock, commands.size());
+  const bool timed = advance && !paused_;
+
+  const sheet::TickReport report = advance ? sheet_.step(commands, &timer) : sheet_.apply(commands, &timer);
+
+  if (recording_) recording_->append({report.tick, std::move(commands), sheet_.state_hash()});
+  const Nanoseconds cpu = context_.clock.thread_cpu() - cpu_begin;
+  const Nanoseconds end = context_.clock.now();
+  if (timed) {
+    pace_.tick_done(end, cpu);
+  } else if (report.advanced) {
+    pace_.add_cpu(cpu);
+  }
+  publish();
+  count(report, end - begin, cpu);
+  answer(std::move(pending), report, begin, timer);
+  return true;
+}
+
+std::vector<SheetRunner::Pending> SheetRunner::take_queue() {
+  std::vector<Pending> taken;
+  const std::lock_guard lock(queue_mutex_);
+  taken.swap(queue_);
+  if (!taken.empty()) {
+    const auto count = static_cast<std::int32_t>(taken.size());
+    context_.board.update([&](HostMetrics& m) { m.queued_commands -= count; });
+  }
+  return taken;
+}
+
+void SheetRunner::publish() {
+  const auto wants = [](const auto& sink) { return sink->wants_snapshot(); };
+  if (std::none_of(sinks_.begin(), sinks_.end(), wants)) return;
+  const std::shared_ptr<const sheet::Snapshot> snapshot = sheet_.snapshot(run_stats());
+  context_.board.update([](HostMetrics& m) { ++m.snapshots; });
+  for (const auto& sink : sinks_) {
+    if (wants(sink)) sink->publish(snapshot);
+  }
+}
+
+void SheetRunner::answer(std::vector<Pending> pending, const sheet::TickReport& report, Nanoseconds drained_at,
+                         const StageTimer& timer) {
+  for (std::size_t i = 0; i < pending.size(); ++i) {
+    const Result<sheet::CommandReply>& reply = report.replies[i];
+    if (!reply) {
+      pending[i].done(reply.error());
+      continue;
+    }
+    CommandTimings timings;
+    timings.queued_us = microseconds(drained_at - pending[i].queued_at);
+    timings.cut_us = microseconds(timer.time(i).cut);
+    timings.update_us = microseconds(timer.time(i).update);
+    if (reply->cut) {
+      context_.board.update([&](HostMetrics& m) { m.cut_duration.add(1.0e-6 * (timings.cut_us + timings.update_us)); });
+    }
+    pending[i].done(CommandResult{*reply, timings});
+  }
+}
+
+void SheetRunner::count(const sheet::TickReport& report, Nanoseconds wall, Nanoseconds cpu) {
+  const auto refused = [](const auto& reply) { return !reply.ok(); };
+  const std::int64_t num_refused = std::count_if(report.replies.begin(), report.replies.end(), refused);
+  const std::int64_t num_done = static_cast<std::int64_t>(report.replies.size()) - num_refused;
+  context_.board.update([&](HostMetrics& m) {
+    if (report.advanced) {
+      ++m.ticks;
+      m.tick_cpu_s += seconds(cpu);
+      m.tick_duration.add(seconds(wall));
+    }
+    if (report.step_failed) ++m.failed_ticks;
+    if (report.stats.flags != fem::kNoFlags) ++m.degraded_ticks;
+    m.commands += num_done;
+    m.commands_refused += num_refused;
+    m.contact_phases += sheet_.contact_phases() - contact_phases_;
+    m.cuts += sheet_.num_cuts() - cuts_;
+    m.overruns += pace_.overruns() - overruns_;
+    m.slipped_s += seconds(pace_.slipped() - slipped_);
+  });
+  contact_phases_ = sheet_.contact_phases();
+  cuts_ = sheet_.num_cuts();
+  overruns_ = pace_.overruns();
+  slipped_ = pace_.slipped();
+}
+
+}  // namespace kerf::host
