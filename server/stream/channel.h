@@ -38,7 +38,11 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
 
  private:
   friend class Subscriber;
-  using Subscribers = std::vector<std::weak_ptr<Subscriber>>;
+  struct Entry {
+    const Subscriber* subscriber = nullptr;  // valid until it has left
+    std::weak_ptr<Subscriber> handle;
+  };
+  using Subscribers = std::vector<Entry>;
 
   // Counts publications from 1; 0 before the first.
   [[nodiscard]] std::int64_t newest_publication() const { return newest_publication_.load(); }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -54,7 +55,7 @@ class Subscriber {
   // next() has given an Ended message; nothing follows.
   [[nodiscard]] bool ended() const;
 
-  // No more frames, no more `ready`. Idempotent.
+  // No more frames; `ready` is not called any more, though a call may still be under way. Idempotent.
   void leave();
 
  private:
@@ -65,14 +66,15 @@ class Subscriber {
     Nanoseconds sent_at{0};
   };
 
-  // By the channel: calls `ready` if next() gave nothing last time and may have something now.
+  // By the channel after a publication: calls `ready` if next() waits for one. Takes no lock, because another thread
+  // may be encoding in next().
   void wake();
   void end(wire::EndReason reason);
 
-  [[nodiscard]] bool window_open() const;  // mutex_ held
-  Next end_now(wire::EndReason reason);    // mutex_ held
-  Next idle(Nanoseconds now);              // mutex_ held
-  Message take(Nanoseconds now);           // mutex_ held
+  [[nodiscard]] bool window_open() const;          // mutex_ held
+  [[nodiscard]] Nanoseconds ack_deadline() const;  // mutex_ held; only with a frame in flight
+  Next end_now(wire::EndReason reason);            // mutex_ held
+  Message take(Nanoseconds now);                   // mutex_ held
 
   const std::shared_ptr<Channel> channel_;
   const SubscriberOptions options_;
@@ -87,9 +89,10 @@ class Subscriber {
   Viewed viewed_;
   Nanoseconds next_allowed_ = Nanoseconds::min();  // by max_rate_hz
   std::optional<wire::EndReason> end_;             // to be told
-  bool idle_ = true;                               // next() gave nothing last time
   bool ended_ = false;
-  bool left_ = false;
+
+  std::atomic<bool> wants_frame_{true};  // next() found nothing newer, and would have sent it
+  std::atomic<bool> left_{false};
 };
 
 }  // namespace kerf::stream

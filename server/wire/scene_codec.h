@@ -28,9 +28,16 @@ v1::Scene encode_scene(const sheet::SheetConfig& config);
 // A scene file: JSON, decoded. Errors of from_json() and decode_scene().
 Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const ObjReader& read_obj);
 
-// Parts of a scene that are told by themselves (kerf.v1.Sheet.scene).
-v1::Material encode_material(const fem::Material& material);
+// What of a scene is in force now.
+struct SettingsInForce {
+  const sheet::SheetConfig& config;  // as created
+  Eigen::Vector3d gravity;           // m/s^2
+  sheet::Wind wind;
+};
+
+// kerf.v1.Sheet.scene: a scene without mesh, pins and commands.
+v1::Scene encode_settings(const SettingsInForce& settings);
+
 v1::Collider encode_collider(const contact::Collider& collider);
-v1::Wind encode_wind(const sheet::Wind& wind);
 
 }  // namespace kerf::wire

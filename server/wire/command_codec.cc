@@ -1,0 +1,149 @@
+#include "server/wire/command_codec.h"
+
+#include <utility>
+#include <variant>
+
+#include "server/wire/geometry_codec.h"
+#include "server/wire/pin_codec.h"
+
+namespace kerf::wire {
+namespace {
+
+Result<sheet::Command> checked(sheet::Command command) {
+  if (const Status status = sheet::validate(command); !status.ok()) return status.error();
+  return command;
+}
+
+void encode(const sheet::Cut& cut, v1::Command& message) {
+  encode_curve(cut.curve, *message.mutable_cut()->mutable_curve());
+  message.mutable_cut()->set_tolerance(cut.tolerance);
+  message.mutable_cut()->set_min_angle_deg(cut.min_angle_deg);
+  message.mutable_cut()->set_max_new_triangles(cut.max_new_triangles);
+}
+
+void encode(const sheet::Grab& grab, v1::Command& message) {
+  v1::Grab& grab_message = *message.mutable_grab();
+  grab_message.set_grab_id(grab.grab_id);
+  if (const auto* vertex = std::get_if<mesh::VertexId>(&grab.point)) {
+    grab_message.set_vertex(*vertex);
+  } else {
+    encode_vector(std::get<Eigen::Vector2d>(grab.point), *grab_message.mutable_material());
+  }
+  if (grab.target) encode_vector(*grab.target, *grab_message.mutable_target());
+  grab_message.set_stiffness_npm(grab.stiffness);
+}
+
+void encode(const sheet::Drag& drag, v1::Command& message) {
+  message.mutable_drag()->set_grab_id(drag.grab_id);
+  encode_vector(drag.target, *message.mutable_drag()->mutable_target());
+}
+
+void encode(const sheet::Release& release, v1::Command& message) {
+  message.mutable_release()->set_grab_id(release.grab_id);
+}
+
+void encode(const sheet::SetPins& set_pins, v1::Command& message) {
+  encode_pins(set_pins.pins, *message.mutable_set_pins()->mutable_pins());
+}
+
+void encode(const sheet::SetGravity& set_gravity, v1::Command& message) {
+  encode_vector(set_gravity.gravity, *message.mutable_set_gravity()->mutable_gravity_mps2());
+}
+
+void encode(const sheet::SetWind& set_wind, v1::Command& message) {
+  v1::SetWind& wind_message = *message.mutable_set_wind();
+  if (set_wind.wind.air_density > 0.0) encode_wind(set_wind.wind, *wind_message.mutable_wind());
+}
+
+void encode(const sheet::Reset& /*reset*/, v1::Command& message) {
+  message.mutable_reset();
+}
+
+}  // namespace
+
+Result<sheet::Command> decode_cut(const v1::Cut& message) {
+  Result<cut::Curve> curve = decode_curve(message.curve(), "cut.curve");
+  if (!curve.ok()) return curve.error();
+  sheet::Cut cut;
+  cut.curve = std::move(*curve);
+  if (message.tolerance() != 0.0) cut.tolerance = message.tolerance();
+  if (message.min_angle_deg() != 0.0) cut.min_angle_deg = message.min_angle_deg();
+  if (message.max_new_triangles() != 0) cut.max_new_triangles = message.max_new_triangles();
+  return checked(std::move(cut));
+}
+
+Result<sheet::Command> decode_grab(const v1::Grab& message) {
+  sheet::Grab grab;
+  grab.grab_id = message.grab_id();
+  switch (message.point_case()) {
+    case v1::Grab::kVertex:
+      grab.point = message.vertex();
+      break;
+    case v1::Grab::kMaterial:
+      grab.point = decode_vector(message.material());
+      break;
+    case v1::Grab::POINT_NOT_SET:
+      return choice_missing("grab.point", "vertex or material");
+  }
+  if (message.has_target()) grab.target = decode_vector(message.target());
+  grab.stiffness = message.stiffness_npm();
+  return checked(std::move(grab));
+}
+
+Result<sheet::Command> decode_drag(const v1::Drag& message) {
+  if (!message.has_target()) return missing("drag.target");
+  return checked(sheet::Drag{message.grab_id(), decode_vector(message.target())});
+}
+
+Result<sheet::Command> decode_release(const v1::Release& message) {
+  return checked(sheet::Release{message.grab_id()});
+}
+
+Result<sheet::Command> decode_set_pins(const v1::SetPins& message) {
+  Result<std::vector<sheet::PinRegion>> pins = decode_pins(message.pins(), "set_pins.pins");
+  if (!pins.ok()) return pins.error();
+  return checked(sheet::SetPins{std::move(*pins)});
+}
+
+Result<sheet::Command> decode_set_gravity(const v1::SetGravity& message) {
+  if (!message.has_gravity_mps2()) return missing("set_gravity.gravity_mps2");
+  return checked(sheet::SetGravity{decode_vector(message.gravity_mps2())});
+}
+
+Result<sheet::Command> decode_set_wind(const v1::SetWind& message) {
+  sheet::SetWind set_wind;
+  if (message.has_wind()) set_wind.wind = decode_wind(message.wind());
+  return checked(set_wind);
+}
+
+Result<sheet::Command> decode_command(const v1::Command& message) {
+  switch (message.kind_case()) {
+    case v1::Command::kCut:
+      return decode_cut(message.cut());
+    case v1::Command::kGrab:
+      return decode_grab(message.grab());
+    case v1::Command::kDrag:
+      return decode_drag(message.drag());
+    case v1::Command::kRelease:
+      return decode_release(message.release());
+    case v1::Command::kSetPins:
+      return decode_set_pins(message.set_pins());
+    case v1::Command::kSetGravity:
+      return decode_set_gravity(message.set_gravity());
+    case v1::Command::kSetWind:
+      return decode_set_wind(message.set_wind());
+    case v1::Command::kReset:
+      return sheet::Command(sheet::Reset{});
+    case v1::Command::KIND_NOT_SET:
+      break;
+  }
+  return choice_missing("kind", "cut, grab, drag, release, set_pins, set_gravity, set_wind or reset");
+}
+
+v1::Command encode_command(const sheet::Command& command) {
+  v1::Command message;
+  std::visit([&message](const auto& each) { encode(each, message); }, command);
+  return message;
+}
+
+}  // namespace kerf::wire

@@ -1,0 +1,111 @@
+#include "server/wire/material_codec.h"
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+namespace kerf::wire {
+namespace {
+
+constexpr double kTwoPi = 6.283185307179587;
+
+// An optional number of the message and the interval it must lie in.
+struct Field {
+  const char* name;
+  bool (v1::Material::*has)() const;
+  double (v1::Material::*get)() const;
+  double low;
+  double high;
+  bool open;  // the ends do not belong to it: (low, high); else [low, high]
+};
+
+constexpr Field kFields[] = {
+    {"youngs_modulus_pa", &v1::Material::has_youngs_modulus_pa, &v1::Material::youngs_modulus_pa, 1e-6, 1e12, false},
+    {"youngs_modulus_2_pa", &v1::Material::has_youngs_modulus_2_pa, &v1::Material::youngs_modulus_2_pa, 1e-6, 1e12,
+     false},
+    {"poissons_ratio", &v1::Material::has_poissons_ratio, &v1::Material::poissons_ratio, -1.0, 1.0, true},
+    {"shear_modulus_pa", &v1::Material::has_shear_modulus_pa, &v1::Material::shear_modulus_pa, 1e-6, 1e12, false},
+    {"direction_rad", &v1::Material::has_direction_rad, &v1::Material::direction_rad, -kTwoPi, kTwoPi, false},
+    {"thickness_m", &v1::Material::has_thickness_m, &v1::Material::thickness_m, 1e-6, 0.1, false},
+    {"density_kgpm3", &v1::Material::has_density_kgpm3, &v1::Material::density_kgpm3, 1e-2, 1e5, false},
+    {"bending_scale", &v1::Material::has_bending_scale, &v1::Material::bending_scale, 0.0, 1e3, false},
+    {"mass_damping_per_s", &v1::Material::has_mass_damping_per_s, &v1::Material::mass_damping_per_s, 0.0, 1e3, false},
+    {"stiffness_damping_s", &v1::Material::has_stiffness_damping_s, &v1::Material::stiffness_damping_s, 0.0, 1.0,
+     false},
+};
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%g", value);
+  return text;
+}
+
+Status check(const Field& field, const v1::Material& material) {
+  if (!(material.*field.has)()) return Nothing{};
+  const double value = (material.*field.get)();
+  const std::string path = std::string("material.") + field.name;
+  if (!std::isfinite(value)) return invalid_argument("NOT_FINITE", path + " must be a finite number", path);
+  const bool inside = field.open ? value > field.low && value < field.high : value >= field.low && value <= field.high;
+  if (inside) return Nothing{};
+  return invalid_argument("OUT_OF_RANGE",
+                          path + " is " + number(value) + "; choose a value " +
+                              (field.open ? "strictly between " : "from ") + number(field.low) +
+                              (field.open ? " and " : " to ") + number(field.high),
+                          path);
+}
+
+void put_over(const v1::Material& given, fem::Material& material) {
+  if (given.has_youngs_modulus_pa()) {
+    material.youngs_modulus_1 = given.youngs_modulus_pa();
+    material.youngs_modulus_2 = given.youngs_modulus_pa();
+  }
+  if (given.has_youngs_modulus_2_pa()) material.youngs_modulus_2 = given.youngs_modulus_2_pa();
+  if (given.has_poissons_ratio()) material.poissons_ratio_12 = given.poissons_ratio();
+  if (given.has_shear_modulus_pa()) {
+    material.shear_modulus = given.shear_modulus_pa();
+  } else if (given.has_youngs_modulus_pa()) {
+    material.shear_modulus = given.youngs_modulus_pa() / (2.0 * (1.0 + material.poissons_ratio_12));
+  }
+  if (given.has_direction_rad()) material.direction = given.direction_rad();
+  if (given.has_thickness_m()) material.thickness = given.thickness_m();
+  if (given.has_density_kgpm3()) material.density = given.density_kgpm3();
+  if (given.has_bending_scale()) material.bending_scale = given.bending_scale();
+  if (given.has_mass_damping_per_s()) material.mass_damping = given.mass_damping_per_s();
+  if (given.has_stiffness_damping_s()) material.stiffness_damping = given.stiffness_damping_s();
+}
+
+}  // namespace
+
+Result<fem::Material> decode_material(const v1::Material& given) {
+  const Result<fem::Material> preset = fem::find_preset(given.preset().empty() ? "demo" : given.preset());
+  if (!preset.ok()) return invalid_argument("UNKNOWN_PRESET", preset.error().message, "material.preset");
+  for (const Field& field : kFields) {
+    if (const Status status = check(field, given); !status.ok()) return status.error();
+  }
+  fem::Material material = *preset;
+  put_over(given, material);
+  if (const Status status = fem::validate(material); !status.ok()) {
+    // Each number is in range by itself; what is left is their combination, which the message calls by other names.
+    Error error = status.error();
+    error.field = "material.poissons_ratio";
+    return error;
+  }
+  return material;
+}
+
+v1::Material encode_material(const fem::Material& material) {
+  v1::Material message;
+  message.set_youngs_modulus_pa(material.youngs_modulus_1);
+  message.set_youngs_modulus_2_pa(material.youngs_modulus_2);
+  message.set_poissons_ratio(material.poissons_ratio_12);
+  message.set_shear_modulus_pa(material.shear_modulus);
+  message.set_direction_rad(material.direction);
+  message.set_thickness_m(material.thickness);
+  message.set_density_kgpm3(material.density);
+  message.set_bending_scale(material.bending_scale);
+  message.set_mass_damping_per_s(material.mass_damping);
+  message.set_stiffness_damping_s(material.stiffness_damping);
+  return message;
+}
+
+}  // namespace kerf::wire

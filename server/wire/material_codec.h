@@ -1,0 +1,16 @@
+#pragma once
+
+#include "kerf/v1/scene.pb.h"
+#include "server/base/result.h"
+#include "server/sheet/sheet_config.h"
+
+namespace kerf::wire {
+
+// The preset with what is given put over it. kInvalidArgument UNKNOWN_PRESET, NOT_FINITE, OUT_OF_RANGE (ranges of
+// scene.proto), MATERIAL_NOT_POSITIVE_DEFINITE; fields begin with "material.".
+Result<fem::Material> decode_material(const v1::Material& material);
+
+// Every number given, no preset named.
+v1::Material encode_material(const fem::Material& material);
+
+}  // namespace kerf::wire

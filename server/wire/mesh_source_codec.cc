@@ -1,0 +1,117 @@
+#include "server/wire/mesh_source_codec.h"
+
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "server/wire/geometry_codec.h"
+
+namespace kerf::wire {
+namespace {
+
+Result<sheet::MeshSource> decode_grid(const v1::GridMesh& message) {
+  sheet::GridSource grid;
+  grid.columns = message.columns();
+  grid.rows = message.rows();
+  grid.width = message.width_m();
+  grid.height = message.height_m();
+  grid.seed = message.seed();
+  switch (message.pattern()) {
+    case v1::GridMesh::PATTERN_UNSPECIFIED:
+    case v1::GridMesh::UNIFORM_DIAGONALS:
+      grid.pattern = sheet::GridPattern::kUniformDiagonals;
+      break;
+    case v1::GridMesh::JITTERED_DELAUNAY:
+      grid.pattern = sheet::GridPattern::kJitteredDelaunay;
+      break;
+    default:
+      return unknown_enum("grid.pattern", static_cast<int>(message.pattern()));
+  }
+  return sheet::MeshSource(grid);
+}
+
+Result<sheet::MeshSource> decode_obj(const v1::ObjMesh& message, const ObjReader& read_obj) {
+  if (message.file().empty()) return sheet::MeshSource(sheet::ObjSource{message.text()});
+  if (!read_obj) {
+    return invalid_argument("OBJ_FILE_REFUSED",
+                            "obj.file names a file of the server, which only scene files may do; "
+                            "send its content as obj.text",
+                            "obj.file");
+  }
+  if (!message.text().empty()) {
+    return invalid_argument("OBJ_TWICE", "obj.text and obj.file are both given; give one of them", "obj.file");
+  }
+  Result<std::string> text = read_obj(message.file());
+  if (!text.ok()) {
+    Error error = text.error();
+    error.field = "obj.file";
+    return error;
+  }
+  return sheet::MeshSource(sheet::ObjSource{std::move(*text)});
+}
+
+Status check_length(int length, int multiple, const std::string& path) {
+  if (length % multiple == 0) return Nothing{};
+  return invalid_argument(
+      "LENGTH_MISMATCH",
+      path + " has " + std::to_string(length) + " numbers; must be a multiple of " + std::to_string(multiple), path);
+}
+
+Result<sheet::MeshSource> decode_inline(const v1::InlineMesh& message) {
+  if (Status s = check_length(message.material_positions_size(), 2, "inline.material_positions"); !s.ok()) {
+    return s.error();
+  }
+  if (Status s = check_length(message.triangles_size(), 3, "inline.triangles"); !s.ok()) return s.error();
+  if (Status s = check_length(message.positions_size(), 3, "inline.positions"); !s.ok()) return s.error();
+  sheet::ArraySource arrays;
+  arrays.material_positions =
+      Eigen::Map<const Eigen::Matrix2Xd>(message.material_positions().data(), 2, message.material_positions_size() / 2);
+  arrays.triangles = Eigen::Map<const Eigen::Matrix3Xi>(message.triangles().data(), 3, message.triangles_size() / 3);
+  arrays.positions = Eigen::Map<const Eigen::Matrix3Xd>(message.positions().data(), 3, message.positions_size() / 3);
+  return sheet::MeshSource(std::move(arrays));
+}
+
+void encode_source(const sheet::GridSource& grid, v1::Scene& scene) {
+  v1::GridMesh& message = *scene.mutable_grid();
+  message.set_columns(grid.columns);
+  message.set_rows(grid.rows);
+  message.set_width_m(grid.width);
+  message.set_height_m(grid.height);
+  message.set_pattern(grid.pattern == sheet::GridPattern::kJitteredDelaunay ? v1::GridMesh::JITTERED_DELAUNAY
+                                                                            : v1::GridMesh::UNIFORM_DIAGONALS);
+  message.set_seed(grid.seed);
+}
+
+void encode_source(const sheet::ObjSource& obj, v1::Scene& scene) {
+  scene.mutable_obj()->set_text(obj.text);
+}
+
+void encode_source(const sheet::ArraySource& arrays, v1::Scene& scene) {
+  v1::InlineMesh& message = *scene.mutable_inline_();
+  message.mutable_material_positions()->Add(arrays.material_positions.data(),
+                                            arrays.material_positions.data() + arrays.material_positions.size());
+  message.mutable_triangles()->Add(arrays.triangles.data(), arrays.triangles.data() + arrays.triangles.size());
+  message.mutable_positions()->Add(arrays.positions.data(), arrays.positions.data() + arrays.positions.size());
+}
+
+}  // namespace
+
+Result<sheet::MeshSource> decode_mesh_source(const v1::Scene& scene, const ObjReader& read_obj) {
+  switch (scene.mesh_case()) {
+    case v1::Scene::kGrid:
+      return decode_grid(scene.grid());
+    case v1::Scene::kObj:
+      return decode_obj(scene.obj(), read_obj);
+    case v1::Scene::kInline:
+      return decode_inline(scene.inline_());
+    case v1::Scene::MESH_NOT_SET:
+      break;
+  }
+  return choice_missing("mesh", "grid, obj or inline");
+}
+
+void encode_mesh_source(const sheet::MeshSource& mesh, v1::Scene& scene) {
+  std::visit([&scene](const auto& source) { encode_source(source, scene); }, mesh);
+}
+
+}  // namespace kerf::wire

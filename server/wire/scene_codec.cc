@@ -1,0 +1,205 @@
+#include "server/wire/scene_codec.h"
+
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "server/wire/command_codec.h"
+#include "server/wire/geometry_codec.h"
+#include "server/wire/json.h"
+#include "server/wire/material_codec.h"
+#include "server/wire/mesh_source_codec.h"
+#include "server/wire/pin_codec.h"
+
+namespace kerf::wire {
+namespace {
+
+void decode_placement(const v1::Placement& message, sheet::Placement& placement) {
+  if (message.has_origin()) placement.origin = decode_vector(message.origin());
+  if (message.has_x_axis()) placement.x_axis = decode_vector(message.x_axis());
+  if (message.has_y_axis()) placement.y_axis = decode_vector(message.y_axis());
+}
+
+Result<contact::Collider> decode_collider(const v1::Collider& message, const std::string& path) {
+  contact::Collider collider;
+  collider.friction = message.friction();
+  switch (message.shape_case()) {
+    case v1::Collider::kPlane:
+      collider.shape = contact::Plane{decode_vector(message.plane().point()), decode_vector(message.plane().normal())};
+      return collider;
+    case v1::Collider::kSphere:
+      collider.shape = contact::Sphere{decode_vector(message.sphere().center()), message.sphere().radius_m()};
+      return collider;
+    case v1::Collider::kBox:
+      collider.shape =
+          contact::OrientedBox{decode_vector(message.box().center()), decode_vector(message.box().half_extents_m()),
+                               decode_vector(message.box().axis()), message.box().angle_rad()};
+      return collider;
+    case v1::Collider::kCapsule:
+      collider.shape = contact::Capsule{decode_vector(message.capsule().a()), decode_vector(message.capsule().b()),
+                                        message.capsule().radius_m()};
+      return collider;
+    case v1::Collider::SHAPE_NOT_SET:
+      break;
+  }
+  return choice_missing(path + ".shape", "plane, sphere, box or capsule");
+}
+
+Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSettings& settings) {
+  switch (message.kind()) {
+    case v1::Integrator::KIND_UNSPECIFIED:
+    case v1::Integrator::AUTOMATIC:
+      settings.kind = sheet::IntegratorKind::kAutomatic;
+      break;
+    case v1::Integrator::EXPLICIT_LEAPFROG:
+      settings.kind = sheet::IntegratorKind::kExplicitLeapfrog;
+      break;
+    case v1::Integrator::IMPLICIT_EULER:
+      settings.kind = sheet::IntegratorKind::kImplicitEuler;
+      break;
+    default:
+      return unknown_enum("integrator.kind", static_cast<int>(message.kind()));
+  }
+  switch (message.solver()) {
+    case v1::Integrator::SOLVER_UNSPECIFIED:
+    case v1::Integrator::BLOCK_JACOBI_CG:
+      settings.solver = sheet::LinearSolverKind::kBlockJacobiCg;
+      break;
+    case v1::Integrator::DIRECT:
+      settings.solver = sheet::LinearSolverKind::kDirect;
+      break;
+    default:
+      return unknown_enum("integrator.solver", static_cast<int>(message.solver()));
+  }
+  if (message.max_substeps() != 0) settings.max_substeps = message.max_substeps();
+  if (message.newton_iterations() != 0) settings.newton_iterations = message.newton_iterations();
+  if (message.solver_tolerance() != 0.0) settings.solver_tolerance = message.solver_tolerance();
+  return Nothing{};
+}
+
+v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings) {
+  v1::Integrator message;
+  switch (settings.kind) {
+    case sheet::IntegratorKind::kAutomatic:
+      message.set_kind(v1::Integrator::AUTOMATIC);
+      break;
+    case sheet::IntegratorKind::kExplicitLeapfrog:
+      message.set_kind(v1::Integrator::EXPLICIT_LEAPFROG);
+      break;
+    case sheet::IntegratorKind::kImplicitEuler:
+      message.set_kind(v1::Integrator::IMPLICIT_EULER);
+      break;
+  }
+  message.set_solver(settings.solver == sheet::LinearSolverKind::kDirect ? v1::Integrator::DIRECT
+                                                                         : v1::Integrator::BLOCK_JACOBI_CG);
+  message.set_max_substeps(settings.max_substeps);
+  message.set_newton_iterations(settings.newton_iterations);
+  message.set_solver_tolerance(settings.solver_tolerance);
+  return message;
+}
+
+// Lists: colliders, scheduled commands.
+Status decode_lists(const v1::Scene& scene, sheet::SheetConfig& config) {
+  for (int i = 0; i < scene.colliders_size(); ++i) {
+    const std::string path = "colliders[" + std::to_string(i) + "]";
+    Result<contact::Collider> collider = decode_collider(scene.colliders(i), path);
+    if (!collider.ok()) return collider.error();
+    config.colliders.push_back(std::move(*collider));
+  }
+  for (int i = 0; i < scene.commands_size(); ++i) {
+    Result<sheet::Command> command = decode_command(scene.commands(i).command());
+    if (!command.ok()) return within("commands[" + std::to_string(i) + "].command", command.error());
+    config.commands.push_back({scene.commands(i).tick(), std::move(*command)});
+  }
+  return Nothing{};
+}
+
+}  // namespace
+
+Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const ObjReader& read_obj) {
+  sheet::SheetConfig config;
+  config.sheet_id = scene.sheet_id();
+  Result<sheet::MeshSource> mesh = decode_mesh_source(scene, read_obj);
+  if (!mesh.ok()) return mesh.error();
+  config.mesh = std::move(*mesh);
+  const Result<fem::Material> material = decode_material(scene.material());
+  if (!material.ok()) return material.error();
+  config.material = *material;
+  decode_placement(scene.placement(), config.placement);
+  Result<std::vector<sheet::PinRegion>> pins = decode_pins(scene.pins(), "pins");
+  if (!pins.ok()) return pins.error();
+  config.pins = std::move(*pins);
+  if (scene.has_gravity_mps2()) config.gravity = decode_vector(scene.gravity_mps2());
+  if (scene.has_wind()) config.wind = decode_wind(scene.wind());
+  if (scene.has_tick_rate_hz()) config.tick_rate_hz = scene.tick_rate_hz();
+  if (const Status status = decode_integrator(scene.integrator(), config.integrator); !status.ok()) {
+    return status.error();
+  }
+  if (const Status status = decode_lists(scene, config); !status.ok()) return status.error();
+  config.ticks = scene.ticks();
+  config.description = scene.description();
+  if (const Status status = sheet::validate(config); !status.ok()) return status.error();
+  return config;
+}
+
+v1::Collider encode_collider(const contact::Collider& collider) {
+  v1::Collider message;
+  message.set_friction(collider.friction);
+  if (const auto* plane = std::get_if<contact::Plane>(&collider.shape)) {
+    encode_vector(plane->point, *message.mutable_plane()->mutable_point());
+    encode_vector(plane->normal, *message.mutable_plane()->mutable_normal());
+  } else if (const auto* sphere = std::get_if<contact::Sphere>(&collider.shape)) {
+    encode_vector(sphere->centre, *message.mutable_sphere()->mutable_center());
+    message.mutable_sphere()->set_radius_m(sphere->radius);
+  } else if (const auto* box = std::get_if<contact::OrientedBox>(&collider.shape)) {
+    encode_vector(box->centre, *message.mutable_box()->mutable_center());
+    encode_vector(box->half_extents, *message.mutable_box()->mutable_half_extents_m());
+    encode_vector(box->axis, *message.mutable_box()->mutable_axis());
+    message.mutable_box()->set_angle_rad(box->angle);
+  } else {
+    const auto& capsule = std::get<contact::Capsule>(collider.shape);
+    encode_vector(capsule.a, *message.mutable_capsule()->mutable_a());
+    encode_vector(capsule.b, *message.mutable_capsule()->mutable_b());
+    message.mutable_capsule()->set_radius_m(capsule.radius);
+  }
+  return message;
+}
+
+v1::Scene encode_settings(const SettingsInForce& settings) {
+  v1::Scene scene;
+  *scene.mutable_material() = encode_material(settings.config.material);
+  encode_vector(settings.gravity, *scene.mutable_gravity_mps2());
+  if (settings.wind.air_density > 0.0) encode_wind(settings.wind, *scene.mutable_wind());
+  for (const contact::Collider& collider : settings.config.colliders) {
+    *scene.add_colliders() = encode_collider(collider);
+  }
+  encode_vector(settings.config.placement.origin, *scene.mutable_placement()->mutable_origin());
+  encode_vector(settings.config.placement.x_axis, *scene.mutable_placement()->mutable_x_axis());
+  encode_vector(settings.config.placement.y_axis, *scene.mutable_placement()->mutable_y_axis());
+  scene.set_sheet_id(settings.config.sheet_id);
+  scene.set_tick_rate_hz(settings.config.tick_rate_hz);
+  *scene.mutable_integrator() = encode_integrator(settings.config.integrator);
+  scene.set_ticks(settings.config.ticks);
+  scene.set_description(settings.config.description);
+  return scene;
+}
+
+v1::Scene encode_scene(const sheet::SheetConfig& config) {
+  v1::Scene scene = encode_settings({config, config.gravity, config.wind});
+  encode_mesh_source(config.mesh, scene);
+  encode_pins(config.pins, *scene.mutable_pins());
+  for (const sheet::ScheduledCommand& scheduled : config.commands) {
+    v1::ScheduledCommand& message = *scene.add_commands();
+    message.set_tick(scheduled.tick);
+    *message.mutable_command() = encode_command(scheduled.command);
+  }
+  return scene;
+}
+
+Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const ObjReader& read_obj) {
+  v1::Scene scene;
+  if (const Status status = from_json(json, scene); !status.ok()) return status.error();
+  return decode_scene(scene, read_obj);
+}
+
+}  // namespace kerf::wire
