@@ -1,0 +1,280 @@
+"""Runs every `kerf` command against a real kerfd, as a shell user would: outputs, JSON fields, exit codes, refusals."""
+
+import argparse
+import json
+import math
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+OPTIONS = None
+SERVER = None
+
+SMALL_SCENE = {
+    "sheet_id": "small",
+    "grid": {"columns": 12, "rows": 12, "width_m": 1.0, "height_m": 1.0},
+    "pins": [{"edge": "TOP"}],
+    "ticks": 20,
+    "commands": [
+        {"tick": 5, "command": {"cut": {"curve": {"polyline": {"points": [{"x": -0.1, "y": 0.4}, {"x": 1.1, "y": 0.6}]}}}}}
+    ],
+}
+
+
+def kerf(*arguments, server=True, timeout=120):
+    command = [OPTIONS.kerf]
+    if server:
+        command += ["--server", SERVER["grpc"]]
+    return subprocess.run(command + list(arguments), capture_output=True, text=True, timeout=timeout)
+
+
+def setUpModule():
+    global SERVER, PROCESS
+    shutil.rmtree(OPTIONS.work, ignore_errors=True)
+    os.makedirs(OPTIONS.work)
+    PROCESS = subprocess.Popen(
+        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0"], stdout=subprocess.PIPE, text=True)
+    SERVER = json.loads(PROCESS.stdout.readline())
+
+
+def tearDownModule():
+    PROCESS.send_signal(signal.SIGTERM)
+    if PROCESS.wait(timeout=20) != 0:
+        raise AssertionError(f"kerfd left with {PROCESS.returncode} after SIGTERM")
+
+
+def path(name):
+    return os.path.join(OPTIONS.work, name)
+
+
+class Case(unittest.TestCase):
+    def json_of(self, *arguments):
+        done = kerf("--json", *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def refused(self, *arguments, code=1, says=""):
+        done = kerf(*arguments)
+        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        self.assertIn(says, done.stderr)
+        self.assertEqual(done.stdout, "")
+        return done
+
+
+class Sheets(Case):
+    def test_life_of_a_sheet(self):
+        made = self.json_of("sheet", "create", "life", "--grid", "10x8", "--size", "1x0.5", "--pin", "corners")
+        self.assertEqual((made["name"], made["num_vertices"], made["num_triangles"], made["pieces"]),
+                         ("sheets/life", 80, 126, 1))
+        self.assertEqual(len(made["pinned_vertices"]), 4)
+        self.assertIn("sheets/life", [sheet["name"] for sheet in self.json_of("sheet", "list")["sheets"]])
+        paused = self.json_of("sheet", "pause", "life")
+        self.assertEqual(paused["run_state"], "PAUSED")
+        stepped = self.json_of("sheet", "step", "life", "7")
+        self.assertEqual(stepped["tick"], paused["tick"] + 7)
+        self.assertEqual(self.json_of("sheet", "get", "life")["state_hash"], stepped["state_hash"])
+        self.json_of("sheet", "reset", "life")
+        self.assertIn(self.json_of("sheet", "resume", "life")["run_state"], ("RUNNING", "SLEEPING"))
+        self.refused("sheet", "step", "life", "1", says="pause")
+        self.json_of("sheet", "delete", "life")
+        self.refused("sheet", "get", "life", says="life")
+
+    def test_output_for_people(self):
+        done = kerf("sheet", "create", "people", "--grid", "5x5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("25 vertices", done.stdout)
+        self.assertIn("sheets/people", kerf("sheet", "list").stdout)
+        self.assertIn("materials", kerf("info").stdout)
+
+    def test_refusals(self):
+        self.refused("sheet", "create", "Bad_Name", says="sheet_id")
+        self.refused("sheet", "create", "huge", "--grid", "1000x1000", says="250000")
+        self.refused("sheet", "create", "flat", "--size", "1x0", says="height_m")
+        self.refused("sheet", "create", "odd", "--material", "unobtainium", says="preset")
+        kerf("sheet", "create", "twice", "--grid", "3x3")
+        self.refused("sheet", "create", "twice", "--grid", "3x3", says="ALREADY_EXISTS")
+        for verb in ("get", "delete", "pause", "resume", "reset"):
+            self.refused("sheet", verb, "nobody", says="NOT_FOUND")
+
+
+class Cuts(Case):
+    def setUp(self):
+        self.id = "cut-" + self._testMethodName.replace("_", "-")
+        self.json_of("sheet", "create", self.id, "--grid", "20x20")
+        self.json_of("sheet", "pause", self.id)
+
+    def hash(self):
+        return self.json_of("sheet", "get", self.id)["state_hash"]
+
+    def test_bezier_inside(self):
+        reply = self.json_of("cut", self.id, "--bezier", "0.2,0.5 0.4,0.8 0.6,0.2 0.8,0.5")
+        self.assertEqual(reply["status"], "APPLIED")
+        self.assertEqual(reply["pieces"], 1)
+        self.assertGreater(reply["new_vertices"], 10)
+        self.assertGreater(reply["new_triangles"], 10)
+        self.assertLess(reply["deviation_m"], 0.03 / 19)
+        self.assertEqual(reply["state_hash"], self.hash())
+        self.assertIsInstance(reply["tick"], int)
+
+    def test_polyline_across_and_circle(self):
+        self.assertEqual(self.json_of("cut", self.id, "--polyline", "-0.1,0.3 1.1,0.35")["pieces"], 2)
+        self.assertEqual(self.json_of("cut", self.id, "--circle", "0.5,0.7,0.1")["pieces"], 3)
+        self.assertIn("4 pieces", kerf("cut", self.id, "--circle", "0.2,0.15,0.05").stdout)
+
+    def test_a_miss_is_no_error(self):
+        before = self.hash()
+        reply = self.json_of("cut", self.id, "--polyline", "2,2 3,3")
+        self.assertEqual((reply["status"], reply["pieces"], reply["new_vertices"]), ("NO_INTERSECTION", 1, 0))
+        self.assertEqual(self.hash(), before)
+
+    def test_options_may_follow_the_command(self):
+        done = subprocess.run([OPTIONS.kerf, "cut", self.id, "--circle", "0.5,0.5,0.1", "--json", "--server",
+                               SERVER["grpc"]], capture_output=True, text=True)
+        self.assertEqual(json.loads(done.stdout)["pieces"], 2)
+
+    def test_refusals_change_nothing(self):
+        before = self.hash()
+        self.refused("cut", self.id, "--polyline", "0,0 nan,1", says="points[1].x")
+        self.refused("cut", self.id, "--bezier", "0,0 inf,1 1,1 1,0", says="points[1].x")
+        self.refused("cut", self.id, "--circle", "0.5,0.5,-1", says="radius_m")
+        self.refused("cut", self.id, "--polyline", "0.5,0.5 0.5,0.5", says="polyline")
+        self.refused("cut", self.id, "--polyline", "0,0 1e9,1", says="points[1].x")
+        self.refused("cut", self.id, "--circle", "0.5,0.5,0.1", "--tolerance", "9", says="tolerance")
+        self.refused("cut", "nobody", "--circle", "0.5,0.5,0.1", says="NOT_FOUND")
+        self.assertEqual(self.hash(), before)
+
+    def test_usage_errors(self):
+        self.refused("cut", self.id, code=2)
+        self.refused("cut", self.id, "--circle", "1,2", code=2, says="--circle")
+        self.refused("cut", self.id, "--bezier", "0,0 1,1", code=2, says="--bezier")
+        self.refused("cut", self.id, "--polyline", "0,0", code=2, says="--polyline")
+        self.refused("cut", self.id, "--polyline", "0;0", code=2)
+        self.refused("cut", self.id, "--circle", "1,2,3", "--polyline", "0,0 1,1", code=2)
+
+
+class Views(Case):
+    @classmethod
+    def setUpClass(cls):
+        kerf("sheet", "create", "view", "--grid", "20x20")
+
+    def test_render(self):
+        done = kerf("render", "view", "--out", path("frame.png"), "--size", "320x200")
+        if "renderer" in done.stderr:
+            self.skipTest(done.stderr)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(pathlib.Path(path("frame.png")).read_bytes()[:8], b"\x89PNG\r\n\x1a\n")
+        reply = self.json_of("render", "view", "--out", path("frame.jpg"), "--size", "320x200")
+        self.assertEqual((reply["width_px"], reply["height_px"], reply["media_type"]), (320, 200, "image/jpeg"))
+        self.assertEqual(pathlib.Path(path("frame.jpg")).read_bytes()[:2], b"\xff\xd8")
+        self.refused("render", "view", "--out", path("a.png"), "--size", "9999x10", says="width_px")
+        self.refused("render", "view", "--out", path("a.gif"), code=2, says="--out")
+        self.refused("render", "view", "--out", "/nonexistent/a.png", says="/nonexistent/a.png")
+        self.assertFalse(os.path.exists(path("a.png")))
+
+    def test_export(self):
+        self.assertEqual(kerf("export", "view", "--out", path("view.obj")).returncode, 0)
+        lines = pathlib.Path(path("view.obj")).read_text().splitlines()
+        self.assertEqual(sum(line.startswith("v ") for line in lines), 400)
+        self.assertEqual(sum(line.startswith("f ") for line in lines), 722)
+        for line in lines:
+            if line.startswith("v "):
+                self.assertTrue(all(math.isfinite(float(number)) for number in line.split()[1:]))
+
+    def test_watch(self):
+        done = kerf("--json", "watch", "view", "--frames", "5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        frames = [json.loads(line) for line in done.stdout.splitlines()]
+        self.assertEqual([frame["sequence"] for frame in frames], [1, 2, 3, 4, 5])
+        self.assertEqual(frames[0]["kind"], "keyframe")
+        ticks = [frame["tick"] for frame in frames]
+        self.assertEqual(ticks, sorted(set(ticks)))
+        self.refused("watch", "nobody", "--frames", "1", says="NOT_FOUND")
+
+
+class Offline(Case):
+    def scene(self, name, **changes):
+        pathlib.Path(path(name)).write_text(json.dumps({**SMALL_SCENE, **changes}))
+        return path(name)
+
+    def test_run_record_replay(self):
+        scene = self.scene("small.json")
+        first = self.json_of("run", scene, "--out", path("result.json"), "--record", path("small.rec"))
+        self.assertEqual((first["ticks"], first["pieces"], first["scene"]), (20, 2, "small"))
+        self.assertEqual(first["cuts"][0]["status"], "APPLIED")
+        self.assertEqual(json.loads(pathlib.Path(path("result.json")).read_text())["state_hash"], first["state_hash"])
+        self.assertEqual(self.json_of("run", scene)["state_hash"], first["state_hash"])
+        self.assertEqual(self.json_of("run", scene, "--ticks", "30")["ticks"], 30)
+        replayed = self.json_of("replay", path("small.rec"))
+        self.assertEqual((replayed["identical"], replayed["ticks"]), (True, 20))
+        self.assertEqual(replayed["state_hash"], first["state_hash"])
+
+    def test_a_tampered_recording_names_the_tick(self):
+        self.json_of("run", self.scene("tamper.json"), "--record", path("tamper.rec"))
+        content = bytearray(pathlib.Path(path("tamper.rec")).read_bytes())
+        content[-1] ^= 1  # the last tick's hash
+        pathlib.Path(path("tamper.rec")).write_bytes(content)
+        self.assertEqual(kerf("--json", "replay", path("tamper.rec")).returncode, 1)
+        self.refused("replay", path("tamper.rec"), says="tick 20")
+        pathlib.Path(path("cut.rec")).write_bytes(content[:-3])
+        self.refused("replay", path("cut.rec"), says="offset")
+        pathlib.Path(path("text.rec")).write_text("no recording at all")
+        self.refused("replay", path("text.rec"))
+
+    def test_refusals(self):
+        self.refused("run", path("missing.json"), says="missing.json")
+        self.refused("run", self.scene("bad.json", gravity_mps2={"x": "NaN"}), says="gravity_mps2")
+        self.refused("run", self.scene("typo.json", colour="red"), says="colour")
+        self.refused("run", self.scene("small.json"), "--out", "/nonexistent/r.json", says="/nonexistent")
+        self.refused("run", self.scene("small.json"), "--ticks", "0", code=2)
+        pathlib.Path(path("broken.json")).write_text('{"grid": ')
+        self.refused("run", path("broken.json"), says="line 1")
+
+    def test_demo_scene(self):
+        done = self.json_of("run", str(ROOT / "deploy/scenes/demo.json"), "--ticks", "10")
+        self.assertEqual(done["num_vertices"], 2500)
+
+
+class Usage(Case):
+    def test_help_and_version(self):
+        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["render"], ["watch"], ["export"], ["run"], ["replay"]):
+            done = kerf(*command, "--help", server=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("Usage", done.stdout)
+        self.assertIn("kerf ", kerf("--version", server=False).stdout)
+
+    def test_wrong_usage(self):
+        for command in ([], ["fly"], ["sheet"], ["sheet", "create"], ["cut", "a", "--spline", "x"],
+                        ["sheet", "create", "a", "--grid", "big"], ["sheet", "create", "a", "--pin", "left"],
+                        ["sheet", "step", "a", "many"], ["watch", "a", "--frames", "-1"]):
+            self.assertEqual(kerf(*command, server=False).returncode, 2, command)
+
+    def test_no_server(self):
+        done = subprocess.run([OPTIONS.kerf, "--server", "127.0.0.1:1", "sheet", "list"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("no Kerf server answers at 127.0.0.1:1", done.stderr)
+
+
+class Python(Case):
+    def test_example(self):
+        kerf("sheet", "create", "snake", "--grid", "15x15")
+        stubs = path("stubs")
+        subprocess.run([ROOT / "client/python/generate", stubs], check=True)
+        done = subprocess.run(["/usr/bin/python3", ROOT / "client/python/cut_example.py", SERVER["grpc"], "snake"],
+                              capture_output=True, text=True, env={**os.environ, "PYTHONPATH": stubs})
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("status: APPLIED", done.stdout)
+        self.assertIn("pieces: 2", done.stdout)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--kerf", required=True)
+    parser.add_argument("--kerfd", required=True)
+    parser.add_argument("--work", required=True)
+    OPTIONS, rest = parser.parse_known_args()
+    unittest.main(argv=[sys.argv[0]] + rest)

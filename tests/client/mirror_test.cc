@@ -1,0 +1,178 @@
+#include "client/cpp/mirror.h"
+
+#include <bit>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace kerf::client {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Optional;
+
+std::string words(const std::vector<std::int32_t>& values) {
+  std::string bytes;
+  for (const std::int32_t value : values) {
+    for (int shift = 0; shift < 32; shift += 8) {
+      bytes += static_cast<char>((static_cast<std::uint32_t>(value) >> shift) & 0xffU);
+    }
+  }
+  return bytes;
+}
+std::string floats(const std::vector<float>& values) {
+  std::vector<std::int32_t> bits;
+  for (const float value : values) bits.push_back(std::bit_cast<std::int32_t>(value));
+  return words(bits);
+}
+std::string shorts(const std::vector<int>& values) {
+  std::string bytes;
+  for (const int value : values) {
+    bytes += static_cast<char>(value & 0xff);
+    bytes += static_cast<char>((value >> 8) & 0xff);
+  }
+  return bytes;
+}
+
+// A unit square of two triangles, tick 5.
+v1::Frame keyframe() {
+  v1::Frame frame;
+  frame.set_sequence(1);
+  frame.set_tick(5);
+  frame.set_base_tick(-1);
+  frame.set_topology_version(1);
+  frame.set_num_vertices(4);
+  frame.mutable_box()->mutable_min()->set_x(-1.0);
+  frame.mutable_box()->mutable_max()->set_x(1.0);
+  frame.mutable_box()->mutable_max()->set_y(2.0);
+  frame.mutable_box()->mutable_max()->set_z(4.0);
+  frame.set_positions(shorts({0, 1, 2, 65535, 4, 5, 6, 7, 8, 9, 10, 11}));
+  v1::TopologyPatch& topology = *frame.mutable_topology();
+  topology.set_base_version(-1);
+  topology.set_num_slots(3);
+  topology.set_triangles(words({0, 1, 2, 0, 2, 3, -1, -1, -1}));
+  topology.set_pieces(words({0, 0, -1}));
+  topology.set_material_positions(floats({0, 0, 1, 0, 1, 1, 0, 1}));
+  topology.set_num_pieces(1);
+  return frame;
+}
+
+// The next frame: vertex 0 moves by (+1, -1, +300), the rest stays.
+v1::Frame delta() {
+  v1::Frame frame;
+  frame.set_sequence(2);
+  frame.set_tick(6);
+  frame.set_base_tick(5);
+  frame.set_topology_version(1);
+  frame.set_num_vertices(4);
+  *frame.mutable_box() = keyframe().box();
+  frame.set_positions(std::string({'\x02', '\x01', '\xd8', '\x04'}) + std::string(9, '\0'));
+  return frame;
+}
+
+// The next: slot 1 gets a new vertex 4 (a copy of vertex 0), slot 2 becomes material, in a second piece.
+v1::Frame cut() {
+  v1::Frame frame = delta();
+  frame.set_sequence(3);
+  frame.set_tick(7);
+  frame.set_base_tick(6);
+  frame.set_topology_version(2);
+  frame.set_num_vertices(5);
+  frame.set_positions(std::string(12, '\0') + std::string({'\x04', '\x06', '\x08'}));
+  v1::TopologyPatch& topology = *frame.mutable_topology();
+  topology.set_base_version(1);
+  topology.set_num_slots(3);
+  topology.set_slots(words({1, 2}));
+  topology.set_triangles(words({4, 2, 3, 0, 1, 4}));
+  topology.set_pieces(words({0, 1}));
+  topology.set_vertices(words({4}));
+  topology.set_material_positions(floats({0.5F, 0.25F}));
+  topology.set_num_pieces(2);
+  return frame;
+}
+
+TEST(Mirror, AppliesAKeyframe) {
+  Mirror mirror;
+  ASSERT_EQ(mirror.apply(keyframe()), std::nullopt);
+  EXPECT_EQ(mirror.tick(), 5);
+  EXPECT_EQ(mirror.num_vertices(), 4);
+  EXPECT_EQ(mirror.num_pieces(), 1);
+  EXPECT_THAT(mirror.quantised_positions(), ElementsAre(0, 1, 2, 65535, 4, 5, 6, 7, 8, 9, 10, 11));
+  EXPECT_THAT(mirror.triangles(), ElementsAre(ElementsAre(0, 1, 2), ElementsAre(0, 2, 3), ElementsAre(-1, -1, -1)));
+  EXPECT_THAT(mirror.material_positions(), ElementsAre(0, 0, 1, 0, 1, 1, 0, 1));
+  EXPECT_EQ(mirror.position(1)[0], 1.0);
+  EXPECT_DOUBLE_EQ(mirror.position(1)[2], 5 * 4.0 / 65535);
+}
+
+TEST(Mirror, AppliesDeltasAndPatches) {
+  Mirror mirror;
+  ASSERT_EQ(mirror.apply(keyframe()), std::nullopt);
+  ASSERT_EQ(mirror.apply(delta()), std::nullopt);
+  EXPECT_THAT(mirror.quantised_positions(), ElementsAre(1, 0, 302, 65535, 4, 5, 6, 7, 8, 9, 10, 11));
+  ASSERT_EQ(mirror.apply(cut()), std::nullopt);
+  EXPECT_EQ(mirror.topology_version(), 2);
+  EXPECT_EQ(mirror.num_pieces(), 2);
+  EXPECT_THAT(mirror.triangles(), ElementsAre(ElementsAre(0, 1, 2), ElementsAre(4, 2, 3), ElementsAre(0, 1, 4)));
+  EXPECT_THAT(mirror.pieces(), ElementsAre(0, 0, 1));
+  EXPECT_THAT(mirror.quantised_positions(), ElementsAre(1, 0, 302, 65535, 4, 5, 6, 7, 8, 9, 10, 11, 2, 3, 4));
+}
+
+// Each way in which a frame cannot follow what is there.
+struct Refusal {
+  const char* name;
+  const char* message;
+  void (*spoil)(v1::Frame&);
+};
+
+class MirrorRefuses : public ::testing::TestWithParam<Refusal> {};
+
+TEST_P(MirrorRefuses, AFrameThatDoesNotFit) {
+  Mirror mirror;
+  ASSERT_EQ(mirror.apply(keyframe()), std::nullopt);
+  ASSERT_EQ(mirror.apply(delta()), std::nullopt);
+  v1::Frame frame = cut();
+  GetParam().spoil(frame);
+  EXPECT_THAT(mirror.apply(frame), Optional(HasSubstr(GetParam().message)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Spoilt, MirrorRefuses,
+    ::testing::Values(
+        Refusal{"SequenceGap", "frame 4 follows frame 2", [](v1::Frame& f) { f.set_sequence(4); }},
+        Refusal{"OlderTick", "after tick", [](v1::Frame& f) { f.set_tick(3); }},
+        Refusal{"WrongBase", "delta against tick 5 at tick 6", [](v1::Frame& f) { f.set_base_tick(5); }},
+        Refusal{"OtherBox", "another box", [](v1::Frame& f) { f.mutable_box()->mutable_max()->set_x(9.0); }},
+        Refusal{"ShortPositions", "end early", [](v1::Frame& f) { f.mutable_positions()->pop_back(); }},
+        Refusal{"LongPositions", "go on after", [](v1::Frame& f) { f.mutable_positions()->push_back('\0'); }},
+        Refusal{"LongVarint", "too long", [](v1::Frame& f) { f.set_positions(std::string(15, '\xff')); }},
+        Refusal{"BelowZero", "leaves 0..65535", [](v1::Frame& f) { f.mutable_positions()->at(0) = '\x05'; }},
+        Refusal{"AboveRange", "leaves 0..65535", [](v1::Frame& f) { f.mutable_positions()->at(3) = '\x02'; }},
+        Refusal{"MissingPatch", "without its patch", [](v1::Frame& f) { f.clear_topology(); }},
+        Refusal{"PatchOfOtherBase", "from version 0 at version 1",
+                [](v1::Frame& f) { f.mutable_topology()->set_base_version(0); }},
+        Refusal{"VertexOutOfRange", "vertex 5 is out of range",
+                [](v1::Frame& f) { f.mutable_topology()->set_triangles(words({5, 2, 3, 0, 1, 4})); }},
+        Refusal{"SlotOutOfRange", "slot 3 is out of range",
+                [](v1::Frame& f) { f.mutable_topology()->set_slots(words({1, 3})); }},
+        Refusal{"FewerSlots", "take slots away", [](v1::Frame& f) { f.mutable_topology()->set_num_slots(1); }},
+        Refusal{"ShortTriangles", "triangles has", [](v1::Frame& f) { f.mutable_topology()->set_triangles(words({1})); }},
+        Refusal{"ShortPieces", "pieces has", [](v1::Frame& f) { f.mutable_topology()->set_pieces(words({1})); }},
+        Refusal{"NewVertexWithoutMaterial", "without material", [](v1::Frame& f) {
+                  f.mutable_topology()->clear_vertices();
+                  f.mutable_topology()->clear_material_positions();
+                }}),
+    [](const auto& info) { return std::string(info.param.name); });
+
+TEST(Mirror, StartsOnlyWithAKeyframe) {
+  Mirror mirror;
+  v1::Frame frame = delta();
+  frame.set_sequence(1);
+  EXPECT_NE(mirror.apply(frame), std::nullopt);
+}
+
+}  // namespace
+}  // namespace kerf::client
