@@ -27,6 +27,9 @@ const kStateText: Record<ConnectionState, string> = {
   connecting: 'Connecting', live: 'Live', lost: 'Connection lost', ended: 'Ended',
 };
 
+// Settings are asked for at most this often, however often they change.
+const kRefreshIntervalMs = 250;
+
 /** The viewer of one sheet: what the server sends goes in, pictures and the tools' calls come out. */
 export class App implements Viewer {
   readonly overlay = element('overlay');
@@ -53,7 +56,9 @@ export class App implements Viewer {
   private clock = new FrameClock();
   private hasNewFrame = false;
   private isFitted = false;
+  // Of the frame that last made this page ask for the sheet's settings; -1: ask again.
   private settingsVersion = -1;
+  private nextRefreshMs = 0;
 
   constructor() {
     this.stage = new Stage(this.canvas);
@@ -139,8 +144,8 @@ export class App implements Viewer {
       const sheet = await call(SheetService.method.getSheet, { name });
       if (name === this.sheetName) this.setSheet(sheet);
     } catch {
-      // The stream tells about a lost connection or a sheet that is gone; the next settings_version asks again.
-      this.settingsVersion = -1;
+      // The stream tells about a lost connection or a sheet that is gone; a later frame asks again.
+      if (name === this.sheetName) this.settingsVersion = -1;
     }
   }
 
@@ -167,8 +172,10 @@ export class App implements Viewer {
     const { stats } = mirror;
     if (stats) {
       this.clock.arrived(stats.publishedUnixUs, unixTimeMs());
-      if (stats.settingsVersion !== this.settingsVersion) {
+      const nowMs = performance.now();
+      if (stats.settingsVersion !== this.settingsVersion && nowMs >= this.nextRefreshMs) {
         this.settingsVersion = stats.settingsVersion;
+        this.nextRefreshMs = nowMs + kRefreshIntervalMs;
         void this.refreshSheet();
       }
     }

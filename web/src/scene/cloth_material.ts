@@ -19,8 +19,9 @@ const kPattern = /* glsl */ `
     vec2 thread = t * 24.0;
     float weaveBlur = max(fwidth(thread.x), fwidth(thread.y));
     float weave = sin(6.2832 * thread.x) * sin(6.2832 * thread.y) * (1.0 - smoothstep(0.15, 0.5, weaveBlur));
-    vec3 light = isFront ? vec3(0.93, 0.90, 0.83) : vec3(0.95, 0.66, 0.44);
-    vec3 dark = isFront ? vec3(0.09, 0.24, 0.42) : vec3(0.72, 0.22, 0.13);
+    // Linear light: linen #ebe7da and indigo #1b4c7f in front, apricot #f0b48b and brick #b6472f behind.
+    vec3 light = isFront ? vec3(0.84, 0.80, 0.70) : vec3(0.88, 0.46, 0.26);
+    vec3 dark = isFront ? vec3(0.012, 0.072, 0.21) : vec3(0.47, 0.065, 0.03);
     vec3 color = mix(light, dark, bands * (isFront ? 0.92 : 0.6));
     return color * (1.0 + 0.10 * weave);
   }

@@ -7,6 +7,8 @@ import { GroundMaterial } from './ground_material';
 
 const kFovDeg = 36;
 const kViewDirection = new Vector3(0.5, -1, 0.62).normalize();
+// Part of the picture's height or width that the sheet fills at first; it will swing and fall.
+const kFilled = 0.78;
 const kLightDirection = new Vector3(-0.45, -0.5, 1).normalize();
 
 /** Renderer, camera, lights and floor; z is up. Draws only when something called invalidate(). */
@@ -19,7 +21,7 @@ export class Stage {
   readonly sizePx = new Vector2(1, 1);
 
   private readonly renderer: WebGLRenderer;
-  private readonly sun = new DirectionalLight(0xfff4e2, 2.6);
+  private readonly sun = new DirectionalLight(0xfff4e6, 2.3);
   private readonly sky = new HemisphereLight(0xffffff, 0x8c8f98, 1.5);
   private readonly raycaster = new Raycaster();
   private isStale = true;
@@ -61,13 +63,10 @@ export class Stage {
 
   /** Looks at the whole of a box, and sizes light, shadow and floor for it. */
   fit(box: Box3): void {
-    const sphere = box.getBoundingSphere(new Sphere());
-    const radius = Math.max(sphere.radius, 1e-3);
-    const halfFov = 0.5 * kFovDeg * (Math.PI / 180);
-    const narrow = Math.min(1, this.camera.aspect);
-    const distance = radius / Math.sin(Math.atan(Math.tan(halfFov) * narrow));
-    this.controls.target.copy(sphere.center);
-    this.camera.position.copy(sphere.center).addScaledVector(kViewDirection, distance);
+    const { center, radius } = box.getBoundingSphere(new Sphere());
+    const distance = this.fittingDistance(box, center);
+    this.controls.target.copy(center);
+    this.camera.position.copy(center).addScaledVector(kViewDirection, distance);
     this.camera.near = 0.01 * distance;
     this.camera.far = 30 * distance;
     this.camera.updateProjectionMatrix();
@@ -75,8 +74,8 @@ export class Stage {
     this.controls.maxDistance = 8 * distance;
     this.controls.update();
 
-    this.sun.position.copy(sphere.center).addScaledVector(kLightDirection, 4 * radius);
-    this.sun.target.position.copy(sphere.center);
+    this.sun.position.copy(center).addScaledVector(kLightDirection, 4 * radius);
+    this.sun.target.position.copy(center);
     const { camera: shadow } = this.sun.shadow;
     [shadow.left, shadow.right, shadow.bottom, shadow.top] = [-1.7 * radius, 1.7 * radius, -1.7 * radius, 1.7 * radius];
     [shadow.near, shadow.far] = [0.5 * radius, 8 * radius];
@@ -84,6 +83,23 @@ export class Stage {
     shadow.updateProjectionMatrix();
     this.ground.reach = 4 * radius;
     this.invalidate();
+  }
+
+  // The least distance from `center`, along the first view's direction, from which all corners of the box are in the
+  // picture, and some room.
+  private fittingDistance(box: Box3, center: Vector3): number {
+    const right = new Vector3().crossVectors(this.camera.up, kViewDirection).normalize();
+    const up = new Vector3().crossVectors(kViewDirection, right);
+    const tangent = Math.tan(0.5 * kFovDeg * (Math.PI / 180)) * kFilled;
+    let distance = 1e-3;
+    for (let corner = 0; corner < 8; ++corner) {
+      const at = new Vector3(
+        corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z,
+      ).sub(center);
+      const across = Math.max(Math.abs(at.dot(right)) / this.camera.aspect, Math.abs(at.dot(up)));
+      distance = Math.max(distance, across / tangent + at.dot(kViewDirection));
+    }
+    return distance;
   }
 
   /** Ray through a point of the canvas, CSS pixels from its upper left corner. */
@@ -119,9 +135,9 @@ export class Stage {
   }
 
   private setDark(isDark: boolean): void {
-    this.sky.intensity = isDark ? 1.0 : 1.6;
+    this.sky.intensity = isDark ? 0.9 : 1.25;
     this.sky.groundColor.set(isDark ? 0x3a4250 : 0x9a948c);
-    this.ground.setColors(isDark ? 0x2a303a : 0xe9ecf0, isDark ? 0x8794a8 : 0x5b6675);
+    this.ground.setColors(isDark ? 0x2a303a : 0xe6eaef, isDark ? 0x8794a8 : 0x5b6675);
     this.invalidate();
   }
 }

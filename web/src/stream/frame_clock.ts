@@ -5,7 +5,6 @@
 export class FrameClock {
   private offsetMs = Number.POSITIVE_INFINITY;
   private publishedMs = 0;
-  private arrivedMs = 0;
 
   /**
    * @param publishedUnixUs  kerf.v1.FrameStats.published_unix_us
@@ -13,13 +12,7 @@ export class FrameClock {
    */
   arrived(publishedUnixUs: bigint, localMs: number): void {
     this.publishedMs = Number(publishedUnixUs) / 1000;
-    this.arrivedMs = localMs;
     this.offsetMs = Math.min(this.offsetMs, localMs - this.publishedMs);
-  }
-
-  /** How much later than the fastest frame the last one arrived, ms, >= 0; undefined before the first. */
-  delayMs(): number | undefined {
-    return Number.isFinite(this.offsetMs) ? this.arrivedMs - this.publishedMs - this.offsetMs : undefined;
   }
 
   /** Age at `localMs` of the state that the last frame shows, ms, >= 0; undefined before the first. */
