@@ -2,6 +2,8 @@
 
 #include <thread>
 
+#include "render/egl_context.h"
+#include "render/gl_canvas.h"
 #include "render/renderer.h"
 #include "tests/render/render_scenes.h"
 
@@ -339,6 +341,28 @@ TEST_F(RenderPicture, WithoutAntialiasingEdgesAreHard) {
   EXPECT_GT(colours_beyond(draw(scene, camera)), 100);
   scene.style.antialias = false;
   EXPECT_EQ(colours_beyond(draw(scene, camera)), 0);
+}
+
+// The later platforms stand in where the first is missing, so they must be able to.
+TEST_F(RenderPicture, EveryPlatformOfferedDrawsTheSheet) {
+  const std::vector<EglPlatform> platforms = egl_platforms();
+  ASSERT_FALSE(platforms.empty());
+  const Sheet sheet = make_sheet(8, 0.2);
+  const Scene scene = scene_of(sheet);
+  for (const EglPlatform& platform : platforms) {
+    std::thread([&] {  // a context belongs to one thread
+      std::unique_ptr<Canvas> canvas;
+      const Status made = make_gl_canvas(platform, canvas);
+      ASSERT_TRUE(made.ok()) << made.message;
+      EXPECT_EQ(canvas->description().rfind(platform.name, 0), 0U) << canvas->description();
+      Pixels pixels;
+      const Status drawn = canvas->draw(make_draw_list(scene, front_camera(), 320, 240), pixels);
+      ASSERT_TRUE(drawn.ok()) << drawn.message;
+      EXPECT_TRUE(is_front(pixel(pixels, 163, 125))) << platform.name;
+      EXPECT_EQ(pixel(pixels, 2, 2), kBackground) << platform.name;
+    })
+        .join();
+  }
 }
 
 TEST_F(RenderPicture, SizesAreLimited) {
