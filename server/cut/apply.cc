@@ -25,6 +25,10 @@ namespace {
 constexpr std::int64_t kInsertionsPerPathPoint = 60;
 constexpr std::int64_t kInsertionsBeside = 2'000;
 
+constexpr double kNarrowGap = 0.03;                  // -; as a fraction of the edge length, see RefinementConfig
+constexpr std::int64_t kGapAllowancePerPathPoint = 4;  // triangles
+constexpr std::int64_t kGapAllowanceBeside = 600;      // triangles
+
 // Rounding of the strokes to the lattice, and of the points that later split a lip: each at most half a unit in x and in
 // y, and a lip is halved fewer than 64 times before the length floor.  lattice units
 constexpr double kRoundingUnits = 64.0;
@@ -122,7 +126,10 @@ class Cutter {
     RefinementConfig config;
     config.min_angle_deg = plan_.options.min_angle_deg;
     config.length_floor = 0.25 * plan_.snap_m / spacing_;
-    config.max_insertions = kInsertionsBeside + kInsertionsPerPathPoint * static_cast<std::int64_t>(path_.size());
+    const auto path_size = static_cast<std::int64_t>(path_.size());
+    config.narrow_gap = kNarrowGap * plan_.edge_length_m / spacing_;
+    config.gap_allowance = kGapAllowanceBeside + kGapAllowancePerPathPoint * path_size;
+    config.max_insertions = kInsertionsBeside + kInsertionsPerPathPoint * path_size;
     return refine(editor_, seeds, config);
   }
 

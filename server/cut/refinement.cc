@@ -65,6 +65,45 @@ class Refinement {
 
   Result<RefinementCounts> run(std::span<const TriangleId> seeds) {
     for (const TriangleId t : seeds) consider(t);
+    if (Status status = work_off_queue(); !status.ok()) return status.error();
+    if (gaps_.empty()) return counts_;
+    refine_gaps_within_allowance();
+    if (Status status = work_off_queue(); !status.ok()) return status.error();
+    return counts_;
+  }
+
+ private:
+  // A triangle that spans a narrow gap, and about how many triangles would replace it.
+  struct Gap {
+    double demand = 0.0;
+    TriangleId triangle = kNone;
+    std::array<PointId, 3> points{};
+    friend bool operator<(const Gap& a, const Gap& b) {
+      if (a.demand != b.demand) return a.demand < b.demand;
+      return a.points < b.points;
+    }
+  };
+
+  // Queues the gaps that cost least, as far as the allowance goes.
+  void refine_gaps_within_allowance() {
+    spares_gaps_ = false;
+    std::sort(gaps_.begin(), gaps_.end());
+    double allowance = static_cast<double>(config_.gap_allowance);
+    std::array<PointId, 3> previous{};
+    for (const Gap& gap : gaps_) {
+      if (mesh_.points(gap.triangle) != gap.points || gap.points == previous) continue;
+      previous = gap.points;
+      allowance -= gap.demand;
+      if (allowance < 0.0) {
+        counts_.stopped = true;
+        break;
+      }
+      consider(gap.triangle);
+    }
+    config_.max_insertions = std::min(config_.max_insertions, counts_.insertions + config_.gap_allowance);
+  }
+
+  Status work_off_queue() {
     while (!queue_.empty()) {
       const Pending next = queue_.top();
       queue_.pop();
@@ -81,10 +120,9 @@ class Refinement {
                      "cut.max_new_triangles"};
       }
     }
-    return counts_;
+    return Nothing{};
   }
 
- private:
   void consider(TriangleId t) {
     if (!mesh_.is_solid(t)) return;
     const TriangleShape shape = shape_of(corners_of(mesh_, t));
@@ -100,10 +138,14 @@ class Refinement {
     const PointId p = mesh_.points(t)[next_corner(c)];
     const PointId q = mesh_.points(t)[previous_corner(c)];
     if (!mesh_.is_fixed(t, c) && corners_.joins_lips_of_sharp_corner(p, q)) return false;
+    if (spares_gaps_ && shape.shortest < config_.narrow_gap && spans_gap(t, c)) {
+      gaps_.push_back({shape.longest / shape.shortest, t, mesh_.points(t)});
+      return false;
+    }
 
     const LatticePoint target = off_centre(t, c);
     Location location;
-    if (const std::optional<Edge> wall = find_wall(t, target, location)) return split(*wall);
+    if (const std::optional<Edge> wall = find_wall(t, target, location)) return split_opposite(*wall) || split(*wall);
     if (location.kind == Location::Kind::kOutside || location.kind == Location::Kind::kPoint) return false;
     if (const std::optional<Edge> edge = find_encroached(location.triangle, target)) return split(*edge);
     const PointId added = editor_.insert_point(target, location.triangle);
@@ -193,6 +235,29 @@ class Refinement {
     if (mesh::in_circle(corners[0], corners[1], corners[2], at) > 0) cavity_.push_back(t);
   }
 
+  // Whether the edge opposite corner c joins two different lips.
+  [[nodiscard]] bool spans_gap(TriangleId t, int c) const {
+    return !mesh_.is_fixed(t, c) && mesh_.locks_at_point(mesh_.points(t)[next_corner(c)]) != 0 &&
+           mesh_.locks_at_point(mesh_.points(t)[previous_corner(c)]) != 0;
+  }
+
+  // Splits a fixed edge at the foot of a point of another lip that faces it across a narrow gap: halving it instead
+  // would make each new point call for one on the other side, and so on down to the width of the gap.
+  bool split_opposite(const Edge& edge) {
+    const PointId facing = mesh_.points(edge.triangle)[edge.corner];
+    const LatticePoint& at = mesh_.at(facing);
+    const LatticePoint& a = mesh_.at(mesh_.points(edge.triangle)[next_corner(edge.corner)]);
+    const LatticePoint& b = mesh_.at(mesh_.points(edge.triangle)[previous_corner(edge.corner)]);
+    if (mesh_.locks_at_point(facing) == 0 || distance_to_segment(at, a, b) >= config_.narrow_gap) return false;
+    const LatticePoint foot = mesh::rounded_projection(a, b, at);
+    const double nearest_end = std::min(difference(a, foot).norm(), difference(foot, b).norm());
+    if (nearest_end < config_.narrow_gap) return false;
+    const PointId added = editor_.split_edge(edge.triangle, edge.corner, foot);
+    if (added == kNone) return false;
+    settle(added);
+    return true;
+  }
+
   // Splits a fixed edge in its middle, or on a shell around a sharp corner at one of its ends.
   bool split(const Edge& edge) {
     const PointId a = mesh_.points(edge.triangle)[next_corner(edge.corner)];
@@ -222,6 +287,8 @@ class Refinement {
   RefinementCounts counts_;
   std::priority_queue<Pending> queue_;
   std::int64_t order_ = 0;
+  bool spares_gaps_ = true;  // until everything else is done
+  std::vector<Gap> gaps_;    // ill-shaped triangles spared
   std::vector<TriangleId> cavity_;
   std::vector<TriangleId> fan_;
 };
