@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include "server/base/random.h"
+#include "server/fem/model.h"
+#include "server/mesh/grid_mesh.h"
+#include "server/mesh/mesh_import.h"
+#include "server/mesh/triangle_mesh.h"
+
+namespace kerf::fem {
+
+// n x n vertices on a square of `size` m.
+inline mesh::TriangleMesh square_grid(int n, double size = 1.0) {
+  return mesh::make_grid({.num_x = n, .num_y = n, .width = size, .height = size}).value();
+}
+
+inline mesh::TriangleMesh jittered_square(int n, double size = 1.0, std::uint64_t seed = 1) {
+  return mesh::make_jittered_grid({.num_x = n, .num_y = n, .width = size, .height = size}, seed).value();
+}
+
+// Flat in the plane z = 0, at rest.
+inline State rest_state(const mesh::TriangleMesh& mesh) {
+  State state;
+  state.x.setZero(3, mesh.num_vertices());
+  state.v.setZero(3, mesh.num_vertices());
+  for (int i = 0; i < mesh.num_vertices(); ++i) state.x.col(i).head<2>() = mesh.rest_position(i);
+  return state;
+}
+
+inline Eigen::Vector3d random_vector(SeededRandom& random, double size) {
+  const double a = random.uniform(-size, size);
+  const double b = random.uniform(-size, size);
+  const double c = random.uniform(-size, size);
+  return {a, b, c};
+}
+
+inline Eigen::Matrix3Xd random_field(SeededRandom& random, Eigen::Index n, double size) {
+  Eigen::Matrix3Xd field(3, n);
+  for (Eigen::Index i = 0; i < n; ++i) field.col(i) = random_vector(random, size);
+  return field;
+}
+
+inline Eigen::Matrix3d random_rotation(SeededRandom& random) {
+  const Eigen::Vector3d axis = random_vector(random, 1.0).normalized();
+  return Eigen::AngleAxisd(random.uniform(0.5, 3.0), axis).toRotationMatrix();
+}
+
+// E1 over 5 E2, soft in shear, fibres at 0.4 rad.
+inline Material orthotropic_cloth() {
+  Material m = isotropic(1.0e6, 0.3, 1.0e-3, 300.0);
+  m.youngs_modulus_2 = 1.8e5;
+  m.shear_modulus = 3.0e4;
+  m.direction = 0.4;
+  return m;
+}
+
+}  // namespace kerf::fem
