@@ -1,0 +1,170 @@
+#include <cinttypes>
+#include <cstdio>
+#include <functional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "server/sheet/recording.h"
+#include "server/sheet/sheet.h"
+#include "tests/support/scenes.h"
+
+// State hashes that must come out of every build of the same sources: any optimisation level, any number of threads
+// around it, on any x86-64 machine. A change of the numbers in mesh, cut, fem or contact changes them: then look at
+// what moved, and put the printed values here.
+namespace kerf::sheet {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+struct Golden {
+  std::string scene;
+  std::function<SheetConfig()> config;
+  int ticks;
+  std::uint64_t hash;
+};
+
+SheetConfig stiff_implicit() {
+  SheetConfig config = scenes::hanging_with_three_cuts(14);
+  config.material = fem::find_preset("wool").value();
+  config.integrator.kind = IntegratorKind::kImplicitEuler;
+  return config;
+}
+
+SheetConfig pulled_in_the_wind() {
+  SheetConfig config = scenes::hanging(16);
+  std::get<GridSource>(config.mesh).pattern = GridPattern::kJitteredDelaunay;
+  std::get<GridSource>(config.mesh).seed = 7;
+  config.pins = {PinEdge::kTopCorners};
+  config.wind = {Vector3d(2.0, 5.0, 0.0), 1.2, 1.0};
+  config.commands = {{1, Grab{"hand", Vector2d(0.52, 0.33), std::nullopt, 0.0}},
+                     {5, Drag{"hand", Vector3d(0.5, 0.4, 0.5)}},
+                     {10, scenes::line_cut({0.45, 0.5}, {0.6, 0.1})},
+                     {20, Release{"hand"}}};
+  return config;
+}
+
+SheetConfig cut_over_sphere() {
+  SheetConfig config = scenes::draped_over_sphere(20);
+  config.commands = {{40, scenes::line_cut({-0.1, 0.5}, {0.7, 0.55})}};
+  return config;
+}
+
+const Golden kGolden[] = {
+    {"hanging 50x50, three cuts", [] { return scenes::hanging_with_three_cuts(50); }, 45, 0x0},
+    {"stiff, implicit, three cuts", stiff_implicit, 40, 0x0},
+    {"pulled in the wind", pulled_in_the_wind, 40, 0x0},
+    {"cut over a sphere", cut_over_sphere, 60, 0x0},
+};
+
+Sheet make(SheetConfig config) {
+  Result<Sheet> created = Sheet::create(std::move(config));
+  if (!created) ADD_FAILURE() << created.error().message;
+  return std::move(created).value();
+}
+
+TEST(Golden, HashesAreThoseWrittenDown) {
+  for (const Golden& golden : kGolden) {
+    Sheet sheet = make(golden.config());
+    for (int i = 0; i < golden.ticks; ++i) {
+      const TickReport report = sheet.step({});
+      for (const ScheduledReply& scheduled : report.scheduled) EXPECT_TRUE(scheduled.reply.ok()) << golden.scene;
+      EXPECT_FALSE(report.step_failed) << golden.scene;
+    }
+    std::printf("%s, %d ticks: 0x%016" PRIx64 "\n", golden.scene.c_str(), golden.ticks, sheet.state_hash());
+    EXPECT_EQ(sheet.state_hash(), golden.hash) << golden.scene;
+  }
+}
+
+TEST(Golden, TwoRunsAgreeAtEveryTick) {
+  for (const auto& config : {pulled_in_the_wind(), cut_over_sphere()}) {
+    Sheet first = make(config);
+    Sheet second = make(config);
+    for (int i = 0; i < 50; ++i) {
+      first.step({});
+      second.step({});
+      ASSERT_EQ(first.state_hash(), second.state_hash()) << "tick " << first.tick();
+    }
+  }
+}
+
+TEST(Golden, ACopyContinuesWithEqualHashes) {
+  for (const Golden& golden : kGolden) {
+    Sheet original = make(golden.config());
+    for (int i = 0; i < 15; ++i) original.step({});
+    Sheet copy = original;
+    ASSERT_EQ(copy.state_hash(), original.state_hash());
+    const std::vector<Command> cut{scenes::bezier_cut({0.1, 0.6}, {0.3, 0.4}, {0.5, 0.7}, {0.7, 0.6})};
+    original.step(cut);
+    copy.step(cut);
+    for (int i = 0; i < 15; ++i) {
+      original.step({});
+      copy.step({});
+      ASSERT_EQ(copy.state_hash(), original.state_hash()) << golden.scene << " tick " << copy.tick();
+    }
+  }
+}
+
+// A run with commands of every kind, some while time stands still.
+Recording record() {
+  Recorder recorder;
+  SheetConfig config = pulled_in_the_wind();
+  recorder.start(config);
+  Sheet sheet = make(config);
+  const auto note = [&](std::vector<Command> commands, bool advance) {
+    const TickReport report = advance ? sheet.step(commands) : sheet.apply(commands);
+    recorder.append({report.tick, std::move(commands), sheet.state_hash()});
+  };
+  note({scenes::circle_cut({0.3, 0.6}, 0.1)}, false);
+  for (int i = 0; i < 12; ++i) note({}, true);
+  note({SetGravity{Vector3d(0, 0, -3)}, Drag{"nobody", Vector3d(0, 0, 0)}}, true);
+  note({SetPins{{PinEdge::kLeft}}, scenes::line_cut({0.2, -0.1}, {0.25, 1.1})}, false);
+  for (int i = 0; i < 12; ++i) note({}, true);
+  note({SetWind{{Vector3d(0, -3, 0), 1.2, 1.0}}, Grab{"second", 20, std::nullopt, 30.0}}, true);
+  for (int i = 0; i < 5; ++i) note({}, true);
+  note({Reset{}}, true);
+  for (int i = 0; i < 5; ++i) note({}, true);
+  return recorder.recording();
+}
+
+TEST(Recording, ReplaysBitForBit) {
+  const Recording recording = record();
+  const Result<ReplayReport> report = replay(recording);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_FALSE(report->divergence.has_value()) << "tick " << report->divergence->tick;
+  EXPECT_EQ(report->ticks, 37);
+}
+
+TEST(Recording, NamesTheFirstTickThatDiffers) {
+  Recording recording = record();
+  recording.entries[9].state_hash ^= 1U;
+  recording.entries[20].state_hash ^= 1U;
+  const Result<ReplayReport> report = replay(recording);
+  ASSERT_TRUE(report);
+  ASSERT_TRUE(report->divergence.has_value());
+  EXPECT_EQ(report->divergence->entry, 9U);
+  EXPECT_EQ(report->divergence->tick, 9);
+  EXPECT_EQ(report->divergence->recorded_hash, recording.entries[9].state_hash);
+  EXPECT_EQ(report->divergence->replayed_hash, recording.entries[9].state_hash ^ 1U);
+}
+
+TEST(Recording, ACommandLeftOutDiverges) {
+  Recording recording = record();
+  recording.entries[13].commands.erase(recording.entries[13].commands.begin());
+  const Result<ReplayReport> report = replay(recording);
+  ASSERT_TRUE(report);
+  ASSERT_TRUE(report->divergence.has_value());
+  EXPECT_EQ(report->divergence->tick, 13);
+}
+
+TEST(Recording, RefusesTicksOutOfOrder) {
+  Recording recording = record();
+  recording.entries[5].tick = 40;
+  const Result<ReplayReport> report = replay(recording);
+  ASSERT_FALSE(report);
+  EXPECT_EQ(report.error().reason, "RECORDING_ORDER");
+}
+
+}  // namespace
+}  // namespace kerf::sheet

@@ -1,0 +1,415 @@
+#include "server/sheet/sheet.h"
+
+#include <cmath>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "server/base/random.h"
+#include "tests/support/scenes.h"
+
+namespace kerf::sheet {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+Sheet make(SheetConfig config) {
+  Result<Sheet> created = Sheet::create(std::move(config));
+  if (!created) ADD_FAILURE() << created.error().message;
+  return std::move(created).value();
+}
+
+void run(Sheet& sheet, int ticks) {
+  for (int i = 0; i < ticks; ++i) sheet.step({});
+}
+
+Result<CommandReply> apply(Sheet& sheet, Command command) {
+  const std::vector<Command> commands{std::move(command)};
+  TickReport report = sheet.apply(commands);
+  return std::move(report.replies.at(0));
+}
+
+std::string reason(const Result<CommandReply>& reply) {
+  return reply ? "done" : reply.error().reason;
+}
+
+TEST(Sheet, StartsAsConfigured) {
+  const Sheet sheet = make(scenes::hanging(10));
+  EXPECT_EQ(sheet.tick(), 0);
+  EXPECT_EQ(sheet.topology_version(), 1);
+  EXPECT_EQ(sheet.mesh().num_vertices(), 100);
+  EXPECT_EQ(sheet.mesh().num_solid_triangles(), 162);
+  EXPECT_DOUBLE_EQ(sheet.dt(), 1.0 / 60.0);
+  EXPECT_EQ(sheet.pinned_vertices(), (std::vector<mesh::VertexId>{90, 91, 92, 93, 94, 95, 96, 97, 98, 99}));
+  EXPECT_NEAR((sheet.state().x.col(99) - Vector3d(1.0, 0.0, 1.0)).norm(), 0.0, 1e-12);
+  EXPECT_FALSE(sheet.integrator_description().empty());
+}
+
+TEST(Sheet, FallsAsGalileiSaysWhenNothingHoldsIt) {
+  SheetConfig config = scenes::hanging(8);
+  config.pins.clear();
+  config.material.mass_damping = 0.0;
+  Sheet sheet = make(config);
+  run(sheet, 30);
+  EXPECT_EQ(sheet.tick(), 30);
+  const double t = 0.5;
+  for (Eigen::Index i = 0; i < sheet.state().x.cols(); ++i) {
+    EXPECT_NEAR(sheet.state().v(2, i), -9.81 * t, 1e-6);
+    const double start = sheet.mesh().rest_position(static_cast<mesh::VertexId>(i)).y();
+    EXPECT_NEAR(sheet.state().x(2, i), start - 0.5 * 9.81 * t * t, 0.1);  // implicit Euler is first order
+  }
+}
+
+TEST(Sheet, PinsHoldBitForBit) {
+  Sheet sheet = make(scenes::hanging(10));
+  const Eigen::Matrix3Xd before = sheet.state().x;
+  run(sheet, 60);
+  for (const mesh::VertexId v : sheet.pinned_vertices()) {
+    EXPECT_EQ(Vector3d(sheet.state().x.col(v)), Vector3d(before.col(v)));
+    EXPECT_EQ(Vector3d(sheet.state().v.col(v)), Vector3d(0, 0, 0));
+  }
+  EXPECT_LT(sheet.state().x(2, 0), before(2, 0));
+}
+
+TEST(Sheet, SetPinsHoldsVerticesWhereTheyAre) {
+  Sheet sheet = make(scenes::hanging(10));
+  run(sheet, 20);
+  const Vector3d there = sheet.state().x.col(4);
+  ASSERT_TRUE(apply(sheet, SetPins{{std::vector<mesh::VertexId>{4, 7, 4}}}));
+  EXPECT_EQ(sheet.pinned_vertices(), (std::vector<mesh::VertexId>{4, 7}));
+  EXPECT_EQ(sheet.settings_version(), 1);
+  run(sheet, 20);
+  EXPECT_EQ(Vector3d(sheet.state().x.col(4)), there);
+  EXPECT_GT((sheet.state().x.col(99) - Vector3d(1.0, 0.0, 1.0)).norm(), 1e-3);  // let go
+  ASSERT_TRUE(apply(sheet, SetPins{}));
+  EXPECT_TRUE(sheet.pinned_vertices().empty());
+}
+
+TEST(Sheet, PinRegionsNameTheRightVertices) {
+  SheetConfig config = scenes::hanging(5);
+  config.pins = {PinEdge::kCorners};
+  EXPECT_EQ(make(config).pinned_vertices(), (std::vector<mesh::VertexId>{0, 4, 20, 24}));
+  config.pins = {PinEdge::kTopCorners};
+  EXPECT_EQ(make(config).pinned_vertices(), (std::vector<mesh::VertexId>{20, 24}));
+  config.pins = {PinEdge::kLeft, PinEdge::kBottom};
+  EXPECT_EQ(make(config).pinned_vertices(), (std::vector<mesh::VertexId>{0, 1, 2, 3, 4, 5, 10, 15, 20}));
+  config.pins = {PinEdge::kRight};
+  EXPECT_EQ(make(config).pinned_vertices(), (std::vector<mesh::VertexId>{4, 9, 14, 19, 24}));
+  config.pins = {MaterialBox{{0.2, 0.2}, {0.5, 0.3}}};
+  EXPECT_EQ(make(config).pinned_vertices(), (std::vector<mesh::VertexId>{6, 7}));
+}
+
+TEST(Sheet, ACutOnAPausedSheetIsDoneWithoutTime) {
+  Sheet sheet = make(scenes::hanging(12));
+  run(sheet, 5);
+  const std::int32_t vertices = sheet.mesh().num_vertices();
+  const Result<CommandReply> reply = apply(sheet, scenes::line_cut({-0.5, 0.55}, {1.5, 0.45}));
+  ASSERT_TRUE(reply) << reply.error().message;
+  EXPECT_EQ(reply->tick, 5);
+  EXPECT_EQ(sheet.tick(), 5);
+  EXPECT_EQ(reply->topology_version, 2);
+  ASSERT_TRUE(reply->cut.has_value());
+  EXPECT_EQ(reply->cut->status, cut::CutStatus::kApplied);
+  EXPECT_EQ(reply->cut->report.pieces, 2);
+  EXPECT_EQ(reply->cut->report.new_vertices, sheet.mesh().num_vertices() - vertices);
+  EXPECT_EQ(reply->state_hash, sheet.state_hash());
+  EXPECT_EQ(sheet.mesh().find_violation(), std::nullopt);
+  EXPECT_EQ(sheet.num_cuts(), 1);
+  run(sheet, 30);
+  EXPECT_TRUE(sheet.state().x.allFinite());
+  EXPECT_LT(sheet.state().x(2, 0), -0.5);  // the lower piece falls
+}
+
+TEST(Sheet, AMissChangesNothingAndSaysSo) {
+  Sheet sheet = make(scenes::hanging(8));
+  const std::uint64_t hash = sheet.state_hash();
+  const Result<CommandReply> reply = apply(sheet, scenes::line_cut({2.0, 0.0}, {3.0, 1.0}));
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(reply->cut->status, cut::CutStatus::kNoIntersection);
+  EXPECT_EQ(reply->cut->report.pieces, 1);
+  EXPECT_EQ(sheet.state_hash(), hash);
+  EXPECT_EQ(sheet.topology_version(), 1);
+}
+
+TEST(Sheet, ARefusedCommandChangesNothing) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  Sheet sheet = make(scenes::hanging(10));
+  run(sheet, 3);
+  ASSERT_TRUE(apply(sheet, Grab{"a", 0, Vector3d(0.0, 0.0, 0.0), 0.0}));
+  const std::uint64_t hash = sheet.state_hash();
+  Cut tight = scenes::line_cut({-0.5, 0.5}, {1.5, 0.5});
+  tight.max_new_triangles = 1;
+  EXPECT_EQ(reason(apply(sheet, tight)), "CUT_ELEMENT_BUDGET");
+  EXPECT_EQ(reason(apply(sheet, scenes::line_cut({nan, 0.5}, {1.5, 0.5}))), "CURVE_NOT_FINITE");
+  EXPECT_EQ(reason(apply(sheet, scenes::circle_cut({0.5, 0.5}, -1.0))), "RADIUS_NOT_POSITIVE");
+  EXPECT_EQ(reason(apply(sheet, Grab{"a", 1, std::nullopt, 0.0})), "GRAB_EXISTS");
+  EXPECT_EQ(reason(apply(sheet, Grab{"", 1, std::nullopt, 0.0})), "EMPTY");
+  EXPECT_EQ(reason(apply(sheet, Grab{std::string(64, 'x'), 1, std::nullopt, 0.0})), "TOO_MANY");
+  EXPECT_EQ(reason(apply(sheet, Grab{"b", 100, std::nullopt, 0.0})), "UNKNOWN_VERTEX");
+  EXPECT_EQ(reason(apply(sheet, Grab{"b", -1, std::nullopt, 0.0})), "UNKNOWN_VERTEX");
+  EXPECT_EQ(reason(apply(sheet, Grab{"b", Vector2d(1.5, 0.5), std::nullopt, 0.0})), "POINT_OUTSIDE");
+  EXPECT_EQ(reason(apply(sheet, Grab{"b", Vector2d(9e3, 9e3), std::nullopt, 0.0})), "POINT_OUTSIDE");
+  EXPECT_EQ(reason(apply(sheet, Grab{"b", 1, Vector3d(0.0, nan, 0.0), 0.0})), "NOT_FINITE");
+  EXPECT_EQ(reason(apply(sheet, Grab{"b", 1, std::nullopt, 2e6})), "OUT_OF_RANGE");
+  EXPECT_EQ(reason(apply(sheet, Drag{"b", Vector3d(0, 0, 0)})), "GRAB_NOT_FOUND");
+  EXPECT_EQ(reason(apply(sheet, Drag{"a", Vector3d(nan, 0, 0)})), "NOT_FINITE");
+  EXPECT_EQ(reason(apply(sheet, Drag{"a", Vector3d(0, 1.1e6, 0)})), "OUT_OF_RANGE");
+  EXPECT_EQ(reason(apply(sheet, Release{"b"})), "GRAB_NOT_FOUND");
+  EXPECT_EQ(reason(apply(sheet, SetPins{{std::vector<mesh::VertexId>{0, 100}}})), "UNKNOWN_VERTEX");
+  EXPECT_EQ(reason(apply(sheet, SetPins{{MaterialBox{{0, 0}, {-1, 1}}}})), "BOX_INVERTED");
+  EXPECT_EQ(reason(apply(sheet, SetPins{std::vector<PinRegion>(65, PinEdge::kTop)})), "TOO_MANY");
+  EXPECT_EQ(reason(apply(sheet, SetGravity{Vector3d(0, 0, nan)})), "NOT_FINITE");
+  EXPECT_EQ(reason(apply(sheet, SetGravity{Vector3d(0, 9e3, 9e3)})), "OUT_OF_RANGE");
+  EXPECT_EQ(reason(apply(sheet, SetWind{{Vector3d(0, 0, 1001), 1.2, 1.0}})), "OUT_OF_RANGE");
+  EXPECT_EQ(reason(apply(sheet, SetWind{{Vector3d(0, 0, 0), -1.0, 1.0}})), "OUT_OF_RANGE");
+  EXPECT_EQ(sheet.state_hash(), hash);
+  EXPECT_EQ(sheet.topology_version(), 1);
+}
+
+TEST(Sheet, RefusalsNameTheField) {
+  Sheet sheet = make(scenes::hanging(5));
+  EXPECT_EQ(apply(sheet, Grab{"b", Vector2d(1.5, 0.5), std::nullopt, 0.0}).error().field, "grab.material");
+  EXPECT_EQ(apply(sheet, SetPins{{PinEdge::kTop, std::vector<mesh::VertexId>{0, 25}}}).error().field,
+            "set_pins.pins[1].vertices.vertices[1]");
+  Cut cut = scenes::line_cut({0, 0}, {1, 1});
+  cut.tolerance = 0.6;
+  EXPECT_EQ(apply(sheet, cut).error().field, "cut.tolerance");
+  EXPECT_EQ(apply(sheet, SetWind{{Vector3d(0, 0, 0), 1.0, 11.0}}).error().field, "set_wind.wind.drag_coefficient");
+}
+
+TEST(Sheet, BothCopiesOfASplitPinnedVertexArePinned) {
+  SheetConfig config = scenes::hanging(9);
+  Sheet sheet = make(config);
+  const std::size_t pinned_before = sheet.pinned_vertices().size();
+  // Down along the column x = 0.5, through the pinned vertex (0.5, 1), and through the middle of a pinned edge.
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.5, 1.2}, {0.5, 0.6})));
+  EXPECT_EQ(sheet.pinned_vertices().size(), pinned_before + 1);
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.1875, 1.2}, {0.1875, 0.6})));
+  EXPECT_EQ(sheet.pinned_vertices().size(), pinned_before + 3);
+  const Eigen::Matrix3Xd before = sheet.state().x;
+  run(sheet, 30);
+  for (const mesh::VertexId v : sheet.pinned_vertices()) {
+    EXPECT_DOUBLE_EQ(sheet.mesh().rest_position(v).y(), 1.0);
+    EXPECT_EQ(Vector3d(sheet.state().x.col(v)), Vector3d(before.col(v)));
+  }
+}
+
+TEST(Sheet, AGrabPullsItsPointToTheTarget) {
+  Sheet sheet = make(scenes::hanging(10));
+  ASSERT_TRUE(apply(sheet, Grab{"hand", 4, std::nullopt, 0.0}));
+  const Vector3d start = sheet.state().x.col(4);
+  EXPECT_EQ(sheet.grabs().at(0).target, start);
+  const Vector3d goal = start + Vector3d(0.0, 0.2, 0.1);
+  for (int i = 1; i <= 40; ++i) {
+    const std::vector<Command> drag{Drag{"hand", start + std::min(1.0, i / 30.0) * (goal - start)}};
+    ASSERT_TRUE(sheet.step(drag).replies.at(0));
+  }
+  run(sheet, 60);
+  EXPECT_LT((sheet.state().x.col(4) - goal).norm(), 0.03);
+  ASSERT_TRUE(apply(sheet, Release{"hand"}));
+  EXPECT_TRUE(sheet.grabs().empty());
+}
+
+TEST(Sheet, AGrabbedMaterialPointStaysTheSameThroughCuts) {
+  Sheet sheet = make(scenes::hanging(10));
+  run(sheet, 10);
+  const Vector2d held(0.47, 0.31);
+  ASSERT_TRUE(apply(sheet, Grab{"hand", held, std::nullopt, 50.0}));
+  const auto material_of = [&](const GrabState& grab) {
+    Vector2d at = Vector2d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      at += grab.weights[k] * sheet.mesh().rest_position(grab.vertices[static_cast<std::size_t>(k)]);
+    }
+    return at;
+  };
+  EXPECT_NEAR((material_of(sheet.grabs()[0]) - held).norm(), 0.0, 1e-9);
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.3, 0.33}, {0.7, 0.3})));
+  EXPECT_NEAR((material_of(sheet.grabs()[0]) - held).norm(), 0.0, 1e-9);
+  EXPECT_NEAR(sheet.grabs()[0].weights.sum(), 1.0, 1e-12);
+  run(sheet, 10);
+  EXPECT_TRUE(sheet.state().x.allFinite());
+}
+
+TEST(Sheet, AllowsAtMost64Grabs) {
+  Sheet sheet = make(scenes::hanging(10));
+  for (int i = 0; i < 64; ++i) ASSERT_TRUE(apply(sheet, Grab{std::to_string(i), i, std::nullopt, 1.0}));
+  const Result<CommandReply> reply = apply(sheet, Grab{"64", 64, std::nullopt, 1.0});
+  ASSERT_FALSE(reply);
+  EXPECT_EQ(reply.error().code, ErrorCode::kResourceExhausted);
+}
+
+TEST(Sheet, AViolentGrabNeverMakesItNotFinite) {
+  Sheet sheet = make(scenes::hanging(10));
+  ASSERT_TRUE(apply(sheet, Grab{"a", 3, Vector3d(1e5, -1e5, 1e5), 1e6}));
+  ASSERT_TRUE(apply(sheet, SetGravity{Vector3d(0, 0, 9e3)}));
+  ASSERT_TRUE(apply(sheet, SetWind{{Vector3d(1000, 0, 0), 100.0, 10.0}}));
+  for (int i = 0; i < 30; ++i) {
+    const TickReport report = sheet.step({});
+    EXPECT_TRUE(sheet.state().x.allFinite() && sheet.state().v.allFinite());
+    if (report.frozen) break;
+  }
+}
+
+TEST(Sheet, ScheduledCommandsComeAtTheirTickBeforeOthersAndInOrder) {
+  SheetConfig config = scenes::hanging(8);
+  config.commands = {
+      {4, SetGravity{Vector3d(0, 0, -4)}}, {2, SetGravity{Vector3d(0, 0, -1)}}, {2, SetGravity{Vector3d(0, 0, -2)}}};
+  Sheet sheet = make(config);
+  run(sheet, 1);
+  EXPECT_EQ(sheet.gravity().z(), -9.81);
+  EXPECT_TRUE(sheet.apply({}).scheduled.empty());
+  const TickReport second = sheet.step({});
+  ASSERT_EQ(second.scheduled.size(), 2U);
+  EXPECT_EQ(second.scheduled[0].index, 1U);
+  EXPECT_EQ(second.scheduled[1].index, 2U);
+  EXPECT_EQ(second.scheduled[1].reply->tick, 2);
+  EXPECT_EQ(sheet.gravity().z(), -2.0);
+  run(sheet, 1);
+  const std::vector<Command> outside{SetGravity{Vector3d(0, 0, -5)}};
+  sheet.step(outside);
+  EXPECT_EQ(sheet.gravity().z(), -5.0);  // the scheduled one came first
+}
+
+TEST(Sheet, ResetGoesBackToTheStartAndTimeGoesOn) {
+  SheetConfig config = scenes::hanging_with_three_cuts(10);
+  Sheet sheet = make(config);
+  const std::uint64_t start = sheet.shape_hash();
+  run(sheet, 35);
+  ASSERT_TRUE(apply(sheet, Grab{"a", 5, std::nullopt, 0.0}));
+  ASSERT_TRUE(apply(sheet, SetGravity{Vector3d(0, 1, 0)}));
+  EXPECT_EQ(sheet.mesh().num_pieces(), 3);
+  const std::int32_t version = sheet.topology_version();
+  const Result<CommandReply> reply = apply(sheet, Reset{});
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(sheet.shape_hash(), start);
+  EXPECT_EQ(sheet.tick(), 35);
+  EXPECT_EQ(sheet.topology_version(), version + 1);
+  EXPECT_EQ(sheet.mesh().num_pieces(), 1);
+  run(sheet, 40);
+  EXPECT_EQ(sheet.mesh().num_pieces(), 1);  // scheduled cuts are not repeated
+  // From the reset on it does what a fresh sheet does.
+  SheetConfig plain = config;
+  plain.commands.clear();
+  Sheet fresh = make(plain);
+  run(fresh, 40);
+  EXPECT_EQ(sheet.shape_hash(), fresh.shape_hash());
+}
+
+TEST(Sheet, DrapesOverASphereWithoutGoingIn) {
+  Sheet sheet = make(scenes::draped_over_sphere(20));
+  double deepest = 0.0;
+  const double keep = 0.3 + 0.5 * sheet.config().material.thickness;
+  for (int tick = 0; tick < 120; ++tick) {
+    sheet.step({});
+    for (Eigen::Index i = 0; i < sheet.state().x.cols(); ++i) {
+      deepest = std::max(deepest, keep - sheet.state().x.col(i).norm());
+    }
+  }
+  EXPECT_LT(deepest, 1e-5);
+  EXPECT_GT(sheet.contact_phases(), 119);
+  EXPECT_LT(sheet.state().x(2, 0), 0.1);  // the corner hangs
+  EXPECT_TRUE(sheet.state().x.allFinite());
+}
+
+TEST(Sheet, WithoutCollidersNoContactPhaseRuns) {
+  Sheet sheet = make(scenes::hanging(8));
+  run(sheet, 10);
+  EXPECT_EQ(sheet.contact_phases(), 0);
+}
+
+TEST(Sheet, ComesToRestOnAFloorAndIsWokenByACommand) {
+  Sheet sheet = make(scenes::lying_on_floor(8));
+  int ticks = 0;
+  while (!sheet.step({}).at_rest && ticks < 600) ++ticks;
+  EXPECT_TRUE(sheet.at_rest());
+  EXPECT_GE(ticks, Sheet::kRestTicks - 1);
+  EXPECT_LT(ticks, 600);
+  ASSERT_TRUE(apply(sheet, Grab{"a", 0, std::nullopt, 0.0}));
+  EXPECT_FALSE(sheet.at_rest());
+  run(sheet, 100);
+  EXPECT_FALSE(sheet.at_rest());  // held: a hand may pull any moment
+  ASSERT_TRUE(apply(sheet, Release{"a"}));
+  run(sheet, 100);
+  EXPECT_TRUE(sheet.at_rest());
+  EXPECT_FALSE(make(scenes::hanging(8)).at_rest());
+}
+
+TEST(Sheet, IsNotAtRestWhileAScheduledCommandIsToCome) {
+  SheetConfig config = scenes::lying_on_floor(5);
+  config.commands = {{500, SetGravity{Vector3d(0, 0, -1)}}};
+  Sheet sheet = make(config);
+  run(sheet, 300);
+  EXPECT_FALSE(sheet.at_rest());
+}
+
+TEST(Snapshot, SharesTheTopologyUntilItChanges) {
+  Sheet sheet = make(scenes::hanging(10));
+  const auto first = sheet.snapshot();
+  sheet.step({});
+  const auto second = sheet.snapshot();
+  EXPECT_EQ(first->topology, second->topology);
+  EXPECT_EQ(second->tick, 1);
+  EXPECT_NE(first->positions, second->positions);
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.3, 0.5}, {0.7, 0.5})));
+  const auto third = sheet.snapshot();
+  EXPECT_NE(second->topology, third->topology);
+  EXPECT_EQ(third->topology->version, 2);
+  EXPECT_EQ(third->positions.cols(), sheet.mesh().num_vertices());
+  EXPECT_EQ(third->topology->material_positions.cols(), sheet.mesh().num_vertices());
+}
+
+// What a viewer has, brought up to date slot by slot from versions alone.
+struct Mirror {
+  std::int32_t version = 0;
+  std::vector<std::array<mesh::VertexId, 3>> triangles;
+  std::vector<std::int32_t> pieces;
+  Eigen::Matrix2Xd material;
+
+  void follow(const Topology& topology) {
+    const bool full = version < topology.patchable_since;
+    triangles.resize(topology.triangles.size(), {-9, -9, -9});
+    pieces.resize(topology.pieces.size(), -9);
+    material.conservativeResize(2, topology.material_positions.cols());
+    for (std::size_t s = 0; s < triangles.size(); ++s) {
+      if (!full && topology.slot_versions[s] <= version) continue;
+      triangles[s] = topology.triangles[s];
+      pieces[s] = topology.pieces[s];
+    }
+    for (Eigen::Index v = 0; v < material.cols(); ++v) {
+      if (!full && topology.vertex_versions[static_cast<std::size_t>(v)] <= version) continue;
+      material.col(v) = topology.material_positions.col(v);
+    }
+    version = topology.version;
+  }
+};
+
+TEST(Snapshot, PatchesByVersionLeadToTheSameTopologyFromAnyVersion) {
+  Sheet sheet = make(scenes::hanging(10));
+  std::vector<Mirror> mirrors;
+  SeededRandom random(17);
+  for (int round = 0; round < 14; ++round) {
+    Mirror joined;
+    joined.follow(*sheet.snapshot()->topology);
+    mirrors.push_back(joined);
+    if (round == 8) {
+      ASSERT_TRUE(apply(sheet, Reset{}));
+      continue;
+    }
+    const double x0 = random.uniform(-0.2, 1.2);
+    const double y0 = random.uniform(-0.2, 1.2);
+    const double x1 = random.uniform(-0.2, 1.2);
+    ASSERT_TRUE(apply(sheet, scenes::line_cut({x0, y0}, {x1, random.uniform(-0.2, 1.2)})));
+  }
+  const std::shared_ptr<const Snapshot> last = sheet.snapshot();
+  EXPECT_GT(last->topology->version, 10);
+  for (Mirror& mirror : mirrors) {
+    mirror.follow(*last->topology);
+    EXPECT_EQ(mirror.triangles, last->topology->triangles);
+    EXPECT_EQ(mirror.pieces, last->topology->pieces);
+    EXPECT_TRUE(mirror.material == last->topology->material_positions);
+  }
+}
+
+}  // namespace
+}  // namespace kerf::sheet

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "server/fem/material.h"
+#include "server/sheet/sheet_config.h"
+
+// Scenes that tests, benchmarks and the soak test share.
+namespace kerf::scenes {
+
+inline fem::Material demo_material() {
+  return fem::find_preset("demo").value();
+}
+
+// n x n vertices on 1 m x 1 m, hanging by its top edge in the x-z plane.
+inline sheet::SheetConfig hanging(std::int32_t n) {
+  sheet::SheetConfig config;
+  config.mesh = sheet::GridSource{n, n, 1.0, 1.0, sheet::GridPattern::kUniformDiagonals, 0};
+  config.material = demo_material();
+  config.pins = {sheet::PinEdge::kTop};
+  return config;
+}
+
+inline sheet::Cut bezier_cut(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
+                             const Eigen::Vector2d& d) {
+  sheet::Cut cut;
+  cut.curve = cut::CubicBezier{{a, b, c, d}};
+  return cut;
+}
+
+inline sheet::Cut line_cut(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  sheet::Cut cut;
+  cut.curve = cut::Polyline{{a, b}};
+  return cut;
+}
+
+inline sheet::Cut circle_cut(const Eigen::Vector2d& centre, double radius) {
+  sheet::Cut cut;
+  cut.curve = cut::Circle{centre, radius};
+  return cut;
+}
+
+// A Bezier slit inside, a punched circle, a line right through: 3 pieces in the end.
+inline std::vector<sheet::Cut> three_cuts() {
+  return {bezier_cut({0.2, 0.5}, {0.4, 0.8}, {0.6, 0.2}, {0.8, 0.5}), circle_cut({0.3, 0.3}, 0.1),
+          line_cut({-0.1, 0.85}, {1.1, 0.8})};
+}
+
+// hanging(n) with three_cuts() at ticks 10, 20 and 30.
+inline sheet::SheetConfig hanging_with_three_cuts(std::int32_t n) {
+  sheet::SheetConfig config = hanging(n);
+  std::int64_t tick = 10;
+  for (sheet::Cut& cut : three_cuts()) {
+    config.commands.push_back({tick, std::move(cut)});
+    tick += 10;
+  }
+  return config;
+}
+
+// A horizontal sheet of n x n vertices, 1 m x 1 m, 10 cm above a sphere of radius 0.3 m around the origin.
+inline sheet::SheetConfig draped_over_sphere(std::int32_t n) {
+  sheet::SheetConfig config = hanging(n);
+  config.placement.origin = {-0.5, -0.5, 0.4};
+  config.placement.y_axis = {0.0, 1.0, 0.0};
+  config.pins.clear();
+  config.colliders = {{contact::Sphere{{0.0, 0.0, 0.0}, 0.3}, 0.4}};
+  return config;
+}
+
+// A small sheet lying on a floor, at rest from the start but for settling.
+inline sheet::SheetConfig lying_on_floor(std::int32_t n) {
+  sheet::SheetConfig config = hanging(n);
+  config.placement.origin = {0.0, 0.0, 0.5 * config.material.thickness};
+  config.placement.y_axis = {0.0, 1.0, 0.0};
+  config.pins.clear();
+  config.colliders = {{contact::Plane{{0.0, 0.0, 0.0}, {0.0, 0.0, 1.0}}, 0.5}};
+  return config;
+}
+
+}  // namespace kerf::scenes
