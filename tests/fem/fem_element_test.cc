@@ -190,7 +190,7 @@ TYPED_TEST(ElementContract, StaysFiniteHoweverTheSheetIsCollapsed) {
   shapes.push_back(Eigen::Vector3d(-1.0, 1.0, 1.0).asDiagonal() * this->rest_);                   // mirrored
   shapes.push_back(1e-200 * this->rest_);
   shapes.push_back(1e6 * this->rest_);
-  shapes.push_back(Eigen::Vector3d(1.0, 1e-14, 1.0).asDiagonal() * this->rest_);                  // nearly a line
+  shapes.push_back(Eigen::Vector3d(1.0, 1e-14, 1.0).asDiagonal() * this->rest_);  // nearly a line
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     EXPECT_TRUE(std::isfinite(this->element_.energy(shapes[i]))) << i;
     EXPECT_TRUE(this->element_.forces(shapes[i]).allFinite()) << i;
@@ -289,9 +289,8 @@ TEST(BendingElement, SixPointsOnAConicGiveAFiniteStiffness) {
     hexagon[static_cast<std::size_t>(i)] = {std::cos(angle), std::sin(angle)};
   }
   const Eigen::Matrix3d D = bending_law(isotropic(1.0e6, 0.3, 1.0e-3, 300.0));
-  const std::array<double, 21> Q =
-      bending_stiffness({hexagon[0], hexagon[2], hexagon[4]}, {hexagon[3], hexagon[5], hexagon[1]},
-                        {true, true, true}, D);
+  const std::array<double, 21> Q = bending_stiffness({hexagon[0], hexagon[2], hexagon[4]},
+                                                     {hexagon[3], hexagon[5], hexagon[1]}, {true, true, true}, D);
   for (const double q : Q) {
     EXPECT_TRUE(std::isfinite(q));
     EXPECT_LT(std::abs(q), 1e3 * D(0, 0));

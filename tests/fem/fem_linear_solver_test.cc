@@ -1,0 +1,136 @@
+// The contract of every linear solver: the solution of a known system, an honest residual, refusal of what is not
+// positive definite.
+#include "server/fem/linear_solver.h"
+
+#include <Eigen/Cholesky>
+
+#include "tests/fem/fem_fixture.h"
+
+namespace kerf::fem {
+namespace {
+
+struct System {
+  BlockMatrix A;
+  Eigen::MatrixXd dense;
+};
+
+// M + scale K on a random planar pattern: the edges of a mesh, 3x3 blocks, positive definite by construction
+// (sum over edges of u u^T plus a positive diagonal).
+System random_system(int side, double scale, std::uint64_t seed) {
+  const mesh::TriangleMesh mesh = jittered_square(side);
+  const int n = mesh.num_vertices();
+  std::vector<std::vector<int>> columns(static_cast<std::size_t>(n));
+  std::vector<mesh::VertexId> ring;
+  for (int i = 0; i < n; ++i) {
+    mesh.one_ring(i, ring);
+    std::vector<int>& row = columns[static_cast<std::size_t>(i)];
+    row.assign(ring.begin(), ring.end());
+    row.push_back(i);
+    std::sort(row.begin(), row.end());
+  }
+  System system;
+  system.A.set_pattern(columns);
+  SeededRandom random(seed);
+  for (int i = 0; i < n; ++i) {
+    system.A.block(system.A.diagonal(i)).diagonal().array() += random.uniform(0.5, 2.0);
+    for (const int j : columns[static_cast<std::size_t>(i)]) {
+      if (j <= i) continue;
+      const Eigen::Vector3d u = random_vector(random, 1.0);
+      const Eigen::Vector3d w = random_vector(random, 1.0);
+      system.A.block(system.A.diagonal(i)) += scale * (u * u.transpose());
+      system.A.block(system.A.diagonal(j)) += scale * (w * w.transpose());
+      system.A.block(system.A.find(i, j)) += scale * (u * w.transpose());
+      system.A.block(system.A.find(j, i)) += scale * (w * u.transpose());
+    }
+  }
+  system.dense = Eigen::MatrixXd::Zero(3 * n, 3 * n);
+  for (int i = 0; i < n; ++i) {
+    for (int at = system.A.row_begin(i); at < system.A.row_begin(i + 1); ++at) {
+      system.dense.block<3, 3>(3 * i, 3 * system.A.column(at)) = system.A.block(at);
+    }
+  }
+  return system;
+}
+
+class LinearSolverContract : public testing::TestWithParam<LinearSolverKind> {
+ protected:
+  std::unique_ptr<LinearSolver> solver_ = make_linear_solver(GetParam(), 2000);
+};
+
+TEST_P(LinearSolverContract, FindsTheSolutionAndReportsTheTrueResidual) {
+  SeededRandom random(2);
+  for (const double scale : {0.0, 1.0, 1e4}) {
+    const System system = random_system(9, scale, 17);
+    solver_->analyse(system.A);
+    const Eigen::Matrix3Xd exact = random_field(random, system.A.num_rows(), 1.0);
+    Eigen::Matrix3Xd b(3, exact.cols());
+    b.reshaped() = system.dense * exact.reshaped();
+    Eigen::Matrix3Xd x = Eigen::Matrix3Xd::Zero(3, exact.cols());
+    const LinearStats stats = solver_->solve(system.A, b, 1e-12, x);
+    EXPECT_TRUE(stats.converged) << scale;
+    EXPECT_LT((x - exact).cwiseAbs().maxCoeff(), 1e-7) << scale;
+    const double residual = (b.reshaped() - system.dense * x.reshaped()).norm() / b.norm();
+    EXPECT_NEAR(stats.residual, residual, 1e-14);
+    EXPECT_LT(stats.residual, 2e-12);
+  }
+}
+
+TEST_P(LinearSolverContract, SolvesOneBlockAndAZeroRightHandSide) {
+  BlockMatrix A;
+  A.set_pattern({{0}});
+  A.block(0) = Eigen::Matrix3d{
+      {4.0, 1.0, 0.0},
+      {1.0, 3.0, 1.0},
+      {0.0, 1.0, 2.0},
+  };
+  solver_->analyse(A);
+  Eigen::Matrix3Xd x = Eigen::Matrix3Xd::Zero(3, 1);
+  EXPECT_TRUE(solver_->solve(A, Eigen::Vector3d(5.0, 5.0, 3.0), 1e-14, x).converged);
+  EXPECT_LT((x - Eigen::Vector3d(1.0, 1.0, 1.0)).norm(), 1e-14);
+  EXPECT_TRUE(solver_->solve(A, Eigen::Vector3d::Zero(), 1e-14, x).converged);
+  EXPECT_EQ(x.norm(), 0.0);
+}
+
+TEST_P(LinearSolverContract, SaysSoWhenTheMatrixIsNotPositiveDefinite) {
+  System system = random_system(5, 1.0, 3);
+  system.A.block(system.A.diagonal(7)) -= 50.0 * Eigen::Matrix3d::Identity();
+  solver_->analyse(system.A);
+  SeededRandom random(8);
+  const Eigen::Matrix3Xd b = random_field(random, system.A.num_rows(), 1.0);
+  Eigen::Matrix3Xd x = Eigen::Matrix3Xd::Zero(3, b.cols());
+  EXPECT_FALSE(solver_->solve(system.A, b, 1e-10, x).converged);
+}
+
+TEST_P(LinearSolverContract, RepeatsBitForBit) {
+  const System system = random_system(8, 100.0, 5);
+  SeededRandom random(6);
+  const Eigen::Matrix3Xd b = random_field(random, system.A.num_rows(), 1.0);
+  solver_->analyse(system.A);
+  Eigen::Matrix3Xd first = Eigen::Matrix3Xd::Zero(3, b.cols());
+  Eigen::Matrix3Xd second = first;
+  solver_->solve(system.A, b, 1e-6, first);
+  solver_->solve(system.A, b, 1e-6, second);
+  EXPECT_EQ(first, second);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LinearSolverContract,
+                         testing::Values(LinearSolverKind::kConjugateGradient, LinearSolverKind::kDirect),
+                         [](const testing::TestParamInfo<LinearSolverKind>& tested) {
+                           return tested.param == LinearSolverKind::kDirect ? "Direct" : "ConjugateGradient";
+                         });
+
+TEST(ConjugateGradient, StopsAtItsIterationLimitAndSaysSo) {
+  const System system = random_system(9, 1e4, 17);
+  const std::unique_ptr<LinearSolver> solver = make_linear_solver(LinearSolverKind::kConjugateGradient, 3);
+  solver->analyse(system.A);
+  SeededRandom random(2);
+  const Eigen::Matrix3Xd b = random_field(random, system.A.num_rows(), 1.0);
+  Eigen::Matrix3Xd x = Eigen::Matrix3Xd::Zero(3, b.cols());
+  const LinearStats stats = solver->solve(system.A, b, 1e-12, x);
+  EXPECT_FALSE(stats.converged);
+  EXPECT_EQ(stats.iterations, 3);
+  EXPECT_GT(stats.residual, 1e-12);
+}
+
+}  // namespace
+}  // namespace kerf::fem
