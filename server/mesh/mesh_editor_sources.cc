@@ -49,9 +49,12 @@ TriangleId MeshEditor::locate_in_old(const LatticePoint& p, TriangleId start) co
   return nearest;
 }
 
+// For points that are not on an old lock, so with material all around. The walk starts from the point's slot, not from
+// the vertex's: all vertices at a point get the same sources, and lips are equal bit for bit when they are born.
 VertexSource MeshEditor::interpolate(VertexId v) const {
-  const LatticePoint& p = mesh_.at(mesh_.point(v));
-  const TriangleRecord& record = old_record(locate_in_old(p, parent_of(mesh_.triangle_at(v))));
+  const PointRecord& point = mesh_.records().points[mesh_.point(v)];
+  const LatticePoint& p = point.at;
+  const TriangleRecord& record = old_record(locate_in_old(p, parent_of(point.triangle)));
   return {v, record.vertices,
           barycentric(old_at(record.points[0]), old_at(record.points[1]), old_at(record.points[2]), p)};
 }

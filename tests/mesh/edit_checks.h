@@ -1,0 +1,65 @@
+#pragma once
+
+// What must hold of any committed edit, told from the mesh before, the mesh after and the record alone.
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "server/mesh/mesh_edit.h"
+#include "server/mesh/triangle_mesh.h"
+
+namespace kerf::test {
+
+inline void expect_sources(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after,
+                           const std::vector<mesh::VertexSource>& sources) {
+  for (const mesh::VertexSource& source : sources) {
+    Eigen::Vector2d blended = Eigen::Vector2d::Zero();
+    double sum = 0.0;
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_GE(source.sources[k], 0);
+      ASSERT_LT(source.sources[k], before.num_vertices());
+      ASSERT_GE(source.weights[k], 0.0);
+      sum += source.weights[k];
+      blended += source.weights[k] * before.rest_position(source.sources[k]);
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-14);
+    const double size = before.bounding_box().sizes().maxCoeff();
+    EXPECT_LT((blended - after.rest_position(source.vertex)).norm(), 1e-12 * size) << "vertex " << source.vertex;
+  }
+}
+
+// Invariants, weights that give back rest positions, consecutive new ids, and a list of rewritten slots that, copied
+// into the mesh before, gives the mesh after.
+inline void expect_sound(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after,
+                         const mesh::MeshEdit& edit) {
+  ASSERT_EQ(after.find_violation(), std::nullopt);
+  ASSERT_EQ(static_cast<std::int32_t>(edit.added_vertices.size()), after.num_vertices() - before.num_vertices());
+  for (std::size_t i = 0; i < edit.added_vertices.size(); ++i) {
+    ASSERT_EQ(edit.added_vertices[i].vertex, before.num_vertices() + static_cast<std::int32_t>(i));
+  }
+  expect_sources(before, after, edit.added_vertices);
+  expect_sources(before, after, edit.moved_vertices);
+  const auto& rewritten = edit.rewritten_triangles;
+  ASSERT_TRUE(std::is_sorted(rewritten.begin(), rewritten.end()));
+  ASSERT_EQ(std::adjacent_find(rewritten.begin(), rewritten.end()), rewritten.end());
+  for (mesh::TriangleId t = 0; t < after.num_triangle_slots(); ++t) {
+    if (std::binary_search(rewritten.begin(), rewritten.end(), t)) continue;
+    ASSERT_LT(t, before.num_triangle_slots());
+    ASSERT_EQ(after.vertices(t), before.vertices(t));
+    ASSERT_EQ(after.region(t), before.region(t));
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_EQ(after.neighbour(t, k), before.neighbour(t, k));
+      if (after.is_solid(t)) {
+        ASSERT_EQ(after.rest_position(after.vertices(t)[k]), before.rest_position(before.vertices(t)[k]));
+      }
+    }
+  }
+  for (mesh::VertexId v = 0; v < before.num_vertices(); ++v) {
+    const bool is_listed = std::any_of(edit.moved_vertices.begin(), edit.moved_vertices.end(),
+                                       [v](const mesh::VertexSource& source) { return source.vertex == v; });
+    ASSERT_EQ(is_listed, before.rest_position(v) != after.rest_position(v)) << "vertex " << v;
+  }
+}
+
+}  // namespace kerf::test
