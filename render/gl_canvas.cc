@@ -173,11 +173,8 @@ void GlCanvas::draw_shadow_map(const DrawList& list) const {
   glClear(GL_DEPTH_BUFFER_BIT);
   o.shadow.use();
   o.shadow.set("u_shadow_from_world", list.views.shadow_from_world);
-  glEnable(GL_POLYGON_OFFSET_FILL);
-  glPolygonOffset(2.0F, 4.0F);  // by slope: a surface at a grazing angle must not shade itself
   o.sheet_vertices.draw(list.sheet.size());
   o.solid_vertices.draw(list.solids.size());
-  glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
 void GlCanvas::set_surface_uniforms(const Program& program, const DrawList& list) const {

@@ -55,7 +55,8 @@ const vec2 kDisc[12] = vec2[](
     vec2(0.204, 0.000), vec2(-0.261, 0.239), vec2(0.040, -0.455), vec2(0.328, 0.429),
     vec2(-0.603, -0.107), vec2(0.571, -0.363), vec2(-0.191, 0.711), vec2(-0.361, -0.704));
 
-// The share of the key light that reaches a point, in [0, 1]; `n` points to the side the light falls on.
+// The share of the key light that reaches a point, in [0, 1]; `n` points to the side the light falls on. The point is
+// lifted by two and a half texels, or the shadow map's steps would show as stripes.
 float light_visibility(vec3 point, vec3 n) {
   if (!u_shadows) return 1.0;
   vec4 clip = u_shadow_from_world * vec4(point + 2.5 * u_shadow_texel_m * n, 1.0);

@@ -111,6 +111,16 @@ TEST_F(RenderPicture, ShowsTheOtherColourFromBehind) {
   }
 }
 
+TEST_F(RenderPicture, BothSidesAreLitAlike) {
+  const Sheet sheet = make_sheet(8, 0.0);
+  Scene scene = scene_of(sheet);
+  scene.style.texture = false;
+  scene.style.back = scene.style.front;
+  Camera behind = front_camera();
+  behind.eye = {0.0, 2.0, 0.0};
+  EXPECT_NEAR(brightness(pixel(draw(scene), 160, 120)), brightness(pixel(draw(scene, behind), 160, 120)), 3);
+}
+
 TEST_F(RenderPicture, ShadesByTheDirectionOfTheSurface) {
   // A strong bulge, untextured: the left half faces the light over the left shoulder, the right half turns away.
   const Sheet sheet = make_sheet(16, 0.4);
@@ -229,11 +239,11 @@ TEST_F(RenderPicture, ARotatedBoxIsWhereItsCornersAre) {
 }
 
 TEST_F(RenderPicture, ASheetLyingOnASphereHidesIt) {
-  // Vertices 2 mm above the sphere; the middles of the triangles are below its surface.
+  // Vertices on the sphere; the middles of the triangles are below its surface.
   Sheet sheet = make_sheet(16, 0.0);
   for (std::int32_t v = 0; v < static_cast<std::int32_t>(sheet.positions.size() / 3); ++v) {
     const Vec3 from_above{vertex(sheet, v).x * 0.5, -0.5, vertex(sheet, v).z * 0.5};
-    const Vec3 on_sphere = 0.502 * normalized(from_above);
+    const Vec3 on_sphere = 0.5 * normalized(from_above);
     const std::size_t at = 3 * static_cast<std::size_t>(v);
     sheet.positions[at] = static_cast<float>(on_sphere.x);
     sheet.positions[at + 1] = static_cast<float>(on_sphere.y);
@@ -264,6 +274,20 @@ TEST_F(RenderPicture, ThingsCastShadowsOnTheGround) {
   Camera below = camera;
   below.eye = {0.0, -2.5, -1.5};
   EXPECT_EQ(pixel_at(draw(scene, below), below, in_light), kBackground) << "ground is seen from above only";
+}
+
+TEST_F(RenderPicture, ALitSurfaceDoesNotShadeItself) {
+  // Convex, so no part of it stands in another's light.
+  const Sheet sheet = make_sheet(32, 0.3);
+  const Camera camera = front_camera();
+  Scene scene = scene_of(sheet);
+  const Pixels with = draw(scene, camera, 640, 480);
+  scene.style.shadows = false;
+  const Pixels without = draw(scene, camera, 640, 480);
+  for (std::size_t t = 0; t < sheet.triangles.size() / 3; ++t) {
+    const int lit = brightness(pixel_at(without, camera, centroid(sheet, t)));
+    EXPECT_NEAR(brightness(pixel_at(with, camera, centroid(sheet, t))), lit, 10) << "triangle " << t;
+  }
 }
 
 TEST_F(RenderPicture, AnEmptySceneIsAllBackground) {
