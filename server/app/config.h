@@ -5,8 +5,10 @@
 #include <variant>
 #include <vector>
 
+#include "server/api/api.h"
 #include "server/base/result.h"
 #include "server/ws/access.h"
+#include "server/ws/http_server.h"
 
 namespace kerf::app {
 
@@ -20,6 +22,8 @@ struct Config {
   bool allow_remote = false;                  // may listen on other than loopback addresses
   std::vector<std::string> allowed_origins;   // web pages of other origins that may use this server
   std::filesystem::path record_dir;           // where recordings go; empty: none
+  api::Limits limits;                         // of requests and streams
+  ws::HttpOptions http_options;               // of HTTP connections; its access is replaced by allowed_origins
 };
 
 // What --help and --version print.

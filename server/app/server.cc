@@ -84,7 +84,7 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
   const Result<int> grpc = rpc->start(ws::format_endpoint(config.grpc.host, config.grpc.port));
   if (!grpc) return grpc.error();
   grpc_port = *grpc;
-  ws::HttpOptions options;
+  ws::HttpOptions options = config.http_options;
   options.access.allowed_origins = config.allowed_origins;
   http = std::make_unique<ws::HttpServer>(
       *api, std::move(viewer),
@@ -108,6 +108,7 @@ Status Server::Impl::start() {
   api::ApiOptions options;
   options.version = kVersion;
   options.instance_id = instance_id;
+  options.limits = config.limits;
   api = std::make_unique<api::Api>(*host, renderer.get(), options, clock);
   if (const Status listening = listen(std::move(viewer).value()); !listening) return listening.error();
   return resume_sheets(*sheets, *host);

@@ -65,6 +65,8 @@ std::optional<HttpResponse> unreadable(const boost::system::error_code& error) {
   return refusal(invalid_argument("MALFORMED_REQUEST", "not HTTP/1.1: " + error.message()));
 }
 
+// In coroutines here, co_await stands alone or initialises a variable, never within a condition or a larger expression:
+// g++ 12 resumes the wrong frame otherwise.
 class HttpConnection : public Connection, public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(ConnectionContext& context, asio::ip::tcp::socket socket)
@@ -110,25 +112,30 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   }
 
   asio::awaitable<void> serve() {
-    while (co_await serve_request()) {
-    }
+    bool more = true;
+    while (more) more = co_await serve_request();
   }
 
   // False if that was the last one of this connection.
   asio::awaitable<bool> serve_request() {
-    if (!co_await request_has_begun()) co_return false;
+    const bool begun = co_await request_has_begun();
+    if (!begun) co_return false;
     Parser parser;
     parser.header_limit(static_cast<std::uint32_t>(context_.options.max_header_bytes));
     parser.body_limit(context_.max_body_bytes);
     stream_.expires_after(context_.options.request_timeout);
     boost::system::error_code error;
     co_await http::async_read_header(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
-    if (!error && beast::websocket::is_upgrade(parser.get())) co_return co_await upgrade(parser.release());
-    if (!error && parser.get()[http::field::expect] == "100-continue") co_await invite_body();
-    if (!error) co_await http::async_read(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
+    if (!error && beast::websocket::is_upgrade(parser.get())) {
+      co_await upgrade(parser.release());
+      co_return false;
+    }
+    if (!error) {
+      if (parser.get()[http::field::expect] == "100-continue") co_await invite_body();
+      co_await http::async_read(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
+    }
     if (error) {
-      const std::optional<HttpResponse> response = unreadable(error);
-      if (response && co_await write(*response, {})) co_await discard_rest();
+      co_await refuse(error);
       co_return false;
     }
     Request message = parser.release();
@@ -136,7 +143,15 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     const HttpRequest request = to_request(message);
     const HttpResponse response = co_await answer(request);
     framing.keep_alive = framing.keep_alive && !finishing_;
-    co_return co_await write(response, framing) && framing.keep_alive;
+    const bool written = co_await write(response, framing);
+    co_return written && framing.keep_alive;
+  }
+
+  asio::awaitable<void> refuse(boost::system::error_code error) {
+    const std::optional<HttpResponse> response = unreadable(error);
+    if (!response) co_return;
+    const bool written = co_await write(*response, Framing());
+    if (written) co_await discard_rest();
   }
 
   asio::awaitable<bool> request_has_begun() {
@@ -153,18 +168,15 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     co_return !error;
   }
 
-  asio::awaitable<bool> upgrade(Request message) {
+  asio::awaitable<void> upgrade(Request message) {
     const std::string subprotocols = header(message, http::field::sec_websocket_protocol);
-    const unsigned version = message.version();
     const std::optional<HttpResponse> refused = context_.router.refuse_watch(to_request(message), subprotocols);
     if (refused) {
-      co_await write(*refused, {version, false, false});
-      co_return false;
+      co_await write(*refused, Framing());
+      co_return;
     }
     watch_ = std::make_shared<WatchStream>(context_, std::move(stream_));
-    if (finishing_) co_return false;
-    co_await watch_->run(message);
-    co_return false;
+    if (!finishing_) co_await watch_->run(message);
   }
 
   asio::awaitable<void> invite_body() {
@@ -193,15 +205,18 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     if (response.status >= 400) ++context_.failed_requests;
     const std::string_view content = response.body ? std::string_view(*response.body) : std::string_view();
     const auto status = static_cast<http::status>(response.status);
+    bool written = false;
     if (framing.head || response.status == 304) {
       http::response<http::empty_body> message{status, framing.version};
       if (framing.head) message.content_length(content.size());
-      co_return co_await write_message(message, response, framing);
+      written = co_await write_message(message, response, framing);
+    } else {
+      http::response<http::span_body<const char>> message{status, framing.version};
+      message.body() = beast::span<const char>(content.data(), content.size());
+      message.content_length(content.size());
+      written = co_await write_message(message, response, framing);
     }
-    http::response<http::span_body<const char>> message{status, framing.version};
-    message.body() = beast::span<const char>(content.data(), content.size());
-    message.content_length(content.size());
-    co_return co_await write_message(message, response, framing);
+    co_return written;
   }
 
   template <typename Body>

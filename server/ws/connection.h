@@ -20,7 +20,7 @@ struct ConnectionContext {
   const Router& router;
   const HttpOptions& options;
   std::size_t max_body_bytes = 0;
-  std::atomic<bool> stopping = false;
+  std::atomic<bool> draining = false;  // streams that end are told that the server goes away
 
   std::atomic<std::int64_t> requests = 0;
   std::atomic<std::int64_t> failed_requests = 0;

@@ -46,6 +46,7 @@ struct HttpServer::Impl {
   Result<int> start(const Endpoint& endpoint);
   void accept_next();
   void admit(tcp::socket socket);
+  void drain();
   void stop(std::chrono::milliseconds grace);
   HttpCounts counts() const;
 
@@ -124,11 +125,16 @@ void HttpServer::Impl::admit(tcp::socket socket) {
   });
 }
 
+void HttpServer::Impl::drain() {
+  context.draining = true;
+  router.drain();
+}
+
 void HttpServer::Impl::stop(std::chrono::milliseconds grace) {
   {
     std::unique_lock lock(mutex);
     if (std::exchange(stopped, true)) return;
-    context.stopping = true;
+    drain();
     asio::post(acceptor.get_executor(), [this] {
       boost::system::error_code ignored;
       acceptor.close(ignored);
@@ -162,7 +168,7 @@ HttpServer::~HttpServer() { stop(std::chrono::milliseconds(0)); }
 
 Result<int> HttpServer::start(const Endpoint& endpoint) { return impl_->start(endpoint); }
 
-void HttpServer::drain() { impl_->router.drain(); }
+void HttpServer::drain() { impl_->drain(); }
 
 void HttpServer::stop(std::chrono::milliseconds grace) { impl_->stop(grace); }
 

@@ -63,7 +63,8 @@ asio::awaitable<bool> WatchStream::accept(const Request& request) {
 
 asio::awaitable<void> WatchStream::run(const Request& request) {
   const std::shared_ptr<WatchStream> self = shared_from_this();
-  if (!co_await accept(request)) co_return;
+  const bool accepted = co_await accept(request);
+  if (!accepted) co_return;
   ++context_.watch_streams;
   ++context_.open_watch_streams;
   session_ = context_.api.watch();
@@ -142,7 +143,7 @@ websocket::close_reason WatchStream::closing_reason() const {
   if (const std::optional<Error> failure = session_->failure()) {
     return {websocket::close_code::policy_error, close_text(failure->reason + ": " + failure->message)};
   }
-  return context_.stopping ? websocket::close_code::going_away : websocket::close_code::normal;
+  return context_.draining ? websocket::close_code::going_away : websocket::close_code::normal;
 }
 
 }  // namespace kerf::ws
