@@ -1,72 +1,14 @@
 #include <gtest/gtest.h>
 
-#include <thread>
+#include "tests/render/render_fixture.h"
 
-#include "render/egl_context.h"
-#include "render/gl_canvas.h"
-#include "render/renderer.h"
-#include "tests/render/render_scenes.h"
-
+// What is in the pictures.
 namespace kerf::render {
 namespace {
 
-using testing::centroid;
-using testing::front_camera;
-using testing::make_sheet;
-using testing::pixel;
-using testing::pixel_at;
-using testing::Rgb;
-using testing::Sheet;
-using testing::Slit;
-using testing::vertex;
+using namespace testing;  // NOLINT(google-build-using-namespace)
 
-constexpr Rgb kBackground{237, 240, 245};  // Style's default, times 255
-
-int brightness(Rgb colour) {
-  return colour.red + colour.green + colour.blue;
-}
-bool is_front(Rgb colour) {
-  return colour.blue > colour.red + 15;
-}
-bool is_back(Rgb colour) {
-  return colour.red > colour.blue + 15;
-}
-
-class RenderPicture : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() { renderer_ = make_renderer().release(); }
-  static void TearDownTestSuite() { delete renderer_; }
-
-  void SetUp() override {
-    ASSERT_TRUE(renderer_->available()) << renderer_->description()
-                                        << "; install libegl-mesa0 and libgl1-mesa-dri, or configure KERF_RENDER=OFF";
-  }
-
-  static Pixels draw(const Scene& scene, const Camera& camera = front_camera(), int width = 320, int height = 240) {
-    Pixels pixels;
-    const Status status = renderer_->render(scene, camera, width, height, pixels);
-    EXPECT_TRUE(status.ok()) << status.reason << ": " << status.message << " " << status.field;
-    EXPECT_EQ(pixels.width, width);
-    EXPECT_EQ(pixels.height, height);
-    EXPECT_EQ(pixels.rgba.size(), static_cast<std::size_t>(4 * width * height));
-    return pixels;
-  }
-
-  static Renderer* renderer_;
-};
-
-Renderer* RenderPicture::renderer_ = nullptr;
-
-Scene scene_of(const Sheet& sheet) {
-  Scene scene;
-  scene.mesh = sheet.mesh();
-  return scene;
-}
-
-TEST_F(RenderPicture, DescribesTheDevice) {
-  EXPECT_NE(renderer_->description().find("OpenGL"), std::string::npos) << renderer_->description();
-  EXPECT_NE(renderer_->description().find("EGL"), std::string::npos) << renderer_->description();
-}
+using RenderPicture = RendererTest;
 
 TEST_F(RenderPicture, CoversExactlyWhereTheSheetIs) {
   const Sheet sheet = make_sheet(16, 0.2);
@@ -330,21 +272,6 @@ TEST_F(RenderPicture, AFittedCameraSeesAllOfIt) {
   }
 }
 
-TEST_F(RenderPicture, TheSameSceneGivesTheSameBytes) {
-  const Sheet sheet = make_sheet(16, 0.3, Slit::kOpen);
-  Scene scene = scene_of(sheet);
-  scene.colliders = {Sphere{{0.0, 0.3, 0.0}, 0.3}};
-  scene.ground = Plane{{0.0, 0.0, -0.6}, {0.0, 0.0, 1.0}};
-  scene.style.wireframe = true;
-  const Pixels first = draw(scene);
-  draw(scene, front_camera(), 64, 48);  // something else in between, so that the targets are made anew
-  EXPECT_EQ(first.rgba, draw(scene).rgba);
-  const std::unique_ptr<Renderer> other = make_renderer();
-  Pixels by_other;
-  ASSERT_TRUE(other->render(scene, front_camera(), 320, 240, by_other).ok());
-  EXPECT_EQ(first.rgba, by_other.rgba);
-}
-
 TEST_F(RenderPicture, WithoutAntialiasingEdgesAreHard) {
   const Sheet sheet = make_sheet(4, 0.0);
   Scene scene = scene_of(sheet);
@@ -365,82 +292,6 @@ TEST_F(RenderPicture, WithoutAntialiasingEdgesAreHard) {
   EXPECT_GT(colours_beyond(draw(scene, camera)), 100);
   scene.style.antialias = false;
   EXPECT_EQ(colours_beyond(draw(scene, camera)), 0);
-}
-
-// The later platforms stand in where the first is missing, so they must be able to.
-TEST_F(RenderPicture, EveryPlatformOfferedDrawsTheSheet) {
-  const std::vector<EglPlatform> platforms = egl_platforms();
-  ASSERT_FALSE(platforms.empty());
-  const Sheet sheet = make_sheet(8, 0.2);
-  const Scene scene = scene_of(sheet);
-  for (const EglPlatform& platform : platforms) {
-    std::thread([&] {  // a context belongs to one thread
-      std::unique_ptr<Canvas> canvas;
-      const Status made = make_gl_canvas(platform, canvas);
-      ASSERT_TRUE(made.ok()) << made.message;
-      EXPECT_EQ(canvas->description().rfind(platform.name, 0), 0U) << canvas->description();
-      Pixels pixels;
-      const Status drawn = canvas->draw(make_draw_list(scene, front_camera(), 320, 240), pixels);
-      ASSERT_TRUE(drawn.ok()) << drawn.message;
-      EXPECT_TRUE(is_front(pixel(pixels, 163, 125))) << platform.name;
-      EXPECT_EQ(pixel(pixels, 2, 2), kBackground) << platform.name;
-    })
-        .join();
-  }
-}
-
-TEST_F(RenderPicture, SizesAreLimited) {
-  const Sheet sheet = make_sheet(4, 0.0);
-  const Scene scene = scene_of(sheet);
-  for (const int side : {kMinImageSize, kMinImageSize + 1, kMaxImageSize - 1, kMaxImageSize}) {
-    draw(scene, front_camera(), side, kMinImageSize);
-    draw(scene, front_camera(), kMinImageSize, side);
-  }
-  Pixels pixels;
-  pixels.width = 7;
-  for (const int side : {kMinImageSize - 1, kMaxImageSize + 1, 0, -1}) {
-    const Status wide = renderer_->render(scene, front_camera(), side, 64, pixels);
-    EXPECT_EQ(wide.code, StatusCode::kInvalidArgument);
-    EXPECT_EQ(wide.reason, "SIZE_OUT_OF_RANGE");
-    EXPECT_EQ(wide.field, "width");
-    const Status high = renderer_->render(scene, front_camera(), 64, side, pixels);
-    EXPECT_EQ(high.reason, "SIZE_OUT_OF_RANGE");
-    EXPECT_EQ(high.field, "height");
-  }
-  EXPECT_EQ(pixels.width, 7) << "a refused call must leave the pixels as they were";
-}
-
-TEST_F(RenderPicture, RefusesASingularCamera) {
-  Camera camera = front_camera();
-  camera.target = camera.eye;
-  Pixels pixels;
-  const Status status = renderer_->render(Scene{}, camera, 64, 64, pixels);
-  EXPECT_EQ(status.code, StatusCode::kInvalidArgument);
-  EXPECT_EQ(status.reason, "CAMERA_SINGULAR");
-  EXPECT_EQ(status.field, "camera.target");
-}
-
-TEST_F(RenderPicture, ServesFourCallersAtOnce) {
-  std::vector<Sheet> sheets;
-  std::vector<Pixels> expected;
-  for (int caller = 0; caller < 4; ++caller) {
-    sheets.push_back(make_sheet(8, 0.1 * caller));
-    expected.push_back(draw(scene_of(sheets.back()), front_camera(), 160 + 16 * caller, 120));
-  }
-  std::vector<int> wrong(4, 0);
-  std::vector<std::thread> callers;
-  for (std::size_t caller = 0; caller < 4; ++caller) {
-    callers.emplace_back([&, caller] {
-      for (int round = 0; round < 5; ++round) {
-        Pixels pixels;
-        const Status status =
-            renderer_->render(scene_of(sheets[caller]), front_camera(), expected[caller].width, 120, pixels);
-        if (!status.ok() || pixels.rgba != expected[caller].rgba) ++wrong[caller];
-      }
-    });
-  }
-  for (std::thread& caller : callers) caller.join();
-  EXPECT_EQ(wrong, (std::vector<int>{0, 0, 0, 0}));
 }
 
 }  // namespace
