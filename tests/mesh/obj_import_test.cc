@@ -1,0 +1,133 @@
+// Import from OBJ text, and what is refused.
+
+#include "server/mesh/obj_import.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "server/base/random.h"
+#include "tests/support/meshes.h"
+
+namespace kerf::mesh {
+namespace {
+
+double total_area(const TriangleMesh& mesh) {
+  double sum = 0.0;
+  for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (mesh.is_solid(t)) sum += mesh.area(t);
+  }
+  return sum;
+}
+
+TEST(Obj, ReadsEveryFormOfAFace) {
+  const std::string text =
+      "# a sheet\nmtllib x.mtl\nv 0 0 0\nv 1 0 0 # right\r\nv +1 1 0 0.5 0.5 0.5\nv 0 1 0\n\n"
+      "vn 0 0 1\no sheet\nf 1//1 2//1 3//1\nf -4 -2 -1\n";
+  const Result<ObjSheet> obj = parse_obj(text);
+  ASSERT_TRUE(obj.ok()) << obj.error().message;
+  EXPECT_EQ(obj->sheet.rest.cols(), 4);
+  ASSERT_EQ(obj->sheet.triangles.cols(), 2);
+  EXPECT_EQ(obj->sheet.triangles.col(1), Eigen::Vector3i(0, 2, 3));
+  EXPECT_EQ(obj->world.col(2), Eigen::Vector3d(1, 1, 0));
+  EXPECT_EQ(test::must(import_mesh(obj->sheet)).find_violation(), std::nullopt);
+}
+
+TEST(Obj, SplitsPolygonsAsFans) {
+  const Result<ObjSheet> obj = parse_obj("v 0 0 0\nv 2 0 0\nv 3 1 0\nv 1 2 0\nv -1 1 0\nf 1 2 3 4 5\n");
+  ASSERT_TRUE(obj.ok());
+  ASSERT_EQ(obj->sheet.triangles.cols(), 3);
+  EXPECT_EQ(obj->sheet.triangles.col(2), Eigen::Vector3i(0, 3, 4));
+}
+
+TEST(Obj, TextureCoordinatesAreTheRestShapeAndSeamsSplitVertices) {
+  // Two triangles that share an edge in space and lie apart in the texture.
+  const std::string text =
+      "v 0 0 0\nv 1 0 0\nv 1 1 2\nv 0 1 3\nvt 0 0\nvt 0.5 0\nvt 0.5 0.5\nvt 1 1\nvt 1.5 1.5\nvt 1 1.5\n"
+      "f 1/1 2/2/9 3/3\nf 1/4 3/5 4/6\n";
+  const Result<ObjSheet> obj = parse_obj(text, 2.0);
+  ASSERT_TRUE(obj.ok()) << obj.error().message;
+  ASSERT_EQ(obj->sheet.rest.cols(), 6);
+  EXPECT_EQ(obj->obj_positions, (std::vector<std::int32_t>{0, 0, 1, 2, 2, 3}));
+  EXPECT_EQ(obj->sheet.rest.col(1), Eigen::Vector2d(2, 2));
+  EXPECT_EQ(obj->world.col(4), Eigen::Vector3d(1, 1, 2));
+  const TriangleMesh mesh = test::must(import_mesh(obj->sheet));
+  EXPECT_EQ(mesh.num_pieces(), 2);
+}
+
+TEST(Obj, APlaneInSpaceGivesTheRestShape) {
+  // A rectangle of 3 x 4 in a tilted plane.
+  const Result<ObjSheet> obj = parse_obj("v 1 1 1\nv 4 1 1\nv 4 3.4 4.2\nv 1 3.4 4.2\nf 1 2 3 4\n");
+  ASSERT_TRUE(obj.ok()) << obj.error().message;
+  const TriangleMesh mesh = test::must(import_mesh(obj->sheet));
+  EXPECT_NEAR(total_area(mesh), 12.0, 1e-12);
+  for (int i = 0; i < 4; ++i) {
+    for (int j = 0; j < 4; ++j) {
+      EXPECT_NEAR((obj->sheet.rest.col(i) - obj->sheet.rest.col(j)).norm(),
+                  (obj->world.col(i) - obj->world.col(j)).norm(), 1e-12);
+    }
+  }
+}
+
+void expect_obj_refused(const std::string& text, const std::string& reason, const std::string& field) {
+  const Result<ObjSheet> obj = parse_obj(text);
+  ASSERT_FALSE(obj.ok()) << text;
+  EXPECT_EQ(obj.error().reason, reason) << obj.error().message;
+  EXPECT_EQ(obj.error().field, field) << obj.error().message;
+}
+
+TEST(Obj, RefusalsNameTheLine) {
+  const std::string square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  expect_obj_refused("", "OBJ_EMPTY", "obj");
+  expect_obj_refused(square, "OBJ_EMPTY", "obj");
+  expect_obj_refused("v 0 0\n", "OBJ_NUMBER", "obj:1");
+  expect_obj_refused("v 0 0 nan\n", "OBJ_NUMBER", "obj:1");
+  expect_obj_refused("v 0 0 1e400\n", "OBJ_NUMBER", "obj:1");
+  expect_obj_refused("v 0 2e4 0\n", "OBJ_NUMBER", "obj:1");
+  expect_obj_refused("\n\nv 0 0 1x\n", "OBJ_NUMBER", "obj:3");
+  expect_obj_refused("vt one 2\n", "OBJ_NUMBER", "obj:1");
+  expect_obj_refused(square + "f 1 2 5\n", "OBJ_INDEX", "obj:5");
+  expect_obj_refused(square + "f 1 2 0\n", "OBJ_INDEX", "obj:5");
+  expect_obj_refused(square + "f 1 2 -5\n", "OBJ_INDEX", "obj:5");
+  expect_obj_refused(square + "f 1 2 99999999999\n", "OBJ_INDEX", "obj:5");
+  expect_obj_refused(square + "f 1/1 2/1 3/1\n", "OBJ_INDEX", "obj:5");
+  expect_obj_refused(square + "f / / /\n", "OBJ_INDEX", "obj:5");
+  expect_obj_refused(square + "f 1 2\n", "OBJ_FACE", "obj:5");
+  expect_obj_refused(square + "vt 0 0\nf 1 2/1 3\n", "OBJ_MIXED_TEXTURE", "obj:6");
+  expect_obj_refused(square + "f " + std::string(5000, ' ') + "1 2 3\n", "OBJ_LINE_TOO_LONG", "obj:5");
+  std::string many = square + "f";
+  for (int i = 0; i < 70; ++i) many += " 1";
+  expect_obj_refused(many, "OBJ_FACE", "obj:5");
+  expect_obj_refused("v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv 0 1 0\nf 1 2 3 4\n", "OBJ_NOT_PLANAR", "obj");
+  expect_obj_refused("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "OBJ_NOT_PLANAR", "obj");
+}
+
+// Whatever bytes come: a typed refusal, or arrays of matching sizes.
+TEST(Obj, DamagedTextIsRefusedOrRead) {
+  const std::string sound = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 -1/-1\n";
+  const std::string alphabet("0123456789-+./# \n\t\rvtfneINa\0\xff", 31);
+  SeededRandom random(8);
+  int num_read = 0;
+  for (int i = 0; i < 20000; ++i) {
+    std::string text = sound;
+    for (std::uint64_t left = 1 + random.below(4); left > 0; --left) {
+      text[random.below(text.size())] = alphabet[random.below(alphabet.size())];
+    }
+    if (random.below(4) == 0) text.resize(random.below(text.size()));
+    const Result<ObjSheet> obj = parse_obj(text);
+    if (!obj.ok()) {
+      ASSERT_EQ(obj.error().code, ErrorCode::kInvalidArgument);
+      ASSERT_TRUE(obj.error().field.starts_with("obj"));
+      continue;
+    }
+    ++num_read;
+    ASSERT_EQ(obj->sheet.rest.cols(), obj->world.cols());
+    if (const Result<TriangleMesh> built = import_mesh(obj->sheet); built.ok()) {
+      ASSERT_EQ(built->find_violation(), std::nullopt);
+    }
+  }
+  EXPECT_GT(num_read, 1000);
+}
+
+}  // namespace
+}  // namespace kerf::mesh
