@@ -1,0 +1,204 @@
+#include <condition_variable>
+#include <filesystem>
+#include <mutex>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include "server/host/clock.h"
+#include "server/host/disk.h"
+#include "server/host/entropy.h"
+#include "server/host/manual_clock.h"
+#include "server/host/metrics.h"
+#include "server/host/pace.h"
+#include "server/host/workers.h"
+
+namespace kerf::host {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(ManualClock, FiresInOrderOfDeadlineThenOfSetting) {
+  ManualClock clock;
+  std::vector<int> fired;
+  clock.schedule(30ms, [&] { fired.push_back(3); });
+  clock.schedule(10ms, [&] { fired.push_back(1); });
+  clock.schedule(10ms, [&] { fired.push_back(2); });
+  const TimerId cancelled = clock.schedule(20ms, [&] { fired.push_back(9); });
+  EXPECT_EQ(clock.next_deadline(), Nanoseconds(10ms));
+  EXPECT_TRUE(clock.cancel(cancelled));
+  EXPECT_FALSE(clock.cancel(cancelled));
+  clock.move_to(25ms);
+  EXPECT_EQ(fired, (std::vector<int>{1, 2}));
+  clock.move_to(40ms);
+  EXPECT_EQ(fired, (std::vector<int>{1, 2, 3}));
+  EXPECT_EQ(clock.num_timers(), 0U);
+  EXPECT_EQ(clock.unix_us(), 40'000);
+}
+
+TEST(ManualClock, ATimerMaySetAnotherThatIsDueAlready) {
+  ManualClock clock;
+  int fired = 0;
+  clock.schedule(1ms, [&] { clock.schedule(2ms, [&] { ++fired; }); });
+  clock.move_to(5ms);
+  EXPECT_EQ(fired, 1);
+}
+
+TEST(RealClock, FiresAndCancels) {
+  RealClock clock;
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::vector<int> fired;
+  const auto note = [&](int which) {
+    return [&, which] {
+      const std::lock_guard lock(mutex);
+      fired.push_back(which);
+      changed.notify_all();
+    };
+  };
+  const TimerId never = clock.schedule(clock.now() + 1h, note(9));
+  const Nanoseconds begin = clock.now();
+  clock.schedule(begin + 5ms, note(2));
+  clock.schedule(begin - 1ms, note(1));
+  {
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [&] { return fired.size() == 2; });
+  }
+  EXPECT_EQ(fired, (std::vector<int>{1, 2}));
+  EXPECT_GE(clock.now(), begin + 5ms);
+  EXPECT_TRUE(clock.cancel(never));
+  EXPECT_FALSE(clock.cancel(never));
+  EXPECT_GE(clock.thread_cpu(), Nanoseconds(0));
+}
+
+TEST(Pace, KeepsAbsoluteDeadlines) {
+  Pace pace(10ms);
+  pace.start(100ms);
+  EXPECT_EQ(pace.deadline(), Nanoseconds(100ms));
+  pace.tick_done(107ms, 1ms);
+  EXPECT_EQ(pace.deadline(), Nanoseconds(110ms));
+  pace.tick_done(120ms, 1ms);  // to the nanosecond: not late, and the next is due
+  EXPECT_EQ(pace.overruns(), 0);
+  EXPECT_EQ(pace.deadline(), Nanoseconds(120ms));
+  pace.tick_done(131ms, 1ms);
+  EXPECT_EQ(pace.overruns(), 1);
+  EXPECT_EQ(pace.deadline(), Nanoseconds(130ms));
+  EXPECT_EQ(pace.slipped(), Nanoseconds(0));
+  EXPECT_NEAR(pace.tick_cpu_us(), 1000.0, 1e-9);
+}
+
+TEST(Pace, GivesUpWhatIsMoreThanTwoTicksLate) {
+  Pace pace(10ms);
+  pace.start(0ms);
+  pace.tick_done(39ms, 1ms);  // due: 10, 20, 30
+  EXPECT_EQ(pace.slipped(), Nanoseconds(10ms));
+  EXPECT_EQ(pace.deadline(), Nanoseconds(20ms));
+  Pace slow(10ms);
+  slow.start(0ms);
+  for (int i = 1; i <= 200; ++i) slow.tick_done(i * 20ms, 20ms);  // half as fast as it should be
+  EXPECT_NEAR(slow.real_time_factor(), 0.5, 1e-6);
+  EXPECT_EQ(slow.slipped() + 200 * 10ms, 4000ms - 10ms);  // one tick behind, all else given up
+}
+
+TEST(Workers, AStrandKeepsItsOrderAndRunsOneAtATime) {
+  Workers workers(4);
+  std::vector<Workers::Strand> strands;
+  std::vector<std::vector<int>> seen(3);
+  for (int s = 0; s < 3; ++s) strands.push_back(workers.make_strand());
+  for (int i = 0; i < 300; ++i) {
+    std::vector<int>& mine = seen[static_cast<std::size_t>(i % 3)];
+    EXPECT_TRUE(strands[static_cast<std::size_t>(i % 3)].post([&mine, i] { mine.push_back(i); }));
+  }
+  workers.wait_idle();
+  for (int s = 0; s < 3; ++s) {
+    ASSERT_EQ(seen[static_cast<std::size_t>(s)].size(), 100U);
+    for (int i = 0; i < 100; ++i) EXPECT_EQ(seen[static_cast<std::size_t>(s)][static_cast<std::size_t>(i)], 3 * i + s);
+  }
+  workers.join();
+  EXPECT_FALSE(strands[0].post([] {}));
+}
+
+TEST(Workers, JoinWaitsForWhatWorkPosts) {
+  Workers workers(2);
+  const Workers::Strand strand = workers.make_strand();
+  int depth = 0;
+  std::function<void()> deeper = [&] {
+    if (++depth < 50) strand.post(deeper);
+  };
+  strand.post(deeper);
+  workers.join();
+  EXPECT_EQ(depth, 50);
+}
+
+TEST(Entropy, SeededRepeatsAndSystemDoesNot) {
+  SeededEntropy a(4);
+  SeededEntropy b(4);
+  EXPECT_EQ(a.next(), b.next());
+  EXPECT_EQ(a.next(), b.next());
+  SystemEntropy system;
+  std::set<std::uint64_t> seen;
+  for (int i = 0; i < 100; ++i) seen.insert(system.next());
+  EXPECT_EQ(seen.size(), 100U);
+}
+
+TEST(Metrics, HistogramPutsBoundsIntoTheirOwnClass) {
+  DurationHistogram histogram;
+  histogram.add(0.0);
+  histogram.add(1.0e-5);
+  histogram.add(1.1e-5);
+  histogram.add(2.0);
+  EXPECT_EQ(histogram.counts.front(), 2U);
+  EXPECT_EQ(histogram.counts[1], 1U);
+  EXPECT_EQ(histogram.counts.back(), 1U);
+  EXPECT_EQ(histogram.total, 4U);
+  EXPECT_NEAR(histogram.sum_s, 2.000021, 1e-12);
+}
+
+// Both disks keep the same promises.
+void check_disk(Disk& disk, const std::string& folder) {
+  const std::string path = folder + "file";
+  EXPECT_EQ(disk.read_file(path, 10).error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(disk.write_file(path, "first"));
+  ASSERT_TRUE(disk.write_file(path, "second"));
+  EXPECT_EQ(disk.read_file(path, 6).value(), "second");
+  EXPECT_EQ(disk.read_file(path, 5).error().reason, "FILE_TOO_LARGE");
+  Result<std::unique_ptr<AppendFile>> file = disk.create_file(path);
+  ASSERT_TRUE(file);
+  ASSERT_TRUE((*file)->append("a"));
+  ASSERT_TRUE((*file)->append(std::string("\0b", 2)));
+  ASSERT_TRUE((*file)->sync());
+  EXPECT_EQ(disk.read_file(path, 10).value(), std::string("a\0b", 3));
+}
+
+TEST(Disk, MemoryDisk) {
+  MemoryDisk disk;
+  check_disk(disk, "");
+}
+
+TEST(Disk, RealDisk) {
+  const std::string folder = testing::TempDir() + "kerf_disk_test/";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  RealDisk disk;
+  check_disk(disk, folder);
+  EXPECT_EQ(disk.write_file(folder + "no/such/folder", "x").error().code, ErrorCode::kNotFound);
+  EXPECT_FALSE(disk.create_file(folder).ok());
+  EXPECT_FALSE(std::filesystem::exists(folder + "file.new"));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Disk, AMemoryDiskRunsFullWithoutLosingWhatWasThere) {
+  MemoryDisk disk(10);
+  ASSERT_TRUE(disk.write_file("a", "12345"));
+  EXPECT_EQ(disk.write_file("b", "123456").error().reason, "DISK_FULL");
+  EXPECT_FALSE(disk.read_file("b", 10).ok());
+  EXPECT_EQ(disk.write_file("a", "123456").error().reason, "DISK_FULL");
+  EXPECT_EQ(disk.read_file("a", 10).value(), "12345");
+  Result<std::unique_ptr<AppendFile>> file = disk.create_file("c");
+  ASSERT_TRUE(file);
+  EXPECT_TRUE((*file)->append("12345"));
+  EXPECT_EQ((*file)->append("1").error().reason, "DISK_FULL");
+}
+
+}  // namespace
+}  // namespace kerf::host

@@ -1,0 +1,434 @@
+#include "server/host/host.h"
+
+#include <algorithm>
+
+#include "tests/host/host_fixture.h"
+
+namespace kerf::host {
+namespace {
+
+TEST_F(HostTest, TicksAtAbsoluteDeadlines) {
+  create("a", small_sheet());
+  EXPECT_EQ(status("a").tick, 1);  // the first is due at once
+  run_for(100 * kTick);
+  const SheetStatus later = status("a");
+  EXPECT_EQ(later.tick, 101);
+  EXPECT_EQ(later.run_state, RunState::kRunning);
+  EXPECT_EQ(later.stats.overruns, 0);
+  EXPECT_EQ(later.stats.slipped_s, 0.0);
+  EXPECT_NEAR(later.stats.real_time_factor, 1.0, 0.03);
+  EXPECT_EQ(host_->metrics().ticks, 101);
+  EXPECT_EQ(clock_.next_deadline(), 101 * kTick);
+}
+
+TEST_F(HostTest, CatchesUpTwoTicksThenSlipsAndSaysSo) {
+  create("a", small_sheet());
+  run_for(10 * kTick);
+  ASSERT_EQ(status("a").tick, 11);
+  // Tick 12 was due at 11 periods; the machine comes back at 15.5: ticks 13 to 16 are due as well. Two are made up for,
+  // two given up.
+  stall_for(5 * kTick + kTick / 2);
+  const SheetStatus late = status("a");
+  EXPECT_EQ(late.tick, 14);
+  EXPECT_EQ(late.stats.overruns, 2);  // the third made its deadline again
+  EXPECT_NEAR(late.stats.slipped_s, 2 * 0.02, 1e-12);
+  EXPECT_EQ(clock_.next_deadline(), 16 * kTick);
+  run_for(10 * kTick);
+  EXPECT_EQ(status("a").tick, 24);
+  EXPECT_NEAR(host_->metrics().slipped_s, 0.04, 1e-12);
+  EXPECT_EQ(host_->metrics().overruns, 2);
+}
+
+TEST_F(HostTest, AShortDelayIsMadeUpForWithoutSlipping) {
+  create("a", small_sheet());
+  stall_for(2 * kTick + kTick / 4);  // due at 1 and 2 periods
+  EXPECT_EQ(status("a").tick, 3);
+  EXPECT_EQ(status("a").stats.slipped_s, 0.0);
+  run_for(10 * kTick);
+  EXPECT_EQ(status("a").tick, 13);
+}
+
+TEST_F(HostTest, PausedTimeStandsStillAndResumesWithoutCatchingUp) {
+  create("a", small_sheet());
+  run_for(5 * kTick);
+  Answers<SheetStatus> paused;
+  host_->pause("a", paused.callback());
+  host_->wait_idle();
+  EXPECT_EQ(paused.at(0)->run_state, RunState::kPaused);
+  EXPECT_EQ(paused.at(0)->stats.real_time_factor, 0.0);
+  EXPECT_EQ(clock_.num_timers(), 0U);
+  const std::int32_t settings = paused.at(0)->stats.settings_version;
+  stall_for(100 * kTick);
+  EXPECT_EQ(status("a").tick, 6);
+  Answers<SheetStatus> resumed;
+  host_->resume("a", resumed.callback());
+  run_for(3 * kTick);
+  EXPECT_EQ(status("a").tick, 10);
+  EXPECT_EQ(status("a").stats.slipped_s, 0.0);
+  EXPECT_GT(status("a").stats.settings_version, settings);
+}
+
+TEST_F(HostTest, StepRunsExactlySoManyTicksOfAPausedSheet) {
+  create("a", small_sheet(), true);
+  EXPECT_EQ(status("a").tick, 0);
+  Answers<SheetStatus> stepped;
+  host_->step("a", 37, stepped.callback());
+  host_->wait_idle();
+  EXPECT_EQ(stepped.at(0)->tick, 37);
+  EXPECT_EQ(stepped.at(0)->run_state, RunState::kPaused);
+  host_->step("a", 0, stepped.callback());
+  host_->step("a", 100'001, stepped.callback());
+  EXPECT_EQ(stepped.reason(1), "OUT_OF_RANGE");
+  EXPECT_EQ(stepped.at(2).error().field, "ticks");
+  host_->step("nobody", 1, stepped.callback());
+  EXPECT_EQ(stepped.reason(3), "SHEET_NOT_FOUND");
+  host_->resume("a", stepped.callback());
+  host_->step("a", 1, stepped.callback());
+  host_->wait_idle();
+  EXPECT_EQ(stepped.reason(5), "NOT_PAUSED");
+}
+
+TEST_F(HostTest, OneStepCallAtATime) {
+  create("a", small_sheet(), true);
+  Answers<SheetStatus> answers;
+  Answers<SheetStatus> second;
+  host_->step("a", 1000, answers.callback());
+  host_->step("a", 1, second.callback());
+  host_->resume("a", second.callback());
+  host_->wait_idle();
+  EXPECT_EQ(answers.at(0)->tick, 1000);
+  ASSERT_EQ(second.count(), 2U);
+  EXPECT_EQ(second.reason(0), "STEPPING");
+  EXPECT_EQ(second.reason(1), "STEPPING");
+}
+
+TEST_F(HostTest, APausedSheetIsCutAtOnce) {
+  create("a", at_50_hz(scenes::hanging(10)), true);
+  Answers<CommandResult> answers;
+  host_->submit("a", scenes::line_cut({-0.5, 0.5}, {1.5, 0.45}), answers.callback());
+  host_->submit("a", sheet::SetPins{}, answers.callback());
+  host_->wait_idle();
+  ASSERT_EQ(answers.count(), 2U);
+  EXPECT_EQ(answers.at(0)->reply.tick, 0);
+  EXPECT_EQ(answers.at(0)->reply.cut->report.pieces, 2);
+  EXPECT_EQ(status("a").tick, 0);
+  EXPECT_EQ(status("a").pieces, 2);
+  EXPECT_TRUE(status("a").pinned_vertices.empty());
+  EXPECT_EQ(status("a").state_hash, answers.at(1)->reply.state_hash);
+  EXPECT_EQ(host_->metrics().ticks, 0);
+  EXPECT_EQ(host_->metrics().cuts, 1);
+  EXPECT_EQ(host_->metrics().cut_duration.total, 1U);
+}
+
+TEST_F(HostTest, ARunningSheetIsCutAtTheNextTick) {
+  create("a", at_50_hz(scenes::hanging(10)));
+  Answers<CommandResult> answers;
+  host_->submit("a", scenes::line_cut({-0.5, 0.5}, {1.5, 0.45}), answers.callback());
+  host_->wait_idle();
+  EXPECT_EQ(answers.count(), 0U);
+  EXPECT_EQ(host_->metrics().queued_commands, 1);
+  run_for(kTick);
+  ASSERT_EQ(answers.count(), 1U);
+  EXPECT_EQ(answers.at(0)->reply.tick, 2);
+  EXPECT_NEAR(answers.at(0)->timings.queued_us, 20'000.0, 1.0);
+  EXPECT_EQ(host_->metrics().queued_commands, 0);
+}
+
+TEST_F(HostTest, TheQueueIsBounded) {
+  create("a", small_sheet());
+  Answers<CommandResult> answers;
+  for (int i = 0; i < 66; ++i) host_->submit("a", sheet::SetGravity{{0, 0, -1.0}}, answers.callback());
+  ASSERT_EQ(answers.count(), 2U);  // the 65th and 66th, at once
+  EXPECT_EQ(answers.reason(0), "QUEUE_FULL");
+  EXPECT_EQ(answers.at(1).error().code, ErrorCode::kResourceExhausted);
+  run_for(kTick);
+  EXPECT_EQ(answers.count(), 66U);
+  EXPECT_EQ(answers.reason(65), "done");
+  EXPECT_EQ(host_->metrics().commands, 64);
+  EXPECT_EQ(host_->metrics().commands_refused, 2);
+}
+
+TEST_F(HostTest, ABadCommandIsRefusedAtOnceAndOneTheSheetRefusesAtTheTick) {
+  create("a", small_sheet());
+  Answers<CommandResult> answers;
+  host_->submit("a", scenes::circle_cut({0, 0}, -1.0), answers.callback());
+  EXPECT_EQ(answers.reason(0), "RADIUS_NOT_POSITIVE");
+  host_->submit("nobody", sheet::Reset{}, answers.callback());
+  EXPECT_EQ(answers.reason(1), "SHEET_NOT_FOUND");
+  EXPECT_EQ(submit("a", sheet::Release{"x"}).error().reason, "GRAB_NOT_FOUND");
+  EXPECT_EQ(host_->metrics().commands_refused, 3);
+}
+
+TEST_F(HostTest, ASheetAtRestCostsNothingUntilTouched) {
+  create("a", at_50_hz(scenes::lying_on_floor(6)));
+  run_for(400 * kTick);
+  ASSERT_EQ(status("a").run_state, RunState::kSleeping);
+  EXPECT_TRUE(status("a").stats.sleeping);
+  EXPECT_EQ(clock_.num_timers(), 0U);
+  const HostMetrics asleep = host_->metrics();
+  EXPECT_EQ(asleep.sleeping_sheets, 1);
+  EXPECT_EQ(asleep.running_sheets, 0);
+  EXPECT_EQ(asleep.sleeps, 1);
+  run_for(1000 * kTick);
+  EXPECT_EQ(host_->metrics().ticks, asleep.ticks);
+  EXPECT_EQ(host_->metrics().contact_phases, asleep.contact_phases);
+
+  // A watcher sees it without waking it.
+  const auto sink = std::make_shared<RecordingSnapshots>();
+  Answers<Nothing> added;
+  host_->add_sink("a", sink, added.callback());
+  host_->wait_idle();
+  ASSERT_EQ(sink->snapshots().size(), 1U);
+  EXPECT_TRUE(sink->snapshots()[0]->stats.sleeping);
+  EXPECT_EQ(host_->metrics().ticks, asleep.ticks);
+
+  const Result<CommandResult> reply = submit("a", sheet::Grab{"hand", 0, std::nullopt, 0.0});
+  ASSERT_TRUE(reply);
+  EXPECT_EQ(status("a").run_state, RunState::kRunning);
+  EXPECT_EQ(status("a").stats.slipped_s, 0.0);
+  EXPECT_LT(reply->timings.queued_us, 1.0);  // woken at once
+  EXPECT_EQ(host_->metrics().ticks, asleep.ticks + 3);
+}
+
+TEST_F(HostTest, UnwatchedNoSnapshotIsBuilt) {
+  create("a", small_sheet());
+  run_for(10 * kTick);
+  EXPECT_EQ(host_->metrics().snapshots, 0);
+  const auto sink = std::make_shared<RecordingSnapshots>();
+  Answers<Nothing> done;
+  host_->add_sink("a", sink, done.callback());
+  run_for(3 * kTick);
+  EXPECT_EQ(sink->snapshots().size(), 4U);  // the present one, then one a tick
+  EXPECT_EQ(host_->metrics().snapshots, 4);
+  EXPECT_EQ(host_->metrics().sinks, 1);
+  for (std::size_t i = 1; i < 4; ++i) {
+    EXPECT_EQ(sink->snapshots()[i]->tick, sink->snapshots()[i - 1]->tick + 1);
+  }
+  sink->want(false);
+  run_for(5 * kTick);
+  EXPECT_EQ(host_->metrics().snapshots, 4);
+  sink->want(true);
+  host_->remove_sink("a", sink, done.callback());
+  run_for(5 * kTick);
+  EXPECT_EQ(sink->snapshots().size(), 4U);
+  EXPECT_EQ(host_->metrics().sinks, 0);
+  EXPECT_TRUE(sink->ends().empty());
+}
+
+TEST_F(HostTest, SinksOfOneSheetShareASnapshot) {
+  create("a", small_sheet(), true);
+  const auto first = std::make_shared<RecordingSnapshots>();
+  const auto second = std::make_shared<RecordingSnapshots>();
+  Answers<Nothing> done;
+  host_->add_sink("a", first, done.callback());
+  host_->add_sink("a", second, done.callback());
+  Answers<SheetStatus> stepped;
+  host_->step("a", 1, stepped.callback());
+  host_->wait_idle();
+  ASSERT_EQ(first->snapshots().size(), 2U);
+  EXPECT_EQ(first->snapshots().back(), second->snapshots().back());
+}
+
+TEST_F(HostTest, DeleteEndsSinksAndAnswersWhatWaits) {
+  create("a", small_sheet());
+  const auto sink = std::make_shared<RecordingSnapshots>();
+  Answers<Nothing> done;
+  host_->add_sink("a", sink, done.callback());
+  Answers<CommandResult> waiting;
+  host_->submit("a", sheet::Reset{}, waiting.callback());
+  host_->delete_sheet("a", done.callback());
+  host_->wait_idle();
+  EXPECT_EQ(done.count(), 2U);
+  EXPECT_EQ(sink->ends(), std::vector<sheet::SinkEnd>{sheet::SinkEnd::kSheetDeleted});
+  ASSERT_EQ(waiting.count(), 1U);
+  EXPECT_EQ(waiting.reason(0), "SHEET_DELETED");
+  EXPECT_EQ(waiting.at(0).error().code, ErrorCode::kAborted);
+  EXPECT_TRUE(host_->list().empty());
+  EXPECT_EQ(clock_.num_timers(), 0U);
+  const HostMetrics metrics = host_->metrics();
+  EXPECT_EQ(metrics.sheets + metrics.running_sheets + metrics.sinks + metrics.queued_commands, 0);
+  host_->delete_sheet("a", done.callback());
+  EXPECT_EQ(done.reason(2), "SHEET_NOT_FOUND");
+  EXPECT_EQ(create("a", small_sheet()).tick, 0);  // the name is free again
+}
+
+TEST_F(HostTest, DeleteInTheMiddleOfAStepCall) {
+  create("a", small_sheet(), true);
+  Answers<SheetStatus> stepped;
+  Answers<Nothing> deleted;
+  host_->step("a", 100'000, stepped.callback());
+  host_->delete_sheet("a", deleted.callback());
+  host_->wait_idle();
+  EXPECT_EQ(stepped.reason(0), "SHEET_DELETED");
+  EXPECT_EQ(deleted.reason(0), "done");
+  EXPECT_LT(host_->metrics().ticks, 100'000);
+}
+
+TEST_F(HostTest, StopAnswersEverythingAndRefusesWhatComesAfter) {
+  create("a", small_sheet());
+  create("b", small_sheet(), true);
+  const auto sink = std::make_shared<RecordingSnapshots>();
+  Answers<Nothing> done;
+  host_->add_sink("a", sink, done.callback());
+  Answers<CommandResult> waiting;
+  host_->submit("a", sheet::Reset{}, waiting.callback());
+  Answers<SheetStatus> stepped;
+  host_->step("b", 100'000, stepped.callback());
+  host_->create_sheet("c", small_sheet(), false, stepped.callback());
+  host_->stop();
+  host_->stop();
+  EXPECT_EQ(waiting.reason(0), "HOST_STOPPING");
+  EXPECT_EQ(sink->ends(), std::vector<sheet::SinkEnd>{sheet::SinkEnd::kHostStopping});
+  ASSERT_EQ(stepped.count(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const std::string reason = stepped.reason(i);  // building c may have been quicker than stop()
+    EXPECT_TRUE(reason == "HOST_STOPPING" || reason == "done") << reason;
+  }
+  Answers<SheetStatus> after;
+  host_->create_sheet("d", small_sheet(), false, after.callback());
+  host_->status("a", after.callback());
+  host_->pause("a", after.callback());
+  host_->submit("a", sheet::Reset{}, waiting.callback());
+  ASSERT_EQ(after.count(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(after.at(i).error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(waiting.at(1).error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(host_->metrics().sheets, 0);
+}
+
+TEST_F(HostTest, NamesAreCheckedUniqueSortedAndMadeUpWhereNoneIsGiven) {
+  create("b", small_sheet());
+  create("a", small_sheet());
+  Answers<SheetStatus> answers;
+  host_->create_sheet("b", small_sheet(), false, answers.callback());
+  EXPECT_EQ(answers.reason(0), "SHEET_EXISTS");
+  host_->create_sheet("B", small_sheet(), false, answers.callback());
+  EXPECT_EQ(answers.at(1).error().field, "sheet_id");
+  sheet::SheetConfig named = small_sheet();
+  named.sheet_id = "from-config";
+  EXPECT_EQ(create("", named).id, "from-config");
+  const std::string made_up = create("", small_sheet()).id;
+  EXPECT_TRUE(sheet::is_valid_sheet_id(made_up)) << made_up;
+  EXPECT_EQ(host_->list(), (std::vector<std::string>{"a", "b", "from-config", made_up}));
+  std::vector<SheetStatus> found;
+  host_->statuses({"b", "nobody", "a"}, [&](std::vector<SheetStatus> s) { found = std::move(s); });
+  host_->wait_idle();
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].id, "b");
+  EXPECT_EQ(found[1].id, "a");
+}
+
+TEST_F(HostTest, ABadConfigLeavesNoTrace) {
+  sheet::SheetConfig config = small_sheet();
+  config.gravity.x() = 2e4;
+  Answers<SheetStatus> answers;
+  host_->create_sheet("a", config, false, answers.callback());
+  host_->wait_idle();
+  EXPECT_EQ(answers.at(0).error().field, "gravity_mps2.x");
+  EXPECT_TRUE(host_->list().empty());
+  EXPECT_EQ(create("a", small_sheet()).id, "a");
+}
+
+TEST_F(HostTest, InspectSeesTheSheetBetweenTicks) {
+  create("a", small_sheet(), true);
+  Answers<Nothing> done;
+  std::int32_t vertices = 0;
+  host_->inspect(
+      "a", [&](const sheet::Sheet& sheet) { vertices = sheet.mesh().num_vertices(); }, done.callback());
+  host_->wait_idle();
+  EXPECT_EQ(vertices, 25);
+  EXPECT_EQ(done.reason(0), "done");
+}
+
+TEST_F(HostTest, GaugesFollowTheRunStates) {
+  create("a", small_sheet());
+  create("b", small_sheet(), true);
+  create("c", small_sheet());
+  Answers<SheetStatus> done;
+  host_->pause("a", done.callback());
+  host_->wait_idle();
+  const HostMetrics metrics = host_->metrics();
+  EXPECT_EQ(metrics.sheets, 3);
+  EXPECT_EQ(metrics.running_sheets, 1);
+  EXPECT_EQ(metrics.paused_sheets, 2);
+}
+
+class SmallHostTest : public HostTest {
+ protected:
+  static HostOptions limits() {
+    HostOptions options;
+    options.max_sheets = 2;
+    options.max_vertices_per_sheet = 25;
+    options.max_queued_commands = 1;
+    return options;
+  }
+  SmallHostTest() : HostTest(limits()) {}
+};
+
+TEST_F(SmallHostTest, LimitsOnSheetsVerticesAndCommands) {
+  Answers<SheetStatus> answers;
+  host_->create_sheet("big", scenes::hanging(6), false, answers.callback());
+  EXPECT_EQ(answers.reason(0), "TOO_MANY_VERTICES");
+  sheet::SheetConfig obj = small_sheet();
+  obj.pins.clear();
+  std::string text;
+  for (int i = 0; i < 26; ++i) text += "v " + std::to_string(i) + " " + std::to_string(i % 2) + " 0\n";
+  for (int i = 1; i < 25; ++i) {
+    const int b = i % 2 == 1 ? i + 1 : i + 2;
+    const int c = i % 2 == 1 ? i + 2 : i + 1;
+    text += "f " + std::to_string(i) + " " + std::to_string(c) + " " + std::to_string(b) + "\n";
+  }
+  obj.mesh = sheet::ObjSource{text};
+  host_->create_sheet("obj", obj, false, answers.callback());
+  host_->wait_idle();
+  EXPECT_EQ(answers.reason(1), "TOO_MANY_VERTICES");  // known only once it is built
+  create("a", small_sheet());
+  create("b", small_sheet());
+  host_->create_sheet("c", small_sheet(), false, answers.callback());
+  EXPECT_EQ(answers.reason(2), "TOO_MANY_SHEETS");
+  Answers<CommandResult> commands;
+  host_->submit("a", sheet::Reset{}, commands.callback());
+  host_->submit("a", sheet::Reset{}, commands.callback());
+  EXPECT_EQ(commands.reason(0), "QUEUE_FULL");
+  host_->submit("b", sheet::Reset{}, commands.callback());  // each sheet has its own
+  run_for(kTick);
+  EXPECT_EQ(commands.count(), 3U);
+}
+
+class RecordingHostTest : public HostTest {
+ protected:
+  static HostOptions recording(const std::shared_ptr<sheet::Recorder>& recorder) {
+    HostOptions options;
+    options.make_recording = [recorder](const std::string& id) { return id == "a" ? recorder : nullptr; };
+    return options;
+  }
+  explicit RecordingHostTest(std::shared_ptr<sheet::Recorder> recorder = std::make_shared<sheet::Recorder>())
+      : HostTest(recording(recorder)), recorder_(std::move(recorder)) {}
+  std::shared_ptr<sheet::Recorder> recorder_;
+};
+
+TEST_F(RecordingHostTest, WhatWasServedReplaysBitForBit) {
+  create("a", at_50_hz(scenes::hanging(8)));
+  create("b", small_sheet());
+  run_for(5 * kTick);
+  ASSERT_TRUE(submit("a", scenes::line_cut({0.2, 0.5}, {0.8, 0.4})));
+  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 1, -2}}));
+  Answers<SheetStatus> done;
+  host_->pause("a", done.callback());
+  ASSERT_TRUE(submit("a", scenes::circle_cut({0.5, 0.7}, 0.1)));
+  host_->step("a", 7, done.callback());
+  host_->resume("a", done.callback());
+  run_for(5 * kTick);
+  host_->resume("a", done.callback());
+  run_for(5 * kTick);
+  ASSERT_TRUE(submit("a", sheet::Reset{}));
+  run_for(5 * kTick);
+  const std::int64_t tick = status("a").tick;
+  host_->stop();
+  const Result<sheet::ReplayReport> report = sheet::replay(recorder_->recording());
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_FALSE(report->divergence.has_value());
+  EXPECT_EQ(report->ticks, tick);
+}
+
+}  // namespace
+}  // namespace kerf::host
