@@ -98,6 +98,11 @@ export class App implements Viewer {
     this.canvas.style.cursor = this.tool.cursor;
   }
 
+  /** Gives the keyboard to the tool. */
+  focusStage(): void {
+    this.canvas.focus({ preventScroll: true });
+  }
+
   /** @param name  sheets/{sheet} */
   open(name: string): void {
     this.tool.leave();

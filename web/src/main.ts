@@ -42,4 +42,8 @@ async function start(): Promise<void> {
   else app.showConnection('ended', 'This server has no sheets. Create one: kerf sheet create demo --grid 50x50 --size 1x1');
 }
 
-void start();
+start().catch((error: Error) => {
+  const line = element('connection-detail');
+  line.hidden = false;
+  line.textContent = `The viewer cannot start: ${error.message}`;
+});

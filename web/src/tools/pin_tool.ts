@@ -1,8 +1,12 @@
 import { create } from '@bufbuild/protobuf';
+import type { Vector2 } from 'three';
 import { call } from '../api';
 import { InteractionService } from '../gen/kerf/v1/interaction_pb';
 import { PinRegionSchema } from '../gen/kerf/v1/scene_pb';
 import type { Pointer, Tool, Viewer } from './tool';
+
+// A tap this near to a pin, in CSS pixels, is meant for it.
+const kPinReachPx = 9;
 
 /** A tap on a vertex pins it where it is, or lets it go. */
 export class PinTool implements Tool {
@@ -24,8 +28,21 @@ export class PinTool implements Tool {
   }
 
   tap(pointer: Pointer): void {
-    const hit = this.viewer.surface?.pick(pointer.ray);
-    if (hit) void this.toggle(hit.vertex);
+    const vertex = this.pinNear(pointer.px) ?? this.viewer.surface?.pick(pointer.ray)?.vertex;
+    if (vertex !== undefined) void this.toggle(vertex);
+  }
+
+  // The balls on the pins reach beyond the sheet, and a pin is more often meant than its neighbour.
+  private pinNear(px: Vector2): number | undefined {
+    const { surface, stage, sheet } = this.viewer;
+    let nearest = kPinReachPx;
+    let found: number | undefined;
+    for (const vertex of sheet?.pinnedVertices ?? []) {
+      if (!surface || vertex >= surface.mirror.numVertices) continue;
+      const distance = stage.project(surface.vertexPosition(vertex))?.distanceTo(px) ?? Infinity;
+      if (distance < nearest) [nearest, found] = [distance, vertex];
+    }
+    return found;
   }
 
   private async toggle(vertex: number): Promise<void> {

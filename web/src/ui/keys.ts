@@ -30,10 +30,17 @@ export function bindKeys(app: App): void {
     if (event.target === help) help.close();
   });
 
+  // A button that was clicked would keep the keyboard: Space would press it again rather than pause. Buttons reached with
+  // the Tab key (a click of detail 0) keep it.
+  addEventListener('click', (event) => {
+    if (event.detail > 0 && (event.target as HTMLElement).closest('.card button')) app.focusStage();
+  });
+
   addEventListener('keydown', (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
     const target = event.target as HTMLElement;
-    if (target.closest('input, select')) return;
+    // Typing in the list of sheets searches it; the gravity slider only wants arrows.
+    if (target.closest('select')) return;
     if (target.closest('button') && (event.key === ' ' || event.key === 'Enter')) return;
     if (app.tool.key(event.key)) {
       event.preventDefault();

@@ -1,0 +1,166 @@
+// The viewer in Chromium against a real kerfd. Waits are for conditions, never for time; nothing about speed is asserted.
+import { Steps, check, kPatienceMs, launchChromium, post, startKerfd } from './harness.mjs';
+import { ViewerPage } from './viewer_page.mjs';
+
+const [kerfdPath, web, chromiumPath] = process.argv.slice(2);
+const kWide = { viewport: { width: 1280, height: 720 }, colorScheme: 'light' };
+const kPhone = { viewport: { width: 390, height: 844 }, colorScheme: 'dark', hasTouch: true, isMobile: true };
+const kDemo = { name: 'sheets/demo' };
+const kDemoVertices = 2500;
+
+let kerfd = await startKerfd(kerfdPath, web);
+const browser = await launchChromium(chromiumPath);
+let viewer;
+const steps = new Steps(async (name) => {
+  await viewer?.screenshot(`failed-${name.replaceAll(/\W+/g, '-')}`).catch((error) => console.log(String(error)));
+});
+
+await steps.step('the page opens and the sheet moves', async () => {
+  viewer = await ViewerPage.open(browser, kerfd.url, kWide);
+  await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+  const before = await viewer.read('({ tick: k.tick, z: k.toWorld(0.5, 0).z })');
+  await viewer.until('k.tick > given.tick && Math.abs(k.toWorld(0.5, 0).z - given.z) > 0.02', before);
+  check((await viewer.page.inputValue('#sheet-picker')) === 'sheets/demo', 'the demo sheet is not the one chosen');
+});
+
+await steps.step('the scheduled cut arrives', async () => {
+  await viewer.until(`k.numVertices > ${kDemoVertices} && k.tick > 420`);
+  await viewer.screenshot('live');
+});
+
+await steps.step('pause stops the tick, step makes one, resume goes on', async () => {
+  await viewer.page.click('#pause');
+  await viewer.until('k.isPaused');
+  const tick = await viewer.read('k.tick');
+  await viewer.page.click('#step');
+  await viewer.until('k.tick === given.tick + 1', { tick });
+  check(await viewer.read('k.isPaused'), 'the sheet runs after a step');
+  await viewer.page.click('#pause');
+  await viewer.until('!k.isPaused && k.tick > given.tick + 1', { tick });
+});
+
+await steps.step('reset goes back to the uncut sheet', async () => {
+  await viewer.page.click('#reset');
+  await viewer.until(`k.numVertices === ${kDemoVertices} && k.pieces === 1`);
+  await viewer.page.keyboard.press(' ');
+  await viewer.until('k.isPaused');
+});
+
+await steps.step('four taps and Enter cut the paused sheet in two', async () => {
+  await viewer.choose('cut');
+  for (const [x, y] of [[-0.05, 0.55], [0.3, 0.25], [0.7, 0.85], [1.05, 0.5]]) await viewer.tap(x, y);
+  await viewer.page.waitForFunction(() => document.querySelectorAll('.handle:not([hidden])').length === 4);
+  await viewer.screenshot('cut-preview');
+  const before = await viewer.read('({ pieces: k.pieces, vertices: k.numVertices, tick: k.tick })');
+  await viewer.page.keyboard.press('Enter');
+  await viewer.until('k.pieces > given.pieces && k.numVertices > given.vertices', before);
+  await viewer.notice(/Cut at tick \d+: 2 pieces, \d+ new vertices, deviation/);
+  const { cuts } = await post(kerfd.url, 'CutService/ListCuts', { parent: kDemo.name });
+  check(cuts.length === 1 && cuts[0].result.pieces === 2, `the server's journal: ${JSON.stringify(cuts)}`);
+});
+
+await steps.step('the cut opens when the sheet runs on', async () => {
+  await viewer.choose('view');
+  await viewer.page.keyboard.press(' ');
+  const { tick } = await viewer.read('({ tick: k.tick })');
+  await viewer.until('!k.isPaused && k.tick > given.tick + 90', { tick });
+  await viewer.screenshot('cut');
+});
+
+await steps.step('a dragged vertex takes the sheet along', async () => {
+  await viewer.page.keyboard.press('r');
+  await viewer.until(`k.numVertices === ${kDemoVertices} && k.pieces === 1`);
+  const tick = await viewer.read('k.tick');
+  await viewer.until('k.tick > given.tick + 60', { tick });
+  await viewer.choose('grab');
+  const material = { x: 0.5, y: 0.5 };
+  const from = await viewer.at(material.x, material.y);
+  const { z } = await viewer.read('k.toWorld(0.5, 0.5)');
+  await viewer.drag(from, { x: from.x, y: from.y - 190 });
+  await viewer.until('k.toWorld(given.x, given.y).z > given.z + 0.12', { ...material, z });
+  await viewer.screenshot('grab');
+  await viewer.page.mouse.up();
+  await viewer.until('k.toWorld(given.x, given.y).z < given.z + 0.1', { ...material, z });
+});
+
+await steps.step('a tap pins a vertex, another lets it go', async () => {
+  await viewer.page.keyboard.press(' ');
+  await viewer.until('k.isPaused');
+  await viewer.choose('pin');
+  check((await viewer.read('k.pinnedVertices.length')) === 2, 'the demo scene has other pins than its two corners');
+  // A vertex of the 50 x 50 grid, not the middle between four.
+  const vertex = [25 / 49, 25 / 49];
+  await viewer.tap(...vertex);
+  await viewer.page.keyboard.press(' ');
+  await viewer.until('!k.isPaused && k.pinnedVertices.length === 3');
+  await viewer.tap(...vertex);
+  await viewer.until('k.pinnedVertices.length === 2');
+});
+
+await steps.step('the wireframe comes and goes', async () => {
+  await viewer.page.keyboard.press('w');
+  await viewer.until('k.isWireframe');
+  await viewer.screenshot('wireframe');
+  await viewer.page.click('#wireframe');
+  await viewer.until('!k.isWireframe');
+});
+
+await steps.step('the gravity slider reaches the server', async () => {
+  await viewer.page.fill('#gravity', '1.62');
+  await viewer.page.waitForFunction(() => document.querySelector('#gravity-value').textContent === '1.62 m/s²');
+  const deadline = Date.now() + kPatienceMs;
+  let z;
+  do {
+    z = (await post(kerfd.url, 'SheetService/GetSheet', kDemo)).scene.gravityMps2?.z;
+  } while (z !== -1.62 && Date.now() < deadline);
+  check(z === -1.62, `the server's gravity is ${z}`);
+});
+
+await steps.step('the help opens with ? and the page logged no error', async () => {
+  await viewer.page.keyboard.press('?');
+  await viewer.page.locator('#help[open]').waitFor();
+  await viewer.screenshot('help');
+  await viewer.page.keyboard.press('Escape');
+  check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+});
+
+await steps.step('a freehand line is cut on a phone, in the dark', async () => {
+  await post(kerfd.url, 'SheetService/ResetSheet', kDemo);
+  await post(kerfd.url, 'InteractionService/SetSheetGravity', { ...kDemo, setGravity: { gravityMps2: { z: -9.81 } } });
+  const phone = await ViewerPage.open(browser, `${kerfd.url}/?sheet=demo`, kPhone);
+  await phone.until(`k.connection === "live" && k.framesDrawn > 0 && k.numVertices === ${kDemoVertices}`);
+  await phone.choose('cut');
+  await phone.page.click('#cut-panel [data-mode=freehand]');
+  await phone.drag(await phone.at(-0.04, 0.7), await phone.at(0.5, 0.75));
+  const end = await phone.at(1.04, 0.7);
+  await phone.page.mouse.move(end.x, end.y, { steps: 8 });
+  await phone.page.mouse.up();
+  await phone.screenshot('phone');
+  await phone.page.click('#cut-apply');
+  await phone.until('k.pieces > 1');
+  const overflow = await phone.page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+  check(overflow <= 0, `the page is ${overflow} px too wide for a phone`);
+  check(phone.errors.length === 0, `console: ${phone.errors.join('; ')}`);
+  await phone.page.close();
+});
+
+await steps.step('a sheet that is not there is told in words', async () => {
+  const lost = await ViewerPage.open(browser, `${kerfd.url}/?sheet=nowhere`, kWide);
+  await lost.page.locator('#connection-detail', { hasText: 'nowhere' }).waitFor();
+  await lost.page.close();
+});
+
+await steps.step('the viewer survives a restart of the server without a reload', async () => {
+  const { host } = new URL(kerfd.url);
+  check((await kerfd.stop()) === 0, 'kerfd did not end with status 0 on SIGTERM');
+  await viewer.until('k.connection === "lost"');
+  await viewer.screenshot('lost');
+  kerfd = await startKerfd(kerfdPath, web, host);
+  await viewer.until('k.connection === "live" && k.pieces === 1');
+});
+
+await browser.close();
+const status = await kerfd.stop();
+await steps.step('kerfd ends with status 0', async () => check(status === 0, `it ended with ${status}`));
+console.log(`${steps.passed} passed, ${steps.failed} failed`);
+process.exitCode = steps.failed === 0 ? 0 : 1;

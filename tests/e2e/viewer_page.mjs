@@ -1,0 +1,69 @@
+import { check, kPatienceMs, root } from './harness.mjs';
+
+/** One page with the viewer, read through window.kerf (web/src/hooks.ts) and driven as a person would. */
+export class ViewerPage {
+  /** Errors of the page's console and uncaught exceptions. */
+  errors = [];
+
+  constructor(page) {
+    this.page = page;
+    page.setDefaultTimeout(kPatienceMs);
+    page.on('console', (message) => message.type() === 'error' && this.errors.push(message.text()));
+    page.on('pageerror', (error) => this.errors.push(String(error)));
+  }
+
+  static async open(browser, url, options) {
+    const viewer = new ViewerPage(await browser.newPage(options));
+    await viewer.page.goto(url);
+    return viewer;
+  }
+
+  /** Waits until `condition`, an expression of window.kerf as k and of `given`, is true of it. */
+  async until(condition, given = {}) {
+    await this.page.waitForFunction(
+      ([text, values]) => window.kerf && new Function('k', 'given', `return ${text}`)(window.kerf, values),
+      [condition, given], { timeout: kPatienceMs }).catch((error) => {
+      throw new Error(`not within ${kPatienceMs / 1000} s: ${condition} (given ${JSON.stringify(given)}): ${error.message}`);
+    });
+  }
+
+  read(expression) {
+    return this.page.evaluate((text) => new Function('k', `return ${text}`)(window.kerf), expression);
+  }
+
+  /** Position of a material point on the page. */
+  async at(x, y) {
+    const point = await this.page.evaluate(([px, py]) => window.kerf.toClient(px, py), [x, y]);
+    check(point, `material point (${x}, ${y}) is not in view`);
+    return point;
+  }
+
+  async tap(x, y) {
+    const point = await this.at(x, y);
+    await this.page.mouse.click(point.x, point.y);
+  }
+
+  /** Presses at one point of the page, moves to another in steps, and stays down. */
+  async drag(from, to) {
+    await this.page.mouse.move(from.x, from.y);
+    await this.page.mouse.down();
+    await this.page.mouse.move(to.x, to.y, { steps: 8 });
+  }
+
+  async choose(tool) {
+    await this.page.click(`#tools [data-tool=${tool}]`);
+    await this.until('k.tool === given.tool', { tool });
+  }
+
+  notice(pattern) {
+    return this.page.locator('.notice', { hasText: pattern }).first().waitFor();
+  }
+
+  /** A picture of what is there now: two more frames are drawn first if the sheet moves. */
+  async screenshot(name) {
+    if (!(await this.read('k.isPaused'))) {
+      await this.until('k.framesDrawn >= given.drawn', { drawn: (await this.read('k.framesDrawn')) + 2 });
+    }
+    await this.page.screenshot({ path: `${root}/build/e2e/${name}.png` });
+  }
+}
