@@ -20,6 +20,8 @@ using mesh::TriangleMesh;
 
 namespace {
 
+constexpr double kSpacing = 0.8;  // -; longest stretch of path without a point, as a fraction of the edge length
+
 // Refinement steps a cut may take, beyond which the quality is given up, not the cut: per point of the path, and a rest
 // for the tips, corners and loops of small cuts. About ten times what was seen.
 constexpr std::int64_t kInsertionsPerPathPoint = 60;
@@ -41,7 +43,7 @@ class Cutter {
         spacing_(mesh.lattice().spacing),
         old_solid_(mesh.num_solid_triangles()),
         editor_(mesh, slot_limit(mesh, plan)),
-        insertion_(editor_, plan.snap_m / spacing_) {}
+        insertion_(editor_, plan.snap_m / spacing_, kSpacing * plan.edge_length_m / spacing_) {}
 
   Result<CutOutcome> run() {
     CutOutcome outcome;

@@ -42,7 +42,7 @@ struct CutRequest {
   std::vector<mesh::VertexId> fixed_vertices;
 };
 
-// What apply() will do: the curve flattened, clipped to the neighbourhood of the sheet and spaced. A plain value.
+// What apply() will do: the curve flattened and clipped to the neighbourhood of the sheet. A plain value.
 struct CutPlan {
   std::vector<Stroke> strokes;         // m, material coordinates; empty where the curve is nowhere near the sheet
   double curve_deviation_m = 0.0;      // m; proven bound on the distance between curve and strokes

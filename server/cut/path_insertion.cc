@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <cmath>
 
 #include "server/cut/lattice_geometry.h"
 
@@ -44,8 +44,8 @@ void sort_unique(std::vector<PointId>& points) {
 
 }  // namespace
 
-PathInsertion::PathInsertion(mesh::MeshEditor& editor, double snap)
-    : editor_(editor), mesh_(editor.mesh()), snap_(snap), walk_(editor.mesh(), snap) {}
+PathInsertion::PathInsertion(mesh::MeshEditor& editor, double snap, double spacing)
+    : editor_(editor), mesh_(editor.mesh()), snap_(snap), spacing_(spacing), walk_(editor.mesh(), snap) {}
 
 std::vector<PointId> PathInsertion::path_points() const {
   std::vector<PointId> points = path_points_;
@@ -61,27 +61,57 @@ std::vector<PointId> PathInsertion::corridor_points() const {
 
 Status PathInsertion::insert(const Stroke& stroke) {
   last_point_ = kNone;
-  LatticePoint from_at = mesh_.lattice().nearest(stroke.points.front());
-  segment_start_ = segment_end_ = from_at;
-  Result<PathPosition> from = place(from_at);
-  if (!from.ok()) return from.error();
+  segment_start_ = segment_end_ = mesh_.lattice().nearest(stroke.points.front());
+  Result<PathPosition> position = place(segment_start_);
+  if (!position.ok()) return position.error();
   for (std::size_t i = 1; i < stroke.points.size(); ++i) {
-    const LatticePoint to_at = mesh_.lattice().nearest(stroke.points[i]);
-    if (to_at == from_at) continue;
-    segment_start_ = from_at;
-    segment_end_ = to_at;
-    last_point_ = from->point;
-    const Result<PathPosition> to = place(to_at);
-    if (!to.ok()) return to.error();
-    if (to->point != kNone && to->point == from->point) {
-      ++counts_.merged_segments;
-    } else if (Status status = run_segment(*from, *to); !status.ok()) {
-      return status;
-    }
-    from = to;
-    from_at = to_at;
+    const LatticePoint end = mesh_.lattice().nearest(stroke.points[i]);
+    if (end == segment_end_) continue;
+    segment_start_ = segment_end_;
+    segment_end_ = end;
+    if (Status status = insert_segment(*position); !status.ok()) return status;
   }
   return Nothing{};
+}
+
+// Takes the path from the start of the present segment to its end.
+Status PathInsertion::insert_segment(PathPosition& position) {
+  const Eigen::Vector2d along = difference(segment_start_, segment_end_);
+  const double parts = std::ceil(along.norm() / spacing_);
+  for (double i = 1.0; i < parts; ++i) {
+    const Eigen::Vector2d offset = (i / parts) * along;
+    const LatticePoint at{segment_start_.x + std::llround(offset.x()), segment_start_.y + std::llround(offset.y())};
+    if (runs_along_edge(at)) continue;
+    if (Status status = advance(position, at); !status.ok()) return status;
+  }
+  return advance(position, segment_end_);
+}
+
+Status PathInsertion::advance(PathPosition& position, const LatticePoint& at) {
+  last_point_ = position.point;
+  const Result<PathPosition> target = place(at);
+  if (!target.ok()) return target.error();
+  if (target->point != kNone && target->point == position.point) {
+    ++counts_.merged_segments;
+  } else if (Status status = run_segment(position, *target); !status.ok()) {
+    return status;
+  }
+  position = *target;
+  return Nothing{};
+}
+
+// Whether `at`, on the present segment, lies on an edge with both ends on the segment too, all within the snap distance.
+bool PathInsertion::runs_along_edge(const LatticePoint& at) const {
+  const TriangleId t = mesh_.locate(at, hint_).triangle;
+  for (int k = 0; k < 3; ++k) {
+    const LatticePoint& a = mesh_.at(mesh_.points(t)[next_corner(k)]);
+    const LatticePoint& b = mesh_.at(mesh_.points(t)[previous_corner(k)]);
+    if (distance_to_segment(at, a, b) < snap_ && distance_to_segment(a, segment_start_, segment_end_) < snap_ &&
+        distance_to_segment(b, segment_start_, segment_end_) < snap_) {
+      return true;
+    }
+  }
+  return false;
 }
 
 // Everything within the snap distance is reached over edges within it, so a search outwards from the triangle that holds

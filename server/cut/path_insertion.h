@@ -24,11 +24,12 @@ struct InsertionCounts {
 // point or a fixed edge closer than the snap distance, or becomes a point; each segment is recovered by flips, passing
 // through points closer than the snap distance and splitting the fixed edges it crosses (older lips, the border, its own
 // earlier edges, region borders) at the rounded crossing. The edges it becomes are locked as cut; in the void nothing is
-// inserted or locked.
+// inserted or locked. Segments longer than the spacing get points in between, but where the mesh has edges along them
+// already: a long straight lip would drag needles as long as itself across the sheet.
 class PathInsertion {
  public:
-  // `snap`: lattice units, >= 2 * MeshEditor::kLockClearance.
-  PathInsertion(mesh::MeshEditor& editor, double snap);
+  // `snap`: lattice units, >= 2 * MeshEditor::kLockClearance. `spacing`: lattice units, > 0.
+  PathInsertion(mesh::MeshEditor& editor, double snap, double spacing);
 
   // An Error as of cut::apply(); the editor is then to be rolled back.
   Status insert(const Stroke& stroke);
@@ -46,6 +47,9 @@ class PathInsertion {
     int corner = 0;
   };
 
+  Status insert_segment(PathPosition& position);
+  Status advance(PathPosition& position, const mesh::LatticePoint& at);
+  [[nodiscard]] bool runs_along_edge(const mesh::LatticePoint& at) const;
   Result<PathPosition> place(const mesh::LatticePoint& at);
   [[nodiscard]] Snap find_snap(const mesh::LatticePoint& at, mesh::TriangleId start) const;
   Result<mesh::PointId> insert_here(const mesh::LatticePoint& at, const mesh::Location& location);
@@ -59,11 +63,12 @@ class PathInsertion {
   mesh::MeshEditor& editor_;
   const mesh::TriangleMesh& mesh_;
   double snap_;
+  double spacing_;
   PathWalk walk_;
   InsertionCounts counts_;
   mesh::TriangleId hint_ = mesh::kNone;
   mesh::PointId last_point_ = mesh::kNone;         // where the stroke is
-  mesh::LatticePoint segment_start_, segment_end_;  // of the segment being inserted
+  mesh::LatticePoint segment_start_, segment_end_;  // of the stroke's segment being inserted
   std::vector<mesh::PointId> path_points_;
   std::vector<mesh::PointId> corridor_points_;
   std::int64_t legs_ = 0;

@@ -8,8 +8,7 @@
 namespace kerf::cut {
 namespace {
 
-constexpr double kSpacing = 0.8;         // -; longest path segment, as a fraction of the edge length
-constexpr double kMaxPathPoints = 2.0e6;  // points of a spaced path; more cannot fit in any element budget
+constexpr double kMaxPathPoints = 1.0e6;  // points of a spaced path; more cannot fit in any element budget
 
 Status check_range(double value, double low, double high, const std::string& field) {
   if (value >= low && value <= high) return Nothing{};  // false for NaN
@@ -62,14 +61,13 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   const FlatCurve flat = flatten(request.curve, std::max(tolerance - plan.snap_m, 0.1 * tolerance));
   const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(plan.edge_length_m + plan.snap_m);
-  const FlatCurve clipped = clip(flat, {bounds.min() - margin, bounds.max() + margin});
-  if (spaced_size(clipped, kSpacing * plan.edge_length_m) > kMaxPathPoints) {
+  FlatCurve clipped = clip(flat, {bounds.min() - margin, bounds.max() + margin});
+  if (spaced_size(clipped, plan.edge_length_m) > kMaxPathPoints) {
     return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
-                 "the cut is longer than 1.6 million edge lengths; split it into several", "cut.curve"};
+                 "the cut is longer than 1 million edge lengths; split it into several", "cut.curve"};
   }
-  FlatCurve spaced = space(clipped, kSpacing * plan.edge_length_m);
-  plan.strokes = std::move(spaced.strokes);
-  plan.curve_deviation_m = spaced.deviation_m;
+  plan.strokes = std::move(clipped.strokes);
+  plan.curve_deviation_m = clipped.deviation_m;
   return plan;
 }
 

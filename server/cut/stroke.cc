@@ -37,10 +37,6 @@ std::optional<std::pair<double, double>> inside_range(const Vector2d& a, const V
   return std::make_pair(enter, leave);
 }
 
-int parts(const Vector2d& a, const Vector2d& b, double spacing) {
-  return static_cast<int>(std::max(1.0, std::ceil((b - a).norm() / spacing)));
-}
-
 }  // namespace
 
 FlatCurve clip(const FlatCurve& curve, const Box& box) {
@@ -85,26 +81,6 @@ double spaced_size(const FlatCurve& curve, double spacing) {
     }
   }
   return size;
-}
-
-FlatCurve space(const FlatCurve& curve, double spacing) {
-  FlatCurve result;
-  double rounding = 0.0;
-  for (const Stroke& stroke : curve.strokes) {
-    Stroke spaced;
-    spaced.points.push_back(stroke.points.front());
-    for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
-      const Vector2d& a = stroke.points[i];
-      const Vector2d& b = stroke.points[i + 1];
-      const int count = parts(a, b, spacing);
-      if (count > 1) rounding = std::max(rounding, interpolation_error(a, b));
-      for (int k = 1; k < count; ++k) spaced.points.emplace_back(a + (static_cast<double>(k) / count) * (b - a));
-      spaced.points.push_back(b);
-    }
-    result.strokes.push_back(std::move(spaced));
-  }
-  result.deviation_m = curve.deviation_m + rounding;
-  return result;
 }
 
 }  // namespace kerf::cut

@@ -23,11 +23,8 @@ struct Box {
 // kept bit for bit; the bound grows by the rounding of the points where strokes were clipped.
 FlatCurve clip(const FlatCurve& curve, const Box& box);
 
-// Number of points that space() would make; counts in double, so that absurd requests do not overflow.
+// Number of points the curve has once no segment is longer than `spacing` (m, > 0). In double, so that absurd requests do
+// not overflow.
 double spaced_size(const FlatCurve& curve, double spacing);
-
-// Splits every segment longer than `spacing` (m, > 0) into equal parts no longer than it. Why before insertion: a long
-// straight lip would drag needles as long as itself across the sheet. The bound grows by the rounding of new points.
-FlatCurve space(const FlatCurve& curve, double spacing);
 
 }  // namespace kerf::cut

@@ -86,8 +86,10 @@ inline std::optional<std::string> find_uncovered_path(const mesh::TriangleMesh& 
   const double allowed = report.deviation_m - plan.curve_deviation_m;
   for (const Stroke& stroke : plan.strokes) {
     for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
-      for (int k = 0; k <= 8; ++k) {
-        const Eigen::Vector2d point = stroke.points[i] + (k / 8.0) * (stroke.points[i + 1] - stroke.points[i]);
+      const Eigen::Vector2d along = stroke.points[i + 1] - stroke.points[i];
+      const double samples = 6.0 * std::ceil(along.norm() / plan.edge_length_m);
+      for (double k = 0.0; k <= samples; ++k) {
+        const Eigen::Vector2d point = stroke.points[i] + (k / samples) * along;
         const mesh::Location location = after.locate(after.lattice().nearest(point));
         if (!after.is_solid(location.triangle)) continue;
         double nearest = std::numeric_limits<double>::infinity();

@@ -1,0 +1,347 @@
+// What cut.h promises beside topology: exact counts, refusals, transactions, deviation, quality, determinism.
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "server/cut/cut.h"
+#include "server/mesh/grid_mesh.h"
+#include "tests/cut/cut_checks.h"
+
+namespace kerf::cut {
+namespace {
+
+using Eigen::Vector2d;
+
+mesh::TriangleMesh grid(std::int32_t vertices) { return *mesh::make_grid({vertices, vertices, 1.0, 1.0}); }
+mesh::TriangleMesh jittered(std::int32_t vertices) {
+  return *mesh::make_jittered_grid({vertices, vertices, 1.0, 1.0}, 5);
+}
+
+CutOptions plain() {
+  CutOptions options;
+  options.min_angle_deg = 0.0;
+  options.relax = false;
+  return options;
+}
+
+CutOutcome cut(mesh::TriangleMesh& mesh, const CutRequest& request) {
+  const mesh::TriangleMesh before = mesh;
+  const Result<CutPlan> planned = plan(mesh, request);
+  EXPECT_TRUE(planned.ok()) << planned.error().message;
+  Result<CutOutcome> outcome = apply(mesh, *planned);
+  EXPECT_TRUE(outcome.ok()) << outcome.error().message;
+  if (outcome->status == CutStatus::kApplied) {
+    EXPECT_EQ(find_cut_violation(before, mesh, *outcome).value_or(""), "");
+  }
+  return std::move(*outcome);
+}
+
+Curve s_curve() { return CubicBezier{{{0.1, 0.2}, {0.9, 0.1}, {0.1, 0.95}, {0.9, 0.8}}}; }
+
+// Along edges nothing but vertices is added, so every number is known.
+TEST(CutContract, CountsVerticesExactlyAlongEdges) {
+  struct Case {
+    std::vector<Vector2d> points;  // in cells of an 8 x 8 sheet
+    int new_vertices;
+    int pieces;
+    int lip_edges;
+  };
+  const std::vector<Case> cases{
+      {{{2, 3}, {6, 3}}, 3, 1, 4},                          // tips stay single
+      {{{2, 3}, {3, 3}}, 0, 1, 1},                          // one edge inside: opens nothing
+      {{{0, 3}, {4, 3}}, 4, 1, 4},                          // from the border
+      {{{0, 3}, {8, 3}}, 9, 2, 8},                          // from border to border
+      {{{1, 1}, {6, 6}}, 4, 1, 5},                          // along diagonals
+      {{{3, 3}, {4, 3}, {4, 4}, {3, 3}}, 3, 2, 3},          // one triangle
+      {{{2, 2}, {5, 2}, {5, 5}, {2, 5}, {2, 2}}, 12, 2, 12},  // a square
+      {{{2, 2}, {5, 2}, {5, 5}}, 5, 1, 6},                  // a corner
+  };
+  for (const Case& item : cases) {
+    Polyline line;
+    for (const Vector2d& p : item.points) line.points.push_back(p / 8.0);
+    mesh::TriangleMesh mesh = grid(9);
+    const CutOutcome outcome = cut(mesh, {line, plain(), {}});
+    EXPECT_EQ(outcome.status, CutStatus::kApplied);
+    EXPECT_EQ(outcome.report.new_vertices, item.new_vertices);
+    EXPECT_EQ(outcome.report.new_triangles, 0);
+    EXPECT_EQ(outcome.report.pieces, item.pieces);
+    EXPECT_EQ(outcome.report.new_lip_edges, item.lip_edges);
+  }
+}
+
+TEST(CutContract, CountsVerticesExactlyInsideOneTriangle) {
+  // The slit's two points split the triangle (+2, +2); both are tips, so each stays one vertex.
+  mesh::TriangleMesh mesh = grid(9);
+  const CutOutcome slit = cut(mesh, {Polyline{{{0.42, 0.39}, {0.46, 0.40}}}, plain(), {}});
+  EXPECT_EQ(slit.report.new_vertices, 2);
+  EXPECT_EQ(slit.report.new_triangles, 4);
+  EXPECT_EQ(slit.report.crossed_triangles, 1);
+  EXPECT_EQ(slit.report.new_lip_edges, 1);
+  // A closed triangle inside one: three points, each doubled; the island is one triangle.
+  mesh::TriangleMesh other = grid(9);
+  const Polyline loop{{{0.42, 0.39}, {0.46, 0.40}, {0.46, 0.42}, {0.42, 0.39}}};
+  const CutOutcome island = cut(other, {loop, plain(), {}});
+  EXPECT_EQ(island.report.new_vertices, 6);
+  EXPECT_EQ(island.report.new_triangles, 6);
+  EXPECT_EQ(island.report.pieces, 2);
+}
+
+TEST(CutContract, RefusesBadRequestsWithReasonAndField) {
+  const mesh::TriangleMesh mesh = grid(5);
+  const Curve good = Polyline{{{0.2, 0.2}, {0.8, 0.7}}};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  struct Case {
+    CutRequest request;
+    const char* reason;
+    const char* field;
+  };
+  const auto with = [&](const auto& change) {
+    CutRequest request{good, {}, {}};
+    change(request);
+    return request;
+  };
+  const std::vector<Case> cases{
+      {with([&](CutRequest& r) { r.curve = Polyline{{{0, 0}, {nan, 0}}}; }), "CURVE_NOT_FINITE",
+       "cut.curve.polyline.points[1].x"},
+      {with([&](CutRequest& r) { r.options.tolerance = nan; }), "OPTION_OUT_OF_RANGE", "cut.tolerance"},
+      {with([&](CutRequest& r) { r.options.tolerance = 0.51; }), "OPTION_OUT_OF_RANGE", "cut.tolerance"},
+      {with([&](CutRequest& r) { r.options.tolerance_m = 0.0; }), "OPTION_OUT_OF_RANGE", "cut.tolerance_m"},
+      {with([&](CutRequest& r) { r.options.snap = 0.2; }), "OPTION_OUT_OF_RANGE", "cut.snap"},
+      {with([&](CutRequest& r) { r.options.min_angle_deg = 28.5; }), "OPTION_OUT_OF_RANGE", "cut.min_angle_deg"},
+      {with([&](CutRequest& r) { r.options.max_new_triangles = 0; }), "OPTION_OUT_OF_RANGE", "cut.max_new_triangles"},
+      {with([&](CutRequest& r) { r.fixed_vertices = {3, 25}; }), "VERTEX_UNKNOWN", "cut.fixed_vertices[1]"},
+      {with([&](CutRequest& r) { r.fixed_vertices = {-1}; }), "VERTEX_UNKNOWN", "cut.fixed_vertices[0]"},
+  };
+  for (const Case& item : cases) {
+    const Result<CutPlan> planned = plan(mesh, item.request);
+    ASSERT_FALSE(planned.ok()) << item.field;
+    EXPECT_EQ(planned.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(planned.error().reason, item.reason);
+    EXPECT_EQ(planned.error().field, item.field);
+  }
+}
+
+TEST(CutContract, RefusesAPathOfAbsurdLength) {
+  Polyline line;
+  for (int i = 0; i < 4096; ++i) line.points.emplace_back(i % 2 == 0 ? -0.01 : 1.01, i / 4096.0);
+  const Result<CutPlan> planned = plan(*mesh::make_grid({255, 255, 1.0, 1.0}), {line, {}, {}});
+  ASSERT_FALSE(planned.ok());
+  EXPECT_EQ(planned.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(planned.error().reason, "CUT_ELEMENT_BUDGET");
+}
+
+// The budget runs out in insertion for small limits and in refinement for larger ones.
+TEST(CutContract, LeavesTheMeshBitIdenticalWhenTheBudgetRunsOut) {
+  mesh::TriangleMesh mesh = grid(20);
+  cut(mesh, {Circle{{0.5, 0.5}, 0.2}, {}, {}});
+  const mesh::TriangleMesh before = mesh;
+  int refused = 0;
+  for (std::int64_t budget = 1; budget < 400; budget += 13) {
+    CutRequest request{s_curve(), {}, {}};
+    request.options.max_new_triangles = budget;
+    const Result<CutOutcome> outcome = apply(mesh, *plan(mesh, request));
+    if (outcome.ok()) break;
+    ++refused;
+    EXPECT_EQ(outcome.error().code, ErrorCode::kResourceExhausted);
+    EXPECT_EQ(outcome.error().reason, "CUT_ELEMENT_BUDGET");
+    ASSERT_TRUE(mesh == before);
+    ASSERT_EQ(mesh.state_hash(), before.state_hash());
+  }
+  EXPECT_GT(refused, 10);
+}
+
+TEST(CutContract, AMissLeavesTheMeshBitIdentical) {
+  mesh::TriangleMesh mesh = jittered(9);
+  const mesh::TriangleMesh before = mesh;
+  const std::vector<Curve> misses{Circle{{3, 3}, 1}, Polyline{{{-0.2, 0}, {-0.1, 2}}}, Circle{{0.41, 0.52}, 1e-9}};
+  for (const Curve& curve : misses) {
+    const CutOutcome outcome = cut(mesh, {curve, {}, {}});
+    EXPECT_EQ(outcome.status, CutStatus::kNoIntersection);
+    EXPECT_TRUE(outcome.edit.empty());
+    EXPECT_EQ(outcome.report.pieces, 1);
+    EXPECT_TRUE(mesh == before);
+  }
+}
+
+TEST(CutContract, UndoRestoresTheMeshBitForBit) {
+  mesh::TriangleMesh mesh = jittered(15);
+  std::vector<mesh::TriangleMesh> states{mesh};
+  std::vector<mesh::UndoLog> logs;
+  const std::vector<Curve> curves{s_curve(), Circle{{0.5, 0.5}, 0.3}, Polyline{{{-0.1, 0.4}, {1.1, 0.6}}}};
+  for (const Curve& curve : curves) {
+    logs.push_back(cut(mesh, {curve, {}, {}}).undo);
+    states.push_back(mesh);
+  }
+  for (std::size_t i = logs.size(); i-- > 0;) {
+    logs[i].undo(mesh);
+    EXPECT_TRUE(mesh == states[i]);
+    EXPECT_EQ(mesh.state_hash(), states[i].state_hash());
+  }
+}
+
+TEST(CutContract, SameCutOnEqualMeshesGivesEqualBits) {
+  mesh::TriangleMesh a = jittered(15);
+  mesh::TriangleMesh b = a;
+  const CutOutcome first = cut(a, {s_curve(), {}, {}});
+  const CutOutcome second = cut(b, {s_curve(), {}, {}});
+  EXPECT_TRUE(a == b);
+  EXPECT_EQ(a.state_hash(), b.state_hash());
+  EXPECT_EQ(first.edit.rewritten_triangles, second.edit.rewritten_triangles);
+}
+
+TEST(CutContract, RelaxationKeepsFixedVerticesAndCanBeTurnedOff) {
+  mesh::TriangleMesh free_mesh = grid(20);
+  const CutOutcome free = cut(free_mesh, {s_curve(), {}, {}});
+  ASSERT_GT(free.edit.moved_vertices.size(), 4U);
+  std::vector<mesh::VertexId> fixed;
+  for (std::size_t i = 0; i < free.edit.moved_vertices.size(); i += 2) {
+    fixed.push_back(free.edit.moved_vertices[i].vertex);
+  }
+  mesh::TriangleMesh pinned_mesh = grid(20);
+  const mesh::TriangleMesh before = pinned_mesh;
+  cut(pinned_mesh, {s_curve(), {}, {fixed.rbegin(), fixed.rend()}});
+  for (const mesh::VertexId v : fixed) EXPECT_EQ(pinned_mesh.rest_position(v), before.rest_position(v));
+
+  CutRequest request{s_curve(), {}, {}};
+  request.options.relax = false;
+  mesh::TriangleMesh still = grid(20);
+  EXPECT_TRUE(cut(still, request).edit.moved_vertices.empty());
+  for (mesh::VertexId v = 0; v < before.num_vertices(); ++v) {
+    ASSERT_EQ(still.rest_position(v), before.rest_position(v));
+  }
+}
+
+TEST(CutContract, TrianglesOutsideTheTouchedRingStayAsTheyAre) {
+  mesh::TriangleMesh mesh = grid(40);
+  const mesh::TriangleMesh before = mesh;
+  const CutOutcome outcome = cut(mesh, {Circle{{0.5, 0.5}, 0.1}, {}, {}});
+  for (mesh::TriangleId t = 0; t < before.num_triangle_slots(); ++t) {
+    const auto& rewritten = outcome.edit.rewritten_triangles;
+    if (std::binary_search(rewritten.begin(), rewritten.end(), t)) continue;
+    mesh::TriangleRecord record = mesh.record(t);
+    record.piece = before.piece(t);  // the number of its piece may change anywhere
+    ASSERT_TRUE(before.record(t) == record);
+  }
+  EXPECT_LT(outcome.report.rewritten_triangles, 600);
+}
+
+// Samples of the exact curve against the lips: none farther than reported, and the report within what was asked for.
+void check_deviation(const Curve& curve, const std::vector<Vector2d>& samples, double tolerance, double snap) {
+  mesh::TriangleMesh mesh = jittered(20);
+  CutRequest request{curve, {}, {}};
+  request.options.tolerance = tolerance;
+  request.options.snap = snap;
+  const CutOutcome outcome = cut(mesh, request);
+  std::vector<std::pair<Vector2d, Vector2d>> lips;
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (!mesh.is_solid(t) || (mesh.locks(t, k) & mesh::kLockCut) == 0) continue;
+      lips.emplace_back(mesh.point_position(mesh.points(t)[mesh::next_corner(k)]),
+                        mesh.point_position(mesh.points(t)[mesh::previous_corner(k)]));
+    }
+  }
+  double worst = 0.0;
+  for (const Vector2d& sample : samples) {
+    double nearest = 1.0;
+    for (const auto& [a, b] : lips) nearest = std::min(nearest, distance_to_segment_m(sample, a, b));
+    worst = std::max(worst, nearest);
+  }
+  EXPECT_LE(worst, outcome.report.deviation_m);
+  EXPECT_LE(outcome.report.deviation_m, tolerance * mesh.base_edge_length() * 1.05);
+}
+
+TEST(CutContract, DeviationReportedBoundsTheTrueDistance) {
+  const auto bezier = std::get<CubicBezier>(s_curve());
+  std::vector<Vector2d> on_bezier, on_circle;
+  for (int i = 0; i <= 500; ++i) {
+    const double t = i / 500.0, s = 1.0 - t;
+    const auto& p = bezier.points;
+    on_bezier.emplace_back(s * s * s * p[0] + 3 * s * s * t * p[1] + 3 * s * t * t * p[2] + t * t * t * p[3]);
+    const double angle = 2.0 * std::numbers::pi * t;
+    on_circle.emplace_back(0.5 + 0.31 * std::cos(angle), 0.5 + 0.31 * std::sin(angle));
+  }
+  for (const double tolerance : {0.2, 0.02, 0.003}) {
+    for (const double snap : {0.1, 1e-3}) {
+      check_deviation(bezier, on_bezier, tolerance, snap);
+      check_deviation(Circle{{0.5, 0.5}, 0.31}, on_circle, tolerance, snap);
+    }
+  }
+}
+
+// The design's contract: 20 degrees and l_max / h_min <= 5.5 where no two lips meet below 60 degrees; at most 6 new
+// triangles a crossed one, and 90 for a small loop.
+TEST(CutContract, QualityHolds) {
+  std::vector<Curve> curves{s_curve(), Polyline{{{-0.1, 0.31}, {0.83, 0.7}}}};
+  for (const double radius : {0.24, 0.1, 0.03, 0.012, 0.005}) curves.emplace_back(Circle{{0.513, 0.487}, radius});
+  Polyline flower;
+  for (int i = 0; i <= 300; ++i) {
+    const double angle = 2.0 * std::numbers::pi * (i % 300) / 300.0;
+    const double radius = 0.3 + 0.08 * std::sin(8.0 * angle);
+    flower.points.emplace_back(0.5 + radius * std::cos(angle), 0.5 + radius * std::sin(angle));
+  }
+  curves.emplace_back(flower);
+  for (const bool relax : {true, false}) {
+    for (const Curve& curve : curves) {
+      mesh::TriangleMesh mesh = grid(50);
+      CutRequest request{curve, {}, {}};
+      request.options.relax = relax;
+      const CutReport report = cut(mesh, request).report;
+      EXPECT_GE(report.min_angle_deg, 20.0);
+      EXPECT_LE(report.max_aspect, 5.5);
+      EXPECT_EQ(report.triangles_below_angle, 0);
+      EXPECT_FALSE(report.refinement_stopped);
+      EXPECT_LE(report.new_triangles, (relax ? 4 : 6.5) * report.crossed_triangles + 90);
+      if (relax) {
+        EXPECT_GE(report.min_height_m, 0.05 * mesh.base_edge_length());
+      }
+    }
+  }
+}
+
+TEST(CutContract, AngleReportedIsThatOfTheMesh) {
+  mesh::TriangleMesh mesh = grid(12);
+  const CutOutcome outcome = cut(mesh, {Polyline{{{0.2, 0.2}, {0.8, 0.21}, {0.2, 0.28}}}, {}, {}});
+  double smallest = 180.0;
+  for (const mesh::TriangleId t : outcome.edit.rewritten_triangles) {
+    if (!mesh.is_solid(t)) continue;
+    for (int k = 0; k < 3; ++k) {
+      const Vector2d at = mesh.point_position(mesh.points(t)[k]);
+      const Vector2d u = mesh.point_position(mesh.points(t)[mesh::next_corner(k)]) - at;
+      const Vector2d v = mesh.point_position(mesh.points(t)[mesh::previous_corner(k)]) - at;
+      const double angle = std::atan2(u.x() * v.y() - u.y() * v.x(), u.dot(v)) * 180.0 / std::numbers::pi;
+      smallest = std::min(smallest, angle);
+    }
+  }
+  EXPECT_NEAR(outcome.report.min_angle_deg, smallest, 1e-6);
+  EXPECT_LT(smallest, 10.0);  // the corner at (0.8, 0.21) forces it
+  EXPECT_GT(outcome.report.triangles_below_angle, 0);
+}
+
+TEST(CutContract, WarnsOfClosedGapsAndMergedDust) {
+  mesh::TriangleMesh mesh = grid(11);
+  const Curve slit = Polyline{{{0.22, 0.53}, {0.78, 0.53}}};
+  const CutOutcome first = cut(mesh, {slit, {}, {}});
+  EXPECT_EQ(first.report.closed_gaps, 0);
+  EXPECT_EQ(first.report.merged_segments, 0);
+  // Ends 1e-5 m short of the slit: the gap is below the snap distance of 1e-4 m and is closed.
+  const CutOutcome second = cut(mesh, {Polyline{{{0.45, 0.81}, {0.47, 0.53001}}}, {}, {}});
+  EXPECT_GE(second.report.closed_gaps, 1);
+  EXPECT_EQ(count_boundary_loops(mesh), 2);
+  const Polyline dust{{{0.25, 0.17}, {0.250001, 0.170001}, {0.65, 0.24}}};
+  EXPECT_GE(cut(mesh, {dust, {}, {}}).report.merged_segments, 1);
+}
+
+TEST(CutContract, ACurveFarAwayDoesNotFillTheVoid) {
+  mesh::TriangleMesh mesh = grid(10);
+  const std::int32_t slots = mesh.num_triangle_slots();
+  Polyline line{{{0.5, 0.5}, {5000.0, 4000.0}, {-8000.0, 7000.0}, {0.51, 0.9}}};
+  const CutOutcome outcome = cut(mesh, {line, {}, {}});
+  EXPECT_EQ(outcome.status, CutStatus::kApplied);
+  EXPECT_EQ(outcome.report.pieces, 1);
+  EXPECT_LT(mesh.num_triangle_slots() - slots, outcome.report.new_triangles + 40);
+}
+
+}  // namespace
+}  // namespace kerf::cut
