@@ -29,8 +29,10 @@ void TriangleMesh::build_hints() {
   hint_rows_ = std::max(1, static_cast<std::int32_t>(std::ceil(size.y() / cell)));
   hints_.assign(static_cast<std::size_t>(hint_columns_) * static_cast<std::size_t>(hint_rows_), kNone);
   for (TriangleId t = num_triangle_slots() - 1; t >= 0; --t) {
-    if (!is_solid(t)) continue;
     const std::array<PointId, 3>& p = points(t);
+    // Records may come damaged: then find_violation() is what says so.
+    const auto [low, high] = std::minmax_element(p.begin(), p.end());
+    if (!is_solid(t) || *low < 0 || *high >= num_points()) continue;
     const LatticePoint middle{at(p[0]).x / 3 + at(p[1]).x / 3 + at(p[2]).x / 3,
                               at(p[0]).y / 3 + at(p[1]).y / 3 + at(p[2]).y / 3};
     const Eigen::Vector2d relative = (records_.lattice.position(middle) - records_.bounds.min()).cwiseQuotient(size);
@@ -38,7 +40,9 @@ void TriangleMesh::build_hints() {
     const auto row = std::clamp(static_cast<std::int32_t>(relative.y() * hint_rows_), 0, hint_rows_ - 1);
     hints_[row * hint_columns_ + column] = t;
   }
-  TriangleId last = *std::find_if(hints_.begin(), hints_.end(), [](TriangleId t) { return t != kNone; });
+  const auto first = std::find_if(hints_.begin(), hints_.end(), [](TriangleId t) { return t != kNone; });
+  if (first == hints_.end()) return hints_.clear();
+  TriangleId last = *first;
   for (TriangleId& hint : hints_) {
     if (hint == kNone) hint = last;
     last = hint;

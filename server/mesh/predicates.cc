@@ -9,10 +9,6 @@ namespace {
 
 __extension__ using Uint128 = unsigned __int128;
 
-int sign(Int128 value) {
-  return value > 0 ? 1 : (value < 0 ? -1 : 0);
-}
-
 // Two's complement, 256 bits: just what the sums of products of two 128-bit integers need.
 struct Int256 {
   Uint128 low = 0;
@@ -164,7 +160,7 @@ LatticePoint rounded_crossing(const LatticePoint& a, const LatticePoint& b, cons
 
 LatticePoint rounded_projection(const LatticePoint& a, const LatticePoint& b, const LatticePoint& p) {
   const Int128 denominator = dot(a, b, a, b);
-  KERF_DCHECK(sign(denominator) > 0, "a segment to project on has a length");
+  KERF_DCHECK(denominator > 0, "a segment to project on has a length");
   const Int128 numerator = dot(a, b, a, p);
   if (numerator <= 0) return a;
   if (numerator >= denominator) return b;

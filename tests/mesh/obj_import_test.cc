@@ -105,7 +105,8 @@ TEST(Obj, RefusalsNameTheLine) {
 // Whatever bytes come: a typed refusal, or arrays of matching sizes.
 TEST(Obj, DamagedTextIsRefusedOrRead) {
   const std::string sound = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nf 1/1 2/2 3/3 -1/-1\n";
-  const std::string alphabet("0123456789-+./# \n\t\rvtfneINa\0\xff", 31);
+  constexpr char kAlphabet[] = "0123456789-+./# \n\t\rvtfneINa\0\xff";
+  const std::string alphabet(kAlphabet, sizeof kAlphabet);  // zero bytes included
   SeededRandom random(8);
   int num_read = 0;
   for (int i = 0; i < 20000; ++i) {
