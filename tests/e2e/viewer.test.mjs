@@ -7,6 +7,8 @@ const kWide = { viewport: { width: 1280, height: 720 }, colorScheme: 'light' };
 const kPhone = { viewport: { width: 390, height: 844 }, colorScheme: 'dark', hasTouch: true, isMobile: true };
 const kDemo = { name: 'sheets/demo' };
 const kDemoVertices = 2500;
+// Of the sheet in deploy/scenes/demo.json before it falls, metres.
+const kStartHeight = 0.8;
 
 let kerfd = await startKerfd(kerfdPath, web);
 const browser = await launchChromium(chromiumPath);
@@ -40,10 +42,11 @@ await steps.step('pause stops the tick, step makes one, resume goes on', async (
 });
 
 await steps.step('reset goes back to the uncut sheet', async () => {
-  await viewer.page.click('#reset');
-  await viewer.until(`k.numVertices === ${kDemoVertices} && k.pieces === 1`);
   await viewer.page.keyboard.press(' ');
   await viewer.until('k.isPaused');
+  await viewer.page.click('#reset');
+  await viewer.until(`k.numVertices === ${kDemoVertices} && k.pieces === 1 && Math.abs(k.toWorld(0.5, 0).z - given.z) < 1e-3`,
+    { z: kStartHeight });
 });
 
 await steps.step('four taps and Enter cut the paused sheet in two', async () => {
@@ -125,8 +128,10 @@ await steps.step('the help opens with ? and the page logged no error', async () 
 });
 
 await steps.step('a freehand line is cut on a phone, in the dark', async () => {
+  await post(kerfd.url, 'SheetService/PauseSheet', kDemo);
   await post(kerfd.url, 'SheetService/ResetSheet', kDemo);
   await post(kerfd.url, 'InteractionService/SetSheetGravity', { ...kDemo, setGravity: { gravityMps2: { z: -9.81 } } });
+  // Paused, it holds still under the finger.
   const phone = await ViewerPage.open(browser, `${kerfd.url}/?sheet=demo`, kPhone);
   await phone.until(`k.connection === "live" && k.framesDrawn > 0 && k.numVertices === ${kDemoVertices}`);
   await phone.choose('cut');
@@ -135,9 +140,14 @@ await steps.step('a freehand line is cut on a phone, in the dark', async () => {
   const end = await phone.at(1.04, 0.7);
   await phone.page.mouse.move(end.x, end.y, { steps: 8 });
   await phone.page.mouse.up();
-  await phone.screenshot('phone');
+  await phone.screenshot('phone-cut');
   await phone.page.click('#cut-apply');
-  await phone.until('k.pieces > 1');
+  await phone.until('k.pieces === 2');
+  await phone.choose('view');
+  await phone.page.click('#pause');
+  const tick = await phone.read('k.tick');
+  await phone.until('!k.isPaused && k.tick > given.tick + 60', { tick });
+  await phone.screenshot('phone');
   const overflow = await phone.page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
   check(overflow <= 0, `the page is ${overflow} px too wide for a phone`);
   check(phone.errors.length === 0, `console: ${phone.errors.join('; ')}`);

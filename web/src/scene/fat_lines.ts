@@ -23,7 +23,8 @@ export class FatLines {
     this.material = new LineMaterial({
       color: style.color,
       linewidth: style.width,
-      transparent: (style.opacity ?? 1) < 1,
+      // What is on top is drawn with the transparent objects, after all others, in the order of renderOrder.
+      transparent: style.onTop === true || (style.opacity ?? 1) < 1,
       opacity: style.opacity ?? 1,
       depthTest: !style.onTop,
       depthWrite: false,

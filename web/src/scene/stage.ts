@@ -21,7 +21,7 @@ export class Stage {
   readonly sizePx = new Vector2(1, 1);
 
   private readonly renderer: WebGLRenderer;
-  private readonly sun = new DirectionalLight(0xfff4e6, 2.3);
+  private readonly sun = new DirectionalLight(0xfff9f1, 2.3);
   private readonly sky = new HemisphereLight(0xffffff, 0x8c8f98, 1.5);
   private readonly raycaster = new Raycaster();
   private isStale = true;

@@ -5,7 +5,7 @@ import type { Stage } from '../scene/stage';
 /** The curve about to be cut and its control polygon, drawn over the sheet: a bright line in a dark rim reads on both sides. */
 export class CutPreview {
   private readonly polygon = new FatLines({ color: 0xffffff, width: 1.5, opacity: 0.55, onTop: true });
-  private readonly rim = new FatLines({ color: 0x10151c, width: 6, opacity: 0.75, onTop: true });
+  private readonly rim = new FatLines({ color: 0x10151c, width: 6, onTop: true });
   private readonly curve = new FatLines({ color: 0xffd23f, width: 3, onTop: true });
 
   constructor(stage: Stage) {
