@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <deque>
 #include <utility>
 
 namespace kerf::mesh {
@@ -47,9 +48,9 @@ class ComponentGrowth {
  private:
   struct Group {
     std::vector<TriangleId> members;
-    std::vector<TriangleId> frontier;  // members whose neighbours are still to be looked at
-    std::int32_t parent;               // itself, or the group it was merged into
-    std::size_t piece;                 // index into pieces_
+    std::deque<TriangleId> frontier;  // members whose neighbours are still to be looked at
+    std::int32_t parent;              // itself, or the group it was merged into
+    std::size_t piece;                // index into pieces_
   };
 
   std::size_t piece_index(TriangleId t) const {
@@ -66,8 +67,8 @@ class ComponentGrowth {
 
   // Looks at the neighbours of one slot of the group; returns the group it belongs to afterwards.
   std::int32_t grow(std::int32_t index) {
-    const TriangleId t = groups_[index].frontier.back();
-    groups_[index].frontier.pop_back();
+    const TriangleId t = groups_[index].frontier.front();  // breadth first: parts that meet round a tip meet soon
+    groups_[index].frontier.pop_front();
     for (int k = 0; k < 3; ++k) {
       const TriangleId n = mesh_.neighbour(t, k);
       if (n == kNone) continue;
