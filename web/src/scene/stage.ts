@@ -8,7 +8,7 @@ import { GroundMaterial } from './ground_material';
 const kFovDeg = 36;
 const kViewDirection = new Vector3(0.5, -1, 0.62).normalize();
 // Part of the picture's height or width that the sheet fills at first; it will swing and fall.
-const kFilled = 0.78;
+const kFilled = 0.88;
 const kLightDirection = new Vector3(-0.45, -0.5, 1).normalize();
 
 /** Renderer, camera, lights and floor; z is up. Draws only when something called invalidate(). */
