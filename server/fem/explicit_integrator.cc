@@ -31,6 +31,7 @@ void ExplicitIntegrator::rebuild(const Model& model) {
   const double limit = std::max(kMaxModeDamping, options_.highest_mode_damping);
   const double xi = std::clamp(0.5 * model.material().stiffness_damping * omega, options_.highest_mode_damping, limit);
   beta_ = omega > 0.0 ? 2.0 * xi / omega : 0.0;
+  bending_beta_ = std::min(beta_, model.material().stiffness_damping);
   critical_step_ =
       omega > 0.0 ? 2.0 / omega * (std::sqrt(1.0 + xi * xi) - xi) : std::numeric_limits<double>::infinity();
   const Eigen::Index n = model.num_vertices();
@@ -115,7 +116,7 @@ void ExplicitIntegrator::evaluate_forces(const Model& model, const Loads& loads,
   }
   add_membrane_forces(model.element_blocks(), model.membrane_law(), beta_, state.x, state.v, f);
   if (model.has_bending()) {
-    scratch_.damped = state.x + beta_ * state.v;
+    scratch_.damped = state.x + bending_beta_ * state.v;
     add_bending_forces(model.bending_rows(), scratch_.damped, f);
   }
   const Material& material = model.material();

@@ -49,7 +49,8 @@ class ExplicitIntegrator final : public Integrator {
 
   IntegratorOptions options_;
   double critical_step_ = 0.0;
-  double beta_ = 0.0;  // s
+  double beta_ = 0.0;          // s, of the membrane
+  double bending_beta_ = 0.0;  // s, the material's own alone: see bending_forces.h
   Scratch scratch_;
   std::string explanation_;
 };

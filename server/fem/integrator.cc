@@ -1,6 +1,7 @@
 #include "server/fem/integrator.h"
 
 #include "server/fem/automatic_integrator.h"
+#include "server/fem/implicit_integrator.h"
 
 namespace kerf::fem {
 

@@ -41,7 +41,7 @@ struct StepStats {
 };
 
 enum class IntegratorKind {
-  kAutomatic,      // explicit or implicit Euler, whichever is estimated to cost less for this model and tick
+  kAutomatic,      // explicit, or implicit Euler with the better linear solver: see automatic_integrator.h
   kExplicit,       // velocity Verlet (leapfrog) with stable substeps: second order, symplectic, hardly any damping
   kImplicitEuler,  // first order, strongly damped, robust
   kTrBdf2,         // trapezoidal rule + BDF2, second order, L-stable; two solves a step
@@ -65,7 +65,9 @@ struct IntegratorOptions {
 
   // Implicit.
   int newton_iterations = 3;       // a substep, >= 1
-  double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance |r at the start|; r: residual of the step, N s^2
+  double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance * scale, r the residual M dx - h^2 f of the step
+                                   // (kg m), scale the same for ballistic motion, but no less than 1e-3 of that of
+                                   // standing still, nor than what rounding leaves
   LinearSolverKind linear_solver = LinearSolverKind::kConjugateGradient;
   double linear_tolerance = 1e-4;  // -, see linear_solver.h
   int max_linear_iterations = 1000;

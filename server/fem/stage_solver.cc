@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/fem/bending_forces.h"
 #include "server/fem/grab_point.h"
@@ -50,7 +51,8 @@ void StageSolver::rebuild(const Model& model) {
       }
     }
   }
-  for (Eigen::Matrix3Xd* field : {&force_, &residual_, &rhs_, &step_, &velocity_, &damped_, &trial_, &start_}) {
+  for (Eigen::Matrix3Xd* field :
+       {&force_, &residual_, &rhs_, &step_, &increment_, &velocity_, &damped_, &trial_, &start_}) {
     field->resize(3, model.num_vertices());
   }
 }
@@ -67,6 +69,7 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const Eigen::Mat
     found = repair(undamped, start_, state.x, stats);
   }
   if (!found || !state.x.allFinite()) return false;
+  if (loads.pins.empty() && loads.grabs.empty()) restore_momentum(problem, state.x);
   state.v = (state.x - stage.base.x) / stage.d;
   for (const Pin& pin : loads.pins) state.v.col(pin.vertex) = pin.velocity;
   return true;
@@ -76,12 +79,12 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const Eigen::Mat
 bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats& stats) {
   step_.setZero();
   predict_stress(problem, x);
-  double reference = 0.0;
-  double residual = 0.0;
-  for (int i = 0;; ++i) {
-    residual = evaluate_residual(problem, x);
+  double scale = 0.0;
+  double relative = 0.0;
+  for (int i = 0; i <= options_.newton_iterations; ++i) {
+    const double residual = evaluate_residual(problem, x);
     if (i > 0) {
-      const double relative = reference > 0.0 ? residual / reference : 0.0;
+      relative = residual / scale;
       if (relative <= options_.newton_tolerance) {
         stats.residual = std::max(stats.residual, relative);
         return true;
@@ -89,23 +92,47 @@ bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats
       if (i == options_.newton_iterations || !std::isfinite(residual)) break;
     }
     assemble(problem, x, true);
-    rhs_ = residual_;
-    step_ = problem.stage.d * problem.stage.base.v;
-    if (i > 0) step_.setZero();
-    constrain(problem, x);
-    if (i == 0) reference = rhs_.norm();
-    solve_linear(stats);
+    if (i == 0) {
+      scale = solve_first(problem, x, stats);
+    } else {
+      rhs_ = residual_;
+      step_.setZero();
+      constrain(problem, x);
+      solve_linear(stats, step_);
+    }
     ++stats.newton_iterations;
     predict_stress(problem, x);
     x += step_;
   }
-  if (!x.allFinite()) return false;
   Problem undamped = problem;
   undamped.beta = 0.0;
-  if (!(merit(undamped, x) <= merit(undamped, start_))) return false;
+  const double reached = merit(undamped, x);
+  if (!std::isfinite(reached) || !(reached <= merit(undamped, start_))) return false;
   stats.flags |= kNotConverged;
-  stats.residual = std::max(stats.residual, residual / reference);
+  stats.residual = std::max(stats.residual, relative);
   return true;
+}
+
+// The unknown is the departure from ballistic motion, so that tolerances are relative to what forces do and not to the
+// momentum a moving sheet has anyway, and free fall is exact.
+double StageSolver::solve_first(const Problem& problem, const Eigen::Matrix3Xd& x, StepStats& stats) {
+  const double d = problem.stage.d;
+  const Eigen::Vector3d fall = d * d * problem.loads.gravity;
+  rhs_ = residual_;
+  step_ = (d * problem.stage.base.v).colwise() + fall;
+  constrain(problem, x);
+  const double whole = rhs_.norm();
+  matrix_.multiply(step_, increment_);
+  rhs_ -= increment_;
+  const double departure = rhs_.norm();
+  increment_.setZero();
+  solve_linear(stats, increment_);
+  step_ += increment_;
+  const double rounding = 8.0 * std::numeric_limits<double>::epsilon() * d * d * problem.model.membrane_law().trace() *
+                          x.cwiseAbs().maxCoeff() * std::sqrt(static_cast<double>(x.cols()));
+  constexpr double kMomentumShare = 1e-3;
+  return std::max(
+      {departure, kMomentumShare * whole, rounding / options_.newton_tolerance, std::numeric_limits<double>::min()});
 }
 
 bool StageSolver::repair(const Problem& problem, const Eigen::Matrix3Xd& start, Eigen::Matrix3Xd& x, StepStats& stats) {
@@ -124,7 +151,7 @@ bool StageSolver::repair(const Problem& problem, const Eigen::Matrix3Xd& start, 
     rhs_ = residual_;
     step_.setZero();
     constrain(problem, x);
-    solve_linear(stats);
+    solve_linear(stats, step_);
     ++stats.newton_iterations;
     if (!step_.allFinite() || !search_line(problem, value, x)) break;
   }
@@ -175,6 +202,20 @@ double StageSolver::evaluate_residual(const Problem& problem, const Eigen::Matri
   return std::sqrt(sum);
 }
 
+void StageSolver::restore_momentum(const Problem& problem, Eigen::Matrix3Xd& x) const {
+  const Stage& stage = problem.stage;
+  const double inertia = 1.0 + stage.d * problem.model.material().mass_damping;
+  Eigen::Vector3d missing = Eigen::Vector3d::Zero();
+  double mass = 0.0;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    const double m = problem.model.mass()[static_cast<std::size_t>(i)];
+    mass += m;
+    missing += m * (stage.d * stage.base.v.col(i) - inertia * (x.col(i) - stage.base.x.col(i)));
+    missing += stage.d * stage.d * (m * problem.loads.gravity + problem.constant_force.col(i));
+  }
+  if (mass > 0.0) x.colwise() += missing / (mass * inertia);
+}
+
 void StageSolver::add_grab_forces(const Problem& problem, const Eigen::Matrix3Xd& x) {
   for (const Grab& grab : problem.loads.grabs) {
     const Eigen::Vector3d target = grab.target - problem.stage.time_left * grab.velocity;
@@ -210,11 +251,10 @@ double StageSolver::merit(const Problem& problem, const Eigen::Matrix3Xd& x) con
   return kinetic + d * d * potential;
 }
 
-LinearStats StageSolver::solve_linear(StepStats& stats) {
-  const LinearStats linear = solver_->solve(matrix_, rhs_, options_.linear_tolerance, step_);
+void StageSolver::solve_linear(StepStats& stats, Eigen::Matrix3Xd& x) {
+  const LinearStats linear = solver_->solve(matrix_, rhs_, options_.linear_tolerance, x);
   stats.linear_iterations += linear.iterations;
   if (!linear.converged) stats.flags |= kNotConverged;
-  return linear;
 }
 
 }  // namespace kerf::fem

@@ -49,8 +49,14 @@ class StageSolver {
   using BlockPositions = std::array<int, 9>;  // of corner pair (i, j): entry 3 i + j
 
   bool iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats& stats);
+  // The first Newton step, into step_; returns the scale of the residual (see IntegratorOptions::newton_tolerance).
+  double solve_first(const Problem& problem, const Eigen::Matrix3Xd& x, StepStats& stats);
   bool repair(const Problem& problem, const Eigen::Matrix3Xd& start, Eigen::Matrix3Xd& x, StepStats& stats);
   bool search_line(const Problem& problem, double& merit, Eigen::Matrix3Xd& x);
+
+  // Moves the whole of a free sheet so that its residual has no resultant: internal forces have none, so linear
+  // momentum is conserved to round-off however loosely the stage was solved.
+  void restore_momentum(const Problem& problem, Eigen::Matrix3Xd& x) const;
 
   // Into residual_, zero at pins; returns its Euclidean norm.
   double evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x);
@@ -65,14 +71,15 @@ class StageSolver {
   void predict_stress(const Problem& problem, const Eigen::Matrix3Xd& x);  // from step_, into stress_
   // Puts the pins' displacement into step_ and rhs_ and decouples their rows: matrix_ stays symmetric.
   void constrain(const Problem& problem, const Eigen::Matrix3Xd& x);
-  LinearStats solve_linear(StepStats& stats);
+  // matrix_ x = rhs_, x holding the guess.
+  void solve_linear(StepStats& stats, Eigen::Matrix3Xd& x);
 
   IntegratorOptions options_;
   std::unique_ptr<LinearSolver> solver_;
   BlockMatrix matrix_;
-  std::vector<BlockPositions> positions_;           // one a lane of the model's blocks
-  std::vector<Eigen::Vector3d> stress_;             // one a lane, N/m, for the tangent
-  Eigen::Matrix3Xd force_, residual_, rhs_, step_;  // 3 x V
+  std::vector<BlockPositions> positions_;                       // one a lane of the model's blocks
+  std::vector<Eigen::Vector3d> stress_;                         // one a lane, N/m, for the tangent
+  Eigen::Matrix3Xd force_, residual_, rhs_, step_, increment_;  // 3 x V
   Eigen::Matrix3Xd velocity_, damped_, trial_, start_;
 };
 

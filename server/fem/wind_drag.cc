@@ -5,6 +5,14 @@
 #include <Eigen/Geometry>
 
 namespace kerf::fem {
+namespace {
+
+double limited(double rate, double duration_per_mass) {
+  const double reach = rate * duration_per_mass;
+  return rate / std::sqrt(1.0 + reach * reach);
+}
+
+}  // namespace
 
 void add_wind_drag(std::span<const ElementBlock> blocks, const Wind& wind, double surface_density, double duration,
                    const State& state, Eigen::Matrix3Xd& f) {
@@ -30,8 +38,8 @@ void add_wind_drag(std::span<const ElementBlock> blocks, const Wind& wind, doubl
       const double normal_rate = A * normal_factor * std::abs(un);       // kg/s
       const double tangential_rate = A * tangential_factor * ut.norm();  // kg/s
       const double duration_per_mass = duration / (surface_density * block.area[l]);
-      const double cn = normal_rate / (1.0 + normal_rate * duration_per_mass);
-      const double ct = tangential_rate / (1.0 + tangential_rate * duration_per_mass);
+      const double cn = limited(normal_rate, duration_per_mass);
+      const double ct = limited(tangential_rate, duration_per_mass);
       const Eigen::Vector3d third = (1.0 / 3.0) * (cn * un * n + ct * ut);
       f.col(i) += third;
       f.col(j) += third;

@@ -11,8 +11,8 @@
 namespace kerf::fem {
 
 // f (3 x V, N) += air drag at x (3 x V, m) and v (3 x V, m/s); see Wind. surface_density: kg/m^2 of the sheet at rest.
-// The force acts over a kick of `duration` (s); it is divided by 1 + (drag rate) duration, so that however strong the
-// wind a kick cannot carry a triangle past the velocity of the air. Slots in order.
+// The force acts over a kick of `duration` (s). Where the drag rate r of a triangle is so high that the kick would
+// carry it past the velocity of the air, it is divided by sqrt(1 + (r duration)^2). Slots in order.
 void add_wind_drag(std::span<const ElementBlock> blocks, const Wind& wind, double surface_density, double duration,
                    const State& state, Eigen::Matrix3Xd& f);
 

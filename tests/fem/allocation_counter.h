@@ -1,0 +1,50 @@
+#pragma once
+
+// Counts every allocation of the program it is included in, Eigen's included (which calls malloc, not operator new). To
+// be included by one source of a test. glibc only; counts nothing under a sanitizer, which has its own malloc.
+
+#include <cstddef>
+#include <cstdlib>
+
+namespace kerf::fem {
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kCountsAllocations = false;
+inline std::size_t num_allocations() {
+  return 0;
+}
+#else
+inline constexpr bool kCountsAllocations = true;
+inline std::size_t allocation_count = 0;  // the tests have one thread
+inline std::size_t num_allocations() {
+  return allocation_count;
+}
+#endif
+
+}  // namespace kerf::fem
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* block, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) {
+  ++kerf::fem::allocation_count;
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  ++kerf::fem::allocation_count;
+  return __libc_calloc(count, size);
+}
+void* realloc(void* block, std::size_t size) {
+  ++kerf::fem::allocation_count;
+  return __libc_realloc(block, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) {
+  ++kerf::fem::allocation_count;
+  return __libc_memalign(alignment, size);
+}
+}
+#endif

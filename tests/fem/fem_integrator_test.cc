@@ -1,0 +1,379 @@
+// The contract of every integrator: motion, loads and reports. What happens under abuse: fem_stress_test.cc.
+#include <cmath>
+
+#include "server/fem/stable_step.h"
+#include "tests/fem/allocation_counter.h"
+#include "tests/fem/integrator_cases.h"
+
+namespace kerf::fem {
+namespace {
+
+constexpr double kTick = 1.0 / 60.0;  // s
+
+Material soft_cloth() {
+  return isotropic(4.0e5, 0.3, 5.0e-4, 400.0);
+}
+
+Loads no_loads() {
+  Loads loads;
+  loads.gravity.setZero();
+  return loads;
+}
+
+// Pins the upper corners of a square grid of n x n where they are.
+Loads hang_by_corners(int n, const State& state) {
+  Loads loads;
+  for (const int v : {n * (n - 1), n * n - 1}) loads.pins.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
+  return loads;
+}
+
+class IntegratorContract : public IntegratorTest {};
+
+TEST_P(IntegratorContract, FreeFallIsTheExactParabolaOfTheScheme) {
+  const mesh::TriangleMesh mesh = jittered_square(7);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make(model);
+  const State start = [&] {
+    State state = rest_state(mesh);
+    state.v.colwise() = Eigen::Vector3d(1.0, 0.5, 2.0);
+    return state;
+  }();
+  State state = start;
+  const Loads loads;
+  constexpr int kTicks = 30;
+  for (int i = 0; i < kTicks; ++i) {
+    const StepStats stats = integrator->step(model, loads, kTick, nullptr, state);
+    EXPECT_EQ(stats.flags & ~kSubstepLimit, 0U);
+    EXPECT_NEAR(stats.simulated, kTick, 1e-15);
+  }
+  const double t = kTicks * kTick;
+  // Implicit Euler: z = v t - g t (t + dt) / 2. The others are of second order: exact.
+  const double late = is(IntegratorKind::kImplicitEuler) ? kTick : 0.0;
+  const Eigen::Vector3d expected = Eigen::Vector3d(1.0, 0.5, 2.0) * t + 0.5 * t * (t + late) * loads.gravity;
+  const Eigen::Matrix3Xd moved = state.x - start.x;
+  EXPECT_LT((moved.colwise() - expected).cwiseAbs().maxCoeff(), 1e-11);
+  EXPECT_LT((state.v.colwise() - (start.v.col(0) + t * loads.gravity)).cwiseAbs().maxCoeff(), 1e-10);
+}
+
+TEST_P(IntegratorContract, ConservesMomentumOfAStrainedTumblingSheet) {
+  const mesh::TriangleMesh mesh = jittered_square(8);
+  // Bending without damping, and damping without bending: damped bending brakes the rotation of a bent sheet.
+  Material bending = orthotropic_cloth();
+  Material damped = orthotropic_cloth();
+  damped.bending_scale = 0.0;
+  damped.stiffness_damping = 1e-4;
+  for (const Material& material : {bending, damped}) {
+    const Model model(mesh, material);
+    const std::unique_ptr<Integrator> integrator = make(model);
+    State state = rest_state(mesh);
+    SeededRandom random(21);
+    state.x += random_field(random, state.x.cols(), 0.01);
+    const Eigen::Vector3d omega(3.0, -2.0, 5.0);
+    for (Eigen::Index i = 0; i < state.x.cols(); ++i) {
+      state.v.col(i) = omega.cross(state.x.col(i)) + Eigen::Vector3d(0.3, 0.2, 0.1);
+    }
+    const Momentum before = model.momentum(state);
+    const Loads loads = no_loads();
+    for (int i = 0; i < 60; ++i) integrator->step(model, loads, 1e-3, nullptr, state);
+    const Momentum after = model.momentum(state);
+    EXPECT_LT((after.linear - before.linear).norm(), 1e-12 * before.linear.norm());
+    // Verlet keeps angular momentum exactly; implicit Euler loses some, a second-order scheme little.
+    const double allowed = is(IntegratorKind::kExplicit) ? 1e-12 : is(IntegratorKind::kTrBdf2) ? 2e-3 : 5e-2;
+    EXPECT_LT((after.angular - before.angular).norm(), allowed * before.angular.norm());
+  }
+}
+
+TEST_P(IntegratorContract, PinsAreWhereTheyShouldBeAtTheEndOfEveryStep) {
+  const mesh::TriangleMesh mesh = square_grid(7);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make(model);
+  State state = rest_state(mesh);
+  Loads loads = hang_by_corners(7, state);
+  const Eigen::Vector3d velocity(0.2, 0.0, 0.4);
+  loads.pins[1].velocity = velocity;
+  for (int i = 0; i < 20; ++i) {
+    loads.pins[1].target += kTick * velocity;
+    integrator->step(model, loads, kTick, nullptr, state);
+    for (const Pin& pin : loads.pins) {
+      EXPECT_LT((state.x.col(pin.vertex) - pin.target).norm(), 1e-14);
+      EXPECT_EQ(Eigen::Vector3d(state.v.col(pin.vertex)), pin.velocity);
+    }
+  }
+  EXPECT_LT(state.x(2, 3), -0.01);  // the free rest has fallen
+}
+
+TEST_P(IntegratorContract, HangsAtRestWhereForcesBalance) {
+  const mesh::TriangleMesh mesh = square_grid(9);
+  Material material = soft_cloth();
+  material.mass_damping = 8.0;
+  const Model model(mesh, material);
+  const std::unique_ptr<Integrator> integrator = make(model);
+  State state = rest_state(mesh);
+  // Hanging straight down from its upper edge.
+  state.x.row(2) = state.x.row(1).eval();
+  state.x.row(1).setZero();
+  Loads loads;
+  for (int i = 72; i < 81; ++i) loads.pins.push_back({i, state.x.col(i), Eigen::Vector3d::Zero()});
+  for (int i = 0; i < 240; ++i) integrator->step(model, loads, kTick, nullptr, state);
+  EXPECT_LT(state.v.cwiseAbs().maxCoeff(), 1e-4);
+  Eigen::Matrix3Xd f(3, state.x.cols());
+  model.internal_forces(state.x, f);
+  for (int i = 0; i < 72; ++i) {
+    EXPECT_LT((f.col(i) + model.mass()[static_cast<std::size_t>(i)] * loads.gravity).norm(),
+              4e-3 * model.mass()[40] * 9.81);
+  }
+  // Stretch of the centre line under its own weight, in one dimension: rho g L^2 / (2 E).
+  const double sag = 400.0 * 9.81 / (2.0 * 4.0e5);
+  EXPECT_NEAR(0.0 - state.x(2, 4), sag, 0.15 * sag);
+}
+
+TEST_P(IntegratorContract, MassDampingSlowsASheetExponentially) {
+  const mesh::TriangleMesh mesh = square_grid(4);
+  Material material = soft_cloth();
+  material.mass_damping = 2.0;
+  const Model model(mesh, material);
+  const std::unique_ptr<Integrator> integrator = make(model);
+  State state = rest_state(mesh);
+  state.v.row(0).setConstant(3.0);
+  for (int i = 0; i < 100; ++i) integrator->step(model, no_loads(), 5e-3, nullptr, state);
+  const double tolerance = is(IntegratorKind::kImplicitEuler) ? 0.03 : 1e-4;
+  EXPECT_NEAR(state.v(0, 5), 3.0 * std::exp(-1.0), tolerance);
+}
+
+TEST_P(IntegratorContract, TerminalVelocityBalancesDragAndWeight) {
+  const mesh::TriangleMesh mesh = square_grid(5);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make(model);
+  State state = rest_state(mesh);
+  Loads loads;
+  loads.wind.air_density = 1.2;
+  loads.wind.normal_drag = 1.0;
+  for (int i = 0; i < 300; ++i) integrator->step(model, loads, kTick, nullptr, state);
+  const double terminal = std::sqrt(0.2 * 9.81 / (0.5 * 1.2));  // 0.2 kg/m^2
+  EXPECT_NEAR(-state.v.row(2).mean(), terminal, 0.01 * terminal);
+}
+
+TEST_P(IntegratorContract, EvenAGaleNeverBlowsTheSheetFasterThanTheAir) {
+  const mesh::TriangleMesh mesh = square_grid(5);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make(model);
+  State state = rest_state(mesh);
+  Loads loads = no_loads();
+  loads.wind.air_density = 100.0;
+  loads.wind.velocity = Eigen::Vector3d(0.0, 0.0, 300.0);
+  for (int i = 0; i < 60; ++i) {
+    integrator->step(model, loads, kTick, nullptr, state);
+    ASSERT_TRUE(is_finite(state));
+    ASSERT_LT(state.v.row(2).mean(), 300.0 * (1.0 + 1e-6));
+  }
+  EXPECT_GT(state.v.row(2).mean(), 250.0);
+}
+
+TEST_P(IntegratorContract, ExternalForcesAccelerateTheWholeSheet) {
+  const mesh::TriangleMesh mesh = square_grid(4);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make(model);
+  State state = rest_state(mesh);
+  Loads loads = no_loads();
+  loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  loads.external_forces.col(3) = Eigen::Vector3d(0.0, 0.01, 0.02);
+  for (int i = 0; i < 10; ++i) integrator->step(model, loads, 1e-3, nullptr, state);
+  EXPECT_LT((model.momentum(state).linear - 0.01 * Eigen::Vector3d(0.0, 0.01, 0.02)).norm(), 1e-12);
+}
+
+TEST_P(IntegratorContract, AGrabOfAnyStiffnessPullsItsPointToTheTarget) {
+  const mesh::TriangleMesh mesh = square_grid(7);
+  Material material = soft_cloth();
+  material.mass_damping = 5.0;
+  const Model model(mesh, material);
+  const std::unique_ptr<Integrator> integrator = make(model);
+  for (const double stiffness : {10.0, 1e3, 1e6, 1e12}) {
+    State state = rest_state(mesh);
+    Loads loads = no_loads();
+    Grab grab;
+    const std::array<mesh::VertexId, 3> corners = mesh.vertices(30);
+    grab.vertices = corners;
+    grab.weights = Eigen::Vector3d(0.5, 0.25, 0.25);
+    grab.target = Eigen::Vector3d(0.5, 0.5, 0.3);
+    grab.stiffness = stiffness;
+    grab.damping = 0.5;
+    loads.grabs.push_back(grab);
+    for (int i = 0; i < 300; ++i) {
+      integrator->step(model, loads, kTick, nullptr, state);
+      ASSERT_TRUE(is_finite(state)) << stiffness;
+    }
+    const Eigen::Vector3d point =
+        0.5 * state.x.col(corners[0]) + 0.25 * state.x.col(corners[1]) + 0.25 * state.x.col(corners[2]);
+    EXPECT_LT((point - grab.target).norm(), 2e-3) << stiffness;
+  }
+}
+
+TEST_P(IntegratorContract, RepeatsBitForBitWhateverWasSteppedBefore) {
+  const mesh::TriangleMesh mesh = jittered_square(9);
+  const Model model(mesh, orthotropic_cloth());
+  const std::unique_ptr<Integrator> used = make(model);
+  State state = rest_state(mesh);
+  Loads loads = hang_by_corners(9, state);
+  loads.wind.air_density = 1.2;
+  for (int i = 0; i < 5; ++i) used->step(model, loads, kTick, nullptr, state);
+  State other = state;
+  used->step(model, loads, kTick, nullptr, state);
+  const std::unique_ptr<Integrator> fresh = make(model);
+  fresh->step(model, loads, kTick, nullptr, other);
+  EXPECT_TRUE(equal_bits(state, other));
+}
+
+TEST_P(IntegratorContract, NeverAllocatesInAStep) {
+  if (!kCountsAllocations) GTEST_SKIP() << "the sanitizer has its own malloc";
+  const mesh::TriangleMesh mesh = square_grid(10);
+  const Model model(mesh, orthotropic_cloth());
+  const std::unique_ptr<Integrator> integrator = make(model);
+  State state = rest_state(mesh);
+  Loads loads = hang_by_corners(10, state);
+  loads.wind.air_density = 1.2;
+  loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  loads.grabs.push_back({{5, mesh::kNone, mesh::kNone}, {1.0, 0.0, 0.0}, {0.5, 0.0, 0.2}, {0.0, 0.0, 0.0}, 50.0, 0.1});
+  const std::size_t before = num_allocations();
+  std::uint32_t flags = 0;
+  for (int i = 0; i < 10; ++i) flags |= integrator->step(model, loads, kTick, nullptr, state).flags;
+  state.x.row(0).setZero();  // collapse it, so that the repairs run as well
+  state.x.row(1).setZero();
+  for (int i = 0; i < 3; ++i) flags |= integrator->step(model, loads, kTick, nullptr, state).flags;
+  EXPECT_EQ(num_allocations(), before);
+  const std::vector<int> proof(100);
+  EXPECT_EQ(num_allocations(), before + 1) << "the counter counts";
+}
+
+class CountingContact final : public ContactConstraint {
+ public:
+  void enforce(double dt, State& state) override {
+    ++calls;
+    duration += dt;
+    state.x.row(2) = state.x.row(2).cwiseMax(-0.05).eval();
+  }
+  int calls = 0;
+  double duration = 0.0;
+};
+
+TEST_P(IntegratorContract, EnforcesContactOnceASubstepAndLastOfAll) {
+  const mesh::TriangleMesh mesh = square_grid(6);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make(model);
+  State state = rest_state(mesh);
+  CountingContact contact;
+  int substeps = 0;
+  for (int i = 0; i < 20; ++i) {
+    substeps += integrator->step(model, Loads{}, kTick, &contact, state).substeps;
+    EXPECT_GE(state.x.row(2).minCoeff(), -0.05);
+  }
+  EXPECT_EQ(contact.calls, substeps);
+  EXPECT_NEAR(contact.duration, 20 * kTick, 1e-12);
+}
+
+TEST_P(IntegratorContract, ReportsStrainAboveItsLimit) {
+  const mesh::TriangleMesh mesh = square_grid(4);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make(model);
+  State state = rest_state(mesh);
+  EXPECT_EQ(integrator->step(model, no_loads(), 1e-4, nullptr, state).flags & kStrainLimit, 0U);
+  state.x.row(0) *= 2.0;
+  const StepStats stats = integrator->step(model, no_loads(), 1e-4, nullptr, state);
+  EXPECT_NE(stats.flags & kStrainLimit, 0U);
+  EXPECT_NEAR(stats.max_strain, 1.0, 0.2);
+}
+
+TEST_P(IntegratorContract, SaysWhatItIs) {
+  const mesh::TriangleMesh mesh = square_grid(3);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make(model);
+  EXPECT_EQ(integrator->kind(), GetParam().options.kind);
+  EXPECT_FALSE(integrator->explanation().empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, IntegratorContract, testing::ValuesIn(all_integrators()), case_name);
+
+// --- Of one integrator only.
+
+TEST(ExplicitIntegrator, AgreesWithAFinelyResolvedImplicitOne) {
+  const mesh::TriangleMesh mesh = square_grid(9);
+  const Model model(mesh, soft_cloth());
+  State verlet = rest_state(mesh);
+  State implicit = verlet;
+  const Loads loads = hang_by_corners(9, verlet);
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kExplicit;
+  const std::unique_ptr<Integrator> first = make_integrator(options);
+  first->rebuild(model);
+  options.kind = IntegratorKind::kTrBdf2;
+  options.linear_solver = LinearSolverKind::kDirect;
+  options.newton_iterations = 8;
+  const std::unique_ptr<Integrator> second = make_integrator(options);
+  second->rebuild(model);
+  for (int i = 0; i < 100; ++i) first->step(model, loads, 1e-3, nullptr, verlet);
+  for (int i = 0; i < 100; ++i) second->step(model, loads, 1e-3, nullptr, implicit);
+  EXPECT_LT((verlet.x - implicit.x).cwiseAbs().maxCoeff(), 2e-4);
+  EXPECT_LT(verlet.x.row(2).minCoeff(), -0.04);
+}
+
+TEST(ExplicitIntegrator, ShortensTheStepItCannotAffordAndSaysSo) {
+  const mesh::TriangleMesh mesh = square_grid(6);
+  const Model model(mesh, find_preset("wool").value());
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kExplicit;
+  options.max_substeps = 10;
+  const std::unique_ptr<Integrator> integrator = make_integrator(options);
+  integrator->rebuild(model);
+  State state = rest_state(mesh);
+  const StepStats stats = integrator->step(model, Loads{}, kTick, nullptr, state);
+  EXPECT_NE(stats.flags & kSubstepLimit, 0U);
+  EXPECT_EQ(stats.substeps, 10);
+  EXPECT_LT(stats.simulated, kTick);
+  EXPECT_NEAR(state.v(2, 0), -9.81 * stats.simulated, 1e-12);
+}
+
+TEST(StableStep, BoundsTheTrueLargestEigenvalueClosely) {
+  for (const bool jittered : {false, true}) {
+    for (const Material& material : {soft_cloth(), orthotropic_cloth(), find_preset("wool").value()}) {
+      const mesh::TriangleMesh mesh = jittered ? jittered_square(10) : square_grid(10);
+      const Model model(mesh, material);
+      const State rest = rest_state(mesh);
+      const Eigen::Index n = rest.x.cols();
+      SeededRandom random(31);
+      Eigen::Matrix3Xd p = random_field(random, n, 1.0);
+      Eigen::Matrix3Xd up(3, n);
+      Eigen::Matrix3Xd down(3, n);
+      double largest = 0.0;
+      for (int i = 0; i < 2000; ++i) {
+        p /= p.norm();
+        constexpr double kStep = 1e-7;
+        model.internal_forces(rest.x + kStep * p, up);
+        model.internal_forces(rest.x - kStep * p, down);
+        Eigen::Matrix3Xd Kp = (down - up) / (2.0 * kStep);
+        double mass = 0.0;
+        for (Eigen::Index k = 0; k < n; ++k) mass += model.mass()[static_cast<std::size_t>(k)] * p.col(k).squaredNorm();
+        largest = Kp.cwiseProduct(p).sum() / mass;
+        for (Eigen::Index k = 0; k < n; ++k) Kp.col(k) *= model.inverse_mass()[static_cast<std::size_t>(k)];
+        p = Kp;
+      }
+      EXPECT_GE(stiffness_bound(model), largest * (1.0 - 1e-6));
+      EXPECT_LE(stiffness_bound(model), 2.0 * largest);
+    }
+  }
+}
+
+TEST(AutomaticIntegrator, TakesExplicitForSoftAndImplicitForStiffSheetsAndSaysWhy) {
+  const mesh::TriangleMesh mesh = square_grid(20);
+  const std::unique_ptr<Integrator> integrator = make_integrator({});
+  const Model soft(mesh, soft_cloth());
+  integrator->rebuild(soft);
+  EXPECT_EQ(integrator->kind(), IntegratorKind::kExplicit);
+  EXPECT_NE(integrator->explanation().find("substeps"), std::string_view::npos);
+  const Model stiff(mesh, find_preset("wool").value());
+  integrator->rebuild(stiff);
+  EXPECT_EQ(integrator->kind(), IntegratorKind::kImplicitEuler);
+  State state = rest_state(mesh);
+  EXPECT_EQ(integrator->step(stiff, Loads{}, kTick, nullptr, state).substeps, 1);
+}
+
+}  // namespace
+}  // namespace kerf::fem

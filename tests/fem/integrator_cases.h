@@ -1,0 +1,62 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "server/fem/integrator.h"
+#include "tests/fem/fem_fixture.h"
+
+namespace kerf::fem {
+
+// Every integrator and linear solver there is, as test parameters.
+struct IntegratorCase {
+  std::string name;
+  IntegratorOptions options;
+};
+inline void PrintTo(const IntegratorCase& tested, std::ostream* out) {
+  *out << tested.name;
+}
+
+inline IntegratorCase integrator_case(std::string name, IntegratorKind kind, LinearSolverKind solver) {
+  IntegratorCase result{std::move(name), {}};
+  result.options.kind = kind;
+  result.options.linear_solver = solver;
+  return result;
+}
+
+inline std::vector<IntegratorCase> all_integrators() {
+  return {
+      integrator_case("Explicit", IntegratorKind::kExplicit, LinearSolverKind::kConjugateGradient),
+      integrator_case("ImplicitEulerCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kConjugateGradient),
+      integrator_case("ImplicitEulerDirect", IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
+      integrator_case("TrBdf2Direct", IntegratorKind::kTrBdf2, LinearSolverKind::kDirect),
+  };
+}
+
+class IntegratorTest : public testing::TestWithParam<IntegratorCase> {
+ protected:
+  // Takes GetParam()'s options as they are.
+  std::unique_ptr<Integrator> make(const Model& model) const {
+    std::unique_ptr<Integrator> integrator = make_integrator(GetParam().options);
+    integrator->rebuild(model);
+    return integrator;
+  }
+  bool is(IntegratorKind kind) const { return GetParam().options.kind == kind; }
+};
+
+inline std::string case_name(const testing::TestParamInfo<IntegratorCase>& tested) {
+  return tested.param.name;
+}
+
+inline bool equal_bits(const State& a, const State& b) {
+  return a.x == b.x && a.v == b.v;
+}
+
+// Elastic and kinetic energy, J.
+inline double internal_energy(const Model& model, const State& state) {
+  const Energies energies = model.energies(state, Eigen::Vector3d::Zero());
+  return energies.membrane + energies.bending + energies.kinetic;
+}
+
+}  // namespace kerf::fem
