@@ -154,7 +154,7 @@ class Host::Impl {
   }
 
   Result<sheet::Sheet> build(sheet::SheetConfig config) {
-    Result<sheet::Sheet> built = sheet::Sheet::create(std::move(config));
+    Result<sheet::Sheet> built = sheet::Sheet::create(std::move(config), options_.make_integrator);
     if (built && built->mesh().num_vertices() > options_.max_vertices_per_sheet) {
       return too_many_vertices(built->mesh().num_vertices(), options_.max_vertices_per_sheet);
     }

@@ -28,6 +28,7 @@ struct HostOptions {
   std::int32_t max_step_ticks = 100'000;  // a call of step()
   // Where a new sheet's recording goes; null, or a null result: nowhere.
   std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;
+  sheet::IntegratorFactory make_integrator = fem::make_integrator;  // what advances the sheets
 };
 
 enum class RunState {

@@ -46,7 +46,8 @@ std::vector<std::size_t> order_schedule(const std::vector<ScheduledCommand>& com
 
 }  // namespace
 
-Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state)
+Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,
+                  IntegratorFactory make_integrator)
     : config(std::move(sheet_config)),
       initial(std::move(initial_state)),
       schedule(order_schedule(config->commands)),
@@ -54,7 +55,7 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       mesh(initial->mesh),
       state{initial->positions, Eigen::Matrix3Xd::Zero(3, initial->positions.cols())},
       model(mesh, config->material),
-      integrator(integrator_options(*config)),
+      integrator(std::move(make_integrator), integrator_options(*config)),
       topology(full_topology(mesh, topology_version)) {
   contact.set_colliders(config->colliders, 0.5 * config->material.thickness);
   loads.gravity = config->gravity;
@@ -207,7 +208,7 @@ Sheet::Sheet(Sheet&&) noexcept = default;
 Sheet& Sheet::operator=(Sheet&&) noexcept = default;
 Sheet::~Sheet() = default;
 
-Result<Sheet> Sheet::create(SheetConfig config) {
+Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrator) {
   if (Status s = validate(config); !s) return s.error();
   Result<BuiltMesh> built = build_mesh(config.mesh, config.placement);
   if (!built) return built.error();
@@ -217,7 +218,8 @@ Result<Sheet> Sheet::create(SheetConfig config) {
   initial->mesh = std::move(built->mesh);
   initial->positions = std::move(built->positions);
   initial->pinned = std::move(pinned).value();
-  return Sheet(std::make_unique<Impl>(std::make_shared<const SheetConfig>(std::move(config)), std::move(initial)));
+  return Sheet(std::make_unique<Impl>(std::make_shared<const SheetConfig>(std::move(config)), std::move(initial),
+                                      std::move(make_integrator)));
 }
 
 TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -77,6 +78,10 @@ struct GrabState {
   double stiffness = 0.0;                          // N/m, in force
 };
 
+// Makes what advances a sheet; copies of a sheet each make their own. The integrator must keep fem::Integrator's
+// promises, above all that a step depends on its arguments alone.
+using IntegratorFactory = std::function<std::unique_ptr<fem::Integrator>(const fem::IntegratorOptions&)>;
+
 // One simulated sheet: mesh, material, state, pins, grabs, colliders. The unit of simulation, ownership and isolation.
 //
 // step() is a pure function of the sheet and the commands: single-threaded, clock-free, no I/O, no logging, no
@@ -93,7 +98,7 @@ class Sheet {
 
   // Checks the whole config and builds the sheet at tick 0.
   // Errors: kInvalidArgument with the field of kerf.v1.Scene ("pins[1].vertices.vertices[0]").
-  static Result<Sheet> create(SheetConfig config);
+  static Result<Sheet> create(SheetConfig config, IntegratorFactory make_integrator = fem::make_integrator);
 
   Sheet(const Sheet& other);
   Sheet& operator=(const Sheet& other);
@@ -101,9 +106,10 @@ class Sheet {
   Sheet& operator=(Sheet&&) noexcept;
   ~Sheet();
 
-  // Advances by one tick of dt() seconds. Drains the scheduled commands that are due, then `commands`, each with its cut
-  // and model update; then loads, integration with contact, ++tick. A command that fails has its error in the report and
-  // changes nothing. Allocates nothing where there is no command. A frozen sheet does its commands and does not advance.
+  // Advances by one tick of dt() seconds. Drains the scheduled commands that are due, then `commands`, each with its
+  // cut and model update; then loads, integration with contact, ++tick. A command that fails has its error in the
+  // report and changes nothing. Allocates nothing where there is no command. A frozen sheet does its commands and does
+  // not advance.
   TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr);
 
   // Does commands without advancing time: a paused sheet is cut at once. Scheduled commands stay where they are.

@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/fem/model.h"
@@ -23,9 +24,9 @@ struct InitialState {
 // lost: integrators keep no history.
 class OwnedIntegrator {
  public:
-  explicit OwnedIntegrator(const fem::IntegratorOptions& options)
-      : options_(options), integrator_(fem::make_integrator(options)) {}
-  OwnedIntegrator(const OwnedIntegrator& other) : OwnedIntegrator(other.options_) {}
+  OwnedIntegrator(IntegratorFactory make, const fem::IntegratorOptions& options)
+      : make_(std::move(make)), options_(options), integrator_(make_(options)) {}
+  OwnedIntegrator(const OwnedIntegrator& other) : OwnedIntegrator(other.make_, other.options_) {}
   OwnedIntegrator& operator=(const OwnedIntegrator& other) = delete;
   OwnedIntegrator(OwnedIntegrator&&) noexcept = default;
   OwnedIntegrator& operator=(OwnedIntegrator&&) noexcept = default;
@@ -34,6 +35,7 @@ class OwnedIntegrator {
   fem::Integrator* operator->() const { return integrator_.get(); }
 
  private:
+  IntegratorFactory make_;
   fem::IntegratorOptions options_;
   std::unique_ptr<fem::Integrator> integrator_;
 };
@@ -64,7 +66,8 @@ struct CommandContext {
 };
 
 struct Sheet::Impl {
-  Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state);
+  Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,
+       IntegratorFactory make_integrator);
 
   TickReport run(std::span<const Command> commands, StageObserver* observer, bool advance);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "tests/host/host_fixture.h"
+#include "tests/support/failing_integrator.h"
 
 namespace kerf::host {
 namespace {
@@ -392,6 +393,52 @@ TEST_F(SmallHostTest, LimitsOnSheetsVerticesAndCommands) {
   host_->submit("b", sheet::Reset{}, commands.callback());  // each sheet has its own
   run_for(kTick);
   EXPECT_EQ(commands.count(), 3U);
+}
+
+class FailingHostTest : public HostTest {
+ protected:
+  static HostOptions failing() {
+    HostOptions options;
+    options.make_integrator = scenes::make_failing_integrator;
+    return options;
+  }
+  FailingHostTest() : HostTest(failing()) {}
+};
+
+TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
+  create("a", small_sheet());
+  create("b", small_sheet());
+  run_for(3 * kTick);
+  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kGivesUp}}));
+  run_for(10 * kTick);
+  const SheetStatus frozen = status("a");
+  EXPECT_EQ(frozen.run_state, RunState::kFailed);
+  EXPECT_TRUE(frozen.stats.failed);
+  EXPECT_EQ(frozen.tick, 4 + 3);
+  EXPECT_EQ(clock_.num_timers(), 1U);  // that of b
+  EXPECT_EQ(host_->metrics().failed_ticks, 3);
+  EXPECT_EQ(host_->metrics().failed_sheets, 1);
+  EXPECT_EQ(status("b").tick, 16);
+  EXPECT_EQ(submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4}))->reply.cut->report.pieces, 2);
+  Answers<SheetStatus> stepped;
+  host_->pause("a", stepped.callback());
+  host_->step("a", 1, stepped.callback());
+  host_->resume("a", stepped.callback());
+  host_->wait_idle();
+  EXPECT_EQ(stepped.reason(1), "SHEET_FROZEN");
+  ASSERT_TRUE(submit("a", sheet::Reset{}));
+  EXPECT_EQ(status("a").run_state, RunState::kRunning);
+  EXPECT_GT(status("a").tick, frozen.tick);
+}
+
+TEST_F(FailingHostTest, AStepCallEndsWhereTheSheetFreezes) {
+  create("a", small_sheet(), true);
+  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kWritesNonsense}}));
+  Answers<SheetStatus> stepped;
+  host_->step("a", 100, stepped.callback());
+  host_->wait_idle();
+  EXPECT_EQ(stepped.reason(0), "SHEET_FROZEN");
+  EXPECT_EQ(status("a").tick, 3);
 }
 
 class RecordingHostTest : public HostTest {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
+#include "tests/support/failing_integrator.h"
 #include "tests/support/scenes.h"
 
 namespace kerf::sheet {
@@ -341,6 +342,43 @@ TEST(Sheet, IsNotAtRestWhileAScheduledCommandIsToCome) {
   Sheet sheet = make(config);
   run(sheet, 300);
   EXPECT_FALSE(sheet.at_rest());
+}
+
+TEST(Sheet, AFailedStepKeepsTheLastGoodStateAndThreeFreezeTheSheet) {
+  for (const double failure : {scenes::kGivesUp, scenes::kWritesNonsense}) {
+    Sheet sheet = Sheet::create(scenes::hanging(8), scenes::make_failing_integrator).value();
+    run(sheet, 5);
+    const Eigen::Matrix3Xd good = sheet.state().x;
+    const std::vector<Command> fail{SetGravity{Vector3d(0, 0, failure)}};
+    TickReport report = sheet.step(fail);
+    EXPECT_TRUE(report.step_failed && report.advanced && !report.frozen);
+    EXPECT_NE(report.stats.flags & fem::kFrozen, 0U);
+    EXPECT_EQ(sheet.tick(), 6);
+    EXPECT_TRUE(sheet.state().x == good);
+    EXPECT_TRUE(sheet.state().v.allFinite());
+    // A good step in between starts the count again.
+    const std::vector<Command> recover{SetGravity{Vector3d(0, 0, -9.81)}};
+    EXPECT_FALSE(sheet.step(recover).step_failed);
+    const Eigen::Matrix3Xd last = sheet.state().x;
+    sheet.step(fail);
+    EXPECT_FALSE(sheet.step({}).frozen);
+    report = sheet.step({});
+    EXPECT_TRUE(report.frozen && sheet.frozen());
+    EXPECT_EQ(sheet.tick(), 10);
+
+    // Frozen: served and cuttable, but time stands still, until a reset.
+    report = sheet.step(recover);
+    EXPECT_TRUE(report.replies.at(0).ok() && !report.advanced);
+    EXPECT_EQ(sheet.tick(), 10);
+    EXPECT_TRUE(sheet.state().x == last);
+    ASSERT_TRUE(apply(sheet, scenes::line_cut({-0.1, 0.5}, {1.1, 0.5})));
+    EXPECT_EQ(sheet.mesh().num_pieces(), 2);
+    EXPECT_FALSE(sheet.at_rest());
+    ASSERT_TRUE(apply(sheet, Reset{}));
+    EXPECT_FALSE(sheet.frozen());
+    EXPECT_TRUE(sheet.step({}).advanced);
+    EXPECT_EQ(sheet.tick(), 11);
+  }
 }
 
 TEST(Snapshot, SharesTheTopologyUntilItChanges) {

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "server/fem/integrator.h"
+
+namespace kerf::scenes {
+
+inline constexpr double kGivesUp = 66.0;         // m/s^2: with this gravity along z it reports kFrozen
+inline constexpr double kWritesNonsense = 77.0;  // m/s^2: with this one it writes NaN and reports success
+
+// A real integrator that fails on request, the request being the gravity: so a step still depends on its arguments
+// alone.
+class FailingIntegrator : public fem::Integrator {
+ public:
+  explicit FailingIntegrator(const fem::IntegratorOptions& options) : inner_(fem::make_integrator(options)) {}
+
+  void rebuild(const fem::Model& model) override { inner_->rebuild(model); }
+  fem::StepStats step(const fem::Model& model, const fem::Loads& loads, double dt, fem::ContactConstraint* contact,
+                      fem::State& state) override {
+    if (loads.gravity.z() == kGivesUp) {
+      fem::StepStats stats;
+      stats.flags = fem::kFrozen;
+      return stats;
+    }
+    fem::StepStats stats = inner_->step(model, loads, dt, contact, state);
+    if (loads.gravity.z() == kWritesNonsense) state.v(1, 0) = std::numeric_limits<double>::quiet_NaN();
+    return stats;
+  }
+  [[nodiscard]] std::string_view explanation() const override { return inner_->explanation(); }
+  [[nodiscard]] fem::IntegratorKind kind() const override { return inner_->kind(); }
+
+ private:
+  std::unique_ptr<fem::Integrator> inner_;
+};
+
+inline std::unique_ptr<fem::Integrator> make_failing_integrator(const fem::IntegratorOptions& options) {
+  return std::make_unique<FailingIntegrator>(options);
+}
+
+}  // namespace kerf::scenes
