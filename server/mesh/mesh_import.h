@@ -21,7 +21,8 @@ struct IndexedMesh {
 };
 
 // Builds a mesh from a sheet of one or several components, with or without holes. Components may touch at points and
-// along whole edges: vertices of equal rest position are welded there, so a sheet that was cut before keeps its cuts. A
+// along whole edges: vertices of equal rest position are welded there, so a sheet that was cut before keeps its cuts (a
+// cut of a single edge inside doubles no vertex and leaves no trace in arrays). A
 // component whose triangles are all clockwise is turned over (corners 1 and 2 swapped). Refused, the offending
 // triangles or vertices listed in the message, field = `rest`, `triangles` or `regions`:
 //   MESH_EMPTY, MESH_TOO_LARGE, MESH_NOT_FINITE, MESH_OUT_OF_RANGE, MESH_INDEX, MESH_REGIONS, MESH_UNUSED_VERTEX,
