@@ -1,0 +1,242 @@
+#include <gtest/gtest.h>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "kerf/v1/sheets.pb.h"
+#include "server/app/config.h"
+#include "server/wire/json.h"
+#include "tests/ws/raw_client.h"
+
+namespace kerf::rpc_test {
+namespace {
+
+namespace fs = std::filesystem;
+using ws_test::request;
+
+constexpr int kPatienceMs = 30'000;
+
+// A kerfd of its own, with pipes on its outputs. Killed at the end if it still runs.
+class Kerfd {
+ public:
+  explicit Kerfd(std::vector<std::string> arguments) {
+    std::array<int, 2> out{};
+    std::array<int, 2> err{};
+    EXPECT_EQ(::pipe2(out.data(), O_CLOEXEC), 0);
+    EXPECT_EQ(::pipe2(err.data(), O_CLOEXEC), 0);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
+    posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
+    arguments.insert(arguments.begin(), KERFD_PATH);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    EXPECT_EQ(::posix_spawn(&pid_, KERFD_PATH, &actions, nullptr, argv.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+    ::close(out[1]);
+    ::close(err[1]);
+    out_ = out[0];
+    err_ = err[0];
+  }
+  ~Kerfd() {
+    if (pid_ > 0) {
+      ::kill(pid_, SIGKILL);
+      ::waitpid(pid_, nullptr, 0);
+    }
+    ::close(out_);
+    ::close(err_);
+  }
+  Kerfd(const Kerfd&) = delete;
+  Kerfd& operator=(const Kerfd&) = delete;
+
+  // One line of standard output, with its newline; what there is when it closes or nothing more comes.
+  std::string read_line() const { return read(out_, true); }
+  std::string rest_of_output() const { return read(out_, false); }
+  std::string errors() const { return read(err_, false); }
+  void signal(int number) const { ::kill(pid_, number); }
+  // The exit status; -signal if one ended it.
+  int wait() {
+    int status = 0;
+    ::waitpid(pid_, &status, 0);
+    pid_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+
+ private:
+  static std::string read(int file, bool line) {
+    std::string text;
+    pollfd ready{file, POLLIN, 0};
+    while (::poll(&ready, 1, kPatienceMs) == 1) {
+      char byte = 0;
+      if (::read(file, &byte, 1) != 1) break;
+      text += byte;
+      if (line && byte == '\n') break;
+    }
+    return text;
+  }
+
+  pid_t pid_ = 0;
+  int out_ = -1;
+  int err_ = -1;
+};
+
+class KerfdTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kerfd-test-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string write(const std::string& name, const std::string& content) const {
+    std::ofstream(folder_ / name) << content;
+    return (folder_ / name).string();
+  }
+  static std::vector<std::string> free_ports(std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments{"--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--no-render"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+  // Runs kerfd, which must refuse with exit status 2 and one line, and returns the line.
+  static std::string refusal(std::vector<std::string> arguments) {
+    Kerfd kerfd(std::move(arguments));
+    EXPECT_EQ(kerfd.rest_of_output(), "");
+    const std::string line = kerfd.errors();
+    EXPECT_EQ(kerfd.wait(), 2);
+    EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+    EXPECT_EQ(line.rfind("kerfd: ", 0), 0U) << line;
+    return line;
+  }
+  fs::path folder_;
+};
+
+constexpr const char* kScene = R"({"grid": {"columns": 6, "rows": 6, "width_m": 1, "height_m": 1}})";
+
+TEST_F(KerfdTest, PrintsOneLineWhenReadyAndStopsOnASignal) {
+  for (const int number : {SIGTERM, SIGINT}) {
+    const std::string scene = write("first.json", kScene);
+    const std::string named = write("second.json", R"({"sheet_id": "named",
+      "grid": {"columns": 5, "rows": 4, "width_m": 1, "height_m": 1}})");
+    Kerfd kerfd(free_ports({"--scene", scene, "--scene", named, "--workers", "1"}));
+    const std::string line = kerfd.read_line();
+    std::smatch match;
+    ASSERT_TRUE(std::regex_match(
+        line, match,
+        std::regex(R"(\{"grpc":"127\.0\.0\.1:([0-9]+)","http":"http://127\.0\.0\.1:([0-9]+)"\}\n)")))
+        << line;
+    const int port = std::stoi(match[2]);
+    v1::ListSheetsResponse sheets;
+    ASSERT_TRUE(
+        wire::from_json(request(port, "POST", "/kerf.v1.SheetService/ListSheets", {}, "{}").body, sheets));
+    ASSERT_EQ(sheets.sheets_size(), 2);
+    EXPECT_EQ(sheets.sheets(0).name(), "sheets/first") << "without sheet_id the file's name serves";
+    EXPECT_NE(sheets.sheets(0).run_state(), v1::Sheet::PAUSED);
+    EXPECT_EQ(sheets.sheets(1).name(), "sheets/named");
+    EXPECT_EQ(sheets.sheets(1).num_vertices(), 20);
+    kerfd.signal(number);
+    EXPECT_EQ(kerfd.wait(), 0);
+    EXPECT_EQ(kerfd.rest_of_output(), "");
+  }
+}
+
+TEST_F(KerfdTest, StopsWithViewersAndWorkUnderWay) {
+  Kerfd kerfd(free_ports({"--scene", write("a.json", kScene)}));
+  const std::string line = kerfd.read_line();
+  ASSERT_NE(line, "");
+  const int port = std::stoi(line.substr(line.rfind(':') + 1));
+  ws_test::RawWebSocket viewer(port);
+  ASSERT_EQ(viewer.handshake().status, 101);
+  viewer.send(ws_test::RawWebSocket::kBinary, "\x0a\x0a\x0a\x08sheets/a");
+  ASSERT_TRUE(viewer.read());
+  ws_test::RawClient half(port);
+  half.send("POST /kerf.v1.SheetService/ListSheets HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{");
+  kerfd.signal(SIGTERM);
+  EXPECT_EQ(viewer.read_close(), 1001);
+  EXPECT_EQ(kerfd.wait(), 0);
+}
+
+TEST_F(KerfdTest, RecordsWhatItRuns) {
+  Kerfd kerfd(free_ports({"--scene", write("a.json", kScene), "--record", folder_.string()}));
+  ASSERT_NE(kerfd.read_line(), "");
+  kerfd.signal(SIGTERM);
+  ASSERT_EQ(kerfd.wait(), 0);
+  int recordings = 0;
+  for (const fs::directory_entry& file : fs::directory_iterator(folder_)) {
+    if (file.path().extension() != ".kerf") continue;
+    ++recordings;
+    EXPECT_EQ(file.path().filename().string().rfind("a-", 0), 0U);
+    EXPECT_GT(file.file_size(), 20U);
+  }
+  EXPECT_EQ(recordings, 1);
+}
+
+TEST_F(KerfdTest, RefusesOnOneLine) {
+  EXPECT_NE(refusal({"--nonsense"}).find("--help"), std::string::npos);
+  EXPECT_NE(refusal({"--listen", "nowhere"}).find("HOST:PORT"), std::string::npos);
+  EXPECT_NE(refusal({"--workers", "257"}).find("257"), std::string::npos);
+  const std::string remote = refusal({"--http", "0.0.0.0:0"});
+  EXPECT_NE(remote.find("TLS"), std::string::npos) << remote;
+  EXPECT_NE(remote.find("--allow-remote"), std::string::npos) << remote;
+  EXPECT_NE(refusal(free_ports({"--scene", "/nonexistent/scene.json"})).find("/nonexistent/scene.json"),
+            std::string::npos);
+  const std::string bad = refusal(free_ports({"--scene", write("bad.json", R"({"grid": {"columns": 1, "rows": 6}})")}));
+  EXPECT_NE(bad.find("grid.columns"), std::string::npos) << bad;
+  const std::string twice = write("twice.json", kScene);
+  EXPECT_NE(refusal(free_ports({"--scene", twice, "--scene", twice})).find("twice"), std::string::npos);
+  EXPECT_NE(refusal(free_ports({"--web", (folder_ / "none").string()})).find("none"), std::string::npos);
+}
+
+TEST_F(KerfdTest, RefusesATakenPort) {
+  Kerfd first(free_ports());
+  const std::string line = first.read_line();
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(line, match, std::regex(R"(127\.0\.0\.1:([0-9]+).*127\.0\.0\.1:([0-9]+))"))) << line;
+  const std::string grpc = "127.0.0.1:" + match[1].str();
+  const std::string http = "127.0.0.1:" + match[2].str();
+  EXPECT_NE(refusal({"--no-render", "--listen", grpc, "--http", "127.0.0.1:0"}).find(grpc), std::string::npos);
+  EXPECT_NE(refusal({"--no-render", "--listen", "127.0.0.1:0", "--http", http}).find(http), std::string::npos);
+  first.signal(SIGTERM);
+  EXPECT_EQ(first.wait(), 0);
+}
+
+TEST_F(KerfdTest, ExplainsItself) {
+  Kerfd help({"--help"});
+  const std::string text = help.rest_of_output();
+  EXPECT_EQ(help.wait(), 0);
+  for (const char* option : {"--listen", "--http", "--scene", "--workers", "--web", "--no-render", "--record",
+                             "--allow-remote", "--allow-origin", "--version"}) {
+    EXPECT_NE(text.find(option), std::string::npos) << option;
+  }
+  Kerfd version({"--version"});
+  EXPECT_EQ(version.rest_of_output(), std::string("kerfd ") + KERF_VERSION + "\n");
+  EXPECT_EQ(version.wait(), 0);
+}
+
+TEST_F(KerfdTest, FindsTheViewerBesideOrAboveTheProgram) {
+  fs::create_directories(folder_ / "tree/build/dev/bin");
+  EXPECT_EQ(app::default_web_directory(folder_ / "tree/build/dev/bin/kerfd"), fs::path());
+  fs::create_directories(folder_ / "tree/web/dist");
+  std::ofstream(folder_ / "tree/web/dist/index.html") << "x";
+  EXPECT_EQ(app::default_web_directory(folder_ / "tree/build/dev/bin/kerfd"), folder_ / "tree/web/dist");
+  fs::create_directories(folder_ / "tree/build/dev/share/kerf/web");
+  std::ofstream(folder_ / "tree/build/dev/share/kerf/web/index.html") << "x";
+  EXPECT_EQ(app::default_web_directory(folder_ / "tree/build/dev/bin/kerfd"),
+            folder_ / "tree/build/dev/share/kerf/web");
+}
+
+}  // namespace
+}  // namespace kerf::rpc_test

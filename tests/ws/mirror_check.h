@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include "client/cpp/mirror.h"
+#include "kerf/v1/sheets.pb.h"
+
+namespace kerf::ws_test {
+
+template <typename T>
+std::vector<T> unpack(const std::string& bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
+
+// What a viewer has that the server has not, or the other way round; empty where they agree: every triangle, piece and
+// material position equal, every coordinate within half a step of the quantisation.
+inline std::string difference(const client::Mirror& mirror, const v1::SheetState& state) {
+  if (mirror.tick() != state.tick()) return "tick";
+  if (mirror.topology_version() != state.topology_version()) return "topology_version";
+  if (mirror.num_vertices() != state.num_vertices()) return "num_vertices";
+  const std::vector<double> positions = unpack<double>(state.positions());
+  const v1::Box3& box = mirror.box();
+  const double size[3] = {box.max().x() - box.min().x(), box.max().y() - box.min().y(), box.max().z() - box.min().z()};
+  for (std::int32_t v = 0; v < mirror.num_vertices(); ++v) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double error =
+          mirror.position(v)[axis] - positions[3 * static_cast<std::size_t>(v) + axis];
+      if (!(error * error <= size[axis] * size[axis] * (0.5 + 1e-6) * (0.5 + 1e-6) / (65535.0 * 65535.0))) {
+        return "position of vertex " + std::to_string(v) + ": off by " + std::to_string(error) + " m";
+      }
+    }
+  }
+  const std::vector<std::int32_t> triangles = unpack<std::int32_t>(state.triangles());
+  if (triangles.size() != 3 * mirror.triangles().size()) return "number of slots";
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    if (mirror.triangles()[i / 3][i % 3] != triangles[i]) return "triangle " + std::to_string(i / 3);
+  }
+  if (mirror.pieces() != unpack<std::int32_t>(state.pieces())) return "pieces";
+  const std::vector<double> material = unpack<double>(state.material_positions());
+  if (material.size() != mirror.material_positions().size()) return "number of material positions";
+  for (std::size_t i = 0; i < material.size(); ++i) {
+    if (mirror.material_positions()[i] != static_cast<float>(material[i])) {
+      return "material position of vertex " + std::to_string(i / 2);
+    }
+  }
+  return {};
+}
+
+}  // namespace kerf::ws_test

@@ -1,0 +1,196 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "server/ws/access.h"
+#include "server/ws/asset_table.h"
+#include "server/ws/metrics_page.h"
+#include "server/ws/router.h"
+
+namespace kerf::ws {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(Endpoint, AcceptsHostAndPortOnly) {
+  const Result<Endpoint> v4 = parse_endpoint("127.0.0.1:8080");
+  ASSERT_TRUE(v4);
+  EXPECT_EQ(v4->host, "127.0.0.1");
+  EXPECT_EQ(v4->port, 8080);
+  const Result<Endpoint> v6 = parse_endpoint("[::1]:0");
+  ASSERT_TRUE(v6);
+  EXPECT_EQ(v6->host, "::1");
+  EXPECT_EQ(format_endpoint(v6->host, 9), "[::1]:9");
+  for (const char* bad : {"", ":", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:+1",
+                          "127.0.0.1:80x", "::1:80", "[::1]", "[::1:80", "[nonsense]:80", "a b:80", "host:8:8"}) {
+    const Result<Endpoint> endpoint = parse_endpoint(bad);
+    ASSERT_FALSE(endpoint) << bad;
+    EXPECT_EQ(endpoint.error().reason, "BAD_ADDRESS") << bad;
+  }
+}
+
+TEST(Endpoint, KnowsWhatOnlyThisMachineReaches) {
+  for (const char* host : {"localhost", "LocalHost", "127.0.0.1", "127.255.0.3", "::1"}) {
+    EXPECT_TRUE(is_loopback(host)) << host;
+  }
+  for (const char* host : {"", "0.0.0.0", "::", "192.168.0.1", "128.0.0.1", "localhost.example.org", "127.0.0.1.nip.io",
+                           "::ffff:127.0.0.1"}) {
+    EXPECT_FALSE(is_loopback(host)) << host;
+  }
+}
+
+TEST(Access, OnLoopbackAnswersOnlyForNamesOfThisMachine) {
+  const AccessPolicy policy{true, {"https://viewer.example.org"}};
+  for (const char* host : {"127.0.0.1:8080", "localhost:8080", "localhost", "[::1]:8080", "viewer.example.org:8080"}) {
+    EXPECT_TRUE(check_host(policy, host)) << host;
+  }
+  const Status rebound = check_host(policy, "evil.example.org:8080");
+  ASSERT_FALSE(rebound);
+  EXPECT_EQ(rebound.error().reason, "HOST_NOT_ALLOWED");
+  for (const char* host : {"", "a b", "host:port", "user@localhost", "localhost/path"}) {
+    const Status malformed = check_host(policy, host);
+    ASSERT_FALSE(malformed) << host;
+    EXPECT_EQ(malformed.error().code, ErrorCode::kInvalidArgument) << host;
+  }
+  EXPECT_TRUE(check_host({false, {}}, "anything.example.org"));
+}
+
+TEST(Access, LetsInPagesOfTheSameOriginAndOfLoopback) {
+  const AccessPolicy loopback{true, {"https://viewer.example.org"}};
+  EXPECT_TRUE(check_origin(loopback, "", "127.0.0.1:8080"));
+  EXPECT_TRUE(check_origin(loopback, "http://127.0.0.1:8080", "127.0.0.1:8080"));
+  EXPECT_TRUE(check_origin(loopback, "http://localhost:5173", "127.0.0.1:8080"));
+  EXPECT_TRUE(check_origin(loopback, "https://viewer.example.org", "127.0.0.1:8080"));
+  for (const char* origin : {"null", "http://evil.example.org", "https://viewer.example.org.evil.org", "file://",
+                             "http://127.0.0.1.evil.org", "http://localhost@evil.org", "https://viewer.example.org:444",
+                             "http://viewer.example.org", "chrome-extension://abc"}) {
+    const Status refused = check_origin(loopback, origin, "127.0.0.1:8080");
+    ASSERT_FALSE(refused) << origin;
+    EXPECT_EQ(refused.error().reason, "ORIGIN_NOT_ALLOWED") << origin;
+  }
+}
+
+TEST(Access, OnAPublicBindOnlyTheSameOriginIsLetIn) {
+  const AccessPolicy open{false, {}};
+  EXPECT_TRUE(check_origin(open, "http://kerf.example.org:8080", "kerf.example.org:8080"));
+  EXPECT_TRUE(check_origin(open, "https://kerf.example.org", "kerf.example.org"));
+  EXPECT_TRUE(check_origin(open, "http://kerf.example.org", "kerf.example.org:80"));
+  EXPECT_FALSE(check_origin(open, "http://kerf.example.org", "kerf.example.org:8080"));
+  EXPECT_FALSE(check_origin(open, "http://localhost:8080", "kerf.example.org:8080"));
+}
+
+TEST(Router, FindsATokenInAHeaderList) {
+  EXPECT_TRUE(lists_token("kerf.v1", "kerf.v1"));
+  EXPECT_TRUE(lists_token("mqtt, KERF.v1 ,other", "kerf.v1"));
+  EXPECT_FALSE(lists_token("", "kerf.v1"));
+  EXPECT_FALSE(lists_token("kerf.v10, xkerf.v1, kerf v1", "kerf.v1"));
+}
+
+class AssetTableTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (fs::temp_directory_path() / "kerf-assets-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  void write(const std::string& path, const std::string& content) const {
+    fs::create_directories((folder_ / path).parent_path());
+    std::ofstream(folder_ / path, std::ios::binary) << content;
+  }
+  fs::path folder_;
+};
+
+TEST_F(AssetTableTest, ServesWhatWasThereWhenItWasRead) {
+  write("viewer/index.html", "<p>one</p>");
+  write("viewer/assets/app-1a2b.js", std::string("let a\0b", 7));
+  write("viewer/empty.css", "");
+  const Result<AssetTable> table = AssetTable::read(folder_ / "viewer");
+  ASSERT_TRUE(table) << table.error().message;
+  write("viewer/index.html", "<p>two</p>");
+  const Asset* index = table->find("/");
+  ASSERT_NE(index, nullptr);
+  EXPECT_EQ(index, table->find("/index.html"));
+  EXPECT_EQ(*index->content, "<p>one</p>");
+  EXPECT_EQ(index->media_type, "text/html; charset=utf-8");
+  EXPECT_FALSE(index->immutable);
+  const Asset* script = table->find("/assets/app-1a2b.js");
+  ASSERT_NE(script, nullptr);
+  EXPECT_EQ(script->content->size(), 7U);
+  EXPECT_EQ(script->media_type, "text/javascript; charset=utf-8");
+  EXPECT_TRUE(script->immutable);
+  EXPECT_NE(script->etag, index->etag);
+  const Asset* style = table->find("/empty.css");
+  ASSERT_NE(style, nullptr);
+  EXPECT_TRUE(style->content->empty());
+
+  const Result<AssetTable> again = AssetTable::read(folder_ / "viewer");
+  ASSERT_TRUE(again);
+  EXPECT_NE(again->find("/")->etag, index->etag);
+  EXPECT_EQ(again->find("/assets/app-1a2b.js")->etag, script->etag);
+}
+
+TEST_F(AssetTableTest, KnowsNoPathOutOfTheFolder) {
+  write("secret.txt", "secret");
+  write("viewer/index.html", "x");
+  write("viewer/.git/config", "secret");
+  write("viewer/.hidden", "secret");
+  fs::create_symlink(folder_ / "secret.txt", folder_ / "viewer" / "link.txt");
+  fs::create_directory_symlink(folder_, folder_ / "viewer" / "up");
+  const Result<AssetTable> table = AssetTable::read(folder_ / "viewer");
+  ASSERT_TRUE(table);
+  EXPECT_EQ(table->num_files(), 1U);
+  for (const char* path : {"/../secret.txt", "/..%2fsecret.txt", "/%2e%2e/secret.txt", "//secret.txt", "/./index.html",
+                           "/assets/../index.html", "/link.txt", "/up/secret.txt", "/.git/config", "/.hidden", "",
+                           "index.html", "/index.html/", "/index.html\0"}) {
+    EXPECT_EQ(table->find(path), nullptr) << path;
+  }
+  EXPECT_EQ(table->find(std::string_view("/index.html\0.png", 16)), nullptr);
+}
+
+TEST_F(AssetTableTest, RefusesAFolderThatIsNoViewer) {
+  const Result<AssetTable> missing = AssetTable::read(folder_ / "none");
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(missing.error().reason, "VIEWER_UNREADABLE");
+  write("viewer/main.js", "x");
+  const Result<AssetTable> no_index = AssetTable::read(folder_ / "viewer");
+  ASSERT_FALSE(no_index);
+  EXPECT_NE(no_index.error().message.find("index.html"), std::string::npos);
+}
+
+TEST(MediaType, GoesByTheExtension) {
+  EXPECT_EQ(media_type_of("/a.WASM"), "application/wasm");
+  EXPECT_EQ(media_type_of("/a.b/c"), "application/octet-stream");
+  EXPECT_EQ(media_type_of("/a.tar.png"), "image/png");
+  EXPECT_EQ(media_type_of("/a.unknown"), "application/octet-stream");
+}
+
+TEST(MetricsPage, ShowsEveryCountUnderItsName) {
+  host::HostMetrics host;
+  host.ticks = 123456789;
+  host.running_sheets = 3;
+  host.slipped_s = 0.5;
+  host.tick_duration.counts[0] = 2;
+  host.tick_duration.counts[3] = 5;
+  host.tick_duration.counts.back() = 1;
+  host.tick_duration.total = 8;
+  host.tick_duration.sum_s = 2.25;
+  HttpCounts http;
+  http.requests = 7;
+  const std::string page = metrics_page(host, http, 4, "1.2.3");
+  for (const char* line :
+       {"# TYPE kerf_ticks_total counter\n", "kerf_ticks_total 123456789\n", "kerf_sheets{state=\"running\"} 3\n",
+        "kerf_sheets{state=\"failed\"} 0\n", "kerf_slipped_seconds_total 0.5\n",
+        "# TYPE kerf_tick_duration_seconds histogram\n", "kerf_tick_duration_seconds_bucket{le=\"1e-05\"} 2\n",
+        "kerf_tick_duration_seconds_bucket{le=\"+Inf\"} 8\n", "kerf_tick_duration_seconds_count 8\n",
+        "kerf_tick_duration_seconds_sum 2.25\n", "kerf_http_requests_total 7\n", "kerf_watch_streams 4\n",
+        "kerf_build_info{version=\"1.2.3\"} 1\n"}) {
+    EXPECT_NE(page.find(line), std::string::npos) << line << "is not in\n" << page;
+  }
+}
+
+}  // namespace
+}  // namespace kerf::ws

@@ -1,0 +1,308 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+
+#include "kerf/v1/cuts.pb.h"
+#include "kerf/v1/server.pb.h"
+#include "kerf/v1/sheets.pb.h"
+#include "server/wire/json.h"
+#include "tests/ws/raw_client.h"
+#include "tests/ws/running_server.h"
+
+namespace kerf::ws_test {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::milliseconds;
+
+constexpr const char* kSheet =
+    R"({"sheet_id":"a","paused":true,"scene":{"grid":{"columns":6,"rows":6,"width_m":1,"height_m":1}}})";
+
+fs::path make_viewer() {
+  std::string name = (fs::temp_directory_path() / "kerf-viewer-XXXXXX").string();
+  EXPECT_NE(::mkdtemp(name.data()), nullptr);
+  const fs::path folder = name;
+  fs::create_directories(folder / "assets");
+  std::ofstream(folder / "index.html") << "<p>viewer</p>";
+  std::ofstream(folder / "assets" / "app-12.js") << "let viewer;";
+  return folder;
+}
+
+class HttpServerTest : public ::testing::Test {
+ protected:
+  void start(app::Config config = test_config()) {
+    config.web = viewer_;
+    server_ = start_server(config);
+    ASSERT_NE(server_, nullptr);
+    port_ = port_of(server_->http_url());
+  }
+  void TearDown() override {
+    server_.reset();
+    fs::remove_all(viewer_);
+  }
+  [[nodiscard]] Response get(std::string_view target, std::string_view headers = {}) const {
+    return request(port_, "GET", target, headers);
+  }
+  [[nodiscard]] Response call(const std::string& method, std::string_view json, std::string_view headers = {}) const {
+    return request(port_, "POST", "/kerf.v1." + method, headers, json);
+  }
+  [[nodiscard]] double metric(const std::string& name) const {
+    const std::string page = get("/metrics").body;
+    const std::size_t found = page.find("\n" + name + " ");
+    return found == std::string::npos ? -1.0 : std::stod(page.substr(found + name.size() + 2));
+  }
+
+  const fs::path viewer_ = make_viewer();
+  std::unique_ptr<app::Server> server_;
+  int port_ = 0;
+};
+
+TEST_F(HttpServerTest, ServesTheViewer) {
+  start();
+  const Response index = get("/");
+  EXPECT_EQ(index.status, 200);
+  EXPECT_EQ(index.body, "<p>viewer</p>");
+  EXPECT_EQ(index.headers.at("content-type"), "text/html; charset=utf-8");
+  EXPECT_EQ(index.headers.at("cache-control"), "no-cache");
+  EXPECT_EQ(index.headers.at("x-content-type-options"), "nosniff");
+  EXPECT_TRUE(index.headers.contains("content-security-policy"));
+  EXPECT_EQ(get("/?sheet=demo").body, index.body);
+  const Response again = get("/", "If-None-Match: " + index.headers.at("etag") + "\r\n");
+  EXPECT_EQ(again.status, 304);
+  EXPECT_TRUE(again.body.empty());
+  EXPECT_EQ(get("/", "If-None-Match: \"other\"\r\n").status, 200);
+  const Response script = get("/assets/app-12.js");
+  EXPECT_EQ(script.body, "let viewer;");
+  EXPECT_EQ(script.headers.at("content-type"), "text/javascript; charset=utf-8");
+  EXPECT_NE(script.headers.at("cache-control").find("immutable"), std::string::npos);
+  const Response head = request(port_, "HEAD", "/");
+  EXPECT_EQ(head.status, 200);
+  EXPECT_EQ(head.headers.at("content-length"), std::to_string(index.body.size()));
+}
+
+TEST_F(HttpServerTest, NoPathLeadsOutOfTheViewer) {
+  std::ofstream(viewer_.parent_path() / "kerf-secret.txt") << "secret";
+  start();
+  for (const char* path : {"/../kerf-secret.txt", "/..%2fkerf-secret.txt", "/%2e%2e/kerf-secret.txt",
+                           "/assets/../../kerf-secret.txt", "//etc/passwd", "/..\\kerf-secret.txt", "/%00",
+                           "/index.html%00.js", "http://127.0.0.1/../etc/passwd", "/assets/", "/assets"}) {
+    const Response response = get(path);
+    EXPECT_EQ(response.status, 404) << path;
+    EXPECT_EQ(response.body.find("secret"), std::string::npos) << path;
+  }
+  fs::remove(viewer_.parent_path() / "kerf-secret.txt");
+}
+
+TEST_F(HttpServerTest, CallsMethodsWithJson) {
+  start();
+  v1::ServerInfo info;
+  const Response told = call("ServerService/GetServerInfo", "");
+  ASSERT_EQ(told.status, 200) << told.body;
+  EXPECT_EQ(told.headers.at("content-type"), "application/json");
+  ASSERT_TRUE(wire::from_json(told.body, info));
+  EXPECT_EQ(info.limits().max_request_bytes(), 1 << 20);
+  EXPECT_EQ(info.renderer().rfind("none", 0), 0U) << info.renderer();
+
+  ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
+  v1::CutResult cut;
+  const Response done = call("CutService/CreateCut",
+                             R"({"parent":"sheets/a","cut":{"curve":{"polyline":{"points":[
+                                 {"x":0.51,"y":-0.2},{"x":0.47,"y":1.2}]}}}})");
+  ASSERT_EQ(done.status, 200) << done.body;
+  ASSERT_TRUE(wire::from_json(done.body, cut));
+  EXPECT_EQ(cut.status(), v1::CutResult::APPLIED);
+  EXPECT_EQ(cut.pieces(), 2);
+}
+
+TEST_F(HttpServerTest, TellsWhatIsWrongWithACall) {
+  start();
+  const Response unknown = call("SheetService/GetSheet", R"({"name":"sheets/none"})");
+  EXPECT_EQ(unknown.status, 404);
+  EXPECT_NE(unknown.body.find("\"code\":5"), std::string::npos) << unknown.body;
+  EXPECT_NE(unknown.body.find("SHEET_NOT_FOUND"), std::string::npos) << unknown.body;
+  const Response refused = call("SheetService/CreateSheet", R"({"scene":{"grid":{"columns":1,"rows":6}}})");
+  EXPECT_EQ(refused.status, 400);
+  EXPECT_NE(refused.body.find("\"code\":3"), std::string::npos) << refused.body;
+  EXPECT_NE(refused.body.find("scene.grid.columns"), std::string::npos) << refused.body;
+  EXPECT_NE(refused.body.find("type.googleapis.com/google.rpc.BadRequest"), std::string::npos) << refused.body;
+  EXPECT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
+  EXPECT_EQ(call("SheetService/CreateSheet", kSheet).status, 409);
+  EXPECT_EQ(call("SheetService/GetSheet", "{").status, 400);
+  EXPECT_EQ(call("SheetService/GetSheet", R"({"nom":"sheets/a"})").status, 400);
+  EXPECT_EQ(call("SheetService/NoSuchMethod", "{}").status, 404);
+  const Response get_method = get("/kerf.v1.SheetService/GetSheet");
+  EXPECT_EQ(get_method.status, 405);
+  EXPECT_EQ(get_method.headers.at("allow"), "POST");
+  EXPECT_EQ(request(port_, "DELETE", "/index.html").status, 405);
+}
+
+TEST_F(HttpServerTest, LetsNoForeignPageCall) {
+  start();
+  ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
+  const std::string pause = R"({"name":"sheets/a"})";
+  for (const char* origin : {"http://evil.example.org", "null", "http://127.0.0.1.evil.org"}) {
+    const Response refused = call("SheetService/ResumeSheet", pause, "Origin: " + std::string(origin) + "\r\n");
+    EXPECT_EQ(refused.status, 403) << origin;
+    EXPECT_NE(refused.body.find("ORIGIN_NOT_ALLOWED"), std::string::npos) << refused.body;
+  }
+  EXPECT_EQ(call("SheetService/ResumeSheet", pause, "Host: rebound.example.org\r\n").status, 403);
+  v1::Sheet sheet;
+  ASSERT_TRUE(wire::from_json(call("SheetService/GetSheet", pause).body, sheet));
+  EXPECT_EQ(sheet.run_state(), v1::Sheet::PAUSED);
+  EXPECT_EQ(call("SheetService/GetSheet", pause, "Origin: http://localhost:5173\r\n").status, 200);
+  EXPECT_EQ(get("/", "Host: rebound.example.org\r\n").status, 403);
+  RawClient nameless(port_);
+  nameless.send("GET / HTTP/1.1\r\n\r\n");
+  EXPECT_EQ(nameless.read_response().status, 400);
+}
+
+TEST_F(HttpServerTest, BodiesEndAtTheLimit) {
+  start();
+  const std::size_t limit = std::size_t{1} << 20;
+  const std::string padding(limit - 2, ' ');
+  EXPECT_EQ(call("ServerService/GetServerInfo", "{" + padding + "}").status, 200);
+  EXPECT_EQ(call("ServerService/GetServerInfo", "{ " + padding + "}").status, 413);
+  RawClient chunked(port_);
+  chunked.send("POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n");
+  for (int i = 0; i < 17; ++i) chunked.send("10000\r\n" + std::string(65536, ' ') + "\r\n");
+  EXPECT_EQ(chunked.read_response().status, 413);
+  RawClient boastful(port_);
+  boastful.send("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999\r\n\r\n");
+  EXPECT_EQ(boastful.read_response().status, 413);
+  EXPECT_EQ(get("/", "X-Long: " + std::string(17 << 10, 'x') + "\r\n").status, 431);
+  EXPECT_EQ(get("/healthz").status, 200);
+}
+
+TEST_F(HttpServerTest, RefusesWhatIsNotHttp) {
+  start();
+  for (const char* bytes :
+       {"garbage\r\n\r\n", "GET / HTTP/9.9\r\n\r\n", "GET /\r\n\r\n", "\x16\x03\x01\x02\x01\xfc\x03\x03\r\n\r\n",
+        "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: -1\r\n\r\n",
+        "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n",
+        "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"}) {
+    RawClient client(port_);
+    client.send(bytes);
+    EXPECT_EQ(client.read_response().status, 400) << bytes;
+    EXPECT_TRUE(client.closed_by_peer()) << bytes;
+  }
+  EXPECT_EQ(get("/healthz").status, 200);
+}
+
+TEST_F(HttpServerTest, KeepsConnectionsAndTheOrderOfAnswers) {
+  start();
+  RawClient client(port_);
+  client.send(
+      "POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
+      "2\r\n{}\r\n0\r\n\r\nGET /readyz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+      "GET /none HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(client.read_response().headers.at("content-type"), "application/json");
+  EXPECT_EQ(client.read_response().body, "ready\n");
+  EXPECT_EQ(client.read_response().status, 404);
+  client.send("POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\n"
+              "Expect: 100-continue\r\n\r\n");
+  EXPECT_EQ(client.read_response().status, 100);
+  client.send("{}");
+  EXPECT_EQ(client.read_response().status, 200);
+  client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+  EXPECT_EQ(client.read_response().status, 200);
+  EXPECT_TRUE(client.closed_by_peer());
+}
+
+TEST_F(HttpServerTest, WaitsForNobodyForEver) {
+  app::Config config = test_config();
+  config.http_options.request_timeout = milliseconds(100);
+  config.http_options.idle_timeout = milliseconds(150);
+  start(config);
+  RawClient mute(port_);
+  RawClient slow(port_);
+  slow.send("GET /healthz HT");
+  RawClient stalled(port_);
+  stalled.send("POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{");
+  RawClient idle(port_);
+  idle.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(idle.read_response().status, 200);
+  EXPECT_TRUE(mute.closed_by_peer());
+  EXPECT_TRUE(slow.closed_by_peer());
+  EXPECT_TRUE(stalled.closed_by_peer());
+  EXPECT_TRUE(idle.closed_by_peer());
+}
+
+TEST_F(HttpServerTest, TurnsAwayConnectionsBeyondTheLimit) {
+  app::Config config = test_config();
+  config.http_options.max_connections = 2;
+  start(config);
+  const auto ask = [](RawClient& client) {
+    client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    return client.read_response().status;
+  };
+  RawClient first(port_);
+  EXPECT_EQ(ask(first), 200);
+  {
+    RawClient second(port_);
+    EXPECT_EQ(ask(second), 200);
+    RawClient third(port_);
+    EXPECT_TRUE(third.closed_by_peer());
+    second.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
+    const std::string page = second.read_response().body;
+    EXPECT_NE(page.find("\nkerf_http_refused_connections_total 1\n"), std::string::npos) << page;
+    EXPECT_NE(page.find("\nkerf_http_open_connections 2\n"), std::string::npos) << page;
+    EXPECT_TRUE(second.closed_by_peer());
+  }
+  // The place is free once the server has seen the second one go.
+  int status = 0;
+  for (int attempt = 0; attempt < 1000 && status != 200; ++attempt) {
+    RawClient next(port_);
+    status = ask(next);
+  }
+  EXPECT_EQ(status, 200);
+}
+
+TEST_F(HttpServerTest, CountsWhatItDoes) {
+  start();
+  ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
+  EXPECT_EQ(metric("kerf_ticks_total"), 0.0);
+  EXPECT_EQ(metric("kerf_sheets{state=\"paused\"}"), 1.0);
+  ASSERT_EQ(call("SheetService/StepSheet", R"({"name":"sheets/a","ticks":5})").status, 200);
+  EXPECT_EQ(metric("kerf_ticks_total"), 5.0);
+  EXPECT_EQ(metric("kerf_tick_duration_seconds_count"), 5.0);
+  EXPECT_EQ(metric("kerf_snapshots_total"), 0.0) << "nobody watches";
+  const Response page = get("/metrics");
+  EXPECT_EQ(page.headers.at("content-type"), "text/plain; version=0.0.4; charset=utf-8");
+  const std::regex line(R"(# (HELP|TYPE) kerf_[a-z_]+ .+|kerf_[a-z_]+(\{[a-z]+="[^"]*"\})? -?[0-9.+eE-]+)");
+  std::istringstream lines(page.body);
+  int counted = 0;
+  for (std::string text; std::getline(lines, text); ++counted) EXPECT_TRUE(std::regex_match(text, line)) << text;
+  EXPECT_GT(counted, 60);
+}
+
+TEST_F(HttpServerTest, NeverSharesAPort) {
+  start();
+  app::Config config = test_config();
+  config.http.port = port_;
+  const auto second = app::Server::start(config, [](std::string_view) {});
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().reason, "ADDRESS_IN_USE");
+  EXPECT_NE(second.error().message.find(std::to_string(port_)), std::string::npos) << second.error().message;
+  EXPECT_EQ(get("/healthz").status, 200);
+}
+
+TEST_F(HttpServerTest, StopsWithIdleConnectionsOpen) {
+  start();
+  RawClient idle(port_);
+  idle.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(idle.read_response().status, 200);
+  RawClient mute(port_);
+  server_->stop();
+  EXPECT_TRUE(idle.closed_by_peer());
+  EXPECT_TRUE(mute.closed_by_peer());
+  EXPECT_EQ(get("/healthz").status, 0);
+  server_->stop();
+}
+
+}  // namespace
+}  // namespace kerf::ws_test
