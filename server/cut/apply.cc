@@ -27,12 +27,12 @@ constexpr double kSpacing = 0.8;  // -; longest stretch of path without a point,
 constexpr std::int64_t kInsertionsPerPathPoint = 60;
 constexpr std::int64_t kInsertionsBeside = 2'000;
 
-constexpr double kNarrowGap = 0.03;                  // -; as a fraction of the edge length, see RefinementConfig
+constexpr double kNarrowGap = 0.03;                    // -; as a fraction of the edge length, see RefinementConfig
 constexpr std::int64_t kGapAllowancePerPathPoint = 4;  // triangles
 constexpr std::int64_t kGapAllowanceBeside = 600;      // triangles
 
-// Rounding of the strokes to the lattice, and of the points that later split a lip: each at most half a unit in x and in
-// y, and a lip is halved fewer than 64 times before the length floor.  lattice units
+// Rounding of the strokes to the lattice, and of the points that later split a lip: each at most half a unit in x and
+// in y, and a lip is halved fewer than 64 times before the length floor.  lattice units
 constexpr double kRoundingUnits = 64.0;
 
 class Cutter {

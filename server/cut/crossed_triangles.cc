@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kMaxSteps = 1'000'000;  // triangles one segment may run through
 
-// Appends the triangles from `t`, which holds a, towards b, up to the one that holds b, and returns the last. Across the
-// edge that separates b from the triangle and that line ab passes; through an exact point over either edge there.
+// Appends the triangles from `t`, which holds a, towards b, up to the one that holds b, and returns the last. Across
+// the edge that separates b from the triangle and that line ab passes; through an exact point over either edge there.
 TriangleId append_crossed(const mesh::TriangleMesh& mesh, TriangleId t, const LatticePoint& a, const LatticePoint& b,
                           std::vector<TriangleId>& crossed) {
   TriangleId previous = kNone;

@@ -73,7 +73,9 @@ Status check(const Circle& circle) {
 }
 
 // Bound on the rounding of a point computed in a few operations from coordinates of this size.
-double rounding_bound(double coordinate) { return 16.0 * std::numeric_limits<double>::epsilon() * coordinate; }
+double rounding_bound(double coordinate) {
+  return 16.0 * std::numeric_limits<double>::epsilon() * coordinate;
+}
 
 double largest_coordinate(const std::vector<Vector2d>& points) {
   double largest = 0.0;
@@ -196,8 +198,8 @@ FlatCurve flat(const Circle& circle, double tolerance) {
   append(stroke, stroke.points.front());
   FlatCurve result;
   const double step = span / chords;
-  result.deviation_m = circle.radius * step * step / 8.0 +
-                       rounding_bound(circle.centre.cwiseAbs().maxCoeff() + circle.radius);
+  result.deviation_m =
+      circle.radius * step * step / 8.0 + rounding_bound(circle.centre.cwiseAbs().maxCoeff() + circle.radius);
   if (stroke.points.size() >= 2) result.strokes.push_back(std::move(stroke));
   return result;
 }

@@ -11,11 +11,12 @@
 namespace kerf::cut {
 
 // Limits on what a request may hold. Beyond them a curve is refused, whatever the sheet.
-inline constexpr double kMaxCoordinateM = 1.0e4;          // m, |x| and |y| of every point and the radius
-inline constexpr std::size_t kMaxBezierPieces = 64;       // cubic pieces in one curve
-inline constexpr std::size_t kMaxPolylinePoints = 4096;   // points in one curve
+inline constexpr double kMaxCoordinateM = 1.0e4;         // m, |x| and |y| of every point and the radius
+inline constexpr std::size_t kMaxBezierPieces = 64;      // cubic pieces in one curve
+inline constexpr std::size_t kMaxPolylinePoints = 4096;  // points in one curve
 
-// A chain of cubic Bezier pieces: piece i has the control points 3i .. 3i+3, so the end of one is the start of the next.
+// A chain of cubic Bezier pieces: piece i has the control points 3i .. 3i+3, so the end of one is the start of the
+// next.
 struct CubicBezier {
   std::vector<Eigen::Vector2d> points;  // m, material coordinates; 3n + 1 of them, 1 <= n <= kMaxBezierPieces
 };

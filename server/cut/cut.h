@@ -12,7 +12,8 @@
 
 // Cuts along a curve in material coordinates. The mesh stays welded in rest space: the curve becomes a chain of locked
 // edges (lips), and only the map from triangle corners to vertices tells the two sides apart. So re-cuts, crossings,
-// T and X junctions, punches, cuts along an older lip or along the border are one case each time: "meets a locked edge".
+// T and X junctions, punches, cuts along an older lip or along the border are one case each time: "meets a locked
+// edge".
 //
 // plan() looks, apply() changes; between the two the mesh may have changed, apply() takes it as it finds it.
 namespace kerf::cut {
@@ -44,10 +45,10 @@ struct CutRequest {
 
 // What apply() will do: the curve flattened and clipped to the neighbourhood of the sheet. A plain value.
 struct CutPlan {
-  std::vector<Stroke> strokes;         // m, material coordinates; empty where the curve is nowhere near the sheet
-  double curve_deviation_m = 0.0;      // m; proven bound on the distance between curve and strokes
-  double edge_length_m = 0.0;          // m; the sheet's edge length, to which the fractions refer
-  double snap_m = 0.0;                 // m; distance below which the path is laid on points and lips
+  std::vector<Stroke> strokes;     // m, material coordinates; empty where the curve is nowhere near the sheet
+  double curve_deviation_m = 0.0;  // m; proven bound on the distance between curve and strokes
+  double edge_length_m = 0.0;      // m; the sheet's edge length, to which the fractions refer
+  double snap_m = 0.0;             // m; distance below which the path is laid on points and lips
   CutOptions options;
   std::vector<mesh::VertexId> fixed_vertices;  // sorted, unique
 };
@@ -71,12 +72,13 @@ struct CutReport {
   double min_angle_deg = 180.0;          // degrees; worst angle among the solid triangles that the cut rewrote
   double max_aspect = 0.0;               // -; worst longest edge / shortest height among them
   double min_height_m = 0.0;             // m; smallest height among them
-  std::int32_t triangles_below_angle = 0;  // of those, below min_angle_deg: in corners between lips < 60 degrees, at the
-                                           // length floor of snap / 4, or an element of the sheet that was so before
-  bool refinement_stopped = false;       // the guard on refinement steps fired; the mesh is valid, its quality is not
-  std::int32_t snapped_points = 0;       // path points moved onto an existing point or lip (by <= snap)
-  std::int32_t closed_gaps = 0;          // of those: onto an older lip, the border, or another strand of this path
-  std::int32_t merged_segments = 0;      // path segments shorter than the snap distance that vanished ("dust")
+  std::int32_t triangles_below_angle =
+      0;                             // of those, below min_angle_deg: in corners between lips < 60 degrees, at the
+                                     // length floor of snap / 4, or an element of the sheet that was so before
+  bool refinement_stopped = false;   // the guard on refinement steps fired; the mesh is valid, its quality is not
+  std::int32_t snapped_points = 0;   // path points moved onto an existing point or lip (by <= snap)
+  std::int32_t closed_gaps = 0;      // of those: onto an older lip, the border, or another strand of this path
+  std::int32_t merged_segments = 0;  // path segments shorter than the snap distance that vanished ("dust")
 };
 
 struct CutOutcome {
@@ -92,7 +94,8 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 
 // Carries the plan out, or leaves the mesh bit-identical.
 // Errors: kResourceExhausted CUT_ELEMENT_BUDGET (max_new_triangles, or the mesh's own limit, or a step counter);
-//         kFailedPrecondition CUT_NOT_REPRESENTABLE (a crossing could not be rounded to a valid point: shift the curve).
+//         kFailedPrecondition CUT_NOT_REPRESENTABLE (a crossing could not be rounded to a valid point: shift the
+//         curve).
 // With KERF_VALIDATE defined every mesh invariant is checked afterwards.
 Result<CutOutcome> apply(mesh::TriangleMesh& mesh, const CutPlan& plan);
 

@@ -15,9 +15,9 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr double kCosSharp = 0.5;     // cos 60 degrees
-constexpr double kCosStraight = 0.9;  // a lip that turns more than about 26 degrees at a point ends there
-constexpr int kMaxEdges = 8;          // edges of a lip followed to a corner
+constexpr double kCosSharp = 0.5;       // cos 60 degrees
+constexpr double kCosStraight = 0.9;    // a lip that turns more than about 26 degrees at a point ends there
+constexpr int kMaxEdges = 8;            // edges of a lip followed to a corner
 constexpr double kSameDistance = 1e-3;  // -; relative difference of distances that count as equal
 
 double cos_between(const Vector2d& u, const Vector2d& v) {

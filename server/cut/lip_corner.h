@@ -8,8 +8,8 @@
 
 namespace kerf::cut {
 
-// Sharp corners between fixed edges (lips, border, region borders): points where two of them meet at less than 60 degrees
-// with material in between. No refinement can widen such an angle, and without care it goes on for ever there.
+// Sharp corners between fixed edges (lips, border, region borders): points where two of them meet at less than 60
+// degrees with material in between. No refinement can widen such an angle, and without care it goes on for ever there.
 class LipCorners {
  public:
   explicit LipCorners(const mesh::TriangleMesh& mesh) : mesh_(mesh) {}
@@ -20,8 +20,9 @@ class LipCorners {
   // forces (Miller, Pav and Walkington's "seditious" edge).
   [[nodiscard]] bool joins_lips_of_sharp_corner(mesh::PointId p, mesh::PointId q);
 
-  // Where to split the fixed edge ab of this length (lattice units), as a fraction from a, in [1/3, 2/3]: in the middle, or
-  // with a sharp corner at one end at a power of two from it, so that the parts of both its lips come to match.
+  // Where to split the fixed edge ab of this length (lattice units), as a fraction from a, in [1/3, 2/3]: in the
+  // middle, or with a sharp corner at one end at a power of two from it, so that the parts of both its lips come to
+  // match.
   [[nodiscard]] double split_fraction(mesh::PointId a, mesh::PointId b, double length);
 
  private:

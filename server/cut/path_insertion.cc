@@ -22,8 +22,8 @@ namespace {
 constexpr std::int64_t kMaxLegs = 2'000'000;        // straight legs of one cut
 constexpr std::size_t kMaxSnapNeighbourhood = 512;  // triangles searched for something to snap to
 
-// The lattice point wanted and its neighbours, nearest first: rounding can put a point on the wrong side of an edge of a
-// very flat triangle, and one of the others is then inside.
+// The lattice point wanted and its neighbours, nearest first: rounding can put a point on the wrong side of an edge of
+// a very flat triangle, and one of the others is then inside.
 constexpr std::array<std::array<std::int64_t, 2>, 9> kRoundings{
     {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
 
@@ -100,7 +100,8 @@ Status PathInsertion::advance(PathPosition& position, const LatticePoint& at) {
   return Nothing{};
 }
 
-// Whether `at`, on the present segment, lies on an edge with both ends on the segment too, all within the snap distance.
+// Whether `at`, on the present segment, lies on an edge with both ends on the segment too, all within the snap
+// distance.
 bool PathInsertion::runs_along_edge(const LatticePoint& at) const {
   const TriangleId t = mesh_.locate(at, hint_).triangle;
   for (int k = 0; k < 3; ++k) {
@@ -114,8 +115,8 @@ bool PathInsertion::runs_along_edge(const LatticePoint& at) const {
   return false;
 }
 
-// Everything within the snap distance is reached over edges within it, so a search outwards from the triangle that holds
-// the place finds all of it.
+// Everything within the snap distance is reached over edges within it, so a search outwards from the triangle that
+// holds the place finds all of it.
 PathInsertion::Snap PathInsertion::find_snap(const LatticePoint& at, TriangleId start) const {
   Snap best;
   double best_point = snap_;

@@ -22,10 +22,10 @@ struct InsertionCounts {
 
 // Lays strokes into the mesh: incremental constrained Delaunay on the mesh itself. Each point of a stroke is put on a
 // point or a fixed edge closer than the snap distance, or becomes a point; each segment is recovered by flips, passing
-// through points closer than the snap distance and splitting the fixed edges it crosses (older lips, the border, its own
-// earlier edges, region borders) at the rounded crossing. The edges it becomes are locked as cut; in the void nothing is
-// inserted or locked. Segments longer than the spacing get points in between, but where the mesh has edges along them
-// already: a long straight lip would drag needles as long as itself across the sheet.
+// through points closer than the snap distance and splitting the fixed edges it crosses (older lips, the border, its
+// own earlier edges, region borders) at the rounded crossing. The edges it becomes are locked as cut; in the void
+// nothing is inserted or locked. Segments longer than the spacing get points in between, but where the mesh has edges
+// along them already: a long straight lip would drag needles as long as itself across the sheet.
 class PathInsertion {
  public:
   // `snap`: lattice units, >= 2 * MeshEditor::kLockClearance. `spacing`: lattice units, > 0.
@@ -67,7 +67,7 @@ class PathInsertion {
   PathWalk walk_;
   InsertionCounts counts_;
   mesh::TriangleId hint_ = mesh::kNone;
-  mesh::PointId last_point_ = mesh::kNone;         // where the stroke is
+  mesh::PointId last_point_ = mesh::kNone;          // where the stroke is
   mesh::LatticePoint segment_start_, segment_end_;  // of the stroke's segment being inserted
   std::vector<mesh::PointId> path_points_;
   std::vector<mesh::PointId> corridor_points_;

@@ -54,8 +54,8 @@ class PathWalk {
   bool leave_point(Exit& exit, Encounter& met);
   bool leave_void_triangle(Exit& exit, Encounter& met) const;
   [[nodiscard]] bool holds_end(mesh::TriangleId t) const;
-  // Whether the leg should pass through v: closer than the clearance, and nearer to either end than the ends are to each
-  // other, so that legs only get shorter.
+  // Whether the leg should pass through v: closer than the clearance, and nearer to either end than the ends are to
+  // each other, so that legs only get shorter.
   [[nodiscard]] bool is_met(mesh::PointId v) const;
 
   const mesh::TriangleMesh& mesh_;

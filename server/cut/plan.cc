@@ -12,10 +12,10 @@ constexpr double kMaxPathPoints = 1.0e6;  // points of a spaced path; more canno
 
 Status check_range(double value, double low, double high, const std::string& field) {
   if (value >= low && value <= high) return Nothing{};  // false for NaN
-  return invalid_argument("OPTION_OUT_OF_RANGE",
-                          field + " is " + std::to_string(value) + "; allowed is " + std::to_string(low) + " to " +
-                              std::to_string(high),
-                          field);
+  return invalid_argument(
+      "OPTION_OUT_OF_RANGE",
+      field + " is " + std::to_string(value) + "; allowed is " + std::to_string(low) + " to " + std::to_string(high),
+      field);
 }
 
 Status check_options(const CutOptions& options) {

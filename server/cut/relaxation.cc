@@ -20,8 +20,8 @@ using mesh::TriangleId;
 namespace {
 
 constexpr int kSweeps = 3;
-constexpr double kFirstStep = 0.35;       // -; reach of the first sweep, as a fraction of the mean ring radius; halves
-constexpr double kWellShaped = 0.8;       // -; stars whose worst quality is above this are left alone
+constexpr double kFirstStep = 0.35;  // -; reach of the first sweep, as a fraction of the mean ring radius; halves
+constexpr double kWellShaped = 0.8;  // -; stars whose worst quality is above this are left alone
 constexpr double kLeastImprovement = 0.02;  // -; in quality; smaller gains are not worth a changed rest position
 
 // The ring around a free point, counter-clockwise, and the point itself.
@@ -58,14 +58,10 @@ std::array<LatticePoint, 9> trial_places(const Star& star, double reach) {
   const double count = static_cast<double>(star.ring.size());
   const double step = reach * radius / count;
   const double diagonal = step * std::sqrt(0.5);
-  return {moved(star.at, centre / count),
-          moved(star.at, {step, 0.0}),
-          moved(star.at, {diagonal, diagonal}),
-          moved(star.at, {0.0, step}),
-          moved(star.at, {-diagonal, diagonal}),
-          moved(star.at, {-step, 0.0}),
-          moved(star.at, {-diagonal, -diagonal}),
-          moved(star.at, {0.0, -step}),
+  return {moved(star.at, centre / count),         moved(star.at, {step, 0.0}),
+          moved(star.at, {diagonal, diagonal}),   moved(star.at, {0.0, step}),
+          moved(star.at, {-diagonal, diagonal}),  moved(star.at, {-step, 0.0}),
+          moved(star.at, {-diagonal, -diagonal}), moved(star.at, {0.0, -step}),
           moved(star.at, {diagonal, -diagonal})};
 }
 

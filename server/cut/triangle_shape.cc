@@ -10,9 +10,7 @@ namespace kerf::cut {
 TriangleShape shape_of(const std::array<mesh::LatticePoint, 3>& corners) {
   std::array<double, 3> squared{};  // of the edge opposite each corner
   for (int k = 0; k < 3; ++k) {
-    squared[k] =
-        squared_distance(corners[mesh::next_corner(k)],
-                         corners[mesh::previous_corner(k)]);
+    squared[k] = squared_distance(corners[mesh::next_corner(k)], corners[mesh::previous_corner(k)]);
   }
   const double doubled_area = static_cast<double>(mesh::doubled_area(corners[0], corners[1], corners[2]));
   TriangleShape shape;

@@ -1,6 +1,5 @@
 // The hard cases of cutting, each with the exact number of pieces and of boundary loops, under random placement.
 #include <cmath>
-#include <functional>
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -8,16 +7,22 @@
 #include "server/base/random.h"
 #include "server/cut/cut.h"
 #include "server/mesh/grid_mesh.h"
+#include "server/mesh/mesh_import.h"
 #include "tests/cut/cut_checks.h"
+
+// Placements of each case; sanitizer builds take fewer.
+#ifndef KERF_PLACEMENTS
+#define KERF_PLACEMENTS 100
+#endif
 
 namespace kerf::cut {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kVertices = 13;             // a side
-constexpr double kCell = 1.0 / 12.0;      // edge length on a unit sheet
-constexpr int kPlacements = 100;
+constexpr int kVertices = 13;         // a side
+constexpr double kCell = 1.0 / 12.0;  // edge length on a unit sheet
+constexpr int kPlacements = KERF_PLACEMENTS;
 
 // A similarity: curves are given on the unit square and carried onto a sheet of another size.
 struct Placement {
@@ -82,7 +87,9 @@ void check_case(const Case& item, mesh::TriangleMesh mesh, const Placement& plac
   EXPECT_EQ(count_boundary_loops(mesh), item.loops);
 }
 
-Curve line(std::vector<Vector2d> points) { return Polyline{std::move(points)}; }
+Curve line(std::vector<Vector2d> points) {
+  return Polyline{std::move(points)};
+}
 
 Curve wave(const Vector2d& a, const Vector2d& b, double height, int count) {
   Polyline result;
@@ -153,11 +160,18 @@ std::vector<Case> cases_inside() {
       {"half overlapping", {line({{0.3, 0.5}, {0.6, 0.5}}), line({{0.45, 0.5}, {0.72, 0.5}})}, 1, 2},
       {"along a lip, then off", {line({{0.3, 0.5}, {0.6, 0.5}}), line({{0.4, 0.5}, {0.5, 0.5}, {0.5, 0.7}})}, 1, 2},
       {"closing a U",
-       {line({{0.4, 0.65}, {0.4, 0.4}, {0.6, 0.4}, {0.6, 0.65}}), line({{0.35, 0.6}, {0.65, 0.6}})}, 2, 3},
-      {"joining two slits", {line({{0.4, 0.3}, {0.4, 0.7}}), line({{0.6, 0.3}, {0.6, 0.7}}),
-                             line({{0.4, 0.5}, {0.6, 0.5}})}, 1, 2},
-      {"window", {line({{0.4, 0.3}, {0.4, 0.7}}), line({{0.6, 0.3}, {0.6, 0.7}}), line({{0.35, 0.4}, {0.65, 0.4}}),
-                  line({{0.35, 0.6}, {0.65, 0.6}})}, 2, 3},
+       {line({{0.4, 0.65}, {0.4, 0.4}, {0.6, 0.4}, {0.6, 0.65}}), line({{0.35, 0.6}, {0.65, 0.6}})},
+       2,
+       3},
+      {"joining two slits",
+       {line({{0.4, 0.3}, {0.4, 0.7}}), line({{0.6, 0.3}, {0.6, 0.7}}), line({{0.4, 0.5}, {0.6, 0.5}})},
+       1,
+       2},
+      {"window",
+       {line({{0.4, 0.3}, {0.4, 0.7}}), line({{0.6, 0.3}, {0.6, 0.7}}), line({{0.35, 0.4}, {0.65, 0.4}}),
+        line({{0.35, 0.6}, {0.65, 0.6}})},
+       2,
+       3},
       {"coincident points", {line({{0.3, 0.5}, {0.3, 0.5}, {0.5, 0.6}, {0.5, 0.6}, {0.5, 0.6}, {0.7, 0.5}})}, 1, 2},
       {"cusp", {CubicBezier{{{0.35, 0.4}, {0.65, 0.7}, {0.35, 0.7}, {0.65, 0.4}}}}, 1, 2},
       {"dense polyline", {wave({0.3, 0.5}, {0.7, 0.5}, 0.01 * kCell, 200)}, 1, 2},
@@ -171,9 +185,9 @@ TEST(CutCases, CountsHoldUnderRigidMotionAndScale) {
     for (int trial = 0; trial < kPlacements && !testing::Test::HasFailure(); ++trial) {
       SCOPED_TRACE(std::string(item.name) + " placement " + std::to_string(trial));
       const double sizes[] = {1.0, 1e-3, 250.0};
-      const Placement place{sizes[trial % 3], trial == 0 ? 0.0 : random.uniform(0.0, 6.28),
-                            trial == 0 ? Vector2d(0.0, 0.0)
-                                       : Vector2d(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1))};
+      const Placement place{
+          sizes[trial % 3], trial == 0 ? 0.0 : random.uniform(0.0, 6.28),
+          trial == 0 ? Vector2d(0.0, 0.0) : Vector2d(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1))};
       CutOptions options;
       options.relax = trial % 2 == 0;
       check_case(item, sheet(trial % 4 >= 2, place.scale, random.next()), place, options);
@@ -217,7 +231,10 @@ std::vector<Case> cases_in_place() {
       {"far outside", {Circle{{50.0, 20.0}, 3.0}}, 1, 1, CutStatus::kNoIntersection},
       {"around the sheet", {Circle{{0.5, 0.5}, 5.0}}, 1, 1, CutStatus::kNoIntersection},
       {"touching a corner", {line({at(-1, 1), at(1, -1)})}, 1, 1, CutStatus::kNoIntersection},
-      {"whole border", {line({at(0, 0), at(12, 0), at(12, 12), at(0, 12), at(0, 0)})}, 1, 1,
+      {"whole border",
+       {line({at(0, 0), at(12, 0), at(12, 12), at(0, 12), at(0, 0)})},
+       1,
+       1,
        CutStatus::kNoIntersection},
       {"from very far", {line({{-9000.0, 0.47}, {9000.0, 0.53}})}, 2, 2},
       {"from a slit out", {line({at(3, 6), at(9, 6)}), line({at(6, 6), at(6.3, 14)})}, 1, 1},
@@ -228,7 +245,7 @@ std::vector<Case> cases_in_place() {
 TEST(CutCases, CountsHoldRelativeToElementsAndBorder) {
   SeededRandom random(12);
   for (const Case& item : cases_in_place()) {
-    for (int trial = 0; trial < 20 && !testing::Test::HasFailure(); ++trial) {
+    for (int trial = 0; trial < kPlacements / 5 + 4 && !testing::Test::HasFailure(); ++trial) {
       SCOPED_TRACE(std::string(item.name) + " trial " + std::to_string(trial));
       CutOptions options;
       options.relax = trial % 2 == 0;
@@ -238,6 +255,93 @@ TEST(CutCases, CountsHoldRelativeToElementsAndBorder) {
       if (item.last == CutStatus::kNoIntersection) place.shift.setZero();
       check_case(item, sheet(trial % 4 >= 2), place, options);
     }
+  }
+}
+
+// A grid of cells on the unit square turned by `angle`, with the cells for which `keep` is false left out: slanted
+// borders, holes, several components, two regions.
+template <typename Keep>
+mesh::TriangleMesh turned_sheet(int cells, double angle, Keep keep) {
+  mesh::IndexedMesh input;
+  std::vector<int> used(static_cast<std::size_t>((cells + 1) * (cells + 1)), mesh::kNone);
+  std::vector<Vector2d> positions;
+  std::vector<Eigen::Vector3i> triangles;
+  const Placement place{1.0, angle, {0.0, 0.0}};
+  const auto vertex = [&](int i, int j) {
+    int& id = used[static_cast<std::size_t>(j * (cells + 1) + i)];
+    if (id == mesh::kNone) {
+      id = static_cast<int>(positions.size());
+      positions.push_back(place(Vector2d(i, j) / cells));
+    }
+    return id;
+  };
+  for (int j = 0; j < cells; ++j) {
+    for (int i = 0; i < cells; ++i) {
+      if (!keep(i, j)) continue;
+      triangles.emplace_back(vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1));
+      triangles.emplace_back(vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1));
+      input.regions.insert(input.regions.end(), 2, i < cells / 2 ? 0 : 1);
+    }
+  }
+  input.rest.resize(2, static_cast<Eigen::Index>(positions.size()));
+  for (std::size_t i = 0; i < positions.size(); ++i) input.rest.col(static_cast<Eigen::Index>(i)) = positions[i];
+  input.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
+  for (std::size_t i = 0; i < triangles.size(); ++i) input.triangles.col(static_cast<Eigen::Index>(i)) = triangles[i];
+  Result<mesh::TriangleMesh> made = mesh::import_mesh(input);
+  EXPECT_TRUE(made.ok()) << made.error().message;
+  return std::move(*made);
+}
+
+double solid_area(const mesh::TriangleMesh& mesh, std::int32_t region) {
+  double sum = 0.0;
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (mesh.is_solid(t) && mesh.region(t) == region) sum += mesh.area(t);
+  }
+  return sum;
+}
+
+// As cut(), but on slanted borders, where a rounded crossing may move the border by a unit of the lattice.
+CutOutcome cut_slanted(mesh::TriangleMesh& mesh, const Curve& curve) {
+  const mesh::TriangleMesh before = mesh;
+  const Result<CutPlan> planned = plan(mesh, {curve, {}, {}});
+  Result<CutOutcome> outcome = apply(mesh, *planned);
+  EXPECT_TRUE(outcome.ok()) << outcome.error().message;
+  EXPECT_EQ(mesh.find_violation().value_or(""), "");
+  EXPECT_EQ(find_wrong_source(before, mesh, outcome->edit.added_vertices).value_or(""), "");
+  EXPECT_EQ(find_uncovered_path(mesh, *planned, outcome->report).value_or(""), "");
+  for (const std::int32_t region : {0, 1}) {
+    EXPECT_NEAR(solid_area(mesh, region), solid_area(before, region), 1e-12);
+  }
+  return std::move(*outcome);
+}
+
+TEST(CutCases, SheetsWithHolesComponentsRegionsAndSlantedBorders) {
+  SeededRandom random(13);
+  for (int trial = 0; trial < 12; ++trial) {
+    SCOPED_TRACE("trial " + std::to_string(trial));
+    const double angle = random.uniform(0.0, 6.28);
+    const Placement place{1.0, angle, {0.0, 0.0}};
+    // A frame with a hole in the middle: a straight cut through both sides gives two pieces, half of it one.
+    const auto frame = [](int i, int j) { return i < 3 || i > 6 || j < 3 || j > 6; };
+    mesh::TriangleMesh mesh = turned_sheet(10, angle, frame);
+    EXPECT_EQ(count_boundary_loops(mesh), 2);
+    cut_slanted(mesh, place(line({{-0.1, 0.47}, {0.5, 0.52}})));
+    EXPECT_EQ(mesh.num_pieces(), 1);
+    EXPECT_EQ(count_boundary_loops(mesh), 1);
+    cut_slanted(mesh, place(line({{0.5, 0.52}, {1.1, 0.47}})));
+    EXPECT_EQ(mesh.num_pieces(), 2);
+    EXPECT_EQ(count_boundary_loops(mesh), 2);
+    // A circle in the material around the hole frees a ring within a ring.
+    mesh::TriangleMesh ring = turned_sheet(10, angle, frame);
+    cut_slanted(ring, place(Circle{{0.5, 0.5}, 0.4}));
+    EXPECT_EQ(ring.num_pieces(), 2);
+    EXPECT_EQ(count_boundary_loops(ring), 4);
+    // Three strips side by side, cut across in one stroke.
+    mesh::TriangleMesh strips = turned_sheet(11, angle, [](int i, int) { return i % 4 != 3; });
+    EXPECT_EQ(strips.num_pieces(), 3);
+    cut_slanted(strips, place(line({{-0.2, 0.41}, {1.2, 0.62}})));
+    EXPECT_EQ(strips.num_pieces(), 6);
+    EXPECT_EQ(count_boundary_loops(strips), 6);
   }
 }
 

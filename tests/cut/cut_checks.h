@@ -61,7 +61,8 @@ inline std::optional<std::string> find_wrong_source(const mesh::TriangleMesh& be
     }
     if (std::abs(source.weights.sum() - 1.0) > 1e-12) return "weights do not sum to 1";
     const double error = (sum - after.rest_position(source.vertex)).norm();
-    if (error > 1e-9) return "vertex " + std::to_string(source.vertex) + " is off its sources by " + std::to_string(error);
+    if (error > 1e-9)
+      return "vertex " + std::to_string(source.vertex) + " is off its sources by " + std::to_string(error);
   }
   return std::nullopt;
 }
@@ -119,8 +120,8 @@ inline std::optional<std::string> find_cut_violation(const mesh::TriangleMesh& b
     return "new_triangles is not the number of solid triangles added";
   }
   for (mesh::TriangleId t = 0; t < before.num_triangle_slots(); ++t) {
-    const bool listed = std::binary_search(outcome.edit.rewritten_triangles.begin(),
-                                           outcome.edit.rewritten_triangles.end(), t);
+    const bool listed =
+        std::binary_search(outcome.edit.rewritten_triangles.begin(), outcome.edit.rewritten_triangles.end(), t);
     if (!listed && before.is_solid(t) && before.vertices(t) != after.vertices(t)) {
       return "slot " + std::to_string(t) + " changed but is not listed as rewritten";
     }

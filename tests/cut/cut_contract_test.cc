@@ -14,7 +14,9 @@ namespace {
 
 using Eigen::Vector2d;
 
-mesh::TriangleMesh grid(std::int32_t vertices) { return *mesh::make_grid({vertices, vertices, 1.0, 1.0}); }
+mesh::TriangleMesh grid(std::int32_t vertices) {
+  return *mesh::make_grid({vertices, vertices, 1.0, 1.0});
+}
 mesh::TriangleMesh jittered(std::int32_t vertices) {
   return *mesh::make_jittered_grid({vertices, vertices, 1.0, 1.0}, 5);
 }
@@ -38,7 +40,9 @@ CutOutcome cut(mesh::TriangleMesh& mesh, const CutRequest& request) {
   return std::move(*outcome);
 }
 
-Curve s_curve() { return CubicBezier{{{0.1, 0.2}, {0.9, 0.1}, {0.1, 0.95}, {0.9, 0.8}}}; }
+Curve s_curve() {
+  return CubicBezier{{{0.1, 0.2}, {0.9, 0.1}, {0.1, 0.95}, {0.9, 0.8}}};
+}
 
 // Along edges nothing but vertices is added, so every number is known.
 TEST(CutContract, CountsVerticesExactlyAlongEdges) {
@@ -49,14 +53,14 @@ TEST(CutContract, CountsVerticesExactlyAlongEdges) {
     int lip_edges;
   };
   const std::vector<Case> cases{
-      {{{2, 3}, {6, 3}}, 3, 1, 4},                          // tips stay single
-      {{{2, 3}, {3, 3}}, 0, 1, 1},                          // one edge inside: opens nothing
-      {{{0, 3}, {4, 3}}, 4, 1, 4},                          // from the border
-      {{{0, 3}, {8, 3}}, 9, 2, 8},                          // from border to border
-      {{{1, 1}, {6, 6}}, 4, 1, 5},                          // along diagonals
-      {{{3, 3}, {4, 3}, {4, 4}, {3, 3}}, 3, 2, 3},          // one triangle
+      {{{2, 3}, {6, 3}}, 3, 1, 4},                            // tips stay single
+      {{{2, 3}, {3, 3}}, 0, 1, 1},                            // one edge inside: opens nothing
+      {{{0, 3}, {4, 3}}, 4, 1, 4},                            // from the border
+      {{{0, 3}, {8, 3}}, 9, 2, 8},                            // from border to border
+      {{{1, 1}, {6, 6}}, 4, 1, 5},                            // along diagonals
+      {{{3, 3}, {4, 3}, {4, 4}, {3, 3}}, 3, 2, 3},            // one triangle
       {{{2, 2}, {5, 2}, {5, 5}, {2, 5}, {2, 2}}, 12, 2, 12},  // a square
-      {{{2, 2}, {5, 2}, {5, 5}}, 5, 1, 6},                  // a corner
+      {{{2, 2}, {5, 2}, {5, 5}}, 5, 1, 6},                    // a corner
   };
   for (const Case& item : cases) {
     Polyline line;
@@ -103,15 +107,20 @@ TEST(CutContract, RefusesBadRequestsWithReasonAndField) {
     return request;
   };
   const std::vector<Case> cases{
-      {with([&](CutRequest& r) { r.curve = Polyline{{{0, 0}, {nan, 0}}}; }), "CURVE_NOT_FINITE",
-       "cut.curve.polyline.points[1].x"},
+      {with([&](CutRequest& r) {
+         r.curve = Polyline{{{0, 0}, {nan, 0}}};
+       }),
+       "CURVE_NOT_FINITE", "cut.curve.polyline.points[1].x"},
       {with([&](CutRequest& r) { r.options.tolerance = nan; }), "OPTION_OUT_OF_RANGE", "cut.tolerance"},
       {with([&](CutRequest& r) { r.options.tolerance = 0.51; }), "OPTION_OUT_OF_RANGE", "cut.tolerance"},
       {with([&](CutRequest& r) { r.options.tolerance_m = 0.0; }), "OPTION_OUT_OF_RANGE", "cut.tolerance_m"},
       {with([&](CutRequest& r) { r.options.snap = 0.2; }), "OPTION_OUT_OF_RANGE", "cut.snap"},
       {with([&](CutRequest& r) { r.options.min_angle_deg = 28.5; }), "OPTION_OUT_OF_RANGE", "cut.min_angle_deg"},
       {with([&](CutRequest& r) { r.options.max_new_triangles = 0; }), "OPTION_OUT_OF_RANGE", "cut.max_new_triangles"},
-      {with([&](CutRequest& r) { r.fixed_vertices = {3, 25}; }), "VERTEX_UNKNOWN", "cut.fixed_vertices[1]"},
+      {with([&](CutRequest& r) {
+         r.fixed_vertices = {3, 25};
+       }),
+       "VERTEX_UNKNOWN", "cut.fixed_vertices[1]"},
       {with([&](CutRequest& r) { r.fixed_vertices = {-1}; }), "VERTEX_UNKNOWN", "cut.fixed_vertices[0]"},
   };
   for (const Case& item : cases) {

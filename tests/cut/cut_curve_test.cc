@@ -40,7 +40,9 @@ bool contains(const Stroke& stroke, const Vector2d& point) {
   return std::find(stroke.points.begin(), stroke.points.end(), point) != stroke.points.end();
 }
 
-const Error& error_of(const Status& status) { return status.error(); }
+const Error& error_of(const Status& status) {
+  return status.error();
+}
 
 TEST(CutCurve, FlattenedBezierStaysWithinItsStatedDeviation) {
   SeededRandom random(1);

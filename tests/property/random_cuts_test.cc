@@ -1,4 +1,5 @@
-// 20,000 random cuts, every invariant checked after each. A failure prints the seed of its trial; run that one alone with
+// 20,000 random cuts, every invariant checked after each. A failure prints the seed of its trial; run that one alone
+// with
 //   KERF_CUT_SEED=<seed> random_cuts_test
 #include <cstdio>
 #include <cstdlib>
@@ -31,7 +32,9 @@ Vector2d random_vertex(SeededRandom& random, const mesh::TriangleMesh& mesh) {
   return mesh.rest_position(static_cast<mesh::VertexId>(random.below(static_cast<std::uint64_t>(mesh.num_vertices()))));
 }
 
-Vector2d polar(double angle, double radius) { return {radius * std::cos(angle), radius * std::sin(angle)}; }
+Vector2d polar(double angle, double radius) {
+  return {radius * std::cos(angle), radius * std::sin(angle)};
+}
 
 Curve random_bezier(SeededRandom& random) {
   CubicBezier bezier;
@@ -234,7 +237,9 @@ void run_trial(std::uint64_t seed, int num_cuts, Tally& tally) {
 }
 
 // Even seeds are singles, odd ones sequences.
-int cuts_of(std::uint64_t seed) { return seed % 2 == 0 ? 1 : kCutsOfASequence; }
+int cuts_of(std::uint64_t seed) {
+  return seed % 2 == 0 ? 1 : kCutsOfASequence;
+}
 
 TEST(RandomCuts, KeepEveryInvariant) {
   Tally tally;
