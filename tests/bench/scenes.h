@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/sheet/sheet.h"
+
+// What the benchmarks run. Grids of 225, 2,500, 10,000 and 40,000 vertices, 1 m x 1 m.
+namespace kerf::bench {
+
+inline constexpr int kGridSides[] = {15, 50, 100, 200};
+
+// A horizontal cloth held at two corners, side x side vertices.
+sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator);
+
+// An S-shaped Bezier curve of half the sheet's width, wholly inside it.
+sheet::Cut s_cut();
+
+}  // namespace kerf::bench
