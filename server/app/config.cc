@@ -34,10 +34,12 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->type_name("HOST:PORT")
       ->capture_default_str();
   parser
-      .add_option("--http", arguments.http, "Address of the viewer, the WebSocket and JSON calls; port 0 picks a free one")
+      .add_option("--http", arguments.http,
+                  "Address of the viewer, the WebSocket and JSON calls; port 0 picks a free one")
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  parser.add_option("--scene", arguments.scenes, "Scene file (JSON of kerf.v1.Scene) to start a sheet from; repeatable")
+  parser
+      .add_option("--scene", arguments.scenes, "Scene file (JSON of kerf.v1.Scene) to start a sheet from; repeatable")
       ->type_name("FILE")
       ->take_all();
   parser.add_option("--workers", arguments.workers, "Threads that step sheets, 1..256; 0: one for each processor")
@@ -46,9 +48,10 @@ void declare(CLI::App& parser, Arguments& arguments) {
   parser.add_option("--web", arguments.web, "Folder of the built viewer (default: found beside the program)")
       ->type_name("DIR");
   parser.add_flag("--no-render", arguments.no_render, "Draw no pictures, even where EGL works");
-  parser.add_flag("--allow-remote", arguments.allow_remote,
-                  "Listen on addresses that other machines can reach. There is no TLS and no login: whoever reaches the "
-                  "port can do everything");
+  parser.add_flag(
+      "--allow-remote", arguments.allow_remote,
+      "Listen on addresses that other machines can reach. There is no TLS and no login: whoever reaches the "
+      "port can do everything");
   parser
       .add_option("--allow-origin", arguments.allowed_origins,
                   "Web origin, such as https://viewer.example.org, whose pages may use this server; repeatable")

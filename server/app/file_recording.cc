@@ -20,7 +20,9 @@ void FileRecording::start(const sheet::SheetConfig& config) {
   write(wire::encode_recording_header(config, kBuild));
 }
 
-void FileRecording::append(const sheet::RecordedTick& entry) { write(wire::encode_recorded_tick(entry)); }
+void FileRecording::append(const sheet::RecordedTick& entry) {
+  write(wire::encode_recorded_tick(entry));
+}
 
 void FileRecording::write(const std::string& bytes) {
   if (!file_) return;

@@ -9,9 +9,9 @@
 
 namespace kerf::app {
 
-// Writes a recording file while the sheet runs (form: kerf/v1/run.proto). What was appended is in the operating system's
-// hands: it survives the process, not the machine. After the first failure, told once to `note`, nothing more is written
-// and the sheet goes on.
+// Writes a recording file while the sheet runs (form: kerf/v1/run.proto). What was appended is in the operating
+// system's hands: it survives the process, not the machine. After the first failure, told once to `note`, nothing more
+// is written and the sheet goes on.
 class FileRecording : public sheet::RecordingSink {
  public:
   // `disk` must outlive this; `note` is called from the sheet's strand.

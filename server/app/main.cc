@@ -18,7 +18,9 @@ namespace {
 constexpr int kExitRefused = 2;
 constexpr unsigned kStopLimitS = 10;
 
-void note(std::string_view line) { std::cerr << "kerfd: " + std::string(line) + "\n" << std::flush; }
+void note(std::string_view line) {
+  std::cerr << "kerfd: " + std::string(line) + "\n" << std::flush;
+}
 
 // Blocked in every thread, so that only wait_for_stop() sees them.
 sigset_t block_stop_signals() {

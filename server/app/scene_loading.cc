@@ -38,8 +38,9 @@ Result<std::string> load(const std::filesystem::path& file, host::Disk& disk, ho
   if (!config) return in_file(file, config.error());
   const std::string stem = file.stem().string();
   const std::string id = config->sheet_id.empty() && sheet::is_valid_sheet_id(stem) ? stem : config->sheet_id;
-  const Result<host::SheetStatus> status = wait_for<host::SheetStatus>(
-      [&](host::Callback<host::SheetStatus> done) { host.create_sheet(id, std::move(config).value(), true, std::move(done)); });
+  const Result<host::SheetStatus> status = wait_for<host::SheetStatus>([&](host::Callback<host::SheetStatus> done) {
+    host.create_sheet(id, std::move(config).value(), true, std::move(done));
+  });
   if (!status) return in_file(file, status.error());
   return status->id;
 }
@@ -59,8 +60,8 @@ Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::
 
 Status resume_sheets(const std::vector<std::string>& ids, host::Host& host) {
   for (const std::string& id : ids) {
-    const Result<host::SheetStatus> status = wait_for<host::SheetStatus>(
-        [&](host::Callback<host::SheetStatus> done) { host.resume(id, std::move(done)); });
+    const Result<host::SheetStatus> status =
+        wait_for<host::SheetStatus>([&](host::Callback<host::SheetStatus> done) { host.resume(id, std::move(done)); });
     // Whoever deleted it in the meantime, through a transport that listens already, was free to.
     if (!status && status.error().code != ErrorCode::kNotFound) return status.error();
   }

@@ -125,7 +125,9 @@ void Server::Impl::stop() {
 
 Server::Server(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
-Server::~Server() { stop(); }
+Server::~Server() {
+  stop();
+}
 
 Result<std::unique_ptr<Server>> Server::start(const Config& config,
                                               const std::function<void(std::string_view line)>& note) {
@@ -137,7 +139,9 @@ Result<std::unique_ptr<Server>> Server::start(const Config& config,
   return server;
 }
 
-std::string Server::grpc_address() const { return ws::format_endpoint(impl_->config.grpc.host, impl_->grpc_port); }
+std::string Server::grpc_address() const {
+  return ws::format_endpoint(impl_->config.grpc.host, impl_->grpc_port);
+}
 
 std::string Server::http_url() const {
   return "http://" + ws::format_endpoint(impl_->config.http.host, impl_->http_port);
@@ -147,6 +151,8 @@ std::string Server::ready_line() const {
   return R"({"grpc":")" + grpc_address() + R"(","http":")" + http_url() + R"("})";
 }
 
-void Server::stop() { impl_->stop(); }
+void Server::stop() {
+  impl_->stop();
+}
 
 }  // namespace kerf::app

@@ -13,9 +13,9 @@ namespace kerf::app {
 // Everything kerfd is made of, in one process: host, renderer, Api and both transports. Tests start it on port 0.
 class Server {
  public:
-  // Builds it all, loads the scenes and listens on both ports. Fails with the first thing that is wrong, before any tick.
-  // `note` is told, a line each and from any thread, what the operator should know: no viewer, no renderer, a recording
-  // that stopped.
+  // Builds it all, loads the scenes and listens on both ports. Fails with the first thing that is wrong, before any
+  // tick. `note` is told, a line each and from any thread, what the operator should know: no viewer, no renderer, a
+  // recording that stopped.
   static Result<std::unique_ptr<Server>> start(const Config& config,
                                                const std::function<void(std::string_view line)>& note);
   ~Server();  // stop()
@@ -27,8 +27,8 @@ class Server {
   // {"grpc":"HOST:PORT","http":"http://HOST:PORT"}
   [[nodiscard]] std::string ready_line() const;
 
-  // In order: not ready any more, streams are ended with SERVER_STOPPING, commands accepted are answered, both transports
-  // close. Takes at most 8 s. Idempotent.
+  // In order: not ready any more, streams are ended with SERVER_STOPPING, commands accepted are answered, both
+  // transports close. Takes at most 8 s. Idempotent.
   void stop();
 
  private:

@@ -40,7 +40,9 @@ RpcServer::RpcServer(api::Api& api, const RpcOptions& options) : impl_(std::make
   impl_->services = make_services(api);
 }
 
-RpcServer::~RpcServer() { stop(std::chrono::milliseconds(0)); }
+RpcServer::~RpcServer() {
+  stop(std::chrono::milliseconds(0));
+}
 
 Result<int> RpcServer::start(const std::string& address) {
   grpc::EnableDefaultHealthCheckService(true);
@@ -53,7 +55,8 @@ Result<int> RpcServer::start(const std::string& address) {
   impl_->server = builder.BuildAndStart();
   if (!impl_->server || port == 0) {
     impl_->server.reset();
-    return Error{ErrorCode::kUnavailable, "ADDRESS_IN_USE",
+    return Error{ErrorCode::kUnavailable,
+                 "ADDRESS_IN_USE",
                  "cannot listen on " + address +
                      " for gRPC: the port is taken or the address is not this machine's; stop the other program or "
                      "choose another --listen port",

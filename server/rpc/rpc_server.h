@@ -13,7 +13,7 @@ class Api;
 namespace kerf::rpc {
 
 struct RpcOptions {
-  int max_streams_per_connection = 100;                 // HTTP/2 streams, 1..10000
+  int max_streams_per_connection = 100;                  // HTTP/2 streams, 1..10000
   std::chrono::milliseconds keepalive_interval{20'000};  // a silent connection is pinged after this long ...
   std::chrono::milliseconds keepalive_timeout{10'000};   // ... and dropped when the answer takes longer than this
 };

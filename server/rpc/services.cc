@@ -36,7 +36,7 @@ Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Rep
 }
 
 // One override of a generated callback service: it does nothing but name the Api's method.
-#define KERF_UNARY(Rpc, method, Request, Response)                                                        \
+#define KERF_UNARY(Rpc, method, Request, Response)                                                       \
   grpc::ServerUnaryReactor* Rpc(Context* context, const Request* request, Response* response) override { \
     return answer(api_, &api::Api::method, context, request, response);                                  \
   }

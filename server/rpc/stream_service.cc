@@ -32,8 +32,8 @@ grpc::ByteBuffer to_byte_buffer(const stream::Message& message) {
   return {slices.data(), slices.size()};
 }
 
-// One stream. Every write starts in advance(), which only the owner of `busy_` runs: at most one write is in flight, and
-// no lock is held over a call into gRPC or the session.
+// One stream. Every write starts in advance(), which only the owner of `busy_` runs: at most one write is in flight,
+// and no lock is held over a call into gRPC or the session.
 class WatchReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
  public:
   explicit WatchReactor(api::Api& api) : session_(api.watch()) {
@@ -89,8 +89,8 @@ class WatchReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc
     advance();
   }
 
-  // Starts the next write or finishes the stream, and stays busy until that is done; idle if there is neither. Nothing of
-  // this object may be touched after StartWrite or Finish: their reactions may have deleted it.
+  // Starts the next write or finishes the stream, and stays busy until that is done; idle if there is neither. Nothing
+  // of this object may be touched after StartWrite or Finish: their reactions may have deleted it.
   void advance() {
     while (true) {
       {
@@ -116,7 +116,7 @@ class WatchReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc
   const std::shared_ptr<api::WatchSession> session_;
   grpc::ByteBuffer request_;
   grpc::ByteBuffer response_;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;    // of what follows
   bool busy_ = false;   // somebody runs advance(), or a write is in flight, or the stream is finished
   bool woken_ = false;  // there may be something to write
 };
@@ -135,6 +135,8 @@ class StreamService final : public v1::StreamService::WithRawCallbackMethod_Watc
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_stream_service(api::Api& api) { return std::make_unique<StreamService>(api); }
+std::unique_ptr<grpc::Service> make_stream_service(api::Api& api) {
+  return std::make_unique<StreamService>(api);
+}
 
 }  // namespace kerf::rpc

@@ -84,8 +84,9 @@ std::optional<Origin> parse_origin(std::string_view text) {
 Result<Endpoint> parse_endpoint(std::string_view text) {
   std::optional<Endpoint> endpoint = parse_authority(text, std::nullopt);
   if (!endpoint) {
-    return invalid_argument("BAD_ADDRESS", "'" + std::string(text) + "' is not HOST:PORT with a port in 0..65535, "
-                                           "for example 127.0.0.1:8080 or [::1]:8080");
+    return invalid_argument("BAD_ADDRESS", "'" + std::string(text) +
+                                               "' is not HOST:PORT with a port in 0..65535, "
+                                               "for example 127.0.0.1:8080 or [::1]:8080");
   }
   return *std::move(endpoint);
 }
@@ -130,10 +131,10 @@ Status check_origin(const AccessPolicy& policy, std::string_view origin, std::st
     const std::optional<Endpoint> server = parse_authority(host, page->scheme == "http" ? 80 : 443);
     if (server && server->host == page->endpoint.host && server->port == page->endpoint.port) return Nothing{};
   }
-  return Error{ErrorCode::kFailedPrecondition, "ORIGIN_NOT_ALLOWED",
-               "pages from '" + std::string(origin.substr(0, 200)) +
-                   "' may not use this server; allow them with --allow-origin",
-               "Origin"};
+  return Error{
+      ErrorCode::kFailedPrecondition, "ORIGIN_NOT_ALLOWED",
+      "pages from '" + std::string(origin.substr(0, 200)) + "' may not use this server; allow them with --allow-origin",
+      "Origin"};
 }
 
 }  // namespace kerf::ws

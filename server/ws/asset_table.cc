@@ -73,8 +73,8 @@ std::string_view media_type_of(std::string_view path) {
   std::string extension(path.substr(dot));
   std::ranges::transform(extension, extension.begin(),
                          [](char c) { return static_cast<char>(std::tolower(static_cast<unsigned char>(c))); });
-  const auto* const found = std::ranges::find(kTypes, std::string_view(extension),
-                                              &std::pair<std::string_view, std::string_view>::first);
+  const auto* const found =
+      std::ranges::find(kTypes, std::string_view(extension), &std::pair<std::string_view, std::string_view>::first);
   return found == kTypes.end() ? std::string_view("application/octet-stream") : found->second;
 }
 
@@ -97,7 +97,8 @@ Result<AssetTable> AssetTable::read(const fs::path& directory) {
     if (!content) return unreadable(file.path(), "reading failed");
     bytes += content->size();
     if (table.assets_.size() == kMaxFiles || bytes > kMaxBytes) {
-      return Error{ErrorCode::kResourceExhausted, "VIEWER_TOO_LARGE",
+      return Error{ErrorCode::kResourceExhausted,
+                   "VIEWER_TOO_LARGE",
                    directory.string() + " holds more than " + std::to_string(kMaxFiles) + " files or " +
                        std::to_string(kMaxBytes >> 20) + " MiB; give the folder of the built viewer",
                    {}};

@@ -38,12 +38,9 @@ std::string header(const Request& request, http::field field) {
 }
 
 HttpRequest to_request(Request& message) {
-  return {std::string(message.method_string()),
-          std::string(message.target()),
-          header(message, http::field::host),
-          header(message, http::field::origin),
-          header(message, http::field::if_none_match),
-          std::move(message.body())};
+  return {std::string(message.method_string()),        std::string(message.target()),
+          header(message, http::field::host),          header(message, http::field::origin),
+          header(message, http::field::if_none_match), std::move(message.body())};
 }
 
 // What to tell a client whose request cannot be read; nothing where nobody listens any more.
@@ -144,7 +141,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     const HttpResponse response = co_await answer(request);
     framing.keep_alive = framing.keep_alive && !finishing_;
     const bool written = co_await write(response, framing);
-    co_return written && framing.keep_alive;
+    co_return written&& framing.keep_alive;
   }
 
   asio::awaitable<void> refuse(boost::system::error_code error) {
@@ -161,8 +158,8 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     stream_.expires_after(first ? context_.options.request_timeout : context_.options.idle_timeout);
     boost::system::error_code error;
     idle_ = true;
-    const std::size_t bytes = co_await stream_.async_read_some(
-        buffer_.prepare(4096), asio::redirect_error(asio::use_awaitable, error));
+    const std::size_t bytes =
+        co_await stream_.async_read_some(buffer_.prepare(4096), asio::redirect_error(asio::use_awaitable, error));
     idle_ = false;
     buffer_.commit(bytes);
     co_return !error;
@@ -191,13 +188,11 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     auto initiate = [this, &request](auto handler) {
       auto shared = std::make_shared<decltype(handler)>(std::move(handler));
       context_.router.respond(request, [shared, executor = executor_](HttpResponse response) {
-        asio::post(executor, [shared, response = std::move(response)]() mutable {
-          (*shared)(std::move(response));
-        });
+        asio::post(executor, [shared, response = std::move(response)]() mutable { (*shared)(std::move(response)); });
       });
     };
     return asio::async_initiate<const asio::use_awaitable_t<>, void(HttpResponse)>(std::move(initiate),
-                                                                                    asio::use_awaitable);
+                                                                                   asio::use_awaitable);
   }
 
   asio::awaitable<bool> write(const HttpResponse& response, Framing framing) {
@@ -233,7 +228,8 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     co_return !error;
   }
 
-  // A socket that is closed with bytes unread is reset, and the reset may overtake the response: let the client read it.
+  // A socket that is closed with bytes unread is reset, and the reset may overtake the response: let the client read
+  // it.
   asio::awaitable<void> discard_rest() {
     boost::system::error_code error;
     stream_.socket().shutdown(asio::ip::tcp::socket::shutdown_send, error);

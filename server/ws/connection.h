@@ -35,7 +35,8 @@ class Connection {
 
   // Serves it; `done` is called once, when it is closed, on its strand. Keeps itself alive until then.
   virtual void run(std::function<void()> done) = 0;
-  // From any thread: closes it now if it waits for a request, else as soon as the request or stream under way has ended.
+  // From any thread: closes it now if it waits for a request, else as soon as the request or stream under way has
+  // ended.
   virtual void finish() = 0;
   // From any thread: closes it now, whatever is under way.
   virtual void abort() = 0;

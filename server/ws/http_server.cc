@@ -29,7 +29,8 @@ constexpr std::chrono::milliseconds kAcceptRetry{100};
 
 Error cannot_listen(const Endpoint& endpoint, const boost::system::error_code& error) {
   const bool taken = error == asio::error::address_in_use;
-  return {ErrorCode::kUnavailable, taken ? "ADDRESS_IN_USE" : "CANNOT_LISTEN",
+  return {ErrorCode::kUnavailable,
+          taken ? "ADDRESS_IN_USE" : "CANNOT_LISTEN",
           "cannot listen on " + format_endpoint(endpoint.host, endpoint.port) + " for HTTP: " + error.message() +
               (taken ? "; stop the other program or choose another --http port" : ""),
           {}};
@@ -164,14 +165,24 @@ HttpServer::HttpServer(api::Api& api, AssetTable assets, std::function<std::stri
                        HttpOptions options)
     : impl_(std::make_unique<Impl>(api, std::move(assets), std::move(metrics), std::move(options))) {}
 
-HttpServer::~HttpServer() { stop(std::chrono::milliseconds(0)); }
+HttpServer::~HttpServer() {
+  stop(std::chrono::milliseconds(0));
+}
 
-Result<int> HttpServer::start(const Endpoint& endpoint) { return impl_->start(endpoint); }
+Result<int> HttpServer::start(const Endpoint& endpoint) {
+  return impl_->start(endpoint);
+}
 
-void HttpServer::drain() { impl_->drain(); }
+void HttpServer::drain() {
+  impl_->drain();
+}
 
-void HttpServer::stop(std::chrono::milliseconds grace) { impl_->stop(grace); }
+void HttpServer::stop(std::chrono::milliseconds grace) {
+  impl_->stop(grace);
+}
 
-HttpCounts HttpServer::counts() const { return impl_->counts(); }
+HttpCounts HttpServer::counts() const {
+  return impl_->counts();
+}
 
 }  // namespace kerf::ws

@@ -62,8 +62,8 @@ class HttpServer {
   void drain();
 
   // Accepts no more connections, closes idle ones, waits up to `grace` for requests and streams under way, then cuts
-  // them off; returns when none is left. Idempotent. The replies that the Api owes for requests under way must have come
-  // or come by themselves.
+  // them off; returns when none is left. Idempotent. The replies that the Api owes for requests under way must have
+  // come or come by themselves.
   void stop(std::chrono::milliseconds grace);
 
   [[nodiscard]] HttpCounts counts() const;

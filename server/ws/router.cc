@@ -26,7 +26,8 @@ HttpResponse refusal_with_status(int status, const Error& error) {
 }
 
 Error no_such_path(std::string_view path) {
-  return {ErrorCode::kNotFound, "PATH_NOT_FOUND",
+  return {ErrorCode::kNotFound,
+          "PATH_NOT_FOUND",
           "there is nothing at '" + std::string(path.substr(0, 200)) +
               "'; POST /kerf.v1.SERVICE/METHOD with a JSON body calls a method",
           {}};
@@ -112,9 +113,13 @@ Router::Router(api::Api& api, AssetTable assets, std::function<std::string()> me
   for (const api::Method& method : api.methods()) methods_.emplace(method.path, &method);
 }
 
-HttpResponse Router::get(const HttpRequest& request, std::string_view path) const {
+std::optional<HttpResponse> Router::probe(std::string_view path) const {
   if (path == "/healthz") return text(200, "ok\n");
   if (path == "/readyz") return draining_ ? text(503, "draining\n") : text(200, "ready\n");
+  return std::nullopt;
+}
+
+HttpResponse Router::get(const HttpRequest& request, std::string_view path) const {
   if (path == "/metrics") {
     return {200, "text/plain; version=0.0.4; charset=utf-8", std::make_shared<const std::string>(metrics_())};
   }
@@ -127,12 +132,17 @@ HttpResponse Router::get(const HttpRequest& request, std::string_view path) cons
 }
 
 void Router::respond(const HttpRequest& request, std::function<void(HttpResponse)> done) const {
+  const std::string_view path = std::string_view(request.target).substr(0, request.target.find('?'));
+  const bool reads = request.method == "GET" || request.method == "HEAD";
+  if (std::optional<HttpResponse> state = reads ? probe(path) : std::nullopt) {
+    done(*std::move(state));
+    return;
+  }
   if (const Status host = check_host(access_, request.host); !host) {
     done(refusal_with_status(host.error().code == ErrorCode::kInvalidArgument ? 400 : 403, host.error()));
     return;
   }
-  const std::string_view path = std::string_view(request.target).substr(0, request.target.find('?'));
-  if (request.method == "GET" || request.method == "HEAD") {
+  if (reads) {
     done(get(request, path));
     return;
   }
@@ -156,7 +166,9 @@ void Router::respond(const HttpRequest& request, std::function<void(HttpResponse
                            done(refusal(reply.error()));
                            return;
                          }
-                         done({200, "application/json", std::make_shared<const std::string>(std::move(*reply)),
+                         done({200,
+                               "application/json",
+                               std::make_shared<const std::string>(std::move(*reply)),
                                {{"Cache-Control", "no-store"}}});
                        });
 }

@@ -62,6 +62,8 @@ class Router {
                                                          std::string_view subprotocols) const;
 
  private:
+  // /healthz and /readyz, which load balancers ask for without naming a host.
+  [[nodiscard]] std::optional<HttpResponse> probe(std::string_view path) const;
   [[nodiscard]] HttpResponse get(const HttpRequest& request, std::string_view path) const;
 
   AssetTable assets_;

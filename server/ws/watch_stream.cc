@@ -89,7 +89,9 @@ asio::awaitable<void> WatchStream::run(const Request& request) {
   --context_.open_watch_streams;
 }
 
-void WatchStream::abort() { beast::get_lowest_layer(socket_).close(); }
+void WatchStream::abort() {
+  beast::get_lowest_layer(socket_).close();
+}
 
 asio::awaitable<void> WatchStream::read_messages() {
   beast::flat_buffer buffer;

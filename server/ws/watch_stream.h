@@ -43,7 +43,8 @@ class WatchStream : public std::enable_shared_from_this<WatchStream> {
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   boost::asio::steady_timer alarm_;  // never expires; cancelled to wake the writer
   std::shared_ptr<api::WatchSession> session_;
-  std::optional<boost::beast::websocket::close_reason> violation_;  // of the WebSocket rules of this server, by the peer
+  std::optional<boost::beast::websocket::close_reason>
+      violation_;  // of the WebSocket rules of this server, by the peer
   bool woken_ = false;
   bool reading_ = false;
   bool peer_gone_ = false;

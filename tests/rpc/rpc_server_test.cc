@@ -92,8 +92,7 @@ class RpcServerTest : public ::testing::Test {
     grid.set_width_m(1.0);
     grid.set_height_m(1.0);
     v1::Sheet sheet;
-    const grpc::Status status =
-        client_->call(&v1::SheetService::Stub::CreateSheet, client_->sheets(), request, sheet);
+    const grpc::Status status = client_->call(&v1::SheetService::Stub::CreateSheet, client_->sheets(), request, sheet);
     EXPECT_TRUE(status.ok()) << status.error_message();
     return sheet;
   }
@@ -131,8 +130,7 @@ TEST_F(RpcServerTest, AnswersEveryService) {
   gravity.set_name("sheets/a");
   gravity.mutable_set_gravity()->mutable_gravity_mps2()->set_z(-1.0);
   v1::InteractionResponse done;
-  status =
-      client_->call(&v1::InteractionService::Stub::SetSheetGravity, client_->interaction(), gravity, done);
+  status = client_->call(&v1::InteractionService::Stub::SetSheetGravity, client_->interaction(), gravity, done);
   EXPECT_TRUE(status.ok()) << status.error_message();
 
   v1::ServerInfo info;
@@ -176,8 +174,7 @@ TEST_F(RpcServerTest, RequestsEndAtTheLimit) {
   v1::CreateSheetRequest request;
   request.mutable_scene()->mutable_obj()->set_text(std::string((1 << 20) + 1, '#'));
   v1::Sheet sheet;
-  const grpc::Status status =
-      client_->call(&v1::SheetService::Stub::CreateSheet, client_->sheets(), request, sheet);
+  const grpc::Status status = client_->call(&v1::SheetService::Stub::CreateSheet, client_->sheets(), request, sheet);
   EXPECT_EQ(status.error_code(), StatusCode::RESOURCE_EXHAUSTED) << status.error_message();
   // One byte less than what gRPC would refuse reaches the Api, which does not like it as a mesh.
   v1::CreateSheetRequest fitting = request;
@@ -192,12 +189,12 @@ TEST_F(RpcServerTest, ReflectionListsTheServices) {
   const auto channel = grpc::CreateChannel(server_->grpc_address(), grpc::InsecureChannelCredentials());
   std::string response;
   // ServerReflectionRequest.list_services (7) = "".
-  const grpc::Status status = exchange(
-      channel, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo", std::string("\x3a\x00", 2), response);
+  const grpc::Status status = exchange(channel, "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo",
+                                       std::string("\x3a\x00", 2), response);
   EXPECT_TRUE(status.ok()) << status.error_message();
-  for (const char* name : {"kerf.v1.SheetService", "kerf.v1.CutService", "kerf.v1.InteractionService",
-                           "kerf.v1.StreamService", "kerf.v1.RenderService", "kerf.v1.ServerService",
-                           "grpc.health.v1.Health"}) {
+  for (const char* name :
+       {"kerf.v1.SheetService", "kerf.v1.CutService", "kerf.v1.InteractionService", "kerf.v1.StreamService",
+        "kerf.v1.RenderService", "kerf.v1.ServerService", "grpc.health.v1.Health"}) {
     EXPECT_NE(response.find(name), std::string::npos) << name;
   }
 }
@@ -242,8 +239,7 @@ TEST(RpcServer, HealthFollowsTheDrain) {
   rpc::RpcServer server(api);
   const Result<int> port = server.start("127.0.0.1:0");
   ASSERT_TRUE(port);
-  const auto channel =
-      grpc::CreateChannel("127.0.0.1:" + std::to_string(*port), grpc::InsecureChannelCredentials());
+  const auto channel = grpc::CreateChannel("127.0.0.1:" + std::to_string(*port), grpc::InsecureChannelCredentials());
   EXPECT_EQ(health_of(channel, ""), kServing);
   EXPECT_EQ(health_of(channel, "kerf.v1.CutService"), kServing);
   EXPECT_EQ(health_of(channel, "kerf.v1.NoService"), -1);

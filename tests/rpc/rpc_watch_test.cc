@@ -86,8 +86,7 @@ class RpcWatchTest : public ::testing::Test {
     grid.set_width_m(1.0);
     grid.set_height_m(1.0);
     v1::Sheet sheet;
-    const grpc::Status status =
-        client_->call(&v1::SheetService::Stub::CreateSheet, client_->sheets(), request, sheet);
+    const grpc::Status status = client_->call(&v1::SheetService::Stub::CreateSheet, client_->sheets(), request, sheet);
     ASSERT_TRUE(status.ok()) << status.error_message();
   }
   v1::CutResult cut(const std::string& id, SeededRandom& random) {

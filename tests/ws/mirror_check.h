@@ -27,8 +27,7 @@ inline std::string difference(const client::Mirror& mirror, const v1::SheetState
   const double size[3] = {box.max().x() - box.min().x(), box.max().y() - box.min().y(), box.max().z() - box.min().z()};
   for (std::int32_t v = 0; v < mirror.num_vertices(); ++v) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double error =
-          mirror.position(v)[axis] - positions[3 * static_cast<std::size_t>(v) + axis];
+      const double error = mirror.position(v)[axis] - positions[3 * static_cast<std::size_t>(v) + axis];
       if (!(error * error <= size[axis] * size[axis] * (0.5 + 1e-6) * (0.5 + 1e-6) / (65535.0 * 65535.0))) {
         return "position of vertex " + std::to_string(v) + ": off by " + std::to_string(error) + " m";
       }

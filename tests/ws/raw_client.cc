@@ -116,7 +116,8 @@ Response request(int port, std::string_view method, std::string_view target, std
 }
 
 RawWebSocket::RawWebSocket(int port, std::string_view headers) : connection_(port) {
-  std::string text = "GET /watch HTTP/1.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n";
+  std::string text =
+      "GET /watch HTTP/1.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n";
   text += "Sec-WebSocket-Key: " + std::string(kKey) + "\r\n";
   if (headers.find("Host:") == std::string_view::npos) text += "Host: 127.0.0.1:" + std::to_string(port) + "\r\n";
   connection_.send(text + std::string(headers) + "\r\n");

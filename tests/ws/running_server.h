@@ -29,6 +29,8 @@ inline std::unique_ptr<app::Server> start_server(const app::Config& config = tes
 }
 
 // The number after the last colon.
-inline int port_of(const std::string& address) { return std::atoi(address.substr(address.rfind(':') + 1).c_str()); }
+inline int port_of(const std::string& address) {
+  return std::atoi(address.substr(address.rfind(':') + 1).c_str());
+}
 
 }  // namespace kerf::ws_test

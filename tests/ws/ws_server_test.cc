@@ -159,6 +159,9 @@ TEST_F(HttpServerTest, LetsNoForeignPageCall) {
   RawClient nameless(port_);
   nameless.send("GET / HTTP/1.1\r\n\r\n");
   EXPECT_EQ(nameless.read_response().status, 400);
+  RawClient balancer(port_);
+  balancer.send("GET /readyz HTTP/1.0\r\n\r\n");
+  EXPECT_EQ(balancer.read_response().status, 200);
 }
 
 TEST_F(HttpServerTest, BodiesEndAtTheLimit) {
@@ -168,7 +171,8 @@ TEST_F(HttpServerTest, BodiesEndAtTheLimit) {
   EXPECT_EQ(call("ServerService/GetServerInfo", "{" + padding + "}").status, 200);
   EXPECT_EQ(call("ServerService/GetServerInfo", "{ " + padding + "}").status, 413);
   RawClient chunked(port_);
-  chunked.send("POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n");
+  chunked.send(
+      "POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n");
   for (int i = 0; i < 17; ++i) chunked.send("10000\r\n" + std::string(65536, ' ') + "\r\n");
   EXPECT_EQ(chunked.read_response().status, 413);
   RawClient boastful(port_);
@@ -203,8 +207,9 @@ TEST_F(HttpServerTest, KeepsConnectionsAndTheOrderOfAnswers) {
   EXPECT_EQ(client.read_response().headers.at("content-type"), "application/json");
   EXPECT_EQ(client.read_response().body, "ready\n");
   EXPECT_EQ(client.read_response().status, 404);
-  client.send("POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\n"
-              "Expect: 100-continue\r\n\r\n");
+  client.send(
+      "POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\n"
+      "Expect: 100-continue\r\n\r\n");
   EXPECT_EQ(client.read_response().status, 100);
   client.send("{}");
   EXPECT_EQ(client.read_response().status, 200);

@@ -112,10 +112,10 @@ TEST_F(WatchTest, HandshakeIsRefusedToStrangers) {
   EXPECT_EQ(Socket(port_, protocol + "Origin: http://evil.example.org\r\n").handshake().status, 403);
   EXPECT_EQ(Socket(port_, protocol + "Origin: null\r\n").handshake().status, 403);
   EXPECT_EQ(Socket(port_, protocol + "Host: rebound.example.org\r\n").handshake().status, 403);
-  const Response elsewhere =
-      request(port_, "GET", "/other",
-              "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-              "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" + protocol);
+  const Response elsewhere = request(port_, "GET", "/other",
+                                     "Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+                                     "Sec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n" +
+                                         protocol);
   EXPECT_EQ(elsewhere.status, 404);
 }
 
