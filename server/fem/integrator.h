@@ -64,7 +64,7 @@ struct IntegratorOptions {
   int max_substeps = 20000;            // a step
 
   // Implicit.
-  int newton_iterations = 3;       // a substep, >= 1
+  int newton_iterations = 5;       // a substep, >= 1
   double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance * scale, r the residual M dx - h^2 f of the step
                                    // (kg m), scale the same for ballistic motion, but no less than 1e-3 of that of
                                    // standing still, nor than what rounding leaves

@@ -128,7 +128,7 @@ double StageSolver::solve_first(const Problem& problem, const Eigen::Matrix3Xd& 
   increment_.setZero();
   solve_linear(stats, increment_);
   step_ += increment_;
-  const double rounding = 8.0 * std::numeric_limits<double>::epsilon() * d * d * problem.model.membrane_law().trace() *
+  const double rounding = std::numeric_limits<double>::epsilon() * d * d * problem.model.membrane_law().trace() *
                           x.cwiseAbs().maxCoeff() * std::sqrt(static_cast<double>(x.cols()));
   constexpr double kMomentumShare = 1e-3;
   return std::max(

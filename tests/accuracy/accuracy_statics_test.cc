@@ -1,0 +1,195 @@
+// Static equilibria against independent references: reached by implicit Euler with steps so long, or so many, that
+// inertia no longer counts.
+#include <cmath>
+
+#include "server/fem/integrator.h"
+#include "server/mesh/mesh_import.h"
+#include "tests/accuracy/reference.h"
+
+namespace kerf::accuracy {
+namespace {
+
+constexpr std::array<const char*, 3> kMeshes{"coarse", "medium", "fine"};
+
+// (num_x + 1) x (num_y + 1) vertices, x fastest, of the image of the unit square; cells are halved from lower
+// right to upper left, which in Cook's membrane is the shorter diagonal.
+template <typename Map>
+mesh::TriangleMesh mapped_grid(int num_x, int num_y, const Map& map) {
+  mesh::IndexedMesh grid;
+  grid.rest.resize(2, (num_x + 1) * (num_y + 1));
+  grid.triangles.resize(3, 2 * num_x * num_y);
+  for (int j = 0; j <= num_y; ++j) {
+    for (int i = 0; i <= num_x; ++i) {
+      const Eigen::Vector2d X = map(static_cast<double>(i) / num_x, static_cast<double>(j) / num_y);
+      grid.rest.col(j * (num_x + 1) + i) = X;
+    }
+  }
+  int t = 0;
+  for (int j = 0; j < num_y; ++j) {
+    for (int i = 0; i < num_x; ++i) {
+      const int a = j * (num_x + 1) + i;
+      const int c = a + num_x + 2;
+      grid.triangles.col(t++) = Eigen::Vector3i(a, a + 1, c - 1);
+      grid.triangles.col(t++) = Eigen::Vector3i(a + 1, c, c - 1);
+    }
+  }
+  return mesh::import_mesh(grid).value();
+}
+
+fem::IntegratorOptions static_options() {
+  fem::IntegratorOptions options;
+  options.kind = fem::IntegratorKind::kImplicitEuler;
+  options.linear_solver = fem::LinearSolverKind::kDirect;
+  options.newton_iterations = 20;
+  options.newton_tolerance = 1e-10;
+  return options;
+}
+
+struct Deflection {
+  double u = 0.0;
+  double v = 0.0;
+  double energy = 0.0;
+};
+
+// Cook's membrane of n x n x 2 triangles under the reference load, solved under `scale` of it and scaled back.
+Deflection cook(const Reference& reference, int n) {
+  constexpr double kScale = 1e-4;  // small enough for the co-rotational law to be linear
+  const auto corners = reference.json().at("geometry").at("corners").get<std::vector<std::array<double, 2>>>();
+  const auto corner = [&corners](std::size_t i) { return Eigen::Vector2d(corners[i][0], corners[i][1]); };
+  const mesh::TriangleMesh mesh = mapped_grid(n, n, [&](double a, double b) {
+    return Eigen::Vector2d((1.0 - b) * ((1.0 - a) * corner(0) + a * corner(1)) +
+                           b * ((1.0 - a) * corner(3) + a * corner(2)));
+  });
+  const fem::Model model(mesh, reference.material());
+  fem::State state;
+  state.x.setZero(3, mesh.num_vertices());
+  state.v.setZero(3, mesh.num_vertices());
+  for (int i = 0; i < mesh.num_vertices(); ++i) state.x.col(i).head<2>() = mesh.rest_position(i);
+  const Eigen::Matrix3Xd rest = state.x;
+  fem::Loads loads;
+  loads.gravity.setZero();
+  loads.external_forces.setZero(3, mesh.num_vertices());
+  for (int j = 0; j <= n; ++j) {
+    const int left = j * (n + 1);
+    loads.pins.push_back({left, state.x.col(left), Eigen::Vector3d::Zero()});
+    const double share = j == 0 || j == n ? 0.5 : 1.0;
+    loads.external_forces(1, left + n) = kScale * share / n;
+  }
+  const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(static_options());
+  integrator->rebuild(model);
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(integrator->step(model, loads, 1e5, nullptr, state).flags & fem::kFrozen, 0U);
+  }
+  EXPECT_LT(state.x.row(2).cwiseAbs().maxCoeff(), 1e-12);
+  const int middle = (n / 2) * (n + 1) + n;
+  EXPECT_NEAR(rest(0, middle), 48.0, 1e-9);
+  EXPECT_NEAR(rest(1, middle), 52.0, 1e-9);
+  const Eigen::Vector3d moved = (state.x.col(middle) - rest.col(middle)) / kScale;
+  return {moved.x(), moved.y(), model.energies(state, loads.gravity).membrane / (kScale * kScale)};
+}
+
+TEST(CooksMembrane, ConvergesToTheReferenceWithinTheToleranceOfEachMesh) {
+  const Reference reference("03a_cook_membrane");
+  const double v = reference.value("v at (48,52)");
+  const double u = reference.value("u at (48,52)");
+  const double energy = reference.value("strain energy (external work/2)");
+  double last_error = 1.0;
+  int n = 8;
+  for (const char* const mesh : kMeshes) {
+    const double tolerance = reference.tolerance(mesh);
+    const Deflection found = cook(reference, n);
+    const double error = std::abs(found.v / v - 1.0);
+    std::printf("Cook %2d x %2d x 2: v %.4f (%+.2f %%), u %.4f (%+.2f %%), energy %.4f (%+.2f %%)\n", n, n, found.v,
+                100.0 * (found.v / v - 1.0), found.u, 100.0 * (found.u / u - 1.0), found.energy,
+                100.0 * (found.energy / energy - 1.0));
+    EXPECT_LE(error, tolerance) << mesh;
+    EXPECT_NEAR(found.u, u, tolerance * std::abs(u)) << mesh;
+    // The tolerances are those of displacements; the energy also feels the singular corner at (0, 44).
+    EXPECT_NEAR(found.energy, energy, 1.3 * tolerance * energy) << mesh;
+    EXPECT_LT(found.v, v) << "conforming triangles are too stiff, never too soft";
+    EXPECT_LT(error, 0.5 * last_error) << "nearly second order";
+    last_error = error;
+    n *= 2;
+  }
+}
+
+struct Hanging {
+  Eigen::Matrix3Xd line;    // 3 x (segments + 1), the first edge of the strip, m
+  double horizontal = 0.0;  // N, on the support at s = 0
+  double vertical = 0.0;    // N
+};
+
+// A strip of one cell across, pinned at both ends, left to come to rest.
+Hanging hang(const Reference& reference, int segments) {
+  const double length = reference.geometry("L0");
+  const double width = reference.geometry("width");
+  const double span = reference.geometry("span");
+  const mesh::TriangleMesh mesh =
+      mapped_grid(segments, 1, [=](double a, double b) { return Eigen::Vector2d(a * length, b * width); });
+  fem::Material material = reference.material();
+  material.bending_scale = 0.0;  // the reference neglects bending
+  material.mass_damping = 4.0;
+  const fem::Model model(mesh, material);
+  fem::State state;
+  state.x.setZero(3, mesh.num_vertices());
+  state.v.setZero(3, mesh.num_vertices());
+  fem::Loads loads;
+  for (int i = 0; i < mesh.num_vertices(); ++i) {
+    const double a = mesh.rest_position(i).x() / length;
+    state.x.col(i) = Eigen::Vector3d(a * span, mesh.rest_position(i).y(), -0.8 * a * (1.0 - a));
+    if (i % (segments + 1) == 0 || i % (segments + 1) == segments) {
+      loads.pins.push_back({i, state.x.col(i), Eigen::Vector3d::Zero()});
+    }
+  }
+  const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(static_options());
+  integrator->rebuild(model);
+  for (int i = 0; i < 400; ++i) integrator->step(model, loads, 0.05, nullptr, state);
+  EXPECT_LT(state.v.cwiseAbs().maxCoeff(), 1e-7) << "at rest";
+  Hanging result;
+  result.line = state.x.leftCols(segments + 1);
+  Eigen::Matrix3Xd f(3, mesh.num_vertices());
+  model.internal_forces(state.x, f);
+  for (const int i : {0, segments + 1}) {
+    result.horizontal += f(0, i);
+    result.vertical += -f(2, i) + model.mass()[static_cast<std::size_t>(i)] * 9.81;
+  }
+  return result;
+}
+
+class Catenary : public testing::TestWithParam<const char*> {};
+
+TEST_P(Catenary, HangsInTheReferenceShapeWithTheReferenceForces) {
+  const Reference reference(GetParam());
+  const std::vector<std::vector<double>> rows = reference.rows("centre line");
+  double sag = 0.0;
+  for (const std::vector<double>& row : rows) sag = std::max(sag, row[2]);
+  int segments = 10;
+  for (const char* const mesh : kMeshes) {
+    const double tolerance = reference.tolerance(mesh);
+    const Hanging found = hang(reference, segments);
+    double worst = 0.0;
+    for (const std::vector<double>& row : rows) {
+      // On the straight segment between the two vertices around s.
+      const double at = row[0] * segments;
+      const int i = std::min(static_cast<int>(at), segments - 1);
+      const Eigen::Vector3d p = found.line.col(i) + (at - i) * (found.line.col(i + 1) - found.line.col(i));
+      worst = std::max({worst, std::abs(p.x() - row[1]), std::abs(-p.z() - row[2])});
+    }
+    const double H = reference.value("horizontal force H");
+    const double V = reference.value("vertical force at s=0");
+    std::printf("%s, %d segments: shape within %.3f %% of the sag, H %+.3f %%, V %+.4f %%\n", GetParam(), segments,
+                100.0 * worst / sag, 100.0 * (found.horizontal / H - 1.0), 100.0 * (found.vertical / V - 1.0));
+    EXPECT_LE(worst, tolerance * sag) << mesh;
+    EXPECT_NEAR(found.horizontal, H, tolerance * H) << mesh;
+    EXPECT_NEAR(found.vertical, V, 1e-4 * V) << mesh;
+    segments *= 2;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(References, Catenary, testing::Values("06a_catenary", "06b_stretchy_catenary"),
+                         [](const testing::TestParamInfo<const char*>& tested) {
+                           return std::string(tested.param).substr(4);
+                         });
+
+}  // namespace
+}  // namespace kerf::accuracy
