@@ -1,5 +1,5 @@
 import { ApiError, call } from './api';
-import { SheetService } from './gen/kerf/v1/sheets_pb';
+import { SheetService, Sheet_RunState } from './gen/kerf/v1/sheets_pb';
 import type { Sheet } from './gen/kerf/v1/sheets_pb';
 import { Surface } from './geometry/surface';
 import { ColliderView } from './scene/colliders';
@@ -111,8 +111,6 @@ export class App implements Viewer {
     this.surface = undefined;
     this.sheet = undefined;
     this.isFitted = false;
-    this.settingsVersion = -1;
-    this.clock = new FrameClock();
     const { protocol, host } = location;
     this.watch = new Watch(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/watch`, name, {
       onState: (state, detail) => this.showConnection(state, detail),
@@ -155,6 +153,9 @@ export class App implements Viewer {
   }
 
   setSheet(sheet: Sheet): void {
+    if (sheet.runState === Sheet_RunState.FAILED && this.sheet?.runState !== Sheet_RunState.FAILED) {
+      this.notify('error', 'The sheet is frozen at its last good tick. Reset it to go on.');
+    }
     this.sheet = sheet;
     this.controls.show(sheet);
     this.pinView.set(sheet.pinnedVertices);
@@ -173,7 +174,12 @@ export class App implements Viewer {
   }
 
   private receive(mirror: SheetMirror): void {
-    if (this.surface?.mirror !== mirror) this.surface = new Surface(mirror);
+    if (this.surface?.mirror !== mirror) {
+      // A new connection, perhaps to another server: neither its clock nor its settings need be the old ones.
+      this.surface = new Surface(mirror);
+      this.clock = new FrameClock();
+      this.settingsVersion = -1;
+    }
     const { stats } = mirror;
     if (stats) {
       this.clock.arrived(stats.publishedUnixUs, unixTimeMs());
