@@ -53,25 +53,28 @@ void ContactSolver::resolve(double thickness, std::span<const std::uint8_t> fixe
   ++counters_.phases;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     if (!fixed.empty() && fixed[static_cast<std::size_t>(i)] != 0) continue;
-    const Eigen::Vector3d before = x_before.col(i);
     Eigen::Vector3d position = x.col(i);
     Eigen::Vector3d velocity = v.col(i);
-    bool touched = false;
-    for (int pass = 0; pass < kPasses; ++pass) {
-      bool pushed = false;
-      for (const PreparedCollider& collider : colliders_) {
-        if (push_out(collider, thickness, before, position, velocity)) {
-          pushed = true;
-          ++counters_.contacts;
-        }
-      }
-      if (!pushed) break;
-      touched = true;
-    }
-    if (!touched) continue;
+    if (!resolve_vertex(thickness, x_before.col(i), position, velocity)) continue;
     x.col(i) = position;
     v.col(i) = velocity;
   }
+}
+
+bool ContactSolver::resolve_vertex(double thickness, const Eigen::Vector3d& x_before, Eigen::Vector3d& x,
+                                   Eigen::Vector3d& v) {
+  bool touched = false;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    bool pushed = false;
+    for (const PreparedCollider& collider : colliders_) {
+      if (!push_out(collider, thickness, x_before, x, v)) continue;
+      pushed = true;
+      ++counters_.contacts;
+    }
+    if (!pushed) break;
+    touched = true;
+  }
+  return touched;
 }
 
 }  // namespace kerf::contact

@@ -48,6 +48,9 @@ class ContactSolver {
   [[nodiscard]] const ContactCounters& counters() const { return counters_; }
 
  private:
+  // Whether a collider had to push the vertex.
+  bool resolve_vertex(double thickness, const Eigen::Vector3d& x_before, Eigen::Vector3d& x, Eigen::Vector3d& v);
+
   std::vector<PreparedCollider> colliders_;
   ContactCounters counters_;
 };
