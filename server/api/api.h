@@ -59,6 +59,7 @@ class StepSheetRequest;
 namespace kerf::api {
 
 class WatchSession;
+struct ApiCore;
 
 // Called exactly once: on the caller's thread where a request is refused at once, else on a thread of the host or of
 // the picture worker. It must not block; it may call the Api again.
@@ -71,7 +72,7 @@ struct Limits {
   std::int32_t max_unsent_bytes_per_subscriber = 4 << 20;  // frames sent and not acknowledged, of one stream
   std::chrono::milliseconds watch_ack_timeout{10'000};     // a stream that owes an acknowledgement for longer is ended
   std::size_t max_remembered_requests = 4096;              // request_ids, oldest forgotten first
-  std::size_t max_waiting_pictures = 16;                   // RenderImage calls behind the one being drawn
+  std::size_t max_waiting_pictures = 16;  // RenderImage and ExportSheet calls behind the one being done
 };
 
 struct ApiOptions {
@@ -137,8 +138,7 @@ class Api {
   void stop();
 
  private:
-  struct Core;  // shared with replies and streams that are still under way
-  std::shared_ptr<Core> core_;
+  std::shared_ptr<ApiCore> core_;  // shared with replies and streams that are still under way
   std::vector<Method> methods_;
 };
 

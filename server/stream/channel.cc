@@ -61,6 +61,11 @@ void Channel::ended(sheet::SinkEnd reason) {
   }
 }
 
+bool Channel::has_ended() const {
+  const std::lock_guard lock(mutex_);
+  return end_.has_value();
+}
+
 EncodeCounters Channel::counters() const {
   const std::lock_guard lock(frames_mutex_);
   return history_.counters();

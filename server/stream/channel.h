@@ -34,6 +34,7 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   void ended(sheet::SinkEnd reason) override;
 
   [[nodiscard]] std::int32_t num_subscribers() const { return num_subscribers_.load(); }
+  [[nodiscard]] bool has_ended() const;
   [[nodiscard]] EncodeCounters counters() const;
 
  private:

@@ -1,0 +1,110 @@
+#include "server/api/api.h"
+
+#include <algorithm>
+
+#include "google/protobuf/empty.pb.h"
+#include "kerf/v1/cuts.pb.h"
+#include "kerf/v1/interaction.pb.h"
+#include "kerf/v1/render.pb.h"
+#include "kerf/v1/server.pb.h"
+#include "kerf/v1/sheets.pb.h"
+#include "server/api/core.h"
+#include "server/api/session.h"
+#include "server/wire/json.h"
+
+namespace kerf::api {
+namespace {
+
+template <typename Request, typename Response>
+Method json_method(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>)) {
+  return {std::move(path), [&api, method](std::string_view json, Reply<std::string> reply) {
+            Request request;
+            if (const Status status = wire::from_json(json, request); !status.ok()) return reply(status.error());
+            (api.*method)(request, [reply = std::move(reply)](Result<Response> response) {
+              if (!response.ok()) return reply(response.error());
+              reply(wire::to_json(*response));
+            });
+          }};
+}
+
+std::vector<Method> json_methods(Api& api) {
+  std::vector<Method> methods = {
+      json_method("/kerf.v1.SheetService/CreateSheet", api, &Api::create_sheet),
+      json_method("/kerf.v1.SheetService/GetSheet", api, &Api::get_sheet),
+      json_method("/kerf.v1.SheetService/ListSheets", api, &Api::list_sheets),
+      json_method("/kerf.v1.SheetService/DeleteSheet", api, &Api::delete_sheet),
+      json_method("/kerf.v1.SheetService/PauseSheet", api, &Api::pause_sheet),
+      json_method("/kerf.v1.SheetService/ResumeSheet", api, &Api::resume_sheet),
+      json_method("/kerf.v1.SheetService/StepSheet", api, &Api::step_sheet),
+      json_method("/kerf.v1.SheetService/ResetSheet", api, &Api::reset_sheet),
+      json_method("/kerf.v1.SheetService/ExportSheet", api, &Api::export_sheet),
+      json_method("/kerf.v1.SheetService/GetSheetState", api, &Api::get_sheet_state),
+      json_method("/kerf.v1.CutService/CreateCut", api, &Api::create_cut),
+      json_method("/kerf.v1.CutService/ListCuts", api, &Api::list_cuts),
+      json_method("/kerf.v1.InteractionService/GrabPoint", api, &Api::grab_point),
+      json_method("/kerf.v1.InteractionService/DragPoint", api, &Api::drag_point),
+      json_method("/kerf.v1.InteractionService/ReleasePoint", api, &Api::release_point),
+      json_method("/kerf.v1.InteractionService/SetSheetPins", api, &Api::set_sheet_pins),
+      json_method("/kerf.v1.InteractionService/SetSheetGravity", api, &Api::set_sheet_gravity),
+      json_method("/kerf.v1.InteractionService/SetSheetWind", api, &Api::set_sheet_wind),
+      json_method("/kerf.v1.RenderService/RenderImage", api, &Api::render_image),
+      json_method("/kerf.v1.ServerService/GetServerInfo", api, &Api::get_server_info),
+  };
+  std::sort(methods.begin(), methods.end(), [](const Method& a, const Method& b) { return a.path < b.path; });
+  return methods;
+}
+
+}  // namespace
+
+Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host::Clock& clock)
+    : core_(std::make_shared<ApiCore>(host, renderer, std::move(options), clock)), methods_(json_methods(*this)) {}
+
+Api::~Api() {
+  stop();
+  core_->worker.stop();
+}
+
+void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1::ServerInfo> reply) {
+  if (core_->stopping) return reply(server_stopping());
+  const host::HostOptions& host_options = core_->host.options();
+  v1::ServerInfo info;
+  info.set_version(core_->options.version);
+  info.set_instance_id(core_->options.instance_id);
+  info.set_renderer(core_->renderer != nullptr ? core_->renderer->description() : "none: none was started");
+  info.set_workers(host_options.workers);
+  info.set_num_sheets(static_cast<std::int32_t>(core_->host.list().size()));
+  info.set_uptime_s(std::chrono::duration<double>(core_->clock.now() - core_->started_at).count());
+  for (const std::string_view name : fem::preset_names()) info.add_material_presets(std::string(name));
+  v1::Limits& limits = *info.mutable_limits();
+  limits.set_max_sheets(host_options.max_sheets);
+  limits.set_max_vertices_per_sheet(host_options.max_vertices_per_sheet);
+  limits.set_max_queued_commands_per_sheet(host_options.max_queued_commands);
+  limits.set_max_request_bytes(core_->options.limits.max_request_bytes);
+  limits.set_max_subscribers_per_sheet(core_->options.limits.max_subscribers_per_sheet);
+  limits.set_max_unsent_bytes_per_subscriber(core_->options.limits.max_unsent_bytes_per_subscriber);
+  reply(std::move(info));
+}
+
+std::shared_ptr<WatchSession> Api::watch() {
+  return make_watch_session(core_);
+}
+
+const std::vector<Method>& Api::methods() const {
+  return methods_;
+}
+
+std::int32_t Api::num_watchers() const {
+  return core_->num_watchers;
+}
+
+const Limits& Api::limits() const {
+  return core_->options.limits;
+}
+
+void Api::stop() {
+  core_->stopping = true;
+  core_->hub.stop();
+  refuse_unstarted_sessions(*core_);
+}
+
+}  // namespace kerf::api

@@ -1,0 +1,78 @@
+#include "server/api/core.h"
+
+#include "server/wire/reply_codec.h"
+#include "server/wire/scene_codec.h"
+
+namespace kerf::api {
+namespace {
+
+constexpr std::size_t kMaxRequestIdBytes = 64;
+
+v1::Sheet::RunState encode_run_state(host::RunState state) {
+  switch (state) {
+    case host::RunState::kRunning:
+      return v1::Sheet::RUNNING;
+    case host::RunState::kPaused:
+      return v1::Sheet::PAUSED;
+    case host::RunState::kSleeping:
+      return v1::Sheet::SLEEPING;
+    case host::RunState::kFailed:
+      return v1::Sheet::FAILED;
+  }
+  return v1::Sheet::RUN_STATE_UNSPECIFIED;
+}
+
+}  // namespace
+
+Error server_stopping() {
+  return {ErrorCode::kUnavailable, "SERVER_STOPPING", "the server is stopping; try again later", {}};
+}
+
+Result<std::string> addressed_sheet(const ApiCore& core, const std::string& name, const char* field) {
+  if (core.stopping) return server_stopping();
+  return parse_sheet_name(name, field);
+}
+
+Error at_field(Error error, const char* field) {
+  if (error.field.empty() && error.code == ErrorCode::kNotFound) error.field = field;
+  return error;
+}
+
+Status check_request_id(const std::string& request_id) {
+  if (request_id.size() <= kMaxRequestIdBytes) return Nothing{};
+  return invalid_argument("REQUEST_ID_TOO_LONG",
+                          "request_id has " + std::to_string(request_id.size()) + " bytes; the limit is 64",
+                          "request_id");
+}
+
+v1::Sheet encode_sheet(const host::SheetStatus& status) {
+  v1::Sheet sheet;
+  sheet.set_name(sheet_name(status.id));
+  sheet.set_run_state(encode_run_state(status.run_state));
+  sheet.set_tick(status.tick);
+  sheet.set_topology_version(status.topology_version);
+  sheet.set_num_vertices(status.num_vertices);
+  sheet.set_num_triangles(status.num_triangles);
+  sheet.set_pieces(status.pieces);
+  sheet.set_state_hash(wire::encode_hash(status.state_hash));
+  sheet.set_tick_rate_hz(status.config->tick_rate_hz);
+  sheet.set_real_time_factor(status.stats.real_time_factor);
+  sheet.set_overruns(status.stats.overruns);
+  sheet.set_slipped_s(status.stats.slipped_s);
+  sheet.set_tick_cpu_us(status.stats.tick_cpu_us);
+  sheet.mutable_pinned_vertices()->Assign(status.pinned_vertices.begin(), status.pinned_vertices.end());
+  *sheet.mutable_scene() = wire::encode_settings({*status.config, status.gravity, status.wind});
+  sheet.mutable_scene()->set_sheet_id(status.id);
+  sheet.set_integrator(status.integrator);
+  sheet.set_settings_version(status.stats.settings_version);
+  return sheet;
+}
+
+host::Callback<host::SheetStatus> sheet_reply(Reply<v1::Sheet> reply, const char* field) {
+  return [reply = std::move(reply), field](Result<host::SheetStatus> status) {
+    if (!status.ok()) return reply(at_field(status.error(), field));
+    reply(encode_sheet(*status));
+  };
+}
+
+}  // namespace kerf::api

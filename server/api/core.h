@@ -1,0 +1,123 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "kerf/v1/sheets.pb.h"
+#include "render/renderer.h"
+#include "server/api/api.h"
+#include "server/api/background_worker.h"
+#include "server/api/cut_journal.h"
+#include "server/api/request_log.h"
+#include "server/api/resource_names.h"
+#include "server/api/stream_hub.h"
+#include "server/host/clock.h"
+#include "server/host/host.h"
+
+namespace kerf::api {
+
+// What the methods of an Api and its streams share.
+struct ApiCore {
+  ApiCore(host::Host& the_host, render::Renderer* the_renderer, ApiOptions the_options, host::Clock& the_clock)
+      : host(the_host),
+        renderer(the_renderer),
+        options(std::move(the_options)),
+        clock(the_clock),
+        started_at(the_clock.now()),
+        requests(options.limits.max_remembered_requests),
+        hub(the_host, options.limits.max_subscribers_per_sheet),
+        worker(options.limits.max_waiting_pictures) {}
+
+  host::Host& host;
+  render::Renderer* const renderer;  // may be null
+  const ApiOptions options;
+  host::Clock& clock;
+  const host::Nanoseconds started_at;
+  std::atomic<bool> stopping{false};
+  std::atomic<std::int32_t> num_watchers{0};
+  RequestLog requests;
+  CutJournal journal;
+  StreamHub hub;
+  BackgroundWorker worker;  // stopped by ~Api, so that it never ends on its own thread
+
+  std::mutex sessions_mutex;
+  std::map<const WatchSession*, std::weak_ptr<WatchSession>> sessions;  // open ones; guarded by sessions_mutex
+};
+
+// kUnavailable, for everything after Api::stop().
+Error server_stopping();
+
+// The sheet id that a request names in `field`, or why it is not served.
+Result<std::string> addressed_sheet(const ApiCore& core, const std::string& name, const char* field);
+
+// The host's errors with the request's field in place of none.
+Error at_field(Error error, const char* field);
+
+// kInvalidArgument REQUEST_ID_TOO_LONG.
+Status check_request_id(const std::string& request_id);
+
+// kerf.v1.Sheet.
+v1::Sheet encode_sheet(const host::SheetStatus& status);
+
+// Answers with the sheet as it is then; errors are about `field`.
+host::Callback<host::SheetStatus> sheet_reply(Reply<v1::Sheet> reply, const char* field);
+
+// Does `perform` once for each request_id: see RequestLog. `method` keeps the ids of different methods apart.
+template <typename Response, typename Request>
+void once(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request, Reply<Response> reply,
+          const std::function<void(Reply<Response>)>& perform) {
+  if (request.request_id().empty()) return perform(std::move(reply));
+  if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
+  const std::string key = std::string(method) + ' ' + request.request_id();
+  const bool first = core->requests.begin(key, request.SerializeAsString(), [reply](const RequestLog::Outcome& known) {
+    if (!known.ok()) return reply(known.error());
+    Response response;
+    response.ParseFromString(*known);
+    reply(std::move(response));
+  });
+  if (!first) return;
+  perform([core, key, reply](Result<Response> result) {
+    core->requests.finish(
+        key, result.ok() ? RequestLog::Outcome(result->SerializeAsString()) : RequestLog::Outcome(result.error()));
+    reply(std::move(result));
+  });
+}
+
+// Runs `work` on the background worker, or replies why not.
+template <typename Response>
+void in_background(ApiCore& core, const Reply<Response>& reply, std::function<void()> work) {
+  switch (core.worker.submit(std::move(work), [reply] { reply(server_stopping()); })) {
+    case BackgroundWorker::Outcome::kTaken:
+      return;
+    case BackgroundWorker::Outcome::kStopped:
+      return reply(server_stopping());
+    case BackgroundWorker::Outcome::kFull:
+      return reply(Error{ErrorCode::kResourceExhausted,
+                         "TOO_MANY_PICTURES",
+                         std::to_string(core.options.limits.max_waiting_pictures) +
+                             " pictures and exports are waiting, as many as may; try again later",
+                         {}});
+  }
+}
+
+// Looks at a sheet between two ticks and hands on what `look` found.
+template <typename Found>
+void look_at(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id,
+             std::function<Found(const sheet::Sheet&)> look, const char* field,
+             std::function<void(Result<Found>)> done) {
+  auto found = std::make_shared<Found>();
+  core->host.inspect(
+      sheet_id, [found, look = std::move(look)](const sheet::Sheet& sheet) { *found = look(sheet); },
+      [found, field, done = std::move(done)](Status status) {
+        if (!status.ok()) return done(at_field(status.error(), field));
+        done(std::move(*found));
+      });
+}
+
+}  // namespace kerf::api

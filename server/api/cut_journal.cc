@@ -1,0 +1,52 @@
+#include "server/api/cut_journal.h"
+
+#include <utility>
+
+namespace kerf::api {
+
+void CutJournal::add(const std::string& sheet, const v1::Cut& cut, const v1::CutResult& result) {
+  v1::ListCutsResponse::Entry entry;
+  *entry.mutable_cut() = cut;
+  *entry.mutable_result() = result;
+  const std::lock_guard lock(mutex_);
+  Log& log = logs_[sheet];
+  if (result.topology_version() < log.reset_version) return;
+  log.bytes += entry.ByteSizeLong();
+  log.entries.emplace(result.topology_version(), std::move(entry));
+  while (log.bytes > kMaxBytes && log.entries.size() > 1) {
+    log.bytes -= log.entries.begin()->second.ByteSizeLong();
+    log.entries.erase(log.entries.begin());
+  }
+}
+
+void CutJournal::reset(const std::string& sheet, std::int32_t topology_version) {
+  const std::lock_guard lock(mutex_);
+  Log& log = logs_[sheet];
+  log.reset_version = topology_version;
+  while (!log.entries.empty() && log.entries.begin()->first < topology_version) {
+    log.bytes -= log.entries.begin()->second.ByteSizeLong();
+    log.entries.erase(log.entries.begin());
+  }
+}
+
+void CutJournal::forget(const std::string& sheet) {
+  const std::lock_guard lock(mutex_);
+  logs_.erase(sheet);
+}
+
+CutJournal::Page CutJournal::page(const std::string& sheet, std::int32_t after, std::size_t count) const {
+  Page page;
+  const std::lock_guard lock(mutex_);
+  const auto log = logs_.find(sheet);
+  if (log == logs_.end()) return page;
+  for (auto entry = log->second.entries.upper_bound(after); entry != log->second.entries.end(); ++entry) {
+    if (page.entries.size() == count) {
+      page.more = true;
+      break;
+    }
+    page.entries.push_back(entry->second);
+  }
+  return page;
+}
+
+}  // namespace kerf::api

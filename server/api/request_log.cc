@@ -1,0 +1,76 @@
+#include "server/api/request_log.h"
+
+#include <span>
+#include <utility>
+
+#include "server/base/check.h"
+#include "server/base/state_hash.h"
+
+namespace kerf::api {
+namespace {
+
+std::uint64_t hash_of(std::string_view body) {
+  StateHash hash;
+  hash.add_span(std::span<const char>(body));
+  return hash.value();
+}
+
+}  // namespace
+
+bool RequestLog::begin(const std::string& key, std::string_view body, Waiter waiter) {
+  const std::uint64_t body_hash = hash_of(body);
+  Outcome known = std::string();
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = by_key_.find(key);
+    if (found == by_key_.end()) {
+      entries_.push_front({key, body_hash, false, {}, {}});
+      by_key_[key] = entries_.begin();
+      return true;
+    }
+    Entry& entry = *found->second;
+    entries_.splice(entries_.begin(), entries_, found->second);
+    if (entry.body_hash != body_hash) {
+      known = Error{ErrorCode::kAlreadyExists, "REQUEST_ID_REUSED",
+                    "another request was made under this request_id; choose a new one for each request", "request_id"};
+    } else if (!entry.done) {
+      entry.waiters.push_back(std::move(waiter));
+      return false;
+    } else {
+      known = entry.response;
+    }
+  }
+  waiter(known);
+  return false;
+}
+
+void RequestLog::finish(const std::string& key, const Outcome& outcome) {
+  std::vector<Waiter> waiters;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = by_key_.find(key);
+    KERF_CHECK(found != by_key_.end() && !found->second->done, "a request is finished that was not begun");
+    waiters.swap(found->second->waiters);
+    if (outcome.ok()) {
+      found->second->done = true;
+      found->second->response = outcome.value();
+      forget_surplus();
+    } else {
+      entries_.erase(found->second);
+      by_key_.erase(found);
+    }
+  }
+  for (const Waiter& waiter : waiters) waiter(outcome);
+}
+
+// Requests under way stay: somebody will finish them.
+void RequestLog::forget_surplus() {
+  for (auto entry = entries_.end(); entries_.size() > capacity_ && entry != entries_.begin();) {
+    --entry;
+    if (!entry->done) continue;
+    by_key_.erase(entry->key);
+    entry = entries_.erase(entry);
+  }
+}
+
+}  // namespace kerf::api

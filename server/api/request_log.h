@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+#include "server/base/result.h"
+
+namespace kerf::api {
+
+// Requests by their request_id, so that one that is sent again (the first answer was lost on its way) does nothing more
+// and gets the same answer. Only successes are remembered: a refused request may be tried again. Of the ids beyond
+// `capacity` those used longest ago are forgotten. Thread-safe.
+class RequestLog {
+ public:
+  // A serialised response or the refusal.
+  using Outcome = Result<std::string>;
+  using Waiter = std::function<void(const Outcome&)>;
+
+  explicit RequestLog(std::size_t capacity) : capacity_(capacity) {}
+
+  // True: the caller is the first with this key; it does the request and then calls finish(). False: `waiter` is called
+  // instead, with what the first got, at once or when that is known; or with kAlreadyExists REQUEST_ID_REUSED if the
+  // bodies differ (compared by a 64-bit hash).
+  bool begin(const std::string& key, std::string_view body, Waiter waiter);
+
+  void finish(const std::string& key, const Outcome& outcome);
+
+ private:
+  struct Entry {
+    std::string key;
+    std::uint64_t body_hash = 0;
+    bool done = false;
+    std::string response;         // once done
+    std::vector<Waiter> waiters;  // until done
+  };
+  using Entries = std::list<Entry>;
+
+  void forget_surplus();  // mutex_ held
+
+  const std::size_t capacity_;
+  std::mutex mutex_;
+  Entries entries_;  // used last first
+  std::unordered_map<std::string, Entries::iterator> by_key_;
+};
+
+}  // namespace kerf::api

@@ -1,0 +1,81 @@
+#include "server/api/stream_hub.h"
+
+#include <utility>
+
+namespace kerf::api {
+
+void StreamHub::join(const std::string& sheet_id, const stream::SubscriberOptions& options, std::function<void()> ready,
+                     Joined joined) {
+  std::shared_ptr<stream::Channel> fresh;
+  Result<std::shared_ptr<stream::Subscriber>> subscriber =
+      Error{ErrorCode::kUnavailable, "SERVER_STOPPING", "the server is stopping; try again later", {}};
+  bool waits = false;
+  {
+    const std::lock_guard lock(mutex_);
+    if (!stopped_) {
+      Entry& entry = entries_[sheet_id];
+      // A channel that ended belonged to a sheet of this name that is gone.
+      if (!entry.channel || entry.channel->has_ended()) {
+        fresh = std::make_shared<stream::Channel>(max_subscribers_);
+        entry = {fresh, false, {}};
+      }
+      subscriber = entry.channel->subscribe(options, std::move(ready));
+      waits = subscriber.ok() && !entry.attached;
+      if (waits) entry.waiting.push_back({*subscriber, std::move(joined)});
+    }
+  }
+  if (!waits) joined(std::move(subscriber));
+  if (fresh) attach(sheet_id, fresh);
+}
+
+// The hub outlives the host's callbacks only together with the core that owns it, which streams keep alive: every
+// Joined holds its stream.
+void StreamHub::attach(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel) {
+  host_.add_sink(sheet_id, channel, [this, sheet_id, channel](Status status) { attached(sheet_id, channel, status); });
+}
+
+void StreamHub::attached(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel,
+                         const Status& status) {
+  std::vector<Waiting> waiting;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto entry = entries_.find(sheet_id);
+    if (entry == entries_.end() || entry->second.channel != channel) return;
+    waiting.swap(entry->second.waiting);
+    entry->second.attached = status.ok();
+    if (!status.ok()) entries_.erase(entry);
+  }
+  for (Waiting& each : waiting) {
+    if (status.ok()) {
+      each.joined(std::move(each.subscriber));
+    } else {
+      each.subscriber->leave();
+      each.joined(status.error());
+    }
+  }
+}
+
+void StreamHub::leave(const std::string& sheet_id, stream::Subscriber& subscriber) {
+  subscriber.leave();
+  std::shared_ptr<stream::Channel> unused;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto entry = entries_.find(sheet_id);
+    if (entry == entries_.end() || entry->second.channel->num_subscribers() > 0) return;
+    unused = std::move(entry->second.channel);
+    entries_.erase(entry);
+  }
+  host_.remove_sink(sheet_id, unused, [](Status) {});
+}
+
+void StreamHub::stop() {
+  std::vector<std::shared_ptr<stream::Channel>> channels;
+  {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    for (const auto& [sheet_id, entry] : entries_) channels.push_back(entry.channel);
+  }
+  for (const auto& channel : channels) channel->ended(sheet::SinkEnd::kHostStopping);
+}
+
+}  // namespace kerf::api

@@ -1,0 +1,305 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "kerf/v1/scene.pb.h"
+
+namespace kerf::testing {
+
+inline void set(v1::Vec3* vector, double x, double y, double z) {
+  vector->set_x(x);
+  vector->set_y(y);
+  vector->set_z(z);
+}
+inline void set(v1::Vec2* vector, double x, double y) {
+  vector->set_x(x);
+  vector->set_y(y);
+}
+
+inline v1::Command& add_command(v1::Scene& scene, std::int64_t tick) {
+  v1::ScheduledCommand& scheduled = *scene.add_commands();
+  scheduled.set_tick(tick);
+  return *scheduled.mutable_command();
+}
+
+inline void add_commands(v1::Scene& scene) {
+  v1::Cut* cut = add_command(scene, 1).mutable_cut();
+  for (int i = 0; i < 4; ++i) set(cut->mutable_curve()->mutable_bezier()->add_points(), 0.1 * i, 0.3);
+  cut->set_tolerance(0.01);
+  cut->set_min_angle_deg(15.0);
+  cut->set_max_new_triangles(1000);
+  cut = add_command(scene, 2).mutable_cut();
+  set(cut->mutable_curve()->mutable_polyline()->add_points(), 0.1, 0.2);
+  set(cut->mutable_curve()->mutable_polyline()->add_points(), 0.3, 0.4);
+  cut->set_tolerance(0.02);
+  cut->set_min_angle_deg(20.0);
+  cut->set_max_new_triangles(200000);
+  cut = add_command(scene, 3).mutable_cut();
+  set(cut->mutable_curve()->mutable_circle()->mutable_center(), 0.5, 0.5);
+  cut->mutable_curve()->mutable_circle()->set_radius_m(0.2);
+  cut->set_tolerance(0.5);
+  cut->set_min_angle_deg(5.0);
+  cut->set_max_new_triangles(1);
+  v1::Grab* grab = add_command(scene, 4).mutable_grab();
+  grab->set_grab_id("hand");
+  grab->set_vertex(0);
+  set(grab->mutable_target(), 1.0 / 3.0, 2.0, 3.0);
+  grab->set_stiffness_npm(12.5);
+  grab = add_command(scene, 4).mutable_grab();
+  grab->set_grab_id("finger");
+  set(grab->mutable_material(), 0.5, 0.25);
+  grab->set_stiffness_npm(0.0);
+  v1::Drag* drag = add_command(scene, 5).mutable_drag();
+  drag->set_grab_id("hand");
+  set(drag->mutable_target(), 0.0, 1.0, 0.0);
+  add_command(scene, 6).mutable_release()->set_grab_id("hand");
+  add_command(scene, 7).mutable_set_pins()->add_pins()->set_edge(v1::PinRegion::BOTTOM);
+  set(add_command(scene, 8).mutable_set_gravity()->mutable_gravity_mps2(), 0.0, 0.0, -1.62);
+  v1::Wind* wind = add_command(scene, 9).mutable_set_wind()->mutable_wind();
+  set(wind->mutable_velocity_mps(), 3.0, 0.0, 0.0);
+  wind->set_air_density_kgpm3(1.0);
+  wind->set_drag_coefficient(2.0);
+}
+
+// Every field given that an encoder writes; the kinds of commands, pins and colliders all there.
+inline v1::Scene full_scene() {
+  v1::Scene scene;
+  scene.set_sheet_id("flag-1");
+  v1::GridMesh* grid = scene.mutable_grid();
+  grid->set_columns(7);
+  grid->set_rows(5);
+  grid->set_width_m(1.2);
+  grid->set_height_m(0.8);
+  grid->set_pattern(v1::GridMesh::JITTERED_DELAUNAY);
+  grid->set_seed(42);
+  v1::Material* material = scene.mutable_material();
+  material->set_youngs_modulus_pa(4.0e5);
+  material->set_youngs_modulus_2_pa(3.0e5);
+  material->set_poissons_ratio(0.31);
+  material->set_shear_modulus_pa(1.1e5);
+  material->set_direction_rad(0.4);
+  material->set_thickness_m(4.0e-4);
+  material->set_density_kgpm3(410.0);
+  material->set_bending_scale(0.7);
+  material->set_mass_damping_per_s(0.1);
+  material->set_stiffness_damping_s(0.001);
+  set(scene.mutable_placement()->mutable_origin(), 0.1, 0.2, 0.3);
+  set(scene.mutable_placement()->mutable_x_axis(), 0.0, 1.0, 0.0);
+  set(scene.mutable_placement()->mutable_y_axis(), 1.0, 0.0, 0.0);
+  for (const auto edge : {v1::PinRegion::TOP, v1::PinRegion::BOTTOM, v1::PinRegion::LEFT, v1::PinRegion::RIGHT,
+                          v1::PinRegion::CORNERS, v1::PinRegion::TOP_CORNERS}) {
+    scene.add_pins()->set_edge(edge);
+  }
+  v1::MaterialBox* box = scene.add_pins()->mutable_box();
+  set(box->mutable_min(), 0.0, 0.1);
+  set(box->mutable_max(), 0.2, 0.3);
+  scene.add_pins()->mutable_vertices()->add_vertices(3);
+  set(scene.mutable_gravity_mps2(), 0.0, 0.0, -3.7);
+  set(scene.mutable_wind()->mutable_velocity_mps(), 1.0, 2.0, 3.0);
+  scene.mutable_wind()->set_air_density_kgpm3(1.3);
+  scene.mutable_wind()->set_drag_coefficient(0.9);
+  v1::Collider* collider = scene.add_colliders();
+  set(collider->mutable_plane()->mutable_point(), 0.0, 0.0, -1.0);
+  set(collider->mutable_plane()->mutable_normal(), 0.0, 0.0, 1.0);
+  collider->set_friction(0.4);
+  collider = scene.add_colliders();
+  set(collider->mutable_sphere()->mutable_center(), 0.5, 0.0, 0.0);
+  collider->mutable_sphere()->set_radius_m(0.25);
+  collider = scene.add_colliders();
+  set(collider->mutable_box()->mutable_center(), 1.0, 1.0, 1.0);
+  set(collider->mutable_box()->mutable_half_extents_m(), 0.1, 0.2, 0.3);
+  set(collider->mutable_box()->mutable_axis(), 0.0, 1.0, 0.0);
+  collider->mutable_box()->set_angle_rad(0.5);
+  collider = scene.add_colliders();
+  set(collider->mutable_capsule()->mutable_a(), 0.0, 0.0, 0.0);
+  set(collider->mutable_capsule()->mutable_b(), 0.0, 0.0, 1.0);
+  collider->mutable_capsule()->set_radius_m(0.05);
+  scene.set_tick_rate_hz(120.0);
+  v1::Integrator* integrator = scene.mutable_integrator();
+  integrator->set_kind(v1::Integrator::IMPLICIT_EULER);
+  integrator->set_solver(v1::Integrator::DIRECT);
+  integrator->set_max_substeps(77);
+  integrator->set_newton_iterations(3);
+  integrator->set_solver_tolerance(1e-6);
+  add_commands(scene);
+  scene.set_ticks(900);
+  scene.set_description("a flag");
+  return scene;
+}
+
+// A change to full_scene() that must be refused, and the field that the refusal names.
+struct BadScene {
+  std::string field;
+  std::function<void(v1::Scene&)> spoil;
+};
+
+inline std::vector<BadScene> bad_shapes() {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  return {
+      {"sheet_id", [](v1::Scene& s) { s.set_sheet_id("Flag"); }},
+      {"mesh", [](v1::Scene& s) { s.clear_mesh(); }},
+      {"grid.columns", [](v1::Scene& s) { s.mutable_grid()->set_columns(1); }},
+      {"grid.columns", [](v1::Scene& s) { s.mutable_grid()->set_columns(1001); }},
+      {"grid.rows", [](v1::Scene& s) { s.mutable_grid()->set_rows(-5); }},
+      {"grid.rows",
+       [](v1::Scene& s) {
+         s.mutable_grid()->set_columns(1000);
+         s.mutable_grid()->set_rows(251);
+       }},
+      {"grid.width_m", [=](v1::Scene& s) { s.mutable_grid()->set_width_m(nan); }},
+      {"grid.width_m", [](v1::Scene& s) { s.mutable_grid()->set_width_m(0.0); }},
+      {"grid.height_m", [=](v1::Scene& s) { s.mutable_grid()->set_height_m(infinity); }},
+      {"grid.height_m", [](v1::Scene& s) { s.mutable_grid()->set_height_m(1.0001e4); }},
+      {"grid.pattern", [](v1::Scene& s) { s.mutable_grid()->set_pattern(static_cast<v1::GridMesh::Pattern>(9)); }},
+      {"obj.text", [](v1::Scene& s) { s.mutable_obj(); }},
+      {"obj.file", [](v1::Scene& s) { s.mutable_obj()->set_file("/etc/passwd"); }},
+      {"inline.material_positions", [](v1::Scene& s) { s.mutable_inline_()->add_material_positions(1.0); }},
+      {"inline.material_positions", [](v1::Scene& s) { s.mutable_inline_(); }},
+      {"inline.triangles", [](v1::Scene& s) { s.mutable_inline_()->add_triangles(0); }},
+      {"inline.positions", [](v1::Scene& s) { s.mutable_inline_()->add_positions(0.0); }},
+      {"placement.origin.y", [=](v1::Scene& s) { s.mutable_placement()->mutable_origin()->set_y(nan); }},
+      {"placement.origin.z", [](v1::Scene& s) { s.mutable_placement()->mutable_origin()->set_z(1.1e6); }},
+      {"placement.x_axis", [](v1::Scene& s) { set(s.mutable_placement()->mutable_x_axis(), 0.0, 0.0, 0.0); }},
+      {"placement.y_axis", [](v1::Scene& s) { set(s.mutable_placement()->mutable_y_axis(), 0.0, 1.0, 0.0); }},
+      {"colliders[0].plane.normal", [](v1::Scene& s) { s.mutable_colliders(0)->mutable_plane()->clear_normal(); }},
+      {"colliders[0].friction", [](v1::Scene& s) { s.mutable_colliders(0)->set_friction(-0.1); }},
+      {"colliders[1].sphere.radius_m", [](v1::Scene& s) { s.mutable_colliders(1)->mutable_sphere()->set_radius_m(0); }},
+      {"colliders[1].sphere.center.x",
+       [=](v1::Scene& s) { s.mutable_colliders(1)->mutable_sphere()->mutable_center()->set_x(infinity); }},
+      {"colliders[2].box.half_extents_m.y",
+       [](v1::Scene& s) { s.mutable_colliders(2)->mutable_box()->mutable_half_extents_m()->set_y(0.0); }},
+      {"colliders[2].box.angle_rad", [=](v1::Scene& s) { s.mutable_colliders(2)->mutable_box()->set_angle_rad(nan); }},
+      {"colliders[3].capsule.radius_m",
+       [](v1::Scene& s) { s.mutable_colliders(3)->mutable_capsule()->set_radius_m(2e4); }},
+      {"colliders[3].shape", [](v1::Scene& s) { s.mutable_colliders(3)->clear_shape(); }},
+      {"colliders",
+       [](v1::Scene& s) {
+         for (int i = 0; i < 61; ++i) *s.add_colliders() = s.colliders(1);
+       }},
+  };
+}
+
+inline std::vector<BadScene> bad_numbers() {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  return {
+      {"material.preset", [](v1::Scene& s) { s.mutable_material()->set_preset("adamantium"); }},
+      {"material.youngs_modulus_pa", [](v1::Scene& s) { s.mutable_material()->set_youngs_modulus_pa(0.0); }},
+      {"material.youngs_modulus_pa", [](v1::Scene& s) { s.mutable_material()->set_youngs_modulus_pa(1.1e12); }},
+      {"material.youngs_modulus_2_pa", [=](v1::Scene& s) { s.mutable_material()->set_youngs_modulus_2_pa(nan); }},
+      {"material.poissons_ratio", [](v1::Scene& s) { s.mutable_material()->set_poissons_ratio(1.0); }},
+      {"material.poissons_ratio",
+       [](v1::Scene& s) {
+         s.mutable_material()->set_poissons_ratio(0.9);
+         s.mutable_material()->set_youngs_modulus_2_pa(8.0e5);
+       }},
+      {"material.shear_modulus_pa", [](v1::Scene& s) { s.mutable_material()->set_shear_modulus_pa(-1.0); }},
+      {"material.direction_rad", [](v1::Scene& s) { s.mutable_material()->set_direction_rad(7.0); }},
+      {"material.thickness_m", [](v1::Scene& s) { s.mutable_material()->set_thickness_m(0.11); }},
+      {"material.density_kgpm3", [=](v1::Scene& s) { s.mutable_material()->set_density_kgpm3(infinity); }},
+      {"material.bending_scale", [](v1::Scene& s) { s.mutable_material()->set_bending_scale(-1e-9); }},
+      {"material.mass_damping_per_s", [](v1::Scene& s) { s.mutable_material()->set_mass_damping_per_s(1001.0); }},
+      {"material.stiffness_damping_s", [](v1::Scene& s) { s.mutable_material()->set_stiffness_damping_s(1.1); }},
+      {"pins[0].region", [](v1::Scene& s) { s.mutable_pins(0)->clear_region(); }},
+      {"pins[1].edge", [](v1::Scene& s) { s.mutable_pins(1)->set_edge(v1::PinRegion::EDGE_UNSPECIFIED); }},
+      {"pins[6].box.min.x", [=](v1::Scene& s) { s.mutable_pins(6)->mutable_box()->mutable_min()->set_x(nan); }},
+      {"pins[6].box.max", [](v1::Scene& s) { s.mutable_pins(6)->mutable_box()->mutable_max()->set_y(0.0); }},
+      {"pins[7].vertices.vertices[0]",
+       [](v1::Scene& s) { s.mutable_pins(7)->mutable_vertices()->set_vertices(0, -1); }},
+      {"pins",
+       [](v1::Scene& s) {
+         for (int i = 0; i < 57; ++i) s.add_pins()->set_edge(v1::PinRegion::TOP);
+       }},
+      {"gravity_mps2.x", [=](v1::Scene& s) { s.mutable_gravity_mps2()->set_x(nan); }},
+      {"gravity_mps2", [](v1::Scene& s) { set(s.mutable_gravity_mps2(), 9e3, 9e3, 0.0); }},
+      {"wind.velocity_mps", [](v1::Scene& s) { set(s.mutable_wind()->mutable_velocity_mps(), 900.0, 900.0, 0.0); }},
+      {"wind.air_density_kgpm3", [](v1::Scene& s) { s.mutable_wind()->set_air_density_kgpm3(-1.0); }},
+      {"wind.drag_coefficient", [](v1::Scene& s) { s.mutable_wind()->set_drag_coefficient(10.1); }},
+      {"tick_rate_hz", [](v1::Scene& s) { s.set_tick_rate_hz(0.0); }},
+      {"tick_rate_hz", [](v1::Scene& s) { s.set_tick_rate_hz(1000.1); }},
+      {"integrator.kind", [](v1::Scene& s) { s.mutable_integrator()->set_kind(static_cast<v1::Integrator::Kind>(4)); }},
+      {"integrator.solver",
+       [](v1::Scene& s) { s.mutable_integrator()->set_solver(static_cast<v1::Integrator::Solver>(-1)); }},
+      {"integrator.max_substeps", [](v1::Scene& s) { s.mutable_integrator()->set_max_substeps(100001); }},
+      {"integrator.newton_iterations", [](v1::Scene& s) { s.mutable_integrator()->set_newton_iterations(-1); }},
+      {"integrator.solver_tolerance", [](v1::Scene& s) { s.mutable_integrator()->set_solver_tolerance(0.2); }},
+      {"ticks", [](v1::Scene& s) { s.set_ticks(10'000'001); }},
+      {"description", [](v1::Scene& s) { s.set_description(std::string(1001, 'x')); }},
+  };
+}
+
+// The first cut of the scene is a Bezier, the second a polyline, the third a circle; then grabs, drag, release, pins,
+// gravity, wind.
+inline std::vector<BadScene> bad_commands() {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto command = [](v1::Scene& s, int i) { return s.mutable_commands(i)->mutable_command(); };
+  return {
+      {"commands[0].tick", [](v1::Scene& s) { s.mutable_commands(0)->set_tick(0); }},
+      {"commands[0].command.kind", [=](v1::Scene& s) { command(s, 0)->clear_kind(); }},
+      {"commands[0].command.cut.curve", [=](v1::Scene& s) { command(s, 0)->mutable_cut()->clear_curve(); }},
+      {"commands[0].command.cut.curve.bezier.points",
+       [=](v1::Scene& s) {
+         set(command(s, 0)->mutable_cut()->mutable_curve()->mutable_bezier()->add_points(), 9.0, 9.0);
+       }},
+      {"commands[0].command.cut.curve.bezier.points[2].x",
+       [=](v1::Scene& s) {
+         command(s, 0)->mutable_cut()->mutable_curve()->mutable_bezier()->mutable_points(2)->set_x(nan);
+       }},
+      {"commands[0].command.cut.tolerance", [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_tolerance(-1.0); }},
+      {"commands[0].command.cut.tolerance", [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_tolerance(nan); }},
+      {"commands[0].command.cut.min_angle_deg",
+       [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_min_angle_deg(29.0); }},
+      {"commands[0].command.cut.max_new_triangles",
+       [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_max_new_triangles(-1); }},
+      {"commands[1].command.cut.curve.polyline.points",
+       [=](v1::Scene& s) {
+         command(s, 1)->mutable_cut()->mutable_curve()->mutable_polyline()->mutable_points()->RemoveLast();
+       }},
+      {"commands[1].command.cut.curve.polyline.points[1].y",
+       [=](v1::Scene& s) {
+         command(s, 1)->mutable_cut()->mutable_curve()->mutable_polyline()->mutable_points(1)->set_y(-1.1e4);
+       }},
+      {"commands[2].command.cut.curve.circle.radius_m",
+       [=](v1::Scene& s) { command(s, 2)->mutable_cut()->mutable_curve()->mutable_circle()->set_radius_m(0.0); }},
+      {"commands[3].command.grab.grab_id", [=](v1::Scene& s) { command(s, 3)->mutable_grab()->clear_grab_id(); }},
+      {"commands[3].command.grab.grab_id",
+       [=](v1::Scene& s) { command(s, 3)->mutable_grab()->set_grab_id(std::string(64, 'g')); }},
+      {"commands[3].command.grab.point", [=](v1::Scene& s) { command(s, 3)->mutable_grab()->clear_point(); }},
+      {"commands[3].command.grab.vertex", [=](v1::Scene& s) { command(s, 3)->mutable_grab()->set_vertex(-1); }},
+      {"commands[3].command.grab.target.z",
+       [=](v1::Scene& s) { command(s, 3)->mutable_grab()->mutable_target()->set_z(nan); }},
+      {"commands[3].command.grab.stiffness_npm",
+       [=](v1::Scene& s) { command(s, 3)->mutable_grab()->set_stiffness_npm(1.1e6); }},
+      {"commands[4].command.grab.material.x",
+       [=](v1::Scene& s) { command(s, 4)->mutable_grab()->mutable_material()->set_x(nan); }},
+      {"commands[5].command.drag.target", [=](v1::Scene& s) { command(s, 5)->mutable_drag()->clear_target(); }},
+      {"commands[5].command.drag.target.x",
+       [=](v1::Scene& s) { command(s, 5)->mutable_drag()->mutable_target()->set_x(2e6); }},
+      {"commands[6].command.release.grab_id", [=](v1::Scene& s) { command(s, 6)->mutable_release()->clear_grab_id(); }},
+      {"commands[7].command.set_pins.pins[0].region",
+       [=](v1::Scene& s) { command(s, 7)->mutable_set_pins()->mutable_pins(0)->clear_region(); }},
+      {"commands[8].command.set_gravity.gravity_mps2",
+       [=](v1::Scene& s) { command(s, 8)->mutable_set_gravity()->clear_gravity_mps2(); }},
+      {"commands[8].command.set_gravity.gravity_mps2.z",
+       [=](v1::Scene& s) { command(s, 8)->mutable_set_gravity()->mutable_gravity_mps2()->set_z(nan); }},
+      {"commands[9].command.set_wind.wind.drag_coefficient",
+       [=](v1::Scene& s) { command(s, 9)->mutable_set_wind()->mutable_wind()->set_drag_coefficient(-2.0); }},
+      {"commands",
+       [](v1::Scene& s) {
+         for (int i = 0; i < 10'000; ++i) add_command(s, 1).mutable_reset();
+       }},
+  };
+}
+
+inline std::vector<BadScene> bad_scenes() {
+  std::vector<BadScene> all = bad_shapes();
+  for (BadScene& each : bad_numbers()) all.push_back(std::move(each));
+  for (BadScene& each : bad_commands()) all.push_back(std::move(each));
+  return all;
+}
+
+}  // namespace kerf::testing

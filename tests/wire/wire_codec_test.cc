@@ -1,0 +1,379 @@
+// Scenes, commands, recordings, errors and JSON.
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <google/protobuf/util/message_differencer.h>
+#include <gtest/gtest.h>
+
+#include "google/rpc/error_details.pb.h"
+#include "google/rpc/status.pb.h"
+#include "kerf/v1/cuts.pb.h"
+#include "kerf/v1/run.pb.h"
+#include "server/base/random.h"
+#include "server/wire/command_codec.h"
+#include "server/wire/error_codec.h"
+#include "server/wire/json.h"
+#include "server/wire/recording_codec.h"
+#include "server/wire/reply_codec.h"
+#include "server/wire/scene_codec.h"
+#include "tests/wire/scene_samples.h"
+
+namespace kerf::wire {
+namespace {
+
+using testing::full_scene;
+using ::testing::HasSubstr;
+
+void expect_equal(const google::protobuf::Message& a, const google::protobuf::Message& b) {
+  std::string difference;
+  google::protobuf::util::MessageDifferencer differencer;
+  differencer.ReportDifferencesToString(&difference);
+  EXPECT_TRUE(differencer.Compare(a, b)) << difference;
+}
+
+sheet::SheetConfig decoded(const v1::Scene& scene) {
+  const Result<sheet::SheetConfig> config = decode_scene(scene);
+  EXPECT_TRUE(config.ok()) << config.error().message << " at " << config.error().field;
+  return config.value();
+}
+
+TEST(SceneCodec, FullSceneComesBackUnchanged) {
+  // Complete, so that encoding what was decoded gives every field again; bit for bit, as the comparison is exact.
+  const v1::Scene scene = full_scene();
+  expect_equal(encode_scene(decoded(scene)), scene);
+}
+
+TEST(SceneCodec, EveryMeshSourceComesBackUnchanged) {
+  v1::Scene scene = full_scene();
+  v1::InlineMesh& arrays = *scene.mutable_inline_();
+  for (const double number : {0.0, 0.0, 1.0, 0.1, 0.3, 1.0}) arrays.add_material_positions(number);
+  for (const int number : {0, 1, 2}) arrays.add_triangles(number);
+  for (int i = 0; i < 9; ++i) arrays.add_positions(0.1 * i);
+  expect_equal(encode_scene(decoded(scene)), scene);
+  scene.mutable_inline_()->clear_positions();
+  expect_equal(encode_scene(decoded(scene)), scene);
+  scene.mutable_obj()->set_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  expect_equal(encode_scene(decoded(scene)), scene);
+}
+
+TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
+  v1::Scene scene;
+  scene.mutable_grid()->set_columns(3);
+  scene.mutable_grid()->set_rows(4);
+  scene.mutable_grid()->set_width_m(1.0);
+  scene.mutable_grid()->set_height_m(2.0);
+  const sheet::SheetConfig config = decoded(scene);
+  EXPECT_EQ(config.material, fem::find_preset("demo").value());
+  EXPECT_EQ(config.placement.origin, Eigen::Vector3d(0, 0, 0));
+  EXPECT_EQ(config.placement.x_axis, Eigen::Vector3d(1, 0, 0));
+  EXPECT_EQ(config.placement.y_axis, Eigen::Vector3d(0, 0, 1));
+  EXPECT_EQ(config.gravity, Eigen::Vector3d(0, 0, -9.81));
+  EXPECT_EQ(config.wind.air_density, 0.0);
+  EXPECT_EQ(config.tick_rate_hz, 60.0);
+  EXPECT_EQ(config.integrator.max_substeps, 2000);
+  EXPECT_EQ(config.integrator.newton_iterations, 2);
+  EXPECT_EQ(config.integrator.solver_tolerance, 1e-4);
+  scene.mutable_wind();
+  EXPECT_EQ(decoded(scene).wind.air_density, 1.2);
+  EXPECT_EQ(decoded(scene).wind.drag_coefficient, 1.0);
+}
+
+TEST(SceneCodec, MaterialPutsWhatIsGivenOverThePreset) {
+  v1::Scene scene = full_scene();
+  scene.mutable_material()->Clear();
+  scene.mutable_material()->set_preset("rubber");
+  const fem::Material rubber = fem::find_preset("rubber").value();
+  EXPECT_EQ(decoded(scene).material, rubber);
+  scene.mutable_material()->set_youngs_modulus_pa(2.0e6);
+  fem::Material material = decoded(scene).material;
+  EXPECT_EQ(material.youngs_modulus_1, 2.0e6);
+  EXPECT_EQ(material.youngs_modulus_2, 2.0e6);
+  EXPECT_EQ(material.shear_modulus, 2.0e6 / (2.0 * (1.0 + rubber.poissons_ratio_12)));
+  EXPECT_EQ(material.density, rubber.density);
+  scene.mutable_material()->set_youngs_modulus_2_pa(3.0e6);
+  scene.mutable_material()->set_shear_modulus_pa(5.0e5);
+  material = decoded(scene).material;
+  EXPECT_EQ(material.youngs_modulus_1, 2.0e6);
+  EXPECT_EQ(material.youngs_modulus_2, 3.0e6);
+  EXPECT_EQ(material.shear_modulus, 5.0e5);
+}
+
+TEST(SceneCodec, EveryBadFieldIsRefusedByName) {
+  for (const testing::BadScene& bad : testing::bad_scenes()) {
+    v1::Scene scene = full_scene();
+    bad.spoil(scene);
+    const Result<sheet::SheetConfig> config = decode_scene(scene);
+    ASSERT_FALSE(config.ok()) << bad.field;
+    EXPECT_EQ(config.error().code, ErrorCode::kInvalidArgument) << bad.field;
+    EXPECT_EQ(config.error().field, bad.field) << config.error().message;
+    EXPECT_FALSE(config.error().reason.empty());
+    EXPECT_FALSE(config.error().message.empty());
+  }
+}
+
+TEST(SceneCodec, ObjFilesAreReadOnlyWithAReader) {
+  v1::Scene scene = full_scene();
+  scene.mutable_obj()->set_file("flag.obj");
+  const Result<sheet::SheetConfig> refused = decode_scene(scene);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().reason, "OBJ_FILE_REFUSED");
+  EXPECT_EQ(refused.error().field, "obj.file");
+  std::string asked;
+  const ObjReader reader = [&asked](const std::string& path) -> Result<std::string> {
+    asked = path;
+    if (path == "flag.obj") return std::string("v 0 0 0\n");
+    return Error{ErrorCode::kNotFound, "FILE_NOT_FOUND", "no such file", {}};
+  };
+  const Result<sheet::SheetConfig> read = decode_scene(scene, reader);
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(asked, "flag.obj");
+  EXPECT_EQ(std::get<sheet::ObjSource>(read->mesh).text, "v 0 0 0\n");
+  scene.mutable_obj()->set_file("none.obj");
+  EXPECT_EQ(decode_scene(scene, reader).error().field, "obj.file");
+  scene.mutable_obj()->set_text("v 0 0 0\n");
+  EXPECT_EQ(decode_scene(scene, reader).error().reason, "OBJ_TWICE");
+}
+
+TEST(CommandCodec, EveryKindComesBackUnchanged) {
+  const v1::Scene scene = full_scene();
+  ASSERT_EQ(scene.commands_size(), 10);
+  for (const v1::ScheduledCommand& scheduled : scene.commands()) {
+    const Result<sheet::Command> command = decode_command(scheduled.command());
+    ASSERT_TRUE(command.ok()) << command.error().message;
+    expect_equal(encode_command(*command), scheduled.command());
+  }
+}
+
+TEST(CommandCodec, ZerosOfACutMeanTheDefaults) {
+  v1::Cut cut;
+  cut.mutable_curve()->mutable_circle()->set_radius_m(0.1);
+  const Result<sheet::Command> command = decode_cut(cut);
+  ASSERT_TRUE(command.ok());
+  EXPECT_EQ(std::get<sheet::Cut>(*command).tolerance, 0.02);
+  EXPECT_EQ(std::get<sheet::Cut>(*command).min_angle_deg, 20.0);
+  EXPECT_EQ(std::get<sheet::Cut>(*command).max_new_triangles, 200'000);
+}
+
+sheet::Recording sample_recording() {
+  sheet::Recording recording;
+  recording.config = decoded(full_scene());
+  SeededRandom random(8);
+  for (std::int64_t tick = 1; tick <= 20; ++tick) {
+    sheet::RecordedTick entry{tick, {}, random.next()};
+    if (tick % 5 == 0) entry.commands.push_back(recording.config.commands[static_cast<std::size_t>(tick / 5)].command);
+    recording.entries.push_back(std::move(entry));
+  }
+  return recording;
+}
+
+std::string encode(const sheet::Recording& recording) {
+  std::string file = encode_recording_header(recording.config, "0.1.0 g++");
+  for (const sheet::RecordedTick& entry : recording.entries) file += encode_recorded_tick(entry);
+  return file;
+}
+
+TEST(RecordingCodec, ComesBackUnchanged) {
+  const sheet::Recording recording = sample_recording();
+  const std::string file = encode(recording);
+  const Result<RecordingFile> read = decode_recording(file);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_EQ(read->build, "0.1.0 g++");
+  ASSERT_EQ(read->recording.entries.size(), 20U);
+  EXPECT_EQ(read->recording.entries[3].state_hash, recording.entries[3].state_hash);
+  EXPECT_EQ(read->recording.entries[4].commands.size(), 1U);
+  EXPECT_EQ(encode(read->recording), file);
+}
+
+TEST(RecordingCodec, EveryTruncationIsRefusedWithItsOffset) {
+  const sheet::Recording recording = sample_recording();
+  const std::string file = encode(recording);
+  std::size_t boundary = encode_recording_header(recording.config, "0.1.0 g++").size();
+  std::vector<std::size_t> boundaries{boundary};
+  for (const sheet::RecordedTick& entry : recording.entries) {
+    boundaries.push_back(boundary += encode_recorded_tick(entry).size());
+  }
+  std::size_t start = 0;  // of the message that the cut goes through
+  for (std::size_t length = 0; length < file.size(); ++length) {
+    const Result<RecordingFile> read = decode_recording(std::string_view(file).substr(0, length));
+    if (std::find(boundaries.begin(), boundaries.end(), length) != boundaries.end()) {
+      ASSERT_TRUE(read.ok()) << length << ": a recording that was stopped between two ticks is whole";
+      start = length;
+      continue;
+    }
+    ASSERT_FALSE(read.ok()) << length;
+    EXPECT_EQ(read.error().code, ErrorCode::kDataLoss);
+    EXPECT_EQ(read.error().reason, "RECORDING_TRUNCATED");
+    EXPECT_EQ(read.error().field, "offset " + std::to_string(start)) << length;
+  }
+}
+
+TEST(RecordingCodec, DamageIsRefusedOrChangesOnlyWhatItHits) {
+  const std::string file = encode(sample_recording());
+  int refused = 0;
+  for (std::size_t at = 0; at < file.size(); ++at) {
+    std::string damaged = file;
+    damaged[at] = static_cast<char>(damaged[at] ^ 0x80);
+    const Result<RecordingFile> read = decode_recording(damaged);
+    if (read.ok()) continue;  // a number or text that still is one: replay finds it by its hash
+    ++refused;
+    EXPECT_EQ(read.error().code, ErrorCode::kDataLoss);
+    EXPECT_THAT(read.error().field, HasSubstr("offset "));
+  }
+  EXPECT_GT(refused, 50);
+}
+
+TEST(RecordingCodec, OtherFilesAreNoRecordings) {
+  EXPECT_EQ(decode_recording("").error().reason, "RECORDING_TRUNCATED");
+  EXPECT_EQ(decode_recording(std::string("\x02\x7b\x7d", 3)).error().reason, "RECORDING_FORMAT");
+  v1::RecordingHeader header;
+  header.set_magic("kerf-recording");
+  header.set_format_version(2);
+  std::string file(1, static_cast<char>(header.ByteSizeLong()));
+  header.AppendToString(&file);
+  EXPECT_EQ(decode_recording(file).error().reason, "RECORDING_FORMAT");
+  EXPECT_THAT(decode_recording(file).error().message, HasSubstr("version 2"));
+}
+
+TEST(ErrorCodec, StatusHasTheStandardDetails) {
+  google::rpc::Status status;
+  const Error bad = invalid_argument("CURVE_NOT_FINITE", "x is not finite", "cut.curve.circle.center.x");
+  ASSERT_TRUE(status.ParseFromString(encode_status(bad)));
+  EXPECT_EQ(status.code(), 3);
+  EXPECT_EQ(status.message(), "x is not finite");
+  ASSERT_EQ(status.details_size(), 2);
+  google::rpc::ErrorInfo info;
+  ASSERT_TRUE(status.details(0).UnpackTo(&info));
+  EXPECT_EQ(info.reason(), "CURVE_NOT_FINITE");
+  EXPECT_EQ(info.domain(), "kerf");
+  google::rpc::BadRequest request;
+  ASSERT_TRUE(status.details(1).UnpackTo(&request));
+  EXPECT_EQ(request.field_violations(0).field(), "cut.curve.circle.center.x");
+
+  const Error full{ErrorCode::kResourceExhausted, "QUEUE_FULL", "64 commands wait", {}};
+  ASSERT_TRUE(status.ParseFromString(encode_status(full)));
+  EXPECT_EQ(status.code(), 8);
+  google::rpc::RetryInfo retry;
+  ASSERT_EQ(status.details_size(), 2);
+  ASSERT_TRUE(status.details(1).UnpackTo(&retry));
+  EXPECT_EQ(retry.retry_delay().nanos(), 100'000'000);
+  EXPECT_THAT(error_to_json(full), HasSubstr("\"reason\":\"QUEUE_FULL\""));
+  EXPECT_THAT(error_to_json(full), HasSubstr("\"retry_delay\":\"0.100s\""));
+}
+
+TEST(ErrorCodec, CodesAreThoseOfGrpc) {
+  EXPECT_EQ(status_code(ErrorCode::kNotFound), 5);
+  EXPECT_EQ(status_code(ErrorCode::kAlreadyExists), 6);
+  EXPECT_EQ(status_code(ErrorCode::kFailedPrecondition), 9);
+  EXPECT_EQ(status_code(ErrorCode::kAborted), 10);
+  EXPECT_EQ(status_code(ErrorCode::kInternal), 13);
+  EXPECT_EQ(status_code(ErrorCode::kUnavailable), 14);
+  EXPECT_EQ(status_code(ErrorCode::kDataLoss), 15);
+  EXPECT_EQ(status_name(ErrorCode::kDataLoss), "DATA_LOSS");
+}
+
+TEST(Json, SceneComesBackUnchangedInBothSpellings) {
+  const v1::Scene scene = full_scene();
+  const std::string json = to_json(scene);
+  EXPECT_THAT(json, HasSubstr("\"tick_rate_hz\":"));
+  v1::Scene back;
+  ASSERT_TRUE(from_json(json, back).ok());
+  expect_equal(back, scene);
+  ASSERT_TRUE(from_json(R"({"tickRateHz": 30, "grid": {"widthM": 2.5}})", back).ok());
+  EXPECT_EQ(back.tick_rate_hz(), 30.0);
+  EXPECT_EQ(back.grid().width_m(), 2.5);
+}
+
+TEST(Json, DefaultsArePrinted) {
+  const std::string json = to_json(v1::CutResult());
+  EXPECT_THAT(json, HasSubstr("\"new_vertices\":0"));
+  EXPECT_THAT(json, HasSubstr("\"state_hash\":\"\""));
+}
+
+struct BadJson {
+  const char* text;
+  const char* reason;
+  const char* field;
+  const char* where;
+};
+
+TEST(Json, FaultsNameLineColumnAndField) {
+  const std::vector<BadJson> cases = {
+      {"{\n  \"grid\": {\"colums\": 3}\n}", "JSON_UNKNOWN_FIELD", "grid.colums", "line 2, column 12"},
+      {"{\"pins\": [{\"edge\": \"TOP\"},\n {\"edge\": \"TOPP\"}]}", "JSON_TYPE", "pins[1].edge", "line 2, column 11"},
+      {"{\"grid\": {\"columns\": 3.5}}", "JSON_TYPE", "grid.columns", "line 1, column 22"},
+      {"{\"grid\": {\"columns\": 3000000000}}", "JSON_TYPE", "grid.columns", "line 1"},
+      {"{\"grid\": {\"columns\": \"many\"}}", "JSON_TYPE", "grid.columns", "line 1"},
+      {"{\"grid\": 3}", "JSON_TYPE", "grid", "line 1, column 10"},
+      {"{\"pins\": {}}", "JSON_TYPE", "pins", "line 1"},
+      {"{\"sheet_id\": 3}", "JSON_TYPE", "sheet_id", "line 1"},
+      {"{\"tick_rate_hz\": [1]}", "JSON_TYPE", "tick_rate_hz", "line 1"},
+      {"{\"sheet_id\": \"a\", \"sheetId\": \"b\"}", "JSON_DUPLICATE_FIELD", "sheet_id", "line 1, column 19"},
+      {"{\"grid\": {},\n\"obj\": {}}", "JSON_DUPLICATE_FIELD", "obj", "line 2, column 1"},
+      {"{\"grid\": {}", "JSON_SYNTAX", "", "line 1, column 12"},
+      {"{\"grid\": {} \"obj\": {}}", "JSON_SYNTAX", "", "expected , or }"},
+      {"{\"grid\" {}}", "JSON_SYNTAX", "grid", "expected :"},
+      {"{} {}", "JSON_SYNTAX", "", "after the end"},
+      {"{\"sheet_id\": \"a", "JSON_SYNTAX", "sheet_id", "without end"},
+      {"", "JSON_TYPE", "", "line 1, column 1"},
+      {"[]", "JSON_TYPE", "", "expected an object"},
+  };
+  for (const BadJson& bad : cases) {
+    v1::Scene scene;
+    const Status status = from_json(bad.text, scene);
+    ASSERT_FALSE(status.ok()) << bad.text;
+    EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(status.error().reason, bad.reason) << bad.text << ": " << status.error().message;
+    EXPECT_EQ(status.error().field, bad.field) << bad.text << ": " << status.error().message;
+    EXPECT_THAT(status.error().message, HasSubstr(bad.where)) << bad.text;
+  }
+}
+
+TEST(Json, NoTruncationOrByteFlipGetsThroughUnnoticedOrCrashes) {
+  const std::string json = to_json(full_scene());
+  v1::Scene scene;
+  for (std::size_t length = 0; length < json.size(); length += 7) {
+    EXPECT_FALSE(from_json(std::string_view(json).substr(0, length), scene).ok()) << length;
+  }
+  SeededRandom random(9);
+  for (int round = 0; round < 2000; ++round) {
+    std::string damaged = json;
+    damaged[random.below(damaged.size())] = static_cast<char>(random.below(256));
+    const Status status = from_json(damaged, scene);
+    if (!status.ok()) EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
+  }
+}
+
+TEST(Json, NotANumberReachesValidation) {
+  const Result<sheet::SheetConfig> config =
+      decode_scene_file(R"({"grid": {"columns": 3, "rows": 3, "width_m": "NaN", "height_m": 1}})", {});
+  ASSERT_FALSE(config.ok());
+  EXPECT_EQ(config.error().field, "grid.width_m");
+}
+
+TEST(ReplyCodec, CutResultHoldsTheReport) {
+  sheet::CommandReply reply;
+  reply.tick = 12;
+  reply.topology_version = 3;
+  reply.state_hash = 0xabc;
+  reply.cut.emplace();
+  reply.cut->status = cut::CutStatus::kApplied;
+  reply.cut->report.pieces = 2;
+  reply.cut->report.new_vertices = 40;
+  reply.cut->report.deviation_m = 1e-4;
+  reply.cut->warnings = {"one gap closed"};
+  const v1::CutResult result = encode_cut_result(reply);
+  EXPECT_EQ(result.status(), v1::CutResult::APPLIED);
+  EXPECT_EQ(result.tick(), 12);
+  EXPECT_EQ(result.pieces(), 2);
+  EXPECT_EQ(result.new_vertices(), 40);
+  EXPECT_EQ(result.deviation_m(), 1e-4);
+  EXPECT_EQ(result.state_hash(), "0000000000000abc");
+  EXPECT_EQ(result.warnings(0), "one gap closed");
+}
+
+}  // namespace
+}  // namespace kerf::wire
