@@ -61,7 +61,7 @@ const FrameHistory::Topology& FrameHistory::topology(const sheet::Topology& topo
 const Bytes& FrameHistory::keyframe(Frame& frame) {
   Bytes& body = frame.bodies[0];
   if (!body) {
-    body = std::make_shared<const std::string>(wire::encode_frame_body(frame.quantised));
+    body = std::make_shared<const std::string>(wire::encode_keyframe_body(frame.quantised));
     ++counters_.keyframes;
   }
   return body;
@@ -70,11 +70,9 @@ const Bytes& FrameHistory::keyframe(Frame& frame) {
 const Bytes& FrameHistory::delta(Frame& frame, const Frame& base) {
   const auto known = frame.bodies.find(base.publication);
   if (known != frame.bodies.end()) return known->second;
-  std::string encoded = wire::encode_frame_body(frame.quantised, &base.quantised);
+  std::optional<std::string> encoded = wire::encode_delta_body(frame.quantised, base.quantised);
   ++counters_.deltas;
-  const std::size_t keyframe_bytes = sizeof(std::uint16_t) * frame.quantised.positions.size();
-  Bytes body =
-      encoded.size() < keyframe_bytes ? std::make_shared<const std::string>(std::move(encoded)) : keyframe(frame);
+  Bytes body = encoded ? std::make_shared<const std::string>(std::move(*encoded)) : keyframe(frame);
   return frame.bodies[base.publication] = std::move(body);
 }
 

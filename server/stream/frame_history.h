@@ -18,7 +18,7 @@ namespace kerf::stream {
 struct EncodeCounters {
   std::int64_t quantised = 0;
   std::int64_t keyframes = 0;   // encoded
-  std::int64_t deltas = 0;      // encoded
+  std::int64_t deltas = 0;      // encoded, those among them that turned out no smaller than the keyframe
   std::int64_t topologies = 0;  // encoded
   std::int64_t taken = 0;       // frames given to subscribers
 };
@@ -34,7 +34,7 @@ struct FramePick {
   Viewed viewed;  // once this is sent
   std::int64_t tick = 0;
   bool keyframe = false;
-  Bytes body;      // see wire::encode_frame_body
+  Bytes body;      // see wire::encode_keyframe_body, encode_delta_body
   Bytes topology;  // see wire::encode_topology; null where the subscriber's is up to date
 };
 

@@ -79,6 +79,25 @@ void encode_stats(const QuantisedFrame& frame, v1::FrameStats& stats) {
   stats.set_sleeping(frame.stats.sleeping);
 }
 
+std::string encode_body(const QuantisedFrame& frame, std::int64_t base_tick, std::string positions) {
+  v1::Frame message;
+  message.set_tick(frame.tick);
+  message.set_base_tick(base_tick);
+  message.set_topology_version(frame.topology->version);
+  message.set_num_vertices(static_cast<std::int32_t>(frame.positions.size() / 3));
+  v1::Vec3& min = *message.mutable_box()->mutable_min();
+  min.set_x(frame.box.min[0]);
+  min.set_y(frame.box.min[1]);
+  min.set_z(frame.box.min[2]);
+  v1::Vec3& max = *message.mutable_box()->mutable_max();
+  max.set_x(frame.box.min[0] + frame.box.size[0]);
+  max.set_y(frame.box.min[1] + frame.box.size[1]);
+  max.set_z(frame.box.min[2] + frame.box.size[2]);
+  message.set_positions(std::move(positions));
+  encode_stats(frame, *message.mutable_stats());
+  return message.SerializeAsString();
+}
+
 void append_varint(std::uint64_t value, std::string& bytes) {
   while (value >= 0x80) {
     bytes.push_back(static_cast<char>((value & 0x7f) | 0x80));
@@ -101,25 +120,15 @@ QuantisedFrame quantise_frame(const sheet::Snapshot& snapshot, const std::option
   return frame;
 }
 
-std::string encode_frame_body(const QuantisedFrame& frame, const QuantisedFrame* base) {
-  KERF_CHECK(base == nullptr || base->box == frame.box, "a delta needs the box of its base");
-  v1::Frame message;
-  message.set_tick(frame.tick);
-  message.set_base_tick(base == nullptr ? -1 : base->tick);
-  message.set_topology_version(frame.topology->version);
-  message.set_num_vertices(static_cast<std::int32_t>(frame.positions.size() / 3));
-  v1::Vec3& min = *message.mutable_box()->mutable_min();
-  min.set_x(frame.box.min[0]);
-  min.set_y(frame.box.min[1]);
-  min.set_z(frame.box.min[2]);
-  v1::Vec3& max = *message.mutable_box()->mutable_max();
-  max.set_x(frame.box.min[0] + frame.box.size[0]);
-  max.set_y(frame.box.min[1] + frame.box.size[1]);
-  max.set_z(frame.box.min[2] + frame.box.size[2]);
-  message.set_positions(base == nullptr ? encode_keyframe_positions(frame.positions)
-                                        : encode_delta_positions(frame.positions, base->positions));
-  encode_stats(frame, *message.mutable_stats());
-  return message.SerializeAsString();
+std::string encode_keyframe_body(const QuantisedFrame& frame) {
+  return encode_body(frame, -1, encode_keyframe_positions(frame.positions));
+}
+
+std::optional<std::string> encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame& base) {
+  KERF_CHECK(base.box == frame.box, "a delta needs the box of its base");
+  std::string positions = encode_delta_positions(frame.positions, base.positions);
+  if (positions.size() >= sizeof(frame.positions[0]) * frame.positions.size()) return std::nullopt;
+  return encode_body(frame, base.tick, std::move(positions));
 }
 
 EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t base_version) {

@@ -30,9 +30,10 @@ struct QuantisedFrame {
 // `current`: the box of the frame before, see choose_box().
 QuantisedFrame quantise_frame(const sheet::Snapshot& snapshot, const std::optional<FrameBox>& current);
 
-// A serialised Frame without sequence, topology and stats.skipped: a keyframe, or the delta against `base`, whose box
-// must be the same.
-std::string encode_frame_body(const QuantisedFrame& frame, const QuantisedFrame* base = nullptr);
+// Serialised Frames without sequence, topology and stats.skipped. A delta is against `base`, whose box must be the
+// same; nothing where its positions would take no fewer bytes than the keyframe's.
+std::string encode_keyframe_body(const QuantisedFrame& frame);
+std::optional<std::string> encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame& base);
 
 // A serialised Frame with nothing but `topology`.
 struct EncodedTopology {

@@ -1,6 +1,8 @@
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include <benchmark/benchmark.h>
 
@@ -37,7 +39,9 @@ void encode(benchmark::State& state, const std::string& name, int side, Kind kin
   std::string bytes;
   for (auto _ : state) {
     const wire::QuantisedFrame frame = wire::quantise_frame(*frames.second, base.box);
-    bytes = wire::encode_frame_body(frame, kind != Kind::kKeyframe && frame.box == base.box ? &base : nullptr);
+    std::optional<std::string> delta;
+    if (kind != Kind::kKeyframe && frame.box == base.box) delta = wire::encode_delta_body(frame, base);
+    bytes = delta ? std::move(*delta) : wire::encode_keyframe_body(frame);
     if (kind == Kind::kCut) bytes += wire::encode_topology(*frame.topology, base.topology->version).bytes;
   }
   state.counters["bytes"] = static_cast<double>(bytes.size());

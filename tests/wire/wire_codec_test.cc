@@ -17,6 +17,7 @@
 #include "server/wire/command_codec.h"
 #include "server/wire/error_codec.h"
 #include "server/wire/json.h"
+#include "server/wire/protobuf_log.h"
 #include "server/wire/recording_codec.h"
 #include "server/wire/reply_codec.h"
 #include "server/wire/scene_codec.h"
@@ -212,6 +213,7 @@ TEST(RecordingCodec, EveryTruncationIsRefusedWithItsOffset) {
 }
 
 TEST(RecordingCodec, DamageIsRefusedOrChangesOnlyWhatItHits) {
+  discard_protobuf_log();
   const std::string file = encode(sample_recording());
   int refused = 0;
   for (std::size_t at = 0; at < file.size(); ++at) {
@@ -343,7 +345,7 @@ TEST(Json, NoTruncationOrByteFlipGetsThroughUnnoticedOrCrashes) {
     std::string damaged = json;
     damaged[random.below(damaged.size())] = static_cast<char>(random.below(256));
     const Status status = from_json(damaged, scene);
-    if (!status.ok()) EXPECT_EQ(status.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_TRUE(status.ok() || status.error().code == ErrorCode::kInvalidArgument);
   }
 }
 

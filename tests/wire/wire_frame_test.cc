@@ -133,13 +133,14 @@ TEST(FrameEncoder, MirrorEqualsQuantisedPositionsThroughCutsSkipsAndNewBoxes) {
     if (last && random.uniform() < 0.3) continue;  // this viewer skips the tick
     const QuantisedFrame frame =
         quantise_frame(*sheet.snapshot(), last ? std::optional<FrameBox>(last->box) : std::nullopt);
-    const bool delta = last && last->box == frame.box && random.uniform() < 0.9;
+    std::optional<std::string> delta;
+    if (last && last->box == frame.box && random.uniform() < 0.9) delta = encode_delta_body(frame, *last);
     new_boxes += last && last->box != frame.box ? 1 : 0;
-    deltas += delta ? 1 : 0;
+    deltas += delta.has_value() ? 1 : 0;
     std::string topology;
     if (frame.topology->version != told) topology = encode_topology(*frame.topology, told).bytes;
     const auto fault =
-        mirror.apply(assemble(mirror.sequence + 1, encode_frame_body(frame, delta ? &*last : nullptr), topology));
+        mirror.apply(assemble(mirror.sequence + 1, delta ? *delta : encode_keyframe_body(frame), topology));
     ASSERT_EQ(fault, std::nullopt) << "tick " << tick;
     ASSERT_EQ(std::vector<std::int32_t>(frame.positions.begin(), frame.positions.end()), mirror.quantised);
     if (frame.topology->version != told) expect_topology(mirror, *frame.topology);
@@ -161,14 +162,14 @@ TEST(FrameEncoder, UnionPatchFromAnyVersionGivesTheSameAsTheFullTopology) {
     FrameMirror fresh;
     const EncodedTopology full = encode_topology(*frame.topology, -1);
     ASSERT_TRUE(full.full);
-    ASSERT_EQ(fresh.apply(assemble(1, encode_frame_body(frame), full.bytes)), std::nullopt);
+    ASSERT_EQ(fresh.apply(assemble(1, encode_keyframe_body(frame), full.bytes)), std::nullopt);
     expect_topology(fresh, *frame.topology);
     for (FrameMirror viewer : viewers) {  // a copy: the viewer itself stays behind
       const EncodedTopology patch = encode_topology(*frame.topology, viewer.topology_version);
       EXPECT_EQ(patch.full, viewer.topology_version < frame.topology->patchable_since);
       EXPECT_TRUE(patch.full || patch.bytes.size() < full.bytes.size() / 2);
       unions += patch.full ? 0 : 1;
-      ASSERT_EQ(viewer.apply(assemble(2, encode_frame_body(frame), patch.bytes)), std::nullopt);
+      ASSERT_EQ(viewer.apply(assemble(2, encode_keyframe_body(frame), patch.bytes)), std::nullopt);
       EXPECT_EQ(viewer.triangles, fresh.triangles);
       EXPECT_EQ(viewer.pieces, fresh.pieces);
       EXPECT_EQ(viewer.material, fresh.material);
@@ -189,7 +190,7 @@ TEST(FrameEncoder, HeadMergesWithSharedStats) {
   auto snapshot = *sheet.snapshot();
   snapshot.stats.overruns = 11;
   snapshot.stats.paused = true;
-  const std::string body = encode_frame_body(quantise_frame(snapshot, std::nullopt));
+  const std::string body = encode_keyframe_body(quantise_frame(snapshot, std::nullopt));
   v1::WatchResponse response;
   ASSERT_TRUE(response.ParseFromString(encode_frame_head(9, 4, body.size()) + body));
   EXPECT_EQ(response.frame().sequence(), 9);
