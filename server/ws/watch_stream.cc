@@ -123,7 +123,8 @@ asio::awaitable<void> WatchStream::write_messages() {
       if (error) co_return;
     }
     if (ended) co_return;
-    co_await wait_until_woken();
+    // What next() gave may have been the end itself, after which nobody wakes this.
+    if (!session_->ended()) co_await wait_until_woken();
   }
 }
 

@@ -135,22 +135,20 @@ TEST_F(KerfdTest, PrintsOneLineWhenReadyAndStopsOnASignal) {
     const std::string line = kerfd.read_line();
     std::smatch match;
     ASSERT_TRUE(std::regex_match(
-        line, match,
-        std::regex(R"(\{"grpc":"127\.0\.0\.1:([0-9]+)","http":"http://127\.0\.0\.1:([0-9]+)"\
-  }\n)")))
+        line, match, std::regex(R"re(\{"grpc":"127\.0\.0\.1:([0-9]+)","http":"http://127\.0\.0\.1:([0-9]+)"\}\n)re")))
         << line;
-  const int port = std::stoi(match[2]);
-  v1::ListSheetsResponse sheets;
-  ASSERT_TRUE(wire::from_json(request(port, "POST", "/kerf.v1.SheetService/ListSheets", {}, "{}").body, sheets));
-  ASSERT_EQ(sheets.sheets_size(), 2);
-  EXPECT_EQ(sheets.sheets(0).name(), "sheets/first") << "without sheet_id the file's name serves";
-  EXPECT_NE(sheets.sheets(0).run_state(), v1::Sheet::PAUSED);
-  EXPECT_EQ(sheets.sheets(1).name(), "sheets/named");
-  EXPECT_EQ(sheets.sheets(1).num_vertices(), 20);
-  kerfd.signal(number);
-  EXPECT_EQ(kerfd.wait(), 0);
-  EXPECT_EQ(kerfd.rest_of_output(), "");
-}
+    const int port = std::stoi(match[2]);
+    v1::ListSheetsResponse sheets;
+    ASSERT_TRUE(wire::from_json(request(port, "POST", "/kerf.v1.SheetService/ListSheets", {}, "{}").body, sheets));
+    ASSERT_EQ(sheets.sheets_size(), 2);
+    EXPECT_EQ(sheets.sheets(0).name(), "sheets/first") << "without sheet_id the file's name serves";
+    EXPECT_NE(sheets.sheets(0).run_state(), v1::Sheet::PAUSED);
+    EXPECT_EQ(sheets.sheets(1).name(), "sheets/named");
+    EXPECT_EQ(sheets.sheets(1).num_vertices(), 20);
+    kerfd.signal(number);
+    EXPECT_EQ(kerfd.wait(), 0);
+    EXPECT_EQ(kerfd.rest_of_output(), "");
+  }
 }
 
 TEST_F(KerfdTest, StopsWithViewersAndWorkUnderWay) {

@@ -224,7 +224,9 @@ TEST_F(RpcWatchTest, ClientsMayLeaveAsTheyLike) {
   };
   for (int i = 0; i < 20; ++i) {
     Stream stream(*client_, "sheets/a");
-    if (i % 4 != 0) ASSERT_TRUE(stream.take());
+    if (i % 4 != 0) {
+      ASSERT_TRUE(stream.take());
+    }
     if (i % 2 == 0) {
       stream.cancel();
       while (stream.read()) {

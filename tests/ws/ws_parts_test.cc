@@ -145,7 +145,7 @@ TEST_F(AssetTableTest, KnowsNoPathOutOfTheFolder) {
   EXPECT_EQ(table->num_files(), 1U);
   for (const char* path : {"/../secret.txt", "/..%2fsecret.txt", "/%2e%2e/secret.txt", "//secret.txt", "/./index.html",
                            "/assets/../index.html", "/link.txt", "/up/secret.txt", "/.git/config", "/.hidden", "",
-                           "index.html", "/index.html/", "/index.html\0"}) {
+                           "index.html", "/index.html/"}) {
     EXPECT_EQ(table->find(path), nullptr) << path;
   }
   EXPECT_EQ(table->find(std::string_view("/index.html\0.png", 16)), nullptr);

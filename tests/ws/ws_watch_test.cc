@@ -141,7 +141,9 @@ TEST_F(WatchTest, MirrorEqualsTheServerThroughTicksAndCuts) {
     ASSERT_TRUE(call("CutService/CreateCut", wire::to_json(cut), result));
     applied += result.status() == v1::CutResult::APPLIED ? 1 : 0;
     v1::Sheet sheet;
-    if (i % 2 == 1) ASSERT_TRUE(call("SheetService/StepSheet", R"({"name":"sheets/a","ticks":3})", sheet));
+    if (i % 2 == 1) {
+      ASSERT_TRUE(call("SheetService/StepSheet", R"({"name":"sheets/a","ticks":3})", sheet));
+    }
     const v1::SheetState exact = state();
     follow(socket, mirror, exact.tick(), exact.topology_version());
     ASSERT_EQ(difference(mirror, exact), "") << "after cut " << i;
