@@ -49,7 +49,7 @@ std::vector<Start> bad_starts(const mesh::TriangleMesh& mesh) {
 class IntegratorStress : public IntegratorTest {};
 
 TEST_P(IntegratorStress, StaysFiniteAndNeverGainsEnergyFromAnyStart) {
-  const mesh::TriangleMesh mesh = jittered_square(7);
+  const mesh::TriangleMesh mesh = jittered_square(6);
   Loads loads;
   loads.gravity.setZero();
   // Implicit Euler dissipates. Verlet swings by what its step resolves of a collapse; the trapezoidal stage of TR-BDF2
@@ -66,7 +66,7 @@ TEST_P(IntegratorStress, StaysFiniteAndNeverGainsEnergyFromAnyStart) {
         State state = start.state;
         const double before = internal_energy(model, state);
         double highest = before;
-        for (int i = 0; i < 20; ++i) {
+        for (int i = 0; i < 10; ++i) {
           integrator->step(model, loads, dt, nullptr, state);
           ASSERT_TRUE(is_finite(state)) << start.name << " E " << youngs_modulus << " dt " << dt << " step " << i;
           highest = std::max(highest, internal_energy(model, state));
@@ -131,7 +131,7 @@ TEST_P(IntegratorStress, LeavesANotFiniteStateAsItWasAndSaysSo) {
 }
 
 TEST_P(IntegratorStress, AHangingClothStaysBoundedThroughItsWildestSwing) {
-  constexpr int kSide = 15;
+  constexpr int kSide = 11;
   const mesh::TriangleMesh mesh = square_grid(kSide);
   const Model model(mesh, find_preset("demo").value());
   const std::unique_ptr<Integrator> integrator = make(model);
@@ -141,7 +141,7 @@ TEST_P(IntegratorStress, AHangingClothStaysBoundedThroughItsWildestSwing) {
     loads.pins.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
   }
   const double start = model.energies(state, loads.gravity).total();
-  for (int i = 0; i < 180; ++i) {
+  for (int i = 0; i < 120; ++i) {
     const StepStats stats = integrator->step(model, loads, 1.0 / 60.0, nullptr, state);
     ASSERT_EQ(stats.flags & kFrozen, 0U);
     ASSERT_LE(model.energies(state, loads.gravity).total(), start + 1e-4);
