@@ -38,7 +38,12 @@ RawClient::RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CL
 }
 
 RawClient::~RawClient() {
+  hang_up();
+}
+
+void RawClient::hang_up() {
   if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
 }
 
 void RawClient::shrink_receive_buffer(int bytes) {
@@ -168,6 +173,7 @@ int RawWebSocket::read_close() {
   while (const std::optional<Frame> frame = read()) {
     if (frame->opcode != kClose) continue;
     send(kClose, frame->payload);
+    connection_.hang_up();
     if (frame->payload.size() < 2) return 1005;
     return (static_cast<std::uint8_t>(frame->payload[0]) << 8) | static_cast<std::uint8_t>(frame->payload[1]);
   }

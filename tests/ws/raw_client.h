@@ -32,6 +32,7 @@ class RawClient {
   Response read_response(bool head = false);
   // Waits; true if the peer closes (or resets) and nothing more comes before it.
   bool closed_by_peer();
+  void hang_up();
   // Makes the kernel keep no more than about this much that is not read.
   void shrink_receive_buffer(int bytes);
 
@@ -65,7 +66,8 @@ class RawWebSocket {
   void send(std::uint8_t opcode, std::string_view payload, bool masked = true, std::uint8_t first_bits = 0x80);
   // The next frame, pings answered on the way; nothing if the connection ends.
   std::optional<Frame> read();
-  // Reads on to the close frame and returns its code; 0 if the connection ends without one, 1005 if it has none.
+  // Reads on to the close frame, answers it, hangs up and returns its code; 0 if the connection ends without one, 1005
+  // if it has none.
   int read_close();
   RawClient& connection() { return connection_; }
 
