@@ -59,7 +59,7 @@ const std::vector<Row>& table() {
       {"server/contact", {"server/mesh", "server/base"}, {"eigen"}},
       {"server/fem", {"server/mesh", "server/base"}, {"eigen", "simd"}},
       {"server/sheet", {"server/cut", "server/contact", "server/fem", "server/mesh", "server/base"}, {"eigen"}},
-      {"server/host", {"server/sheet", "server/base"}, {"asio", "posix"}},
+      {"server/host", {"server/sheet", "server/base"}, {"asio", "eigen", "posix"}},
       {"server/store", {"server/host/journal.h", "server/host/disk.h", "server/sheet", "server/base"}, {"database"}},
       {"server/wire", {"server/sheet", "server/mesh", "server/base"}, {"eigen", "proto", "protobuf", "meshoptimizer"}},
       {"server/stream", {"server/wire", "server/sheet", "server/mesh", "server/base"}, {}},

@@ -1,0 +1,603 @@
+// Every unary method: what it answers, what it refuses, and that a refusal changes nothing.
+
+#include <array>
+#include <atomic>
+#include <cstring>
+#include <future>
+#include <semaphore>
+#include <set>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/renderer.h"
+#include "server/wire/error_codec.h"
+#include "tests/api/api_fixture.h"
+
+namespace kerf::api {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct BadCall {
+  const char* method;  // "SheetService/GetSheet"
+  std::string json;
+  ErrorCode code;
+  const char* field;
+};
+
+std::string cut_json(const std::string& curve) {
+  return R"({"parent":"sheets/a","cut":{"curve":{)" + curve + "}}}";
+}
+
+std::vector<BadCall> bad_cuts() {
+  const ErrorCode invalid = ErrorCode::kInvalidArgument;
+  const char* create = "CutService/CreateCut";
+  std::string many = R"("polyline":{"points":[)";
+  for (int i = 0; i <= 4096; ++i) many += (i == 0 ? "" : ",") + (R"({"x":)" + std::to_string(i) + "}");
+  many += "]}";
+  return {
+      {create, cut_json(R"("circle":{"center":{"x":"NaN"},"radius_m":0.1})"), invalid, "cut.curve.circle.center.x"},
+      {create, cut_json(R"("circle":{"center":{"y":"Infinity"},"radius_m":0.1})"), invalid,
+       "cut.curve.circle.center.y"},
+      {create, cut_json(R"("circle":{"radius_m":-1})"), invalid, "cut.curve.circle.radius_m"},
+      {create, cut_json(R"("polyline":{"points":[{"x":1e300},{}]})"), invalid, "cut.curve.polyline.points[0].x"},
+      {create, cut_json(R"("polyline":{"points":[{"x":0.5},{"x":0.5}]})"), invalid, "cut.curve.polyline.points"},
+      {create, cut_json(R"("polyline":{"points":[{"x":0.5}]})"), invalid, "cut.curve.polyline.points"},
+      {create, cut_json(many), invalid, "cut.curve.polyline.points"},
+      {create, cut_json(R"("bezier":{"points":[{"x":1},{"x":2},{"x":3}]})"), invalid, "cut.curve.bezier.points"},
+      {create, cut_json(""), invalid, "cut.curve"},
+      {create, R"({"parent":"sheets/a"})", invalid, "cut"},
+      {create, R"({"parent":"sheets/a","cut":{"curve":{"circle":{"radius_m":0.1}},"tolerance":0.6}})", invalid,
+       "cut.tolerance"},
+      {create, R"({"parent":"sheets/a","cut":{"curve":{"circle":{"radius_m":0.1}},"max_new_triangles":2000000}})",
+       invalid, "cut.max_new_triangles"},
+      {create, R"({"parent":"a","cut":{"curve":{"circle":{"radius_m":0.1}}}})", invalid, "parent"},
+      {create, R"({"parent":"sheets/nobody","cut":{"curve":{"circle":{"radius_m":0.1}}}})", ErrorCode::kNotFound,
+       "parent"},
+      {create,
+       R"({"parent":"sheets/a","cut":{"curve":{"circle":{"radius_m":0.1}}},"request_id":")" + std::string(65, 'r') +
+           "\"}",
+       invalid, "request_id"},
+      {"CutService/ListCuts", R"({"parent":"sheets/nobody"})", ErrorCode::kNotFound, "parent"},
+      {"CutService/ListCuts", R"({"parent":"sheets/a","page_size":1001})", invalid, "page_size"},
+      {"CutService/ListCuts", R"({"parent":"sheets/a","page_token":"x"})", invalid, "page_token"},
+  };
+}
+
+std::vector<BadCall> bad_sheet_calls() {
+  const ErrorCode invalid = ErrorCode::kInvalidArgument;
+  const ErrorCode not_found = ErrorCode::kNotFound;
+  const std::string grid = R"("scene":{"grid":{"columns":3,"rows":3,"width_m":1,"height_m":1}})";
+  const char* create = "SheetService/CreateSheet";
+  const char* get = "SheetService/GetSheet";
+  return {
+      {create, R"({"sheet_id":"c"})", invalid, "scene"},
+      {create, R"({"sheet_id":"c","scene":{}})", invalid, "scene.mesh"},
+      {create, R"({"sheet_id":"C",)" + grid + "}", invalid, "sheet_id"},
+      {create, R"({"sheet_id":"a",)" + grid + "}", ErrorCode::kAlreadyExists, nullptr},
+      {create, R"({"scene":{"grid":{"columns":1000,"rows":1000,"width_m":1,"height_m":1}}})", invalid,
+       "scene.grid.rows"},
+      {create, R"({"scene":{"grid":{"columns":3,"rows":3,"width_m":"NaN","height_m":1}}})", invalid,
+       "scene.grid.width_m"},
+      {create, R"({"scene":{"obj":{"file":"/etc/passwd"}}})", invalid, "scene.obj.file"},
+      {create, R"({"scene":{"inline":{"material_positions":[0,0,1,0,0,1],"triangles":[0,1,3]}}})", invalid,
+       "scene.inline.triangles"},
+      {create, R"({"scene":{"inline":{"material_positions":[0,0,1,0,2,0],"triangles":[0,1,2]}}})", invalid,
+       "scene.inline.triangles"},
+      {create, R"({"scene":{"gravity_mps2":{"z":-1e5},"grid":{"columns":3,"rows":3,"width_m":1,"height_m":1}}})",
+       invalid, "scene.gravity_mps2.z"},
+      {create, R"({"scene":{"tick_rate_hz":1e9,"grid":{"columns":3,"rows":3,"width_m":1,"height_m":1}}})", invalid,
+       "scene.tick_rate_hz"},
+      {create,
+       R"({"scene":{"pins":[{"vertices":{"vertices":[99]}}],)"
+       R"("grid":{"columns":3,"rows":3,"width_m":1,"height_m":1}}})",
+       invalid, "scene.pins[0].vertices.vertices[0]"},
+      {create, "{\"scene\":{\"grid\":{\"colums\":3}}}", invalid, "scene.grid.colums"},
+      {create, "not json", invalid, ""},
+      {get, R"({"name":"sheets/nobody"})", not_found, "name"},
+      {get, R"({"name":"sheets/"})", invalid, "name"},
+      {get, R"({"name":"sheets/a/cuts/1"})", invalid, "name"},
+      {get, R"({"name":"sheets/../a"})", invalid, "name"},
+      {get, "{}", invalid, "name"},
+      {"SheetService/DeleteSheet", R"({"name":"sheets/nobody"})", not_found, "name"},
+      {"SheetService/PauseSheet", R"({"name":"sheets/nobody"})", not_found, "name"},
+      {"SheetService/ResumeSheet", R"({"name":"sheets/nobody"})", not_found, "name"},
+      {"SheetService/ResetSheet", R"({"name":"sheets/nobody"})", not_found, "name"},
+      {"SheetService/GetSheetState", R"({"name":"sheets/nobody"})", not_found, "name"},
+      {"SheetService/ExportSheet", R"({"name":"sheets/nobody"})", not_found, "name"},
+      {"SheetService/ExportSheet", R"({"name":"sheets/a","format":7})", invalid, "format"},
+      {"SheetService/StepSheet", R"({"name":"sheets/a","ticks":0})", invalid, "ticks"},
+      {"SheetService/StepSheet", R"({"name":"sheets/a","ticks":100001})", invalid, "ticks"},
+      {"SheetService/ListSheets", R"({"page_size":-1})", invalid, "page_size"},
+      {"SheetService/ListSheets", R"({"page_token":"../a"})", invalid, "page_token"},
+  };
+}
+
+std::vector<BadCall> bad_touches() {
+  const ErrorCode invalid = ErrorCode::kInvalidArgument;
+  const char* grab = "InteractionService/GrabPoint";
+  const char* image = "RenderService/RenderImage";
+  return {
+      {grab, R"({"name":"sheets/nobody","grab":{"grab_id":"g","vertex":0}})", ErrorCode::kNotFound, "name"},
+      {grab, R"({"name":"sheets/a"})", invalid, "grab"},
+      {grab, R"({"name":"sheets/a","grab":{"grab_id":"g"}})", invalid, "grab.point"},
+      {grab, R"({"name":"sheets/a","grab":{"grab_id":"g","vertex":49}})", invalid, "grab.vertex"},
+      {grab, R"({"name":"sheets/a","grab":{"grab_id":"g","material":{"x":7}}})", invalid, "grab.material"},
+      {grab, R"({"name":"sheets/a","grab":{"grab_id":"g","vertex":0,"target":{"x":"NaN"}}})", invalid, "grab.target.x"},
+      {"InteractionService/DragPoint", R"({"name":"sheets/a","drag":{"grab_id":"none","target":{}}})",
+       ErrorCode::kNotFound, "drag.grab_id"},
+      {"InteractionService/ReleasePoint", R"({"name":"sheets/a","release":{"grab_id":"none"}})", ErrorCode::kNotFound,
+       "release.grab_id"},
+      {"InteractionService/SetSheetPins", R"({"name":"sheets/a","set_pins":{"pins":[{"vertices":{"vertices":[-1]}}]}})",
+       invalid, "set_pins.pins[0].vertices.vertices[0]"},
+      {"InteractionService/SetSheetGravity", R"({"name":"sheets/a","set_gravity":{"gravity_mps2":{"x":"NaN"}}})",
+       invalid, "set_gravity.gravity_mps2.x"},
+      {"InteractionService/SetSheetWind", R"({"name":"sheets/a","set_wind":{"wind":{"velocity_mps":{"x":1001}}}})",
+       invalid, "set_wind.wind.velocity_mps.x"},
+      {image, R"({"name":"sheets/a","width_px":15})", invalid, "width_px"},
+      {image, R"({"name":"sheets/a","height_px":4097})", invalid, "height_px"},
+      {image, R"({"name":"sheets/a","jpeg_quality":101})", invalid, "jpeg_quality"},
+      {image, R"({"name":"sheets/a","format":9})", invalid, "format"},
+      {image, R"({"name":"sheets/a","camera":{"eye":{"x":1},"target":{"x":1}}})", invalid, "camera.target"},
+      {image, R"({"name":"sheets/a","camera":{"eye":{"z":1},"target":{}}})", invalid, "camera.up"},
+      {image, R"({"name":"sheets/a","camera":{"eye":{"x":"NaN"},"target":{}}})", invalid, "camera.eye"},
+      {image, R"({"name":"sheets/a","camera":{"eye":{"x":1},"target":{},"vertical_fov_deg":180}})", invalid,
+       "camera.vertical_fov_deg"},
+      {image, R"({"name":"sheets/a"})", ErrorCode::kUnavailable, ""},  // there is no renderer here
+  };
+}
+
+TEST_F(ApiTest, RefusalsNameCodeAndFieldAndChangeNothing) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ASSERT_TRUE(create_sheet("b", true).ok());
+  const std::string hash_a = get_sheet("sheets/a").state_hash();
+  const std::string hash_b = get_sheet("sheets/b").state_hash();
+  std::vector<BadCall> calls = bad_cuts();
+  for (BadCall& call : bad_sheet_calls()) calls.push_back(std::move(call));
+  for (BadCall& call : bad_touches()) calls.push_back(std::move(call));
+  for (const BadCall& bad : calls) {
+    const Result<std::string> reply = call_json("/kerf.v1." + std::string(bad.method), bad.json);
+    const std::string what = std::string(bad.method) + " " + bad.json.substr(0, 120);
+    ASSERT_FALSE(reply.ok()) << what;
+    EXPECT_EQ(wire::status_name(reply.error().code), wire::status_name(bad.code)) << what << reply.error().message;
+    EXPECT_TRUE(bad.field == nullptr || reply.error().field == bad.field)
+        << what << ": " << reply.error().field << ": " << reply.error().message;
+    EXPECT_FALSE(reply.error().reason.empty()) << what;
+    EXPECT_FALSE(reply.error().message.empty()) << what;
+    ASSERT_EQ(get_sheet("sheets/a").state_hash(), hash_a) << what;
+    ASSERT_EQ(get_sheet("sheets/b").state_hash(), hash_b) << what;
+  }
+  EXPECT_EQ(host_->list(), (std::vector<std::string>{"a", "b"}));
+}
+
+TEST_F(ApiTest, RunningSheetIsNotSteppedByHand) {
+  ASSERT_TRUE(create_sheet("a", false).ok());
+  const Result<std::string> reply = call_json("/kerf.v1.SheetService/StepSheet", R"({"name":"sheets/a","ticks":3})");
+  ASSERT_FALSE(reply.ok());
+  EXPECT_EQ(reply.error().code, ErrorCode::kFailedPrecondition);
+}
+
+TEST_F(ApiTest, SheetsAndVerticesAreBounded) {
+  for (const char* id : {"a", "b", "c", "d"}) ASSERT_TRUE(create_sheet(id, true).ok());
+  const Result<v1::Sheet> fifth = create_sheet("e", true);
+  ASSERT_FALSE(fifth.ok());
+  EXPECT_EQ(fifth.error().code, ErrorCode::kResourceExhausted);
+}
+
+TEST_F(ApiTest, CommandQueueIsBounded) {
+  ASSERT_TRUE(create_sheet("a", false).ok());
+  Answers<v1::CutResult> answers;
+  for (int i = 0; i < 9; ++i) api_->create_cut(cut_request("sheets/a", 0.1 + 0.1 * i), answers.callback());
+  host_->wait_idle();
+  ASSERT_EQ(answers.count(), 1U) << "the ninth, at once";
+  EXPECT_EQ(answers.reason(0), "QUEUE_FULL");
+  run_for(2 * kTick);
+  ASSERT_EQ(answers.count(), 9U);
+  for (std::size_t i = 1; i < 9; ++i) EXPECT_EQ(answers.at(i)->status(), v1::CutResult::APPLIED);
+}
+
+TEST_F(ApiTest, CutTellsWhatItDid) {
+  ASSERT_TRUE(create_sheet("a", false).ok());
+  const Result<v1::CutResult> result = call(&Api::create_cut, cut_request("sheets/a", 0.45));
+  ASSERT_TRUE(result.ok()) << result.error().message;
+  EXPECT_EQ(result->status(), v1::CutResult::APPLIED);
+  EXPECT_EQ(result->pieces(), 2);
+  EXPECT_GT(result->new_vertices(), 0);
+  EXPECT_GT(result->new_triangles(), 0);
+  EXPECT_EQ(result->topology_version(), 2);
+  EXPECT_EQ(result->name(), "sheets/a/cuts/2");
+  EXPECT_GT(result->queued_us(), 0.0);
+  EXPECT_EQ(result->state_hash().size(), 16U);
+  const v1::Sheet sheet = get_sheet("sheets/a");
+  EXPECT_EQ(sheet.pieces(), 2);
+  EXPECT_EQ(sheet.topology_version(), 2);
+  EXPECT_EQ(sheet.num_vertices(), 49 + result->new_vertices());
+}
+
+TEST_F(ApiTest, CutThatMissesChangesNothing) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  const std::string before = get_sheet("sheets/a").state_hash();
+  const Result<v1::CutResult> result = call(&Api::create_cut, cut_request("sheets/a", 5.0));
+  ASSERT_TRUE(result.ok());
+  EXPECT_EQ(result->status(), v1::CutResult::NO_INTERSECTION);
+  EXPECT_EQ(result->name(), "");
+  EXPECT_EQ(result->pieces(), 1);
+  EXPECT_EQ(result->state_hash(), before);
+  EXPECT_EQ(get_sheet("sheets/a").state_hash(), before);
+}
+
+TEST_F(ApiTest, SameRequestIdGetsTheSameAnswerAndDoesNothingMore) {
+  ASSERT_TRUE(create_sheet("a", false).ok());
+  const v1::CreateCutRequest request = cut_request("sheets/a", 0.45, "once");
+  Answers<v1::CutResult> answers;
+  api_->create_cut(request, answers.callback());
+  api_->create_cut(request, answers.callback());  // while the first is under way
+  run_for(2 * kTick);
+  api_->create_cut(request, answers.callback());  // after it
+  ASSERT_EQ(answers.count(), 3U);
+  for (std::size_t i = 1; i < 3; ++i) {
+    EXPECT_EQ(answers.at(i)->SerializeAsString(), answers.at(0)->SerializeAsString());
+  }
+  EXPECT_EQ(get_sheet("sheets/a").topology_version(), 2);
+
+  const Result<v1::CutResult> other = call(&Api::create_cut, cut_request("sheets/a", 0.7, "once"));
+  ASSERT_FALSE(other.ok());
+  EXPECT_EQ(other.error().code, ErrorCode::kAlreadyExists);
+  EXPECT_EQ(other.error().field, "request_id");
+  EXPECT_EQ(get_sheet("sheets/a").topology_version(), 2);
+}
+
+TEST_F(ApiTest, RefusedRequestMayBeTriedAgainUnderItsId) {
+  v1::CreateCutRequest request = cut_request("sheets/late", 0.45, "again");
+  EXPECT_EQ(call(&Api::create_cut, request).error().code, ErrorCode::kNotFound);
+  ASSERT_TRUE(create_sheet("late", true).ok());
+  EXPECT_TRUE(call(&Api::create_cut, request).ok());
+}
+
+TEST_F(ApiTest, OldestRequestIdsAreForgotten) {
+  Limits limits;
+  limits.max_remembered_requests = 2;
+  make_api(limits, nullptr);
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  const auto cut = [&](double y, const char* id) {
+    return call(&Api::create_cut, cut_request("sheets/a", y, id)).value().topology_version();
+  };
+  EXPECT_EQ(cut(0.2, "one"), 2);
+  EXPECT_EQ(cut(0.4, "two"), 3);
+  EXPECT_EQ(cut(0.2, "one"), 2);  // used again: now "two" is the oldest
+  EXPECT_EQ(cut(0.6, "three"), 4);
+  EXPECT_EQ(cut(0.2, "one"), 2);
+  EXPECT_EQ(call(&Api::create_cut, cut_request("sheets/a", 0.4, "two")).value().status(),
+            v1::CutResult::NO_INTERSECTION)
+      << "done anew: it retraces the earlier cut";
+}
+
+TEST_F(ApiTest, CreateSheetIsIdempotentToo) {
+  v1::CreateSheetRequest request;
+  request.mutable_scene()->mutable_grid()->set_columns(3);
+  request.mutable_scene()->mutable_grid()->set_rows(3);
+  request.mutable_scene()->mutable_grid()->set_width_m(1.0);
+  request.mutable_scene()->mutable_grid()->set_height_m(1.0);
+  request.set_request_id("new");
+  request.set_paused(true);
+  const std::string name = call(&Api::create_sheet, request).value().name();
+  EXPECT_EQ(call(&Api::create_sheet, request).value().name(), name);
+  EXPECT_EQ(host_->list().size(), 1U);
+}
+
+TEST_F(ApiTest, JournalListsTheCutsSinceTheLastReset) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  for (int i = 1; i <= 5; ++i) ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.15 * i)).ok());
+  ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 9.0)).ok());  // misses
+  v1::ListCutsRequest list;
+  list.set_parent("sheets/a");
+  list.set_page_size(2);
+  std::vector<double> heights;
+  int pages = 0;
+  do {
+    const v1::ListCutsResponse page = call(&Api::list_cuts, list).value();
+    for (const auto& entry : page.cuts()) {
+      heights.push_back(entry.cut().curve().polyline().points(0).y());
+      EXPECT_EQ(entry.result().name(), "sheets/a/cuts/" + std::to_string(entry.result().topology_version()));
+    }
+    list.set_page_token(page.next_page_token());
+    ++pages;
+  } while (!list.page_token().empty());
+  EXPECT_EQ(pages, 3);
+  EXPECT_EQ(heights, (std::vector<double>{0.15, 0.3, 0.15 * 3, 0.6, 0.75}));
+
+  v1::ResetSheetRequest reset;
+  reset.set_name("sheets/a");
+  EXPECT_EQ(call(&Api::reset_sheet, reset).value().pieces(), 1);
+  EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 0);
+  ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.5)).ok());
+  EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 1);
+}
+
+TEST_F(ApiTest, ListsSheetsByPage) {
+  for (const char* id : {"c", "a", "d", "b"}) ASSERT_TRUE(create_sheet(id, true).ok());
+  v1::ListSheetsRequest request;
+  request.set_page_size(3);
+  const v1::ListSheetsResponse first = call(&Api::list_sheets, request).value();
+  ASSERT_EQ(first.sheets_size(), 3);
+  EXPECT_EQ(first.sheets(0).name(), "sheets/a");
+  EXPECT_EQ(first.sheets(2).name(), "sheets/c");
+  // What was listed goes away in between: nothing is skipped.
+  v1::DeleteSheetRequest remove;
+  remove.set_name("sheets/a");
+  ASSERT_TRUE(call(&Api::delete_sheet, remove).ok());
+  request.set_page_token(first.next_page_token());
+  const v1::ListSheetsResponse second = call(&Api::list_sheets, request).value();
+  ASSERT_EQ(second.sheets_size(), 1);
+  EXPECT_EQ(second.sheets(0).name(), "sheets/d");
+  EXPECT_EQ(second.next_page_token(), "");
+}
+
+TEST_F(ApiTest, PausesStepsAndResumes) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  EXPECT_EQ(get_sheet("sheets/a").run_state(), v1::Sheet::PAUSED);
+  v1::StepSheetRequest step;
+  step.set_name("sheets/a");
+  step.set_ticks(7);
+  EXPECT_EQ(call(&Api::step_sheet, step).value().tick(), 7);
+  v1::ResumeSheetRequest resume;
+  resume.set_name("sheets/a");
+  EXPECT_EQ(call(&Api::resume_sheet, resume).value().run_state(), v1::Sheet::RUNNING);
+  run_for(10 * kTick);
+  EXPECT_GE(get_sheet("sheets/a").tick(), 16);
+  v1::PauseSheetRequest pause;
+  pause.set_name("sheets/a");
+  const std::int64_t tick = call(&Api::pause_sheet, pause).value().tick();
+  run_for(10 * kTick);
+  EXPECT_EQ(get_sheet("sheets/a").tick(), tick);
+}
+
+TEST_F(ApiTest, SettingsInForceAreToldWithTheSheet) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ASSERT_TRUE(call_json("/kerf.v1.InteractionService/SetSheetGravity",
+                        R"({"name":"sheets/a","set_gravity":{"gravity_mps2":{"z":-1.62}}})")
+                  .ok());
+  ASSERT_TRUE(call_json("/kerf.v1.InteractionService/SetSheetWind",
+                        R"({"name":"sheets/a","set_wind":{"wind":{"velocity_mps":{"x":3}}}})")
+                  .ok());
+  ASSERT_TRUE(call_json("/kerf.v1.InteractionService/SetSheetPins",
+                        R"({"name":"sheets/a","set_pins":{"pins":[{"vertices":{"vertices":[3,1]}}]}})")
+                  .ok());
+  const v1::Sheet sheet = get_sheet("sheets/a");
+  EXPECT_EQ(sheet.scene().gravity_mps2().z(), -1.62);
+  EXPECT_EQ(sheet.scene().wind().velocity_mps().x(), 3.0);
+  EXPECT_EQ(sheet.scene().wind().air_density_kgpm3(), 1.2);
+  EXPECT_THAT(sheet.pinned_vertices(), ::testing::ElementsAre(1, 3));
+  EXPECT_GT(sheet.settings_version(), 0);
+  EXPECT_FALSE(sheet.scene().has_grid());
+  EXPECT_GT(sheet.scene().material().youngs_modulus_pa(), 0.0);
+}
+
+template <typename T>
+std::vector<T> unpack(const std::string& bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
+
+TEST_F(ApiTest, ExactStateIsThatOfTheSolver) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/StepSheet", R"({"name":"sheets/a","ticks":5})").ok());
+  ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.45)).ok());
+  v1::GetSheetStateRequest request;
+  request.set_name("sheets/a");
+  const v1::SheetState state = call(&Api::get_sheet_state, request).value();
+  EXPECT_EQ(state.tick(), 5);
+  EXPECT_EQ(state.state_hash(), get_sheet("sheets/a").state_hash());
+  Answers<host::CommandResult> unused;
+  host_->inspect(
+      "a",
+      [&](const sheet::Sheet& sheet) {
+        const auto& x = sheet.state().x;
+        const auto& v = sheet.state().v;
+        ASSERT_EQ(state.num_vertices(), x.cols());
+        EXPECT_EQ(unpack<double>(state.positions()), std::vector<double>(x.data(), x.data() + x.size()));
+        EXPECT_EQ(unpack<double>(state.velocities()), std::vector<double>(v.data(), v.data() + v.size()));
+        const auto triangles = unpack<std::int32_t>(state.triangles());
+        const auto pieces = unpack<std::int32_t>(state.pieces());
+        ASSERT_EQ(static_cast<std::int32_t>(pieces.size()), sheet.mesh().num_triangle_slots());
+        ASSERT_EQ(triangles.size(), 3 * pieces.size());
+        for (std::int32_t t = 0; t < sheet.mesh().num_triangle_slots(); ++t) {
+          const auto slot = static_cast<std::size_t>(t);
+          EXPECT_EQ(pieces[slot], sheet.mesh().piece(t));
+          for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(triangles[3 * slot + k], sheet.mesh().vertices(t)[k]);
+        }
+      },
+      [](const Status&) {});
+  host_->wait_idle();
+}
+
+TEST_F(ApiTest, ObjHoldsEveryTriangleWithMaterialOnce) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.45)).ok());
+  v1::ExportSheetRequest request;
+  request.set_name("sheets/a");
+  Answers<v1::ExportSheetResponse> answers;
+  std::promise<v1::ExportSheetResponse> promise;
+  api_->export_sheet(request, [&promise](Result<v1::ExportSheetResponse> reply) { promise.set_value(reply.value()); });
+  const v1::ExportSheetResponse response = promise.get_future().get();
+  EXPECT_EQ(response.media_type(), "model/obj");
+  std::istringstream lines(response.content());
+  std::string line;
+  std::vector<std::array<double, 3>> positions;
+  std::vector<std::array<double, 2>> material;
+  std::set<int> used;
+  double area = 0.0;  // in material coordinates: that of the sheet, whatever was cut
+  int faces = 0;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::string keyword;
+    words >> keyword;
+    if (keyword == "v") {
+      std::array<double, 3> p{};
+      ASSERT_TRUE(words >> p[0] >> p[1] >> p[2]);
+      positions.push_back(p);
+    } else if (keyword == "vt") {
+      std::array<double, 2> p{};
+      ASSERT_TRUE(words >> p[0] >> p[1]);
+      material.push_back(p);
+    } else if (keyword == "f") {
+      std::array<int, 3> corner{};
+      for (int& index : corner) {
+        std::string pair;
+        words >> pair;
+        index = std::stoi(pair);
+        EXPECT_EQ(pair, std::to_string(index) + "/" + std::to_string(index));
+        ASSERT_GE(index, 1);
+        ASSERT_LE(index, static_cast<int>(positions.size()));
+        used.insert(index);
+      }
+      const auto at = [&](int k) {
+        return material[static_cast<std::size_t>(corner[static_cast<std::size_t>(k)] - 1)];
+      };
+      area += 0.5 * ((at(1)[0] - at(0)[0]) * (at(2)[1] - at(0)[1]) - (at(2)[0] - at(0)[0]) * (at(1)[1] - at(0)[1]));
+      ++faces;
+    } else {
+      EXPECT_EQ(keyword, "#");
+    }
+  }
+  const v1::Sheet sheet = get_sheet("sheets/a");
+  EXPECT_EQ(faces, sheet.num_triangles());
+  EXPECT_EQ(positions.size(), material.size());
+  EXPECT_EQ(used.size(), positions.size()) << "no vertex that no face uses";
+  EXPECT_EQ(static_cast<int>(positions.size()), sheet.num_vertices());
+  EXPECT_NEAR(area, 1.0, 1e-9);
+}
+
+// Notes what it is asked to draw; can be made to wait.
+class FakeRenderer : public render::Renderer {
+ public:
+  render::Status render(const render::Scene& scene, const render::Camera& camera, int width, int height,
+                        render::Pixels& pixels) override {
+    started.release();
+    if (blocked) go.acquire();
+    num_triangles = scene.mesh.triangles.size() / 3;
+    num_colliders = scene.colliders.size();
+    eye_x = camera.eye.x;
+    wireframe = scene.style.wireframe;
+    const render::Status status = render::validate(scene);
+    if (!status.ok()) return status;
+    pixels = {width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width * height), 200)};
+    return {};
+  }
+  [[nodiscard]] bool available() const override { return true; }
+  [[nodiscard]] std::string description() const override { return "fake"; }
+
+  std::counting_semaphore<64> started{0};
+  std::counting_semaphore<64> go{0};
+  std::atomic<bool> blocked{false};
+  std::size_t num_triangles = 0;
+  std::size_t num_colliders = 0;
+  double eye_x = 0.0;
+  bool wireframe = false;
+};
+
+Result<v1::RenderImageResponse> draw(Api& api, const v1::RenderImageRequest& request) {
+  std::promise<Result<v1::RenderImageResponse>> promise;
+  api.render_image(request, [&promise](Result<v1::RenderImageResponse> reply) { promise.set_value(std::move(reply)); });
+  return promise.get_future().get();
+}
+
+TEST_F(ApiTest, PictureIsDrawnOffTheStrand) {
+  if (!render::image_codecs_available()) GTEST_SKIP() << "built without image libraries";
+  FakeRenderer renderer;
+  make_api({}, &renderer);
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  v1::RenderImageRequest request;
+  request.set_name("sheets/a");
+  request.set_width_px(64);
+  request.set_height_px(32);
+  request.set_wireframe(true);
+  request.mutable_camera()->mutable_eye()->set_x(3.0);
+  request.mutable_camera()->mutable_target();
+  Result<v1::RenderImageResponse> picture = draw(*api_, request);
+  ASSERT_TRUE(picture.ok()) << picture.error().message;
+  EXPECT_EQ(picture->media_type(), "image/png");
+  EXPECT_EQ(picture->image().substr(1, 3), "PNG");
+  EXPECT_EQ(picture->width_px(), 64);
+  EXPECT_EQ(renderer.num_triangles, 72U);
+  EXPECT_EQ(renderer.eye_x, 3.0);
+  EXPECT_TRUE(renderer.wireframe);
+  request.set_format(v1::RenderImageRequest::JPEG);
+  picture = draw(*api_, request);
+  ASSERT_TRUE(picture.ok());
+  EXPECT_EQ(picture->image().substr(0, 2), "\xff\xd8");
+  request.set_name("sheets/nobody");
+  EXPECT_EQ(draw(*api_, request).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(ApiTest, WaitingPicturesAreBoundedAndRefusedAtTheEnd) {
+  FakeRenderer renderer;
+  renderer.blocked = true;
+  Limits limits;
+  limits.max_waiting_pictures = 2;
+  make_api(limits, &renderer);
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  v1::RenderImageRequest request;
+  request.set_name("sheets/a");
+  Answers<v1::RenderImageResponse> answers;
+  api_->render_image(request, answers.callback());
+  renderer.started.acquire();  // it is being drawn now
+  for (int i = 0; i < 3; ++i) api_->render_image(request, answers.callback());
+  host_->wait_idle();
+  ASSERT_EQ(answers.count(), 1U);
+  EXPECT_EQ(answers.at(0).error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(get_sheet("sheets/a").tick(), 0) << "the sheet answers while a picture is drawn";
+  renderer.blocked = false;
+  renderer.go.release(4);
+  api_.reset();
+  EXPECT_EQ(answers.count(), 4U) << "drawn or refused, but answered";
+}
+
+TEST_F(ApiTest, ServerTellsItsLimits) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  run_for(2s);
+  const v1::ServerInfo info = call(&Api::get_server_info, v1::GetServerInfoRequest()).value();
+  EXPECT_EQ(info.version(), "1.2.3");
+  EXPECT_EQ(info.instance_id(), "instance");
+  EXPECT_THAT(info.renderer(), HasSubstr("none: "));
+  EXPECT_EQ(info.workers(), 2);
+  EXPECT_EQ(info.num_sheets(), 1);
+  EXPECT_NEAR(info.uptime_s(), 2.0, 0.1);
+  EXPECT_THAT(info.material_presets(), ::testing::Contains("demo"));
+  EXPECT_EQ(info.limits().max_sheets(), 4);
+  EXPECT_EQ(info.limits().max_queued_commands_per_sheet(), 8);
+}
+
+TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  api_->stop();
+  api_->stop();
+  int asked = 0;
+  for (const Method& method : api_->methods()) {
+    Answers<std::string> answers;
+    method.call("{}", answers.callback());
+    host_->wait_idle();
+    ASSERT_EQ(answers.count(), 1U) << method.path;
+    EXPECT_EQ(answers.at(0).error().code, ErrorCode::kUnavailable) << method.path;
+    ++asked;
+  }
+  EXPECT_EQ(asked, 20);
+}
+
+TEST_F(ApiTest, MethodsSpeakJson) {
+  const Result<std::string> created =
+      call_json("/kerf.v1.SheetService/CreateSheet",
+                R"({"sheetId":"j","paused":true,"scene":{"grid":{"columns":3,"rows":3,"width_m":1,"height_m":1}}})");
+  ASSERT_TRUE(created.ok()) << created.error().message;
+  EXPECT_THAT(*created, HasSubstr("\"name\":\"sheets/j\""));
+  EXPECT_THAT(*created, HasSubstr("\"run_state\":\"PAUSED\""));
+  EXPECT_THAT(*created, HasSubstr("\"pieces\":1"));
+  EXPECT_EQ(call_json("/kerf.v1.SheetService/DeleteSheet", R"({"name":"sheets/j"})").value(), "{}");
+  EXPECT_TRUE(host_->list().empty());
+}
+
+}  // namespace
+}  // namespace kerf::api
