@@ -7,6 +7,7 @@
 
 #include "server/base/check.h"
 #include "server/base/state_hash.h"
+#include "server/fem/mass_redistribution.h"
 #include "server/mesh/triangle_mesh.h"
 
 namespace kerf::fem {
@@ -78,13 +79,8 @@ Model::Model(const mesh::TriangleMesh& mesh, const Material& material)
 
 MassChange Model::apply(const mesh::TriangleMesh& mesh, const mesh::MeshEdit& edit) {
   const std::vector<VertexId> touched = set_elements(mesh, edit.rewritten_triangles);
-  MassChange change;
-  change.vertices = touched;
-  change.mass_before.reserve(touched.size());
-  for (const VertexId v : touched) {
-    change.mass_before.push_back(mass_[static_cast<std::size_t>(v)]);
-    set_mass(v);
-  }
+  for (const VertexId v : touched) set_lumped_mass(v);
+  MassChange change = set_masses(mesh, touched);
   if (has_bending()) set_bending(mesh, edit.rewritten_triangles);
   return change;
 }
@@ -94,6 +90,8 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   KERF_CHECK(num_vertices >= mass_.size() && mesh.num_triangle_slots() >= num_slots_, "an edit never removes ids");
   num_slots_ = mesh.num_triangle_slots();
   blocks_.resize((static_cast<std::size_t>(num_slots_) + kLanes - 1) / kLanes);
+  lumped_mass_.resize(num_vertices, 0.0);
+  stiffness_.resize(num_vertices, 0.0);
   mass_.resize(num_vertices, 0.0);
   inverse_mass_.resize(num_vertices, 0.0);
   incident_.resize(mesh.num_vertices());
@@ -167,12 +165,48 @@ void Model::set_element(const mesh::TriangleMesh& mesh, TriangleId slot) {
   for (std::size_t k = 0; k < 3; ++k) block.vertex[k][l] = vertices[k];
 }
 
-void Model::set_mass(VertexId vertex) {
+void Model::set_lumped_mass(VertexId vertex) {
   double area = 0.0;
-  for (const TriangleId slot : incident_.row(vertex)) area += blocks_[block_of(slot)].area[lane_of(slot)];
+  double stiffness = 0.0;
+  for (const TriangleId slot : incident_.row(vertex)) {
+    const ElementBlock& block = blocks_[block_of(slot)];
+    const std::size_t l = lane_of(slot);
+    std::array<double, 2> g{};
+    for (std::size_t c = 0; c < 2; ++c) {
+      if (block.vertex[0][l] == vertex) g[c] = -block.g1[c][l] - block.g2[c][l];
+      if (block.vertex[1][l] == vertex) g[c] = block.g1[c][l];
+      if (block.vertex[2][l] == vertex) g[c] = block.g2[c][l];
+    }
+    area += block.area[l];
+    stiffness += corner_stiffness(g[0], g[1], block.area[l], membrane_law_);
+  }
   const auto v = static_cast<std::size_t>(vertex);
-  mass_[v] = material_.density * material_.thickness * area / 3.0;
-  inverse_mass_[v] = mass_[v] > 0.0 ? 1.0 / mass_[v] : 0.0;
+  lumped_mass_[v] = material_.density * material_.thickness * area / 3.0;
+  stiffness_[v] = stiffness;
+}
+
+MassChange Model::set_masses(const mesh::TriangleMesh& mesh, const std::vector<VertexId>& touched) {
+  MassChange change;
+  if (touched.empty()) return change;
+  // Mass and stiffness of an inner vertex of a uniform grid: six triangles of half a square each.
+  const double h = mesh.base_edge_length();
+  const double typical_mass = material_.density * material_.thickness * h * h;
+  const double typical_stiffness = 2.0 * (membrane_law_(0, 0) + membrane_law_(1, 1) + 2.0 * membrane_law_(2, 2));
+  std::vector<double> floor(stiffness_.size());
+  for (std::size_t i = 0; i < floor.size(); ++i) {
+    floor[i] = kMassFloor * stiffness_[i] * typical_mass / typical_stiffness;
+  }
+  std::vector<double> mass = lumped_mass_;
+  redistribute_mass(incident_, blocks_, floor, mass);
+  for (std::size_t i = 0; i < mass.size(); ++i) {
+    const auto v = static_cast<VertexId>(i);
+    if (mass[i] == mass_[i] && !std::binary_search(touched.begin(), touched.end(), v)) continue;
+    change.vertices.push_back(v);
+    change.mass_before.push_back(mass_[i]);
+    mass_[i] = mass[i];
+    inverse_mass_[i] = mass[i] > 0.0 ? 1.0 / mass[i] : 0.0;
+  }
+  return change;
 }
 
 void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {

@@ -35,7 +35,7 @@ struct Momentum {
   Eigen::Vector3d angular = Eigen::Vector3d::Zero();  // kg m^2/s, about the world's origin
 };
 
-// Vertices whose lumped mass was recomputed by an edit, added ones included, with the mass they had before.
+// Vertices whose mass an edit recomputed or changed, added ones included, with the mass they had before.
 struct MassChange {
   std::vector<mesh::VertexId> vertices;  // sorted, unique
   std::vector<double> mass_before;       // kg, same length; 0 for an added vertex
@@ -45,7 +45,8 @@ struct MassChange {
 // (the mesh's rest positions) and one material.
 //   Membrane: co-rotational linear triangles, W = A/2 e.C e with e = U - I, F = R U (Biot strain).
 //   Bending: quadratic patch of a triangle and its up to three neighbours, W = A/2 kappa.D kappa (see bending.h).
-//   Mass: a third of each triangle's to each corner.
+//   Mass: a third of each triangle's to each corner; vertices far too light for their stiffness, as along a cut, are
+//         given some of their neighbours' (see mass_redistribution.h).
 // Derived from mesh and material alone: two models of equal mesh and material are equal bit for bit, however they were
 // arrived at.
 class Model {
@@ -54,7 +55,7 @@ class Model {
   Model(const mesh::TriangleMesh& mesh, const Material& material);
 
   // Follows an edit the mesh has already made; recomputes the rewritten slots, the bending patches that touch them and
-  // the masses of their vertices, nothing else. Equal to a fresh Model(mesh, material()).
+  // the masses near them, nothing else. Equal to a fresh Model(mesh, material()).
   MassChange apply(const mesh::TriangleMesh& mesh, const mesh::MeshEdit& edit);
 
   [[nodiscard]] int num_vertices() const { return static_cast<int>(mass_.size()); }
@@ -93,7 +94,9 @@ class Model {
                                            const std::vector<mesh::TriangleId>& rewritten);
   void resize(const mesh::TriangleMesh& mesh);
   void set_element(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
-  void set_mass(mesh::VertexId vertex);
+  void set_lumped_mass(mesh::VertexId vertex);
+  // Takes the lumped masses over into mass_, redistributed. `touched`: vertices whose lumped mass was recomputed.
+  MassChange set_masses(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& touched);
   void set_bending(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten);
   [[nodiscard]] BendingPatch make_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
   // Row `vertex` of Q: the sum over the patches of `slots`, in that order.
@@ -112,6 +115,8 @@ class Model {
   std::vector<BendingPatch> patches_;  // one a slot; empty without bending
   RowStore<mesh::TriangleId> incident_;
   RowStore<BendingEntry> bending_rows_;
+  std::vector<double> lumped_mass_;  // kg, length V; a third of each triangle's
+  std::vector<double> stiffness_;    // N/m, length V; trace of the membrane stiffness at rest
   std::vector<double> mass_;
   std::vector<double> inverse_mass_;
 };

@@ -5,6 +5,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "server/fem/mass_redistribution.h"
+
 namespace kerf::fem {
 namespace {
 
@@ -33,7 +35,9 @@ std::array<Corner, 3> corners_of(const ElementBlock& block, std::size_t l, const
   corners[0].B = strain_displacement(-g1x - g2x, -g1y - g2y);
   corners[1].B = strain_displacement(g1x, g1y);
   corners[2].B = strain_displacement(g2x, g2y);
-  for (Corner& corner : corners) corner.stiffness = block.area[l] * (corner.B.transpose() * (C * corner.B)).trace();
+  for (Corner& corner : corners) {
+    corner.stiffness = corner_stiffness(corner.B(0, 0), corner.B(1, 1), block.area[l], C);
+  }
   return corners;
 }
 
