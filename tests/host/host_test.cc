@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "tests/host/host_fixture.h"
-#include "tests/support/failing_integrator.h"
 
 namespace kerf::host {
 namespace {
@@ -351,130 +350,6 @@ TEST_F(HostTest, GaugesFollowTheRunStates) {
   EXPECT_EQ(metrics.sheets, 3);
   EXPECT_EQ(metrics.running_sheets, 1);
   EXPECT_EQ(metrics.paused_sheets, 2);
-}
-
-class SmallHostTest : public HostTest {
- protected:
-  static HostOptions limits() {
-    HostOptions options;
-    options.max_sheets = 2;
-    options.max_vertices_per_sheet = 25;
-    options.max_queued_commands = 1;
-    return options;
-  }
-  SmallHostTest() : HostTest(limits()) {}
-};
-
-TEST_F(SmallHostTest, LimitsOnSheetsVerticesAndCommands) {
-  Answers<SheetStatus> answers;
-  host_->create_sheet("big", scenes::hanging(6), false, answers.callback());
-  EXPECT_EQ(answers.reason(0), "TOO_MANY_VERTICES");
-  sheet::SheetConfig obj = small_sheet();
-  obj.pins.clear();
-  std::string text;
-  for (int i = 0; i < 26; ++i) text += "v " + std::to_string(i) + " " + std::to_string(i % 2) + " 0\n";
-  for (int i = 1; i < 25; ++i) {
-    const int b = i % 2 == 1 ? i + 1 : i + 2;
-    const int c = i % 2 == 1 ? i + 2 : i + 1;
-    text += "f " + std::to_string(i) + " " + std::to_string(c) + " " + std::to_string(b) + "\n";
-  }
-  obj.mesh = sheet::ObjSource{text};
-  host_->create_sheet("obj", obj, false, answers.callback());
-  host_->wait_idle();
-  EXPECT_EQ(answers.reason(1), "TOO_MANY_VERTICES");  // known only once it is built
-  create("a", small_sheet());
-  create("b", small_sheet());
-  host_->create_sheet("c", small_sheet(), false, answers.callback());
-  EXPECT_EQ(answers.reason(2), "TOO_MANY_SHEETS");
-  Answers<CommandResult> commands;
-  host_->submit("a", sheet::Reset{}, commands.callback());
-  host_->submit("a", sheet::Reset{}, commands.callback());
-  EXPECT_EQ(commands.reason(0), "QUEUE_FULL");
-  host_->submit("b", sheet::Reset{}, commands.callback());  // each sheet has its own
-  run_for(kTick);
-  EXPECT_EQ(commands.count(), 3U);
-}
-
-class FailingHostTest : public HostTest {
- protected:
-  static HostOptions failing() {
-    HostOptions options;
-    options.make_integrator = scenes::make_failing_integrator;
-    return options;
-  }
-  FailingHostTest() : HostTest(failing()) {}
-};
-
-TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
-  create("a", small_sheet());
-  create("b", small_sheet());
-  run_for(3 * kTick);
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kGivesUp}}));
-  run_for(10 * kTick);
-  const SheetStatus frozen = status("a");
-  EXPECT_EQ(frozen.run_state, RunState::kFailed);
-  EXPECT_TRUE(frozen.stats.failed);
-  EXPECT_EQ(frozen.tick, 4 + 3);
-  EXPECT_EQ(clock_.num_timers(), 1U);  // that of b
-  EXPECT_EQ(host_->metrics().failed_ticks, 3);
-  EXPECT_EQ(host_->metrics().failed_sheets, 1);
-  EXPECT_EQ(status("b").tick, 16);
-  EXPECT_EQ(submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4}))->reply.cut->report.pieces, 2);
-  Answers<SheetStatus> stepped;
-  host_->pause("a", stepped.callback());
-  host_->step("a", 1, stepped.callback());
-  host_->resume("a", stepped.callback());
-  host_->wait_idle();
-  EXPECT_EQ(stepped.reason(1), "SHEET_FROZEN");
-  ASSERT_TRUE(submit("a", sheet::Reset{}));
-  EXPECT_EQ(status("a").run_state, RunState::kRunning);
-  EXPECT_GT(status("a").tick, frozen.tick);
-}
-
-TEST_F(FailingHostTest, AStepCallEndsWhereTheSheetFreezes) {
-  create("a", small_sheet(), true);
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kWritesNonsense}}));
-  Answers<SheetStatus> stepped;
-  host_->step("a", 100, stepped.callback());
-  host_->wait_idle();
-  EXPECT_EQ(stepped.reason(0), "SHEET_FROZEN");
-  EXPECT_EQ(status("a").tick, 3);
-}
-
-class RecordingHostTest : public HostTest {
- protected:
-  static HostOptions recording(const std::shared_ptr<sheet::Recorder>& recorder) {
-    HostOptions options;
-    options.make_recording = [recorder](const std::string& id) { return id == "a" ? recorder : nullptr; };
-    return options;
-  }
-  explicit RecordingHostTest(std::shared_ptr<sheet::Recorder> recorder = std::make_shared<sheet::Recorder>())
-      : HostTest(recording(recorder)), recorder_(std::move(recorder)) {}
-  std::shared_ptr<sheet::Recorder> recorder_;
-};
-
-TEST_F(RecordingHostTest, WhatWasServedReplaysBitForBit) {
-  create("a", at_50_hz(scenes::hanging(8)));
-  create("b", small_sheet());
-  run_for(5 * kTick);
-  ASSERT_TRUE(submit("a", scenes::line_cut({0.2, 0.5}, {0.8, 0.4})));
-  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 1, -2}}));
-  Answers<SheetStatus> done;
-  host_->pause("a", done.callback());
-  ASSERT_TRUE(submit("a", scenes::circle_cut({0.5, 0.7}, 0.1)));
-  host_->step("a", 7, done.callback());
-  host_->resume("a", done.callback());
-  run_for(5 * kTick);
-  host_->resume("a", done.callback());
-  run_for(5 * kTick);
-  ASSERT_TRUE(submit("a", sheet::Reset{}));
-  run_for(5 * kTick);
-  const std::int64_t tick = status("a").tick;
-  host_->stop();
-  const Result<sheet::ReplayReport> report = sheet::replay(recorder_->recording());
-  ASSERT_TRUE(report) << report.error().message;
-  EXPECT_FALSE(report->divergence.has_value());
-  EXPECT_EQ(report->ticks, tick);
 }
 
 }  // namespace

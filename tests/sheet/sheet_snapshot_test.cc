@@ -1,0 +1,91 @@
+#include <gtest/gtest.h>
+
+#include "server/base/random.h"
+#include "server/sheet/sheet.h"
+#include "tests/support/scenes.h"
+
+namespace kerf::sheet {
+namespace {
+
+Sheet make(SheetConfig config) {
+  Result<Sheet> created = Sheet::create(std::move(config));
+  if (!created) ADD_FAILURE() << created.error().message;
+  return std::move(created).value();
+}
+
+Result<CommandReply> apply(Sheet& sheet, Command command) {
+  const std::vector<Command> commands{std::move(command)};
+  TickReport report = sheet.apply(commands);
+  return std::move(report.replies.at(0));
+}
+
+TEST(Snapshot, SharesTheTopologyUntilItChanges) {
+  Sheet sheet = make(scenes::hanging(10));
+  const auto first = sheet.snapshot();
+  sheet.step({});
+  const auto second = sheet.snapshot();
+  EXPECT_EQ(first->topology, second->topology);
+  EXPECT_EQ(second->tick, 1);
+  EXPECT_NE(first->positions, second->positions);
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.3, 0.5}, {0.7, 0.5})));
+  const auto third = sheet.snapshot();
+  EXPECT_NE(second->topology, third->topology);
+  EXPECT_EQ(third->topology->version, 2);
+  EXPECT_EQ(third->positions.cols(), sheet.mesh().num_vertices());
+  EXPECT_EQ(third->topology->material_positions.cols(), sheet.mesh().num_vertices());
+}
+
+// What a viewer has, brought up to date slot by slot from versions alone.
+struct Mirror {
+  std::int32_t version = 0;
+  std::vector<std::array<mesh::VertexId, 3>> triangles;
+  std::vector<std::int32_t> pieces;
+  Eigen::Matrix2Xd material;
+
+  void follow(const Topology& topology) {
+    const bool full = version < topology.patchable_since;
+    triangles.resize(topology.triangles.size(), {-9, -9, -9});
+    pieces.resize(topology.pieces.size(), -9);
+    material.conservativeResize(2, topology.material_positions.cols());
+    for (std::size_t s = 0; s < triangles.size(); ++s) {
+      if (!full && topology.slot_versions[s] <= version) continue;
+      triangles[s] = topology.triangles[s];
+      pieces[s] = topology.pieces[s];
+    }
+    for (Eigen::Index v = 0; v < material.cols(); ++v) {
+      if (!full && topology.vertex_versions[static_cast<std::size_t>(v)] <= version) continue;
+      material.col(v) = topology.material_positions.col(v);
+    }
+    version = topology.version;
+  }
+};
+
+TEST(Snapshot, PatchesByVersionLeadToTheSameTopologyFromAnyVersion) {
+  Sheet sheet = make(scenes::hanging(10));
+  std::vector<Mirror> mirrors;
+  SeededRandom random(17);
+  for (int round = 0; round < 14; ++round) {
+    Mirror joined;
+    joined.follow(*sheet.snapshot()->topology);
+    mirrors.push_back(joined);
+    if (round == 8) {
+      ASSERT_TRUE(apply(sheet, Reset{}));
+      continue;
+    }
+    const double x0 = random.uniform(-0.2, 1.2);
+    const double y0 = random.uniform(-0.2, 1.2);
+    const double x1 = random.uniform(-0.2, 1.2);
+    ASSERT_TRUE(apply(sheet, scenes::line_cut({x0, y0}, {x1, random.uniform(-0.2, 1.2)})));
+  }
+  const std::shared_ptr<const Snapshot> last = sheet.snapshot();
+  EXPECT_GT(last->topology->version, 10);
+  for (Mirror& mirror : mirrors) {
+    mirror.follow(*last->topology);
+    EXPECT_EQ(mirror.triangles, last->topology->triangles);
+    EXPECT_EQ(mirror.pieces, last->topology->pieces);
+    EXPECT_TRUE(mirror.material == last->topology->material_positions);
+  }
+}
+
+}  // namespace
+}  // namespace kerf::sheet
