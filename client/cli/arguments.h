@@ -8,7 +8,8 @@
 
 #include "kerf/v1/geometry.pb.h"
 
-// The small languages of the command line. What cannot be read is a UsageError with a sentence that shows the right form.
+// The small languages of the command line. What cannot be read is a UsageError with a sentence that shows the right
+// form.
 namespace kerf::cli {
 
 struct UsageError {

@@ -75,16 +75,16 @@ void add_cut_command(CLI::App& app, Session& session) {
       "Example: kerf cut demo --bezier \"0.2,0.5 0.4,0.8 0.6,0.2 0.8,0.5\"");
   command->add_option("ID", arguments->id, "Name of the sheet")->required();
   CLI::Option_group* curve = command->add_option_group("curve", "Exactly one of");
-  curve->add_option("--bezier", arguments->bezier, "Cubic Bezier curve: \"x,y x,y x,y x,y\"; 3 more points a further piece");
+  curve->add_option("--bezier", arguments->bezier,
+                    "Cubic Bezier curve: \"x,y x,y x,y x,y\"; 3 more points a further piece");
   curve->add_option("--polyline", arguments->polyline, "Straight pieces: \"x,y x,y ...\"");
   curve->add_option("--circle", arguments->circle, "Full circle: \"cx,cy,r\"");
   curve->require_option(1);
   command->add_option("--tolerance", arguments->tolerance,
                       "Largest distance between curve and cut, as a fraction of the edge length (default 0.02)");
   command->add_option("--min-angle", arguments->min_angle_deg, "Smallest angle of new triangles, degrees (default 20)");
-  command->callback([&session, arguments] {
-    session.action = [&session, arguments] { return cut(session, *arguments); };
-  });
+  command->callback(
+      [&session, arguments] { session.action = [&session, arguments] { return cut(session, *arguments); }; });
 }
 
 }  // namespace kerf::cli

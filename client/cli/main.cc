@@ -19,8 +19,9 @@ int main(int argc, char** argv) {
   app.add_flag("--json", session.json, "Print replies as JSON");
   app.fallthrough();  // --server and --json may stand after the subcommand too
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 done (a cut that misses included), 1 refused with the reason on stderr, 2 wrong usage.\n"
-             "Help on a command: kerf COMMAND --help");
+  app.footer(
+      "Exit codes: 0 done (a cut that misses included), 1 refused with the reason on stderr, 2 wrong usage.\n"
+      "Help on a command: kerf COMMAND --help");
 
   kerf::cli::add_sheet_commands(app, session);
   kerf::cli::add_cut_command(app, session);

@@ -133,11 +133,10 @@ int replay(const Session& session, const std::string& path) {
   }
   if (session.json) std::printf("%s\n", json.dump(2).c_str());
   if (report->divergence) {
-    std::fprintf(stderr, "kerf: the replay differs from tick %lld on (recorded %s, replayed %s); recorded by: %s, here: %s\n",
-                 static_cast<long long>(report->divergence->tick),
-                 wire::encode_hash(report->divergence->recorded_hash).c_str(),
-                 wire::encode_hash(report->divergence->replayed_hash).c_str(), file->build.c_str(),
-                 build_name().c_str());
+    std::fprintf(
+        stderr, "kerf: the replay differs from tick %lld on (recorded %s, replayed %s); recorded by: %s, here: %s\n",
+        static_cast<long long>(report->divergence->tick), wire::encode_hash(report->divergence->recorded_hash).c_str(),
+        wire::encode_hash(report->divergence->replayed_hash).c_str(), file->build.c_str(), build_name().c_str());
     return kRefused;
   }
   if (!session.json) {
@@ -151,8 +150,9 @@ int replay(const Session& session, const std::string& path) {
 
 void add_offline_commands(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<RunArguments>();
-  CLI::App* running = app.add_subcommand("run", "Run a scene file as fast as this machine can, with no server.\n"
-                                                "Example: kerf run deploy/scenes/demo.json --ticks 300 --out result.json");
+  CLI::App* running = app.add_subcommand("run",
+                                         "Run a scene file as fast as this machine can, with no server.\n"
+                                         "Example: kerf run deploy/scenes/demo.json --ticks 300 --out result.json");
   running->add_option("SCENE", arguments->scene, "Scene file: the JSON form of kerf.v1.Scene")->required();
   running->add_option("--ticks", arguments->ticks, "How many ticks (default: the scene's, else 600)")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}));
@@ -160,9 +160,8 @@ void add_offline_commands(CLI::App& app, Session& session) {
   running->add_option("--record", arguments->record, "Write a recording for `kerf replay`");
   running->add_option("--integrator", arguments->integrator, "Instead of the scene's: explicit, implicit or auto")
       ->check(CLI::IsMember({"explicit", "implicit", "auto"}));
-  running->callback([&session, arguments] {
-    session.action = [&session, arguments] { return run(session, *arguments); };
-  });
+  running->callback(
+      [&session, arguments] { session.action = [&session, arguments] { return run(session, *arguments); }; });
 
   const auto file = std::make_shared<std::string>();
   CLI::App* replaying = app.add_subcommand("replay", "Run a recording again and compare every tick, bit for bit");

@@ -45,11 +45,16 @@ void make_numbers(Json& json, const Descriptor& type) {
 
 const char* name_of(v1::Sheet::RunState state) {
   switch (state) {
-    case v1::Sheet::RUNNING: return "running";
-    case v1::Sheet::PAUSED: return "paused";
-    case v1::Sheet::SLEEPING: return "sleeping";
-    case v1::Sheet::FAILED: return "FAILED, frozen at its last good tick";
-    default: return "unknown";
+    case v1::Sheet::RUNNING:
+      return "running";
+    case v1::Sheet::PAUSED:
+      return "paused";
+    case v1::Sheet::SLEEPING:
+      return "sleeping";
+    case v1::Sheet::FAILED:
+      return "FAILED, frozen at its last good tick";
+    default:
+      return "unknown";
   }
 }
 

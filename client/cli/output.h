@@ -30,8 +30,8 @@ struct Session {
   std::function<int()> action;
 };
 
-// The JSON form of a message for scripts: snake_case names, defaults printed, 64-bit integers as numbers (protobuf's own
-// mapping makes strings of them). `indent`: spaces, or -1 for one line.
+// The JSON form of a message for scripts: snake_case names, defaults printed, 64-bit integers as numbers (protobuf's
+// own mapping makes strings of them). `indent`: spaces, or -1 for one line.
 std::string to_script_json(const google::protobuf::Message& message, int indent = 2);
 
 // Print the reason on stderr and return the exit code.

@@ -18,7 +18,7 @@ struct SceneRun {
 struct SceneRunOptions {
   std::int64_t ticks = 0;  // 0: the scene's own
   bool record = false;
-  std::string build;       // written into the recording
+  std::string build;  // written into the recording
   // Called after each tick; may be empty.
   std::function<void(std::int64_t tick, std::int64_t of)> on_tick;
 };

@@ -45,8 +45,7 @@ int create_sheet(const Session& session, const CreateArguments& arguments) {
 
   client::Client client(session.server);
   v1::Sheet sheet;
-  const grpc::Status status =
-      client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet);
+  const grpc::Status status = client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet);
   if (!status.ok()) return refuse(status, session.server);
   print(session, sheet);
   return kDone;
@@ -104,8 +103,8 @@ int step_sheet(const Session& session, const std::string& id, std::int32_t ticks
   request.set_name("sheets/" + id);
   request.set_ticks(ticks);
   v1::Sheet sheet;
-  const grpc::Status status = client.call(&v1::SheetService::Stub::StepSheet, client.sheets(), request, sheet,
-                                          std::chrono::hours(24));
+  const grpc::Status status =
+      client.call(&v1::SheetService::Stub::StepSheet, client.sheets(), request, sheet, std::chrono::hours(24));
   if (!status.ok()) return refuse(status, session.server);
   print(session, sheet);
   return kDone;
@@ -113,9 +112,11 @@ int step_sheet(const Session& session, const std::string& id, std::int32_t ticks
 
 void add_create(CLI::App& sheet, Session& session) {
   const auto arguments = std::make_shared<CreateArguments>();
-  CLI::App* create = sheet.add_subcommand("create", "Create a sheet from a grid.\n"
-                                                    "Example: kerf sheet create flag --grid 50x50 --size 1x1 --pin top");
-  create->add_option("ID", arguments->id, "Name of the sheet: a small letter, then letters, digits, dashes")->required();
+  CLI::App* create = sheet.add_subcommand("create",
+                                          "Create a sheet from a grid.\n"
+                                          "Example: kerf sheet create flag --grid 50x50 --size 1x1 --pin top");
+  create->add_option("ID", arguments->id, "Name of the sheet: a small letter, then letters, digits, dashes")
+      ->required();
   create->add_option("--grid", arguments->grid, "Vertices along x and y")->capture_default_str();
   create->add_option("--size", arguments->size, "Width and height in metres; the sheet spans (0,0) to (width,height)")
       ->capture_default_str();
@@ -123,9 +124,8 @@ void add_create(CLI::App& sheet, Session& session) {
       ->check(CLI::IsMember({"top", "corners", "none"}))
       ->capture_default_str();
   create->add_option("--material", arguments->material, "Material preset; `kerf info` lists them");
-  create->callback([&session, arguments] {
-    session.action = [&session, arguments] { return create_sheet(session, *arguments); };
-  });
+  create->callback(
+      [&session, arguments] { session.action = [&session, arguments] { return create_sheet(session, *arguments); }; });
 }
 
 // A subcommand with the sheet's ID as its one argument.
@@ -166,9 +166,8 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   CLI::App* step = sheet->add_subcommand("step", "Run exactly N ticks of a paused sheet, as fast as it can");
   step->add_option("ID", *id, "Name of the sheet")->required();
   step->add_option("N", *ticks, "Ticks, 1..100000")->required();
-  step->callback([&session, id, ticks] {
-    session.action = [&session, id, ticks] { return step_sheet(session, *id, *ticks); };
-  });
+  step->callback(
+      [&session, id, ticks] { session.action = [&session, id, ticks] { return step_sheet(session, *id, *ticks); }; });
 }
 
 }  // namespace kerf::cli

@@ -53,12 +53,9 @@ int render(const Session& session, const RenderArguments& arguments) {
   if (!status.ok()) return refuse(status, session.server);
   if (const int code = write(arguments.out, response.image()); code != kDone) return code;
   if (session.json) {
-    const Json json{{"file", arguments.out},
-                    {"media_type", response.media_type()},
-                    {"tick", response.tick()},
-                    {"width_px", response.width_px()},
-                    {"height_px", response.height_px()},
-                    {"bytes", response.image().size()}};
+    const Json json{
+        {"file", arguments.out},           {"media_type", response.media_type()}, {"tick", response.tick()},
+        {"width_px", response.width_px()}, {"height_px", response.height_px()},   {"bytes", response.image().size()}};
     std::printf("%s\n", json.dump(2).c_str());
   } else {
     std::printf("%s: %dx%d, tick %lld\n", arguments.out.c_str(), response.width_px(), response.height_px(),
@@ -86,8 +83,9 @@ int export_sheet(const Session& session, const std::string& id, const std::strin
 }
 
 void print_frame(const Session& session, const v1::Frame& frame, const client::Mirror& mirror) {
-  const auto now = std::chrono::duration_cast<std::chrono::microseconds>(
-                       std::chrono::system_clock::now().time_since_epoch()).count();
+  const auto now =
+      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
+          .count();
   const double age_ms = static_cast<double>(now - frame.stats().published_unix_us()) / 1000.0;
   const bool keyframe = frame.base_tick() < 0;
   if (session.json) {
@@ -145,9 +143,9 @@ int info(const Session& session) {
     std::printf("%s\n", to_script_json(reply).c_str());
     return kDone;
   }
-  std::printf("Kerf %s at %s, up %.0f s\n  sheets    %d of %d\n  workers   %d\n  renderer  %s\n  materials", reply.version().c_str(),
-              session.server.c_str(), reply.uptime_s(), reply.num_sheets(), reply.limits().max_sheets(),
-              reply.workers(), reply.renderer().c_str());
+  std::printf("Kerf %s at %s, up %.0f s\n  sheets    %d of %d\n  workers   %d\n  renderer  %s\n  materials",
+              reply.version().c_str(), session.server.c_str(), reply.uptime_s(), reply.num_sheets(),
+              reply.limits().max_sheets(), reply.workers(), reply.renderer().c_str());
   for (const std::string& preset : reply.material_presets()) std::printf(" %s", preset.c_str());
   std::printf("\n");
   return kDone;
@@ -155,15 +153,15 @@ int info(const Session& session) {
 
 void add_render(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<RenderArguments>();
-  CLI::App* command = app.add_subcommand("render", "Draw a sheet on the server and save the picture (PNG or JPEG).\n"
-                                                   "Example: kerf render demo --out frame.png --size 1280x720");
+  CLI::App* command = app.add_subcommand("render",
+                                         "Draw a sheet on the server and save the picture (PNG or JPEG).\n"
+                                         "Example: kerf render demo --out frame.png --size 1280x720");
   command->add_option("ID", arguments->id, "Name of the sheet")->required();
   command->add_option("--out", arguments->out, "File to write: .png, .jpg or .jpeg")->required();
   command->add_option("--size", arguments->size, "Width and height in pixels, 16..4096 each")->capture_default_str();
   command->add_flag("--wireframe", arguments->wireframe, "Draw the triangles' edges");
-  command->callback([&session, arguments] {
-    session.action = [&session, arguments] { return render(session, *arguments); };
-  });
+  command->callback(
+      [&session, arguments] { session.action = [&session, arguments] { return render(session, *arguments); }; });
 }
 
 }  // namespace
@@ -179,16 +177,14 @@ void add_view_commands(CLI::App& app, Session& session) {
   watching->add_option("ID", *id, "Name of the sheet")->required();
   watching->add_option("--frames", *frames, "Stop after this many frames; 0: go on until interrupted")
       ->check(CLI::NonNegativeNumber);
-  watching->callback([&session, id, frames] {
-    session.action = [&session, id, frames] { return watch(session, *id, *frames); };
-  });
+  watching->callback(
+      [&session, id, frames] { session.action = [&session, id, frames] { return watch(session, *id, *frames); }; });
 
   CLI::App* exporting = app.add_subcommand("export", "Save a sheet as it is now, as a Wavefront OBJ file");
   exporting->add_option("ID", *id, "Name of the sheet")->required();
   exporting->add_option("--out", *out, "File to write: .obj")->required();
-  exporting->callback([&session, id, out] {
-    session.action = [&session, id, out] { return export_sheet(session, *id, *out); };
-  });
+  exporting->callback(
+      [&session, id, out] { session.action = [&session, id, out] { return export_sheet(session, *id, *out); }; });
 
   CLI::App* about = app.add_subcommand("info", "Show the server: version, renderer, limits, material presets");
   about->callback([&session] { session.action = [&session] { return info(session); }; });

@@ -46,7 +46,6 @@ class Client {
   [[nodiscard]] v1::RenderService::Stub& render() { return *render_; }
   [[nodiscard]] v1::ServerService::Stub& server() { return *server_; }
 
-
  private:
   std::shared_ptr<grpc::Channel> channel_;
   std::unique_ptr<v1::SheetService::Stub> sheets_;

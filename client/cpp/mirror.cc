@@ -46,8 +46,12 @@ class VarintReader {
   std::size_t at_ = 0;
 };
 
-bool equal(const v1::Vec3& a, const v1::Vec3& b) { return a.x() == b.x() && a.y() == b.y() && a.z() == b.z(); }
-bool equal(const v1::Box3& a, const v1::Box3& b) { return equal(a.min(), b.min()) && equal(a.max(), b.max()); }
+bool equal(const v1::Vec3& a, const v1::Vec3& b) {
+  return a.x() == b.x() && a.y() == b.y() && a.z() == b.z();
+}
+bool equal(const v1::Box3& a, const v1::Box3& b) {
+  return equal(a.min(), b.min()) && equal(a.max(), b.max());
+}
 
 std::string wrong_size(const char* what, std::size_t got, std::size_t expected) {
   return std::string(what) + " has " + std::to_string(got) + " bytes instead of " + std::to_string(expected);

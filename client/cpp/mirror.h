@@ -15,7 +15,8 @@ namespace kerf::client {
 class Mirror {
  public:
   // Applies the next frame of the stream. On a frame that cannot follow what is here (a gap, an index out of range, an
-  // array of the wrong size) it returns what is wrong; the mirror is then useless, and the stream should be opened anew.
+  // array of the wrong size) it returns what is wrong; the mirror is then useless, and the stream should be opened
+  // anew.
   [[nodiscard]] std::optional<std::string> apply(const v1::Frame& frame);
 
   [[nodiscard]] std::int64_t tick() const { return tick_; }  // -1 before the first frame

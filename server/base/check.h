@@ -9,8 +9,8 @@ namespace kerf {
 }  // namespace kerf
 
 // Always on.
-#define KERF_CHECK(condition, message)                                                  \
-  do {                                                                                  \
+#define KERF_CHECK(condition, message)                                                 \
+  do {                                                                                 \
     if (!(condition)) ::kerf::check_failed(#condition, __FILE__, __LINE__, (message)); \
   } while (false)
 

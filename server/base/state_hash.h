@@ -26,7 +26,7 @@ class StateHash {
   void add(double value) { add(std::bit_cast<std::uint64_t>(value)); }
 
   template <typename T>
-    requires std::is_trivially_copyable_v<T>
+  requires std::is_trivially_copyable_v<T>
   void add_span(std::span<const T> values) {
     add(static_cast<std::uint64_t>(values.size()));
     const auto bytes = std::as_bytes(values);

@@ -27,9 +27,8 @@ void cut(benchmark::State& state, const std::string& name, int side) {
   }
   state.counters["crossed_triangles"] = report.crossed_triangles;
   state.counters["new_triangles"] = report.new_triangles;
-  state.counters["s/crossed_triangle"] =
-      benchmark::Counter(report.crossed_triangles,
-                         benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  state.counters["s/crossed_triangle"] = benchmark::Counter(
+      report.crossed_triangles, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   expect_hash(state, name, hash);
 }
 

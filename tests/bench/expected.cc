@@ -48,7 +48,9 @@ void expect_hash(benchmark::State& state, const std::string& name, std::uint64_t
   state.SkipWithError(("the result's hash is " + actual + ", expected " + stored).c_str());
 }
 
-void set_update_mode() { hashes().update = true; }
+void set_update_mode() {
+  hashes().update = true;
+}
 
 int finish() {
   if (hashes().update) std::ofstream(kFile) << nlohmann::json(hashes().by_name).dump(2) << '\n';

@@ -58,9 +58,9 @@ const bool kRegistered = [] {
     for (const int side : kGridSides) {
       const std::string name = std::string("encode/") + label + "/" + std::to_string(side * side);
       const Kind chosen = kind;
-      benchmark::RegisterBenchmark(name.c_str(),
-                                   [name, side, chosen](benchmark::State& state) { encode(state, name, side, chosen); })
-          ->Unit(benchmark::kMicrosecond);
+      benchmark::RegisterBenchmark(name.c_str(), [name, side, chosen](benchmark::State& state) {
+        encode(state, name, side, chosen);
+      })->Unit(benchmark::kMicrosecond);
     }
   }
   return true;

@@ -33,7 +33,9 @@ const bool kRegistered = [] {
       const auto kind = integrator;
       benchmark::RegisterBenchmark(name.c_str(),
                                    [name, side, kind](benchmark::State& state) { step(state, name, side, kind); })
-          ->Iterations(side <= 50 ? 60 : side <= 100 ? 10 : 3)
+          ->Iterations(side <= 50    ? 60
+                       : side <= 100 ? 10
+                                     : 3)
           ->Unit(benchmark::kMicrosecond);
     }
   }

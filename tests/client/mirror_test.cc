@@ -155,13 +155,19 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"PatchOfOtherBase", "from version 0 at version 1",
                 [](v1::Frame& f) { f.mutable_topology()->set_base_version(0); }},
         Refusal{"VertexOutOfRange", "vertex 5 is out of range",
-                [](v1::Frame& f) { f.mutable_topology()->set_triangles(words({5, 2, 3, 0, 1, 4})); }},
+                [](v1::Frame& f) {
+                  f.mutable_topology()->set_triangles(words({5, 2, 3, 0, 1, 4}));
+                }},
         Refusal{"SlotOutOfRange", "slot 3 is out of range",
-                [](v1::Frame& f) { f.mutable_topology()->set_slots(words({1, 3})); }},
+                [](v1::Frame& f) {
+                  f.mutable_topology()->set_slots(words({1, 3}));
+                }},
         Refusal{"FewerSlots", "take slots away", [](v1::Frame& f) { f.mutable_topology()->set_num_slots(1); }},
-        Refusal{"ShortTriangles", "triangles has", [](v1::Frame& f) { f.mutable_topology()->set_triangles(words({1})); }},
+        Refusal{"ShortTriangles", "triangles has",
+                [](v1::Frame& f) { f.mutable_topology()->set_triangles(words({1})); }},
         Refusal{"ShortPieces", "pieces has", [](v1::Frame& f) { f.mutable_topology()->set_pieces(words({1})); }},
-        Refusal{"NewVertexWithoutMaterial", "without material", [](v1::Frame& f) {
+        Refusal{"NewVertexWithoutMaterial", "without material",
+                [](v1::Frame& f) {
                   f.mutable_topology()->clear_vertices();
                   f.mutable_topology()->clear_material_positions();
                 }}),
