@@ -171,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(
                   f.mutable_topology()->clear_vertices();
                   f.mutable_topology()->clear_material_positions();
                 }}),
-    [](const auto& info) { return std::string(info.param.name); });
+    [](const auto& refusal) { return std::string(refusal.param.name); });
 
 TEST(Mirror, StartsOnlyWithAKeyframe) {
   Mirror mirror;
