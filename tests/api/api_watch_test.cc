@@ -1,94 +1,21 @@
 // Streams: WatchSession as a transport sees it.
 
-#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <functional>
-#include <thread>
 
 #include <gtest/gtest.h>
 
 #include "kerf/v1/stream.pb.h"
-#include "server/api/ready_signal.h"
-#include "server/api/request_log.h"
-#include "server/api/watch_session.h"
 #include "server/wire/protobuf_log.h"
 #include "tests/api/api_fixture.h"
+#include "tests/api/viewer.h"
 #include "tests/wire/frame_mirror.h"
 
 namespace kerf::api {
 namespace {
 
 using kerf::testing::FrameMirror;
-
-// The client's end of a session, with no transport in between.
-class Viewer {
- public:
-  explicit Viewer(Api& api) : session_(api.watch()) {
-    session_->set_ready([woken = woken_] { ++*woken; });
-  }
-
-  void start(const std::string& name, int window = 0, double max_rate_hz = 0.0) {
-    v1::WatchRequest request;
-    request.mutable_start()->set_name(name);
-    request.mutable_start()->set_window(window);
-    request.mutable_start()->set_max_rate_hz(max_rate_hz);
-    session_->on_request(request);
-  }
-  void acknowledge(std::int64_t sequence) {
-    v1::WatchRequest request;
-    request.mutable_ack()->set_sequence(sequence);
-    session_->on_request(request);
-  }
-  void grab(const std::string& id, int vertex) {
-    v1::WatchRequest request;
-    request.mutable_grab()->set_grab_id(id);
-    request.mutable_grab()->set_vertex(vertex);
-    session_->on_bytes(request.SerializeAsString());
-  }
-  void release(const std::string& id) {
-    v1::WatchRequest request;
-    request.mutable_release()->set_grab_id(id);
-    session_->on_request(request);
-  }
-
-  std::optional<v1::WatchResponse> next() {
-    const std::optional<stream::Message> message = session_->next();
-    if (!message) return std::nullopt;
-    v1::WatchResponse response;
-    EXPECT_TRUE(response.ParseFromString(message->joined()));
-    return response;
-  }
-  // Takes and acknowledges everything there is; true if a frame was among it.
-  bool drain() {
-    bool any = false;
-    while (const auto response = next()) {
-      if (!response->has_frame()) {
-        others.push_back(*response);
-        continue;
-      }
-      EXPECT_EQ(mirror.apply(response->frame()), std::nullopt);
-      acknowledge(mirror.sequence);
-      any = true;
-    }
-    return any;
-  }
-  [[nodiscard]] std::string failure() const {
-    const auto error = session_->failure();
-    return error ? error->reason : "";
-  }
-
-  WatchSession& session() { return *session_; }
-  [[nodiscard]] int woken() const { return *woken_; }
-  void forget() { session_.reset(); }
-
-  FrameMirror mirror;
-  std::vector<v1::WatchResponse> others;
-
- private:
-  std::shared_ptr<std::atomic<int>> woken_ = std::make_shared<std::atomic<int>>(0);
-  std::shared_ptr<WatchSession> session_;
-};
 
 class WatchTest : public ApiTest {
  protected:
@@ -434,60 +361,6 @@ TEST_F(WatchTest, FloodOfRefusalsEndsTheStream) {
   viewer.start("sheets/a");
   for (int i = 0; i < 300; ++i) viewer.grab("", 0);
   EXPECT_EQ(viewer.failure(), "TOO_MANY_REJECTIONS");
-}
-
-TEST(ReadySignal, TakingItAwayWaitsForACallUnderWay) {
-  ReadySignal signal;
-  std::atomic<bool> inside{false};
-  std::atomic<bool> may_return{false};
-  std::atomic<bool> returned{false};
-  signal.set([&] {
-    inside = true;
-    inside.notify_all();
-    may_return.wait(false);
-    returned = true;
-  });
-  std::thread caller([&] { signal.raise(); });
-  inside.wait(false);
-  std::thread liberator([&] {
-    may_return = true;
-    may_return.notify_all();
-  });
-  signal.set({});
-  EXPECT_TRUE(returned);
-  signal.raise();  // nobody listens
-  caller.join();
-  liberator.join();
-}
-
-TEST(ReadySignal, CanBeTakenAwayFromWithinItself) {
-  ReadySignal signal;
-  int calls = 0;
-  signal.set([&] {
-    ++calls;
-    signal.set({});
-  });
-  signal.raise();
-  signal.raise();
-  EXPECT_EQ(calls, 1);
-}
-
-TEST(RequestLog, ServesWaitersAndForgetsFailures) {
-  RequestLog log(8);
-  std::vector<std::string> seen;
-  const auto note = [&seen](const RequestLog::Outcome& outcome) {
-    seen.push_back(outcome.ok() ? *outcome : outcome.error().reason);
-  };
-  EXPECT_TRUE(log.begin("k", "body", note));
-  EXPECT_FALSE(log.begin("k", "body", note));
-  EXPECT_FALSE(log.begin("k", "other", note));
-  EXPECT_EQ(seen, std::vector<std::string>{"REQUEST_ID_REUSED"});
-  log.finish("k", Error{ErrorCode::kUnavailable, "BUSY", "", {}});
-  EXPECT_EQ(seen.back(), "BUSY");
-  EXPECT_TRUE(log.begin("k", "other", note)) << "a failure binds nobody";
-  log.finish("k", std::string("answer"));
-  EXPECT_FALSE(log.begin("k", "other", note));
-  EXPECT_EQ(seen.back(), "answer");
 }
 
 }  // namespace

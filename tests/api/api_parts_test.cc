@@ -1,0 +1,218 @@
+// Files and pictures of sheets, and the parts that methods and streams are made of.
+
+#include <array>
+#include <atomic>
+#include <future>
+#include <semaphore>
+#include <set>
+#include <sstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "render/renderer.h"
+#include "server/api/ready_signal.h"
+#include "server/api/request_log.h"
+#include "tests/api/api_fixture.h"
+
+namespace kerf::api {
+namespace {
+
+TEST_F(ApiTest, ObjHoldsEveryTriangleWithMaterialOnce) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.45)).ok());
+  v1::ExportSheetRequest request;
+  request.set_name("sheets/a");
+  Answers<v1::ExportSheetResponse> answers;
+  std::promise<v1::ExportSheetResponse> promise;
+  api_->export_sheet(request, [&promise](Result<v1::ExportSheetResponse> reply) { promise.set_value(reply.value()); });
+  const v1::ExportSheetResponse response = promise.get_future().get();
+  EXPECT_EQ(response.media_type(), "model/obj");
+  std::istringstream lines(response.content());
+  std::string line;
+  std::vector<std::array<double, 3>> positions;
+  std::vector<std::array<double, 2>> material;
+  std::set<int> used;
+  double area = 0.0;  // in material coordinates: that of the sheet, whatever was cut
+  int faces = 0;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::string keyword;
+    words >> keyword;
+    if (keyword == "v") {
+      std::array<double, 3> p{};
+      ASSERT_TRUE(words >> p[0] >> p[1] >> p[2]);
+      positions.push_back(p);
+    } else if (keyword == "vt") {
+      std::array<double, 2> p{};
+      ASSERT_TRUE(words >> p[0] >> p[1]);
+      material.push_back(p);
+    } else if (keyword == "f") {
+      std::array<int, 3> corner{};
+      for (int& index : corner) {
+        std::string pair;
+        words >> pair;
+        index = std::stoi(pair);
+        EXPECT_EQ(pair, std::to_string(index) + "/" + std::to_string(index));
+        ASSERT_GE(index, 1);
+        ASSERT_LE(index, static_cast<int>(positions.size()));
+        used.insert(index);
+      }
+      const auto at = [&](int k) {
+        return material[static_cast<std::size_t>(corner[static_cast<std::size_t>(k)] - 1)];
+      };
+      area += 0.5 * ((at(1)[0] - at(0)[0]) * (at(2)[1] - at(0)[1]) - (at(2)[0] - at(0)[0]) * (at(1)[1] - at(0)[1]));
+      ++faces;
+    } else {
+      EXPECT_EQ(keyword, "#");
+    }
+  }
+  const v1::Sheet sheet = get_sheet("sheets/a");
+  EXPECT_EQ(faces, sheet.num_triangles());
+  EXPECT_EQ(positions.size(), material.size());
+  EXPECT_EQ(used.size(), positions.size()) << "no vertex that no face uses";
+  EXPECT_EQ(static_cast<int>(positions.size()), sheet.num_vertices());
+  EXPECT_NEAR(area, 1.0, 1e-9);
+}
+
+// Notes what it is asked to draw; can be made to wait.
+class FakeRenderer : public render::Renderer {
+ public:
+  render::Status render(const render::Scene& scene, const render::Camera& camera, int width, int height,
+                        render::Pixels& pixels) override {
+    started.release();
+    if (blocked) go.acquire();
+    num_triangles = scene.mesh.triangles.size() / 3;
+    num_colliders = scene.colliders.size();
+    eye_x = camera.eye.x;
+    wireframe = scene.style.wireframe;
+    const render::Status status = render::validate(scene);
+    if (!status.ok()) return status;
+    pixels = {width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width * height), 200)};
+    return {};
+  }
+  [[nodiscard]] bool available() const override { return true; }
+  [[nodiscard]] std::string description() const override { return "fake"; }
+
+  std::counting_semaphore<64> started{0};
+  std::counting_semaphore<64> go{0};
+  std::atomic<bool> blocked{false};
+  std::size_t num_triangles = 0;
+  std::size_t num_colliders = 0;
+  double eye_x = 0.0;
+  bool wireframe = false;
+};
+
+Result<v1::RenderImageResponse> draw(Api& api, const v1::RenderImageRequest& request) {
+  std::promise<Result<v1::RenderImageResponse>> promise;
+  api.render_image(request, [&promise](Result<v1::RenderImageResponse> reply) { promise.set_value(std::move(reply)); });
+  return promise.get_future().get();
+}
+
+TEST_F(ApiTest, PictureIsDrawnOffTheStrand) {
+  if (!render::image_codecs_available()) GTEST_SKIP() << "built without image libraries";
+  FakeRenderer renderer;
+  make_api({}, &renderer);
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  v1::RenderImageRequest request;
+  request.set_name("sheets/a");
+  request.set_width_px(64);
+  request.set_height_px(32);
+  request.set_wireframe(true);
+  request.mutable_camera()->mutable_eye()->set_x(3.0);
+  request.mutable_camera()->mutable_target();
+  Result<v1::RenderImageResponse> picture = draw(*api_, request);
+  ASSERT_TRUE(picture.ok()) << picture.error().message;
+  EXPECT_EQ(picture->media_type(), "image/png");
+  EXPECT_EQ(picture->image().substr(1, 3), "PNG");
+  EXPECT_EQ(picture->width_px(), 64);
+  EXPECT_EQ(renderer.num_triangles, 72U);
+  EXPECT_EQ(renderer.eye_x, 3.0);
+  EXPECT_TRUE(renderer.wireframe);
+  request.set_format(v1::RenderImageRequest::JPEG);
+  picture = draw(*api_, request);
+  ASSERT_TRUE(picture.ok());
+  EXPECT_EQ(picture->image().substr(0, 2), "\xff\xd8");
+  request.set_name("sheets/nobody");
+  EXPECT_EQ(draw(*api_, request).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(ApiTest, WaitingPicturesAreBoundedAndRefusedAtTheEnd) {
+  FakeRenderer renderer;
+  renderer.blocked = true;
+  Limits limits;
+  limits.max_waiting_pictures = 2;
+  make_api(limits, &renderer);
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  v1::RenderImageRequest request;
+  request.set_name("sheets/a");
+  Answers<v1::RenderImageResponse> answers;
+  api_->render_image(request, answers.callback());
+  renderer.started.acquire();  // it is being drawn now
+  for (int i = 0; i < 3; ++i) api_->render_image(request, answers.callback());
+  host_->wait_idle();
+  ASSERT_EQ(answers.count(), 1U);
+  EXPECT_EQ(answers.at(0).error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(get_sheet("sheets/a").tick(), 0) << "the sheet answers while a picture is drawn";
+  renderer.blocked = false;
+  renderer.go.release(4);
+  api_.reset();
+  EXPECT_EQ(answers.count(), 4U) << "drawn or refused, but answered";
+}
+
+TEST(ReadySignal, TakingItAwayWaitsForACallUnderWay) {
+  ReadySignal signal;
+  std::atomic<bool> inside{false};
+  std::atomic<bool> may_return{false};
+  std::atomic<bool> returned{false};
+  signal.set([&] {
+    inside = true;
+    inside.notify_all();
+    may_return.wait(false);
+    returned = true;
+  });
+  std::thread caller([&] { signal.raise(); });
+  inside.wait(false);
+  std::thread liberator([&] {
+    may_return = true;
+    may_return.notify_all();
+  });
+  signal.set({});
+  EXPECT_TRUE(returned);
+  signal.raise();  // nobody listens
+  caller.join();
+  liberator.join();
+}
+
+TEST(ReadySignal, CanBeTakenAwayFromWithinItself) {
+  ReadySignal signal;
+  int calls = 0;
+  signal.set([&] {
+    ++calls;
+    signal.set({});
+  });
+  signal.raise();
+  signal.raise();
+  EXPECT_EQ(calls, 1);
+}
+
+TEST(RequestLog, ServesWaitersAndForgetsFailures) {
+  RequestLog log(8);
+  std::vector<std::string> seen;
+  const auto note = [&seen](const RequestLog::Outcome& outcome) {
+    seen.push_back(outcome.ok() ? *outcome : outcome.error().reason);
+  };
+  EXPECT_TRUE(log.begin("k", "body", note));
+  EXPECT_FALSE(log.begin("k", "body", note));
+  EXPECT_FALSE(log.begin("k", "other", note));
+  EXPECT_EQ(seen, std::vector<std::string>{"REQUEST_ID_REUSED"});
+  log.finish("k", Error{ErrorCode::kUnavailable, "BUSY", "", {}});
+  EXPECT_EQ(seen.back(), "BUSY");
+  EXPECT_TRUE(log.begin("k", "other", note)) << "a failure binds nobody";
+  log.finish("k", std::string("answer"));
+  EXPECT_FALSE(log.begin("k", "other", note));
+  EXPECT_EQ(seen.back(), "answer");
+}
+
+}  // namespace
+}  // namespace kerf::api
