@@ -2,13 +2,13 @@ import { create } from '@bufbuild/protobuf';
 import type { Vector2 } from 'three';
 import { call } from '../api';
 import { CutResult_Status, CutService } from '../gen/kerf/v1/cuts_pb';
-import type { CutResult } from '../gen/kerf/v1/cuts_pb';
 import { CurveSchema } from '../gen/kerf/v1/geometry_pb';
 import type { Curve } from '../gen/kerf/v1/geometry_pb';
 import { bezierPoint, resample } from '../geometry/curve';
 import type { Point2 } from '../geometry/locator';
 import { CutHandles } from './cut_handles';
 import { CutPreview } from './cut_preview';
+import { cutText } from './cut_text';
 import type { Pointer, Tool, Viewer } from './tool';
 
 export type CutMode = 'bezier' | 'freehand';
@@ -16,22 +16,6 @@ export type CutMode = 'bezier' | 'freehand';
 const kPreviewPieces = 64;
 // kerf.v1.Polyline takes 4096 points; a line this fine is smoother than a hand.
 const kFreehandPieces = 400;
-
-/** How a length that a cut is about reads best. */
-function lengthText(metres: number): string {
-  if (metres < 1e-6) return `${(1e9 * metres).toPrecision(2)} nm`;
-  if (metres < 1e-3) return `${(1e6 * metres).toPrecision(2)} µm`;
-  return `${(1e3 * metres).toPrecision(2)} mm`;
-}
-
-/** The reply to a cut in a sentence. */
-export function cutText(result: CutResult): string {
-  if (result.status === CutResult_Status.NO_INTERSECTION) return 'The curve does not meet the sheet: nothing was cut';
-  const pieces = `${result.pieces} ${result.pieces === 1 ? 'piece' : 'pieces'}`;
-  const text = `Cut at tick ${result.tick}: ${pieces}, ${result.newVertices} new vertices, ` +
-    `deviation ${lengthText(result.deviationM)}`;
-  return [text, ...result.warnings].join('. ');
-}
 
 /**
  * Draws a curve on the sheet, in material coordinates so that it moves with the sheet, and cuts along it: four taps for
