@@ -12,6 +12,7 @@
 
 #include "server/app/config.h"
 #include "server/app/server.h"
+#include "server/wire/protobuf_log.h"
 
 namespace {
 
@@ -44,6 +45,7 @@ void wait_for_stop(const sigset_t& signals) {
 
 int main(int argc, char** argv) {
   setenv("GRPC_VERBOSITY", "NONE", 0);  // what matters is told by kerfd itself, on one line
+  kerf::wire::discard_protobuf_log();   // what is wrong with a message is told to its sender
   std::signal(SIGPIPE, SIG_IGN);
   const sigset_t signals = block_stop_signals();
 
