@@ -5,8 +5,8 @@ import { cutText, lengthText } from '../src/tools/cut_text';
 
 describe('lengthText', () => {
   it('has two digits and a fitting unit, never an exponent', () => {
-    expect([0, 3.92e-4, 0.0123, 9.9e-5, 1.04e-6, 4.56e-8].map(lengthText)).toEqual(
-      ['0 mm', '0.39 mm', '12 mm', '99 µm', '1 µm', '46 nm']);
+    expect([0, 3.92e-4, 0.0123, 9.9e-5, 1.04e-6, 4.56e-8, 3e-14].map(lengthText)).toEqual(
+      ['0 mm', '0.39 mm', '12 mm', '99 µm', '1 µm', '46 nm', 'under 1 nm']);
   });
 });
 

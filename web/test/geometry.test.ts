@@ -1,7 +1,7 @@
 import { PerspectiveCamera, Ray, Vector2, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import { boundaryEdges } from '../src/geometry/boundary';
-import { bezierPoint, resample } from '../src/geometry/curve';
+import { bezierPoint, simplify } from '../src/geometry/curve';
 import { Locator } from '../src/geometry/locator';
 import { vertexNormals } from '../src/geometry/normals';
 import { Surface } from '../src/geometry/surface';
@@ -138,10 +138,27 @@ describe('curves', () => {
     expect(bezierPoint(points, 0.5)).toEqual({ x: 1.5, y: 2.25 });
   });
 
-  it('are resampled at equal distances and keep both ends', () => {
-    const line = resample([{ x: 0, y: 0 }, { x: 0.3, y: 0 }, { x: 1.05, y: 0 }], 0.1);
-    expect(line).toHaveLength(12);
-    line.slice(1, 11).forEach((point, i) => expect(point.x - line[i].x).toBeCloseTo(0.1, 9));
-    expect(line[11]).toEqual({ x: 1.05, y: 0 });
+  it('are reduced to the points that matter', () => {
+    const corner = [{ x: 0, y: 0 }, { x: 0.5, y: 0.001 }, { x: 1, y: 0 }, { x: 1, y: 0.5 }, { x: 1, y: 1 }];
+    expect(simplify(corner, 0.002)).toEqual([corner[0], corner[2], corner[4]]);
+    expect(simplify(corner.slice(0, 2), 0.002)).toEqual(corner.slice(0, 2));
+  });
+
+  it('stay within the tolerance of every point, with far fewer of them', () => {
+    const wave = Array.from({ length: 2000 }, (_, i) => ({ x: i / 1999, y: 0.2 * Math.sin(i / 300) }));
+    const line = simplify(wave, 0.002);
+    expect(line.length).toBeGreaterThan(5);
+    expect(line.length).toBeLessThan(50);
+    for (const point of wave) {
+      const i = line.findIndex((end, k) => k > 0 && end.x >= point.x);
+      const [a, b] = [line[i - 1], line[i]];
+      const across = (b.x - a.x) * (point.y - a.y) - (b.y - a.y) * (point.x - a.x);
+      expect(Math.abs(across) / Math.hypot(b.x - a.x, b.y - a.y)).toBeLessThanOrEqual(0.002);
+    }
+  });
+
+  it('may be closed: a stroke that ends where it began keeps its shape', () => {
+    const circle = Array.from({ length: 101 }, (_, i) => ({ x: Math.cos((i * Math.PI) / 50), y: Math.sin((i * Math.PI) / 50) }));
+    expect(simplify(circle, 0.01).length).toBeGreaterThan(12);
   });
 });

@@ -10,18 +10,31 @@ export function bezierPoint(p: readonly Point2[], t: number): Point2 {
   };
 }
 
-/** A polyline with equally spaced points, `spacing` apart (the last piece may be shorter). */
-export function resample(points: readonly Point2[], spacing: number): Point2[] {
-  const result: Point2[] = [{ ...points[0] }];
-  let last = result[0];
-  for (const point of points.slice(1)) {
-    for (let distance = Math.hypot(point.x - last.x, point.y - last.y); distance >= spacing; distance -= spacing) {
-      const t = spacing / distance;
-      last = { x: last.x + t * (point.x - last.x), y: last.y + t * (point.y - last.y) };
-      result.push(last);
+/**
+ * The fewest of the given points, ends included, whose polyline stays within `tolerance` of all of them (Douglas and
+ * Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line", 1973). A stroke
+ * has a point for each move of the hand, and a cut puts a vertex on each point of its polyline.
+ */
+export function simplify(points: readonly Point2[], tolerance: number): Point2[] {
+  const isKept = points.map((_, i) => i === 0 || i === points.length - 1);
+  const spans: [number, number][] = [[0, points.length - 1]];
+  for (let span = spans.pop(); span; span = spans.pop()) {
+    const [first, last] = span;
+    let farthest = -1;
+    let largest = tolerance;
+    for (let i = first + 1; i < last; ++i) {
+      const distance = distanceToSegment(points[i], points[first], points[last]);
+      if (distance > largest) [farthest, largest] = [i, distance];
     }
+    if (farthest < 0) continue;
+    isKept[farthest] = true;
+    spans.push([first, farthest], [farthest, last]);
   }
-  const end = points[points.length - 1];
-  if (Math.hypot(end.x - last.x, end.y - last.y) > 0.25 * spacing) result.push({ ...end });
-  return result;
+  return points.filter((_, i) => isKept[i]);
+}
+
+function distanceToSegment(p: Point2, a: Point2, b: Point2): number {
+  const [dx, dy] = [b.x - a.x, b.y - a.y];
+  const t = Math.min(1, Math.max(0, ((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy || 1)));
+  return Math.hypot(p.x - a.x - t * dx, p.y - a.y - t * dy);
 }

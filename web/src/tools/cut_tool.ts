@@ -4,7 +4,7 @@ import { call } from '../api';
 import { CutResult_Status, CutService } from '../gen/kerf/v1/cuts_pb';
 import { CurveSchema } from '../gen/kerf/v1/geometry_pb';
 import type { Curve } from '../gen/kerf/v1/geometry_pb';
-import { bezierPoint, resample } from '../geometry/curve';
+import { bezierPoint, simplify } from '../geometry/curve';
 import type { Point2 } from '../geometry/locator';
 import { CutHandles } from './cut_handles';
 import { CutPreview } from './cut_preview';
@@ -14,8 +14,8 @@ import type { Pointer, Tool, Viewer } from './tool';
 export type CutMode = 'bezier' | 'freehand';
 
 const kPreviewPieces = 64;
-// kerf.v1.Polyline takes 4096 points; a line this fine is smoother than a hand.
-const kFreehandPieces = 400;
+// How far the cut may leave the stroke, in parts of the sheet's diagonal: less than a hand's tremor.
+const kFreehandTolerance = 0.002;
 
 /**
  * Draws a curve on the sheet, in material coordinates so that it moves with the sheet, and cuts along it: four taps for
@@ -91,7 +91,7 @@ export class CutTool implements Tool {
     const { locator } = this.viewer.surface ?? {};
     if (locator && this.points.length > 1) {
       const size = Math.hypot(locator.max.x - locator.min.x, locator.max.y - locator.min.y);
-      this.points = resample(this.points, size / kFreehandPieces);
+      this.points = simplify(this.points, kFreehandTolerance * size);
     }
     if (this.points.length < 2) this.points = [];
     this.refresh();
