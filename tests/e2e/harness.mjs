@@ -13,8 +13,9 @@ export const kPatienceMs = 90_000;
 /** A kerfd with the demo scene; `http` may name an address to listen at again. */
 export async function startKerfd(path, web, http = '127.0.0.1:0') {
   const scene = `${root}/deploy/scenes/demo.json`;
-  const child = spawn(path, ['--listen', '127.0.0.1:0', '--http', http, '--web', web, '--scene', scene],
-    { stdio: ['ignore', 'pipe', 'inherit'] });
+  const child = spawn(path, ['--listen', '127.0.0.1:0', '--http', http, '--web', web, '--scene', scene], {
+    stdio: ['ignore', 'pipe', 'inherit'],
+  });
   const exited = new Promise((resolve) => child.once('exit', (code, signal) => resolve(signal ?? code)));
   const line = await new Promise((resolve, reject) => {
     createInterface({ input: child.stdout }).once('line', resolve);
@@ -35,16 +36,26 @@ export function launchChromium(executablePath) {
   return chromium.launch({
     executablePath,
     args: [
-      '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update',
-      '--disable-sync', '--use-gl=angle', '--use-angle=gl-egl', '--ignore-gpu-blocklist',
+      '--no-sandbox',
+      '--disable-quic',
+      '--no-first-run',
+      '--disable-background-networking',
+      '--disable-component-update',
+      '--disable-sync',
+      '--use-gl=angle',
+      '--use-angle=gl-egl',
+      '--ignore-gpu-blocklist',
     ],
   });
 }
 
 /** A unary call as any shell would make it. */
 export async function post(url, method, request) {
-  const response = await fetch(`${url}/kerf.v1.${method}`, { method: 'POST', body: JSON.stringify(request),
-    headers: { 'content-type': 'application/json' } });
+  const response = await fetch(`${url}/kerf.v1.${method}`, {
+    method: 'POST',
+    body: JSON.stringify(request),
+    headers: { 'content-type': 'application/json' },
+  });
   const reply = await response.json();
   if (!response.ok) throw new Error(`${method}: ${response.status} ${JSON.stringify(reply)}`);
   return reply;

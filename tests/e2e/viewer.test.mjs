@@ -1,4 +1,5 @@
-// The viewer in Chromium against a real kerfd. Waits are for conditions, never for time; nothing about speed is asserted.
+// The viewer in Chromium against a real kerfd. Waits are for conditions, never for time; nothing about speed is
+// asserted.
 import { Steps, check, kPatienceMs, launchChromium, post, startKerfd } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
@@ -8,7 +9,8 @@ const kPhone = { viewport: { width: 390, height: 844 }, colorScheme: 'dark', has
 const kDemo = { name: 'sheets/demo' };
 const kDemoVertices = 2500;
 // The sheet of deploy/scenes/demo.json before it falls: uncut, level, 0.8 m up.
-const kStartState = `k.numVertices === ${kDemoVertices} && k.pieces === 1 && Math.abs(k.toWorld(0.5, 0).z - 0.8) < 1e-3`;
+const kStartState = `k.numVertices === ${kDemoVertices} && k.pieces === 1
+  && Math.abs(k.toWorld(0.5, 0).z - 0.8) < 1e-3`;
 
 let kerfd = await startKerfd(kerfdPath, web);
 const browser = await launchChromium(chromiumPath);
@@ -28,6 +30,34 @@ await steps.step('the page opens and the sheet is live', async () => {
 await steps.step('the scheduled cut arrives', async () => {
   await viewer.until(`k.numVertices > ${kDemoVertices} && k.tick > 420`);
   await viewer.screenshot('live');
+});
+
+await steps.step('a curve is drawn on the live sheet, adjusted and given up', async () => {
+  await viewer.choose('cut');
+  for (const [x, y] of [
+    [0.12, 0.5],
+    [0.35, 0.8],
+    [0.6, 0.25],
+    [0.86, 0.62],
+  ])
+    await viewer.tap(x, y);
+  const handle = viewer.page.locator('.handle', { hasText: '3' });
+  const middle = async () => {
+    const box = await handle.boundingBox();
+    return { x: box.x + box.width / 2, y: box.y + box.height / 2 };
+  };
+  const from = await middle();
+  const to = { x: from.x + 30, y: from.y - 20 };
+  await viewer.drag(from, to);
+  await viewer.page.mouse.up();
+  await viewer.until('k.framesDrawn > given.drawn', { drawn: await viewer.read('k.framesDrawn') });
+  const at = await middle();
+  // The sheet goes on moving, and the point with it.
+  check(Math.hypot(at.x - to.x, at.y - to.y) < 15, `point 3 is at ${JSON.stringify(at)}, not ${JSON.stringify(to)}`);
+  await viewer.screenshot('curve');
+  await viewer.page.keyboard.press('Escape');
+  await viewer.page.waitForFunction(() => !document.querySelector('.handle:not([hidden])'));
+  check((await viewer.read('k.pieces')) === 1, 'a curve that was given up has cut the sheet');
 });
 
 await steps.step('pause stops the tick, step makes one, resume goes on', async () => {
@@ -50,7 +80,13 @@ await steps.step('reset goes back to the uncut sheet', async () => {
 
 await steps.step('four taps and Enter cut the paused sheet in two', async () => {
   await viewer.choose('cut');
-  for (const [x, y] of [[-0.05, 0.75], [0.3, 0.55], [0.7, 0.98], [1.05, 0.7]]) await viewer.tap(x, y);
+  for (const [x, y] of [
+    [-0.05, 0.75],
+    [0.3, 0.55],
+    [0.7, 0.98],
+    [1.05, 0.7],
+  ])
+    await viewer.tap(x, y);
   await viewer.page.waitForFunction(() => document.querySelectorAll('.handle:not([hidden])').length === 4);
   await viewer.screenshot('cut-preview');
   const before = await viewer.read('({ pieces: k.pieces, vertices: k.numVertices, tick: k.tick })');

@@ -26,7 +26,9 @@ export class ViewerPage {
   /** Waits until `condition`, an expression of window.kerf as k and of `given`, is true of it. */
   async until(condition, given = {}) {
     await this.page.waitForFunction(pageFunction(condition), given, { timeout: kPatienceMs }).catch((error) => {
-      throw new Error(`not within ${kPatienceMs / 1000} s: ${condition} (given ${JSON.stringify(given)}): ${error.message}`);
+      throw new Error(
+        `not within ${kPatienceMs / 1000} s: ${condition} (given ${JSON.stringify(given)}): ${error.message}`,
+      );
     });
   }
 

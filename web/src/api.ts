@@ -15,9 +15,23 @@ export class ApiError extends Error {
 }
 
 const kCodes = [
-  'OK', 'CANCELLED', 'UNKNOWN', 'INVALID_ARGUMENT', 'DEADLINE_EXCEEDED', 'NOT_FOUND', 'ALREADY_EXISTS',
-  'PERMISSION_DENIED', 'RESOURCE_EXHAUSTED', 'FAILED_PRECONDITION', 'ABORTED', 'OUT_OF_RANGE', 'UNIMPLEMENTED',
-  'INTERNAL', 'UNAVAILABLE', 'DATA_LOSS', 'UNAUTHENTICATED',
+  'OK',
+  'CANCELLED',
+  'UNKNOWN',
+  'INVALID_ARGUMENT',
+  'DEADLINE_EXCEEDED',
+  'NOT_FOUND',
+  'ALREADY_EXISTS',
+  'PERMISSION_DENIED',
+  'RESOURCE_EXHAUSTED',
+  'FAILED_PRECONDITION',
+  'ABORTED',
+  'OUT_OF_RANGE',
+  'UNIMPLEMENTED',
+  'INTERNAL',
+  'UNAVAILABLE',
+  'DATA_LOSS',
+  'UNAUTHENTICATED',
 ];
 
 function errorFromBody(status: number, body: string): ApiError {
@@ -26,7 +40,10 @@ function errorFromBody(status: number, body: string): ApiError {
     const name = typeof code === 'number' ? kCodes[code] : code;
     return new ApiError(name ?? 'UNKNOWN', message || `the server answered ${status}`);
   } catch {
-    return new ApiError(status === 404 ? 'UNIMPLEMENTED' : 'UNKNOWN', body.slice(0, 200) || `the server answered ${status}`);
+    return new ApiError(
+      status === 404 ? 'UNIMPLEMENTED' : 'UNKNOWN',
+      body.slice(0, 200) || `the server answered ${status}`,
+    );
   }
 }
 

@@ -24,7 +24,10 @@ import { SimulationControls } from './ui/simulation_controls';
 import { StatusLine } from './ui/status_line';
 
 const kStateText: Record<ConnectionState, string> = {
-  connecting: 'Connecting', live: 'Live', lost: 'Connection lost', ended: 'Ended',
+  connecting: 'Connecting',
+  live: 'Live',
+  lost: 'Connection lost',
+  ended: 'Ended',
 };
 
 // Settings are asked for at most this often, however often they change.

@@ -1,8 +1,8 @@
 import type { App } from './app';
 
 /**
- * window.kerf: what the browser test (tests/e2e) reads, and nothing that changes anything. Not an interface for programs:
- * those speak kerf.v1 with the server.
+ * window.kerf: what the browser test (tests/e2e) reads, and nothing that changes anything. Not an interface for
+ * programs: those speak kerf.v1 with the server.
  */
 export interface Hooks {
   readonly connection: string;
@@ -31,17 +31,39 @@ declare global {
 export function installHooks(app: App, canvas: HTMLCanvasElement): void {
   const world = (x: number, y: number) => app.surface?.toWorld({ x, y });
   window.kerf = {
-    get connection() { return app.watch?.state ?? 'connecting'; },
-    get sheet() { return app.sheetName; },
-    get tick() { return app.surface?.mirror.tick ?? -1; },
-    get topologyVersion() { return app.surface?.mirror.topologyVersion ?? -1; },
-    get pieces() { return app.surface?.mirror.numPieces ?? 0; },
-    get numVertices() { return app.surface?.mirror.numVertices ?? 0; },
-    get isPaused() { return app.surface?.mirror.stats?.paused ?? false; },
-    get isWireframe() { return app.isWireframe; },
-    get tool() { return app.tool.id; },
-    get pinnedVertices() { return app.sheet?.pinnedVertices ?? []; },
-    get framesDrawn() { return app.framesDrawn; },
+    get connection() {
+      return app.watch?.state ?? 'connecting';
+    },
+    get sheet() {
+      return app.sheetName;
+    },
+    get tick() {
+      return app.surface?.mirror.tick ?? -1;
+    },
+    get topologyVersion() {
+      return app.surface?.mirror.topologyVersion ?? -1;
+    },
+    get pieces() {
+      return app.surface?.mirror.numPieces ?? 0;
+    },
+    get numVertices() {
+      return app.surface?.mirror.numVertices ?? 0;
+    },
+    get isPaused() {
+      return app.surface?.mirror.stats?.paused ?? false;
+    },
+    get isWireframe() {
+      return app.isWireframe;
+    },
+    get tool() {
+      return app.tool.id;
+    },
+    get pinnedVertices() {
+      return app.sheet?.pinnedVertices ?? [];
+    },
+    get framesDrawn() {
+      return app.framesDrawn;
+    },
     toWorld(x, y) {
       const at = world(x, y);
       return at && { x: at.x, y: at.y, z: at.z };

@@ -32,14 +32,21 @@ async function start(): Promise<void> {
   const app = new App();
   installHooks(app, element<HTMLCanvasElement>('canvas'));
   bindKeys(app);
-  const picker = new SheetPicker((name) => app.open(name), () => listSheets(app));
+  const picker = new SheetPicker(
+    (name) => app.open(name),
+    () => listSheets(app),
+  );
   const names = await listSheets(app);
   const asked = new URLSearchParams(location.search).get('sheet');
   // A sheet that was asked for and is not there is opened all the same: the server says what is wrong.
   const name = asked ? `sheets/${asked}` : names.includes('sheets/demo') ? 'sheets/demo' : names[0];
   picker.show(names, name);
   if (name) app.open(name);
-  else app.showConnection('ended', 'This server has no sheets. Create one: kerf sheet create demo --grid 50x50 --size 1x1');
+  else
+    app.showConnection(
+      'ended',
+      'This server has no sheets. Create one: kerf sheet create demo --grid 50x50 --size 1x1',
+    );
 }
 
 start().catch((error: Error) => {

@@ -26,7 +26,8 @@ function squareMirror(): SheetMirror {
   mirror.numVertices = kSide * kSide;
   mirror.materialPositions = Float32Array.from(material);
   mirror.positions = new Float32Array(3 * mirror.numVertices);
-  for (let v = 0; v < mirror.numVertices; ++v) mirror.positions.set([1 + 2 * material[2 * v], material[2 * v + 1], 3], 3 * v);
+  for (let v = 0; v < mirror.numVertices; ++v)
+    mirror.positions.set([1 + 2 * material[2 * v], material[2 * v + 1], 3], 3 * v);
   mirror.triangles = Int32Array.from([...triangles, -1, -1, -1]);
   mirror.numSlots = mirror.triangles.length / 3;
   mirror.topologyVersion = 1;
@@ -130,7 +131,12 @@ describe('vertexNormals', () => {
 });
 
 describe('curves', () => {
-  const points = [{ x: 0, y: 0 }, { x: 0, y: 3 }, { x: 3, y: 3 }, { x: 3, y: 0 }];
+  const points = [
+    { x: 0, y: 0 },
+    { x: 0, y: 3 },
+    { x: 3, y: 3 },
+    { x: 3, y: 0 },
+  ];
 
   it('follow the cubic Bernstein polynomials', () => {
     expect(bezierPoint(points, 0)).toEqual(points[0]);
@@ -139,7 +145,13 @@ describe('curves', () => {
   });
 
   it('are reduced to the points that matter', () => {
-    const corner = [{ x: 0, y: 0 }, { x: 0.5, y: 0.001 }, { x: 1, y: 0 }, { x: 1, y: 0.5 }, { x: 1, y: 1 }];
+    const corner = [
+      { x: 0, y: 0 },
+      { x: 0.5, y: 0.001 },
+      { x: 1, y: 0 },
+      { x: 1, y: 0.5 },
+      { x: 1, y: 1 },
+    ];
     expect(simplify(corner, 0.002)).toEqual([corner[0], corner[2], corner[4]]);
     expect(simplify(corner.slice(0, 2), 0.002)).toEqual(corner.slice(0, 2));
   });
@@ -158,7 +170,10 @@ describe('curves', () => {
   });
 
   it('may be closed: a stroke that ends where it began keeps its shape', () => {
-    const circle = Array.from({ length: 101 }, (_, i) => ({ x: Math.cos((i * Math.PI) / 50), y: Math.sin((i * Math.PI) / 50) }));
+    const circle = Array.from({ length: 101 }, (_, i) => ({
+      x: Math.cos((i * Math.PI) / 50),
+      y: Math.sin((i * Math.PI) / 50),
+    }));
     expect(simplify(circle, 0.01).length).toBeGreaterThan(12);
   });
 });

@@ -38,7 +38,10 @@ function state(mirror: SheetMirror) {
 }
 
 function world(q: number[]): number[] {
-  const [min, max] = [[-1, 0, 2], [1, 0.5, 2]];
+  const [min, max] = [
+    [-1, 0, 2],
+    [1, 0.5, 2],
+  ];
   return q.map((value, i) => Math.fround(min[i % 3] + (value * (max[i % 3] - min[i % 3])) / 65535));
 }
 
@@ -78,11 +81,20 @@ describe('SheetMirror', () => {
     const mirror = new SheetMirror();
     mirror.apply(frameOf(kKeyframe));
     const keyframe = frameOf(kKeyframe);
-    mirror.apply(create(FrameSchema, { ...keyframe, sequence: 2n, tick: 8n, topology: undefined, positions: new Uint8Array(24) }));
+    mirror.apply(
+      create(FrameSchema, { ...keyframe, sequence: 2n, tick: 8n, topology: undefined, positions: new Uint8Array(24) }),
+    );
     expect(state(mirror).positions).toEqual(world(new Array(12).fill(0)));
-    mirror.apply(create(FrameSchema, {
-      sequence: 3n, tick: 9n, baseTick: 8n, topologyVersion: 3, numVertices: 4, positions: new Uint8Array(12).fill(2),
-    }));
+    mirror.apply(
+      create(FrameSchema, {
+        sequence: 3n,
+        tick: 9n,
+        baseTick: 8n,
+        topologyVersion: 3,
+        numVertices: 4,
+        positions: new Uint8Array(12).fill(2),
+      }),
+    );
     expect(state(mirror).positions).toEqual(world(new Array(12).fill(1)));
     expect(mirror.numPieces).toBe(1);
   });

@@ -65,14 +65,29 @@ class FakeServer {
 
   /** A triangle, self-contained. */
   sendKeyframe(sequence: bigint, tick: bigint): void {
-    this.send({ case: 'frame', value: {
-      sequence, tick, baseTick: -1n, topologyVersion: 1, numVertices: 3, positions: new Uint8Array(18),
-      box: { min: {}, max: {} },
-      topology: sequence > 1n ? undefined : {
-        baseVersion: -1, numSlots: 1, triangles: new Uint8Array(Int32Array.of(0, 1, 2).buffer), pieces: new Uint8Array(4),
-        materialPositions: new Uint8Array(24), numPieces: 1,
+    this.send({
+      case: 'frame',
+      value: {
+        sequence,
+        tick,
+        baseTick: -1n,
+        topologyVersion: 1,
+        numVertices: 3,
+        positions: new Uint8Array(18),
+        box: { min: {}, max: {} },
+        topology:
+          sequence > 1n
+            ? undefined
+            : {
+                baseVersion: -1,
+                numSlots: 1,
+                triangles: new Uint8Array(Int32Array.of(0, 1, 2).buffer),
+                pieces: new Uint8Array(4),
+                materialPositions: new Uint8Array(24),
+                numPieces: 1,
+              },
       },
-    } });
+    });
   }
 
   drop(): void {
@@ -154,7 +169,10 @@ describe('Watch', () => {
 });
 
 describe('call', () => {
-  async function answer(status: number, body: string): Promise<{ baseUrl: string; seen: () => string; close: () => void }> {
+  async function answer(
+    status: number,
+    body: string,
+  ): Promise<{ baseUrl: string; seen: () => string; close: () => void }> {
     let seen = '';
     const server = createServer((request, response) => {
       let text = '';

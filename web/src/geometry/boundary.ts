@@ -33,8 +33,11 @@ export function boundaryEdges(triangles: Int32Array, numSlots: number, numVertic
   return Uint32Array.from(edges);
 }
 
-function forEachHalfEdge(triangles: Int32Array, numSlots: number,
-                         visit: (a: number, b: number, slot: number) => void): void {
+function forEachHalfEdge(
+  triangles: Int32Array,
+  numSlots: number,
+  visit: (a: number, b: number, slot: number) => void,
+): void {
   for (let slot = 0; slot < numSlots; ++slot) {
     const [a, b, c] = [triangles[3 * slot], triangles[3 * slot + 1], triangles[3 * slot + 2]];
     if (a < 0) continue;

@@ -12,8 +12,8 @@ export function bezierPoint(p: readonly Point2[], t: number): Point2 {
 
 /**
  * The fewest of the given points, ends included, whose polyline stays within `tolerance` of all of them (Douglas and
- * Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line", 1973). A stroke
- * has a point for each move of the hand, and a cut puts a vertex on each point of its polyline.
+ * Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line", 1973). A
+ * stroke has a point for each move of the hand, and a cut puts a vertex on each point of its polyline.
  */
 export function simplify(points: readonly Point2[], tolerance: number): Point2[] {
   const isKept = points.map((_, i) => i === 0 || i === points.length - 1);

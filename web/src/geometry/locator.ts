@@ -11,8 +11,8 @@ export interface Point2 {
 }
 
 /**
- * Finds the triangle that holds a material point, by a uniform grid over the sheet (about one triangle a cell). Built once
- * a topology; material positions do not change otherwise.
+ * Finds the triangle that holds a material point, by a uniform grid over the sheet (about one triangle a cell). Built
+ * once a topology; material positions do not change otherwise.
  */
 export class Locator {
   readonly min: Point2;
@@ -27,8 +27,12 @@ export class Locator {
    * @param material   2 V, metres
    * @param triangles  3 S vertex ids, -1 for empty slots
    */
-  constructor(private readonly material: Float32Array, numVertices: number,
-              private readonly triangles: Int32Array, numSlots: number) {
+  constructor(
+    private readonly material: Float32Array,
+    numVertices: number,
+    private readonly triangles: Int32Array,
+    numSlots: number,
+  ) {
     this.min = { x: Infinity, y: Infinity };
     this.max = { x: -Infinity, y: -Infinity };
     for (let v = 0; v < numVertices; ++v) {

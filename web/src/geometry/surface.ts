@@ -63,10 +63,15 @@ export class Surface {
   }
 
   /**
-   * Material point for a click beside the sheet: as far out of the nearest border edge as the click is from it, so that a
-   * cut can begin and end off the sheet. Undefined far from any border.
+   * Material point for a click beside the sheet: as far out of the nearest border edge as the click is from it, so
+   * that a cut can begin and end off the sheet. Undefined far from any border.
    */
-  pickBeside(pointPx: Vector2, camera: Camera, sizePx: Vector2, metresPerPx: (at: Vector3) => number): Point2 | undefined {
+  pickBeside(
+    pointPx: Vector2,
+    camera: Camera,
+    sizePx: Vector2,
+    metresPerPx: (at: Vector3) => number,
+  ): Point2 | undefined {
     const { mirror, boundary } = this;
     const toPx = (vertex: number): Vector2 => {
       const p = this.vertexPosition(vertex).project(camera);
@@ -109,7 +114,8 @@ export class Surface {
   private worldAt(place: Place): Vector3 {
     const { triangles } = this.mirror;
     const first = 3 * place.slot;
-    return this.vertexPosition(triangles[first]).multiplyScalar(1 - place.u - place.v)
+    return this.vertexPosition(triangles[first])
+      .multiplyScalar(1 - place.u - place.v)
       .addScaledVector(this.vertexPosition(triangles[first + 1]), place.u)
       .addScaledVector(this.vertexPosition(triangles[first + 2]), place.v);
   }
@@ -149,15 +155,25 @@ export class Surface {
       if (a < 0) continue;
       const b = 3 * triangles[3 * slot + 1];
       const c = 3 * triangles[3 * slot + 2];
-      const abX = x[b] - x[a], abY = x[b + 1] - x[a + 1], abZ = x[b + 2] - x[a + 2];
-      const acX = x[c] - x[a], acY = x[c + 1] - x[a + 1], acZ = x[c + 2] - x[a + 2];
-      const pX = dy * acZ - dz * acY, pY = dz * acX - dx * acZ, pZ = dx * acY - dy * acX;
+      const abX = x[b] - x[a],
+        abY = x[b + 1] - x[a + 1],
+        abZ = x[b + 2] - x[a + 2];
+      const acX = x[c] - x[a],
+        acY = x[c + 1] - x[a + 1],
+        acZ = x[c + 2] - x[a + 2];
+      const pX = dy * acZ - dz * acY,
+        pY = dz * acX - dx * acZ,
+        pZ = dx * acY - dy * acX;
       const determinant = abX * pX + abY * pY + abZ * pZ;
       if (determinant === 0) continue;
-      const tX = origin.x - x[a], tY = origin.y - x[a + 1], tZ = origin.z - x[a + 2];
+      const tX = origin.x - x[a],
+        tY = origin.y - x[a + 1],
+        tZ = origin.z - x[a + 2];
       const u = (tX * pX + tY * pY + tZ * pZ) / determinant;
       if (u < 0 || u > 1) continue;
-      const qX = tY * abZ - tZ * abY, qY = tZ * abX - tX * abZ, qZ = tX * abY - tY * abX;
+      const qX = tY * abZ - tZ * abY,
+        qY = tZ * abX - tX * abZ,
+        qZ = tX * abY - tY * abX;
       const v = (dx * qX + dy * qY + dz * qZ) / determinant;
       if (v < 0 || u + v > 1) continue;
       const distance = (acX * qX + acY * qY + acZ * qZ) / determinant;

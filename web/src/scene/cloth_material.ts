@@ -1,8 +1,8 @@
 import { DoubleSide, MeshStandardMaterial } from 'three';
 import type { IUniform } from 'three';
 
-// Checks of woven bands in material coordinates, so that stretch and shear show, filtered to the size of a pixel. The two
-// sides differ in colour, so that folds show.
+// Checks of woven bands in material coordinates, so that stretch and shear show, filtered to the size of a pixel. The
+// two sides differ in colour, so that folds show.
 const kPattern = /* glsl */ `
   uniform float checkSize;
 
@@ -31,8 +31,15 @@ export class ClothMaterial extends MeshStandardMaterial {
   private readonly checkSize: IUniform<number> = { value: 0.1 };
 
   constructor() {
-    super({ side: DoubleSide, shadowSide: DoubleSide, roughness: 0.86, metalness: 0, polygonOffset: true,
-            polygonOffsetFactor: 1.5, polygonOffsetUnits: 2 });
+    super({
+      side: DoubleSide,
+      shadowSide: DoubleSide,
+      roughness: 0.86,
+      metalness: 0,
+      polygonOffset: true,
+      polygonOffsetFactor: 1.5,
+      polygonOffsetUnits: 2,
+    });
     this.defines = { ...this.defines, USE_UV: '' };
     this.onBeforeCompile = (shader) => {
       shader.uniforms.checkSize = this.checkSize;

@@ -1,5 +1,13 @@
 import {
-  BoxGeometry, CapsuleGeometry, Group, Mesh, MeshStandardMaterial, PlaneGeometry, Quaternion, SphereGeometry, Vector3,
+  BoxGeometry,
+  CapsuleGeometry,
+  Group,
+  Mesh,
+  MeshStandardMaterial,
+  PlaneGeometry,
+  Quaternion,
+  SphereGeometry,
+  Vector3,
 } from 'three';
 import type { BufferGeometry, Object3D } from 'three';
 import type { Vec3 } from '../gen/kerf/v1/geometry_pb';
@@ -7,8 +15,8 @@ import type { Collider } from '../gen/kerf/v1/scene_pb';
 import { GroundMaterial } from './ground_material';
 
 const kSolid = new MeshStandardMaterial({ color: 0x9aa3ad, roughness: 0.6, metalness: 0.05 });
-// The sheet rests on a collider's surface: draw the solid a little smaller, so that cloth between two vertices that lies
-// on a curved solid does not sink into it.
+// The sheet rests on a collider's surface: draw the solid a little smaller, so that cloth between two vertices that
+// lies on a curved solid does not sink into it.
 const kShrink = 0.985;
 
 function vector(v: Vec3 | undefined): Vector3 {
@@ -37,15 +45,19 @@ function draw({ shape }: Collider, ground: GroundMaterial): Object3D | undefined
     case 'capsule': {
       const [a, b] = [vector(shape.value.a), vector(shape.value.b)];
       const axis = b.clone().sub(a);
-      const capsule = solid(new CapsuleGeometry(kShrink * shape.value.radiusM, axis.length(), 24, 48),
-                            a.clone().lerp(b, 0.5));
+      const capsule = solid(
+        new CapsuleGeometry(kShrink * shape.value.radiusM, axis.length(), 24, 48),
+        a.clone().lerp(b, 0.5),
+      );
       if (axis.lengthSq() > 0) capsule.quaternion.setFromUnitVectors(new Vector3(0, 1, 0), axis.normalize());
       return capsule;
     }
     case 'plane': {
       const plane = new Mesh(new PlaneGeometry(1, 1), ground);
       plane.position.copy(vector(shape.value.point));
-      plane.quaternion.copy(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), vector(shape.value.normal).normalize()));
+      plane.quaternion.copy(
+        new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), vector(shape.value.normal).normalize()),
+      );
       plane.scale.setScalar(2 * ground.reach);
       plane.receiveShadow = true;
       return plane;

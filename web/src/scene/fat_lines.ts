@@ -38,7 +38,8 @@ export class FatLines {
 
   /** Room for `count` segments: 6 numbers each (start, end; metres), to be filled before the next draw. */
   begin(count: number): Float32Array {
-    if (6 * count > this.buffer.array.length) this.buffer = this.allocate(Math.max(count, this.buffer.array.length / 3));
+    if (6 * count > this.buffer.array.length)
+      this.buffer = this.allocate(Math.max(count, this.buffer.array.length / 3));
     this.object.geometry.instanceCount = count;
     this.object.visible = count > 0;
     this.buffer.clearUpdateRanges();

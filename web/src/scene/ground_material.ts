@@ -29,10 +29,13 @@ export class GroundMaterial extends MeshLambertMaterial {
         .replace('#include <begin_vertex>', '#include <begin_vertex>\nvGround = position.xy * 2.0 * reach;');
       shader.fragmentShader = shader.fragmentShader
         .replace('#include <common>', `#include <common>\n${kGround}`)
-        .replace('#include <color_fragment>', `
+        .replace(
+          '#include <color_fragment>',
+          `
           float lines = max(0.5 * gridLines(vGround, 0.1), gridLines(vGround, 1.0));
           diffuseColor.rgb = mix(diffuseColor.rgb, lineColor, 0.35 * lines);
-          diffuseColor.a *= 1.0 - smoothstep(0.35 * reach, reach, length(vGround));`);
+          diffuseColor.a *= 1.0 - smoothstep(0.35 * reach, reach, length(vGround));`,
+        );
     };
   }
 

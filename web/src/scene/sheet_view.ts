@@ -17,7 +17,9 @@ export class SheetView {
   private readonly cloth = new ClothMaterial();
   private readonly mesh = new Mesh(new BufferGeometry(), this.cloth);
   private readonly wires = new LineSegments(
-    new BufferGeometry(), new LineBasicMaterial({ color: 0x05070a, transparent: true, opacity: 0.42, depthWrite: false }));
+    new BufferGeometry(),
+    new LineBasicMaterial({ color: 0x05070a, transparent: true, opacity: 0.42, depthWrite: false }),
+  );
   private readonly lips = new FatLines({ color: 0x10151c, width: 2 });
   private surface: Surface | undefined;
   private shownVersion = -1;
@@ -52,7 +54,13 @@ export class SheetView {
     const { geometry } = this.mesh;
     const positions = geometry.getAttribute('position') as BufferAttribute;
     const normals = geometry.getAttribute('normal') as BufferAttribute;
-    vertexNormals(mirror.positions, mirror.numVertices, mirror.triangles, mirror.numSlots, normals.array as Float32Array);
+    vertexNormals(
+      mirror.positions,
+      mirror.numVertices,
+      mirror.triangles,
+      mirror.numSlots,
+      normals.array as Float32Array,
+    );
     upload(positions, 3 * mirror.numVertices);
     upload(normals, 3 * mirror.numVertices);
     this.updateLips();
@@ -67,7 +75,10 @@ export class SheetView {
       this.wires.geometry.dispose();
       const positions = new BufferAttribute(mirror.positions, 3).setUsage(DynamicDrawUsage);
       geometry.setAttribute('position', positions);
-      geometry.setAttribute('normal', new BufferAttribute(new Float32Array(mirror.positions.length), 3).setUsage(DynamicDrawUsage));
+      geometry.setAttribute(
+        'normal',
+        new BufferAttribute(new Float32Array(mirror.positions.length), 3).setUsage(DynamicDrawUsage),
+      );
       this.wires.geometry.setAttribute('position', positions);
       this.wiresVersion = -1;
     }
@@ -81,7 +92,10 @@ export class SheetView {
   }
 
   private updateLips(): void {
-    const { mirror: { positions }, boundary } = this.surface!;
+    const {
+      mirror: { positions },
+      boundary,
+    } = this.surface!;
     const ends = this.lips.begin(boundary.length / 3);
     for (let i = 0, at = 0; i < boundary.length; i += 3) {
       for (let end = 0; end < 2; ++end) {
@@ -95,7 +109,10 @@ export class SheetView {
 
   private updateWires(): void {
     if (!this.surface || this.wiresVersion === this.shownVersion) return;
-    const { mirror: { triangles, numSlots }, boundary } = this.surface;
+    const {
+      mirror: { triangles, numSlots },
+      boundary,
+    } = this.surface;
     // Each inner edge belongs to two triangles that run along it in opposite directions, each border edge to one.
     const edges: number[] = [];
     for (let i = 0; i < 3 * numSlots; ++i) {

@@ -1,5 +1,14 @@
 import {
-  Box3, DirectionalLight, HemisphereLight, PerspectiveCamera, Raycaster, Scene, Sphere, Vector2, Vector3, WebGLRenderer,
+  Box3,
+  DirectionalLight,
+  HemisphereLight,
+  PerspectiveCamera,
+  Raycaster,
+  Scene,
+  Sphere,
+  Vector2,
+  Vector3,
+  WebGLRenderer,
 } from 'three';
 import type { Ray } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
@@ -94,7 +103,9 @@ export class Stage {
     let distance = 1e-3;
     for (let corner = 0; corner < 8; ++corner) {
       const at = new Vector3(
-        corner & 1 ? box.max.x : box.min.x, corner & 2 ? box.max.y : box.min.y, corner & 4 ? box.max.z : box.min.z,
+        corner & 1 ? box.max.x : box.min.x,
+        corner & 2 ? box.max.y : box.min.y,
+        corner & 4 ? box.max.z : box.min.z,
       ).sub(center);
       const across = Math.max(Math.abs(at.dot(right)) / this.camera.aspect, Math.abs(at.dot(up)));
       distance = Math.max(distance, across / tangent + at.dot(kViewDirection));

@@ -18,8 +18,8 @@ function withRoom<T extends Int32Array | Float32Array | Uint16Array>(array: T, u
   return grown;
 }
 
-// Bytes fields are views into the message at any alignment: copy before viewing them as wider numbers. Typed arrays have
-// the machine's byte order, which is little-endian, as on the wire, everywhere that browsers run.
+// Bytes fields are views into the message at any alignment: copy before viewing them as wider numbers. Typed arrays
+// have the machine's byte order, which is little-endian, as on the wire, everywhere that browsers run.
 function aligned(bytes: Uint8Array): ArrayBuffer {
   return bytes.slice().buffer as ArrayBuffer;
 }
@@ -64,8 +64,8 @@ export class SheetMirror {
     const sequence = Number(frame.sequence);
     require(sequence === this.sequence + 1, () => `frame ${sequence} after frame ${this.sequence}`);
     const isKeyframe = frame.baseTick === -1n;
-    require(isKeyframe || (this.tick >= 0 && Number(frame.baseTick) === this.tick),
-      () => `delta against tick ${frame.baseTick}, but the mirror is at ${this.tick}`);
+    require(isKeyframe || (this.tick >= 0 && Number(frame.baseTick) === this.tick), () =>
+      `delta against tick ${frame.baseTick}, but the mirror is at ${this.tick}`);
     require(frame.numVertices >= 0, () => `${frame.numVertices} vertices`);
     this.checkTopology(frame);
     this.decodePositions(frame, isKeyframe);
@@ -84,8 +84,8 @@ export class SheetMirror {
     this.next = withRoom(this.next, 0, count);
     if (isKeyframe) {
       require(frame.box?.min !== undefined && frame.box.max !== undefined, () => 'keyframe without a box');
-      require(frame.positions.length === 2 * count,
-        () => `keyframe of ${frame.numVertices} vertices has ${frame.positions.length} bytes of positions`);
+      require(frame.positions.length === 2 * count, () =>
+        `keyframe of ${frame.numVertices} vertices has ${frame.positions.length} bytes of positions`);
       this.next.set(new Uint16Array(aligned(frame.positions)));
       return;
     }
@@ -119,27 +119,27 @@ export class SheetMirror {
   private checkTopology(frame: Frame): void {
     const patch = frame.topology;
     if (!patch) {
-      require(frame.topologyVersion === this.topologyVersion,
-        () => `topology ${frame.topologyVersion} without a patch; the mirror has ${this.topologyVersion}`);
-      require(frame.numVertices === this.numVertices,
-        () => `${frame.numVertices} vertices without a patch; the mirror has ${this.numVertices}`);
+      require(frame.topologyVersion === this.topologyVersion, () =>
+        `topology ${frame.topologyVersion} without a patch; the mirror has ${this.topologyVersion}`);
+      require(frame.numVertices === this.numVertices, () =>
+        `${frame.numVertices} vertices without a patch; the mirror has ${this.numVertices}`);
       return;
     }
     const isFull = patch.baseVersion === -1;
-    require(isFull || patch.baseVersion === this.topologyVersion,
-      () => `patch against topology ${patch.baseVersion}; the mirror has ${this.topologyVersion}`);
+    require(isFull || patch.baseVersion === this.topologyVersion, () =>
+      `patch against topology ${patch.baseVersion}; the mirror has ${this.topologyVersion}`);
     require(isFull || frame.numVertices >= this.numVertices, () => 'a patch that is not full removes vertices');
     require(patch.numSlots >= 0, () => `${patch.numSlots} slots`);
-    require(!isFull || (patch.slots.length === 0 && patch.vertices.length === 0),
-      () => 'a full patch lists slots or vertices');
+    require(!isFull || (patch.slots.length === 0 && patch.vertices.length === 0), () =>
+      'a full patch lists slots or vertices');
     this.checkSlots(patch, isFull, frame.numVertices);
     this.checkVertices(patch, isFull, frame.numVertices);
   }
 
   private checkSlots(patch: TopologyPatch, isFull: boolean, numVertices: number): void {
     const changed = isFull ? patch.numSlots : patch.slots.length / 4;
-    require(patch.triangles.length === 12 * changed && patch.pieces.length === 4 * changed,
-      () => `${changed} changed slots with ${patch.triangles.length} bytes of triangles, ${patch.pieces.length} of pieces`);
+    require(patch.triangles.length === 12 * changed && patch.pieces.length === 4 * changed, () =>
+      `${changed} changed slots with ${patch.triangles.length} bytes of triangles, ${patch.pieces.length} of pieces`);
     checkAscending(patch.slots, patch.numSlots, 'slot');
     const triangles = new Int32Array(aligned(patch.triangles));
     for (let i = 0; i < triangles.length; i += 3) {
@@ -152,13 +152,13 @@ export class SheetMirror {
 
   private checkVertices(patch: TopologyPatch, isFull: boolean, numVertices: number): void {
     const changed = isFull ? numVertices : patch.vertices.length / 4;
-    require(patch.materialPositions.length === 8 * changed,
-      () => `${changed} vertices with ${patch.materialPositions.length} bytes of material positions`);
+    require(patch.materialPositions.length === 8 * changed, () =>
+      `${changed} vertices with ${patch.materialPositions.length} bytes of material positions`);
     const vertices = checkAscending(patch.vertices, numVertices, 'vertex');
     if (isFull) return;
     const numNew = numVertices - this.numVertices;
-    require(numNew === 0 || vertices[vertices.length - numNew] === this.numVertices,
-      () => `new vertices ${this.numVertices}..${numVertices - 1} are not all listed`);
+    require(numNew === 0 || vertices[vertices.length - numNew] === this.numVertices, () =>
+      `new vertices ${this.numVertices}..${numVertices - 1} are not all listed`);
   }
 
   private applyTopology(patch: TopologyPatch, numVertices: number): void {

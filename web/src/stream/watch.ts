@@ -27,8 +27,9 @@ function isHidden(): boolean {
 
 /**
  * Watches one sheet over WebSocket /watch and keeps watching: a lost connection is tried again, at growing intervals,
- * until close(); a hidden page waits for retryNow(). Frames are applied as they come (the server sends at most `window` unacknowledged ones); the owner calls
- * acknowledge() when it draws, so that a page that does not draw is not sent anything.
+ * until close(); a hidden page waits for retryNow(). Frames are applied as they come (the server sends at most
+ * `window` unacknowledged ones); the owner calls acknowledge() when it draws, so that a page that does not draw is
+ * not sent anything.
  */
 export class Watch {
   /** Last complete mirror: survives a lost connection, so that the last picture stays. */
@@ -48,7 +49,11 @@ export class Watch {
    * @param url   of the WebSocket, ws://HOST:PORT/watch
    * @param name  sheets/{sheet}
    */
-  constructor(private readonly url: string, private readonly name: string, private readonly events: WatchEvents) {
+  constructor(
+    private readonly url: string,
+    private readonly name: string,
+    private readonly events: WatchEvents,
+  ) {
     this.connect();
   }
 

@@ -5,7 +5,10 @@ export class CutHandles {
   private readonly elements: HTMLElement[] = [];
 
   /** @param moved  called with the index of a handle and where it was dragged, CSS pixels on the overlay */
-  constructor(private readonly overlay: HTMLElement, private readonly moved: (index: number, px: Vector2) => void) {}
+  constructor(
+    private readonly overlay: HTMLElement,
+    private readonly moved: (index: number, px: Vector2) => void,
+  ) {}
 
   /** One handle a point; undefined hides that one (behind the camera). */
   show(points: readonly (Vector2 | undefined)[]): void {

@@ -2,7 +2,7 @@ import type { Vector3 } from 'three';
 import { FatLines } from '../scene/fat_lines';
 import type { Stage } from '../scene/stage';
 
-/** The curve about to be cut and its control polygon, drawn over the sheet: a bright line in a dark rim reads on both sides. */
+/** The curve about to be cut and its control polygon, over the sheet: a bright line in a dark rim reads everywhere. */
 export class CutPreview {
   private readonly polygon = new FatLines({ color: 0xffffff, width: 1.5, opacity: 0.55, onTop: true });
   private readonly rim = new FatLines({ color: 0x10151c, width: 6, onTop: true });

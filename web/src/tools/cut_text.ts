@@ -12,7 +12,8 @@ export function lengthText(metres: number): string {
 export function cutText(result: CutResult): string {
   if (result.status === CutResult_Status.NO_INTERSECTION) return 'The curve does not meet the sheet: nothing was cut';
   const pieces = `${result.pieces} ${result.pieces === 1 ? 'piece' : 'pieces'}`;
-  const text = `Cut at tick ${result.tick}: ${pieces}, ${result.newVertices} new vertices, ` +
+  const text =
+    `Cut at tick ${result.tick}: ${pieces}, ${result.newVertices} new vertices, ` +
     `deviation ${lengthText(result.deviationM)}`;
   return [text, ...result.warnings].join('. ');
 }

@@ -19,8 +19,8 @@ const kFreehandTolerance = 0.002;
 
 /**
  * Draws a curve on the sheet, in material coordinates so that it moves with the sheet, and cuts along it: four taps for
- * the control points of a cubic Bezier curve, or one stroke for a polyline. A point beside the sheet is allowed, so that a
- * cut can run from border to border.
+ * the control points of a cubic Bezier curve, or one stroke for a polyline. A point beside the sheet is allowed, so
+ * that a cut can run from border to border.
  */
 export class CutTool implements Tool {
   readonly id = 'cut';
@@ -33,7 +33,10 @@ export class CutTool implements Tool {
   private readonly handles: CutHandles;
 
   /** @param changed  called when the prompt or the possible actions may have changed */
-  constructor(private readonly viewer: Viewer, private readonly changed: () => void) {
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly changed: () => void,
+  ) {
     this.preview = new CutPreview(viewer.stage);
     this.handles = new CutHandles(viewer.overlay, (index, px) => this.moveHandle(index, px));
   }
@@ -58,7 +61,9 @@ export class CutTool implements Tool {
   get prompt(): string {
     if (this.isReady) return this.mode === 'bezier' ? 'Drag the points to adjust, then cut' : 'Cut along the line?';
     if (this.mode === 'freehand') return 'Draw a line across the sheet';
-    return this.isStarted ? `Point ${this.points.length + 1} of 4` : 'Tap four points; start and end beside the sheet to cut through';
+    return this.isStarted
+      ? `Point ${this.points.length + 1} of 4`
+      : 'Tap four points; start and end beside the sheet to cut through';
   }
 
   enter(): void {
@@ -123,8 +128,9 @@ export class CutTool implements Tool {
     if (!this.isReady) return;
     this.isCutting = true;
     this.refresh();
-    const result = await this.viewer.attempt(
-      () => call(CutService.method.createCut, { parent: this.viewer.sheetName, cut: { curve: this.curve() } }));
+    const result = await this.viewer.attempt(() =>
+      call(CutService.method.createCut, { parent: this.viewer.sheetName, cut: { curve: this.curve() } }),
+    );
     this.isCutting = false;
     if (result) {
       this.viewer.notify(result.status === CutResult_Status.APPLIED ? 'success' : 'info', cutText(result));
@@ -147,22 +153,30 @@ export class CutTool implements Tool {
       ? Array.from({ length: kPreviewPieces + 1 }, (_, i) => bezierPoint(this.points, i / kPreviewPieces))
       : this.points;
     this.preview.show(line.map(toWorld), isCurve ? this.points.map(toWorld) : []);
-    this.handles.show(isBezier ? this.points.map((point) => {
-      const world = toWorld(point);
-      return world && stage.project(world);
-    }) : []);
+    this.handles.show(
+      isBezier
+        ? this.points.map((point) => {
+            const world = toWorld(point);
+            return world && stage.project(world);
+          })
+        : [],
+    );
   }
 
   private curve(): Curve {
-    return create(CurveSchema, this.mode === 'bezier'
-      ? { kind: { case: 'bezier', value: { points: this.points } } }
-      : { kind: { case: 'polyline', value: { points: this.points } } });
+    return create(
+      CurveSchema,
+      this.mode === 'bezier'
+        ? { kind: { case: 'bezier', value: { points: this.points } } }
+        : { kind: { case: 'polyline', value: { points: this.points } } },
+    );
   }
 
   private materialAt({ px, ray }: Pointer): Point2 | undefined {
     const { surface, stage } = this.viewer;
-    return surface?.pick(ray)?.material ??
-      surface?.pickBeside(px, stage.camera, stage.sizePx, (at) => stage.metresPerPx(at));
+    return (
+      surface?.pick(ray)?.material ?? surface?.pickBeside(px, stage.camera, stage.sizePx, (at) => stage.metresPerPx(at))
+    );
   }
 
   private moveHandle(index: number, px: Vector2): void {

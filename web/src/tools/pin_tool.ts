@@ -50,10 +50,11 @@ export class PinTool implements Tool {
     const isPinned = pinned.delete(vertex);
     if (!isPinned) pinned.add(vertex);
     const vertices = [...pinned].sort((a, b) => a - b);
-    const pins = vertices.length === 0 ? []
-      : [create(PinRegionSchema, { region: { case: 'vertices', value: { vertices } } })];
-    const done = await this.viewer.attempt(
-      () => call(InteractionService.method.setSheetPins, { name: this.viewer.sheetName, setPins: { pins } }));
+    const pins =
+      vertices.length === 0 ? [] : [create(PinRegionSchema, { region: { case: 'vertices', value: { vertices } } })];
+    const done = await this.viewer.attempt(() =>
+      call(InteractionService.method.setSheetPins, { name: this.viewer.sheetName, setPins: { pins } }),
+    );
     if (!done) return;
     this.viewer.notify('info', `Vertex ${vertex} ${isPinned ? 'released' : 'pinned'} (${vertices.length} pinned)`);
     await this.viewer.refreshSheet();

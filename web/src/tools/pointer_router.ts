@@ -12,8 +12,12 @@ export class PointerRouter {
   /**
    * @param area  contains the canvas: events are seen here before OrbitControls sees them there
    */
-  constructor(area: HTMLElement, private readonly canvas: HTMLCanvasElement,
-              private readonly stage: Stage, private readonly tool: () => Tool) {
+  constructor(
+    area: HTMLElement,
+    private readonly canvas: HTMLCanvasElement,
+    private readonly stage: Stage,
+    private readonly tool: () => Tool,
+  ) {
     area.addEventListener('pointerdown', (event) => this.down(event), { capture: true });
     area.addEventListener('pointermove', (event) => this.move(event), { capture: true });
     area.addEventListener('pointerup', (event) => this.up(event, true), { capture: true });

@@ -15,12 +15,17 @@ export class Choice<T extends string> {
   private readonly buttons: HTMLButtonElement[];
 
   /** @param attribute  name of the data attribute that holds each button's value */
-  constructor(container: HTMLElement, private readonly attribute: string, chosen: (value: T) => void) {
+  constructor(
+    container: HTMLElement,
+    private readonly attribute: string,
+    chosen: (value: T) => void,
+  ) {
     this.buttons = [...container.querySelectorAll<HTMLButtonElement>(`[data-${attribute}]`)];
     this.buttons.forEach((button, i) => {
       button.addEventListener('click', () => chosen(button.dataset[attribute] as T));
       button.addEventListener('keydown', ({ key }) => {
-        const step = key === 'ArrowDown' || key === 'ArrowRight' ? 1 : key === 'ArrowUp' || key === 'ArrowLeft' ? -1 : 0;
+        const step =
+          key === 'ArrowDown' || key === 'ArrowRight' ? 1 : key === 'ArrowUp' || key === 'ArrowLeft' ? -1 : 0;
         if (step === 0) return;
         const next = this.buttons[(i + step + this.buttons.length) % this.buttons.length];
         next.focus();

@@ -30,8 +30,8 @@ export function bindKeys(app: App): void {
     if (event.target === help) help.close();
   });
 
-  // A button that was clicked would keep the keyboard: Space would press it again rather than pause. Buttons reached with
-  // the Tab key (a click of detail 0) keep it.
+  // A button that was clicked would keep the keyboard: Space would press it again rather than pause. Buttons reached
+  // with the Tab key (a click of detail 0) keep it.
   addEventListener('click', (event) => {
     if (event.detail > 0 && (event.target as HTMLElement).closest('.card button')) app.focusStage();
   });

@@ -4,7 +4,10 @@ import { element } from './dom';
 export class SheetPicker {
   private readonly select = element<HTMLSelectElement>('sheet-picker');
 
-  constructor(private readonly chosen: (name: string) => void, list: () => Promise<string[]>) {
+  constructor(
+    private readonly chosen: (name: string) => void,
+    list: () => Promise<string[]>,
+  ) {
     this.select.addEventListener('change', () => {
       const name = this.select.value;
       const url = new URL(location.href);

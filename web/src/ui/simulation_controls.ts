@@ -50,16 +50,20 @@ export class SimulationControls {
   async togglePause(): Promise<void> {
     const { pauseSheet, resumeSheet } = SheetService.method;
     const request = { name: this.viewer.sheetName };
-    this.take(await this.viewer.attempt(() => (this.isPaused ? call(resumeSheet, request) : call(pauseSheet, request))));
+    this.take(
+      await this.viewer.attempt(() => (this.isPaused ? call(resumeSheet, request) : call(pauseSheet, request))),
+    );
   }
 
   /** One tick; a running sheet is paused first. */
   async step(): Promise<void> {
     const { sheetName: name } = this.viewer;
-    this.take(await this.viewer.attempt(async () => {
-      if (!this.isPaused) await call(SheetService.method.pauseSheet, { name });
-      return call(SheetService.method.stepSheet, { name, ticks: 1 });
-    }));
+    this.take(
+      await this.viewer.attempt(async () => {
+        if (!this.isPaused) await call(SheetService.method.pauseSheet, { name });
+        return call(SheetService.method.stepSheet, { name, ticks: 1 });
+      }),
+    );
   }
 
   async reset(): Promise<void> {
@@ -81,9 +85,12 @@ export class SimulationControls {
     while (this.wantedGravity !== undefined) {
       const z = -this.wantedGravity;
       this.wantedGravity = undefined;
-      await this.viewer.attempt(() => call(
-        InteractionService.method.setSheetGravity,
-        { name: this.viewer.sheetName, setGravity: { gravityMps2: { x: 0, y: 0, z } } }));
+      await this.viewer.attempt(() =>
+        call(InteractionService.method.setSheetGravity, {
+          name: this.viewer.sheetName,
+          setGravity: { gravityMps2: { x: 0, y: 0, z } },
+        }),
+      );
     }
     this.isSendingGravity = false;
     await this.viewer.refreshSheet();
