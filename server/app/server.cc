@@ -47,7 +47,7 @@ struct Server::Impl {
 
   host::HostOptions host_options();
   void build_renderer();
-  Result<ws::AssetTable> read_viewer();
+  void tell_what_is_missing() const;
   Status listen(ws::AssetTable viewer);
   Status start();
   void stop();
@@ -70,13 +70,12 @@ host::HostOptions Server::Impl::host_options() {
 void Server::Impl::build_renderer() {
   if (!config.render) return;
   renderer = render::make_renderer();
-  if (!renderer->available()) note("no pictures are drawn: " + renderer->description());
 }
 
-Result<ws::AssetTable> Server::Impl::read_viewer() {
-  if (!config.web.empty()) return ws::AssetTable::read(config.web);
-  note("no viewer was found to serve: build web/ or give --web DIR; everything else works");
-  return ws::AssetTable();
+// Once everything is up: a start that fails says why it failed, and nothing else.
+void Server::Impl::tell_what_is_missing() const {
+  if (config.web.empty()) note("no viewer was found to serve: build web/ or give --web DIR; everything else works");
+  if (renderer && !renderer->available()) note("no pictures are drawn: " + renderer->description());
 }
 
 Status Server::Impl::listen(ws::AssetTable viewer) {
@@ -99,7 +98,7 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
 }
 
 Status Server::Impl::start() {
-  Result<ws::AssetTable> viewer = read_viewer();
+  Result<ws::AssetTable> viewer = config.web.empty() ? ws::AssetTable() : ws::AssetTable::read(config.web);
   if (!viewer) return viewer.error();
   host = std::make_unique<host::Host>(host_options(), clock, entropy);
   const Result<std::vector<std::string>> sheets = load_scenes(config.scenes, disk, *host);
@@ -111,7 +110,9 @@ Status Server::Impl::start() {
   options.limits = config.limits;
   api = std::make_unique<api::Api>(*host, renderer.get(), options, clock);
   if (const Status listening = listen(std::move(viewer).value()); !listening) return listening.error();
-  return resume_sheets(*sheets, *host);
+  if (const Status resumed = resume_sheets(*sheets, *host); !resumed) return resumed.error();
+  tell_what_is_missing();
+  return Nothing{};
 }
 
 void Server::Impl::stop() {
