@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -16,9 +17,9 @@ namespace {
 
 struct CutArguments {
   std::string id;
-  std::string bezier;
-  std::string polyline;
-  std::string circle;
+  std::optional<std::string> bezier;
+  std::optional<std::string> polyline;
+  std::optional<std::string> circle;
   double tolerance = 0.0;
   double min_angle_deg = 0.0;
 };
@@ -26,14 +27,14 @@ struct CutArguments {
 // The curve of whichever option was given, or what is wrong with it.
 Parsed<v1::Curve> curve_of(const CutArguments& arguments) {
   v1::Curve curve;
-  if (!arguments.circle.empty()) {
-    const Parsed<v1::Circle> circle = parse_circle(arguments.circle);
+  if (arguments.circle) {
+    const Parsed<v1::Circle> circle = parse_circle(*arguments.circle);
     if (const auto* wrong = std::get_if<UsageError>(&circle)) return UsageError{"--circle: " + wrong->message};
     *curve.mutable_circle() = std::get<v1::Circle>(circle);
     return curve;
   }
-  const bool is_bezier = !arguments.bezier.empty();
-  const Parsed<std::vector<v1::Vec2>> parsed = parse_points(is_bezier ? arguments.bezier : arguments.polyline);
+  const bool is_bezier = arguments.bezier.has_value();
+  const Parsed<std::vector<v1::Vec2>> parsed = parse_points(is_bezier ? *arguments.bezier : *arguments.polyline);
   if (const auto* wrong = std::get_if<UsageError>(&parsed)) {
     return UsageError{(is_bezier ? "--bezier: " : "--polyline: ") + wrong->message};
   }

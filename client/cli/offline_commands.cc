@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -22,7 +23,6 @@
 namespace kerf::cli {
 namespace {
 
-constexpr std::size_t kMaxSceneBytes = std::size_t{256} << 20;
 constexpr std::size_t kMaxRecordingBytes = std::size_t{4} << 30;
 
 struct RunArguments {
@@ -52,16 +52,8 @@ class ProgressBar {
   int shown_ = -1;
 };
 
-std::string build_name() {
-#ifdef __OPTIMIZE__
-  return std::string("g++ ") + __VERSION__ + ", optimised";
-#else
-  return std::string("g++ ") + __VERSION__ + ", not optimised";
-#endif
-}
-
 Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path) {
-  const Result<std::string> json = disk.read_file(path, kMaxSceneBytes);
+  const Result<std::string> json = disk.read_file(path, wire::kMaxSceneFileBytes);
   if (!json) return json.error();
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   return wire::decode_scene_file(*json, [&disk, &folder](const std::string& file) {
@@ -83,7 +75,8 @@ std::string summary(const v1::RunResult& result) {
                 result.state_hash().c_str());
   std::string all = text;
   all += "  " + result.integrator();
-  if (result.degraded_ticks() > 0) all += "\n  degraded ticks: " + std::to_string(result.degraded_ticks());
+  const std::map<std::string, std::int64_t> flagged(result.flagged_ticks().begin(), result.flagged_ticks().end());
+  for (const auto& [flag, ticks] : flagged) all += "\n  " + flag + " in " + std::to_string(ticks) + " ticks";
   return all;
 }
 
@@ -96,7 +89,7 @@ int run(const Session& session, const RunArguments& arguments) {
   if (arguments.integrator == "auto") config->integrator.kind = sheet::IntegratorKind::kAutomatic;
 
   ProgressBar bar;
-  SceneRunOptions options{arguments.ticks, !arguments.record.empty(), build_name(),
+  SceneRunOptions options{arguments.ticks, !arguments.record.empty(), wire::build_name(),
                           [&bar](std::int64_t tick, std::int64_t of) { bar.show(tick, of); }};
   const Result<SceneRun> done = run_scene(*config, options);
   if (!done) return refuse(done.error());
@@ -136,7 +129,7 @@ int replay(const Session& session, const std::string& path) {
     std::fprintf(
         stderr, "kerf: the replay differs from tick %lld on (recorded %s, replayed %s); recorded by: %s, here: %s\n",
         static_cast<long long>(report->divergence->tick), wire::encode_hash(report->divergence->recorded_hash).c_str(),
-        wire::encode_hash(report->divergence->replayed_hash).c_str(), file->build.c_str(), build_name().c_str());
+        wire::encode_hash(report->divergence->replayed_hash).c_str(), file->build.c_str(), wire::build_name().c_str());
     return kRefused;
   }
   if (!session.json) {

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <ctime>
+#include <string>
 #include <utility>
 
 #include "server/sheet/recording.h"
@@ -50,7 +51,6 @@ Error refused_command(const sheet::ScheduledReply& scheduled) {
 void describe_end(const sheet::Sheet& sheet, std::int64_t ticks, v1::RunResult& result) {
   result.set_scene(sheet.config().sheet_id);
   result.set_ticks(sheet.tick());
-  result.set_simulated_s(static_cast<double>(sheet.tick()) * sheet.dt());
   result.set_num_vertices(sheet.mesh().num_vertices());
   result.set_num_triangles(sheet.mesh().num_solid_triangles());
   result.set_pieces(sheet.mesh().num_pieces());
@@ -75,6 +75,7 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
   const double cpu_before = process_cpu_s();
   for (std::int64_t tick = 1; tick <= ticks; ++tick) {
     const sheet::TickReport report = sheet.step({}, &timer);
+    run.result.set_simulated_s(run.result.simulated_s() + report.stats.simulated);
     const auto [cut_us, update_us] = timer.take();
     for (const sheet::ScheduledReply& scheduled : report.scheduled) {
       if (!scheduled.reply) return refused_command(scheduled);
@@ -84,8 +85,9 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
       cut.set_cut_us(cut_us);
       cut.set_update_us(update_us);
     }
-    if (report.stats.flags != 0 || report.step_failed) {
-      run.result.set_degraded_ticks(run.result.degraded_ticks() + 1);
+    for (std::size_t bit = 0; bit < fem::kStepFlagNames.size(); ++bit) {
+      if ((report.stats.flags >> bit & 1U) == 0) continue;
+      ++(*run.result.mutable_flagged_ticks())[std::string(fem::kStepFlagNames[bit])];
     }
     if (options.record) run.recording += wire::encode_recorded_tick({report.tick, {}, sheet.state_hash()});
     if (options.on_tick) options.on_tick(tick, ticks);

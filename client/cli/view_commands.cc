@@ -125,12 +125,10 @@ int watch(const Session& session, const std::string& id, std::int64_t frames) {
       });
   if (!session.json && isatty(STDOUT_FILENO) != 0 && seen > 0) std::printf("\n");
   if (!status.ok()) return refuse(status, session.server);
-  if (frames > 0 && seen < frames) {
-    std::fprintf(stderr, "kerf: the server ended the stream after %lld of %lld frames: %s\n",
-                 static_cast<long long>(seen), static_cast<long long>(frames), watcher.ended().message().c_str());
-    return kRefused;
-  }
-  return kDone;
+  if (frames > 0 && seen == frames) return kDone;
+  std::fprintf(stderr, "kerf: the server ended the stream after %lld frames: %s\n", static_cast<long long>(seen),
+               watcher.ended().message().c_str());
+  return kRefused;
 }
 
 int info(const Session& session) {

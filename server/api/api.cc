@@ -104,6 +104,7 @@ const Limits& Api::limits() const {
 void Api::stop() {
   core_->stopping = true;
   core_->hub.stop();
+  core_->worker.close();  // the transports wait for every answer: pictures in a row would take longer than a stop may
   refuse_unstarted_sessions(*core_);
 }
 

@@ -133,8 +133,8 @@ class Api {
   [[nodiscard]] std::int32_t num_watchers() const;
   [[nodiscard]] const Limits& limits() const;
 
-  // Ends every stream with SERVER_STOPPING and refuses what comes after; idempotent. Requests that the host has already
-  // accepted are answered by the host (stop it next).
+  // Ends every stream with SERVER_STOPPING, refuses the pictures that wait behind the one being drawn and what comes
+  // after; idempotent. Requests that the host has already accepted are answered by the host (stop it next).
   void stop();
 
  private:

@@ -22,7 +22,7 @@ BackgroundWorker::Outcome BackgroundWorker::submit(std::function<void()> work, s
   return Outcome::kTaken;
 }
 
-void BackgroundWorker::stop() {
+void BackgroundWorker::close() {
   std::deque<Task> refused;
   {
     const std::lock_guard lock(mutex_);
@@ -31,6 +31,10 @@ void BackgroundWorker::stop() {
   }
   changed_.notify_all();
   for (const Task& task : refused) task.refuse();
+}
+
+void BackgroundWorker::stop() {
+  close();
   if (thread_.joinable()) thread_.join();
 }
 

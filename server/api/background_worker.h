@@ -23,7 +23,9 @@ class BackgroundWorker {
   // Takes `work` only if there is room. `refuse` is called in its place if it is stopped before its turn.
   Outcome submit(std::function<void()> work, std::function<void()> refuse);
 
-  // Ends what is being done, refuses what waits, joins. Idempotent; not from within the work.
+  // Refuses what waits and what comes after, at once; what is being done goes on. Idempotent.
+  void close();
+  // close(), and waits for what is being done. Idempotent; not from within the work.
   void stop();
 
  private:

@@ -18,6 +18,7 @@ namespace {
 
 // More than a client that reads can make: it answers nothing and only costs memory.
 constexpr std::size_t kMaxUnreadRejections = 256;
+constexpr double kMinRateHz = 1.0e-3;  // a frame in a quarter of an hour; far below it, periods overflow
 constexpr double kMaxRateHz = 1000.0;
 
 Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, const Limits& limits) {
@@ -28,12 +29,14 @@ Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, co
                             "start.window is " + std::to_string(start.window()) + "; must be 1 to 8, or 0 for 2",
                             "start.window");
   }
-  if (!(start.max_rate_hz() >= 0.0 && start.max_rate_hz() <= kMaxRateHz)) {  // also refuses NaN
-    return invalid_argument("OUT_OF_RANGE",
-                            "start.max_rate_hz is " + std::to_string(start.max_rate_hz()) + "; must be 0 to 1000",
-                            "start.max_rate_hz");
+  const double rate_hz = start.max_rate_hz();
+  if (rate_hz != 0.0 && !(rate_hz >= kMinRateHz && rate_hz <= kMaxRateHz)) {  // also refuses NaN
+    return invalid_argument(
+        "OUT_OF_RANGE",
+        "start.max_rate_hz is " + std::to_string(rate_hz) + "; must be 0.001 to 1000, or 0 for every tick",
+        "start.max_rate_hz");
   }
-  options.max_rate_hz = start.max_rate_hz();
+  options.max_rate_hz = rate_hz;
   options.max_unacknowledged_bytes = static_cast<std::size_t>(limits.max_unsent_bytes_per_subscriber);
   options.ack_timeout = limits.watch_ack_timeout;
   return options;
@@ -177,7 +180,7 @@ void Session::answered(const std::string& grab_id, const sheet::Command& command
       if (!too_late) held_grabs_.insert(grab_id);
     }
   }
-  if (too_late) core_->host.submit(sheet_id_, sheet::Release{grab_id}, [](const auto&) {});
+  if (too_late) core_->host.release_grab(sheet_id_, grab_id);
 }
 
 void Session::reject(const std::string& grab_id, const Error& error) {
@@ -286,10 +289,7 @@ void Session::close() {
   }
   --core_->num_watchers;
   if (subscriber) core_->hub.leave(sheet_id_, *subscriber);
-  for (const std::string& grab_id : grabs) {
-    // Refused if the sheet, or with a reset the grab, is gone: then there is nothing left to release.
-    core_->host.submit(sheet_id_, sheet::Release{grab_id}, [](const auto&) {});
-  }
+  for (const std::string& grab_id : grabs) core_->host.release_grab(sheet_id_, grab_id);
 }
 
 }  // namespace

@@ -65,11 +65,12 @@ void Api::list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheets
 void Api::delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::protobuf::Empty> reply) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());
-  core_->host.delete_sheet(*id, [core = core_, id = *id, reply = std::move(reply)](Status status) {
+  const auto deleted = [reply = std::move(reply)](const Status& status) {
     if (!status.ok()) return reply(at_field(status.error(), "name"));
-    core->journal.forget(id);
     reply(google::protobuf::Empty());
-  });
+  };
+  // Forgotten while nobody else can have the name: a new sheet's cuts stay.
+  core_->host.delete_sheet(*id, deleted, [core = core_, id = *id] { core->journal.forget(id); });
 }
 
 void Api::pause_sheet(const v1::PauseSheetRequest& request, Reply<v1::Sheet> reply) {

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "server/app/version.h"
 #include "server/wire/recording_codec.h"
 
 namespace kerf::app {
@@ -17,7 +16,7 @@ void FileRecording::start(const sheet::SheetConfig& config) {
     return;
   }
   file_ = std::move(file).value();
-  write(wire::encode_recording_header(config, kBuild));
+  write(wire::encode_recording_header(config, wire::build_name()));
 }
 
 void FileRecording::append(const sheet::RecordedTick& entry) {

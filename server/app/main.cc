@@ -1,10 +1,14 @@
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <ratio>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <utility>
 #include <variant>
 
@@ -18,6 +22,7 @@ namespace {
 
 constexpr int kExitRefused = 2;
 constexpr unsigned kStopLimitS = 10;
+constexpr std::chrono::nanoseconds kEchoTime = std::chrono::seconds(1);
 
 void note(std::string_view line) {
   std::cerr << "kerfd: " + std::string(line) + "\n" << std::flush;
@@ -33,12 +38,27 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
-// Until the first SIGTERM or SIGINT. A second one ends the process as usual, and so does a stop that takes too long.
+// Takes what comes within kEchoTime of the first signal: one wish to stop, told by the terminal and by a script around
+// kerfd that passes it on. The next signal then ends the process, wherever it is.
+void guard_the_stop(sigset_t signals) {
+  const auto end = std::chrono::steady_clock::now() + kEchoTime;
+  for (auto left = kEchoTime; left.count() > 0;) {
+    const timespec wait{left.count() / std::nano::den, left.count() % std::nano::den};
+    sigtimedwait(&signals, nullptr, &wait);
+    left = end - std::chrono::steady_clock::now();
+  }
+  std::signal(SIGTERM, SIG_DFL);
+  std::signal(SIGINT, SIG_DFL);  // a shell has the programs that it starts in the background ignore it
+  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  while (true) pause();
+}
+
+// Until the first SIGTERM or SIGINT. A later one ends the process as usual, and so does a stop that takes too long.
 void wait_for_stop(const sigset_t& signals) {
   int signal = 0;
   sigwait(&signals, &signal);
-  pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   alarm(kStopLimitS);
+  std::thread(guard_the_stop, signals).detach();  // ends with the process
 }
 
 }  // namespace

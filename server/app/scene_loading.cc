@@ -11,8 +11,6 @@
 namespace kerf::app {
 namespace {
 
-constexpr std::size_t kMaxSceneBytes = std::size_t{128} << 20;  // an OBJ text of 64 MiB, escaped
-
 // Before anything listens there is nothing else to do than to wait.
 template <typename T, typename Start>
 Result<T> wait_for(const Start& start) {
@@ -29,7 +27,7 @@ Error in_file(const std::filesystem::path& file, Error error) {
 }
 
 Result<std::string> load(const std::filesystem::path& file, host::Disk& disk, host::Host& host) {
-  const Result<std::string> json = disk.read_file(file.string(), kMaxSceneBytes);
+  const Result<std::string> json = disk.read_file(file.string(), wire::kMaxSceneFileBytes);
   if (!json) return in_file(file, json.error());
   const wire::ObjReader read_obj = [&](const std::string& path) {
     return disk.read_file((file.parent_path() / path).string(), sheet::kMaxObjBytes);

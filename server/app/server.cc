@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <optional>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -48,6 +50,7 @@ struct Server::Impl {
   host::HostOptions host_options();
   void build_renderer();
   void tell_what_is_missing() const;
+  Status check_record_dir();
   Status listen(ws::AssetTable viewer);
   Status start();
   void stop();
@@ -97,7 +100,25 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
   return Nothing{};
 }
 
+// Asked before the first sheet: of a recording that cannot be made later a note is all that is heard. By making a file:
+// permissions say nothing to root, and nothing of a file system that is read-only.
+Status Server::Impl::check_record_dir() {
+  if (config.record_dir.empty()) return Nothing{};
+  const std::string option = "--record: ";
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(config.record_dir, ignored)) {
+    return invalid_argument("BAD_RECORD_DIR", option + "\"" + config.record_dir.string() + "\" is no folder",
+                            "--record");
+  }
+  const std::filesystem::path probe = config.record_dir / (".kerfd-" + instance_id);
+  const auto file = disk.create_file(probe.string());
+  if (!file) return invalid_argument("BAD_RECORD_DIR", option + file.error().message, "--record");
+  std::filesystem::remove(probe, ignored);
+  return Nothing{};
+}
+
 Status Server::Impl::start() {
+  if (const Status recordable = check_record_dir(); !recordable) return recordable.error();
   Result<ws::AssetTable> viewer = config.web.empty() ? ws::AssetTable() : ws::AssetTable::read(config.web);
   if (!viewer) return viewer.error();
   host = std::make_unique<host::Host>(host_options(), clock, entropy);

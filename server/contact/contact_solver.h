@@ -45,6 +45,7 @@ class ContactSolver {
   void resolve(double thickness, std::span<const std::uint8_t> fixed, const Eigen::Matrix3Xd& x_before,
                Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& v);
 
+  [[nodiscard]] std::span<const PreparedCollider> colliders() const { return colliders_; }
   [[nodiscard]] const ContactCounters& counters() const { return counters_; }
 
  private:

@@ -56,6 +56,7 @@ class Cutter {
       outcome.report.pieces = mesh_.num_pieces();
       return outcome;
     }
+    if (Status status = insertion_.split_lone_edges(); !status.ok()) return status.error();
     path_ = insertion_.path_points();
     corridor_ = insertion_.corridor_points();
     if (plan_.options.relax) relax_ring();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "server/base/check.h"
+
 namespace kerf::cut {
 
 using mesh::kNone;
@@ -44,6 +46,7 @@ std::int32_t count_crossed_triangles(const mesh::TriangleMesh& mesh, std::span<c
   for (const Stroke& stroke : strokes) {
     LatticePoint a = mesh.lattice().nearest(stroke.points.front());
     t = mesh.locate(a, t).triangle;
+    KERF_CHECK(t != kNone, "a clipped path stays inside the domain");
     for (std::size_t i = 1; i < stroke.points.size(); ++i) {
       const LatticePoint b = mesh.lattice().nearest(stroke.points[i]);
       t = append_crossed(mesh, t, a, b, crossed);

@@ -13,7 +13,8 @@
 // Cuts along a curve in material coordinates. The mesh stays welded in rest space: the curve becomes a chain of locked
 // edges (lips), and only the map from triangle corners to vertices tells the two sides apart. So re-cuts, crossings,
 // T and X junctions, punches, cuts along an older lip or along the border are one case each time: "meets a locked
-// edge".
+// edge". An applied cut always opens: one that would be a single edge inside, both ends of it tips, is split at its
+// middle.
 //
 // plan() looks, apply() changes; between the two the mesh may have changed, apply() takes it as it finds it.
 namespace kerf::cut {

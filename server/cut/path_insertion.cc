@@ -74,6 +74,30 @@ Status PathInsertion::insert(const Stroke& stroke) {
   return Nothing{};
 }
 
+Status PathInsertion::split_lone_edges() {
+  for (const auto& [p, q] : lip_edges_) {
+    int corner = 0;
+    const TriangleId t = mesh_.find_edge(p, q, corner);
+    if (t == kNone || !is_tip(p) || !is_tip(q)) continue;
+    const LatticePoint& a = mesh_.at(p);
+    const LatticePoint& b = mesh_.at(q);
+    const Result<PointId> middle = split_near(t, corner, {(a.x + b.x) / 2, (a.y + b.y) / 2});
+    if (!middle.ok()) return middle.error();
+    path_points_.push_back(*middle);
+    ++counts_.new_lip_edges;
+  }
+  return Nothing{};
+}
+
+// Whether only one lip, and no border, ends at `point`.
+bool PathInsertion::is_tip(PointId point) const {
+  std::vector<TriangleId> fan;
+  mesh_.fan_around(point, fan);
+  return std::count_if(fan.begin(), fan.end(), [&](TriangleId t) {
+           return (mesh_.locks(t, next_corner(mesh_.corner_of(t, point))) & mesh::kLocksThatOpen) != 0;
+         }) == 1;
+}
+
 // Takes the path from the start of the present segment to its end.
 Status PathInsertion::insert_segment(PathPosition& position) {
   const Eigen::Vector2d along = difference(segment_start_, segment_end_);
@@ -271,7 +295,9 @@ Status PathInsertion::secure_edge(PointId p, PointId q) {
 
 void PathInsertion::lock_as_cut(TriangleId t, int corner) {
   if ((mesh_.locks(t, corner) & mesh::kLocksThatOpen) != 0) return;
-  if (editor_.lock_edge(t, corner, mesh::kLockCut)) ++counts_.new_lip_edges;
+  if (!editor_.lock_edge(t, corner, mesh::kLockCut)) return;
+  ++counts_.new_lip_edges;
+  lip_edges_.push_back({mesh_.points(t)[next_corner(corner)], mesh_.points(t)[previous_corner(corner)]});
 }
 
 }  // namespace kerf::cut

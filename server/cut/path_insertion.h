@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -34,6 +35,10 @@ class PathInsertion {
   // An Error as of cut::apply(); the editor is then to be rolled back.
   Status insert(const Stroke& stroke);
 
+  // Splits at its middle each new lip edge that no other lip and no border meets: both its ends are tips, which stay
+  // one vertex each, so it would be locked and yet not open. Call once, after the last stroke; errors as of insert().
+  Status split_lone_edges();
+
   [[nodiscard]] const InsertionCounts& counts() const { return counts_; }
   // Mesh points on the path, sorted, unique.
   [[nodiscard]] std::vector<mesh::PointId> path_points() const;
@@ -59,6 +64,7 @@ class PathInsertion {
   Status secure_edge(mesh::PointId p, mesh::PointId q);
   void lock_as_cut(mesh::TriangleId t, int corner);
   void note_point(mesh::PointId point);
+  [[nodiscard]] bool is_tip(mesh::PointId point) const;
 
   mesh::MeshEditor& editor_;
   const mesh::TriangleMesh& mesh_;
@@ -71,6 +77,7 @@ class PathInsertion {
   mesh::LatticePoint segment_start_, segment_end_;  // of the stroke's segment being inserted
   std::vector<mesh::PointId> path_points_;
   std::vector<mesh::PointId> corridor_points_;
+  std::vector<std::array<mesh::PointId, 2>> lip_edges_;  // new ones, by their ends; some have been split since
   std::int64_t legs_ = 0;
 };
 

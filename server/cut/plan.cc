@@ -10,6 +10,10 @@ namespace {
 
 constexpr double kMaxPathPoints = 1.0e6;  // points of a spaced path; more cannot fit in any element budget
 
+// Most of the room around the sheet that clipping leaves to a curve, the snap distance aside: that is at most a tenth
+// of the edge length, and the edge length at most sqrt(2) times the room.  -
+constexpr double kClipRoom = 0.25;
+
 Status check_range(double value, double low, double high, const std::string& field) {
   if (value >= low && value <= high) return Nothing{};  // false for NaN
   return invalid_argument(
@@ -60,7 +64,10 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
 
   const FlatCurve flat = flatten(request.curve, std::max(tolerance - plan.snap_m, 0.1 * tolerance));
   const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
-  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(plan.edge_length_m + plan.snap_m);
+  // An edge length keeps ends outside clear of the border, but on a sheet of few triangles that leads out of the
+  // domain.
+  const double clearance = std::min(plan.edge_length_m, kClipRoom * mesh.lattice().room());
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(clearance + plan.snap_m);
   FlatCurve clipped = clip(flat, {bounds.min() - margin, bounds.max() + margin});
   if (spaced_size(clipped, plan.edge_length_m) > kMaxPathPoints) {
     return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",

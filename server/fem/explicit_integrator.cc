@@ -67,6 +67,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   stats.substeps = static_cast<int>(planned);
   stats.simulated = h * planned;
   for (int retry = 0;; ++retry) {
+    if (contact != nullptr) contact->begin(state.x);
     advance(model, loads, h, stats.substeps, contact, state);
     if (is_finite(state)) break;
     state.x = scratch_.start.x;

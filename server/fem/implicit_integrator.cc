@@ -34,6 +34,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   StepStats stats;
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
+  scratch_.stage.contact = contact;
   bool done = false;
   for (int halving = 0; halving <= options_.max_halvings && !done; ++halving) {
     if (halving > 0) stats.flags |= kSubstepped;
@@ -41,6 +42,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     const double h = dt / substeps;
     stats.residual = 0.0;
     done = true;
+    if (contact != nullptr) contact->begin(state.x);
     for (int i = 1; i <= substeps && done; ++i) {
       done = advance(model, loads, h, i == substeps ? 0.0 : dt - h * i, state, stats);
       if (done && contact != nullptr) contact->enforce(h, state);
@@ -74,6 +76,7 @@ bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, d
   Stage& stage = scratch_.stage;
   stage.base.x = state.x;
   stage.base.v = state.v;
+  stage.start = &stage.base.x;
   stage.d = h;
   stage.time_left = time_left;
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
@@ -88,6 +91,7 @@ bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads,
   State& start = scratch_.substep_start;
   start.x = state.x;
   start.v = state.v;
+  stage.start = &start.x;
   stage.d = 0.5 * kGamma * h;
 
   evaluate_acceleration(model, loads, time_left + h, state);

@@ -1,23 +1,16 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string_view>
 
+#include "server/fem/contact_constraint.h"
 #include "server/fem/loads.h"
 #include "server/fem/model.h"
 #include "server/fem/state.h"
 
 namespace kerf::fem {
-
-// Contact as an integrator sees it; contact is a sibling module, so its owner bridges the two.
-class ContactConstraint {
- public:
-  virtual ~ContactConstraint() = default;
-  // Called once a substep, after positions and velocities were updated and pins set: moves them out of what they
-  // penetrate. dt: the substep, s. Must not allocate.
-  virtual void enforce(double dt, State& state) = 0;
-};
 
 enum StepFlags : std::uint32_t {
   kNoFlags = 0,
@@ -28,6 +21,11 @@ enum StepFlags : std::uint32_t {
   kFrozen = 1U << 4,        // no finite step was found: the state is as it was before
   kRepaired = 1U << 5,      // the fast nonlinear iteration failed; a line-searched one took its place
 };
+
+// In the order of their bits; what metrics and results call them.
+inline constexpr std::array<std::string_view, 6> kStepFlagNames{"not_converged", "substepped", "strain_limit",
+                                                                "substep_limit", "frozen",     "repaired"};
+static_assert(kRepaired == 1U << (kStepFlagNames.size() - 1));
 
 // What a step did. Degradation is a value: the caller decides what it means.
 struct StepStats {

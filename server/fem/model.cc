@@ -149,10 +149,16 @@ void Model::set_element(const mesh::TriangleMesh& mesh, TriangleId slot) {
   double area = 0.0;
   if (mesh.is_solid(slot)) {
     vertices = mesh.vertices(slot);
-    const Eigen::Vector2d X0 = material_from_rest_ * mesh.rest_position(vertices[0]);
+    // Lattice differences are exact, those of positions are not where the sheet lies far from the origin.
+    const auto edge = [&](VertexId to) {
+      const mesh::LatticePoint& a = mesh.at(mesh.point(vertices[0]));
+      const mesh::LatticePoint& b = mesh.at(mesh.point(to));
+      const Eigen::Vector2d units(static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y));
+      return Eigen::Vector2d(material_from_rest_ * (mesh.lattice().spacing * units));
+    };
     Eigen::Matrix2d Dm;
-    Dm.col(0) = material_from_rest_ * mesh.rest_position(vertices[1]) - X0;
-    Dm.col(1) = material_from_rest_ * mesh.rest_position(vertices[2]) - X0;
+    Dm.col(0) = edge(vertices[1]);
+    Dm.col(1) = edge(vertices[2]);
     area = 0.5 * Dm.determinant();
     KERF_CHECK(area > 0.0, "a solid triangle has positive rest area");
     Dm_inv = Dm.inverse();

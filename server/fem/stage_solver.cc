@@ -13,6 +13,10 @@ namespace {
 
 constexpr int kRepairIterations = 30;
 constexpr int kMaxBacktracks = 30;
+constexpr int kContactIterations = 6;  // at least, where vertices touch
+constexpr double kSettled = 1e-2;      // relative residual below which forces tell what touches, sticks and slides
+
+using Decide = StageContact::Decide;
 
 }  // namespace
 
@@ -35,6 +39,7 @@ void StageSolver::rebuild(const Model& model) {
     std::sort(row.begin(), row.end());
     row.erase(std::unique(row.begin(), row.end()), row.end());
   }
+  contact_.resize(model.num_vertices());
   matrix_.set_pattern(columns);
   solver_->analyse(matrix_);
 
@@ -60,6 +65,7 @@ void StageSolver::rebuild(const Model& model) {
 bool StageSolver::solve(const Model& model, const Loads& loads, const Eigen::Matrix3Xd& constant_force,
                         const Stage& stage, State& state, StepStats& stats) {
   const Problem problem{model, loads, constant_force, stage, model.material().stiffness_damping};
+  contact_.begin(stage.contact, model, stage.d, stage.start != nullptr ? *stage.start : state.x);
   start_ = state.x;
   for (const Pin& pin : loads.pins) start_.col(pin.vertex) = pin.target - stage.time_left * pin.velocity;
   bool found = iterate(problem, state.x, stats);
@@ -69,7 +75,7 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const Eigen::Mat
     found = repair(undamped, start_, state.x, stats);
   }
   if (!found || !state.x.allFinite()) return false;
-  if (loads.pins.empty() && loads.grabs.empty()) restore_momentum(problem, state.x);
+  if (loads.pins.empty() && loads.grabs.empty() && !contact_.touches()) restore_momentum(problem, state.x);
   state.v = (state.x - stage.base.x) / stage.d;
   for (const Pin& pin : loads.pins) state.v.col(pin.vertex) = pin.velocity;
   return true;
@@ -81,29 +87,37 @@ bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats
   predict_stress(problem, x);
   double scale = 0.0;
   double relative = 0.0;
-  for (int i = 0; i <= options_.newton_iterations; ++i) {
-    const double residual = evaluate_residual(problem, x);
-    if (i > 0) {
-      relative = residual / scale;
+  int last = options_.newton_iterations;
+  for (int i = 0; i <= last; ++i) {
+    if (i == 0) {
+      evaluate_residual(problem, x);
+    } else {
+      relative = evaluate_residual(problem, x, Decide::kNew) / scale;
+      if (relative <= kSettled && contact_.touches()) {
+        relative = evaluate_residual(problem, x, Decide::kAnew) / scale;
+      }
       if (relative <= options_.newton_tolerance) {
         stats.residual = std::max(stats.residual, relative);
         return true;
       }
-      if (i == options_.newton_iterations || !std::isfinite(residual)) break;
+      if (i == last || !std::isfinite(relative)) break;
     }
     assemble(problem, x, true);
     if (i == 0) {
       scale = solve_first(problem, x, stats);
+      if (contact_.touches()) last = std::max(last, kContactIterations);
     } else {
       rhs_ = residual_;
       step_.setZero();
       constrain(problem, x);
+      contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_);
       solve_linear(stats, step_);
     }
     ++stats.newton_iterations;
     predict_stress(problem, x);
     x += step_;
   }
+  if (contact_.touches()) return false;  // which vertices touch, stick and slide was not found: a search will
   Problem undamped = problem;
   undamped.beta = 0.0;
   const double reached = merit(undamped, x);
@@ -113,18 +127,21 @@ bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats
   return true;
 }
 
-// The unknown is the departure from ballistic motion, so that tolerances are relative to what forces do and not to the
-// momentum a moving sheet has anyway, and free fall is exact.
+// The unknown is the departure from ballistic motion that ends at the surfaces it meets, so that tolerances are
+// relative to what forces do and not to the momentum a moving sheet has anyway, and free fall is exact.
 double StageSolver::solve_first(const Problem& problem, const Eigen::Matrix3Xd& x, StepStats& stats) {
   const double d = problem.stage.d;
   const Eigen::Vector3d fall = d * d * problem.loads.gravity;
   rhs_ = residual_;
   step_ = (d * problem.stage.base.v).colwise() + fall;
+  contact_.predict(x, step_);
   constrain(problem, x);
   const double whole = rhs_.norm();
   matrix_.multiply(step_, increment_);
   rhs_ -= increment_;
+  contact_.add_forces(d * d, rhs_);
   const double departure = rhs_.norm();
+  contact_.add_stiffness(d * d, matrix_);
   increment_.setZero();
   solve_linear(stats, increment_);
   step_ += increment_;
@@ -140,10 +157,10 @@ bool StageSolver::repair(const Problem& problem, const Eigen::Matrix3Xd& start, 
   x = start;
   double reference = 0.0;
   double relative = 0.0;
-  double value = merit(problem, x);
-  if (!std::isfinite(value)) return false;
+  if (!std::isfinite(merit(problem, x))) return false;
   for (int i = 0; i < kRepairIterations; ++i) {
-    const double residual = evaluate_residual(problem, x);
+    const double residual = evaluate_residual(problem, x, Decide::kByLaw);
+    double value = merit(problem, x);
     reference = std::max(reference, residual);
     relative = reference > 0.0 ? residual / reference : 0.0;
     if (relative <= options_.newton_tolerance) break;
@@ -151,6 +168,7 @@ bool StageSolver::repair(const Problem& problem, const Eigen::Matrix3Xd& start, 
     rhs_ = residual_;
     step_.setZero();
     constrain(problem, x);
+    contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_);
     solve_linear(stats, step_);
     ++stats.newton_iterations;
     if (!step_.allFinite() || !search_line(problem, value, x)) break;
@@ -161,20 +179,25 @@ bool StageSolver::repair(const Problem& problem, const Eigen::Matrix3Xd& start, 
 }
 
 // Armijo backtracking along step_; false where no step lowers the potential any more.
-bool StageSolver::search_line(const Problem& problem, double& value, Eigen::Matrix3Xd& x) {
+bool StageSolver::search_line(const Problem& problem, double value, Eigen::Matrix3Xd& x) {
   constexpr double kSufficientDecrease = 1e-4;
   double slope = 0.0;
   for (Eigen::Index i = 0; i < step_.cols(); ++i) slope += residual_.col(i).dot(step_.col(i));
   double scale = 1.0;
   for (int i = 0; i < kMaxBacktracks; ++i, scale *= 0.5) {
     trial_ = x + scale * step_;
-    const double next = merit(problem, trial_);
-    if (!(next < value - kSufficientDecrease * scale * slope)) continue;
-    value = next;
+    if (!(merit(problem, trial_) < value - kSufficientDecrease * scale * slope)) continue;
     x = trial_;
     return true;
   }
   return false;
+}
+
+double StageSolver::evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x, Decide decide) {
+  evaluate_residual(problem, x);
+  contact_.detect(x, decide);
+  contact_.add_forces(problem.stage.d * problem.stage.d, residual_);
+  return residual_.norm();
 }
 
 double StageSolver::evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x) {
@@ -248,6 +271,7 @@ double StageSolver::merit(const Problem& problem, const Eigen::Matrix3Xd& x) con
     const Eigen::Vector3d slip = (p - grab_point(grab, stage.base.x)) / d - grab.velocity;
     potential += 0.5 * grab.stiffness * (p - target).squaredNorm() + 0.5 * grab.damping * d * slip.squaredNorm();
   }
+  potential += contact_.potential(x);
   return kinetic + d * d * potential;
 }
 

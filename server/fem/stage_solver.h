@@ -8,6 +8,7 @@
 #include "server/fem/integrator.h"
 #include "server/fem/linear_solver.h"
 #include "server/fem/membrane_tangent.h"
+#include "server/fem/stage_contact.h"
 
 namespace kerf::fem {
 
@@ -18,6 +19,8 @@ struct Stage {
   State base;
   double d = 0.0;          // s, > 0
   double time_left = 0.0;  // s, from the end of the stage to the end of the step, for moving pins and grabs
+  const ContactConstraint* contact = nullptr;
+  const Eigen::Matrix3Xd* start = nullptr;  // m, positions when the substep began; needed where there is contact
 };
 
 // Solves a stage by Newton's method, each linear system made positive definite (see MembraneTangent::stiffness).
@@ -52,14 +55,16 @@ class StageSolver {
   // The first Newton step, into step_; returns the scale of the residual (see IntegratorOptions::newton_tolerance).
   double solve_first(const Problem& problem, const Eigen::Matrix3Xd& x, StepStats& stats);
   bool repair(const Problem& problem, const Eigen::Matrix3Xd& start, Eigen::Matrix3Xd& x, StepStats& stats);
-  bool search_line(const Problem& problem, double& merit, Eigen::Matrix3Xd& x);
+  bool search_line(const Problem& problem, double merit, Eigen::Matrix3Xd& x);
 
   // Moves the whole of a free sheet so that its residual has no resultant: internal forces have none, so linear
   // momentum is conserved to round-off however loosely the stage was solved.
   void restore_momentum(const Problem& problem, Eigen::Matrix3Xd& x) const;
 
-  // Into residual_, zero at pins; returns its Euclidean norm.
+  // Into residual_, zero at pins; returns its Euclidean norm. Without contact forces.
   double evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x);
+  // The same with them.
+  double evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x, StageContact::Decide decide);
   void add_grab_forces(const Problem& problem, const Eigen::Matrix3Xd& x);
   // The incremental potential whose negative gradient the residual is where beta is 0, kg m^2.
   [[nodiscard]] double merit(const Problem& problem, const Eigen::Matrix3Xd& x) const;
@@ -76,6 +81,7 @@ class StageSolver {
 
   IntegratorOptions options_;
   std::unique_ptr<LinearSolver> solver_;
+  StageContact contact_;
   BlockMatrix matrix_;
   std::vector<BlockPositions> positions_;                       // one a lane of the model's blocks
   std::vector<Eigen::Vector3d> stress_;                         // one a lane, N/m, for the tangent

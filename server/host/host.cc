@@ -71,20 +71,19 @@ class Host::Impl {
     if (!posted) done(stopping());
   }
 
-  void delete_sheet(const std::string& id, Callback<Nothing> done) {
+  void delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed) {
     std::shared_ptr<SheetRunner> runner;
     {
       const std::lock_guard lock(mutex_);
       const auto found = sheets_.find(id);
-      if (found != sheets_.end() && found->second) {
-        runner = std::move(found->second);
-        sheets_.erase(found);
-      }
+      if (found != sheets_.end()) runner = std::move(found->second);  // nobody finds it from here on
     }
     if (!runner) return done(missing(id));
     runner->post(
-        [done](SheetRunner& r) {
+        [this, id, done, closed = std::move(closed)](SheetRunner& r) {
           r.close(sheet::SinkEnd::kSheetDeleted);
+          if (closed) closed();
+          release(id);
           done(Nothing{});
         },
         done);
@@ -101,6 +100,10 @@ class Host::Impl {
 
   void statuses(std::vector<std::string> ids, std::function<void(std::vector<SheetStatus>)> done);
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
+
+  void release_grab(const std::string& id, std::string grab_id) {
+    if (const std::shared_ptr<SheetRunner> runner = find(id)) runner->release_grab(std::move(grab_id));
+  }
 
   // Runs `work` on the sheet's strand; what stands against it goes to `done`.
   template <typename T>
@@ -122,7 +125,7 @@ class Host::Impl {
       taken.swap(sheets_);
     }
     for (const auto& [id, runner] : taken) {
-      if (!runner) continue;  // still being built: admit() will turn it away
+      if (!runner) continue;  // admit() will turn it away, or its deletion is on its way
       runner->post([](SheetRunner& r) { r.close(sheet::SinkEnd::kHostStopping); }, [](const Error&) {});
     }
     workers_.join();
@@ -189,7 +192,7 @@ class Host::Impl {
   Entropy& entropy_;
   MetricsBoard board_;
   mutable std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built. Guarded by mutex_
+  std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
   bool stopping_ = false;                                       // guarded by mutex_
   Workers workers_;                                             // last: its threads use everything above
 };
@@ -255,8 +258,8 @@ void Host::create_sheet(std::string id, sheet::SheetConfig config, bool paused, 
   impl_->create_sheet(std::move(id), std::move(config), paused, std::move(done));
 }
 
-void Host::delete_sheet(const std::string& id, Callback<Nothing> done) {
-  impl_->delete_sheet(id, std::move(done));
+void Host::delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed) {
+  impl_->delete_sheet(id, std::move(done), std::move(closed));
 }
 
 std::vector<std::string> Host::list() const {
@@ -273,6 +276,10 @@ void Host::statuses(std::vector<std::string> ids, std::function<void(std::vector
 
 void Host::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {
   impl_->submit(id, std::move(command), std::move(done));
+}
+
+void Host::release_grab(const std::string& id, std::string grab_id) {
+  impl_->release_grab(id, std::move(grab_id));
 }
 
 void Host::pause(const std::string& id, Callback<SheetStatus> done) {

@@ -94,8 +94,9 @@ class Host {
   // config.sheet_id, and if that is empty too, a random one. kAlreadyExists SHEET_EXISTS, kResourceExhausted
   // TOO_MANY_SHEETS or TOO_MANY_VERTICES, and the errors of Sheet::create.
   void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done);
-  // Ends its sinks (kSheetDeleted) and what waits for it (kAborted).
-  void delete_sheet(const std::string& id, Callback<Nothing> done);
+  // Ends its sinks (kSheetDeleted) and what waits for it (kAborted). Then calls `closed`, from which on nothing more is
+  // said of this sheet; only then its name is free for another.
+  void delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed = {});
 
   // Ids, sorted; sheets that are still being built left out.
   [[nodiscard]] std::vector<std::string> list() const;
@@ -107,12 +108,17 @@ class Host {
   // time. Wakes a sleeping sheet. kResourceExhausted QUEUE_FULL at once; validate()'s errors at once; else what the
   // sheet says.
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
+  // Queues a release, be the queue full or not: for whoever was given the grab and goes away, once a grab. Does nothing
+  // where the sheet, or with a reset the grab, is gone.
+  void release_grab(const std::string& id, std::string grab_id);
 
+  // Ends a step() call that runs.
   void pause(const std::string& id, Callback<SheetStatus> done);
   // kFailedPrecondition STEPPING while a step() call runs.
   void resume(const std::string& id, Callback<SheetStatus> done);
-  // Runs exactly `ticks` ticks of a paused sheet as fast as it can, and answers when they are done. kInvalidArgument
-  // outside 1..max_step_ticks; kFailedPrecondition NOT_PAUSED, STEPPING or SHEET_FROZEN.
+  // Runs exactly `ticks` ticks of a paused sheet as fast as it can, and answers when they are done, or sooner with what
+  // was done when a pause() or a Reset ends it. kInvalidArgument outside 1..max_step_ticks; kFailedPrecondition
+  // NOT_PAUSED, STEPPING or SHEET_FROZEN.
   void step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done);
 
   // Calls `look` between two ticks, on the sheet's strand.

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "server/sheet/sheet.h"
+
 namespace kerf::host {
 
 // Durations in fixed classes; counts[i] holds those <= kBounds[i] and above the bound before, the last one the rest.
@@ -22,7 +24,6 @@ struct HostMetrics {
   // Counters.
   std::int64_t ticks = 0;             // stepped
   std::int64_t failed_ticks = 0;      // of these: the integrator found no finite step
-  std::int64_t degraded_ticks = 0;    // of these: any flag in StepStats
   std::int64_t snapshots = 0;         // built
   std::int64_t contact_phases = 0;    // substeps in which colliders were looked at
   std::int64_t cuts = 0;              // applied
@@ -30,10 +31,12 @@ struct HostMetrics {
   std::int64_t commands_refused = 0;  // by a full queue, by validation or by the sheet
   std::int64_t overruns = 0;          // ticks that ended after their deadline
   std::int64_t sleeps = 0;            // times a sheet fell asleep
-  double slipped_s = 0.0;             // s, simulated time given up
-  double tick_cpu_s = 0.0;            // s, thread CPU time of all ticks
-  DurationHistogram tick_duration;    // wall time of a tick, publishing included
-  DurationHistogram cut_duration;     // wall time of a cut: plan, apply, remesh, model update
+  // Ticks that reported the flag of that bit, see fem::StepFlags and fem::kStepFlagNames.
+  std::array<std::int64_t, fem::kStepFlagNames.size()> flagged_ticks{};
+  double slipped_s = 0.0;           // s, simulated time given up
+  double tick_cpu_s = 0.0;          // s, thread CPU time of all ticks
+  DurationHistogram tick_duration;  // wall time of a tick, publishing included
+  DurationHistogram cut_duration;   // wall time of a cut: plan, apply, remesh, model update
   // Now.
   std::int32_t sheets = 0;
   std::int32_t running_sheets = 0;

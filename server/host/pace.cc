@@ -1,5 +1,7 @@
 #include "server/host/pace.h"
 
+#include <cmath>
+
 #include "server/host/host.h"
 
 namespace kerf::host {
@@ -18,10 +20,10 @@ double seconds(Nanoseconds time) {
 void Pace::start(Nanoseconds now) {
   deadline_ = now;
   window_begin_ = now;
-  window_ticks_ = 0;
+  window_ticks_ = 0.0;
 }
 
-void Pace::tick_done(Nanoseconds end, Nanoseconds cpu) {
+void Pace::tick_done(Nanoseconds end, Nanoseconds cpu, double share) {
   deadline_ += period_;
   if (end > deadline_) ++overruns_;
   if (end >= deadline_) {
@@ -32,11 +34,12 @@ void Pace::tick_done(Nanoseconds end, Nanoseconds cpu) {
       slipped_ += given_up;
     }
   }
-  ++window_ticks_;
+  slipped_ += Nanoseconds(std::llround((1.0 - share) * static_cast<double>(period_.count())));
+  window_ticks_ += share;
   if (end - window_begin_ >= kWindow) {
-    real_time_factor_ = static_cast<double>(window_ticks_) * seconds(period_) / seconds(end - window_begin_);
+    real_time_factor_ = window_ticks_ * seconds(period_) / seconds(end - window_begin_);
     window_begin_ = end;
-    window_ticks_ = 0;
+    window_ticks_ = 0.0;
   }
   add_cpu(cpu);
 }

@@ -15,8 +15,9 @@ class Pace {
 
   // The next tick is due at `now`; time before is forgotten.
   void start(Nanoseconds now);
-  // A tick that was due ended at `end`, having used `cpu`.
-  void tick_done(Nanoseconds end, Nanoseconds cpu);
+  // A tick that was due ended at `end`, having used `cpu` and simulated `share` of a period, 0..1: less than all of it
+  // where the integrator had to stop short, and what is missing is slipped time like any other.
+  void tick_done(Nanoseconds end, Nanoseconds cpu, double share);
 
   [[nodiscard]] Nanoseconds deadline() const { return deadline_; }
   [[nodiscard]] std::int64_t overruns() const { return overruns_; }
@@ -33,7 +34,7 @@ class Pace {
   Nanoseconds slipped_{0};
   std::int64_t overruns_ = 0;
   Nanoseconds window_begin_{0};
-  std::int64_t window_ticks_ = 0;
+  double window_ticks_ = 0.0;
   double real_time_factor_ = 1.0;
   double tick_cpu_us_ = 0.0;
 };

@@ -63,14 +63,29 @@ Status SheetRunner::enqueue(sheet::Command command, Callback<CommandResult>& don
                    "the sheet has " + std::to_string(limit) + " commands waiting, its limit; try again after a tick",
                    ""};
     }
-    context_.board.update([](HostMetrics& m) { ++m.queued_commands; });
-    queue_.push_back({std::move(command), std::move(done), context_.clock.now()});
+    push(std::move(command), std::move(done));
   }
-  // Closed or not: close() empties the queue, and so must whoever comes after it.
-  if (!strand_.post([self = shared_from_this()] { self->commands_arrived(); })) {
-    for (Pending& pending : take_queue()) pending.done(host_stopping());
-  }
+  announce_commands();
   return Nothing{};
+}
+
+void SheetRunner::release_grab(std::string grab_id) {
+  {
+    const std::lock_guard lock(queue_mutex_);
+    push(sheet::Release{std::move(grab_id)}, [](const auto&) {});
+  }
+  announce_commands();
+}
+
+void SheetRunner::push(sheet::Command command, Callback<CommandResult> done) {
+  context_.board.update([](HostMetrics& m) { ++m.queued_commands; });
+  queue_.push_back({std::move(command), std::move(done), context_.clock.now()});
+}
+
+// Closed or not: close() empties the queue, and so must whoever comes after it.
+void SheetRunner::announce_commands() {
+  if (strand_.post([self = shared_from_this()] { self->commands_arrived(); })) return;
+  for (Pending& pending : take_queue()) pending.done(host_stopping());
 }
 
 void SheetRunner::begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording) {
@@ -98,6 +113,7 @@ void SheetRunner::close(sheet::SinkEnd reason) {
 }
 
 void SheetRunner::pause() {
+  if (step_call_) finish_step(status());
   if (paused_) return;
   paused_ = true;
   sleeping_ = false;
@@ -128,7 +144,7 @@ void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done) {
   if (step_call_) return refuse("STEPPING", "the sheet is being stepped already; wait for that call");
   if (sheet_.frozen()) return refuse("SHEET_FROZEN", "the sheet is frozen at its last good tick; reset it first");
   step_call_ = StepCall{ticks, std::move(done)};
-  take_turn();
+  if (!turn_posted_) take_turn();  // else the turn that an ended call left behind serves this one
 }
 
 void SheetRunner::add_sink(std::shared_ptr<sheet::SnapshotSink> sink) {
@@ -206,8 +222,8 @@ void SheetRunner::on_deadline(std::uint64_t generation) {
 void SheetRunner::take_turn() {
   if (closed_ || !step_call_) return;
   for (std::int32_t i = 0; i < Host::kTicksPerTurn && step_call_->remaining > 0; ++i) {
-    run_once(true);
     --step_call_->remaining;
+    run_once(true);
     if (!sheet_.frozen()) continue;
     finish_step(Error{
         ErrorCode::kFailedPrecondition, "SHEET_FROZEN",
@@ -216,7 +232,10 @@ void SheetRunner::take_turn() {
     return;
   }
   if (step_call_->remaining > 0) {
-    strand_.post([self = shared_from_this()] { self->take_turn(); });
+    turn_posted_ = strand_.post([self = shared_from_this()] {
+      self->turn_posted_ = false;
+      self->take_turn();
+    });
     return;
   }
   finish_step(status());

@@ -33,6 +33,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
 
   // From any thread. kResourceExhausted QUEUE_FULL, and `done` is not taken.
   Status enqueue(sheet::Command command, Callback<CommandResult>& done);
+  // From any thread; beyond the queue's limit, too.
+  void release_grab(std::string grab_id);
 
   void begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording);
   void close(sheet::SinkEnd reason);
@@ -55,6 +57,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     Callback<SheetStatus> done;
   };
 
+  void push(sheet::Command command, Callback<CommandResult> done);  // queue_mutex_ held
+  void announce_commands();
   void commands_arrived();
   void on_deadline(std::uint64_t generation);
   void take_turn();
@@ -87,6 +91,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::vector<std::shared_ptr<sheet::SnapshotSink>> sinks_;
   std::shared_ptr<sheet::RecordingSink> recording_;
   std::optional<StepCall> step_call_;
+  bool turn_posted_ = false;  // a take_turn() is on its way
   std::optional<TimerId> timer_;
   std::uint64_t generation_ = 0;  // of the clockwork: a deadline of an older one means nothing
   bool paused_ = false;

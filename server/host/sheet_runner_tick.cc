@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "server/host/sheet_runner.h"
 
@@ -31,16 +32,18 @@ bool SheetRunner::run_once(bool advance) {
 
   const sheet::TickReport report = advance ? sheet_.step(commands, &timer) : sheet_.apply(commands, &timer);
 
+  const auto is_reset = [](const sheet::Command& command) { return std::holds_alternative<sheet::Reset>(command); };
+  if (step_call_ && std::any_of(commands.begin(), commands.end(), is_reset)) step_call_->remaining = 0;
   if (recording_) recording_->append({report.tick, std::move(commands), sheet_.state_hash()});
   const Nanoseconds cpu = context_.clock.thread_cpu() - cpu_begin;
   const Nanoseconds end = context_.clock.now();
   if (timed) {
-    pace_.tick_done(end, cpu);
+    pace_.tick_done(end, cpu, std::min(report.stats.simulated / sheet_.dt(), 1.0));
   } else if (report.advanced) {
     pace_.add_cpu(cpu);
   }
   publish();
-  count(report, end - begin, cpu);
+  count(report, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
   answer(std::move(pending), report, begin, timer);
   return true;
 }
@@ -96,7 +99,8 @@ void SheetRunner::count(const sheet::TickReport& report, Nanoseconds wall, Nanos
       m.tick_duration.add(seconds(wall));
     }
     if (report.step_failed) ++m.failed_ticks;
-    if (report.stats.flags != fem::kNoFlags) ++m.degraded_ticks;
+    for (std::size_t bit = 0; bit < m.flagged_ticks.size(); ++bit)
+      m.flagged_ticks[bit] += report.stats.flags >> bit & 1U;
     m.commands += num_done;
     m.commands_refused += num_refused;
     m.contact_phases += sheet_.contact_phases() - contact_phases_;

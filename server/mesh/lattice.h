@@ -34,6 +34,9 @@ struct Lattice {
   // Nearest lattice point; position (m) must lie in the domain.
   [[nodiscard]] LatticePoint nearest(const Eigen::Vector2d& position) const;
 
+  // S, the least room on every side of the sheet, m.
+  [[nodiscard]] double room() const { return 0.5 * static_cast<double>(kHalfDomain) * spacing; }
+
   // The square that the void fills, m.
   [[nodiscard]] Eigen::AlignedBox2d domain() const;
 

@@ -27,6 +27,12 @@ std::string id(std::int64_t number) {
   return std::to_string(number);
 }
 
+// Height over longest edge, -; 0 for a triangle without area. Within a few roundings: the area is exact.
+double flatness(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
+  const double longest = static_cast<double>(std::max({dot(a, b, a, b), dot(b, c, b, c), dot(c, a, c, a)}));
+  return longest == 0.0 ? 0.0 : std::abs(static_cast<double>(doubled_area(a, b, c))) / longest;
+}
+
 class SheetImport {
  public:
   explicit SheetImport(const IndexedMesh& input) : input_(input) {}
@@ -159,8 +165,12 @@ class SheetImport {
       records_.triangles.push_back(r);
       const auto at = [&](int k) { return records_.points[r.points[k]].at; };
       sign[t] = orient2d(at(0), at(1), at(2));
-      if (sign[t] == 0) {
-        return invalid_argument("MESH_DEGENERATE_TRIANGLE", "triangle " + id(t) + " has no area", "triangles");
+      if (flatness(at(0), at(1), at(2)) < kMinFlatness) {
+        return invalid_argument("MESH_DEGENERATE_TRIANGLE",
+                                "triangle " + id(t) +
+                                    " is a line, or lower than a millionth of its longest edge; merge the vertices "
+                                    "that lie close together, or flip that edge",
+                                "triangles");
       }
     }
     const std::vector<Side> sides = sorted_sides(false);

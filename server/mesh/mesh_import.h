@@ -12,6 +12,10 @@ namespace kerf::mesh {
 
 inline constexpr std::int32_t kMaxVertices = 250'000;
 inline constexpr double kMaxRestCoordinate = 1e4;  // m
+// -; least height of a triangle, as a fraction of its longest edge. The stiffness of a flatter one is more than 1e12
+// times that of a well-shaped one, which leaves a solver in doubles no digits; from about 1e-15 its area itself is lost
+// in rounding.
+inline constexpr double kMinFlatness = 1e-6;
 
 // A sheet as indexed arrays.
 struct IndexedMesh {
@@ -26,8 +30,9 @@ struct IndexedMesh {
 // component whose triangles are all clockwise is turned over (corners 1 and 2 swapped). Refused, the offending
 // triangles or vertices listed in the message, field = `rest`, `triangles` or `regions`:
 //   MESH_EMPTY, MESH_TOO_LARGE, MESH_NOT_FINITE, MESH_OUT_OF_RANGE, MESH_INDEX, MESH_REGIONS, MESH_UNUSED_VERTEX,
-//   MESH_DEGENERATE_TRIANGLE, MESH_NON_MANIFOLD_EDGE, MESH_NON_MANIFOLD_VERTEX, MESH_INCONSISTENT_ORIENTATION,
-//   MESH_OVERLAP (triangles overlap, or a vertex lies inside another triangle's edge).
+//   MESH_DEGENERATE_TRIANGLE (flatter than kMinFlatness, or a sheet of no size), MESH_NON_MANIFOLD_EDGE,
+//   MESH_NON_MANIFOLD_VERTEX, MESH_INCONSISTENT_ORIENTATION, MESH_OVERLAP (triangles overlap, or a vertex lies inside
+//   another triangle's edge).
 Result<TriangleMesh> import_mesh(const IndexedMesh& input);
 
 }  // namespace kerf::mesh

@@ -18,4 +18,17 @@ void ContactBridge::enforce(double /*dt*/, fem::State& state) {
   x_before_ = state.x;
 }
 
+std::size_t ContactBridge::find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
+                                     std::array<fem::SurfaceGap, kMaxGaps>& gaps) const {
+  if (is_pinned_[static_cast<std::size_t>(vertex)] != 0) return 0;
+  std::size_t found = 0;
+  const std::span<const contact::PreparedCollider> colliders = solver_.colliders();
+  for (std::size_t i = 0; i < colliders.size() && found < kMaxGaps; ++i) {
+    const contact::Proximity near = colliders[i].query(x);
+    const double gap = near.distance - half_thickness_;
+    if (gap < reach) gaps[found++] = {static_cast<int>(i), gap, near.normal, colliders[i].friction()};
+  }
+  return found;
+}
+
 }  // namespace kerf::sheet

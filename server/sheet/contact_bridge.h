@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,10 +20,11 @@ class ContactBridge : public fem::ContactConstraint {
   void set_colliders(std::span<const contact::Collider> colliders, double half_thickness);
   // After every change of pins or topology; `pinned` are left alone. Allocates.
   void set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned);
-  // Before a step from positions `x`.
-  void begin_step(const Eigen::Matrix3Xd& x) { x_before_ = x; }
 
+  void begin(const Eigen::Matrix3Xd& x) override { x_before_ = x; }
   void enforce(double dt, fem::State& state) override;
+  std::size_t find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
+                        std::array<fem::SurfaceGap, kMaxGaps>& gaps) const override;
 
   [[nodiscard]] bool empty() const { return solver_.empty(); }
   [[nodiscard]] std::int64_t phases() const { return solver_.counters().phases; }

@@ -137,11 +137,11 @@ void Sheet::Impl::set_loads() {
 
 void Sheet::Impl::integrate(TickReport& report) {
   last_good = state;
-  contact.begin_step(state.x);
   report.stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
   if (!state.x.allFinite() || !state.v.allFinite()) report.stats.flags |= fem::kFrozen;
   report.step_failed = (report.stats.flags & fem::kFrozen) != 0;
   if (report.step_failed) {
+    report.stats.simulated = 0.0;
     state = last_good;
     if (++failed_steps >= kMaxFailedSteps) frozen = true;
   } else {

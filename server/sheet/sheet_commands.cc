@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "server/cut/cut.h"
@@ -14,6 +15,39 @@ namespace {
 
 // Skin friction beside pressure drag: the ratio of fem's default coefficients for cloth.
 constexpr double kTangentialShare = 1.0 / 60.0;
+
+// The point of edge k of t nearest to `at`.
+MaterialPoint nearest_on_edge(const mesh::TriangleMesh& mesh, mesh::TriangleId t, int k, const Eigen::Vector2d& at) {
+  MaterialPoint point;
+  point.vertices = {mesh.vertices(t)[mesh::next_corner(k)], mesh.vertices(t)[mesh::previous_corner(k)],
+                    mesh.vertices(t)[static_cast<std::size_t>(k)]};
+  const Eigen::Vector2d a = mesh.rest_position(point.vertices[0]);
+  const Eigen::Vector2d along = mesh.rest_position(point.vertices[1]) - a;
+  const double share = std::clamp((at - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  point.weights = {1.0 - share, share, 0.0};
+  return point;
+}
+
+// Where `at` is held when a cut has left it in the void: a border edge that a cut splits is rounded to the lattice and
+// may bow inwards by half a unit, so material that lay exactly on it is then outside. Of equally near points, that of
+// the lowest slot.
+MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at) {
+  MaterialPoint nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (!mesh.is_solid(t) || mesh.neighbour(t, k) != mesh::kNone) continue;
+      const MaterialPoint point = nearest_on_edge(mesh, t, k, at);
+      const double distance = (point.weights[0] * mesh.rest_position(point.vertices[0]) +
+                               point.weights[1] * mesh.rest_position(point.vertices[1]) - at)
+                                  .squaredNorm();
+      if (!(distance < least)) continue;  // also where the ends of a tiny edge round to one position, and it is NaN
+      least = distance;
+      nearest = point;
+    }
+  }
+  return nearest;
+}
 
 Error unknown_grab(const std::string& grab_id, const std::string& field) {
   return {ErrorCode::kNotFound, "GRAB_NOT_FOUND", "the sheet has no grab \"" + grab_id + "\"", field};
@@ -188,10 +222,10 @@ void Sheet::Impl::follow(const mesh::MeshEdit& edit) {
   pin(std::move(inherited));
   for (GrabState& held : grabs) {
     if (!held.material) continue;
-    const std::optional<MaterialPoint> point = find_material_point(mesh, *held.material);
-    KERF_CHECK(point.has_value(), "a cut took material away");
-    held.vertices = point->vertices;
-    held.weights = point->weights;
+    const std::optional<MaterialPoint> found = find_material_point(mesh, *held.material);
+    const MaterialPoint point = found ? *found : nearest_material_point(mesh, *held.material);
+    held.vertices = point.vertices;
+    held.weights = point.weights;
   }
   rebuild();
   ++topology_version;

@@ -83,6 +83,14 @@ Result<sheet::RecordedTick> decode_tick(const v1::RecordedTick& message, std::si
 
 }  // namespace
 
+std::string build_name() {
+#ifdef __OPTIMIZE__
+  return std::string("g++ ") + __VERSION__ + ", optimised";
+#else
+  return std::string("g++ ") + __VERSION__ + ", not optimised";
+#endif
+}
+
 std::string encode_recording_header(const sheet::SheetConfig& config, std::string_view build) {
   v1::RecordingHeader header;
   header.set_magic(std::string(kMagic));

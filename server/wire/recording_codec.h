@@ -12,6 +12,8 @@ namespace kerf::wire {
 
 inline constexpr std::int32_t kRecordingFormat = 1;
 
+// The compiler of this build and whether it optimised.
+std::string build_name();
 // What a recording file begins with. `build`: version and compiler; equal bits are promised for equal builds.
 std::string encode_recording_header(const sheet::SheetConfig& config, std::string_view build);
 // What each tick appends.

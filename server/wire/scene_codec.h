@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -24,6 +25,8 @@ Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const ObjReader&
 // The complete scene, every number given: decode_scene(encode_scene(c)) equals c bit for bit, for every c that came out
 // of decode_scene().
 v1::Scene encode_scene(const sheet::SheetConfig& config);
+
+inline constexpr std::size_t kMaxSceneFileBytes = std::size_t{128} << 20;  // an OBJ text of 64 MiB, escaped
 
 // A scene file: JSON, decoded. Errors of from_json() and decode_scene().
 Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const ObjReader& read_obj);

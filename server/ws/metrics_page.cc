@@ -18,9 +18,21 @@ class Page {
  public:
   template <typename Number>
   void counter(std::string name, std::string help, Number value) {
+    begin_counter(std::move(name), std::move(help));
+    counter_value({}, value);
+  }
+
+  void begin_counter(std::string name, std::string help) {
+    families_.push_back({std::move(name), std::move(help), MetricType::Counter, {}});
+  }
+
+  // Another value of the counter begun last.
+  template <typename Number>
+  void counter_value(std::vector<ClientMetric::Label> labels, Number value) {
     ClientMetric metric;
+    metric.label = std::move(labels);
     metric.counter.value = static_cast<double>(value);
-    families_.push_back({std::move(name), std::move(help), MetricType::Counter, {std::move(metric)}});
+    families_.back().metric.push_back(std::move(metric));
   }
 
   template <typename Number>
@@ -65,8 +77,10 @@ class Page {
 void add_host(Page& page, const host::HostMetrics& host) {
   page.counter("kerf_ticks_total", "Ticks stepped, of all sheets.", host.ticks);
   page.counter("kerf_failed_ticks_total", "Ticks whose integrator found no finite step.", host.failed_ticks);
-  page.counter("kerf_degraded_ticks_total", "Ticks that reported a flag, such as an unconverged solve.",
-               host.degraded_ticks);
+  page.begin_counter("kerf_flagged_ticks_total", "Ticks that reported a flag, such as an unconverged solve.");
+  for (std::size_t bit = 0; bit < host.flagged_ticks.size(); ++bit) {
+    page.counter_value({{"flag", std::string(fem::kStepFlagNames[bit])}}, host.flagged_ticks[bit]);
+  }
   page.counter("kerf_overruns_total", "Ticks that ended after their deadline.", host.overruns);
   page.counter("kerf_slipped_seconds_total", "Simulated time given up because a sheet could not keep pace.",
                host.slipped_s);

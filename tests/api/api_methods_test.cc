@@ -1,10 +1,12 @@
 // Every unary method: what it answers, what it refuses, and that a refusal changes nothing.
 
 #include <cstring>
+#include <future>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/renderer.h"
 #include "server/wire/error_codec.h"
 #include "tests/api/api_fixture.h"
 #include "tests/api/bad_calls.h"
@@ -308,6 +310,83 @@ TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {
     ++asked;
   }
   EXPECT_EQ(asked, 20);
+}
+
+// Draws nothing, and not before it is told to.
+class SlowRenderer : public render::Renderer {
+ public:
+  render::Status render(const render::Scene&, const render::Camera&, int width, int height,
+                        render::Pixels& pixels) override {
+    begun_.set_value();
+    released_.wait();
+    pixels = {width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(4 * width * height))};
+    return {};
+  }
+  [[nodiscard]] bool available() const override { return true; }
+  [[nodiscard]] std::string description() const override { return "slow"; }
+
+  void wait_until_begun() { begun_.get_future().wait(); }
+  void release() { release_.set_value(); }
+
+ private:
+  std::promise<void> begun_;
+  std::promise<void> release_;
+  std::shared_future<void> released_ = release_.get_future().share();
+};
+
+TEST_F(ApiTest, StopRefusesPicturesThatWaitAndEndsTheOneBeingDrawn) {
+  SlowRenderer renderer;
+  make_api({}, &renderer);
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  v1::RenderImageRequest request;
+  request.set_name("sheets/a");
+  request.set_width_px(16);
+  request.set_height_px(16);
+  Answers<v1::RenderImageResponse> drawn;
+  api_->render_image(request, drawn.callback());
+  renderer.wait_until_begun();
+  Answers<v1::RenderImageResponse> waiting;
+  for (int i = 0; i < 5; ++i) api_->render_image(request, waiting.callback());
+  host_->wait_idle();
+  ASSERT_EQ(waiting.count(), 0U);
+  api_->stop();
+  EXPECT_EQ(waiting.count(), 5U) << "at once, whatever the one being drawn takes";
+  for (std::size_t i = 0; i < waiting.count(); ++i) EXPECT_EQ(waiting.at(i).error().code, ErrorCode::kUnavailable);
+  EXPECT_EQ(drawn.count(), 0U);
+  renderer.release();
+  api_.reset();
+  ASSERT_EQ(drawn.count(), 1U);
+  EXPECT_EQ(drawn.at(0)->width_px(), 16) << "it was finished";
+}
+
+TEST_F(ApiTest, ALateDeletionLeavesTheNextSheetsCutsAlone) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  std::promise<void> release;
+  host_->inspect(
+      "a", [released = release.get_future().share()](const sheet::Sheet&) { released.wait(); }, [](const Status&) {});
+  v1::DeleteSheetRequest remove;
+  remove.set_name("sheets/a");
+  Answers<google::protobuf::Empty> deleted;
+  api_->create_cut(cut_request("sheets/a", 0.3), [](const auto&) {});
+  api_->delete_sheet(remove, deleted.callback());
+  Answers<std::string> created;  // not call(): it waits until nothing is under way
+  for (const Method& method : api_->methods()) {
+    if (method.path == "/kerf.v1.SheetService/CreateSheet") {
+      method.call(R"({"sheet_id":"a","scene":{"grid":{"columns":3,"rows":3,"width_m":1,"height_m":1}}})",
+                  created.callback());
+    }
+  }
+  ASSERT_EQ(created.count(), 1U);
+  EXPECT_EQ(created.reason(0), "SHEET_EXISTS") << "its predecessor's answers are still to come";
+  release.set_value();
+  host_->wait_idle();
+  ASSERT_EQ(deleted.count(), 1U);
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  v1::ListCutsRequest list;
+  list.set_parent("sheets/a");
+  EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 0);
+  ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.45)).ok());
+  EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 1);
 }
 
 TEST_F(ApiTest, MethodsSpeakJson) {

@@ -167,6 +167,19 @@ TEST_F(WatchTest, RateIsKeptWithATimer) {
   EXPECT_NEAR(frames, 100, 2);
 }
 
+TEST_F(WatchTest, TheSlowestRateIsAFrameInAThousandSeconds) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  Viewer viewer(*api_);
+  viewer.start("sheets/a", 2, 1e-3);
+  host_->wait_idle();
+  ASSERT_TRUE(viewer.drain());
+  ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.45)).ok());
+  run_for(999s);
+  EXPECT_FALSE(viewer.drain());
+  run_for(1s);
+  EXPECT_TRUE(viewer.drain());
+}
+
 TEST_F(WatchTest, LastFrameOfASleepingSheetIsNotHeldBackByTheRate) {
   ASSERT_TRUE(create_sheet("a", true).ok());
   Viewer viewer(*api_);
@@ -267,6 +280,9 @@ TEST_F(WatchTest, WhatBreaksTheProtocolEndsOnlyItsStream) {
   refused([](Viewer& v) { v.start("sheets/a", 9); }, "OUT_OF_RANGE", invalid);
   refused([](Viewer& v) { v.start("sheets/a", -1); }, "OUT_OF_RANGE", invalid);
   refused([](Viewer& v) { v.start("sheets/a", 2, -1.0); }, "OUT_OF_RANGE", invalid);
+  refused([](Viewer& v) { v.start("sheets/a", 2, 1e-300); }, "OUT_OF_RANGE", invalid);
+  refused([](Viewer& v) { v.start("sheets/a", 2, std::nextafter(1e-3, 0.0)); }, "OUT_OF_RANGE", invalid);
+  refused([](Viewer& v) { v.start("sheets/a", 2, 1000.1); }, "OUT_OF_RANGE", invalid);
   refused([](Viewer& v) { v.start("sheets/a", 2, std::nan("")); }, "OUT_OF_RANGE", invalid);
   refused(
       [](Viewer& v) {
@@ -316,6 +332,20 @@ TEST_F(WatchTest, GrabsEndWithTheirStream) {
   viewer.release("one");
   run_for(2 * kTick);
   EXPECT_EQ(grabs("a"), std::vector<std::string>{"two"});
+  viewer.session().close();
+  run_for(2 * kTick);
+  EXPECT_TRUE(grabs("a").empty());
+}
+
+TEST_F(WatchTest, GrabsEndWithAStreamThatFilledTheQueue) {
+  ASSERT_TRUE(create_sheet("a", false).ok());
+  Viewer viewer(*api_);
+  viewer.start("sheets/a");
+  viewer.grab("hand", 3);
+  run_for(2 * kTick);
+  ASSERT_EQ(grabs("a"), std::vector<std::string>{"hand"});
+  for (int i = 0; i < 400; ++i) viewer.drag("hand", 0.001 * i);
+  EXPECT_EQ(viewer.failure(), "TOO_MANY_REJECTIONS");
   viewer.session().close();
   run_for(2 * kTick);
   EXPECT_TRUE(grabs("a").empty());

@@ -40,6 +40,12 @@ class Viewer {
     request.mutable_grab()->set_vertex(vertex);
     session_->on_bytes(request.SerializeAsString());
   }
+  void drag(const std::string& id, double z) {
+    v1::WatchRequest request;
+    request.mutable_drag()->set_grab_id(id);
+    request.mutable_drag()->mutable_target()->set_z(z);
+    session_->on_request(request);
+  }
   void release(const std::string& id) {
     v1::WatchRequest request;
     request.mutable_release()->set_grab_id(id);

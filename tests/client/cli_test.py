@@ -213,6 +213,14 @@ class Offline(Case):
         self.assertEqual((replayed["identical"], replayed["ticks"]), (True, 20))
         self.assertEqual(replayed["state_hash"], first["state_hash"])
 
+    def test_time_that_was_not_simulated_is_told(self):
+        whole = self.json_of("run", self.scene("whole.json"))
+        self.assertAlmostEqual(whole["simulated_s"], 20 / 60, 9)
+        self.assertNotIn("substep_limit", whole.get("flagged_ticks", {}))
+        short = self.json_of("run", self.scene("short.json", integrator={"kind": "EXPLICIT_LEAPFROG", "max_substeps": 1}))
+        self.assertEqual(short["flagged_ticks"]["substep_limit"], "20")
+        self.assertLess(short["simulated_s"], 0.5 * whole["simulated_s"])
+
     def test_a_tampered_recording_names_the_tick(self):
         self.json_of("run", self.scene("tamper.json"), "--record", path("tamper.rec"))
         content = bytearray(pathlib.Path(path("tamper.rec")).read_bytes())

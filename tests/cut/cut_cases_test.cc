@@ -9,6 +9,7 @@
 #include "server/mesh/grid_mesh.h"
 #include "server/mesh/mesh_import.h"
 #include "tests/cut/cut_checks.h"
+#include "tests/support/meshes.h"
 
 // Placements of each case; sanitizer builds take fewer.
 #ifndef KERF_PLACEMENTS
@@ -342,6 +343,39 @@ TEST(CutCases, SheetsWithHolesComponentsRegionsAndSlantedBorders) {
     cut_slanted(strips, place(line({{-0.2, 0.41}, {1.2, 0.62}})));
     EXPECT_EQ(strips.num_pieces(), 6);
     EXPECT_EQ(count_boundary_loops(strips), 6);
+  }
+}
+
+// The lattice leaves less than an edge length of room around such sheets.
+TEST(CutCases, SheetsOfOneOrTwoTrianglesAreCutInEveryDirection) {
+  mesh::IndexedMesh slanted;
+  slanted.rest.resize(2, 4);
+  slanted.rest << 0.0, 3.0, 2.0, -1.0, 0.0, 1.0, 4.0, 3.0;
+  slanted.triangles.resize(3, 2);
+  slanted.triangles << 0, 0, 1, 2, 2, 3;
+  const std::vector<std::pair<const char*, mesh::TriangleMesh>> sheets{
+      {"square of 1 m", *mesh::make_grid({2, 2, 1.0, 1.0})},
+      {"square of 0.7 m", *mesh::make_grid({2, 2, 0.7, 0.7})},
+      {"rectangle", *mesh::make_grid({2, 2, 2.0, 1.0})},
+      {"triangle", *mesh::import_mesh(test::one_triangle())},
+      {"slanted", *mesh::import_mesh(slanted)},
+  };
+  for (const auto& [name, fresh] : sheets) {
+    const Vector2d middle = (fresh.rest_position(0) + fresh.rest_position(1) + fresh.rest_position(2)) / 3.0;
+    for (int i = 0; i < 72; ++i) {
+      SCOPED_TRACE(std::string(name) + ", " + std::to_string(5 * i) + " degrees");
+      const double angle = std::numbers::pi * (i / 36.0) + 0.01;
+      const Vector2d far = middle + 9.0 * Vector2d(std::cos(angle), std::sin(angle));
+      mesh::TriangleMesh out = fresh;
+      EXPECT_EQ(cut_slanted(out, line({middle, far})).status, CutStatus::kApplied);
+      EXPECT_EQ(out.num_pieces(), 1);
+      mesh::TriangleMesh in = fresh;
+      EXPECT_EQ(cut_slanted(in, line({far, middle})).status, CutStatus::kApplied);
+      EXPECT_EQ(in.num_pieces(), 1);
+      mesh::TriangleMesh through = fresh;
+      EXPECT_EQ(cut_slanted(through, line({far, 2.0 * middle - far})).status, CutStatus::kApplied);
+      EXPECT_EQ(through.num_pieces(), 2);
+    }
   }
 }
 

@@ -25,7 +25,8 @@ inline mesh::Int128 doubled_solid_area(const mesh::TriangleMesh& mesh) {
   return sum;
 }
 
-// Boundary loops of the opened mesh: border and lips. Each vertex is on at most one loop, once.
+// Boundary loops of the opened mesh: border and lips. Each vertex is on at most one loop, once. A lip of one edge whose
+// two sides share both ends encloses nothing and is no loop.
 inline int count_boundary_loops(const mesh::TriangleMesh& mesh) {
   std::vector<mesh::VertexId> next(static_cast<std::size_t>(mesh.num_vertices()), mesh::kNone);
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
@@ -39,12 +40,13 @@ inline int count_boundary_loops(const mesh::TriangleMesh& mesh) {
   int loops = 0;
   for (std::size_t start = 0; start < next.size(); ++start) {
     if (next[start] == mesh::kNone) continue;
-    ++loops;
-    for (std::size_t at = start; next[at] != mesh::kNone;) {
+    int edges = 0;
+    for (std::size_t at = start; next[at] != mesh::kNone; ++edges) {
       const std::size_t following = static_cast<std::size_t>(next[at]);
       next[at] = mesh::kNone;
       at = following;
     }
+    if (edges > 2) ++loops;
   }
   return loops;
 }
@@ -65,6 +67,25 @@ inline std::optional<std::string> find_wrong_source(const mesh::TriangleMesh& be
       return "vertex " + std::to_string(source.vertex) + " is off its sources by " + std::to_string(error);
   }
   return std::nullopt;
+}
+
+// Whether some place has more vertices than before, or there are more pieces. A new point on an older lip has two
+// vertices without having opened anything.
+inline bool has_opened(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after) {
+  if (after.num_pieces() != before.num_pieces()) return true;
+  std::vector<int> gained(static_cast<std::size_t>(after.num_points()), 0);
+  for (mesh::VertexId v = 0; v < after.num_vertices(); ++v) ++gained[static_cast<std::size_t>(after.point(v))];
+  for (mesh::VertexId v = 0; v < before.num_vertices(); ++v) --gained[static_cast<std::size_t>(before.point(v))];
+  for (mesh::PointId p = 0; p < after.num_points(); ++p) {
+    const int more = gained[static_cast<std::size_t>(p)];
+    if (more <= 0) continue;
+    if (p < before.num_points() || more > 2) return true;
+    const mesh::Location there = before.locate(after.at(p));
+    const bool was_lip =
+        there.kind == mesh::Location::Kind::kEdge && (before.locks(there.triangle, there.corner) & mesh::kLockCut) != 0;
+    if (more == 2 && !was_lip) return true;
+  }
+  return false;
 }
 
 inline double distance_to_segment_m(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
@@ -113,6 +134,7 @@ inline std::optional<std::string> find_cut_violation(const mesh::TriangleMesh& b
   if (doubled_solid_area(before) != doubled_solid_area(after)) return "the rest area changed";
   if (auto wrong = find_wrong_source(before, after, outcome.edit.added_vertices)) return wrong;
   if (auto wrong = find_wrong_source(before, after, outcome.edit.moved_vertices)) return wrong;
+  if (!has_opened(before, after)) return "an applied cut opened nothing";
   const int added = after.num_vertices() - before.num_vertices();
   if (outcome.report.new_vertices != added) return "new_vertices is not the number of vertices added";
   if (outcome.report.pieces != after.num_pieces()) return "pieces is not that of the mesh";

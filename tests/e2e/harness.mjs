@@ -70,9 +70,13 @@ export class Steps {
   passed = 0;
   failed = 0;
 
-  /** @param onFailure  called with the name of the step that failed */
-  constructor(onFailure) {
+  /**
+   * @param onFailure  called with the name of the step that failed
+   * @param afterEach  called after each step; what it throws fails the step
+   */
+  constructor(onFailure, afterEach) {
     this.onFailure = onFailure;
+    this.afterEach = afterEach;
   }
 
   async step(name, run) {
@@ -84,6 +88,7 @@ export class Steps {
     const started = performance.now();
     try {
       await run();
+      await this.afterEach();
       this.passed += 1;
       console.log(`passed   ${name} (${((performance.now() - started) / 1000).toFixed(1)} s)`);
     } catch (error) {

@@ -1,6 +1,7 @@
 // The viewer in Chromium against a real kerfd. Waits are for conditions, never for time; nothing about speed is
 // asserted.
-import { Steps, check, kPatienceMs, launchChromium, post, startKerfd } from './harness.mjs';
+import { readFile } from 'node:fs/promises';
+import { Steps, check, kPatienceMs, launchChromium, post, root, startKerfd } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
 const [kerfdPath, web, chromiumPath] = process.argv.slice(2);
@@ -15,9 +16,12 @@ const kStartState = `k.numVertices === ${kDemoVertices} && k.pieces === 1
 let kerfd = await startKerfd(kerfdPath, web);
 const browser = await launchChromium(chromiumPath);
 let viewer;
-const steps = new Steps(async (name) => {
-  await viewer?.screenshot(`failed-${name.replaceAll(/\W+/g, '-')}`).catch((error) => console.log(String(error)));
-});
+const steps = new Steps(
+  async (name) => {
+    await viewer?.screenshot(`failed-${name.replaceAll(/\W+/g, '-')}`).catch((error) => console.log(String(error)));
+  },
+  () => check(ViewerPage.exceptions.length === 0, `uncaught on a page: ${ViewerPage.exceptions.join('; ')}`),
+);
 
 await steps.step('the page opens and the sheet is live', async () => {
   viewer = await ViewerPage.open(browser, kerfd.url, kWide);
@@ -149,13 +153,58 @@ await steps.step('the wireframe comes and goes', async () => {
 
 await steps.step('the gravity slider reaches the server', async () => {
   await viewer.page.fill('#gravity', '1.62');
-  await viewer.page.waitForFunction(() => document.querySelector('#gravity-value').textContent === '1.62 m/s²');
+  await viewer.shows('#gravity-value', '1.62 m/s²');
   const deadline = Date.now() + kPatienceMs;
   let z;
   do {
     z = (await post(kerfd.url, 'SheetService/GetSheet', kDemo)).scene.gravity_mps2?.z;
   } while (z !== -1.62 && Date.now() < deadline);
   check(z === -1.62, `the server's gravity is ${z}`);
+});
+
+await steps.step('a pause right after another change is shown, though the sheet then stands still', async () => {
+  for (const z of [-3, -4, -5]) {
+    await post(kerfd.url, 'InteractionService/SetSheetGravity', { ...kDemo, setGravity: { gravityMps2: { z } } });
+    // The page has asked for the settings just now, and may not at once again.
+    await viewer.shows('#gravity-value', `${-z}.00 m/s²`);
+    await post(kerfd.url, 'SheetService/PauseSheet', kDemo);
+    await viewer.shows('#pause span', 'Resume');
+    await post(kerfd.url, 'SheetService/ResumeSheet', kDemo);
+    await viewer.shows('#pause span', 'Pause');
+  }
+});
+
+await steps.step('a failed call for the settings is made again, though the sheet stands still', async () => {
+  let refusals = 2;
+  const getSheet = '**/kerf.v1.SheetService/GetSheet';
+  await viewer.page.route(getSheet, (route) =>
+    refusals-- > 0 ? route.fulfill({ status: 503, body: '{}' }) : route.continue(),
+  );
+  await post(kerfd.url, 'SheetService/PauseSheet', kDemo);
+  await viewer.shows('#pause span', 'Resume');
+  check(refusals < 0, 'no call was refused');
+  await viewer.page.unroute(getSheet);
+  await post(kerfd.url, 'SheetService/ResumeSheet', kDemo);
+  await viewer.shows('#pause span', 'Pause');
+  // The browser itself writes the refusals to the console.
+  viewer.errors = viewer.errors.filter((error) => !error.includes('503'));
+});
+
+await steps.step('another sheet is chosen, and the first again', async () => {
+  const { sheet_id, commands, ...scene } = JSON.parse(await readFile(`${root}/deploy/scenes/demo.json`, 'utf8'));
+  const grid = { columns: 8, rows: 8, width_m: 0.5, height_m: 0.5 };
+  await post(kerfd.url, 'SheetService/CreateSheet', { sheetId: 'second', scene: { ...scene, grid } });
+  for (let round = 0; round < 3; ++round) {
+    await viewer.pick('second');
+    const isSecond = 'k.sheet === "sheets/second" && k.connection === "live" && k.numVertices === 64';
+    await viewer.until(`${isSecond} && k.tick > 0`);
+    if (round === 0) await viewer.screenshot('second');
+    await viewer.pick('demo');
+    await viewer.until(`k.sheet === "sheets/demo" && k.connection === "live" && k.numVertices >= ${kDemoVertices}`);
+    const tick = await viewer.read('k.tick');
+    await viewer.until('k.tick > given.tick', { tick });
+  }
+  await post(kerfd.url, 'SheetService/DeleteSheet', { name: 'sheets/second' });
 });
 
 await steps.step('the help opens with ? and the page logged no error', async () => {
@@ -191,6 +240,59 @@ await steps.step('a freehand line is cut on a phone, in the dark', async () => {
   check(overflow <= 0, `the page is ${overflow} px too wide for a phone`);
   check(phone.errors.length === 0, `console: ${phone.errors.join('; ')}`);
   await phone.page.close();
+});
+
+await steps.step('the ball does not show through the cloth on it', async () => {
+  await post(kerfd.url, 'SheetService/PauseSheet', kDemo);
+  const scene = JSON.parse(await readFile(`${root}/deploy/scenes/demo.json`, 'utf8'));
+  const { center, radius_m: radius } = scene.colliders[0].sphere;
+  const open = async (prepare) => {
+    const page = await ViewerPage.open(browser, `${kerfd.url}/?sheet=demo`, kPhone, prepare);
+    await page.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0 && k.pinnedVertices.length === 2');
+    await page.until('k.framesDrawn > given.drawn', { drawn: await page.read('k.framesDrawn - 1') });
+    return page;
+  };
+  // The same picture with a needle for a ball, which it takes as much room as, inside the cloth.
+  const needle = { box: { center, halfExtentsM: { x: radius, y: 1e-4, z: 1e-4 } } };
+  const pages = [
+    await open(),
+    await open((page) =>
+      page.route('**/kerf.v1.SheetService/GetSheet', async (route) => {
+        const response = await route.fetch();
+        const sheet = await response.json();
+        sheet.scene.colliders[0] = needle;
+        await route.fulfill({ response, json: sheet });
+      }),
+    ),
+  ];
+  // Points of the cloth that lie on the ball, where it is seen from outside.
+  const points = await pages[0].page.evaluate(
+    ([middle, reach]) => {
+      const found = [];
+      for (let i = 1; i < 160; ++i) {
+        for (let j = 1; j < 160; ++j) {
+          const at = window.kerf.toWorld(i / 160, j / 160);
+          const [x, y, z] = [at.x - middle.x, at.y - middle.y, at.z - middle.z];
+          const distance = Math.hypot(x, y, z);
+          // The first view is from (0.5, -1, 0.62).
+          const facing = (0.5 * x - y + 0.62 * z) / (distance * Math.hypot(0.5, 1, 0.62));
+          if (distance < 1.03 * reach && facing > 0.1) found.push(window.kerf.toClient(i / 160, j / 160));
+        }
+      }
+      return found;
+    },
+    [center, radius],
+  );
+  check(points.length > 500, `only ${points.length} points of the cloth lie on the ball`);
+  const [withBall, without] = [
+    await pages[0].colours(points, 'ball'),
+    await pages[1].colours(points, 'no-ball'),
+  ];
+  const differs = (colour, other) => colour.some((value, k) => Math.abs(value - other[k]) > 24);
+  const wrong = withBall.filter((colour, i) => differs(colour, without[i])).length;
+  console.log(`         the ball changes ${wrong} of ${points.length} points of the cloth`);
+  check(wrong <= 0.01 * points.length, `the ball shows through at ${wrong} of ${points.length} points`);
+  for (const { page } of pages) await page.close();
 });
 
 await steps.step('a sheet that is not there is told in words', async () => {

@@ -7,6 +7,9 @@ function pageFunction(expression) {
 
 /** One page with the viewer, read through window.kerf (web/src/hooks.ts) and driven as a person would. */
 export class ViewerPage {
+  /** Uncaught exceptions of all pages there were. */
+  static exceptions = [];
+
   /** Errors of the page's console and uncaught exceptions. */
   errors = [];
 
@@ -14,11 +17,16 @@ export class ViewerPage {
     this.page = page;
     page.setDefaultTimeout(kPatienceMs);
     page.on('console', (message) => message.type() === 'error' && this.errors.push(message.text()));
-    page.on('pageerror', (error) => this.errors.push(String(error)));
+    page.on('pageerror', (error) => {
+      this.errors.push(String(error));
+      ViewerPage.exceptions.push(error.stack ?? String(error));
+    });
   }
 
-  static async open(browser, url, options) {
+  /** @param prepare  called with the page before it loads anything */
+  static async open(browser, url, options, prepare = async () => {}) {
     const viewer = new ViewerPage(await browser.newPage(options));
+    await prepare(viewer.page);
     await viewer.page.goto(url);
     return viewer;
   }
@@ -58,6 +66,41 @@ export class ViewerPage {
   async choose(tool) {
     await this.page.click(`#tools [data-tool=${tool}]`);
     await this.until('k.tool === given.tool', { tool });
+  }
+
+  /** Opens another of the server's sheets with the picker. */
+  async pick(sheet) {
+    await this.page.focus('#sheet-picker');
+    await this.page.selectOption('#sheet-picker', `sheets/${sheet}`);
+    // Letters typed into a picker choose in it.
+    await this.page.focus('#canvas');
+  }
+
+  /** Waits until an element's text is this one. */
+  async shows(selector, text) {
+    const isShown = ([query, wanted]) => document.querySelector(query).textContent === wanted;
+    await this.page.waitForFunction(isShown, [selector, text], { timeout: kPatienceMs });
+  }
+
+  /** Colours of a screenshot of the page at points of it, CSS pixels: an array of [red, green, blue], 0..255. */
+  async colours(points, name) {
+    const png = await this.page.screenshot({ path: `${root}/build/e2e/${name}.png` });
+    // Decoded on a page of its own: the viewer's security policy allows no image from elsewhere.
+    const decoder = await this.page.context().browser().newPage();
+    const colours = await decoder.evaluate(
+      async ([base64, at, width]) => {
+        const image = new Image();
+        image.src = `data:image/png;base64,${base64}`;
+        await image.decode();
+        const canvas = new OffscreenCanvas(image.width, image.height).getContext('2d');
+        canvas.drawImage(image, 0, 0);
+        const scale = image.width / width;
+        return at.map(({ x, y }) => [...canvas.getImageData(Math.floor(scale * x), Math.floor(scale * y), 1, 1).data]);
+      },
+      [png.toString('base64'), points, this.page.viewportSize().width],
+    );
+    await decoder.close();
+    return colours.map(([red, green, blue]) => [red, green, blue]);
   }
 
   notice(pattern) {

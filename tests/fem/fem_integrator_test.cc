@@ -244,12 +244,20 @@ TEST_P(IntegratorContract, NeverAllocatesInAStep) {
   EXPECT_EQ(num_allocations(), before + 1) << "the counter counts";
 }
 
+constexpr double kFloor = -0.05;  // m
+
 class CountingContact final : public ContactConstraint {
  public:
+  void begin(const Eigen::Matrix3Xd& x) override { EXPECT_GE(x.row(2).minCoeff(), kFloor); }
   void enforce(double dt, State& state) override {
     ++calls;
     duration += dt;
-    state.x.row(2) = state.x.row(2).cwiseMax(-0.05).eval();
+    state.x.row(2) = state.x.row(2).cwiseMax(kFloor).eval();
+  }
+  std::size_t find_gaps(int /*vertex*/, const Eigen::Vector3d& x, double reach,
+                        std::array<SurfaceGap, kMaxGaps>& gaps) const override {
+    gaps[0].gap = x.z() - kFloor;
+    return gaps[0].gap < reach ? 1 : 0;
   }
   int calls = 0;
   double duration = 0.0;
@@ -264,10 +272,41 @@ TEST_P(IntegratorContract, EnforcesContactOnceASubstepAndLastOfAll) {
   int substeps = 0;
   for (int i = 0; i < 20; ++i) {
     substeps += integrator->step(model, Loads{}, kTick, &contact, state).substeps;
-    EXPECT_GE(state.x.row(2).minCoeff(), -0.05);
+    EXPECT_GE(state.x.row(2).minCoeff(), kFloor);
   }
   EXPECT_EQ(contact.calls, substeps);
   EXPECT_NEAR(contact.duration, 20 * kTick, 1e-12);
+}
+
+// Spoils the first attempt at a step.
+class SpoilingContact final : public ContactConstraint {
+ public:
+  void begin(const Eigen::Matrix3Xd& x) override {
+    ++attempts;
+    if (attempts == 1) first = x;
+    EXPECT_EQ(x, first) << "every attempt begins where the first one did";
+  }
+  void enforce(double /*dt*/, State& state) override {
+    if (attempts == 1) state.x(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  }
+  std::size_t find_gaps(int /*vertex*/, const Eigen::Vector3d& /*x*/, double /*reach*/,
+                        std::array<SurfaceGap, kMaxGaps>& /*gaps*/) const override {
+    return 0;
+  }
+  int attempts = 0;
+  Eigen::Matrix3Xd first;
+};
+
+TEST_P(IntegratorContract, ContactIsToldWhenAStepBeginsAnew) {
+  const mesh::TriangleMesh mesh = square_grid(6);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make(model);
+  State state = rest_state(mesh);
+  SpoilingContact contact;
+  const StepStats stats = integrator->step(model, Loads{}, kTick, &contact, state);
+  EXPECT_EQ(contact.attempts, 2);
+  EXPECT_EQ(stats.flags & (kSubstepped | kFrozen), kSubstepped);
+  EXPECT_TRUE(is_finite(state));
 }
 
 TEST_P(IntegratorContract, ReportsStrainAboveItsLimit) {

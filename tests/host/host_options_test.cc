@@ -69,6 +69,7 @@ TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
   EXPECT_EQ(frozen.tick, 4 + 3);
   EXPECT_EQ(clock_.num_timers(), 1U);  // that of b
   EXPECT_EQ(host_->metrics().failed_ticks, 3);
+  EXPECT_EQ(host_->metrics().flagged_ticks[4], 3) << fem::kStepFlagNames[4];
   EXPECT_EQ(host_->metrics().failed_sheets, 1);
   EXPECT_EQ(status("b").tick, 16);
   EXPECT_EQ(submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4}))->reply.cut->report.pieces, 2);

@@ -75,12 +75,12 @@ TEST(Pace, KeepsAbsoluteDeadlines) {
   Pace pace(10ms);
   pace.start(100ms);
   EXPECT_EQ(pace.deadline(), Nanoseconds(100ms));
-  pace.tick_done(107ms, 1ms);
+  pace.tick_done(107ms, 1ms, 1.0);
   EXPECT_EQ(pace.deadline(), Nanoseconds(110ms));
-  pace.tick_done(120ms, 1ms);  // to the nanosecond: not late, and the next is due
+  pace.tick_done(120ms, 1ms, 1.0);  // to the nanosecond: not late, and the next is due
   EXPECT_EQ(pace.overruns(), 0);
   EXPECT_EQ(pace.deadline(), Nanoseconds(120ms));
-  pace.tick_done(131ms, 1ms);
+  pace.tick_done(131ms, 1ms, 1.0);
   EXPECT_EQ(pace.overruns(), 1);
   EXPECT_EQ(pace.deadline(), Nanoseconds(130ms));
   EXPECT_EQ(pace.slipped(), Nanoseconds(0));
@@ -90,14 +90,23 @@ TEST(Pace, KeepsAbsoluteDeadlines) {
 TEST(Pace, GivesUpWhatIsMoreThanTwoTicksLate) {
   Pace pace(10ms);
   pace.start(0ms);
-  pace.tick_done(39ms, 1ms);  // due: 10, 20, 30
+  pace.tick_done(39ms, 1ms, 1.0);  // due: 10, 20, 30
   EXPECT_EQ(pace.slipped(), Nanoseconds(10ms));
   EXPECT_EQ(pace.deadline(), Nanoseconds(20ms));
   Pace slow(10ms);
   slow.start(0ms);
-  for (int i = 1; i <= 200; ++i) slow.tick_done(i * 20ms, 20ms);  // half as fast as it should be
+  for (int i = 1; i <= 200; ++i) slow.tick_done(i * 20ms, 20ms, 1.0);  // half as fast as it should be
   EXPECT_NEAR(slow.real_time_factor(), 0.5, 1e-6);
   EXPECT_EQ(slow.slipped() + 200 * 10ms, 4000ms - 10ms);  // one tick behind, all else given up
+}
+
+TEST(Pace, CountsWhatAStepStoppedShortOf) {
+  Pace pace(10ms);
+  pace.start(0ms);
+  for (int i = 1; i <= 100; ++i) pace.tick_done(i * 10ms, 1ms, 0.25);
+  EXPECT_EQ(pace.overruns(), 0);
+  EXPECT_EQ(pace.slipped(), Nanoseconds(750ms));
+  EXPECT_NEAR(pace.real_time_factor(), 0.25, 1e-9);
 }
 
 TEST(Workers, AStrandKeepsItsOrderAndRunsOneAtATime) {

@@ -1,6 +1,8 @@
 #include "server/host/host.h"
 
 #include <algorithm>
+#include <atomic>
+#include <future>
 
 #include "tests/host/host_fixture.h"
 
@@ -92,14 +94,56 @@ TEST_F(HostTest, OneStepCallAtATime) {
   create("a", small_sheet(), true);
   Answers<SheetStatus> answers;
   Answers<SheetStatus> second;
+  // The strand is held until all three calls wait on it: the first cannot be done before the others come.
+  std::promise<void> all_posted;
+  host_->inspect(
+      "a", [posted = all_posted.get_future().share()](const sheet::Sheet&) { posted.wait(); }, [](const Status&) {});
   host_->step("a", 1000, answers.callback());
   host_->step("a", 1, second.callback());
   host_->resume("a", second.callback());
+  all_posted.set_value();
   host_->wait_idle();
   EXPECT_EQ(answers.at(0)->tick, 1000);
   ASSERT_EQ(second.count(), 2U);
   EXPECT_EQ(second.reason(0), "STEPPING");
   EXPECT_EQ(second.reason(1), "STEPPING");
+}
+
+TEST_F(HostTest, PauseEndsAStepCall) {
+  create("a", small_sheet(), true);
+  Answers<SheetStatus> stepped;
+  Answers<SheetStatus> paused;
+  Answers<SheetStatus> next;
+  std::promise<void> all_posted;
+  host_->inspect(
+      "a", [posted = all_posted.get_future().share()](const sheet::Sheet&) { posted.wait(); }, [](const Status&) {});
+  host_->step("a", 100'000, stepped.callback());
+  host_->pause("a", paused.callback());
+  host_->step("a", 10, next.callback());
+  all_posted.set_value();
+  host_->wait_idle();
+  ASSERT_EQ(stepped.count(), 1U);
+  EXPECT_EQ(stepped.at(0)->tick, Host::kTicksPerTurn);
+  EXPECT_EQ(stepped.at(0)->run_state, RunState::kPaused);
+  EXPECT_EQ(paused.at(0)->tick, Host::kTicksPerTurn);
+  EXPECT_EQ(next.at(0)->tick, Host::kTicksPerTurn + 10);
+  EXPECT_EQ(status("a").tick, Host::kTicksPerTurn + 10);
+}
+
+TEST_F(HostTest, ResetEndsAStepCall) {
+  create("a", small_sheet(), true);
+  Answers<SheetStatus> stepped;
+  Answers<CommandResult> reset;
+  std::promise<void> all_posted;
+  host_->inspect(
+      "a", [posted = all_posted.get_future().share()](const sheet::Sheet&) { posted.wait(); }, [](const Status&) {});
+  host_->step("a", 100'000, stepped.callback());
+  host_->submit("a", sheet::Reset{}, reset.callback());
+  all_posted.set_value();
+  host_->wait_idle();
+  EXPECT_EQ(stepped.at(0)->tick, 1);
+  EXPECT_EQ(reset.at(0)->reply.tick, 1);
+  EXPECT_EQ(status("a").tick, 1);
 }
 
 TEST_F(HostTest, APausedSheetIsCutAtOnce) {
@@ -146,6 +190,20 @@ TEST_F(HostTest, TheQueueIsBounded) {
   EXPECT_EQ(answers.reason(65), "done");
   EXPECT_EQ(host_->metrics().commands, 64);
   EXPECT_EQ(host_->metrics().commands_refused, 2);
+}
+
+TEST_F(HostTest, AGrabIsReleasedThoughTheQueueIsFull) {
+  create("a", small_sheet());
+  ASSERT_TRUE(submit("a", sheet::Grab{"hand", 0, std::nullopt, 0.0}));
+  Answers<CommandResult> answers;
+  for (int i = 0; i < 65; ++i) host_->submit("a", sheet::SetGravity{{0, 0, -1.0}}, answers.callback());
+  ASSERT_EQ(answers.reason(0), "QUEUE_FULL");
+  host_->release_grab("a", "hand");
+  host_->release_grab("nobody", "hand");
+  EXPECT_EQ(host_->metrics().queued_commands, 65);
+  run_for(kTick);
+  EXPECT_EQ(host_->metrics().queued_commands, 0);
+  EXPECT_EQ(submit("a", sheet::Release{"hand"}).error().reason, "GRAB_NOT_FOUND");
 }
 
 TEST_F(HostTest, ABadCommandIsRefusedAtOnceAndOneTheSheetRefusesAtTheTick) {
@@ -250,6 +308,29 @@ TEST_F(HostTest, DeleteEndsSinksAndAnswersWhatWaits) {
   host_->delete_sheet("a", done.callback());
   EXPECT_EQ(done.reason(2), "SHEET_NOT_FOUND");
   EXPECT_EQ(create("a", small_sheet()).tick, 0);  // the name is free again
+}
+
+TEST_F(HostTest, ANameIsFreeOnceItsSheetIsClosed) {
+  create("a", small_sheet(), true);
+  std::promise<void> release;
+  host_->inspect(
+      "a", [released = release.get_future().share()](const sheet::Sheet&) { released.wait(); }, [](const Status&) {});
+  Answers<Nothing> deleted;
+  Answers<CommandResult> waiting;
+  std::atomic<bool> closed = false;
+  host_->submit("a", sheet::Reset{}, waiting.callback());
+  host_->delete_sheet("a", deleted.callback(), [&] { closed = waiting.count() == 1 && deleted.count() == 1; });
+  Answers<SheetStatus> created;
+  host_->create_sheet("a", small_sheet(), true, created.callback());
+  EXPECT_EQ(created.reason(0), "SHEET_EXISTS");
+  host_->delete_sheet("a", deleted.callback());
+  EXPECT_EQ(deleted.reason(0), "SHEET_NOT_FOUND");
+  EXPECT_TRUE(host_->list().empty());
+  release.set_value();
+  host_->wait_idle();
+  EXPECT_EQ(deleted.reason(1), "done");
+  EXPECT_TRUE(closed) << "after the last answer of the sheet, before its own";
+  EXPECT_EQ(create("a", small_sheet()).id, "a");
 }
 
 TEST_F(HostTest, DeleteInTheMiddleOfAStepCall) {

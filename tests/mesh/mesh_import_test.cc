@@ -104,7 +104,7 @@ TEST(Grid, JitteredIsDelaunayAndKeepsTheBorder) {
 
 TEST(Grid, HandlesNarrowCellsAndManyVertices) {
   EXPECT_EQ(test::must(make_jittered_grid({3, 60, 5.0, 0.1}, 3)).find_violation(), std::nullopt);
-  EXPECT_EQ(test::must(make_grid({2, 2, 1e-6, 1e4})).find_violation(), std::nullopt);
+  EXPECT_EQ(test::must(make_grid({2, 2, 0.02, 1e4})).find_violation(), std::nullopt);
   const TriangleMesh large = test::grid(200);
   EXPECT_EQ(large.num_vertices(), 40000);
   EXPECT_EQ(large.find_violation(), std::nullopt);
@@ -119,6 +119,7 @@ TEST(Grid, RefusesAbsurdSizes) {
   EXPECT_EQ(make_grid({5, 5, 0.0, 1.0}).error().reason, "GRID_EXTENT");
   EXPECT_EQ(make_grid({5, 5, 1.0, nan}).error().reason, "GRID_EXTENT");
   EXPECT_EQ(make_jittered_grid({5, 5, 1.0, 2e4}, 1).error().reason, "GRID_EXTENT");
+  EXPECT_EQ(make_grid({2, 2, 1e-6, 1e4}).error().reason, "MESH_DEGENERATE_TRIANGLE");
 }
 
 TEST(Import, TheZooHoldsEveryInvariant) {
@@ -200,6 +201,25 @@ TEST(Import, RefusesDegenerateTriangles) {
   expect_refused(test::indexed({{0, 0}, {1, 0}, {0, 1}}, {{0, 1, 1}, {0, 1, 2}}), "MESH_DEGENERATE_TRIANGLE",
                  "triangle 0");
   expect_refused(test::indexed({{5, 5}, {5, 5}, {5, 5}}, {{0, 1, 2}}), "MESH_DEGENERATE_TRIANGLE", "");
+}
+
+TEST(Import, RefusesTrianglesTooFlatForTheirLength) {
+  const auto flat = [](double ratio, double length) {
+    return test::indexed({{0, 0}, {length, 0}, {0.3 * length, ratio * length}}, {{0, 1, 2}});
+  };
+  for (const double length : {1e-3, 1.0, 700.0}) {
+    SCOPED_TRACE(length);
+    expect_refused(flat(0.999 * kMinFlatness, length), "MESH_DEGENERATE_TRIANGLE", "merge");
+    EXPECT_TRUE(import_mesh(flat(1.001 * kMinFlatness, length)).ok());
+  }
+  // Positive area on the lattice, but none in floating-point numbers.
+  expect_refused(
+      test::indexed({{0, 0}, {0.9132020097620708, 0.8346492473105291}, {0.8983662352101822, 0.8210896318797345}},
+                    {{0, 1, 2}}),
+      "MESH_DEGENERATE_TRIANGLE", "triangle 0");
+  // Clockwise, and beside a good one.
+  expect_refused(test::indexed({{0, 0}, {1, 0}, {0, 1}, {0.5, -1e-8}}, {{0, 2, 1}, {0, 1, 3}}),
+                 "MESH_DEGENERATE_TRIANGLE", "triangle 1");
 }
 
 TEST(Import, RefusesNonManifoldSheets) {

@@ -162,8 +162,11 @@ Curve random_curve(SeededRandom& random, const mesh::TriangleMesh& mesh, const s
 }
 
 mesh::TriangleMesh random_sheet(SeededRandom& random) {
-  const auto size = static_cast<std::int32_t>(8 + random.below(13));
-  const mesh::GridConfig config{size, static_cast<std::int32_t>(8 + random.below(13)), 1.0, 1.0};
+  // One in four is coarse: a cut then reaches the border, and the rim of the domain, within an edge length or two.
+  const bool is_coarse = random.below(4) == 0;
+  const auto side = [&] { return static_cast<std::int32_t>(is_coarse ? 2 + random.below(3) : 8 + random.below(13)); };
+  const std::int32_t num_x = side();
+  const mesh::GridConfig config{num_x, side(), 1.0, 1.0};
   auto made = random.below(2) == 0 ? mesh::make_grid(config) : mesh::make_jittered_grid(config, random.next());
   return *made;
 }

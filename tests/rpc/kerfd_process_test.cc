@@ -8,12 +8,15 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <regex>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "kerf/v1/sheets.pb.h"
@@ -121,6 +124,13 @@ class KerfdTest : public ::testing::Test {
     EXPECT_EQ(line.rfind("kerfd: ", 0), 0U) << line;
     return line;
   }
+  // A connection for whose request a stop waits for some seconds. Takes the line that says that kerfd is ready.
+  static std::unique_ptr<ws_test::RawClient> unfinished_request(const Kerfd& kerfd) {
+    const std::string line = kerfd.read_line();
+    auto client = std::make_unique<ws_test::RawClient>(std::stoi(line.substr(line.rfind(':') + 1)));
+    client->send("POST /kerf.v1.SheetService/ListSheets HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{");
+    return client;
+  }
   fs::path folder_;
 };
 
@@ -167,6 +177,26 @@ TEST_F(KerfdTest, StopsWithViewersAndWorkUnderWay) {
   EXPECT_EQ(kerfd.wait(), 0);
 }
 
+// As with Ctrl-C, where a script around kerfd passes on what the terminal has told both.
+TEST_F(KerfdTest, TwoSignalsAtOnceAreOneWish) {
+  Kerfd kerfd(free_ports({"--scene", write("a.json", kScene)}));
+  const std::unique_ptr<ws_test::RawClient> half = unfinished_request(kerfd);
+  kerfd.signal(SIGINT);
+  kerfd.signal(SIGTERM);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  kerfd.signal(SIGTERM);
+  EXPECT_EQ(kerfd.wait(), 0);
+}
+
+TEST_F(KerfdTest, ALaterSignalEndsItAtOnce) {
+  Kerfd kerfd(free_ports());
+  const std::unique_ptr<ws_test::RawClient> half = unfinished_request(kerfd);
+  kerfd.signal(SIGTERM);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+  kerfd.signal(SIGINT);
+  EXPECT_EQ(kerfd.wait(), -SIGINT);
+}
+
 TEST_F(KerfdTest, RecordsWhatItRuns) {
   Kerfd kerfd(free_ports({"--scene", write("a.json", kScene), "--record", folder_.string()}));
   ASSERT_NE(kerfd.read_line(), "");
@@ -195,6 +225,9 @@ TEST_F(KerfdTest, RefusesOnOneLine) {
   EXPECT_NE(bad.find("grid.columns"), std::string::npos) << bad;
   const std::string twice = write("twice.json", kScene);
   EXPECT_NE(refusal(free_ports({"--scene", twice, "--scene", twice})).find("twice"), std::string::npos);
+  EXPECT_NE(refusal(free_ports({"--record", (folder_ / "none").string()})).find("none\" is no folder"),
+            std::string::npos);
+  EXPECT_NE(refusal(free_ports({"--record", "/proc"})).find("/proc"), std::string::npos);
   EXPECT_NE(refusal(free_ports({"--web", (folder_ / "none").string()})).find("none"), std::string::npos);
 }
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/failing_integrator.h"
+#include "tests/support/meshes.h"
 #include "tests/support/scenes.h"
 
 namespace kerf::sheet {
@@ -229,6 +230,51 @@ TEST(Sheet, AGrabbedMaterialPointStaysTheSameThroughCuts) {
   EXPECT_NEAR(sheet.grabs()[0].weights.sum(), 1.0, 1e-12);
   run(sheet, 10);
   EXPECT_TRUE(sheet.state().x.allFinite());
+}
+
+SheetConfig of_arrays(const mesh::IndexedMesh& sheet) {
+  SheetConfig config = scenes::hanging(4);
+  config.mesh = ArraySource{sheet.rest, sheet.triangles, {}};
+  config.pins.clear();
+  return config;
+}
+
+// The cut splits the slanted border close to the grabbed point, which then lies a rounding error outside.
+TEST(Sheet, AGrabOnASlantedBorderOutlivesACutBesideIt) {
+  Sheet sheet =
+      make(of_arrays(test::indexed({{0.0, 0.0}, {3.0, 1.0}, {2.0, 4.0}, {-1.0, 3.0}}, {{0, 1, 2}, {0, 2, 3}})));
+  const Vector2d held(1.5, 0.5);
+  ASSERT_TRUE(apply(sheet, Grab{"hand", held, std::nullopt, 50.0}));
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({1.37, -0.3}, {1.27, 1.1})));
+  const GrabState& grab = sheet.grabs()[0];
+  Vector2d at = Vector2d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_GE(grab.weights[k], 0.0);
+    at += grab.weights[k] * sheet.mesh().rest_position(grab.vertices[static_cast<std::size_t>(k)]);
+  }
+  EXPECT_NEAR(grab.weights.sum(), 1.0, 1e-12);
+  EXPECT_NEAR((at - held).norm(), 0.0, 1e-12);
+  run(sheet, 10);
+  EXPECT_TRUE(sheet.state().x.allFinite());
+}
+
+TEST(Sheet, RefusesASliverAndStepsTheFlattestSheetThatImportTakes) {
+  const auto created = Sheet::create(of_arrays(test::indexed(
+      {{0, 0}, {0.9132020097620708, 0.8346492473105291}, {0.8983662352101822, 0.8210896318797345}}, {{0, 1, 2}})));
+  ASSERT_FALSE(created);
+  EXPECT_EQ(created.error().reason, "MESH_DEGENERATE_TRIANGLE");
+  EXPECT_EQ(created.error().field, "inline.triangles");
+  // Far from the origin and turned: nothing that is close to rounding may decide whether it has an area.
+  for (int i = 0; i < 90; ++i) {
+    const double angle = 0.07 * i;
+    const Vector2d along(std::cos(angle), std::sin(angle));
+    const Vector2d a(9e3, -8e3), b = a + along, c = a + 0.5 * along + 1.1e-6 * Vector2d(-along.y(), along.x());
+    SheetConfig config = of_arrays(test::indexed({{a.x(), a.y()}, {b.x(), b.y()}, {c.x(), c.y()}}, {{0, 1, 2}}));
+    config.material.direction = 0.9;
+    Sheet sheet = make(std::move(config));
+    run(sheet, 1);
+    EXPECT_TRUE(sheet.state().x.allFinite());
+  }
 }
 
 TEST(Sheet, AllowsAtMost64Grabs) {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <vector>
 
 #include "client/cpp/mirror.h"
 #include "kerf/v1/sheets.pb.h"
+#include "server/wire/quantise.h"
 
 namespace kerf::ws_test {
 
@@ -17,21 +19,20 @@ std::vector<T> unpack(const std::string& bytes) {
 }
 
 // What a viewer has that the server has not, or the other way round; empty where they agree: every triangle, piece and
-// material position equal, every coordinate within half a step of the quantisation.
+// material position equal, every coordinate the integer that the server's own position gives in the mirror's box.
 inline std::string difference(const client::Mirror& mirror, const v1::SheetState& state) {
   if (mirror.tick() != state.tick()) return "tick";
   if (mirror.topology_version() != state.topology_version()) return "topology_version";
   if (mirror.num_vertices() != state.num_vertices()) return "num_vertices";
   const std::vector<double> positions = unpack<double>(state.positions());
   const v1::Box3& box = mirror.box();
-  const double size[3] = {box.max().x() - box.min().x(), box.max().y() - box.min().y(), box.max().z() - box.min().z()};
-  for (std::int32_t v = 0; v < mirror.num_vertices(); ++v) {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double error = mirror.position(v)[axis] - positions[3 * static_cast<std::size_t>(v) + axis];
-      if (!(error * error <= size[axis] * size[axis] * (0.5 + 1e-6) * (0.5 + 1e-6) / (65535.0 * 65535.0))) {
-        return "position of vertex " + std::to_string(v) + ": off by " + std::to_string(error) + " m";
-      }
-    }
+  const wire::FrameBox frame_box{
+      {box.min().x(), box.min().y(), box.min().z()},
+      {box.max().x() - box.min().x(), box.max().y() - box.min().y(), box.max().z() - box.min().z()}};
+  const std::vector<std::uint16_t> quantised = wire::quantise(positions, frame_box);
+  if (mirror.quantised_positions().size() != quantised.size()) return "number of positions";
+  for (std::size_t i = 0; i < quantised.size(); ++i) {
+    if (mirror.quantised_positions()[i] != quantised[i]) return "position of vertex " + std::to_string(i / 3);
   }
   const std::vector<std::int32_t> triangles = unpack<std::int32_t>(state.triangles());
   if (triangles.size() != 3 * mirror.triangles().size()) return "number of slots";

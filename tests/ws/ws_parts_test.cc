@@ -173,6 +173,7 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   host.ticks = 123456789;
   host.running_sheets = 3;
   host.slipped_s = 0.5;
+  host.flagged_ticks[1] = 6;
   host.tick_duration.counts[0] = 2;
   host.tick_duration.counts[3] = 5;
   host.tick_duration.counts.back() = 1;
@@ -184,6 +185,7 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   for (const char* line :
        {"# TYPE kerf_ticks_total counter\n", "kerf_ticks_total 123456789\n", "kerf_sheets{state=\"running\"} 3\n",
         "kerf_sheets{state=\"failed\"} 0\n", "kerf_slipped_seconds_total 0.5\n",
+        "kerf_flagged_ticks_total{flag=\"substepped\"} 6\n", "kerf_flagged_ticks_total{flag=\"repaired\"} 0\n",
         "# TYPE kerf_tick_duration_seconds histogram\n", "kerf_tick_duration_seconds_bucket{le=\"1e-05\"} 2\n",
         "kerf_tick_duration_seconds_bucket{le=\"+Inf\"} 8\n", "kerf_tick_duration_seconds_count 8\n",
         "kerf_tick_duration_seconds_sum 2.25\n", "kerf_http_requests_total 7\n", "kerf_watch_streams 4\n",

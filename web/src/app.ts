@@ -9,6 +9,7 @@ import { Stage } from './scene/stage';
 import { worldBox } from './scene/world_box';
 import { FrameClock, unixTimeMs } from './stream/frame_clock';
 import type { SheetMirror } from './stream/mirror';
+import { SettingsFollower } from './stream/settings_follower';
 import { Watch } from './stream/watch';
 import type { ConnectionState } from './stream/watch';
 import { CutTool } from './tools/cut_tool';
@@ -29,9 +30,6 @@ const kStateText: Record<ConnectionState, string> = {
   lost: 'Connection lost',
   ended: 'Ended',
 };
-
-// Settings are asked for at most this often, however often they change.
-const kRefreshIntervalMs = 250;
 
 /** The viewer of one sheet: what the server sends goes in, pictures and the tools' calls come out. */
 export class App implements Viewer {
@@ -59,9 +57,7 @@ export class App implements Viewer {
   private clock = new FrameClock();
   private hasNewFrame = false;
   private isFitted = false;
-  // Of the frame that last made this page ask for the sheet's settings; -1: ask again.
-  private settingsVersion = -1;
-  private nextRefreshMs = 0;
+  private readonly settings = new SettingsFollower(() => this.fetchSheet());
 
   constructor() {
     this.stage = new Stage(this.canvas);
@@ -110,13 +106,19 @@ export class App implements Viewer {
   open(name: string): void {
     this.tool.leave();
     this.watch?.close();
+    this.settings.reset();
     this.sheetName = name;
     this.surface = undefined;
+    this.hasNewFrame = false;
     this.sheet = undefined;
     this.isFitted = false;
     const { protocol, host } = location;
     this.watch = new Watch(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/watch`, name, {
-      onState: (state, detail) => this.showConnection(state, detail),
+      onState: (state, detail) => {
+        // The first frame of the next connection asks again.
+        if (state !== 'live') this.settings.reset();
+        this.showConnection(state, detail);
+      },
       onFrame: (mirror) => this.receive(mirror),
       onRejection: (rejection) => this.grabTool.rejected(rejection),
     });
@@ -145,14 +147,7 @@ export class App implements Viewer {
   }
 
   async refreshSheet(): Promise<void> {
-    const name = this.sheetName;
-    try {
-      const sheet = await call(SheetService.method.getSheet, { name });
-      if (name === this.sheetName) this.setSheet(sheet);
-    } catch {
-      // The stream tells about a lost connection or a sheet that is gone; a later frame asks again.
-      if (name === this.sheetName) this.settingsVersion = -1;
-    }
+    await this.fetchSheet();
   }
 
   setSheet(sheet: Sheet): void {
@@ -176,22 +171,25 @@ export class App implements Viewer {
     setText(line, detail);
   }
 
+  // False if it failed: the stream tells about a lost connection or a sheet that is gone.
+  private async fetchSheet(): Promise<boolean> {
+    const name = this.sheetName;
+    const sheet = await call(SheetService.method.getSheet, { name }).catch(() => undefined);
+    if (sheet && name === this.sheetName) this.setSheet(sheet);
+    return sheet !== undefined;
+  }
+
   private receive(mirror: SheetMirror): void {
     if (this.surface?.mirror !== mirror) {
       // A new connection, perhaps to another server: neither its clock nor its settings need be the old ones.
       this.surface = new Surface(mirror);
       this.clock = new FrameClock();
-      this.settingsVersion = -1;
+      this.settings.reset();
     }
     const { stats } = mirror;
     if (stats) {
       this.clock.arrived(stats.publishedUnixUs, unixTimeMs());
-      const nowMs = performance.now();
-      if (stats.settingsVersion !== this.settingsVersion && nowMs >= this.nextRefreshMs) {
-        this.settingsVersion = stats.settingsVersion;
-        this.nextRefreshMs = nowMs + kRefreshIntervalMs;
-        void this.refreshSheet();
-      }
+      this.settings.saw(stats.settingsVersion);
     }
     this.hasNewFrame = true;
     this.stage.invalidate();
@@ -200,7 +198,7 @@ export class App implements Viewer {
   private draw(nowMs: number): void {
     requestAnimationFrame((nextMs) => this.draw(nextMs));
     if (this.stage.advance()) {
-      if (this.hasNewFrame) this.takeFrame();
+      if (this.surface && this.hasNewFrame) this.takeFrame(this.surface);
       this.tool.update();
       this.stage.draw();
       this.framesDrawn += 1;
@@ -210,9 +208,8 @@ export class App implements Viewer {
     this.status.update(this.surface?.mirror, isLive ? this.clock.ageMs(unixTimeMs()) : undefined, nowMs);
   }
 
-  private takeFrame(): void {
+  private takeFrame(surface: Surface): void {
     this.hasNewFrame = false;
-    const surface = this.surface!;
     if (!this.isFitted) {
       this.fit();
       // Once more when the colliders are known.

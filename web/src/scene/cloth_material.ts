@@ -36,6 +36,7 @@ export class ClothMaterial extends MeshStandardMaterial {
       shadowSide: DoubleSide,
       roughness: 0.86,
       metalness: 0,
+      // Behind the lips and wires drawn on it, and in front of the solids: see colliders.ts.
       polygonOffset: true,
       polygonOffsetFactor: 1.5,
       polygonOffsetUnits: 2,

@@ -14,6 +14,9 @@ interface ActiveGrab {
   isTargetNew: boolean;
 }
 
+// A release that found the server's queue full is sent again after this long.
+const kReleaseRetryMs = 100;
+
 /** Drags a vertex by a spring. Targets go out at most once a drawn frame. */
 export class GrabTool implements Tool {
   readonly id = 'grab';
@@ -21,6 +24,8 @@ export class GrabTool implements Tool {
   private readonly spring = new FatLines({ color: 0xff7a1a, width: 3, onTop: true });
   private active: ActiveGrab | undefined;
   private count = 0;
+  // Ids of the grabs whose release waits to be sent again.
+  private readonly retrying = new Set<string>();
   private readonly idPrefix = `web-${crypto.getRandomValues(new Uint32Array(1))[0].toString(36)}`;
 
   constructor(private readonly viewer: Viewer) {
@@ -90,8 +95,38 @@ export class GrabTool implements Tool {
   }
 
   rejected({ grabId, message, reason }: Rejection): void {
-    this.viewer.notify('error', `The server refused the pull: ${message || reason}`);
-    if (this.active?.id === grabId) this.forget();
+    const { active } = this;
+    const isFull = reason === 'QUEUE_FULL';
+    if (active?.id !== grabId) {
+      // Let go here already: it must not go on pulling there.
+      if (isFull) this.retryRelease(grabId);
+      else if (reason !== 'GRAB_NOT_FOUND') this.refused(message || reason);
+      return;
+    }
+    if (isFull) {
+      // A target was lost; the next drawing sends it anew. If it was the grab itself, the server then knows no such
+      // grab.
+      active.isTargetNew = true;
+      this.viewer.stage.invalidate();
+      return;
+    }
+    this.refused(message || reason);
+    this.forget();
+  }
+
+  private refused(why: string): void {
+    this.viewer.notify('error', `The server refused the pull: ${why}`);
+  }
+
+  // On the stream that refused it; with another one the grab is gone.
+  private retryRelease(grabId: string): void {
+    const { watch } = this.viewer;
+    if (this.retrying.has(grabId)) return;
+    this.retrying.add(grabId);
+    setTimeout(() => {
+      this.retrying.delete(grabId);
+      if (watch === this.viewer.watch) watch?.send({ case: 'release', value: { grabId } });
+    }, kReleaseRetryMs);
   }
 
   private forget(): void {

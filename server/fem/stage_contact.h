@@ -1,0 +1,79 @@
+#pragma once
+
+#include <vector>
+
+#include "server/fem/block_matrix.h"
+#include "server/fem/contact_constraint.h"
+#include "server/fem/model.h"
+
+namespace kerf::fem {
+
+// Contact among the forces of an implicit stage, so that what hangs from a vertex in contact is carried by the surface
+// within the solve. Corrections after the solve alone would pull each such vertex back out, one by one, of where the
+// weight of its neighbours took it, and leave the difference as strain.
+//
+// Normal: a penalty, k max(0, -gap) along n, with k kStiffening times what the vertex's own inertia and membrane resist
+// with; the depth left, N / k, is taken back by ContactConstraint::enforce. Tangential: Coulomb's law by return mapping
+// (Simo, Laursen 1992): -k u_t, cut off at mu N, for u_t the tangential displacement since the substep began. With one
+// k for both, enforce() takes back the whole of u_t exactly where the vertex sticks, so that sticking does not creep.
+//
+// Which vertices touch, stick and slide is decided anew only now and then (an active set): full Newton steps overshoot,
+// and letting go of a vertex for that makes the iteration chatter.
+class StageContact {
+ public:
+  static constexpr double kStiffening = 100.0;
+
+  // For a model of so many vertices. Allocates; the rest does not.
+  void resize(int num_vertices);
+
+  // Begins a stage of implicit weight d (s, see Stage). `contact` may be null: there is none then. `start`: 3 x V, m,
+  // positions when the substep began; must outlive the stage.
+  void begin(const ContactConstraint* contact, const Model& model, double d, const Eigen::Matrix3Xd& start);
+
+  // Whether a surface was found near any vertex.
+  [[nodiscard]] bool touches() const { return !entries_.empty(); }
+
+  // Before the first Newton step, where no contact force is known: finds the vertices that `step` (m) takes from `x`
+  // into a surface and shortens it to end there, without sliding where the force that stops the vertex's own mass lets
+  // it stick.
+  void predict(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& step);
+
+  enum class Decide {
+    kNew,    // contacts known stay as they are, pulling where they should let go; new ones are added
+    kAnew,   // all; a slide that turned round sticks
+    kByLaw,  // all, as the law says: the force is the potential's
+  };
+  // Finds the contacts at `x` and their forces.
+  void detect(const Eigen::Matrix3Xd& x, Decide decide);
+
+  // Of the contacts found last: scale * force added to `forces`, scale * stiffness to `matrix`.
+  void add_forces(double scale, Eigen::Matrix3Xd& forces) const;
+  void add_stiffness(double scale, BlockMatrix& matrix) const;
+  // J, at `x`: its negative gradient is the force there, with the friction limits and directions of detect().
+  [[nodiscard]] double potential(const Eigen::Matrix3Xd& x) const;
+
+ private:
+  struct Entry {
+    int vertex = 0;
+    bool sticks = false;
+    SurfaceGap surface;
+    double stiffness = 0.0;                // N/m
+    double limit = 0.0;                    // N, mu N
+    Eigen::Vector3d slid{0.0, 0.0, 0.0};   // m, u_t when it was decided
+    Eigen::Vector3d drag{0.0, 0.0, 0.0};   // N, friction of a slide
+    Eigen::Vector3d force{0.0, 0.0, 0.0};  // N
+  };
+
+  [[nodiscard]] double stiffness(int vertex) const;
+  void decide_friction(Decide decide, bool known, const Eigen::Vector3d& slid, Entry& entry) const;
+
+  const ContactConstraint* contact_ = nullptr;
+  const Model* model_ = nullptr;
+  const Eigen::Matrix3Xd* start_ = nullptr;
+  double inertia_ = 0.0;        // 1/s^2, 1 / d^2
+  double membrane_ = 0.0;       // N/m
+  std::vector<Entry> entries_;  // by vertex, then surface; both reserved for kMaxGaps a vertex
+  std::vector<Entry> before_;   // those of the call before
+};
+
+}  // namespace kerf::fem

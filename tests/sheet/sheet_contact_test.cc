@@ -1,0 +1,79 @@
+// Contact and friction as a whole sheet feels them, whichever integrator steps it.
+#include <cmath>
+#include <ostream>
+
+#include <gtest/gtest.h>
+
+#include "server/sheet/sheet.h"
+#include "tests/support/scenes.h"
+
+namespace kerf::sheet {
+
+void PrintTo(IntegratorKind kind, std::ostream* out) {
+  *out << (kind == IntegratorKind::kExplicitLeapfrog ? "Explicit" : "Implicit");
+}
+
+namespace {
+
+constexpr double kGravity = 9.81;  // m/s^2
+
+class SheetContact : public ::testing::TestWithParam<IntegratorKind> {
+ protected:
+  static Sheet make(SheetConfig config) {
+    config.integrator.kind = GetParam();
+    Result<Sheet> created = Sheet::create(std::move(config));
+    if (!created) ADD_FAILURE() << created.error().message;
+    return std::move(created).value();
+  }
+  // On a plane that gravity is inclined to, by an angle of this tangent.
+  static Sheet on_incline(double tangent, double friction) {
+    SheetConfig config = scenes::lying_on_floor(6);
+    config.material.mass_damping = 0.0;
+    config.colliders[0].friction = friction;
+    const double angle = std::atan(tangent);
+    config.gravity = kGravity * Eigen::Vector3d(std::sin(angle), 0.0, -std::cos(angle));
+    return make(std::move(config));
+  }
+};
+
+TEST_P(SheetContact, SlidesDownAnInclineAsCoulombSays) {
+  constexpr double kTangent = 0.5;
+  for (const double friction : {0.0, 0.2, 0.4}) {
+    Sheet sheet = on_incline(kTangent, friction);
+    for (int tick = 0; tick < 30; ++tick) sheet.step({});
+    const double cosine = 1.0 / std::sqrt(1.0 + kTangent * kTangent);
+    const double expected = kGravity * cosine * (kTangent - friction) * 0.5;  // m/s after half a second
+    EXPECT_NEAR(sheet.state().v.row(0).mean(), expected, 0.01 * expected) << "mu " << friction;
+  }
+}
+
+TEST_P(SheetContact, SticksOnAnInclineWithoutCreeping) {
+  Sheet sheet = on_incline(0.5, 0.6);
+  const Eigen::Matrix3Xd before = sheet.state().x;
+  for (int tick = 0; tick < 120; ++tick) sheet.step({});
+  EXPECT_LT((sheet.state().x - before).cwiseAbs().maxCoeff(), 1e-7);
+}
+
+// What hangs below the sphere pulls at the vertices that touch it: a solve that knows nothing of the contact stretches
+// the sheet by what each vertex is then moved back.
+TEST_P(SheetContact, ASheetDrapedOverASphereIsHardlyStretched) {
+  SheetConfig config = scenes::draped_over_sphere(14);
+  config.material.mass_damping = 5.0;
+  Sheet sheet = make(std::move(config));
+  double deepest = 0.0;
+  const double keep = 0.3 + 0.5 * sheet.config().material.thickness;
+  for (int tick = 0; tick < 90; ++tick) {
+    sheet.step({});
+    deepest = std::max(deepest, keep - sheet.state().x.colwise().norm().minCoeff());
+  }
+  EXPECT_LT(deepest, 1e-5);
+  EXPECT_GT(sheet.energies().membrane, 0.01);
+  EXPECT_LT(sheet.energies().membrane, 0.03);  // J
+}
+
+INSTANTIATE_TEST_SUITE_P(, SheetContact,
+                         ::testing::Values(IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler),
+                         ::testing::PrintToStringParamName());
+
+}  // namespace
+}  // namespace kerf::sheet

@@ -1,0 +1,113 @@
+import { webcrypto } from 'node:crypto';
+import { PerspectiveCamera, Scene, Vector3 } from 'three';
+import type { Ray } from 'three';
+import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
+import type { Rejection } from '../src/gen/kerf/v1/stream_pb';
+import { GrabTool } from '../src/tools/grab_tool';
+import type { Viewer } from '../src/tools/tool';
+
+// Node 18 has none that is global.
+if (!globalThis.crypto) Object.assign(globalThis, { crypto: webcrypto });
+
+interface Sent {
+  case: string;
+  value: { grabId: string };
+}
+
+describe('GrabTool', () => {
+  let sent: Sent[];
+  let notices: string[];
+  let viewer: { watch: object; notify: Viewer['notify'] };
+  let tool: GrabTool;
+
+  const connection = () => ({ state: 'live', send: (kind: Sent) => sent.push(kind) > 0 });
+  const pointer = { ray: { intersectPlane: (_: unknown, at: Vector3) => at.set(0, 0, 2) } as unknown as Ray };
+  const reject = (reason: string) =>
+    tool.rejected({ grabId: sent[0].value.grabId, reason, message: `it is ${reason}` } as Rejection);
+  const releases = () => sent.filter((request) => request.case === 'release');
+
+  /** Pulls at a vertex and lets it go. */
+  function pull(): void {
+    expect(tool.press(pointer as never)).toBe(true);
+    tool.drag(pointer as never);
+    tool.update();
+    tool.release();
+  }
+
+  beforeEach(() => {
+    vi.useFakeTimers();
+    sent = [];
+    notices = [];
+    const surface = { pick: () => ({ vertex: 7 }), vertexPosition: () => new Vector3(), mirror: { numVertices: 9 } };
+    const stage = { scene: new Scene(), camera: new PerspectiveCamera(), invalidate: () => {} };
+    viewer = { watch: connection(), notify: (_, text) => notices.push(text) };
+    Object.assign(viewer, { surface, stage });
+    tool = new GrabTool(viewer as unknown as Viewer);
+  });
+
+  afterEach(() => {
+    vi.useRealTimers();
+  });
+
+  it('sends a grab, its drag and its release', () => {
+    pull();
+    expect(sent.map((request) => request.case)).toEqual(['grab', 'drag', 'release']);
+    expect(new Set(sent.map((request) => request.value.grabId)).size).toBe(1);
+    vi.advanceTimersByTime(5000);
+    expect(sent).toHaveLength(3);
+  });
+
+  it('releases again, until it is taken, when the queue was full', () => {
+    pull();
+    for (let refusals = 1; refusals <= 3; ++refusals) {
+      reject('QUEUE_FULL');
+      vi.advanceTimersByTime(1000);
+      expect(releases()).toHaveLength(1 + refusals);
+    }
+    expect(new Set(releases().map((request) => request.value.grabId)).size).toBe(1);
+    vi.advanceTimersByTime(5000);
+    expect(releases()).toHaveLength(4);
+    expect(notices).toEqual([]);
+  });
+
+  it('releases once more when drag and release were both refused, and minds no grab that is gone', () => {
+    pull();
+    reject('QUEUE_FULL');
+    reject('QUEUE_FULL');
+    vi.advanceTimersByTime(1000);
+    expect(releases()).toHaveLength(2);
+    reject('GRAB_NOT_FOUND');
+    vi.advanceTimersByTime(1000);
+    expect(releases()).toHaveLength(2);
+    expect(notices).toEqual([]);
+  });
+
+  it('leaves a release alone whose stream has ended', () => {
+    pull();
+    reject('QUEUE_FULL');
+    viewer.watch = connection();
+    vi.advanceTimersByTime(1000);
+    expect(releases()).toHaveLength(1);
+  });
+
+  it('goes on pulling, with its target sent anew, when a drag met a full queue', () => {
+    tool.press(pointer as never);
+    tool.drag(pointer as never);
+    tool.update();
+    reject('QUEUE_FULL');
+    tool.update();
+    tool.update();
+    expect(sent.map((request) => request.case)).toEqual(['grab', 'drag', 'drag']);
+    tool.release();
+    expect(releases()).toHaveLength(1);
+  });
+
+  it('tells another refusal and ends the pull', () => {
+    tool.press(pointer as never);
+    reject('TOO_MANY_GRABS');
+    expect(notices).toEqual(['The server refused the pull: it is TOO_MANY_GRABS']);
+    tool.drag(pointer as never);
+    tool.release();
+    expect(sent).toHaveLength(1);
+  });
+});
