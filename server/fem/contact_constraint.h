@@ -27,8 +27,8 @@ class ContactConstraint {
   // Called once a substep, after positions and velocities were updated and pins set: moves them out of what they
   // penetrate. dt: the substep, s.
   virtual void enforce(double dt, State& state) = 0;
-  // The surfaces whose gap to vertex `vertex`, were it at `x` (m), is below `reach` (m, may be infinite): the first
-  // kMaxGaps of them, by surface, into `gaps`. Returns how many; none for a pin.
+  // The surfaces whose gap to vertex `vertex`, were it at `x` (m), is below `reach` (m, may be infinite), or the
+  // kMaxGaps with the smallest gaps where there are more, into `gaps` by surface. Returns how many; none for a pin.
   virtual std::size_t find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
                                 std::array<SurfaceGap, kMaxGaps>& gaps) const = 0;
 };

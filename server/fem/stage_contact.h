@@ -39,7 +39,7 @@ class StageContact {
   void predict(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& step);
 
   enum class Decide {
-    kNew,    // contacts known stay as they are, pulling where they should let go; new ones are added
+    kNew,    // contacts known stay as they are, pulling where they should let go; new ones come without friction
     kAnew,   // all; a slide that turned round sticks
     kByLaw,  // all, as the law says: the force is the potential's
   };

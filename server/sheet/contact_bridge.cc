@@ -1,5 +1,7 @@
 #include "server/sheet/contact_bridge.h"
 
+#include <algorithm>
+
 namespace kerf::sheet {
 
 void ContactBridge::set_colliders(std::span<const contact::Collider> colliders, double half_thickness) {
@@ -23,10 +25,18 @@ std::size_t ContactBridge::find_gaps(int vertex, const Eigen::Vector3d& x, doubl
   if (is_pinned_[static_cast<std::size_t>(vertex)] != 0) return 0;
   std::size_t found = 0;
   const std::span<const contact::PreparedCollider> colliders = solver_.colliders();
-  for (std::size_t i = 0; i < colliders.size() && found < kMaxGaps; ++i) {
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
     const contact::Proximity near = colliders[i].query(x);
     const double gap = near.distance - half_thickness_;
-    if (gap < reach) gaps[found++] = {static_cast<int>(i), gap, near.normal, colliders[i].friction()};
+    if (!(gap < reach)) continue;
+    if (found == kMaxGaps) {
+      const auto farthest = std::max_element(
+          gaps.begin(), gaps.end(), [](const fem::SurfaceGap& a, const fem::SurfaceGap& b) { return a.gap < b.gap; });
+      if (gap >= farthest->gap) continue;
+      std::move(farthest + 1, gaps.end(), farthest);
+      --found;
+    }
+    gaps[found++] = {static_cast<int>(i), gap, near.normal, colliders[i].friction()};
   }
   return found;
 }

@@ -71,6 +71,21 @@ TEST_P(SheetContact, ASheetDrapedOverASphereIsHardlyStretched) {
   EXPECT_LT(sheet.energies().membrane, 0.03);  // J
 }
 
+TEST_P(SheetContact, CollidersOutOfReachChangeNothing) {
+  SheetConfig config = scenes::lying_on_floor(6);
+  const contact::Collider floor = config.colliders[0];
+  Sheet alone = make(config);
+  config.colliders.clear();
+  for (int i = 0; i < 4; ++i) config.colliders.push_back({contact::Sphere{{0.5, 0.5, 5.0 + i}, 0.5}, 0.3});
+  config.colliders.push_back(floor);
+  Sheet among_many = make(std::move(config));
+  for (int tick = 0; tick < 10; ++tick) {
+    alone.step({});
+    among_many.step({});
+  }
+  EXPECT_EQ(alone.state().x, among_many.state().x);
+}
+
 INSTANTIATE_TEST_SUITE_P(, SheetContact,
                          ::testing::Values(IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler),
                          ::testing::PrintToStringParamName());
