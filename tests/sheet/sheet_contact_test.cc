@@ -72,14 +72,14 @@ TEST_P(SheetContact, ASheetDrapedOverASphereIsHardlyStretched) {
 }
 
 TEST_P(SheetContact, CollidersOutOfReachChangeNothing) {
-  SheetConfig config = scenes::lying_on_floor(6);
-  const contact::Collider floor = config.colliders[0];
+  SheetConfig config = scenes::draped_over_sphere(8);
+  const contact::Collider ball = config.colliders[0];
   Sheet alone = make(config);
   config.colliders.clear();
-  for (int i = 0; i < 4; ++i) config.colliders.push_back({contact::Sphere{{0.5, 0.5, 5.0 + i}, 0.5}, 0.3});
-  config.colliders.push_back(floor);
+  for (int i = 0; i < 4; ++i) config.colliders.push_back({contact::Sphere{{0.0, 0.0, 5.0 + i}, 0.5}, 0.3});
+  config.colliders.push_back(ball);
   Sheet among_many = make(std::move(config));
-  for (int tick = 0; tick < 10; ++tick) {
+  for (int tick = 0; tick < 30; ++tick) {
     alone.step({});
     among_many.step({});
   }
