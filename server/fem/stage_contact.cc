@@ -1,5 +1,6 @@
 #include "server/fem/stage_contact.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -32,7 +33,7 @@ double StageContact::stiffness(int vertex) const {
   return kStiffening * (inertia_ * model_->mass()[static_cast<std::size_t>(vertex)] + membrane_);
 }
 
-void StageContact::predict(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& step) {
+void StageContact::predict(const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& impulse, Eigen::Matrix3Xd& step) {
   entries_.clear();
   if (contact_ == nullptr) return;
   std::array<SurfaceGap, ContactConstraint::kMaxGaps> gaps;
@@ -46,23 +47,23 @@ void StageContact::predict(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& step) {
       entry.surface = gaps[k];
       entry.stiffness = stiffness(i);
       step.col(i) += depth * gaps[k].normal;
-      entry.slid = tangential(gaps[k], x.col(i) + step.col(i) - start_->col(i));
-      const double hold = gaps[k].friction * depth;  // m, how far friction could have pulled back
-      const double slid = entry.slid.norm();
-      entry.sticks = hold > 0.0 && slid <= hold;
+      const Eigen::Vector3d slid = tangential(gaps[k], x.col(i) + step.col(i) - start_->col(i));
+      const Eigen::Vector3d drive = inertia_ * tangential(gaps[k], impulse.col(i));
+      entry.limit = gaps[k].friction * inertia_ * std::max(0.0, -impulse.col(i).dot(gaps[k].normal));
+      entry.sticks = entry.limit > 0.0 && drive.norm() <= entry.limit;
       if (entry.sticks) {
-        step.col(i) -= entry.slid;
-      } else if (hold > 0.0) {
-        entry.limit = hold * inertia_ * model_->mass()[static_cast<std::size_t>(i)];
-        entry.drag = -entry.limit / slid * entry.slid;
-        entry.force = entry.drag;
+        step.col(i) -= slid;
+      } else if (entry.limit > 0.0) {
+        entry.slid = slid;
+        entry.friction = -entry.limit * drive.normalized();
+        entry.force = entry.friction;
       }
       entries_.push_back(entry);
     }
   }
 }
 
-void StageContact::detect(const Eigen::Matrix3Xd& x, Decide decide) {
+void StageContact::detect(const Eigen::Matrix3Xd& x, Update update) {
   std::swap(entries_, before_);
   entries_.clear();
   if (contact_ == nullptr) return;
@@ -70,35 +71,49 @@ void StageContact::detect(const Eigen::Matrix3Xd& x, Decide decide) {
   auto known = before_.cbegin();
   for (int i = 0; i < x.cols(); ++i) {
     const bool any_known = known != before_.cend() && known->vertex == i;
-    const double reach = any_known && decide == Decide::kNew ? std::numeric_limits<double>::infinity() : 0.0;
+    const double reach = any_known && update == Update::kAdd ? std::numeric_limits<double>::infinity() : 0.0;
     const std::size_t found = contact_->find_gaps(i, x.col(i), reach, gaps);
     for (std::size_t k = 0; k < found; ++k) {
       while (known != before_.cend() && known->vertex == i && known->surface.surface < gaps[k].surface) ++known;
       const bool is_known = known != before_.cend() && known->vertex == i && known->surface.surface == gaps[k].surface;
-      if (gaps[k].gap >= 0.0 && !(is_known && decide == Decide::kNew)) continue;
+      if (gaps[k].gap >= 0.0 && !(is_known && update == Update::kAdd)) continue;
       Entry entry = is_known ? *known : Entry{};
       entry.vertex = i;
       entry.surface = gaps[k];
       entry.stiffness = stiffness(i);
-      entry.force = -entry.stiffness * gaps[k].gap * gaps[k].normal;
-      const Eigen::Vector3d slid = tangential(gaps[k], x.col(i) - start_->col(i));
-      if (decide != Decide::kNew) decide_friction(decide, is_known, slid, entry);
-      entry.force += entry.sticks ? Eigen::Vector3d(-entry.stiffness * slid) : entry.drag;
+      // The first penetration is that of a step which knew nothing of the surface: no measure for friction.
+      const double limit =
+          is_known || update == Update::kAll ? gaps[k].friction * entry.stiffness * std::max(0.0, -gaps[k].gap) : 0.0;
+      update_friction(tangential(gaps[k], x.col(i) - start_->col(i)), limit, entry);
+      entry.force -= entry.stiffness * gaps[k].gap * gaps[k].normal;
       entries_.push_back(entry);
     }
     while (known != before_.cend() && known->vertex == i) ++known;
   }
 }
 
-void StageContact::decide_friction(Decide decide, bool known, const Eigen::Vector3d& slid, Entry& entry) const {
-  // A slide that turned round went through zero, where friction would have held it.
-  const bool turned = decide == Decide::kAnew && known && !entry.sticks && entry.slid.dot(slid) < 0.0;
-  entry.limit = entry.surface.friction * entry.stiffness * -entry.surface.gap;
+void StageContact::update_friction(const Eigen::Vector3d& slid, double limit, Entry& entry) {
+  constexpr double kFollow = 0.5;  // of a change of the limit: to follow all of it swings on a curved surface
+  const double limit_before = entry.limit;
+  Eigen::Vector3d predicted(0.0, 0.0, 0.0);
+  if (limit_before > 0.0) {
+    const double yield = std::max(entry.slid.norm(), limit_before / entry.stiffness);
+    predicted = -limit_before / yield * slid;
+    if (!entry.sticks) predicted -= entry.slid.dot(slid - entry.slid) / (yield * yield) * entry.friction;
+    predicted /= std::max(limit_before, predicted.norm());
+    limit = limit_before + kFollow * (limit - limit_before);
+  }
+  entry.limit = limit;
   entry.slid = slid;
   const double length = slid.norm();
-  entry.sticks = entry.limit > 0.0 && (turned || entry.stiffness * length <= entry.limit);
-  entry.drag.setZero();
-  if (!entry.sticks && entry.limit > 0.0) entry.drag = -entry.limit / length * slid;
+  entry.sticks = limit > 0.0 && entry.stiffness * length <= limit;
+  entry.force.setZero();
+  if (entry.sticks) {
+    entry.force = -entry.stiffness * slid;
+  } else if (limit > 0.0) {
+    entry.force = -limit / length * slid;
+  }
+  entry.friction = limit_before > 0.0 ? Eigen::Vector3d(limit * predicted) : entry.force;
 }
 
 void StageContact::add_forces(double scale, Eigen::Matrix3Xd& forces) const {
@@ -107,13 +122,20 @@ void StageContact::add_forces(double scale, Eigen::Matrix3Xd& forces) const {
 
 void StageContact::add_stiffness(double scale, BlockMatrix& matrix) const {
   for (const Entry& entry : entries_) {
+    Eigen::Matrix3d& block = matrix.block(matrix.diagonal(entry.vertex));
     const Eigen::Vector3d& n = entry.surface.normal;
     const double k = scale * entry.stiffness;
     if (entry.sticks) {
-      matrix.block(matrix.diagonal(entry.vertex)).diagonal().array() += k;
-    } else {
-      matrix.block(matrix.diagonal(entry.vertex)) += k * n * n.transpose();
+      block.diagonal().array() += k;
+      continue;
     }
+    block += k * n * n.transpose();
+    if (entry.limit == 0.0) continue;
+    const Eigen::Vector3d t = entry.slid.normalized();
+    const Eigen::Vector3d p = entry.friction / entry.limit;
+    const double yield = std::max(entry.slid.norm(), entry.limit / entry.stiffness);
+    block += scale * entry.limit / yield *
+             (Eigen::Matrix3d::Identity() - n * n.transpose() + 0.5 * (p * t.transpose() + t * p.transpose()));
   }
 }
 

@@ -17,8 +17,10 @@ namespace kerf::fem {
 // (Simo, Laursen 1992): -k u_t, cut off at mu N, for u_t the tangential displacement since the substep began. With one
 // k for both, enforce() takes back the whole of u_t exactly where the vertex sticks, so that sticking does not creep.
 //
-// Which vertices touch, stick and slide is decided anew only now and then (an active set): full Newton steps overshoot,
-// and letting go of a vertex for that makes the iteration chatter.
+// The cut-off is tiny, so Newton's method on it hops between sticking and sliding. Hence its primal-dual form (Chan,
+// Golub, Mulet 1999, for the like law of total variation), with friction an unknown of its own in the tangent, not in
+// the force: what the linear step predicted, cut to mu N. The tangent is that one made symmetric, positive semidefinite
+// as long as friction is within its limit. mu N is a number that follows the normal force from step to step.
 class StageContact {
  public:
   static constexpr double kStiffening = 100.0;
@@ -34,22 +36,21 @@ class StageContact {
   [[nodiscard]] bool touches() const { return !entries_.empty(); }
 
   // Before the first Newton step, where no contact force is known: finds the vertices that `step` (m) takes from `x`
-  // into a surface and shortens it to end there, without sliding where the force that stops the vertex's own mass lets
-  // it stick.
-  void predict(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& step);
+  // into a surface and shortens it to end there, without sliding where friction can hold them. `impulse`: 3 x V, kg m,
+  // d^2 times the forces at `x` and the momentum, which the surface would have to stop.
+  void predict(const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& impulse, Eigen::Matrix3Xd& step);
 
-  enum class Decide {
-    kNew,    // contacts known stay as they are, pulling where they should let go; new ones come without friction
-    kAnew,   // all; a slide that turned round sticks
-    kByLaw,  // all, as the law says: the force is the potential's
+  enum class Update {
+    kAdd,  // contacts known stay, pulling where they should let go; new ones, as yet without friction, are added
+    kAll,  // those that would pull let go: full Newton steps overshoot, and doing so at each would make them chatter
   };
   // Finds the contacts at `x` and their forces.
-  void detect(const Eigen::Matrix3Xd& x, Decide decide);
+  void detect(const Eigen::Matrix3Xd& x, Update update);
 
   // Of the contacts found last: scale * force added to `forces`, scale * stiffness to `matrix`.
   void add_forces(double scale, Eigen::Matrix3Xd& forces) const;
   void add_stiffness(double scale, BlockMatrix& matrix) const;
-  // J, at `x`: its negative gradient is the force there, with the friction limits and directions of detect().
+  // J, at `x`: its negative gradient is the force there, with the friction limits of detect(kAll).
   [[nodiscard]] double potential(const Eigen::Matrix3Xd& x) const;
 
  private:
@@ -57,15 +58,16 @@ class StageContact {
     int vertex = 0;
     bool sticks = false;
     SurfaceGap surface;
-    double stiffness = 0.0;                // N/m
-    double limit = 0.0;                    // N, mu N
-    Eigen::Vector3d slid{0.0, 0.0, 0.0};   // m, u_t when it was decided
-    Eigen::Vector3d drag{0.0, 0.0, 0.0};   // N, friction of a slide
-    Eigen::Vector3d force{0.0, 0.0, 0.0};  // N
+    double stiffness = 0.0;                   // N/m
+    double limit = 0.0;                       // N, mu N
+    Eigen::Vector3d slid{0.0, 0.0, 0.0};      // m, u_t
+    Eigen::Vector3d friction{0.0, 0.0, 0.0};  // N, as the linear step predicted it, within the limit
+    Eigen::Vector3d force{0.0, 0.0, 0.0};     // N, as the law says
   };
 
   [[nodiscard]] double stiffness(int vertex) const;
-  void decide_friction(Decide decide, bool known, const Eigen::Vector3d& slid, Entry& entry) const;
+  // Where the entry has slid by `slid`, m, and its friction would be cut off at `limit`, N.
+  static void update_friction(const Eigen::Vector3d& slid, double limit, Entry& entry);
 
   const ContactConstraint* contact_ = nullptr;
   const Model* model_ = nullptr;

@@ -13,10 +13,11 @@ namespace {
 
 constexpr int kRepairIterations = 30;
 constexpr int kMaxBacktracks = 30;
-constexpr int kContactIterations = 6;  // at least, where vertices touch
-constexpr double kSettled = 1e-2;      // relative residual below which forces tell what touches, sticks and slides
+constexpr int kContactIterations = 8;  // at least, where vertices touch
+constexpr double kSettled = 1e-2;      // relative residual below which forces tell which vertices let go
+constexpr double kNearly = 0.1;        // relative residual above which an iteration with contact found nothing
 
-using Decide = StageContact::Decide;
+using Update = StageContact::Update;
 
 }  // namespace
 
@@ -57,7 +58,7 @@ void StageSolver::rebuild(const Model& model) {
     }
   }
   for (Eigen::Matrix3Xd* field :
-       {&force_, &residual_, &rhs_, &step_, &increment_, &velocity_, &damped_, &trial_, &start_}) {
+       {&force_, &residual_, &rhs_, &step_, &increment_, &velocity_, &damped_, &trial_, &start_, &best_}) {
     field->resize(3, model.num_vertices());
   }
 }
@@ -87,18 +88,23 @@ bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats
   predict_stress(problem, x);
   double scale = 0.0;
   double relative = 0.0;
+  double best = std::numeric_limits<double>::infinity();
   int last = options_.newton_iterations;
   for (int i = 0; i <= last; ++i) {
     if (i == 0) {
       evaluate_residual(problem, x);
     } else {
-      relative = evaluate_residual(problem, x, Decide::kNew) / scale;
+      relative = evaluate_residual(problem, x, Update::kAdd) / scale;
       if (relative <= kSettled && contact_.touches()) {
-        relative = evaluate_residual(problem, x, Decide::kAnew) / scale;
+        relative = evaluate_residual(problem, x, Update::kAll) / scale;
       }
       if (relative <= options_.newton_tolerance) {
         stats.residual = std::max(stats.residual, relative);
         return true;
+      }
+      if (relative < best) {
+        best = relative;
+        best_ = x;
       }
       if (i == last || !std::isfinite(relative)) break;
     }
@@ -117,13 +123,14 @@ bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats
     predict_stress(problem, x);
     x += step_;
   }
-  if (contact_.touches()) return false;  // which vertices touch, stick and slide was not found: a search will
+  if (!(best <= (contact_.touches() ? kNearly : std::numeric_limits<double>::max()))) return false;
+  x = best_;
   Problem undamped = problem;
   undamped.beta = 0.0;
   const double reached = merit(undamped, x);
   if (!std::isfinite(reached) || !(reached <= merit(undamped, start_))) return false;
   stats.flags |= kNotConverged;
-  stats.residual = std::max(stats.residual, relative);
+  stats.residual = std::max(stats.residual, best);
   return true;
 }
 
@@ -134,7 +141,7 @@ double StageSolver::solve_first(const Problem& problem, const Eigen::Matrix3Xd& 
   const Eigen::Vector3d fall = d * d * problem.loads.gravity;
   rhs_ = residual_;
   step_ = (d * problem.stage.base.v).colwise() + fall;
-  contact_.predict(x, step_);
+  contact_.predict(x, residual_, step_);
   constrain(problem, x);
   const double whole = rhs_.norm();
   matrix_.multiply(step_, increment_);
@@ -159,7 +166,7 @@ bool StageSolver::repair(const Problem& problem, const Eigen::Matrix3Xd& start, 
   double relative = 0.0;
   if (!std::isfinite(merit(problem, x))) return false;
   for (int i = 0; i < kRepairIterations; ++i) {
-    const double residual = evaluate_residual(problem, x, Decide::kByLaw);
+    const double residual = evaluate_residual(problem, x, Update::kAll);
     double value = merit(problem, x);
     reference = std::max(reference, residual);
     relative = reference > 0.0 ? residual / reference : 0.0;
@@ -193,9 +200,9 @@ bool StageSolver::search_line(const Problem& problem, double value, Eigen::Matri
   return false;
 }
 
-double StageSolver::evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x, Decide decide) {
+double StageSolver::evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x, Update update) {
   evaluate_residual(problem, x);
-  contact_.detect(x, decide);
+  contact_.detect(x, update);
   contact_.add_forces(problem.stage.d * problem.stage.d, residual_);
   return residual_.norm();
 }

@@ -64,7 +64,7 @@ class StageSolver {
   // Into residual_, zero at pins; returns its Euclidean norm. Without contact forces.
   double evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x);
   // The same with them.
-  double evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x, StageContact::Decide decide);
+  double evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x, StageContact::Update update);
   void add_grab_forces(const Problem& problem, const Eigen::Matrix3Xd& x);
   // The incremental potential whose negative gradient the residual is where beta is 0, kg m^2.
   [[nodiscard]] double merit(const Problem& problem, const Eigen::Matrix3Xd& x) const;
@@ -86,7 +86,7 @@ class StageSolver {
   std::vector<BlockPositions> positions_;                       // one a lane of the model's blocks
   std::vector<Eigen::Vector3d> stress_;                         // one a lane, N/m, for the tangent
   Eigen::Matrix3Xd force_, residual_, rhs_, step_, increment_;  // 3 x V
-  Eigen::Matrix3Xd velocity_, damped_, trial_, start_;
+  Eigen::Matrix3Xd velocity_, damped_, trial_, start_, best_;
 };
 
 }  // namespace kerf::fem

@@ -51,11 +51,18 @@ SheetConfig cut_over_sphere() {
   return config;
 }
 
+SheetConfig implicit_over_sphere() {
+  SheetConfig config = scenes::draped_over_sphere(10);
+  config.integrator.kind = IntegratorKind::kImplicitEuler;
+  return config;
+}
+
 const Golden kGolden[] = {
     {"hanging 50x50, three cuts", [] { return scenes::hanging_with_three_cuts(50); }, 45, 0x631f5b101601d455},
     {"stiff, implicit, three cuts", stiff_implicit, 40, 0x050d9e397cbfde24},
     {"pulled in the wind", pulled_in_the_wind, 40, 0x8056577e05783875},
     {"cut over a sphere", cut_over_sphere, 60, 0xee3e7a5f625e960f},
+    {"implicit over a sphere", implicit_over_sphere, 40, 0x6c5a5cffbb37924e},
 };
 
 Sheet make(SheetConfig config) {

@@ -63,7 +63,9 @@ TEST_P(SheetContact, ASheetDrapedOverASphereIsHardlyStretched) {
   double deepest = 0.0;
   const double keep = 0.3 + 0.5 * sheet.config().material.thickness;
   for (int tick = 0; tick < 90; ++tick) {
-    sheet.step({});
+    const TickReport report = sheet.step({});
+    EXPECT_EQ(report.stats.flags & fem::kRepaired, 0U) << "tick " << tick;
+    EXPECT_LT(report.stats.residual, 0.05) << "tick " << tick;
     deepest = std::max(deepest, keep - sheet.state().x.colwise().norm().minCoeff());
   }
   EXPECT_LT(deepest, 1e-5);
