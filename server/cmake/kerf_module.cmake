@@ -51,7 +51,7 @@ function(kerf_module name)
   target_link_libraries(kerf_${name} PUBLIC kerf_flags ${ARG_DEPENDS} PRIVATE kerf_warnings)
 endfunction()
 
-# kerf_test(path/to/name_test.cc LABEL core DEPENDS ... [DATA ...] [TIMEOUT seconds]): one binary and one ctest entry.
+# kerf_test(path/to/name_test.cc LABEL core DEPENDS ... [ARGS ...] [TIMEOUT seconds]): one binary and one ctest entry.
 # Every test requires the fixture `build`, so `ctest --preset dev` builds what is stale first.
 function(kerf_test source)
   cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "DEPENDS;ARGS" ${ARGN})
