@@ -30,10 +30,4 @@ LatticePoint Lattice::nearest(const Eigen::Vector2d& position) const {
   return {std::llrint((position.x() - origin.x()) / spacing), std::llrint((position.y() - origin.y()) / spacing)};
 }
 
-Eigen::AlignedBox2d Lattice::domain() const {
-  const double half = static_cast<double>(kHalfDomain) * spacing;
-  const Eigen::Vector2d corner(half, half);
-  return {origin - corner, origin + corner};
-}
-
 }  // namespace kerf::mesh

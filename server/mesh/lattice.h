@@ -37,9 +37,6 @@ struct Lattice {
   // S, the least room on every side of the sheet, m.
   [[nodiscard]] double room() const { return 0.5 * static_cast<double>(kHalfDomain) * spacing; }
 
-  // The square that the void fills, m.
-  [[nodiscard]] Eigen::AlignedBox2d domain() const;
-
   friend bool operator==(const Lattice& a, const Lattice& b) { return a.origin == b.origin && a.spacing == b.spacing; }
 };
 

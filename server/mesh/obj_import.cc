@@ -38,7 +38,7 @@ bool parse_number(std::string_view word, Number& value) {
 
 class ObjReader {
  public:
-  ObjReader(std::string_view text, double metres_per_uv) : text_(text), metres_per_uv_(metres_per_uv) {}
+  explicit ObjReader(std::string_view text) : text_(text) {}
 
   Result<ObjSheet> run() {
     if (text_.size() > kMaxObjBytes) {
@@ -179,7 +179,7 @@ class ObjReader {
     if (has_texture_) {
       obj.sheet.rest.resize(2, num_vertices);
       for (Eigen::Index v = 0; v < num_vertices; ++v) {
-        obj.sheet.rest.col(v) = metres_per_uv_ * textures_[vertices[v].second];
+        obj.sheet.rest.col(v) = textures_[vertices[v].second];
       }
       return obj;
     }
@@ -231,8 +231,7 @@ class ObjReader {
     return Nothing{};
   }
 
-  std::string_view text_;  // what is left of it
-  double metres_per_uv_;
+  std::string_view text_;         // what is left of it
   std::int64_t line_number_ = 0;  // 0: about the file as a whole
   std::vector<Eigen::Vector3d> positions_;
   std::vector<Eigen::Vector2d> textures_;
@@ -242,8 +241,8 @@ class ObjReader {
 
 }  // namespace
 
-Result<ObjSheet> parse_obj(std::string_view text, double metres_per_uv) {
-  return ObjReader(text, metres_per_uv).run();
+Result<ObjSheet> parse_obj(std::string_view text) {
+  return ObjReader(text).run();
 }
 
 }  // namespace kerf::mesh

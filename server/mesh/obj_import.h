@@ -22,12 +22,12 @@ struct ObjSheet {
 };
 
 // Reads Wavefront OBJ text: v, vt and f lines (v, v/vt, v//vn, v/vt/vn, negative indices, polygons split as fans);
-// comments and other statements are ignored. If every face corner has a texture coordinate, these are the rest shape,
-// times `metres_per_uv` (m, > 0), and a position used with two texture coordinates becomes two vertices (a seam). Else
-// the positions must lie in one plane, which gives the rest shape; a plane close to x-y keeps x, y as they are.
-// Vertices are numbered in the order of their v lines, then of their vt lines; positions without a face are dropped.
-// Refusals name the line in message and field ("obj:17"):
+// comments and other statements are ignored. If every face corner has a texture coordinate, these are the rest shape
+// in metres, and a position used with two texture coordinates becomes two vertices (a seam). Else the positions must
+// lie in one plane, which gives the rest shape; a plane close to x-y keeps x, y as they are. Vertices are numbered in
+// the order of their v lines, then of their vt lines; positions without a face are dropped. Refusals name the line in
+// message and field ("obj:17"):
 //   OBJ_TOO_LARGE, OBJ_LINE_TOO_LONG, OBJ_NUMBER, OBJ_INDEX, OBJ_FACE, OBJ_MIXED_TEXTURE, OBJ_EMPTY, OBJ_NOT_PLANAR.
-Result<ObjSheet> parse_obj(std::string_view text, double metres_per_uv = 1.0);
+Result<ObjSheet> parse_obj(std::string_view text);
 
 }  // namespace kerf::mesh

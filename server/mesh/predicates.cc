@@ -125,29 +125,11 @@ int in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint& 
   return in_circle_exact(a, b, c, d);
 }
 
-bool on_segment(const LatticePoint& a, const LatticePoint& b, const LatticePoint& p) {
-  return orient2d(a, b, p) == 0 && dot(a, p, p, b) >= 0;
-}
-
 bool segments_cross(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d) {
   return orient2d(a, b, c) * orient2d(a, b, d) < 0 && orient2d(c, d, a) * orient2d(c, d, b) < 0;
 }
 
-int compare_crossings(const LatticePoint& a, const LatticePoint& b, const std::array<LatticePoint, 2>& first,
-                      const std::array<LatticePoint, 2>& second) {
-  // The crossing with line cd is at a + t (b - a), t = A / (A - B), A and B the areas of (c, d, a) and (c, d, b).
-  Int128 numerator_1 = doubled_area(first[0], first[1], a);
-  Int128 denominator_1 = numerator_1 - doubled_area(first[0], first[1], b);
-  Int128 numerator_2 = doubled_area(second[0], second[1], a);
-  Int128 denominator_2 = numerator_2 - doubled_area(second[0], second[1], b);
-  KERF_DCHECK(denominator_1 != 0 && denominator_2 != 0, "lines that are compared cross the segment's line");
-  if (denominator_1 < 0) numerator_1 = -numerator_1, denominator_1 = -denominator_1;
-  if (denominator_2 < 0) numerator_2 = -numerator_2, denominator_2 = -denominator_2;
-  Int256 difference = multiply(numerator_1, denominator_2);
-  difference += multiply(numerator_2, denominator_1).negated();
-  return difference.sign();
-}
-
+// The crossing is at a + t (b - a), t = A / (A - B), A and B the areas of (c, d, a) and (c, d, b).
 LatticePoint rounded_crossing(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
                               const LatticePoint& d) {
   Int128 numerator = doubled_area(c, d, a);

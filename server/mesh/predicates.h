@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <compare>
 #include <cstdint>
 
@@ -45,16 +44,8 @@ int in_circle(const LatticePoint& a, const LatticePoint& b, const LatticePoint& 
 // The exact half of in_circle, without the filter; for tests of the filter.
 int in_circle_exact(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
 
-// Whether p lies on the closed segment ab.
-bool on_segment(const LatticePoint& a, const LatticePoint& b, const LatticePoint& p);
-
 // Whether the open segments ab and cd cross at one point interior to both (touching and overlapping do not count).
 bool segments_cross(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c, const LatticePoint& d);
-
-// Which comes first on the way from a to b: the crossing with the line through c0, d0 or with the one through c1, d1.
-// -1: the first, 0: the same point, 1: the second. Neither line may be parallel to ab.
-int compare_crossings(const LatticePoint& a, const LatticePoint& b, const std::array<LatticePoint, 2>& first,
-                      const std::array<LatticePoint, 2>& second);
 
 // The lattice point nearest to the crossing of line ab with line cd, each coordinate rounded to nearest (ties away from
 // a), so at most half a unit off in x and in y. The lines must not be parallel and the crossing must lie between a and

@@ -30,29 +30,6 @@ void TriangleMesh::triangles_around(VertexId v, std::vector<TriangleId>& ring) c
   }
 }
 
-void TriangleMesh::one_ring(VertexId v, std::vector<VertexId>& ring) const {
-  std::vector<TriangleId> triangles;
-  triangles_around(v, triangles);
-  ring.clear();
-  const PointId p = point(v);
-  for (const TriangleId t : triangles) ring.push_back(vertices(t)[next_corner(corner_of(t, p))]);
-  const TriangleId last = triangles.back();
-  const int corner = corner_of(last, p);
-  if (neighbour(last, next_corner(corner)) == kNone) ring.push_back(vertices(last)[previous_corner(corner)]);
-}
-
-LockBits TriangleMesh::locks_around(VertexId v) const {
-  std::vector<TriangleId> triangles;
-  triangles_around(v, triangles);
-  const PointId p = point(v);
-  LockBits bits = 0;
-  for (const TriangleId t : triangles) {
-    const int corner = corner_of(t, p);
-    bits = static_cast<LockBits>(bits | locks(t, next_corner(corner)) | locks(t, previous_corner(corner)));
-  }
-  return bits;
-}
-
 LockBits TriangleMesh::locks_at_point(PointId p) const {
   std::vector<TriangleId> fan;
   fan_around(p, fan);
@@ -83,18 +60,6 @@ double TriangleMesh::area(TriangleId t) const {
   const std::array<PointId, 3>& p = points(t);
   const double spacing = records_.lattice.spacing;
   return 0.5 * spacing * spacing * static_cast<double>(doubled_area(at(p[0]), at(p[1]), at(p[2])));
-}
-
-double TriangleMesh::edge_length(TriangleId t, int k) const {
-  const LatticePoint& a = at(points(t)[next_corner(k)]);
-  const LatticePoint& b = at(points(t)[previous_corner(k)]);
-  const double dx = static_cast<double>(b.x - a.x);
-  const double dy = static_cast<double>(b.y - a.y);
-  return records_.lattice.spacing * std::sqrt(dx * dx + dy * dy);
-}
-
-double TriangleMesh::local_edge_length(TriangleId t) const {
-  return std::sqrt(2.0 * area(t));
 }
 
 bool TriangleMesh::is_fixed(TriangleId t, int k) const {

@@ -101,22 +101,14 @@ class TriangleMesh {
   // The triangles around v in counter-clockwise order, replacing the contents of `ring`; on the boundary from the
   // clockwise end, inside starting at triangle_at(v). O(degree).
   void triangles_around(VertexId v, std::vector<TriangleId>& ring) const;
-  // The vertices joined to v by an edge, in counter-clockwise order, replacing the contents of `ring`. O(degree).
-  void one_ring(VertexId v, std::vector<VertexId>& ring) const;
-  // Whether v lies on the border of the sheet as imported / on a cut lip. A vertex can be on both. O(degree).
-  [[nodiscard]] bool is_on_border(VertexId v) const { return (locks_around(v) & kLockBorder) != 0; }
-  [[nodiscard]] bool is_on_lip(VertexId v) const { return (locks_around(v) & kLockCut) != 0; }
 
   // --- Sizes in rest space.
   // Of the sheet as built, m.
   [[nodiscard]] const Eigen::AlignedBox2d& bounding_box() const { return records_.bounds; }
   // m^2, > 0.
   [[nodiscard]] double area(TriangleId t) const;
-  // Length of edge k, m.
-  [[nodiscard]] double edge_length(TriangleId t, int k) const;
-  // sqrt(2 area), m: the leg of the isosceles right triangle of the same area.
-  [[nodiscard]] double local_edge_length(TriangleId t) const;
-  // Mean of local_edge_length over the solid triangles of the mesh as built, m. Cuts do not change it.
+  // Mean over the solid triangles of the mesh as built of sqrt(2 area), the leg of the isosceles right triangle of the
+  // same area, m. Cuts do not change it.
   [[nodiscard]] double base_edge_length() const { return records_.base_edge_length; }
 
   // --- The welded mesh (for cutting and checking).
@@ -166,7 +158,6 @@ class TriangleMesh {
   friend class MeshEditor;
   friend struct UndoLog;
 
-  [[nodiscard]] LockBits locks_around(VertexId v) const;
   [[nodiscard]] TriangleId hint_near(const LatticePoint& p) const;
   void build_hints();
 

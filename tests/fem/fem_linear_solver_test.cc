@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 
 #include "tests/fem/fem_fixture.h"
+#include "tests/support/meshes.h"
 
 namespace kerf::fem {
 namespace {
@@ -20,11 +21,9 @@ System random_system(int side, double scale, std::uint64_t seed) {
   const mesh::TriangleMesh mesh = jittered_square(side);
   const int n = mesh.num_vertices();
   std::vector<std::vector<int>> columns(static_cast<std::size_t>(n));
-  std::vector<mesh::VertexId> ring;
   for (int i = 0; i < n; ++i) {
-    mesh.one_ring(i, ring);
     std::vector<int>& row = columns[static_cast<std::size_t>(i)];
-    row.assign(ring.begin(), ring.end());
+    row = test::one_ring(mesh, i);
     row.push_back(i);
     std::sort(row.begin(), row.end());
   }

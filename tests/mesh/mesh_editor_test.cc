@@ -92,7 +92,7 @@ TEST(MeshEditor, SplitEdgeOnTheBorderSplitsTheVoidToo) {
   test::expect_sound(before, mesh, done.edit);
   EXPECT_EQ(mesh.num_solid_triangles(), before.num_solid_triangles() + 1);
   EXPECT_EQ(mesh.num_triangle_slots(), before.num_triangle_slots() + 2);
-  EXPECT_TRUE(mesh.is_on_border(done.edit.added_vertices[0].vertex));
+  EXPECT_TRUE((mesh.locks_at_point(p) & kLockBorder) != 0);
 }
 
 TEST(MeshEditor, SplitEdgeAcceptsARoundedPointAndRefusesAFarOne) {

@@ -186,32 +186,6 @@ TEST(Predicates, SegmentsCrossOnlyInTheirInterior) {
   EXPECT_FALSE(segments_cross({0, 0}, {4, 4}, {2, 2}, {4, 0}));  // touches
   EXPECT_FALSE(segments_cross({0, 0}, {4, 4}, {1, 1}, {3, 3}));  // overlaps
   EXPECT_FALSE(segments_cross({0, 0}, {1, 1}, {0, 4}, {4, 0}));
-  EXPECT_TRUE(on_segment({0, 0}, {4, 2}, {2, 1}));
-  EXPECT_TRUE(on_segment({0, 0}, {4, 2}, {4, 2}));
-  EXPECT_FALSE(on_segment({0, 0}, {4, 2}, {6, 3}));
-  EXPECT_FALSE(on_segment({0, 0}, {4, 2}, {2, 2}));
-}
-
-TEST(Predicates, CrossingsAreOrderedExactly) {
-  SeededRandom random(3);
-  int num_equal = 0;
-  for (int i = 0; i < 5000; ++i) {
-    const std::int64_t reach = i % 2 == 0 ? kMaxCoordinate / 2 : 8;
-    const LatticePoint a = random_point(random, reach), b = random_point(random, reach);
-    const LatticePoint on = nearly_on(random, a, b);  // both lines pass close to here
-    const std::array<LatticePoint, 2> first{on, random_point(random, reach)};
-    const std::array<LatticePoint, 2> second{LatticePoint{on.x, on.y + nudge(random)}, random_point(random, reach)};
-    // t = A / (A - B) for each line, compared by cross multiplication with both denominators made positive.
-    BigInteger n1 = area(first[0], first[1], a), d1 = n1 - area(first[0], first[1], b);
-    BigInteger n2 = area(second[0], second[1], a), d2 = n2 - area(second[0], second[1], b);
-    if (d1.sign() == 0 || d2.sign() == 0) continue;
-    if (d1.sign() < 0) n1 = BigInteger(0) - n1, d1 = BigInteger(0) - d1;
-    if (d2.sign() < 0) n2 = BigInteger(0) - n2, d2 = BigInteger(0) - d2;
-    const int expected = (n1 * d2 - n2 * d1).sign();
-    ASSERT_EQ(compare_crossings(a, b, first, second), expected);
-    num_equal += expected == 0;
-  }
-  EXPECT_GT(num_equal, 100);
 }
 
 // |2 (v n - q d)| <= d for each coordinate: q is the nearest integer to v n / d.

@@ -45,11 +45,11 @@ TEST(Obj, TextureCoordinatesAreTheRestShapeAndSeamsSplitVertices) {
   const std::string text =
       "v 0 0 0\nv 1 0 0\nv 1 1 2\nv 0 1 3\nvt 0 0\nvt 0.5 0\nvt 0.5 0.5\nvt 1 1\nvt 1.5 1.5\nvt 1 1.5\n"
       "f 1/1 2/2/9 3/3\nf 1/4 3/5 4/6\n";
-  const Result<ObjSheet> obj = parse_obj(text, 2.0);
+  const Result<ObjSheet> obj = parse_obj(text);
   ASSERT_TRUE(obj.ok()) << obj.error().message;
   ASSERT_EQ(obj->sheet.rest.cols(), 6);
   EXPECT_EQ(obj->obj_positions, (std::vector<std::int32_t>{0, 0, 1, 2, 2, 3}));
-  EXPECT_EQ(obj->sheet.rest.col(1), Eigen::Vector2d(2, 2));
+  EXPECT_EQ(obj->sheet.rest.col(1), Eigen::Vector2d(1, 1));
   EXPECT_EQ(obj->world.col(4), Eigen::Vector3d(1, 1, 2));
   const TriangleMesh mesh = test::must(import_mesh(obj->sheet));
   EXPECT_EQ(mesh.num_pieces(), 2);

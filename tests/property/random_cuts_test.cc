@@ -12,6 +12,7 @@
 #include "server/cut/cut.h"
 #include "server/mesh/grid_mesh.h"
 #include "tests/cut/cut_checks.h"
+#include "tests/support/meshes.h"
 
 #ifndef KERF_RANDOM_CUTS
 #define KERF_RANDOM_CUTS 20000
@@ -88,12 +89,11 @@ Curve random_hairpin(SeededRandom& random) {
 Curve random_vertex_path(SeededRandom& random, const mesh::TriangleMesh& mesh) {
   Polyline line{{random_vertex(random, mesh), random_vertex(random, mesh)}};
   if (random.below(2) == 0) {
-    std::vector<mesh::VertexId> ring;
     auto vertex = static_cast<mesh::VertexId>(random.below(static_cast<std::uint64_t>(mesh.num_vertices())));
     line.points.assign(1, mesh.rest_position(vertex));
     const std::uint64_t steps = 1 + random.below(6);
     for (std::uint64_t i = 0; i < steps; ++i) {
-      mesh.one_ring(vertex, ring);
+      const std::vector<mesh::VertexId> ring = test::one_ring(mesh, vertex);
       vertex = ring[random.below(ring.size())];
       line.points.push_back(mesh.rest_position(vertex));
     }

@@ -47,6 +47,21 @@ inline mesh::TriangleMesh jittered_grid(std::int32_t num, std::uint64_t seed) {
   return must(mesh::make_jittered_grid({num, num, 1.0, 1.0}, seed));
 }
 
+// The vertices joined to v by an edge, in counter-clockwise order.
+inline std::vector<mesh::VertexId> one_ring(const mesh::TriangleMesh& mesh, mesh::VertexId v) {
+  std::vector<mesh::TriangleId> triangles;
+  mesh.triangles_around(v, triangles);
+  const mesh::PointId p = mesh.point(v);
+  std::vector<mesh::VertexId> ring;
+  for (const mesh::TriangleId t : triangles) ring.push_back(mesh.vertices(t)[mesh::next_corner(mesh.corner_of(t, p))]);
+  const mesh::TriangleId last = triangles.back();
+  const int corner = mesh.corner_of(last, p);
+  if (mesh.neighbour(last, mesh::next_corner(corner)) == mesh::kNone) {
+    ring.push_back(mesh.vertices(last)[mesh::previous_corner(corner)]);
+  }
+  return ring;
+}
+
 inline mesh::IndexedMesh one_triangle() {
   return indexed({{0, 0}, {1, 0}, {0, 1}}, {{0, 1, 2}});
 }
