@@ -104,10 +104,11 @@ struct Camera {
 // The box around a sheet's vertices; empty for an empty mesh. Vertices that no triangle uses count.
 Bounds bounds_of(const Mesh& mesh);
 
-// A camera that sees all of `bounds` in an image of the given aspect ratio (width / height, > 0), from the direction
-// `from` (from the target towards the eye; not zero, not along up). The target is the centre of `bounds`. Empty bounds
-// are taken as a box of 1 m around the origin.
-Camera fit_camera(const Bounds& bounds, double aspect, Vec3 from = {0.55, -1.0, 0.55}, Vec3 up = {0.0, 0.0, 1.0});
+// The camera nearest to `positions` (3 x V, m) that sees all of them in an image of the given aspect ratio (width /
+// height, > 0) with a small margin, from the direction `from` (from the target towards the eye; not zero, not along
+// up). Without positions it looks at the origin.
+Camera fit_camera(std::span<const float> positions, double aspect, Vec3 from = {0.55, -1.0, 0.55},
+                  Vec3 up = {0.0, 0.0, 1.0});
 
 // What render() checks before anything is queued; kInvalidArgument with the field, or ok.
 //   camera: "CAMERA_NOT_FINITE", "CAMERA_SINGULAR" (eye == target; up zero or parallel), "FOV_OUT_OF_RANGE";

@@ -1,6 +1,7 @@
 #include "render/views.h"
 
 #include <algorithm>
+#include <limits>
 #include <numbers>
 
 namespace kerf::render {
@@ -116,26 +117,38 @@ Bounds bounds_of(const Mesh& mesh) {
   return bounds;
 }
 
-Camera fit_camera(const Bounds& bounds, double aspect, Vec3 from, Vec3 up) {
-  const Bounds box = is_empty(bounds) ? Bounds{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}} : bounds;
+Camera fit_camera(std::span<const float> positions, double aspect, Vec3 from, Vec3 up) {
   Camera camera;
-  camera.target = centre(box);
   camera.up = up;
-  camera.eye = camera.target + normalized(from);
+  camera.eye = camera.target + 2.0 * normalized(from);
+  if (positions.size() < 3) return camera;
+
+  // The image has a margin on each side of this part of its size.
+  constexpr double kMargin = 0.03;
   const ViewAxes axes = view_axes(camera);
-  const double tangent_y = half_height(camera);
+  const double tangent_y = (1.0 - 2.0 * kMargin) * half_height(camera);
   const double tangent_x = tangent_y * aspect;
-  // Each corner must lie within the frustum: |corner along right| <= tangent * (distance - corner along back).
-  double distance = kMinRadius;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 point{(corner & 1) != 0 ? box.upper.x : box.lower.x, (corner & 2) != 0 ? box.upper.y : box.lower.y,
-                     (corner & 4) != 0 ? box.upper.z : box.lower.z};
-    const Vec3 offset = point - camera.target;
-    const double across =
-        std::max(std::abs(dot(offset, axes.right)) / tangent_x, std::abs(dot(offset, axes.up)) / tangent_y);
-    distance = std::max(distance, across + dot(offset, axes.back));
+  // In the axes' coordinates, with the eye at e, a point p is within the sides of the frustum where
+  // |p.x - e.x| <= tangent_x (e.z - p.z): its sides touch what is farthest along their normals.
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  double right = kNone, left = kNone, upper = kNone, lower = kNone, front = kNone, behind = kNone;
+  for (std::size_t i = 0; i + 2 < positions.size(); i += 3) {
+    const Vec3 point{static_cast<double>(positions[i]), static_cast<double>(positions[i + 1]),
+                     static_cast<double>(positions[i + 2])};
+    const double x = dot(point, axes.right), y = dot(point, axes.up), z = dot(point, axes.back);
+    right = std::max(right, tangent_x * z + x);
+    left = std::max(left, tangent_x * z - x);
+    upper = std::max(upper, tangent_y * z + y);
+    lower = std::max(lower, tangent_y * z - y);
+    front = std::max(front, z);
+    behind = std::max(behind, -z);
   }
-  camera.eye = camera.target + (1.04 * distance) * axes.back;  // borders are drawn on both sides of their edges
+  const double depth = front + behind;
+  const double eye_z = std::max({0.5 * (right + left) / tangent_x, 0.5 * (upper + lower) / tangent_y,
+                                 front + std::max(0.05 * depth, kMinRadius)});
+  const Vec3 on_axis = 0.5 * (right - left) * axes.right + 0.5 * (upper - lower) * axes.up;
+  camera.eye = on_axis + eye_z * axes.back;
+  camera.target = on_axis + (front - 0.5 * depth) * axes.back;
   return camera;
 }
 

@@ -172,8 +172,7 @@ Result<v1::RenderImageResponse> draw_picture(render::Renderer& renderer, const P
   }
   scene.style.wireframe = request.wireframe;
   const double aspect = static_cast<double>(request.width) / request.height;
-  const render::Camera camera =
-      request.camera ? *request.camera : render::fit_camera(render::bounds_of(scene.mesh), aspect);
+  const render::Camera camera = request.camera ? *request.camera : render::fit_camera(scene.mesh.positions, aspect);
   render::Pixels pixels;
   const render::Status status = renderer.render(scene, camera, request.width, request.height, pixels);
   if (!status.ok()) return to_error(status);

@@ -256,7 +256,7 @@ TEST_F(RenderPicture, AViewFromInsideTheSceneIsDrawn) {
 TEST_F(RenderPicture, AFittedCameraSeesAllOfIt) {
   const Sheet sheet = make_sheet(8, 0.3);
   for (const double aspect : {0.5, 1.0, 2.0}) {
-    const Camera camera = fit_camera(bounds_of(sheet.mesh()), aspect);
+    const Camera camera = fit_camera(sheet.mesh().positions, aspect);
     const int height = 200;
     const int width = static_cast<int>(height * aspect);
     const Pixels pixels = draw(scene_of(sheet), camera, width, height);

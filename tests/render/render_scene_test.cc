@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 #include <set>
+#include <vector>
 
 #include "render/draw_list.h"
 #include "render/views.h"
@@ -187,7 +191,8 @@ TEST(RenderNormals, AreUnitAndPointToTheFront) {
 }
 
 TEST(RenderViews, ProjectAsAPinholeCameraDoes) {
-  const Camera camera = fit_camera(Bounds{{-1.0, -2.0, -0.5}, {1.0, 1.0, 2.0}}, 1.5);
+  const std::array<float, 12> positions{0.0F, 0.0F, 0.0F, 1.0F, 1.0F, 2.0F, -1.0F, -2.0F, -0.5F, 0.3F, -0.4F, 1.1F};
+  const Camera camera = fit_camera(positions, 1.5);
   const Bounds bounds{{-1.0, -2.0, -0.5}, {1.0, 1.0, 2.0}};
   const Views views = make_views(camera, 1.5, 600, bounds, bounds);
   for (const Vec3 point : {Vec3{0.0, 0.0, 0.0}, Vec3{1.0, 1.0, 2.0}, Vec3{-1.0, -2.0, -0.5}, Vec3{0.3, -0.4, 1.1}}) {
@@ -205,11 +210,33 @@ TEST(RenderViews, ProjectAsAPinholeCameraDoes) {
   }
 }
 
-TEST(RenderViews, AFittedCameraIsValidForAnyBounds) {
-  const Bounds point{{5.0, 5.0, 5.0}, {5.0, 5.0, 5.0}};
-  const Bounds line{{0.0, 0.0, 0.0}, {0.0, 0.0, 3.0}};
-  for (const Bounds& bounds : {Bounds{}, point, line}) {
-    for (const double aspect : {0.01, 1.0, 100.0}) EXPECT_TRUE(validate(fit_camera(bounds, aspect)).ok());
+TEST(RenderViews, AFittedCameraLeavesASmallMargin) {
+  const Sheet sheet = make_sheet(16, 0.25);
+  for (const double aspect : {0.5, 1.0, 2.0}) {
+    const Camera camera = fit_camera(sheet.mesh().positions, aspect);
+    const Bounds bounds = bounds_of(sheet.mesh());
+    const Views views = make_views(camera, aspect, 600, bounds, bounds);
+    double reach = 0.0;  // of clip space, whose border is at 1
+    for (std::size_t i = 0; i < sheet.mesh().positions.size(); i += 3) {
+      const auto at = [&](std::size_t row) {
+        double sum = views.clip_from_world.at(row, 3);
+        for (std::size_t k = 0; k < 3; ++k) {
+          sum += views.clip_from_world.at(row, k) * static_cast<double>(sheet.mesh().positions[i + k]);
+        }
+        return sum;
+      };
+      reach = std::max({reach, std::abs(at(0) / at(3)), std::abs(at(1) / at(3))});
+    }
+    EXPECT_NEAR(reach, 0.94, 0.001) << aspect;
+  }
+}
+
+TEST(RenderViews, AFittedCameraIsValidForAnyPositions) {
+  const std::vector<float> point{5.0F, 5.0F, 5.0F};
+  const std::vector<float> line{0.0F, 0.0F, 0.0F, 0.0F, 0.0F, 3.0F};
+  const std::vector<float> towards_the_eye{0.0F, 0.0F, 0.0F, 0.55F, -1.0F, 0.55F};
+  for (const std::vector<float>& positions : {std::vector<float>{}, point, line, towards_the_eye}) {
+    for (const double aspect : {0.01, 1.0, 100.0}) EXPECT_TRUE(validate(fit_camera(positions, aspect)).ok());
   }
 }
 
