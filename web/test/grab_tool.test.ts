@@ -24,14 +24,26 @@ describe('GrabTool', () => {
   const pointer = { ray: { intersectPlane: (_: unknown, at: Vector3) => at.set(0, 0, 2) } as unknown as Ray };
   const reject = (reason: string) =>
     tool.rejected({ grabId: sent[0].value.grabId, reason, message: `it is ${reason}` } as Rejection);
-  const releases = () => sent.filter((request) => request.case === 'release');
+  const kinds = () => sent.map((request) => request.case);
+  const grabIds = () => new Set(sent.map((request) => request.value.grabId));
 
-  /** Pulls at a vertex and lets it go. */
-  function pull(): void {
+  /** Pulls at a vertex and holds it. */
+  function hold(): void {
     expect(tool.press(pointer as never)).toBe(true);
     tool.drag(pointer as never);
     tool.update();
+  }
+
+  function pull(): void {
+    hold();
     tool.release();
+  }
+
+  /** How many releases were sent, a second after these refusals. */
+  function releasesAfter(...refusals: string[]): number {
+    refusals.forEach(reject);
+    vi.advanceTimersByTime(1000);
+    return kinds().filter((kind) => kind === 'release').length;
   }
 
   beforeEach(() => {
@@ -51,34 +63,24 @@ describe('GrabTool', () => {
 
   it('sends a grab, its drag and its release', () => {
     pull();
-    expect(sent.map((request) => request.case)).toEqual(['grab', 'drag', 'release']);
-    expect(new Set(sent.map((request) => request.value.grabId)).size).toBe(1);
     vi.advanceTimersByTime(5000);
-    expect(sent).toHaveLength(3);
+    expect(kinds()).toEqual(['grab', 'drag', 'release']);
+    expect(grabIds().size).toBe(1);
   });
 
   it('releases again, until it is taken, when the queue was full', () => {
     pull();
-    for (let refusals = 1; refusals <= 3; ++refusals) {
-      reject('QUEUE_FULL');
-      vi.advanceTimersByTime(1000);
-      expect(releases()).toHaveLength(1 + refusals);
-    }
-    expect(new Set(releases().map((request) => request.value.grabId)).size).toBe(1);
+    for (let refusals = 1; refusals <= 3; ++refusals) expect(releasesAfter('QUEUE_FULL')).toBe(1 + refusals);
     vi.advanceTimersByTime(5000);
-    expect(releases()).toHaveLength(4);
+    expect(releasesAfter()).toBe(4);
+    expect(grabIds().size).toBe(1);
     expect(notices).toEqual([]);
   });
 
   it('releases once more when drag and release were both refused, and minds no grab that is gone', () => {
     pull();
-    reject('QUEUE_FULL');
-    reject('QUEUE_FULL');
-    vi.advanceTimersByTime(1000);
-    expect(releases()).toHaveLength(2);
-    reject('GRAB_NOT_FOUND');
-    vi.advanceTimersByTime(1000);
-    expect(releases()).toHaveLength(2);
+    expect(releasesAfter('QUEUE_FULL', 'QUEUE_FULL')).toBe(2);
+    expect(releasesAfter('GRAB_NOT_FOUND')).toBe(2);
     expect(notices).toEqual([]);
   });
 
@@ -86,20 +88,16 @@ describe('GrabTool', () => {
     pull();
     reject('QUEUE_FULL');
     viewer.watch = connection();
-    vi.advanceTimersByTime(1000);
-    expect(releases()).toHaveLength(1);
+    expect(releasesAfter()).toBe(1);
   });
 
   it('goes on pulling, with its target sent anew, when a drag met a full queue', () => {
-    tool.press(pointer as never);
-    tool.drag(pointer as never);
-    tool.update();
+    hold();
     reject('QUEUE_FULL');
     tool.update();
     tool.update();
-    expect(sent.map((request) => request.case)).toEqual(['grab', 'drag', 'drag']);
     tool.release();
-    expect(releases()).toHaveLength(1);
+    expect(kinds()).toEqual(['grab', 'drag', 'drag', 'release']);
   });
 
   it('tells another refusal and ends the pull', () => {
@@ -108,6 +106,6 @@ describe('GrabTool', () => {
     expect(notices).toEqual(['The server refused the pull: it is TOO_MANY_GRABS']);
     tool.drag(pointer as never);
     tool.release();
-    expect(sent).toHaveLength(1);
+    expect(kinds()).toEqual(['grab']);
   });
 });

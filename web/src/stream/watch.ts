@@ -144,7 +144,7 @@ export class Watch {
       this.setState('lost', why);
       return;
     }
-    this.setState('lost', `${why}; trying again in ${(this.retryMs / 1000).toLocaleString()} s`);
+    this.setState('lost', `${why}; trying again in ${(this.retryMs / 1000).toLocaleString('en')} s`);
     this.retryTimer = setTimeout(() => this.connect(), this.retryMs);
     this.retryMs = Math.min(2 * this.retryMs, kLastRetryMs);
   }
