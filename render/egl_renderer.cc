@@ -13,7 +13,7 @@ namespace {
 Status make_canvas(std::unique_ptr<Canvas>& canvas) {
   std::string reasons;
   for (const EglPlatform& platform : egl_platforms()) {
-    const Status status = make_gl_canvas(platform, canvas);
+    Status status = make_gl_canvas(platform, canvas);
     if (status.ok()) return status;
     reasons += (reasons.empty() ? "" : "; ") + status.message;
   }

@@ -24,6 +24,22 @@ Vec3 linear(const Colour& colour) {
   return {channel(colour.red), channel(colour.green), channel(colour.blue)};
 }
 
+// What lives in the context, made once it is there.
+struct Objects {
+  Program sheet;
+  Program solid;
+  Program ground;
+  Program line;
+  Program shadow;
+  VertexStream sheet_vertices;
+  VertexStream solid_vertices;
+  VertexStream ground_vertices;
+  VertexStream border_segments;
+  ShadowMap shadow_map{kShadowMapSize};
+  RenderTarget target;    // drawn to
+  RenderTarget resolved;  // read from
+};
+
 class GlCanvas final : public Canvas {
  public:
   Status open(const EglPlatform& platform);
@@ -31,22 +47,6 @@ class GlCanvas final : public Canvas {
   [[nodiscard]] std::string description() const override { return description_; }
 
  private:
-  // What lives in the context, made once it is there.
-  struct Objects {
-    Program sheet;
-    Program solid;
-    Program ground;
-    Program line;
-    Program shadow;
-    VertexStream sheet_vertices;
-    VertexStream solid_vertices;
-    VertexStream ground_vertices;
-    VertexStream border_segments;
-    ShadowMap shadow_map{kShadowMapSize};
-    RenderTarget target;    // drawn to
-    RenderTarget resolved;  // read from
-  };
-
   Status check_context() const;
   Status build_programs();
   Status resize(int width, int height, bool antialias);

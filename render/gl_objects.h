@@ -102,7 +102,7 @@ class VertexStream {
     for (const Attribute& attribute : attributes) {
       glVertexAttribPointer(location, attribute.components, attribute.type,
                             attribute.type == GL_UNSIGNED_BYTE ? GL_TRUE : GL_FALSE, static_cast<GLsizei>(stride),
-                            reinterpret_cast<const void*>(attribute.offset));
+                            reinterpret_cast<const void*>(attribute.offset));  // NOLINT(performance-no-int-to-ptr)
       glVertexAttribDivisor(location, divisor);
       glEnableVertexAttribArray(location++);
     }

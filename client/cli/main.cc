@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <string>
 
 #include <CLI/App.hpp>
@@ -8,7 +9,9 @@
 
 #include "client/cli/commands.h"
 
-int main(int argc, char** argv) {
+namespace {
+
+int run(int argc, char** argv) {
   kerf::cli::Session session;
   if (const char* server = std::getenv("KERF_SERVER")) session.server = server;  // NOLINT(concurrency-mt-unsafe)
 
@@ -34,4 +37,15 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? kerf::cli::kDone : kerf::cli::kWrongUsage;
   }
   return session.action();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "kerf: %s\n", error.what());
+    return kerf::cli::kRefused;
+  }
 }

@@ -54,8 +54,8 @@ std::vector<std::size_t> insertion_order(std::span<const LatticePoint> points) {
 TriangleMesh make_empty_domain(const Lattice& lattice) {
   MeshRecords records;
   records.lattice = lattice;
-  constexpr std::int64_t h = Lattice::kHalfDomain;
-  records.points = {{{-h, -h}, 0}, {{h, -h}, 0}, {{h, h}, 0}, {{-h, h}, 1}};
+  constexpr std::int64_t kHalf = Lattice::kHalfDomain;
+  records.points = {{{-kHalf, -kHalf}, 0}, {{kHalf, -kHalf}, 0}, {{kHalf, kHalf}, 0}, {{-kHalf, kHalf}, 1}};
   TriangleRecord below;
   below.points = {0, 1, 2};
   below.neighbours = {kNone, 1, kNone};

@@ -57,6 +57,7 @@ std::vector<std::array<VertexId, 3>> triangulate_rectangle(const GridConfig& con
 
   std::vector<VertexId> border;
   const std::int32_t nx = config.num_x, ny = config.num_y;
+  border.reserve(2 * (static_cast<std::size_t>(nx) + static_cast<std::size_t>(ny)));
   for (std::int32_t i = 0; i < nx - 1; ++i) border.push_back(i);
   for (std::int32_t j = 0; j < ny - 1; ++j) border.push_back(j * nx + nx - 1);
   for (std::int32_t i = nx - 1; i > 0; --i) border.push_back((ny - 1) * nx + i);

@@ -116,6 +116,7 @@ class SheetImport {
     }
     records_.lattice = Lattice::for_bounds(box);
     std::vector<std::pair<LatticePoint, VertexId>> order;
+    order.reserve(static_cast<std::size_t>(num_vertices()));
     for (VertexId v = 0; v < num_vertices(); ++v) order.emplace_back(records_.lattice.nearest(input_.rest.col(v)), v);
     std::sort(order.begin(), order.end());
     std::vector<VertexId> first_at(order.size());  // the lowest vertex at the same place

@@ -53,7 +53,7 @@ class ComponentGrowth {
     std::size_t piece;                // index into pieces_
   };
 
-  std::size_t piece_index(TriangleId t) const {
+  [[nodiscard]] std::size_t piece_index(TriangleId t) const {
     return static_cast<std::size_t>(std::lower_bound(pieces_.begin(), pieces_.end(), mesh_.piece(t)) - pieces_.begin());
   }
 

@@ -32,6 +32,7 @@ struct Int256 {
 
 Int256 multiply_unsigned(Uint128 a, Uint128 b) {
   constexpr Uint128 kMask = ~std::uint64_t{0};
+  // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): it takes 128-bit shifts for undefined
   const Uint128 a0 = a & kMask, a1 = a >> 64, b0 = b & kMask, b1 = b >> 64;
   const Uint128 p00 = a0 * b0, p01 = a0 * b1, p10 = a1 * b0, p11 = a1 * b1;
   const Uint128 middle = (p00 >> 64) + (p01 & kMask) + (p10 & kMask);

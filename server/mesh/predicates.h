@@ -12,6 +12,7 @@ __extension__ using Int128 = __int128;
 struct LatticePoint {
   std::int64_t x = 0;  // lattice units
   std::int64_t y = 0;  // lattice units
+  // NOLINTNEXTLINE(modernize-use-nullptr): a false alarm on defaulted comparisons
   friend auto operator<=>(const LatticePoint&, const LatticePoint&) = default;
 };
 

@@ -63,7 +63,7 @@ class FrameHistory {
   };
 
   Frame& frame(std::int64_t publication, const sheet::Snapshot& snapshot);
-  const Frame* find(std::int64_t publication) const;
+  [[nodiscard]] const Frame* find(std::int64_t publication) const;
   const Topology& topology(const sheet::Topology& topology, std::int32_t base_version);
   const Bytes& keyframe(Frame& frame);
   // The keyframe where it is no larger.
