@@ -114,7 +114,7 @@ void look_at(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id,
   auto found = std::make_shared<Found>();
   core->host.inspect(
       sheet_id, [found, look = std::move(look)](const sheet::Sheet& sheet) { *found = look(sheet); },
-      [found, field, done = std::move(done)](Status status) {
+      [found, field, done = std::move(done)](const Status& status) {
         if (!status.ok()) return done(at_field(status.error(), field));
         done(std::move(*found));
       });

@@ -63,7 +63,7 @@ void Api::list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsRespon
   // By way of the sheet: an unknown one is refused, and all cuts answered before this call are in the journal.
   look_at<bool>(
       core_, *id, [](const sheet::Sheet&) { return true; }, "parent",
-      [core = core_, id = *id, size = *size, after = *after, reply = std::move(reply)](Result<bool> exists) {
+      [core = core_, id = *id, size = *size, after = *after, reply = std::move(reply)](const Result<bool>& exists) {
         if (!exists.ok()) return reply(exists.error());
         CutJournal::Page page = core->journal.page(id, after, size);
         v1::ListCutsResponse response;

@@ -54,12 +54,13 @@ void Api::list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheets
   const bool more = ids.size() > *size;
   if (more) ids.resize(*size);
   std::string next = more ? ids.back() : std::string();
-  core_->host.statuses(std::move(ids), [reply = std::move(reply), next](std::vector<host::SheetStatus> statuses) {
-    v1::ListSheetsResponse response;
-    for (const host::SheetStatus& status : statuses) *response.add_sheets() = encode_sheet(status);
-    response.set_next_page_token(next);
-    reply(std::move(response));
-  });
+  core_->host.statuses(std::move(ids),
+                       [reply = std::move(reply), next](const std::vector<host::SheetStatus>& statuses) {
+                         v1::ListSheetsResponse response;
+                         for (const host::SheetStatus& status : statuses) *response.add_sheets() = encode_sheet(status);
+                         response.set_next_page_token(next);
+                         reply(std::move(response));
+                       });
 }
 
 void Api::delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::protobuf::Empty> reply) {

@@ -9,7 +9,6 @@ void StreamHub::join(const std::string& sheet_id, const stream::SubscriberOption
   std::shared_ptr<stream::Channel> fresh;
   Result<std::shared_ptr<stream::Subscriber>> subscriber =
       Error{ErrorCode::kUnavailable, "SERVER_STOPPING", "the server is stopping; try again later", {}};
-  bool waits = false;
   {
     const std::lock_guard lock(mutex_);
     if (!stopped_) {
@@ -20,11 +19,13 @@ void StreamHub::join(const std::string& sheet_id, const stream::SubscriberOption
         entry = {fresh, false, {}};
       }
       subscriber = entry.channel->subscribe(options, std::move(ready));
-      waits = subscriber.ok() && !entry.attached;
-      if (waits) entry.waiting.push_back({*subscriber, std::move(joined)});
+      if (subscriber.ok() && !entry.attached) {
+        entry.waiting.push_back({*subscriber, std::move(joined)});
+        joined = nullptr;  // answered once the channel is attached
+      }
     }
   }
-  if (!waits) joined(std::move(subscriber));
+  if (joined) joined(std::move(subscriber));
   if (fresh) attach(sheet_id, fresh);
 }
 

@@ -120,10 +120,10 @@ std::filesystem::path default_web_directory(const std::filesystem::path& executa
     return std::filesystem::is_regular_file(folder / "index.html", ignored);
   };
   const std::filesystem::path bin = executable.parent_path();
-  if (const auto installed = bin.parent_path() / "share" / "kerf" / "web"; has_viewer(installed)) return installed;
+  if (auto installed = bin.parent_path() / "share" / "kerf" / "web"; has_viewer(installed)) return installed;
   // build/<preset>/bin/kerfd in a source tree.
   for (std::filesystem::path folder = bin; folder != folder.root_path(); folder = folder.parent_path()) {
-    if (const auto built = folder / "web" / "dist"; has_viewer(built)) return built;
+    if (auto built = folder / "web" / "dist"; has_viewer(built)) return built;
   }
   return {};
 }

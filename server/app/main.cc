@@ -64,7 +64,8 @@ void wait_for_stop(const sigset_t& signals) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  setenv("GRPC_VERBOSITY", "NONE", 0);  // what matters is told by kerfd itself, on one line
+  // What matters is told by kerfd itself, on one line.
+  setenv("GRPC_VERBOSITY", "NONE", 0);  // NOLINT(concurrency-mt-unsafe): before there is a second thread
   kerf::wire::discard_protobuf_log();   // what is wrong with a message is told to its sender
   std::signal(SIGPIPE, SIG_IGN);
   const sigset_t signals = block_stop_signals();

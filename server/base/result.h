@@ -47,7 +47,7 @@ class [[nodiscard]] Result {
     KERF_CHECK(ok(), "value() of a failed Result");
     return *std::get_if<0>(&content_);
   }
-  const T& value() const& {
+  [[nodiscard]] const T& value() const& {
     KERF_CHECK(ok(), "value() of a failed Result");
     return *std::get_if<0>(&content_);
   }

@@ -23,7 +23,8 @@ struct BendingPatch {
   [[nodiscard]] double at(int a, int b) const {
     const int i = a < b ? a : b;
     const int j = a < b ? b : a;
-    return stiffness[static_cast<std::size_t>(i * 6 - i * (i - 1) / 2 + (j - i))];
+    const int index = i * 6 - i * (i - 1) / 2 + (j - i);
+    return stiffness[static_cast<std::size_t>(index)];
   }
 };
 

@@ -14,8 +14,6 @@ class BlockCholesky final : public LinearSolver {
   void analyse(const BlockMatrix& A) override;
   LinearStats solve(const BlockMatrix& A, const Eigen::Matrix3Xd& b, double tolerance, Eigen::Matrix3Xd& x) override;
 
-  [[nodiscard]] std::size_t num_factor_blocks() const { return row_.size(); }
-
  private:
   // Block L_jk, k < j, as the columns to its left are gone through for column j.
   struct RowEntry {

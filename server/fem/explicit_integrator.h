@@ -28,8 +28,6 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override { return IntegratorKind::kExplicit; }
 
-  // s, > 0, for the model of the last rebuild; infinite for a model without material.
-  [[nodiscard]] double critical_step() const { return critical_step_; }
   // Substeps a step of dt takes.
   [[nodiscard]] double planned_substeps(double dt) const;
 
@@ -48,9 +46,9 @@ class ExplicitIntegrator final : public Integrator {
   void kick_grabs(const Loads& loads, double duration, double h, double time_left, State& state) const;
 
   IntegratorOptions options_;
-  double critical_step_ = 0.0;
-  double beta_ = 0.0;          // s, of the membrane
-  double bending_beta_ = 0.0;  // s, the material's own alone: see bending_forces.h
+  double critical_step_ = 0.0;  // s, > 0, for the model of the last rebuild; infinite for a model without material
+  double beta_ = 0.0;           // s, of the membrane
+  double bending_beta_ = 0.0;   // s, the material's own alone: see bending_forces.h
   Scratch scratch_;
   std::string explanation_;
 };

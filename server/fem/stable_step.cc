@@ -23,7 +23,7 @@ Matrix32 strain_displacement(double gx, double gy) {
 
 struct Corner {
   Matrix32 B;
-  double stiffness;  // trace of A B^T C B, N/m
+  double stiffness = 0.0;  // trace of A B^T C B, N/m
 };
 
 std::array<Corner, 3> corners_of(const ElementBlock& block, std::size_t l, const Eigen::Matrix3d& C) {

@@ -1,7 +1,7 @@
 #include "server/host/disk.h"
 
 #include <cerrno>
-#include <cstring>
+#include <system_error>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -12,7 +12,7 @@ namespace kerf::host {
 namespace {
 
 Error io_error(const std::string& action, const std::string& path, int code) {
-  const std::string message = "cannot " + action + " \"" + path + "\": " + std::strerror(code);
+  const std::string message = "cannot " + action + " \"" + path + "\": " + std::generic_category().message(code);
   if (code == ENOENT) return {ErrorCode::kNotFound, "FILE_NOT_FOUND", message, ""};
   if (code == ENOSPC || code == EDQUOT) return {ErrorCode::kResourceExhausted, "DISK_FULL", message, ""};
   return {ErrorCode::kUnavailable, "FILE_IO", message, ""};

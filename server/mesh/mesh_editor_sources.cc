@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "server/base/check.h"
 #include "server/mesh/mesh_editor.h"
@@ -33,7 +34,7 @@ TriangleId MeshEditor::locate_in_old(const LatticePoint& p, TriangleId start) co
   const TriangleRecord& record = old_record(found);
   if (record.region != kNone) return found;
   TriangleId nearest = start;
-  double least = INFINITY;
+  double least = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const TriangleId n = record.neighbours[k];
     if (n == kNone || old_record(n).region == kNone) continue;

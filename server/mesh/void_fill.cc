@@ -50,6 +50,7 @@ class VoidFill {
     std::sort(used.begin(), used.end());
     used.erase(std::unique(used.begin(), used.end()), used.end());
     std::vector<LatticePoint> positions;
+    positions.reserve(used.size());
     for (const PointId p : used) positions.push_back(records_.points[p].at);
     MeshEditor editor(domain_);
     const std::vector<PointId> inserted = insert_delaunay(editor, positions);

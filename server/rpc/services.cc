@@ -36,10 +36,12 @@ Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Rep
 }
 
 // One override of a generated callback service: it does nothing but name the Api's method.
+// NOLINTBEGIN(bugprone-macro-parentheses)
 #define KERF_UNARY(Rpc, method, Request, Response)                                                       \
   grpc::ServerUnaryReactor* Rpc(Context* context, const Request* request, Response* response) override { \
     return answer(api_, &api::Api::method, context, request, response);                                  \
   }
+// NOLINTEND(bugprone-macro-parentheses)
 
 class Sheets final : public v1::SheetService::CallbackService {
  public:

@@ -32,7 +32,7 @@ void add_in_box(const mesh::TriangleMesh& mesh, const Eigen::AlignedBox2d& box, 
 }
 
 void add_edge(const mesh::TriangleMesh& mesh, PinEdge edge, std::vector<mesh::VertexId>& pinned) {
-  const Eigen::AlignedBox2d bounds = mesh.bounding_box();
+  const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
   if (edge == PinEdge::kCorners || edge == PinEdge::kTopCorners) {
     using Corner = Eigen::AlignedBox2d::CornerType;
     pinned.push_back(nearest_vertex(mesh, bounds.corner(Corner::TopLeft)));

@@ -59,7 +59,7 @@ class Checker {
     ++at_;
     return true;
   }
-  std::string found() const {
+  [[nodiscard]] std::string found() const {
     if (at_ >= text_.size()) return ", found the end of the text";
     const char c = text_[at_];
     return std::isprint(static_cast<unsigned char>(c)) != 0 ? std::string(", found ") + c : ", found an odd byte";
