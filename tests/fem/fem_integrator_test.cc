@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "server/fem/stable_step.h"
-#include "tests/fem/allocation_counter.h"
 #include "tests/fem/integrator_cases.h"
+#include "tests/support/allocation_counter.h"
 
 namespace kerf::fem {
 namespace {
@@ -224,7 +224,7 @@ TEST_P(IntegratorContract, RepeatsBitForBitWhateverWasSteppedBefore) {
 }
 
 TEST_P(IntegratorContract, NeverAllocatesInAStep) {
-  if (!kCountsAllocations) GTEST_SKIP() << "the sanitizer has its own malloc";
+  if (!test::kCountsAllocations) GTEST_SKIP() << "the sanitizer has its own malloc";
   const mesh::TriangleMesh mesh = square_grid(10);
   const Model model(mesh, orthotropic_cloth());
   const std::unique_ptr<Integrator> integrator = make(model);
@@ -233,15 +233,15 @@ TEST_P(IntegratorContract, NeverAllocatesInAStep) {
   loads.wind.air_density = 1.2;
   loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   loads.grabs.push_back({{5, mesh::kNone, mesh::kNone}, {1.0, 0.0, 0.0}, {0.5, 0.0, 0.2}, {0.0, 0.0, 0.0}, 50.0, 0.1});
-  const std::size_t before = num_allocations();
+  const std::size_t before = test::num_allocations();
   std::uint32_t flags = 0;
   for (int i = 0; i < 10; ++i) flags |= integrator->step(model, loads, kTick, nullptr, state).flags;
   state.x.row(0).setZero();  // collapse it, so that the repairs run as well
   state.x.row(1).setZero();
   for (int i = 0; i < 3; ++i) flags |= integrator->step(model, loads, kTick, nullptr, state).flags;
-  EXPECT_EQ(num_allocations(), before);
+  EXPECT_EQ(test::num_allocations(), before);
   const std::vector<int> proof(100);
-  EXPECT_EQ(num_allocations(), before + 1) << "the counter counts";
+  EXPECT_EQ(test::num_allocations(), before + 1) << "the counter counts";
 }
 
 constexpr double kFloor = -0.05;  // m

@@ -3,10 +3,11 @@
 // Counts every allocation of the program it is included in, Eigen's included (which calls malloc, not operator new). To
 // be included by one source of a test. glibc only; counts nothing under a sanitizer, which has its own malloc.
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdlib>
 
-namespace kerf::fem {
+namespace kerf::test {
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 inline constexpr bool kCountsAllocations = false;
@@ -21,7 +22,7 @@ inline std::size_t num_allocations() {
 }
 #endif
 
-}  // namespace kerf::fem
+}  // namespace kerf::test
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 extern "C" {
@@ -31,20 +32,25 @@ void* __libc_realloc(void* block, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 void* malloc(std::size_t size) {
-  ++kerf::fem::allocation_count;
+  ++kerf::test::allocation_count;
   return __libc_malloc(size);
 }
 void* calloc(std::size_t count, std::size_t size) {
-  ++kerf::fem::allocation_count;
+  ++kerf::test::allocation_count;
   return __libc_calloc(count, size);
 }
 void* realloc(void* block, std::size_t size) {
-  ++kerf::fem::allocation_count;
+  ++kerf::test::allocation_count;
   return __libc_realloc(block, size);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
-  ++kerf::fem::allocation_count;
+  ++kerf::test::allocation_count;
   return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
+  ++kerf::test::allocation_count;
+  *block = __libc_memalign(alignment, size);
+  return *block == nullptr ? ENOMEM : 0;
 }
 }
 #endif
