@@ -287,6 +287,9 @@ void Model::sum_bending_row(VertexId vertex, const std::vector<TriangleId>& slot
 std::uint64_t Model::hash() const {
   StateHash hash;
   hash.add(num_slots_);
+  for (const Eigen::Matrix3d* law : {&membrane_law_, &bending_law_}) {
+    hash.add_span(std::span<const double>(law->data(), static_cast<std::size_t>(law->size())));
+  }
   for (const ElementBlock& block : blocks_) {
     for (std::size_t c = 0; c < 2; ++c) {
       hash.add_span(std::span<const double>(block.g1[c]));
@@ -295,10 +298,18 @@ std::uint64_t Model::hash() const {
     hash.add_span(std::span<const double>(block.area));
     for (std::size_t k = 0; k < 3; ++k) hash.add_span(std::span<const VertexId>(block.vertex[k]));
   }
-  hash.add_span(std::span<const double>(mass_));
+  for (const BendingPatch& patch : patches_) {
+    hash.add_span(std::span<const VertexId>(patch.vertex));
+    hash.add_span(std::span<const double>(patch.stiffness));
+  }
+  for (const std::vector<double>* field : {&lumped_mass_, &stiffness_, &mass_, &inverse_mass_}) {
+    hash.add_span(std::span<const double>(*field));
+  }
   for (int i = 0; i < incident_.num_rows(); ++i) hash.add_span(incident_.row(i));
   for (int i = 0; i < bending_rows_.num_rows(); ++i) {
-    for (const BendingEntry& entry : bending_rows_.row(i)) {
+    const std::span<const BendingEntry> row = bending_rows_.row(i);
+    hash.add(static_cast<std::uint64_t>(row.size()));
+    for (const BendingEntry& entry : row) {
       hash.add(entry.value);
       hash.add(entry.column);
     }

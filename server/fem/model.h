@@ -85,7 +85,8 @@ class Model {
   [[nodiscard]] Momentum momentum(const State& state) const;
   [[nodiscard]] Eigen::Vector3d centre_of_mass(const Eigen::Matrix3Xd& x) const;  // m
 
-  // Of every derived number, bit for bit; for tests and replay.
+  // Of every number derived from mesh and material, bit for bit, those that only a later edit reads included; for
+  // tests.
   [[nodiscard]] std::uint64_t hash() const;
 
  private:

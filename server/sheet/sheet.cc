@@ -251,6 +251,9 @@ std::int32_t Sheet::settings_version() const {
 const mesh::TriangleMesh& Sheet::mesh() const {
   return impl_->mesh;
 }
+const fem::Model& Sheet::model() const {
+  return impl_->model;
+}
 const fem::State& Sheet::state() const {
   return impl_->state;
 }

@@ -13,6 +13,7 @@
 
 #include "server/base/result.h"
 #include "server/fem/integrator.h"
+#include "server/fem/model.h"
 #include "server/fem/state.h"
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/triangle_mesh.h"
@@ -122,6 +123,7 @@ class Sheet {
   [[nodiscard]] std::int32_t topology_version() const;  // 1 at first; + 1 with each applied cut and each reset
   [[nodiscard]] std::int32_t settings_version() const;  // + 1 with each change of pins, gravity or wind
   [[nodiscard]] const mesh::TriangleMesh& mesh() const;
+  [[nodiscard]] const fem::Model& model() const;                             // of mesh() and the config's material
   [[nodiscard]] const fem::State& state() const;                             // x: 3 x V, m; v: 3 x V, m/s
   [[nodiscard]] const Eigen::Vector3d& gravity() const;                      // m/s^2, in force
   [[nodiscard]] const Wind& wind() const;                                    // in force
