@@ -308,7 +308,7 @@ CutOutcome cut_slanted(mesh::TriangleMesh& mesh, const Curve& curve) {
   Result<CutOutcome> outcome = apply(mesh, *planned);
   EXPECT_TRUE(outcome.ok()) << outcome.error().message;
   EXPECT_EQ(mesh.find_violation().value_or(""), "");
-  EXPECT_EQ(find_wrong_source(before, mesh, outcome->edit.added_vertices).value_or(""), "");
+  EXPECT_EQ(test::find_wrong_source(before, mesh, outcome->edit.added_vertices), std::nullopt);
   EXPECT_EQ(find_uncovered_path(mesh, *planned, outcome->report).value_or(""), "");
   for (const std::int32_t region : {0, 1}) {
     EXPECT_NEAR(solid_area(mesh, region), solid_area(before, region), 1e-12);

@@ -8,26 +8,9 @@
 
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/triangle_mesh.h"
+#include "tests/support/vertex_sources.h"
 
 namespace kerf::test {
-
-inline void expect_sources(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after,
-                           const std::vector<mesh::VertexSource>& sources) {
-  for (const mesh::VertexSource& source : sources) {
-    Eigen::Vector2d blended = Eigen::Vector2d::Zero();
-    double sum = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      ASSERT_GE(source.sources[k], 0);
-      ASSERT_LT(source.sources[k], before.num_vertices());
-      ASSERT_GE(source.weights[k], 0.0);
-      sum += source.weights[k];
-      blended += source.weights[k] * before.rest_position(source.sources[k]);
-    }
-    EXPECT_NEAR(sum, 1.0, 1e-14);
-    const double size = before.bounding_box().sizes().maxCoeff();
-    EXPECT_LT((blended - after.rest_position(source.vertex)).norm(), 1e-12 * size) << "vertex " << source.vertex;
-  }
-}
 
 // Invariants, weights that give back rest positions, consecutive new ids, and a list of rewritten slots that, copied
 // into the mesh before, gives the mesh after.
@@ -38,8 +21,8 @@ inline void expect_sound(const mesh::TriangleMesh& before, const mesh::TriangleM
   for (std::size_t i = 0; i < edit.added_vertices.size(); ++i) {
     ASSERT_EQ(edit.added_vertices[i].vertex, before.num_vertices() + static_cast<std::int32_t>(i));
   }
-  expect_sources(before, after, edit.added_vertices);
-  expect_sources(before, after, edit.moved_vertices);
+  EXPECT_EQ(find_wrong_source(before, after, edit.added_vertices), std::nullopt);
+  EXPECT_EQ(find_wrong_source(before, after, edit.moved_vertices), std::nullopt);
   const auto& rewritten = edit.rewritten_triangles;
   ASSERT_TRUE(std::is_sorted(rewritten.begin(), rewritten.end()));
   ASSERT_EQ(std::adjacent_find(rewritten.begin(), rewritten.end()), rewritten.end());
