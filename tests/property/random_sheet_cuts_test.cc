@@ -1,0 +1,166 @@
+// Random cuts on sheets that move, through Sheet::apply: what follows from the mesh must follow every cut. A failure
+// prints the seed of its trial; run that one alone with
+//   KERF_CUT_SEED=<seed> random_sheet_cuts_test
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/base/random.h"
+#include "server/fem/model.h"
+#include "server/sheet/sheet.h"
+#include "server/sheet/topology.h"
+#include "tests/property/random_curves.h"
+#include "tests/property/random_sheets.h"
+
+#ifndef KERF_RANDOM_CUTS
+#define KERF_RANDOM_CUTS 800
+#endif
+
+namespace kerf::sheet {
+namespace {
+
+constexpr int kCutsOfASheet = 10;
+
+// A viewer that is given patches only, as Topology's comment describes them.
+struct Mirror {
+  std::int32_t version = 0;
+  std::vector<std::array<mesh::VertexId, 3>> triangles;
+  std::vector<std::int32_t> pieces;
+  Eigen::Matrix2Xd material_positions{2, 0};
+
+  void follow(const Topology& now) {
+    const std::int32_t since = version < now.patchable_since ? 0 : version;
+    if (since == 0) *this = Mirror{};
+    triangles.resize(now.triangles.size());
+    pieces.resize(now.pieces.size());
+    for (std::size_t s = 0; s < now.triangles.size(); ++s) {
+      if (now.slot_versions[s] <= since) continue;
+      triangles[s] = now.triangles[s];
+      pieces[s] = now.pieces[s];
+    }
+    material_positions.conservativeResize(Eigen::NoChange, now.material_positions.cols());
+    for (Eigen::Index v = 0; v < material_positions.cols(); ++v) {
+      if (now.vertex_versions[static_cast<std::size_t>(v)] > since) {
+        material_positions.col(v) = now.material_positions.col(v);
+      }
+    }
+    version = now.version;
+  }
+};
+
+SheetConfig random_config(SeededRandom& random, property::Frame& frame) {
+  property::RandomArrays made = property::random_arrays(random);
+  frame = made.frame;
+  SheetConfig config;
+  config.mesh = ArraySource{std::move(made.arrays.rest), std::move(made.arrays.triangles), Eigen::Matrix3Xd(3, 0)};
+  config.material.youngs_modulus_2 *= random.uniform(0.5, 1.0);
+  config.material.direction = random.uniform(0.0, 3.0);
+  if (random.below(2) == 0) config.material.bending_scale = 0.0;
+  if (random.below(4) == 0) config.pins = {std::vector<mesh::VertexId>{0}};
+  config.gravity = {0.0, 0.0, -9.81 * frame.scale};
+  config.wind = {std::min(frame.scale, 100.0) * Eigen::Vector3d(1.0, 3.0, -2.0), 1.2, 1.0};
+  config.integrator.kind = IntegratorKind::kExplicitLeapfrog;
+  config.integrator.max_substeps = 4;  // the motion need not keep up, it only has to be there
+  return config;
+}
+
+// Pulls a vertex about, so that the sheet strains and turns.
+void stir(SeededRandom& random, const property::Frame& frame, Sheet& sheet) {
+  const auto vertex =
+      static_cast<mesh::VertexId>(random.below(static_cast<std::uint64_t>(sheet.mesh().num_vertices())));
+  const Eigen::Vector3d pull(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1));
+  const std::vector<Command> grab{
+      Grab{"hand", vertex, Eigen::Vector3d(sheet.state().x.col(vertex) + frame.scale * pull), 0.0}};
+  const std::vector<Command> release{Release{"hand"}};
+  sheet.step(grab);
+  sheet.step({});
+  sheet.step(release);
+  ASSERT_FALSE(sheet.frozen());
+}
+
+struct Tally {
+  int cuts = 0, applied = 0;
+};
+
+void cut_once(SeededRandom& random, const cut::Curve& curve, Sheet& sheet, Tally& tally) {
+  Cut cut;
+  cut.curve = curve;
+  cut.tolerance = std::pow(10.0, random.uniform(-3.0, -1.0));
+  cut.min_angle_deg = random.uniform(5.0, 25.0);
+  cut.max_new_triangles = 30'000;
+  const fem::Model model_before = sheet.model();
+  const fem::State state_before = sheet.state();
+  const fem::Momentum momentum = model_before.momentum(state_before);
+  const std::uint64_t hash_before = sheet.state_hash();
+  const std::vector<Command> commands{cut};
+  const TickReport report = sheet.apply(commands);
+  ++tally.cuts;
+  ASSERT_EQ(sheet.mesh().find_violation(), std::nullopt);
+  if (!report.topology_changed) {
+    ASSERT_EQ(sheet.state_hash(), hash_before) << "a cut that was not made changed the sheet";
+    return;
+  }
+  ++tally.applied;
+
+  const fem::Model fresh(sheet.mesh(), sheet.config().material);
+  ASSERT_EQ(sheet.model().hash(), fresh.hash()) << "the model is not that of the mesh";
+  const fem::State& state = sheet.state();
+  ASSERT_EQ(state.x.cols(), sheet.mesh().num_vertices());
+  ASSERT_TRUE(state.x.allFinite() && state.v.allFinite());
+  ASSERT_NEAR(fresh.total_mass(), model_before.total_mass(), 1e-13 * model_before.total_mass());
+  if (!sheet.pinned_vertices().empty()) return;  // pins take up momentum
+  const double speed = state_before.v.colwise().norm().maxCoeff();
+  const Eigen::Vector3d gained = fresh.momentum(state).linear - momentum.linear;
+  ASSERT_LE(gained.norm(), 1e-13 * fresh.total_mass() * speed) << "of " << momentum.linear.norm();
+}
+
+// A trial: a sequence of cuts on one sheet, which moves in between. Its seed is all that it depends on.
+void run_trial(std::uint64_t seed, Tally& tally) {
+  SCOPED_TRACE("KERF_CUT_SEED=" + std::to_string(seed));
+  SeededRandom random(seed);
+  property::Frame frame;
+  Result<Sheet> made = Sheet::create(random_config(random, frame));
+  ASSERT_TRUE(made.ok()) << made.error().message;
+  Sheet sheet = std::move(made).value();
+  Mirror mirror;
+  std::vector<cut::Curve> earlier;
+  for (int i = 0; i < kCutsOfASheet && sheet.mesh().num_triangle_slots() < 1'500; ++i) {
+    if (random.below(3) == 0) stir(random, frame, sheet);
+    earlier.push_back(property::random_curve(random, sheet.mesh(), frame, earlier));
+    cut_once(random, earlier.back(), sheet, tally);
+    if (random.below(40) == 0) sheet.apply(std::vector<Command>{Reset{}});
+    if (::testing::Test::HasFatalFailure()) return;
+    if (random.below(3) == 0) continue;  // a viewer may skip versions
+    const std::shared_ptr<const Snapshot> snapshot = sheet.snapshot();
+    mirror.follow(*snapshot->topology);
+    const std::shared_ptr<const Topology> expected = full_topology(sheet.mesh(), sheet.topology_version());
+    ASSERT_EQ(mirror.triangles, expected->triangles);
+    ASSERT_EQ(mirror.pieces, expected->pieces);
+    ASSERT_EQ(mirror.material_positions, expected->material_positions);
+    ASSERT_EQ(snapshot->topology->num_pieces, sheet.mesh().num_pieces());
+    ASSERT_EQ(snapshot->topology->num_triangles, sheet.mesh().num_solid_triangles());
+  }
+}
+
+TEST(RandomSheetCuts, AreFollowedByModelStateAndViewers) {
+  Tally tally;
+  if (const char* only = std::getenv("KERF_CUT_SEED")) {
+    run_trial(std::strtoull(only, nullptr, 10), tally);
+    return;
+  }
+  for (std::uint64_t seed = 1; tally.cuts < KERF_RANDOM_CUTS && !HasFatalFailure(); ++seed) run_trial(seed, tally);
+  if (HasFatalFailure()) return;
+  std::printf("%d cuts of moving sheets: %d applied\n", tally.cuts, tally.applied);
+  EXPECT_GT(tally.applied, tally.cuts / 2);
+}
+
+}  // namespace
+}  // namespace kerf::sheet
