@@ -1,6 +1,7 @@
 // The contract of every element: zero force at rest, invariance under rigid motion, force = -dE/dx and stiffness =
 // -df/dx by finite differences, symmetry, positive semidefiniteness where promised, no NaN whatever the shape.
 #include <functional>
+#include <numbers>
 
 #include <Eigen/Eigenvalues>
 
@@ -232,6 +233,49 @@ TEST(MembraneElement, UniaxialStretchGivesTheEngineeringConstants) {
   for (int j = 0; j < 3; ++j) pull += f(0, 3 * j);
   EXPECT_NEAR(pull, material.youngs_modulus_1 * material.thickness * kStrain, 1e-9);
   EXPECT_LT(f.row(1).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+// F = [1 e; e 1] in axes at `direction` to the material's: no rotation, so e11 = e22 = 0 and shear 2 e at any e, whose
+// modulus `expected` (Pa) is.
+void expect_shear_modulus(Material material, double direction, double expected) {
+  material.direction = direction;
+  material.bending_scale = 0.0;
+  const mesh::TriangleMesh mesh = jittered_square(4);
+  const Model model(mesh, material);
+  for (const double e : {1e-4, 0.1}) {
+    const Eigen::Matrix3d F{{1.0, e, 0.0}, {e, 1.0, 0.0}, {0.0, 0.0, 1.0}};
+    const Eigen::Matrix3Xd x = F * rest_state(mesh).x;
+    const double shear_force = expected * material.thickness * 2.0 * e;  // N, on each side of 1 m
+    const double energy = membrane_energy(model.element_blocks(), model.membrane_law(), x);
+    EXPECT_NEAR(energy, 0.5 * shear_force * 2.0 * e, 1e-9 * shear_force * e);
+    Eigen::Matrix3Xd f(3, x.cols());
+    model.internal_forces(x, f);
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (int i = 0; i < mesh.num_vertices(); ++i) {
+      const bool is_inside = (mesh.rest_position(i).array() > 0.0).all() && (mesh.rest_position(i).array() < 1.0).all();
+      if (is_inside) {
+        EXPECT_LT(f.col(i).norm(), 1e-9 * shear_force) << "uniform stress is in balance";
+      }
+      if (mesh.rest_position(i).x() == 1.0) right -= f.col(i);
+    }
+    EXPECT_NEAR(right.x(), 0.0, 1e-9 * shear_force);  // its corners' shares of the other sides cancel
+    EXPECT_NEAR(right.y(), shear_force, 1e-9 * shear_force);
+  }
+}
+
+TEST(MembraneElement, PureShearAlongTheAxesFeelsTheIndependentShearModulusAlone) {
+  Material material = isotropic(1.0e6, 0.3, 1.0e-3, 300.0);
+  for (const double factor : {0.02, 1.0, 3.0}) {
+    material.shear_modulus = factor * 1.0e6;
+    expect_shear_modulus(material, 0.0, material.shear_modulus);
+  }
+  expect_shear_modulus(orthotropic_cloth(), 0.0, orthotropic_cloth().shear_modulus);
+}
+
+TEST(MembraneElement, PureShearAcrossTheAxesFeelsEverythingButTheShearModulus) {
+  Material material = isotropic(1.0e6, 0.3, 1.0e-3, 300.0);
+  material.shear_modulus = 2.0e4;
+  expect_shear_modulus(material, 0.25 * std::numbers::pi, 1.0e6 / (2.0 * 1.3));
 }
 
 TEST(MembraneDamping, NeverAddsEnergyAndIgnoresRigidMotion) {
