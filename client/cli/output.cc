@@ -104,8 +104,9 @@ std::string describe(const v1::Sheet& sheet) {
 
 std::string describe(const v1::CutResult& result) {
   if (result.status() == v1::CutResult::NO_INTERSECTION) {
-    return format("NO_INTERSECTION at tick %lld: the curve misses the sheet or only retraces an earlier cut; %d %s",
-                  static_cast<long long>(result.tick()), result.pieces(), result.pieces() == 1 ? "piece" : "pieces");
+    return format(
+        "NO_INTERSECTION at tick %lld: the curve misses the sheet, only retraces an earlier cut or is too small; %d %s",
+        static_cast<long long>(result.tick()), result.pieces(), result.pieces() == 1 ? "piece" : "pieces");
   }
   std::string text = format(
       "APPLIED at tick %lld: %d %s, %d new vertices, %d new triangles\n"

@@ -56,8 +56,8 @@ struct CutPlan {
 
 enum class CutStatus {
   kApplied,
-  kNoIntersection,  // the curve misses the sheet, or only retraces border and lips that are already there:
-                    // mesh untouched, edit empty
+  kNoIntersection,  // the curve misses the sheet, only retraces border and lips that are already there, or is no
+                    // larger than the snap distance, which makes it a point: mesh untouched, edit empty
 };
 
 struct CutReport {

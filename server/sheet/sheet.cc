@@ -85,7 +85,7 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
   }
   report.tick = tick;
   report.frozen = frozen;
-  report.at_rest = at_rest && grabs.empty() && next_scheduled == schedule.size() && !frozen;
+  report.at_rest = is_at_rest();
   report.topology_changed = topology_version != version_before;
   if (report.replies.empty() && report.scheduled.empty()) return report;
 
@@ -160,13 +160,17 @@ void Sheet::Impl::watch_rest() {
   }
   if (fastest_squared >= kRestSpeed * kRestSpeed) {
     quiet_ticks = 0;
-    at_rest = false;
+    is_quiet = false;
     return;
   }
   if (quiet_ticks == 0) quiet_energy = kinetic;
   if (++quiet_ticks < kRestTicks) return;
-  at_rest = kinetic <= quiet_energy;
+  is_quiet = kinetic <= quiet_energy;
   quiet_ticks = 0;  // look at the next window
+}
+
+bool Sheet::Impl::is_at_rest() const {
+  return is_quiet && grabs.empty() && next_scheduled == schedule.size() && !frozen;
 }
 
 void Sheet::Impl::add_shape_to(StateHash& hash) const {
@@ -283,7 +287,7 @@ bool Sheet::frozen() const {
 }
 
 bool Sheet::at_rest() const {
-  return impl_->at_rest && impl_->grabs.empty() && impl_->next_scheduled == impl_->schedule.size() && !impl_->frozen;
+  return impl_->is_at_rest();
 }
 
 Energies Sheet::energies() const {

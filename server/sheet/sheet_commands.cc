@@ -69,7 +69,7 @@ std::vector<std::string> warnings_of(const cut::CutReport& report) {
 }  // namespace
 
 Result<CommandReply> Sheet::Impl::do_command(const Command& command, const CommandContext& context) {
-  at_rest = false;
+  is_quiet = false;
   quiet_ticks = 0;
   if (Status s = validate(command); !s) return s.error();
   if (const auto* c = std::get_if<Cut>(&command)) return cut(*c, context);

@@ -76,6 +76,7 @@ struct Sheet::Impl {
   void set_loads();
   void integrate(TickReport& report);
   void watch_rest();
+  [[nodiscard]] bool is_at_rest() const;
 
   // Commands (sheet_commands.cc). Each changes everything it should, or nothing.
   Result<CommandReply> do_command(const Command& command, const CommandContext& context);
@@ -120,7 +121,7 @@ struct Sheet::Impl {
   std::int64_t num_cuts = 0;
   std::int32_t quiet_ticks = 0;  // in a row, below kRestSpeed
   double quiet_energy = 0.0;     // J, kinetic, when they began
-  bool at_rest = false;
+  bool is_quiet = false;         // kRestTicks ticks were
 
   // Derived from settings and state.
   fem::Model model;

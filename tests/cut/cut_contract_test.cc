@@ -175,6 +175,29 @@ TEST(CutContract, AMissLeavesTheMeshBitIdentical) {
   }
 }
 
+TEST(CutContract, ACurveNoLargerThanTheSnapDistanceIsAMissWhereverItIs) {
+  const mesh::TriangleMesh sheet = jittered(9);
+  const mesh::VertexId vertex = 40;
+  const Eigen::Vector2d corner = sheet.rest_position(vertex);
+  std::vector<mesh::VertexId> ring;
+  sheet.one_ring(vertex, ring);
+  const Eigen::Vector2d on_edge = 0.5 * (corner + sheet.rest_position(ring[0]));
+  const Eigen::Vector2d inside = (corner + sheet.rest_position(ring[0]) + sheet.rest_position(ring[1])) / 3.0;
+  const double snap = plan(sheet, {Circle{inside, 0.1}, {}, {}})->snap_m;
+  for (const Eigen::Vector2d& at : {corner, on_edge, inside}) {
+    for (const double size : {1e-6 * snap, 0.5 * snap, 0.99 * snap, 20.0 * snap}) {
+      const Eigen::Vector2d half = 0.5 * size * Eigen::Vector2d(0.6, 0.8);
+      for (const Curve& curve : {Curve(Circle{at, 0.5 * size}), Curve(Polyline{{at - half, at + half}})}) {
+        mesh::TriangleMesh mesh = sheet;
+        const CutOutcome outcome = cut(mesh, {curve, {}, {}});
+        EXPECT_EQ(outcome.status, size < snap ? CutStatus::kNoIntersection : CutStatus::kApplied)
+            << size / snap << " at " << at.transpose();
+        EXPECT_EQ(mesh == sheet, size < snap);
+      }
+    }
+  }
+}
+
 TEST(CutContract, UndoRestoresTheMeshBitForBit) {
   mesh::TriangleMesh mesh = jittered(15);
   std::vector<mesh::TriangleMesh> states{mesh};
