@@ -37,6 +37,13 @@ bool push_out(const PreparedCollider& collider, double thickness, const Eigen::V
   return true;
 }
 
+// Squared sine of the angle between walls below which they count as parallel.
+constexpr double kLeastSineSquared = 1.0e-6;
+
+void stop_approach(const Eigen::Vector3d& n, Eigen::Vector3d& v) {
+  v -= std::min(v.dot(n), 0.0) * n;
+}
+
 }  // namespace
 
 void ContactSolver::set_colliders(std::span<const Collider> colliders) {
@@ -64,17 +71,50 @@ void ContactSolver::resolve(double thickness, std::span<const std::uint8_t> fixe
 bool ContactSolver::resolve_vertex(double thickness, const Eigen::Vector3d& x_before, Eigen::Vector3d& x,
                                    Eigen::Vector3d& v) {
   bool touched = false;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    bool pushed = false;
+  bool pushed = true;
+  for (int pass = 0; pass < kPasses && pushed; ++pass) {
+    pushed = false;
     for (const PreparedCollider& collider : colliders_) {
       if (!push_out(collider, thickness, x_before, x, v)) continue;
       pushed = true;
       ++counters_.contacts;
     }
-    if (!pushed) break;
-    touched = true;
+    touched = touched || pushed;
   }
+  if (pushed && colliders_.size() > 1) leave_notch(thickness, x, v);
   return touched;
+}
+
+void ContactSolver::leave_notch(double thickness, Eigen::Vector3d& x, Eigen::Vector3d& v) const {
+  for (int round = 0; round < kNotchRounds; ++round) {
+    const Penetration first = deepest(thickness, x);
+    if (first.collider == nullptr) return;
+    x += first.depth * first.normal;
+    stop_approach(first.normal, v);
+    const Penetration second = deepest(thickness, x);
+    if (second.collider == nullptr) return;
+    // Along the first surface, out of the second.
+    const Eigen::Vector3d along = second.normal - second.normal.dot(first.normal) * first.normal;
+    const double sine_squared = along.squaredNorm();
+    if (sine_squared < kLeastSineSquared) return;
+    x += second.depth / sine_squared * along;
+    stop_approach(second.normal, v);
+    if (v.dot(first.normal) < 0.0) {  // what stopped it at one wall sends it into the other: only the way along both
+      v -= v.dot(along) / sine_squared * along;
+      v -= v.dot(first.normal) * first.normal;
+    }
+  }
+}
+
+ContactSolver::Penetration ContactSolver::deepest(double thickness, const Eigen::Vector3d& x) const {
+  Penetration found;
+  found.depth = kTouching;
+  for (const PreparedCollider& collider : colliders_) {
+    const Proximity near = collider.query(x);
+    const double depth = thickness - near.distance;
+    if (depth > found.depth) found = {&collider, depth, near.normal};
+  }
+  return found;
 }
 
 }  // namespace kerf::contact

@@ -27,11 +27,16 @@ struct ContactCounters {
 // Heidelberger, Hennix, Ratcliff 2007, sec. 3.4 and 3.6; Bridson, Fedkiw, Anderson 2002, sec. 7.3, for the impulse):
 // with the second alone a sheet that sticks would creep down an incline by what it moved before friction was asked. The
 // correction of a position adds no velocity, so that taking back a penetration is never turned into energy. Done for
-// each collider in the given order, twice over, so that a vertex in the notch between two bodies ends outside both.
+// each collider in the given order, twice over. That ends outside both of two bodies that meet at a right angle or
+// more; in a narrower notch each pushes the vertex back into the other, so there it is slid along the one it is deepest
+// in until it is outside the other, without friction. In a corner of three and on curved bodies that is repeated, and
+// approximate once kNotchRounds are used up; between walls that leave no room it stays in one of them.
 class ContactSolver {
  public:
   // Passes over the colliders in one resolve(): the second repairs what the later colliders of the first undid.
   static constexpr int kPasses = 2;
+  static constexpr int kNotchRounds = 16;
+  static constexpr double kTouching = 1.0e-9;  // m; a penetration that is left to the next substep
 
   // Replaces the colliders, all of them valid. Allocates; resolve() does not.
   void set_colliders(std::span<const Collider> colliders);
@@ -49,6 +54,15 @@ class ContactSolver {
   [[nodiscard]] const ContactCounters& counters() const { return counters_; }
 
  private:
+  // Moves a vertex that the passes left inside a collider out of the notch that keeps it there.
+  void leave_notch(double thickness, Eigen::Vector3d& x, Eigen::Vector3d& v) const;
+  struct Penetration {
+    const PreparedCollider* collider = nullptr;
+    double depth = 0.0;  // m
+    Eigen::Vector3d normal{0.0, 0.0, 1.0};
+  };
+  // The deepest one beyond kTouching, the first of equals; no collider where there is none.
+  [[nodiscard]] Penetration deepest(double thickness, const Eigen::Vector3d& x) const;
   // Whether a collider had to push the vertex.
   bool resolve_vertex(double thickness, const Eigen::Vector3d& x_before, Eigen::Vector3d& x, Eigen::Vector3d& v);
 

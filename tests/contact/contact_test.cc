@@ -252,5 +252,85 @@ TEST(ContactSolver, EndsOutsideBothWallsOfANotch) {
   EXPECT_LT(particle.v.norm(), 0.05);
 }
 
+// Two planes that meet in the y axis and leave `angle` (rad) of room between them, upwards.
+std::vector<Collider> notch(double angle, double friction) {
+  const double c = std::cos(0.5 * angle);
+  const double s = std::sin(0.5 * angle);
+  return {{Plane{{0, 0, 0}, {c, 0.0, s}}, friction}, {Plane{{0, 0, 0}, {-c, 0.0, s}}, friction}};
+}
+
+double least_distance(const std::vector<Collider>& bodies, const Vector3d& x) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Collider& body : bodies) least = std::min(least, PreparedCollider(body).query(x).distance);
+  return least;
+}
+
+TEST(ContactSolver, EndsOutsideBothWallsHoweverNarrowTheNotch) {
+  constexpr double kThickness = 1e-3;
+  for (const double degrees : {120.0, 60.0, 20.0, 5.0, 1.0}) {
+    const double angle = degrees * std::numbers::pi / 180.0;
+    for (const double friction : {0.0, 0.3}) {
+      ContactSolver solver;
+      const std::vector<Collider> walls = notch(angle, friction);
+      solver.set_colliders(walls);
+      Particle particle;
+      particle.x.col(0) = Vector3d(0.01 * std::tan(0.5 * angle), 0.0, 0.3);
+      for (int i = 0; i < 2000; ++i) {
+        particle.step(solver, 1e-3, kThickness);
+        ASSERT_GT(least_distance(walls, particle.x.col(0)), kThickness - 2e-9) << degrees << " degrees, step " << i;
+      }
+      // No deeper than a ball of that radius goes.
+      EXPECT_GT(particle.x(2, 0), kThickness / std::sin(0.5 * angle) - 1e-6) << degrees;
+      if (friction > 0.0) continue;  // it may stick higher up
+      // In a wide one what stops it at the second wall lifts it off the first, by what a step of gravity makes.
+      const bool is_narrow = degrees < 90.0;
+      EXPECT_NEAR(particle.x(2, 0), kThickness / std::sin(0.5 * angle), is_narrow ? 1e-6 : 1e-5) << degrees;
+      EXPECT_LT(particle.v.norm(), is_narrow ? 1e-9 : 0.01) << degrees;
+    }
+  }
+}
+
+TEST(ContactSolver, EndsOutsideASphereAndThePlaneItStandsOn) {
+  constexpr double kThickness = 1e-3;
+  const std::vector<Collider> bodies{{Plane{}, 0.2}, {Sphere{{0.0, 0.0, 0.5}, 0.5}, 0.2}};
+  ContactSolver solver;
+  solver.set_colliders(bodies);
+  SeededRandom random(8);
+  for (int i = 0; i < 500; ++i) {
+    // In the cusp around the point of contact, which leaves room for the sheet from 4.5 cm on.
+    const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
+    const double radius = random.uniform(0.01, 0.06);
+    Matrix3Xd x(3, 1);
+    Matrix3Xd v(3, 1);
+    x.col(0) = Vector3d(radius * std::cos(angle), radius * std::sin(angle), random.uniform(-0.001, 0.003));
+    v.col(0) = random_vector(random, 1.0);
+    const Matrix3Xd before = x;
+    const double speed = v.norm();
+    solver.resolve(kThickness, {}, before, x, v);
+    EXPECT_GT(least_distance(bodies, x.col(0)), kThickness - 2e-9) << i;
+    EXPECT_LE(v.norm(), speed * (1.0 + 1e-14));
+  }
+}
+
+TEST(ContactSolver, ThreeWallsAndAGapWithoutRoomStayBounded) {
+  constexpr double kThickness = 1e-3;
+  ContactSolver solver;
+  std::vector<Collider> walls = notch(0.35, 0.1);
+  walls.push_back({Plane{{0, 0, 0}, {0.0, 1.0, 0.2}}, 0.1});
+  solver.set_colliders(walls);
+  Particle particle;
+  particle.x.col(0) = Vector3d(0.0, 0.05, 0.2);
+  for (int i = 0; i < 1000; ++i) particle.step(solver, 1e-3, kThickness);
+  EXPECT_GT(least_distance(walls, particle.x.col(0)), kThickness - 1e-6);
+
+  const std::vector<Collider> vice{{Plane{}, 0.0}, {Plane{{0, 0, 1e-3}, {0.0, 0.0, -1.0}}, 0.0}};
+  solver.set_colliders(vice);
+  particle.x.col(0) = Vector3d(0.0, 0.0, 5e-4);
+  particle.v.setZero();
+  for (int i = 0; i < 1000; ++i) particle.step(solver, 1e-3, kThickness);
+  EXPECT_LT(std::abs(particle.x(2, 0)), 3e-3);
+  EXPECT_LT(particle.x.col(0).head<2>().norm(), 1e-12);
+}
+
 }  // namespace
 }  // namespace kerf::contact
