@@ -370,6 +370,33 @@ TEST(ExplicitIntegrator, ShortensTheStepItCannotAffordAndSaysSo) {
   EXPECT_NEAR(state.v(2, 0), -9.81 * stats.simulated, 1e-12);
 }
 
+TEST(ImplicitIntegrator, SaysWhenItDidNotConvergeAndStepsAllTheSame) {
+  const mesh::TriangleMesh mesh = square_grid(6);
+  const Model model(mesh, soft_cloth());
+  struct Case {
+    int newton_iterations, linear_iterations;
+    bool converges;
+  };
+  for (const Case& tested : {Case{30, 1000, true}, Case{1, 1000, false}, Case{30, 2, false}}) {
+    IntegratorOptions options;
+    options.kind = IntegratorKind::kImplicitEuler;
+    options.newton_iterations = tested.newton_iterations;
+    options.max_linear_iterations = tested.linear_iterations;
+    options.newton_tolerance = 1e-6;
+    const std::unique_ptr<Integrator> integrator = make_integrator(options);
+    integrator->rebuild(model);
+    SeededRandom random(5);
+    State state = rest_state(mesh);
+    state.x += random_field(random, state.x.cols(), 0.05);
+    const StepStats stats = integrator->step(model, no_loads(), kTick, nullptr, state);
+    EXPECT_EQ((stats.flags & kNotConverged) == 0, tested.converges) << stats.residual;
+    EXPECT_EQ(stats.residual <= options.newton_tolerance, tested.converges) << stats.residual;
+    EXPECT_EQ(stats.flags & kFrozen, 0U);
+    EXPECT_EQ(stats.simulated, kTick);
+    EXPECT_TRUE(is_finite(state));
+  }
+}
+
 TEST(StableStep, BoundsTheTrueLargestEigenvalueClosely) {
   for (const bool jittered : {false, true}) {
     for (const Material& material : {soft_cloth(), orthotropic_cloth(), find_preset("wool").value()}) {
