@@ -11,6 +11,7 @@
 #include "server/base/random.h"
 #include "server/cut/curve.h"
 #include "tests/property/random_sheets.h"
+#include "tests/support/meshes.h"
 
 namespace kerf::property {
 
@@ -78,12 +79,11 @@ inline cut::Curve random_hairpin(SeededRandom& random) {
 inline cut::Curve random_vertex_path(SeededRandom& random, const mesh::TriangleMesh& mesh) {
   cut::Polyline line{{random_vertex(random, mesh), random_vertex(random, mesh)}};
   if (random.below(2) == 0) {
-    std::vector<mesh::VertexId> ring;
     auto vertex = static_cast<mesh::VertexId>(random.below(static_cast<std::uint64_t>(mesh.num_vertices())));
     line.points.assign(1, mesh.rest_position(vertex));
     const std::uint64_t steps = 1 + random.below(6);
     for (std::uint64_t i = 0; i < steps; ++i) {
-      mesh.one_ring(vertex, ring);
+      const std::vector<mesh::VertexId> ring = test::one_ring(mesh, vertex);
       vertex = ring[random.below(ring.size())];
       line.points.push_back(mesh.rest_position(vertex));
     }
