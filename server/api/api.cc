@@ -57,7 +57,12 @@ std::vector<Method> json_methods(Api& api) {
 }  // namespace
 
 Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host::Clock& clock)
-    : core_(std::make_shared<ApiCore>(host, renderer, std::move(options), clock)), methods_(json_methods(*this)) {}
+    : core_(std::make_shared<ApiCore>(host, renderer, std::move(options), clock)), methods_(json_methods(*this)) {
+  host.set_command_listener([core = std::weak_ptr(core_)](const std::string& id, const sheet::Command& command,
+                                                          const host::CommandResult& result) {
+    if (const auto alive = core.lock()) keep_in_journal(*alive, id, command, result);
+  });
+}
 
 Api::~Api() {
   stop();

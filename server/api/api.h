@@ -93,7 +93,8 @@ struct Method {
 // with field "name" or "parent", a malformed name kInvalidArgument, and after stop() everything is kUnavailable.
 class Api {
  public:
-  // `renderer` may be null or the null renderer: RenderImage is then refused with kUnavailable.
+  // Becomes the host's command listener: to be made before any sheet runs. `renderer` may be null or the null renderer:
+  // RenderImage is then refused with kUnavailable.
   Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host::Clock& clock);
   ~Api();  // stop(), and waits for pictures being drawn
   Api(const Api&) = delete;

@@ -4,26 +4,16 @@
 
 namespace kerf::api {
 
-void CutJournal::add(const std::string& sheet, const v1::Cut& cut, const v1::CutResult& result) {
+void CutJournal::add(const std::string& sheet, v1::Cut cut, v1::CutResult result) {
   v1::ListCutsResponse::Entry entry;
-  *entry.mutable_cut() = cut;
-  *entry.mutable_result() = result;
+  *entry.mutable_cut() = std::move(cut);
+  *entry.mutable_result() = std::move(result);
   const std::lock_guard lock(mutex_);
   Log& log = logs_[sheet];
-  if (result.topology_version() < log.reset_version) return;
   log.bytes += entry.ByteSizeLong();
-  log.entries.emplace(result.topology_version(), std::move(entry));
+  const std::int32_t version = entry.result().topology_version();
+  log.entries.emplace(version, std::move(entry));
   while (log.bytes > kMaxBytes && log.entries.size() > 1) {
-    log.bytes -= log.entries.begin()->second.ByteSizeLong();
-    log.entries.erase(log.entries.begin());
-  }
-}
-
-void CutJournal::reset(const std::string& sheet, std::int32_t topology_version) {
-  const std::lock_guard lock(mutex_);
-  Log& log = logs_[sheet];
-  log.reset_version = topology_version;
-  while (!log.entries.empty() && log.entries.begin()->first < topology_version) {
     log.bytes -= log.entries.begin()->second.ByteSizeLong();
     log.entries.erase(log.entries.begin());
   }

@@ -12,15 +12,12 @@
 namespace kerf::api {
 
 // The applied cuts of every sheet since its last reset, by topology version, which each cut raises. Bounded: of a sheet
-// whose cuts take more than kMaxBytes the oldest are forgotten. Thread-safe; in whatever order answers come in, the
-// result is the same.
+// whose cuts take more than kMaxBytes the oldest are forgotten. Thread-safe.
 class CutJournal {
  public:
   static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  // serialised, a sheet
 
-  void add(const std::string& sheet, const v1::Cut& cut, const v1::CutResult& result);
-  // Forgets what lies before the version that a reset gave the sheet.
-  void reset(const std::string& sheet, std::int32_t topology_version);
+  void add(const std::string& sheet, v1::Cut cut, v1::CutResult result);
   void forget(const std::string& sheet);
 
   // At most `count` entries with a topology version above `after`, oldest first; `more`: there are others behind them.
@@ -34,7 +31,6 @@ class CutJournal {
   struct Log {
     std::map<std::int32_t, v1::ListCutsResponse::Entry> entries;
     std::size_t bytes = 0;
-    std::int32_t reset_version = 0;
   };
 
   mutable std::mutex mutex_;

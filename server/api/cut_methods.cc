@@ -34,6 +34,13 @@ std::optional<std::int32_t> parse_token(const std::string& token) {
 
 }  // namespace
 
+void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
+                     const host::CommandResult& result) {
+  if (std::holds_alternative<sheet::Reset>(command)) return core.journal.forget(sheet_id);
+  if (!result.reply.cut || result.reply.cut->status != cut::CutStatus::kApplied) return;
+  core.journal.add(sheet_id, wire::encode_command(command).cut(), encode_result(sheet_id, result));
+}
+
 void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> reply) {
   const Result<std::string> id = addressed_sheet(*core_, request.parent(), "parent");
   if (!id.ok()) return reply(id.error());
@@ -42,14 +49,11 @@ void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> r
   Result<sheet::Command> command = wire::decode_cut(request.cut());
   if (!command.ok()) return reply(command.error());
   once<v1::CutResult>(core_, "CreateCut", request, std::move(reply), [&](Reply<v1::CutResult> answer) {
-    core_->host.submit(
-        *id, std::move(*command),
-        [core = core_, id = *id, cut = request.cut(), answer = std::move(answer)](Result<host::CommandResult> result) {
-          if (!result.ok()) return answer(at_field(result.error(), "parent"));
-          v1::CutResult message = encode_result(id, *result);
-          if (message.status() == v1::CutResult::APPLIED) core->journal.add(id, cut, message);
-          answer(std::move(message));
-        });
+    core_->host.submit(*id, std::move(*command),
+                       [id = *id, answer = std::move(answer)](Result<host::CommandResult> result) {
+                         if (!result.ok()) return answer(at_field(result.error(), "parent"));
+                         answer(encode_result(id, *result));
+                       });
   });
 }
 
@@ -60,7 +64,7 @@ void Api::list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsRespon
   if (!size.ok()) return reply(size.error());
   const std::optional<std::int32_t> after = parse_token(request.page_token());
   if (!after) return reply(bad_page_token());
-  // By way of the sheet: an unknown one is refused, and all cuts answered before this call are in the journal.
+  // By way of the sheet: an unknown one is refused, and all cuts done before this call are in the journal.
   look_at<bool>(
       core_, *id, [](const sheet::Sheet&) { return true; }, "parent",
       [core = core_, id = *id, size = *size, after = *after, reply = std::move(reply)](const Result<bool>& exists) {

@@ -113,6 +113,7 @@ class Host::Impl {
     runner->post(std::move(work), [done](Error error) { done(std::move(error)); });
   }
 
+  void set_command_listener(CommandListener listener) { listener_.set(std::move(listener)); }
   [[nodiscard]] HostMetrics metrics() const { return board_.read(); }
   [[nodiscard]] const HostOptions& options() const { return options_; }
   void wait_idle() { workers_.wait_idle(); }
@@ -132,7 +133,7 @@ class Host::Impl {
   }
 
  private:
-  [[nodiscard]] SheetRunner::Context context() { return {options_, clock_, board_}; }
+  [[nodiscard]] SheetRunner::Context context() { return {options_, clock_, board_, listener_}; }
 
   Status reserve(const std::string& id, const sheet::SheetConfig& config) {
     if (!sheet::is_valid_sheet_id(id)) {
@@ -191,6 +192,7 @@ class Host::Impl {
   Clock& clock_;
   Entropy& entropy_;
   MetricsBoard board_;
+  ListenerSlot listener_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
   bool stopping_ = false;                                       // guarded by mutex_
@@ -276,6 +278,10 @@ void Host::statuses(std::vector<std::string> ids, std::function<void(std::vector
 
 void Host::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {
   impl_->submit(id, std::move(command), std::move(done));
+}
+
+void Host::set_command_listener(CommandListener listener) {
+  impl_->set_command_listener(std::move(listener));
 }
 
 void Host::release_grab(const std::string& id, std::string grab_id) {

@@ -57,7 +57,7 @@ struct SheetStatus {
 };
 
 struct CommandTimings {
-  double queued_us = 0.0;  // from submit() to the tick boundary
+  double queued_us = 0.0;  // from submit() to the tick boundary; 0 for a scheduled command
   double cut_us = 0.0;     // plan, apply, remesh
   double update_us = 0.0;  // model and state
 };
@@ -66,6 +66,10 @@ struct CommandResult {
   sheet::CommandReply reply;
   CommandTimings timings;
 };
+
+// Told of a command that was done, on the sheet's strand. Must not block.
+using CommandListener =
+    std::function<void(const std::string& id, const sheet::Command& command, const CommandResult& result)>;
 
 // Called exactly once: on a worker thread, or from within the call for what is refused at once. Must not block.
 template <typename T>
@@ -108,6 +112,9 @@ class Host {
   // time. Wakes a sleeping sheet. kResourceExhausted QUEUE_FULL at once; validate()'s errors at once; else what the
   // sheet says.
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
+  // Every command that is done from now on, submitted or scheduled by a scene, in the order in which a sheet does them
+  // and before it is answered. Replaces the listener before; begin with it, and it misses nothing.
+  void set_command_listener(CommandListener listener);
   // Queues a release, be the queue full or not: for whoever was given the grab and goes away, once a grab. Does nothing
   // where the sheet, or with a reset the grab, is gone.
   void release_grab(const std::string& id, std::string grab_id);

@@ -27,7 +27,7 @@ struct HostMetrics {
   std::int64_t snapshots = 0;         // built
   std::int64_t contact_phases = 0;    // substeps in which colliders were looked at
   std::int64_t cuts = 0;              // applied
-  std::int64_t commands = 0;          // done, cuts among them
+  std::int64_t commands = 0;          // done, cuts and scheduled ones among them
   std::int64_t commands_refused = 0;  // by a full queue, by validation or by the sheet
   std::int64_t overruns = 0;          // ticks that ended after their deadline
   std::int64_t sleeps = 0;            // times a sheet fell asleep

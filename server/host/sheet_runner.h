@@ -15,6 +15,25 @@
 
 namespace kerf::host {
 
+// Who is told of commands that are done. Thread-safe.
+class ListenerSlot {
+ public:
+  void set(CommandListener listener) {
+    auto shared = std::make_shared<const CommandListener>(std::move(listener));
+    const std::lock_guard lock(mutex_);
+    listener_.swap(shared);
+  }
+  // May be null.
+  [[nodiscard]] std::shared_ptr<const CommandListener> get() const {
+    const std::lock_guard lock(mutex_);
+    return listener_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<const CommandListener> listener_;
+};
+
 // One sheet in real time: its strand, queue, clockwork and sinks. All but enqueue() runs on the strand; what is said of
 // a function of the same name in Host holds here.
 class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
@@ -24,6 +43,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     const HostOptions& options;
     Clock& clock;
     MetricsBoard& board;
+    const ListenerSlot& listener;
   };
 
   SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand);
@@ -64,9 +84,14 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void take_turn();
   bool run_once(bool advance);
   std::vector<Pending> take_queue();
-  void answer(std::vector<Pending> pending, const sheet::TickReport& report, Nanoseconds drained_at,
-              const StageTimer& timer);
-  void count(const sheet::TickReport& report, Nanoseconds wall, Nanoseconds cpu);
+  // Of all commands of the tick, scheduled ones first.
+  static std::vector<Result<CommandResult>> results_of(const sheet::TickReport& report,
+                                                       const std::vector<Pending>& pending, Nanoseconds drained_at,
+                                                       const StageTimer& timer);
+  void tell(const std::vector<sheet::Command>& commands, const sheet::TickReport& report,
+            const std::vector<Result<CommandResult>>& results) const;
+  void count(const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results, Nanoseconds wall,
+             Nanoseconds cpu);
   void publish();
   void finish_step(Result<SheetStatus> result);
 

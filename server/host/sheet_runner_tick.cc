@@ -27,13 +27,15 @@ bool SheetRunner::run_once(bool advance) {
   std::vector<sheet::Command> commands;
   commands.reserve(pending.size());
   for (Pending& p : pending) commands.push_back(std::move(p.command));
-  StageTimer timer(context_.clock, commands.size());
+  StageTimer timer(context_.clock);
   const bool timed = advance && !paused_;
 
   const sheet::TickReport report = advance ? sheet_.step(commands, &timer) : sheet_.apply(commands, &timer);
 
   const auto is_reset = [](const sheet::Command& command) { return std::holds_alternative<sheet::Reset>(command); };
   if (step_call_ && std::any_of(commands.begin(), commands.end(), is_reset)) step_call_->remaining = 0;
+  const std::vector<Result<CommandResult>> results = results_of(report, pending, begin, timer);
+  tell(commands, report, results);
   if (recording_) recording_->append({report.tick, std::move(commands), sheet_.state_hash()});
   const Nanoseconds cpu = context_.clock.thread_cpu() - cpu_begin;
   const Nanoseconds end = context_.clock.now();
@@ -43,8 +45,8 @@ bool SheetRunner::run_once(bool advance) {
     pace_.add_cpu(cpu);
   }
   publish();
-  count(report, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
-  answer(std::move(pending), report, begin, timer);
+  count(report, results, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
+  for (std::size_t i = 0; i < pending.size(); ++i) pending[i].done(results[report.scheduled.size() + i]);
   return true;
 }
 
@@ -69,29 +71,46 @@ void SheetRunner::publish() {
   }
 }
 
-void SheetRunner::answer(std::vector<Pending> pending, const sheet::TickReport& report, Nanoseconds drained_at,
-                         const StageTimer& timer) {
-  for (std::size_t i = 0; i < pending.size(); ++i) {
-    const Result<sheet::CommandReply>& reply = report.replies[i];
+std::vector<Result<CommandResult>> SheetRunner::results_of(const sheet::TickReport& report,
+                                                           const std::vector<Pending>& pending, Nanoseconds drained_at,
+                                                           const StageTimer& timer) {
+  const std::size_t num_scheduled = report.scheduled.size();
+  std::vector<Result<CommandResult>> results;
+  results.reserve(num_scheduled + pending.size());
+  const auto add = [&](const Result<sheet::CommandReply>& reply, Nanoseconds queued) {
     if (!reply) {
-      pending[i].done(reply.error());
-      continue;
+      results.emplace_back(reply.error());
+      return;
     }
-    CommandTimings timings;
-    timings.queued_us = microseconds(drained_at - pending[i].queued_at);
-    timings.cut_us = microseconds(timer.time(i).cut);
-    timings.update_us = microseconds(timer.time(i).update);
-    if (reply->cut) {
-      context_.board.update([&](HostMetrics& m) { m.cut_duration.add(1.0e-6 * (timings.cut_us + timings.update_us)); });
-    }
-    pending[i].done(CommandResult{*reply, timings});
+    const StageTimer::CutTime time = timer.time(results.size());
+    results.emplace_back(
+        CommandResult{*reply, {microseconds(queued), microseconds(time.cut), microseconds(time.update)}});
+  };
+  for (const sheet::ScheduledReply& scheduled : report.scheduled) add(scheduled.reply, Nanoseconds{0});
+  for (std::size_t i = 0; i < pending.size(); ++i) add(report.replies[i], drained_at - pending[i].queued_at);
+  return results;
+}
+
+void SheetRunner::tell(const std::vector<sheet::Command>& commands, const sheet::TickReport& report,
+                       const std::vector<Result<CommandResult>>& results) const {
+  if (results.empty()) return;
+  const std::shared_ptr<const CommandListener> listener = context_.listener.get();
+  if (!listener || !*listener) return;
+  const std::size_t num_scheduled = report.scheduled.size();
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (!results[i]) continue;
+    const bool scheduled = i < num_scheduled;
+    (*listener)(id_,
+                scheduled ? sheet_.config().commands[report.scheduled[i].index].command : commands[i - num_scheduled],
+                *results[i]);
   }
 }
 
-void SheetRunner::count(const sheet::TickReport& report, Nanoseconds wall, Nanoseconds cpu) {
-  const auto refused = [](const auto& reply) { return !reply.ok(); };
-  const std::int64_t num_refused = std::count_if(report.replies.begin(), report.replies.end(), refused);
-  const std::int64_t num_done = static_cast<std::int64_t>(report.replies.size()) - num_refused;
+void SheetRunner::count(const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results,
+                        Nanoseconds wall, Nanoseconds cpu) {
+  const auto refused = [](const auto& result) { return !result.ok(); };
+  const std::int64_t num_refused = std::count_if(results.begin(), results.end(), refused);
+  const std::int64_t num_done = static_cast<std::int64_t>(results.size()) - num_refused;
   context_.board.update([&](HostMetrics& m) {
     if (report.advanced) {
       ++m.ticks;
@@ -103,6 +122,10 @@ void SheetRunner::count(const sheet::TickReport& report, Nanoseconds wall, Nanos
       m.flagged_ticks[bit] += report.stats.flags >> bit & 1U;
     m.commands += num_done;
     m.commands_refused += num_refused;
+    for (const Result<CommandResult>& result : results) {
+      if (!result || !result->reply.cut) continue;
+      m.cut_duration.add(1.0e-6 * (result->timings.cut_us + result->timings.update_us));
+    }
     m.contact_phases += sheet_.contact_phases() - contact_phases_;
     m.cuts += sheet_.num_cuts() - cuts_;
     m.overruns += pace_.overruns() - overruns_;

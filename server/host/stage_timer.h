@@ -15,19 +15,23 @@ class StageTimer : public sheet::StageObserver {
     Nanoseconds update{0};  // model and state
   };
 
-  // For `num_commands` commands from outside.
-  StageTimer(const Clock& clock, std::size_t num_commands) : clock_(clock), times_(num_commands) {}
+  explicit StageTimer(const Clock& clock) : clock_(clock) {}
 
   void begin(sheet::Stage /*stage*/, std::int32_t /*command*/) override { begun_ = clock_.now(); }
   void end(sheet::Stage stage, std::int32_t command) override {
     if (command < 0) return;
     const Nanoseconds took = clock_.now() - begun_;
-    CutTime& time = times_[static_cast<std::size_t>(command)];
+    const auto index = static_cast<std::size_t>(command);
+    if (index >= times_.size()) times_.resize(index + 1);
+    CutTime& time = times_[index];
     if (stage == sheet::Stage::kCut) time.cut += took;
     if (stage == sheet::Stage::kModelUpdate) time.update += took;
   }
 
-  [[nodiscard]] const CutTime& time(std::size_t command) const { return times_[command]; }
+  // Zero for a command that had no such stage.
+  [[nodiscard]] CutTime time(std::size_t command) const {
+    return command < times_.size() ? times_[command] : CutTime{};
+  }
 
  private:
   const Clock& clock_;

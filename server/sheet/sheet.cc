@@ -104,13 +104,14 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
 
 void Sheet::Impl::drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled,
                                  TickReport& report) {
+  std::int32_t number = 0;
   while (scheduled && next_scheduled < schedule.size() && config->commands[schedule[next_scheduled]].tick <= tick + 1) {
     const std::size_t index = schedule[next_scheduled++];
-    report.scheduled.push_back({index, do_command(config->commands[index].command, {observer, -1})});
+    report.scheduled.push_back({index, do_command(config->commands[index].command, {observer, number++})});
   }
   report.replies.reserve(commands.size());
-  for (std::size_t i = 0; i < commands.size(); ++i) {
-    report.replies.push_back(do_command(commands[i], {observer, static_cast<std::int32_t>(i)}));
+  for (const Command& command : commands) {
+    report.replies.push_back(do_command(command, {observer, number++}));
   }
 }
 

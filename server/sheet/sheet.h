@@ -35,8 +35,8 @@ enum class Stage {
 class StageObserver {
  public:
   virtual ~StageObserver() = default;
-  // `command`: index into the commands given to step() or apply(); -1 where the stage serves none of them (scheduled
-  // commands, loads, integration).
+  // `command`: which of the commands of this step() or apply(), in the order in which they are done: scheduled ones
+  // first, then those given; -1 where the stage serves none of them (loads, integration).
   virtual void begin(Stage stage, std::int32_t command) = 0;
   virtual void end(Stage stage, std::int32_t command) = 0;
 };

@@ -183,6 +183,46 @@ TEST_F(ApiTest, JournalListsTheCutsSinceTheLastReset) {
   EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 1);
 }
 
+TEST_F(ApiTest, JournalListsScheduledCutsWithTheOthers) {
+  const Result<std::string> created = call_json("/kerf.v1.SheetService/CreateSheet", R"({"sheet_id":"a","paused":true,
+      "scene":{"grid":{"columns":7,"rows":7,"width_m":1,"height_m":1},"commands":[
+        {"tick":2,"command":{"set_gravity":{"gravity_mps2":{"z":-1}}}},
+        {"tick":2,"command":{"cut":{"curve":{"circle":{"center":{"x":0.5,"y":0.5},"radius_m":0.2}}}}},
+        {"tick":3,"command":{"cut":{"curve":{"circle":{"center":{"x":9,"y":9},"radius_m":0.2}}}}},
+        {"tick":3,"command":{"cut":{"curve":{"circle":{"center":{"x":0.2,"y":0.2},"radius_m":0.1}}}}},
+        {"tick":5,"command":{"reset":{}}},
+        {"tick":5,"command":{"cut":{"curve":{"circle":{"center":{"x":0.3,"y":0.3},"radius_m":0.1}}}}}]}})");
+  ASSERT_TRUE(created.ok()) << created.error().message;
+  v1::ListCutsRequest list;
+  list.set_parent("sheets/a");
+  v1::StepSheetRequest step;
+  step.set_name("sheets/a");
+  step.set_ticks(3);
+  ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.9)).ok());
+  EXPECT_EQ(call(&Api::step_sheet, step).value().topology_version(), 4);
+  const v1::ListCutsResponse cuts = call(&Api::list_cuts, list).value();
+  ASSERT_EQ(cuts.cuts_size(), 3);
+  EXPECT_TRUE(cuts.cuts(0).cut().curve().has_polyline());
+  EXPECT_EQ(cuts.cuts(0).result().tick(), 0);
+  EXPECT_EQ(cuts.cuts(1).cut().curve().circle().radius_m(), 0.2);
+  EXPECT_EQ(cuts.cuts(1).result().tick(), 2);
+  EXPECT_EQ(cuts.cuts(1).result().pieces(), 3);
+  EXPECT_EQ(cuts.cuts(1).result().name(), "sheets/a/cuts/3");
+  EXPECT_EQ(cuts.cuts(1).result().queued_us(), 0.0);
+  EXPECT_EQ(cuts.cuts(2).result().tick(), 3);
+  EXPECT_EQ(cuts.cuts(2).result().state_hash(), get_sheet("sheets/a").state_hash());
+
+  const host::HostMetrics metrics = host_->metrics();
+  EXPECT_EQ(metrics.cuts, 3);
+  EXPECT_EQ(metrics.commands, 5) << "the cut by hand and four of the scene";
+  EXPECT_EQ(metrics.cut_duration.total, 4U) << "the one that misses, too";
+
+  ASSERT_TRUE(call(&Api::step_sheet, step).ok());
+  const v1::ListCutsResponse after_reset = call(&Api::list_cuts, list).value();
+  ASSERT_EQ(after_reset.cuts_size(), 1);
+  EXPECT_EQ(after_reset.cuts(0).result().tick(), 5);
+}
+
 TEST_F(ApiTest, ListsSheetsByPage) {
   for (const char* id : {"c", "a", "d", "b"}) ASSERT_TRUE(create_sheet(id, true).ok());
   v1::ListSheetsRequest request;
