@@ -96,10 +96,11 @@ int misuse(const std::string& message) {
 }
 
 std::string describe(const v1::Sheet& sheet) {
-  return format("%-20s %-8s tick %-8lld %6d vertices %6d triangles %3d %s  x%.2f real time  hash %s",
-                sheet.name().c_str(), name_of(sheet.run_state()), static_cast<long long>(sheet.tick()),
-                sheet.num_vertices(), sheet.num_triangles(), sheet.pieces(), sheet.pieces() == 1 ? "piece" : "pieces",
-                sheet.real_time_factor(), sheet.state_hash().c_str());
+  const std::string text =
+      format("%-20s %-8s tick %-8lld %6d vertices %6d triangles %3d %s  x%.2f real time", sheet.name().c_str(),
+             name_of(sheet.run_state()), static_cast<long long>(sheet.tick()), sheet.num_vertices(),
+             sheet.num_triangles(), sheet.pieces(), sheet.pieces() == 1 ? "piece" : "pieces", sheet.real_time_factor());
+  return sheet.state_hash().empty() ? text : text + "  hash " + sheet.state_hash();
 }
 
 std::string describe(const v1::CutResult& result) {

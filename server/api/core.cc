@@ -54,7 +54,7 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   sheet.set_num_vertices(status.num_vertices);
   sheet.set_num_triangles(status.num_triangles);
   sheet.set_pieces(status.pieces);
-  sheet.set_state_hash(wire::encode_hash(status.state_hash));
+  if (status.state_hash) sheet.set_state_hash(wire::encode_hash(*status.state_hash));
   sheet.set_tick_rate_hz(status.config->tick_rate_hz);
   sheet.set_real_time_factor(status.stats.real_time_factor);
   sheet.set_overruns(status.stats.overruns);

@@ -53,14 +53,10 @@ void Api::list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheets
   ids.erase(ids.begin(), std::upper_bound(ids.begin(), ids.end(), request.page_token()));
   const bool more = ids.size() > *size;
   if (more) ids.resize(*size);
-  std::string next = more ? ids.back() : std::string();
-  core_->host.statuses(std::move(ids),
-                       [reply = std::move(reply), next](const std::vector<host::SheetStatus>& statuses) {
-                         v1::ListSheetsResponse response;
-                         for (const host::SheetStatus& status : statuses) *response.add_sheets() = encode_sheet(status);
-                         response.set_next_page_token(next);
-                         reply(std::move(response));
-                       });
+  v1::ListSheetsResponse response;
+  if (more) response.set_next_page_token(ids.back());
+  for (const host::SheetStatus& status : core_->host.statuses(ids)) *response.add_sheets() = encode_sheet(status);
+  reply(std::move(response));
 }
 
 void Api::delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::protobuf::Empty> reply) {

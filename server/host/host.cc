@@ -98,7 +98,7 @@ class Host::Impl {
     return ids;
   }
 
-  void statuses(std::vector<std::string> ids, std::function<void(std::vector<SheetStatus>)> done);
+  [[nodiscard]] std::vector<SheetStatus> statuses(const std::vector<std::string>& ids) const;
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
 
   void release_grab(const std::string& id, std::string grab_id) {
@@ -199,41 +199,12 @@ class Host::Impl {
   Workers workers_;                                             // last: its threads use everything above
 };
 
-void Host::Impl::statuses(std::vector<std::string> ids, std::function<void(std::vector<SheetStatus>)> done) {
-  // Filled by several strands; the last one to come reports.
-  struct Gathering {
-    std::mutex mutex;
-    std::vector<std::shared_ptr<SheetStatus>> found;
-    std::size_t missing = 0;
-    std::function<void(std::vector<SheetStatus>)> done;
-
-    void add(std::size_t index, std::shared_ptr<SheetStatus> status) {
-      std::vector<SheetStatus> complete;
-      {
-        const std::lock_guard lock(mutex);
-        found[index] = std::move(status);
-        if (--missing != 0) return;
-        for (const auto& one : found) {
-          if (one) complete.push_back(std::move(*one));
-        }
-      }
-      done(std::move(complete));
-    }
-  };
-  if (ids.empty()) return done({});
-  const auto gathering = std::make_shared<Gathering>();
-  gathering->found.resize(ids.size());
-  gathering->missing = ids.size();
-  gathering->done = std::move(done);
-  for (std::size_t i = 0; i < ids.size(); ++i) {
-    const std::shared_ptr<SheetRunner> runner = find(ids[i]);
-    if (!runner) {
-      gathering->add(i, nullptr);
-      continue;
-    }
-    runner->post([gathering, i](SheetRunner& r) { gathering->add(i, std::make_shared<SheetStatus>(r.status())); },
-                 [gathering, i](const Error&) { gathering->add(i, nullptr); });
+std::vector<SheetStatus> Host::Impl::statuses(const std::vector<std::string>& ids) const {
+  std::vector<SheetStatus> found;
+  for (const std::string& id : ids) {
+    if (const std::shared_ptr<SheetRunner> runner = find(id)) found.push_back(*runner->last_status());
   }
+  return found;
 }
 
 void Host::Impl::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {
@@ -272,8 +243,8 @@ void Host::status(const std::string& id, Callback<SheetStatus> done) {
   impl_->on_strand(id, done, [done](SheetRunner& r) { done(r.status()); });
 }
 
-void Host::statuses(std::vector<std::string> ids, std::function<void(std::vector<SheetStatus>)> done) {
-  impl_->statuses(std::move(ids), std::move(done));
+std::vector<SheetStatus> Host::statuses(const std::vector<std::string>& ids) const {
+  return impl_->statuses(ids);
 }
 
 void Host::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,7 +48,7 @@ struct SheetStatus {
   std::int32_t num_vertices = 0;
   std::int32_t num_triangles = 0;  // with material
   std::int32_t pieces = 0;
-  std::uint64_t state_hash = 0;
+  std::optional<std::uint64_t> state_hash;  // left out by statuses()
   sheet::RunStats stats;
   std::vector<mesh::VertexId> pinned_vertices;
   Eigen::Vector3d gravity{0.0, 0.0, 0.0};            // m/s^2, in force
@@ -105,8 +106,9 @@ class Host {
   // Ids, sorted; sheets that are still being built left out.
   [[nodiscard]] std::vector<std::string> list() const;
   void status(const std::string& id, Callback<SheetStatus> done);
-  // Of those of `ids` that exist, in that order.
-  void statuses(std::vector<std::string> ids, std::function<void(std::vector<SheetStatus>)> done);
+  // Of those of `ids` that exist, in that order: each as it was after its last tick, command or change of run state. A
+  // sheet in the middle of a long tick keeps nobody waiting.
+  [[nodiscard]] std::vector<SheetStatus> statuses(const std::vector<std::string>& ids) const;
 
   // Queues a command for the next tick boundary; on a paused or failed sheet it is done at once, without advancing
   // time. Wakes a sleeping sheet. kResourceExhausted QUEUE_FULL at once; validate()'s errors at once; else what the

@@ -163,6 +163,12 @@ void SheetRunner::remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) 
 }
 
 SheetStatus SheetRunner::status() const {
+  SheetStatus status = unhashed_status();
+  status.state_hash = sheet_.state_hash();
+  return status;
+}
+
+SheetStatus SheetRunner::unhashed_status() const {
   SheetStatus status;
   status.id = id_;
   status.run_state = run_state();
@@ -171,7 +177,6 @@ SheetStatus SheetRunner::status() const {
   status.num_vertices = sheet_.mesh().num_vertices();
   status.num_triangles = sheet_.mesh().num_solid_triangles();
   status.pieces = sheet_.mesh().num_pieces();
-  status.state_hash = sheet_.state_hash();
   status.stats = run_stats();
   status.pinned_vertices = sheet_.pinned_vertices();
   status.gravity = sheet_.gravity();
@@ -287,6 +292,18 @@ void SheetRunner::note_state() {
   });
   if (noted_state_) ++state_changes_;
   noted_state_ = state;
+  note_status();
+}
+
+void SheetRunner::note_status() {
+  auto status = std::make_shared<const SheetStatus>(unhashed_status());
+  const std::lock_guard lock(status_mutex_);
+  last_status_.swap(status);
+}
+
+std::shared_ptr<const SheetStatus> SheetRunner::last_status() const {
+  const std::lock_guard lock(status_mutex_);
+  return last_status_;
 }
 
 RunState SheetRunner::run_state() const {

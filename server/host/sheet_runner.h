@@ -34,8 +34,8 @@ class ListenerSlot {
   std::shared_ptr<const CommandListener> listener_;
 };
 
-// One sheet in real time: its strand, queue, clockwork and sinks. All but enqueue() runs on the strand; what is said of
-// a function of the same name in Host holds here.
+// One sheet in real time: its strand, queue, clockwork and sinks. What is not said to be callable from any thread runs
+// on the strand; what is said of a function of the same name in Host holds here.
 class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
  public:
   // What the host lends to its runners.
@@ -55,6 +55,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   Status enqueue(sheet::Command command, Callback<CommandResult>& done);
   // From any thread; beyond the queue's limit, too.
   void release_grab(std::string grab_id);
+  // From any thread, after begin(). Without state hash.
+  [[nodiscard]] std::shared_ptr<const SheetStatus> last_status() const;
 
   void begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording);
   void close(sheet::SinkEnd reason);
@@ -99,6 +101,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void stop_clock();
   void schedule();
   void note_state();
+  void note_status();
+  [[nodiscard]] SheetStatus unhashed_status() const;
   [[nodiscard]] RunState run_state() const;
   [[nodiscard]] sheet::RunStats run_stats() const;
   [[nodiscard]] Error closed_error() const;
@@ -109,6 +113,9 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
 
   std::mutex queue_mutex_;
   std::vector<Pending> queue_;  // guarded by queue_mutex_
+
+  mutable std::mutex status_mutex_;
+  std::shared_ptr<const SheetStatus> last_status_;  // guarded by status_mutex_
 
   // On the strand.
   sheet::Sheet sheet_;

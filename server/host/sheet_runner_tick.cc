@@ -44,6 +44,7 @@ bool SheetRunner::run_once(bool advance) {
   } else if (report.advanced) {
     pace_.add_cpu(cpu);
   }
+  note_status();
   publish();
   count(report, results, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
   for (std::size_t i = 0; i < pending.size(); ++i) pending[i].done(results[report.scheduled.size() + i]);

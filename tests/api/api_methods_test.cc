@@ -242,6 +242,30 @@ TEST_F(ApiTest, ListsSheetsByPage) {
   EXPECT_EQ(second.next_page_token(), "");
 }
 
+TEST_F(ApiTest, ListingWaitsForNoSheet) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ASSERT_TRUE(create_sheet("b", false).ok());
+  const Result<v1::CutResult> cut = call(&Api::create_cut, cut_request("sheets/a", 0.45));
+  ASSERT_TRUE(cut.ok());
+  std::promise<void> release;
+  host_->inspect(
+      "a", [released = release.get_future().share()](const sheet::Sheet&) { released.wait(); }, [](const Status&) {});
+  Answers<v1::ListSheetsResponse> answers;
+  api_->list_sheets({}, answers.callback());
+  const std::size_t answered = answers.count();
+  release.set_value();
+  ASSERT_EQ(answered, 1U) << "while a's strand was busy";
+  const v1::ListSheetsResponse list = answers.at(0).value();
+  ASSERT_EQ(list.sheets_size(), 2);
+  EXPECT_EQ(list.sheets(0).topology_version(), cut->topology_version());
+  EXPECT_EQ(list.sheets(0).pieces(), 2);
+  EXPECT_EQ(list.sheets(0).run_state(), v1::Sheet::PAUSED);
+  host_->wait_idle();
+  v1::Sheet b = get_sheet("sheets/b");
+  b.clear_state_hash();
+  EXPECT_EQ(list.sheets(1).SerializeAsString(), b.SerializeAsString());
+}
+
 TEST_F(ApiTest, PausesStepsAndResumes) {
   ASSERT_TRUE(create_sheet("a", true).ok());
   EXPECT_EQ(get_sheet("sheets/a").run_state(), v1::Sheet::PAUSED);

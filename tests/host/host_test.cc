@@ -390,9 +390,7 @@ TEST_F(HostTest, NamesAreCheckedUniqueSortedAndMadeUpWhereNoneIsGiven) {
   const std::string made_up = create("", small_sheet()).id;
   EXPECT_TRUE(sheet::is_valid_sheet_id(made_up)) << made_up;
   EXPECT_EQ(host_->list(), (std::vector<std::string>{"a", "b", "from-config", made_up}));
-  std::vector<SheetStatus> found;
-  host_->statuses({"b", "nobody", "a"}, [&](std::vector<SheetStatus> s) { found = std::move(s); });
-  host_->wait_idle();
+  const std::vector<SheetStatus> found = host_->statuses({"b", "nobody", "a"});
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].id, "b");
   EXPECT_EQ(found[1].id, "a");
