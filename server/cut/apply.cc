@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "server/base/check.h"
 #include "server/cut/crossed_triangles.h"
@@ -66,6 +67,7 @@ class Cutter {
       outcome.report.refinement_stopped = refined->stopped;
     }
     editor_.open();
+    if (mesh_.num_vertices() > plan_.options.max_vertices) return too_many_vertices();
     mesh::CommittedEdit committed = editor_.commit();
     outcome.status = CutStatus::kApplied;
     outcome.edit = std::move(committed.edit);
@@ -78,6 +80,13 @@ class Cutter {
   static std::int32_t slot_limit(const TriangleMesh& mesh, const CutPlan& plan) {
     const std::int64_t wanted = mesh.num_triangle_slots() + plan.options.max_new_triangles;
     return static_cast<std::int32_t>(std::min<std::int64_t>(wanted, mesh::MeshEditor::kDefaultMaxSlots));
+  }
+
+  [[nodiscard]] Error too_many_vertices() const {
+    return {ErrorCode::kResourceExhausted, "TOO_MANY_VERTICES",
+            "the cut would leave the sheet with " + std::to_string(mesh_.num_vertices()) + " vertices; its limit is " +
+                std::to_string(plan_.options.max_vertices) + "; shorten the cut, or start from a coarser mesh",
+            "cut"};
   }
 
   [[nodiscard]] bool on_path(PointId p) const { return std::binary_search(path_.begin(), path_.end(), p); }

@@ -35,6 +35,8 @@ struct CutOptions {
   bool relax = true;
   // New triangle slots one cut may take.  -, > 0
   std::int64_t max_new_triangles = 200'000;
+  // Vertices of the opened mesh after the cut.  -, > 0
+  std::int32_t max_vertices = mesh::kMaxVertices;
 };
 
 struct CutRequest {
@@ -94,7 +96,8 @@ struct CutOutcome {
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 
 // Carries the plan out, or leaves the mesh bit-identical.
-// Errors: kResourceExhausted CUT_ELEMENT_BUDGET (max_new_triangles, or the mesh's own limit, or a step counter);
+// Errors: kResourceExhausted CUT_ELEMENT_BUDGET (max_new_triangles, or the mesh's own limit, or a step counter) and
+//         TOO_MANY_VERTICES (max_vertices);
 //         kFailedPrecondition CUT_NOT_REPRESENTABLE (a crossing could not be rounded to a valid point: shift the
 //         curve).
 // With KERF_VALIDATE defined every mesh invariant is checked afterwards.

@@ -1,5 +1,6 @@
 #include "server/host/host.h"
 
+#include <algorithm>
 #include <atomic>
 #include <map>
 #include <mutex>
@@ -158,11 +159,9 @@ class Host::Impl {
   }
 
   Result<sheet::Sheet> build(sheet::SheetConfig config) {
-    Result<sheet::Sheet> built = sheet::Sheet::create(std::move(config), options_.make_integrator);
-    if (built && built->mesh().num_vertices() > options_.max_vertices_per_sheet) {
-      return too_many_vertices(built->mesh().num_vertices(), options_.max_vertices_per_sheet);
-    }
-    return built;
+    // In the config, and so in a recording: a cut that is refused here is refused in a replay.
+    config.max_vertices = std::min(config.max_vertices, options_.max_vertices_per_sheet);
+    return sheet::Sheet::create(std::move(config), options_.make_integrator);
   }
 
   void release(const std::string& id) {

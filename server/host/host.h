@@ -22,11 +22,11 @@
 namespace kerf::host {
 
 struct HostOptions {
-  std::int32_t workers = 2;      // threads that step sheets, 1..256
-  std::int32_t max_sheets = 64;  // >= 1
-  std::int32_t max_vertices_per_sheet = sheet::kMaxVertices;
-  std::int32_t max_queued_commands = 64;  // a sheet, >= 1
-  std::int32_t max_step_ticks = 100'000;  // a call of step()
+  std::int32_t workers = 2;                                   // threads that step sheets, 1..256
+  std::int32_t max_sheets = 64;                               // >= 1
+  std::int32_t max_vertices_per_sheet = sheet::kMaxVertices;  // a config's own limit may be lower
+  std::int32_t max_queued_commands = 64;                      // a sheet, >= 1
+  std::int32_t max_step_ticks = 100'000;                      // a call of step()
   // Where a new sheet's recording goes; null, or a null result: nowhere.
   std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;
   sheet::IntegratorFactory make_integrator = fem::make_integrator;  // what advances the sheets

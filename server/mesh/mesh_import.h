@@ -10,7 +10,6 @@
 
 namespace kerf::mesh {
 
-inline constexpr std::int32_t kMaxVertices = 250'000;
 inline constexpr double kMaxRestCoordinate = 1e4;  // m
 // -; least height of a triangle, as a fraction of its longest edge. The stiffness of a flatter one is more than 1e12
 // times that of a well-shaped one, which leaves a solver in doubles no digits; from about 1e-15 its area itself is lost

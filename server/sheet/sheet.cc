@@ -217,6 +217,12 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   if (Status s = validate(config); !s) return s.error();
   Result<BuiltMesh> built = build_mesh(config.mesh, config.placement);
   if (!built) return built.error();
+  if (built->mesh.num_vertices() > config.max_vertices) {
+    return Error{ErrorCode::kResourceExhausted, "TOO_MANY_VERTICES",
+                 "the sheet has " + std::to_string(built->mesh.num_vertices()) + " vertices; its limit is " +
+                     std::to_string(config.max_vertices),
+                 ""};
+  }
   Result<std::vector<mesh::VertexId>> pinned = find_pinned(built->mesh, config.pins, "pins");
   if (!pinned) return pinned.error();
   auto initial = std::make_shared<InitialState>();

@@ -98,7 +98,8 @@ class Sheet {
   static constexpr std::int32_t kMaxFailedSteps = 3;
 
   // Checks the whole config and builds the sheet at tick 0.
-  // Errors: kInvalidArgument with the field of kerf.v1.Scene ("pins[1].vertices.vertices[0]").
+  // Errors: kInvalidArgument with the field of kerf.v1.Scene ("pins[1].vertices.vertices[0]"); kResourceExhausted
+  // TOO_MANY_VERTICES, of the config's own limit.
   static Result<Sheet> create(SheetConfig config, IntegratorFactory make_integrator = fem::make_integrator);
 
   Sheet(const Sheet& other);

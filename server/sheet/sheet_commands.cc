@@ -103,6 +103,7 @@ Result<CommandReply> Sheet::Impl::cut(const Cut& cut, const CommandContext& cont
   request.options.tolerance = cut.tolerance;
   request.options.min_angle_deg = cut.min_angle_deg;
   request.options.max_new_triangles = cut.max_new_triangles;
+  request.options.max_vertices = config->max_vertices;
   request.fixed_vertices = vertices_that_stay();
 
   const auto carry_out = [&]() -> Result<cut::CutOutcome> {

@@ -23,8 +23,10 @@ Status validate_source(const GridSource& grid) {
   if (Status s = check_integer(grid.rows, 2, kMaxGridSide, "grid.rows"); !s) return s;
   const std::int64_t num_vertices = std::int64_t{grid.columns} * grid.rows;
   if (num_vertices > kMaxVertices) {
-    return invalid_argument("TOO_MANY", "grid has " + std::to_string(num_vertices) + " vertices; the limit is 250000",
-                            "grid.rows");
+    return invalid_argument(
+        "TOO_MANY",
+        "grid has " + std::to_string(num_vertices) + " vertices; the limit is " + std::to_string(kMaxVertices),
+        "grid.rows");
   }
   if (Status s = check_number(grid.width, kMinExtent, kMaxMaterialCoordinate, "grid.width_m"); !s) return s;
   return check_number(grid.height, kMinExtent, kMaxMaterialCoordinate, "grid.height_m");
@@ -129,6 +131,7 @@ Status validate(const SheetConfig& config) {
   }
   if (Status s = check_number(config.tick_rate_hz, 1.0, 1000.0, "tick_rate_hz"); !s) return s;
   if (Status s = validate_integrator(config.integrator); !s) return s;
+  if (Status s = check_integer(config.max_vertices, 3, kMaxVertices, "max_vertices"); !s) return s;
   if (Status s = validate_schedule(config.commands); !s) return s;
   if (Status s = check_integer(config.ticks, 0, kMaxTicks, "ticks"); !s) return s;
   return check_count(config.description.size(), kMaxDescriptionBytes, "bytes", "description");

@@ -12,6 +12,8 @@
 #include "server/contact/collider.h"
 #include "server/fem/material.h"
 #include "server/mesh/ids.h"
+#include "server/mesh/obj_import.h"
+#include "server/mesh/triangle_mesh.h"
 #include "server/sheet/command.h"
 
 // Everything that is needed to start one sheet and to run it again, bit for bit: kerf.v1.Scene without Protocol
@@ -19,8 +21,8 @@
 namespace kerf::sheet {
 
 // Limits on what a scene may hold (reliability table of the README).
-inline constexpr std::int32_t kMaxVertices = 250'000;
-inline constexpr std::size_t kMaxObjBytes = std::size_t{64} << 20U;
+using mesh::kMaxObjBytes;
+using mesh::kMaxVertices;
 inline constexpr std::size_t kMaxSheetIdBytes = 63;
 inline constexpr std::size_t kMaxColliders = 64;
 inline constexpr std::size_t kMaxScheduledCommands = 10'000;
@@ -90,9 +92,10 @@ struct SheetConfig {
   std::vector<contact::Collider> colliders;  // at most kMaxColliders
   double tick_rate_hz = 60.0;                // 1..1000; a tick is 1 / tick_rate_hz seconds
   IntegratorSettings integrator;
-  std::vector<ScheduledCommand> commands;  // at most kMaxScheduledCommands; equal ticks are done in the given order
-  std::int64_t ticks = 0;                  // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation
-  std::string description;                 // for people; at most 1000 bytes; no effect on the simulation
+  std::int32_t max_vertices = kMaxVertices;  // 3..kMaxVertices; a cut that would lead beyond it is refused
+  std::vector<ScheduledCommand> commands;    // at most kMaxScheduledCommands; equal ticks are done in the given order
+  std::int64_t ticks = 0;                    // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation
+  std::string description;                   // for people; at most 1000 bytes; no effect on the simulation
 };
 
 // Whether `id` matches [a-z][a-z0-9-]{0,62}.

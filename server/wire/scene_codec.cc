@@ -136,6 +136,7 @@ Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const ObjReader&
     return status.error();
   }
   if (const Status status = decode_lists(scene, config); !status.ok()) return status.error();
+  if (scene.max_vertices() != 0) config.max_vertices = scene.max_vertices();
   config.ticks = scene.ticks();
   config.description = scene.description();
   if (const Status status = sheet::validate(config); !status.ok()) return status.error();
@@ -179,6 +180,7 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
   scene.set_sheet_id(settings.config.sheet_id);
   scene.set_tick_rate_hz(settings.config.tick_rate_hz);
   *scene.mutable_integrator() = encode_integrator(settings.config.integrator);
+  scene.set_max_vertices(settings.config.max_vertices);
   scene.set_ticks(settings.config.ticks);
   scene.set_description(settings.config.description);
   return scene;

@@ -122,6 +122,7 @@ TEST(CutContract, RefusesBadRequestsWithReasonAndField) {
          r.fixed_vertices = {3, 25};
        }),
        "VERTEX_UNKNOWN", "cut.fixed_vertices[1]"},
+      {with([&](CutRequest& r) { r.options.max_vertices = 0; }), "OPTION_OUT_OF_RANGE", "cut.max_vertices"},
       {with([&](CutRequest& r) { r.fixed_vertices = {-1}; }), "VERTEX_UNKNOWN", "cut.fixed_vertices[0]"},
   };
   for (const Case& item : cases) {
@@ -160,6 +161,26 @@ TEST(CutContract, LeavesTheMeshBitIdenticalWhenTheBudgetRunsOut) {
     ASSERT_EQ(mesh.state_hash(), before.state_hash());
   }
   EXPECT_GT(refused, 10);
+}
+
+TEST(CutContract, KeepsTheLimitOnVertices) {
+  mesh::TriangleMesh mesh = grid(20);
+  cut(mesh, {Circle{{0.5, 0.5}, 0.2}, {}, {}});
+  const mesh::TriangleMesh before = mesh;
+  mesh::TriangleMesh free = mesh;
+  cut(free, {s_curve(), {}, {}});
+  CutRequest request{s_curve(), {}, {}};
+  request.options.max_vertices = free.num_vertices() - 1;
+  const Result<CutOutcome> refused = apply(mesh, *plan(mesh, request));
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused.error().reason, "TOO_MANY_VERTICES");
+  EXPECT_TRUE(mesh == before);
+  EXPECT_EQ(mesh.state_hash(), before.state_hash());
+  EXPECT_EQ(mesh.find_violation(), std::nullopt);
+  request.options.max_vertices = free.num_vertices();
+  ASSERT_TRUE(apply(mesh, *plan(mesh, request)).ok());
+  EXPECT_TRUE(mesh == free);
 }
 
 TEST(CutContract, AMissLeavesTheMeshBitIdentical) {

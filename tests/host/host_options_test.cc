@@ -47,6 +47,19 @@ TEST_F(SmallHostTest, LimitsOnSheetsVerticesAndCommands) {
   EXPECT_EQ(commands.count(), 3U);
 }
 
+TEST_F(SmallHostTest, CutsKeepTheLimitOnVertices) {
+  create("a", at_50_hz(scenes::hanging(3)), true);
+  const std::optional<std::uint64_t> before = status("a").state_hash;
+  const Result<CommandResult> refused = submit("a", scenes::circle_cut({0.5, 0.5}, 0.3));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused.error().reason, "TOO_MANY_VERTICES");
+  EXPECT_EQ(status("a").state_hash, before);
+  EXPECT_EQ(status("a").topology_version, 1);
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.5}, {1.1, 0.5})));
+  EXPECT_LE(status("a").num_vertices, 25);
+}
+
 class FailingHostTest : public HostTest {
  protected:
   static HostOptions failing() {

@@ -68,6 +68,7 @@ inline void add_commands(v1::Scene& scene) {
 inline v1::Scene full_scene() {
   v1::Scene scene;
   scene.set_sheet_id("flag-1");
+  scene.set_max_vertices(12'345);
   v1::GridMesh* grid = scene.mutable_grid();
   grid->set_columns(7);
   grid->set_rows(5);
@@ -227,6 +228,8 @@ inline std::vector<BadScene> bad_numbers() {
       {"integrator.max_substeps", [](v1::Scene& s) { s.mutable_integrator()->set_max_substeps(100001); }},
       {"integrator.newton_iterations", [](v1::Scene& s) { s.mutable_integrator()->set_newton_iterations(-1); }},
       {"integrator.solver_tolerance", [](v1::Scene& s) { s.mutable_integrator()->set_solver_tolerance(0.2); }},
+      {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(2); }},
+      {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(250'001); }},
       {"ticks", [](v1::Scene& s) { s.set_ticks(10'000'001); }},
       {"description", [](v1::Scene& s) { s.set_description(std::string(1001, 'x')); }},
   };
