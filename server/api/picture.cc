@@ -1,6 +1,8 @@
 #include "server/api/picture.h"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -104,6 +106,17 @@ MeshArrays arrays_of(const sheet::Snapshot& snapshot) {
   return arrays;
 }
 
+// No fault of the request: a sheet that nothing holds falls on for ever.
+Error out_of_reach(const Eigen::Matrix3Xd& positions) {
+  std::array<char, 160> text{};
+  std::snprintf(
+      text.data(), text.size(),
+      "the sheet reaches to %.3g m from the origin; pictures are drawn within %.3g m of it: reset the sheet, and "
+      "pin it or put something under it",
+      positions.cwiseAbs().maxCoeff(), render::kMaxCoordinate);
+  return {ErrorCode::kFailedPrecondition, "SHEET_OUT_OF_REACH", text.data(), {}};
+}
+
 Result<v1::RenderImageResponse> encode(const render::Pixels& pixels, const PictureRequest& request) {
   std::vector<std::uint8_t> bytes;
   const render::Status status =
@@ -156,6 +169,8 @@ PictureSubject picture_subject(const sheet::Sheet& sheet) {
 
 Result<v1::RenderImageResponse> draw_picture(render::Renderer& renderer, const PictureSubject& subject,
                                              const PictureRequest& request) {
+  const Eigen::Matrix3Xd& positions = subject.snapshot->positions;
+  if (!(positions.array().abs() <= render::kMaxCoordinate).all()) return out_of_reach(positions);
   const MeshArrays arrays = arrays_of(*subject.snapshot);
   render::Scene scene;
   scene.mesh.positions = arrays.positions;
@@ -173,6 +188,7 @@ Result<v1::RenderImageResponse> draw_picture(render::Renderer& renderer, const P
   scene.style.wireframe = request.wireframe;
   const double aspect = static_cast<double>(request.width) / request.height;
   const render::Camera camera = request.camera ? *request.camera : render::fit_camera(scene.mesh.positions, aspect);
+  if (!request.camera && !render::validate(camera).ok()) return out_of_reach(positions);
   render::Pixels pixels;
   const render::Status status = renderer.render(scene, camera, request.width, request.height, pixels);
   if (!status.ok()) return to_error(status);

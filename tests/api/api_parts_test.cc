@@ -137,6 +137,37 @@ TEST_F(ApiTest, PictureIsDrawnOffTheStrand) {
   EXPECT_EQ(draw(*api_, request).error().code, ErrorCode::kNotFound);
 }
 
+TEST_F(ApiTest, ASheetOutOfReachIsNotTheCamerasFault) {
+  FakeRenderer renderer;
+  make_api({}, &renderer);
+  const auto create = [this](const std::string& id, const std::string& origin) {
+    return call_json("/kerf.v1.SheetService/CreateSheet",
+                     R"({"sheet_id":")" + id + R"(","paused":true,"scene":{"placement":{"origin":)" + origin +
+                         R"(},"grid":{"columns":3,"rows":3,"width_m":1,"height_m":1}}})");
+  };
+  ASSERT_TRUE(create("beyond", R"({"x":1e6})").ok());                // reaches out by its width
+  ASSERT_TRUE(create("edge", R"({"y":-1e6})").ok());                 // the camera would stand beyond
+  ASSERT_TRUE(create("within", R"({"x":-9.9e5,"y":-9.9e5})").ok());  // far, and drawn
+  v1::RenderImageRequest request;
+  for (const char* name : {"sheets/beyond", "sheets/edge"}) {
+    request.set_name(name);
+    const Result<v1::RenderImageResponse> picture = draw(*api_, request);
+    ASSERT_FALSE(picture.ok()) << name;
+    EXPECT_EQ(picture.error().code, ErrorCode::kFailedPrecondition);
+    EXPECT_EQ(picture.error().reason, "SHEET_OUT_OF_REACH");
+    EXPECT_EQ(picture.error().field, "");
+  }
+  if (!render::image_codecs_available()) GTEST_SKIP() << "built without image libraries";
+  request.set_name("sheets/within");
+  EXPECT_TRUE(draw(*api_, request).ok());
+  request.set_name("sheets/edge");
+  request.mutable_camera()->mutable_eye()->set_y(-9e5);
+  request.mutable_camera()->mutable_target()->set_y(-1e6);
+  EXPECT_TRUE(draw(*api_, request).ok()) << "by a camera that stands within reach";
+  request.set_name("sheets/beyond");
+  EXPECT_EQ(draw(*api_, request).error().reason, "SHEET_OUT_OF_REACH");
+}
+
 TEST_F(ApiTest, WaitingPicturesAreBoundedAndRefusedAtTheEnd) {
   FakeRenderer renderer;
   renderer.blocked = true;
