@@ -72,6 +72,7 @@ struct Limits {
   std::int32_t max_unsent_bytes_per_subscriber = 4 << 20;  // frames sent and not acknowledged, of one stream
   std::chrono::milliseconds watch_ack_timeout{10'000};     // a stream that owes an acknowledgement for longer is ended
   std::size_t max_remembered_requests = 4096;              // request_ids, oldest forgotten first
+  std::size_t max_remembered_bytes = std::size_t{16} << 20;  // of those and their answers
   std::size_t max_waiting_pictures = 16;  // RenderImage and ExportSheet calls behind the one being done
 };
 

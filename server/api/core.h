@@ -30,7 +30,7 @@ struct ApiCore {
         options(std::move(the_options)),
         clock(the_clock),
         started_at(the_clock.now()),
-        requests(options.limits.max_remembered_requests),
+        requests(options.limits.max_remembered_requests, options.limits.max_remembered_bytes),
         hub(the_host, options.limits.max_subscribers_per_sheet),
         worker(options.limits.max_waiting_pictures) {}
 

@@ -26,6 +26,7 @@ bool RequestLog::begin(const std::string& key, std::string_view body, Waiter wai
     if (found == by_key_.end()) {
       entries_.push_front({key, body_hash, false, {}, {}});
       by_key_[key] = entries_.begin();
+      bytes_ += key.size();
       return true;
     }
     Entry& entry = *found->second;
@@ -54,10 +55,10 @@ void RequestLog::finish(const std::string& key, const Outcome& outcome) {
     if (outcome.ok()) {
       found->second->done = true;
       found->second->response = outcome.value();
+      bytes_ += outcome.value().size();
       forget_surplus();
     } else {
-      entries_.erase(found->second);
-      by_key_.erase(found);
+      forget(found->second);
     }
   }
   for (const Waiter& waiter : waiters) waiter(outcome);
@@ -65,12 +66,17 @@ void RequestLog::finish(const std::string& key, const Outcome& outcome) {
 
 // Requests under way stay: somebody will finish them.
 void RequestLog::forget_surplus() {
-  for (auto entry = entries_.end(); entries_.size() > capacity_ && entry != entries_.begin();) {
+  const auto too_much = [this] { return entries_.size() > capacity_ || bytes_ > max_bytes_; };
+  for (auto entry = entries_.end(); too_much() && entry != entries_.begin();) {
     --entry;
-    if (!entry->done) continue;
-    by_key_.erase(entry->key);
-    entry = entries_.erase(entry);
+    if (entry->done) entry = forget(entry);
   }
+}
+
+RequestLog::Entries::iterator RequestLog::forget(Entries::iterator entry) {
+  bytes_ -= entry->bytes();
+  by_key_.erase(entry->key);
+  return entries_.erase(entry);
 }
 
 }  // namespace kerf::api

@@ -16,14 +16,16 @@ namespace kerf::api {
 
 // Requests by their request_id, so that one that is sent again (the first answer was lost on its way) does nothing more
 // and gets the same answer. Only successes are remembered: a refused request may be tried again. Of the ids beyond
-// `capacity` those used longest ago are forgotten. Thread-safe.
+// `capacity`, and of those that take more than `max_bytes` together, the ones used longest ago are forgotten.
+// Thread-safe.
 class RequestLog {
  public:
   // A serialised response or the refusal.
   using Outcome = Result<std::string>;
   using Waiter = std::function<void(const Outcome&)>;
 
-  explicit RequestLog(std::size_t capacity) : capacity_(capacity) {}
+  // `max_bytes`: of keys and responses.
+  RequestLog(std::size_t capacity, std::size_t max_bytes) : capacity_(capacity), max_bytes_(max_bytes) {}
 
   // True: the caller is the first with this key; it does the request and then calls finish(). False: `waiter` is called
   // instead, with what the first got, at once or when that is known; or with kAlreadyExists REQUEST_ID_REUSED if the
@@ -39,15 +41,21 @@ class RequestLog {
     bool done = false;
     std::string response;         // once done
     std::vector<Waiter> waiters;  // until done
+
+    [[nodiscard]] std::size_t bytes() const { return key.size() + response.size(); }
   };
   using Entries = std::list<Entry>;
 
-  void forget_surplus();  // mutex_ held
+  // mutex_ held.
+  void forget_surplus();
+  Entries::iterator forget(Entries::iterator entry);
 
   const std::size_t capacity_;
+  const std::size_t max_bytes_;
   std::mutex mutex_;
   Entries entries_;  // used last first
   std::unordered_map<std::string, Entries::iterator> by_key_;
+  std::size_t bytes_ = 0;  // of all entries
 };
 
 }  // namespace kerf::api

@@ -228,7 +228,7 @@ TEST(ReadySignal, CanBeTakenAwayFromWithinItself) {
 }
 
 TEST(RequestLog, ServesWaitersAndForgetsFailures) {
-  RequestLog log(8);
+  RequestLog log(8, 1024);
   std::vector<std::string> seen;
   const auto note = [&seen](const RequestLog::Outcome& outcome) {
     seen.push_back(outcome.ok() ? *outcome : outcome.error().reason);
@@ -243,6 +243,27 @@ TEST(RequestLog, ServesWaitersAndForgetsFailures) {
   log.finish("k", std::string("answer"));
   EXPECT_FALSE(log.begin("k", "other", note));
   EXPECT_EQ(seen.back(), "answer");
+}
+
+TEST(RequestLog, KeepsItsLimitOnBytes) {
+  RequestLog log(8, 20);
+  const auto ask = [&log](const std::string& key, const std::string& answer) {
+    std::string seen;
+    if (!log.begin(key, "body", [&seen](const RequestLog::Outcome& outcome) { seen = *outcome; })) return seen;
+    log.finish(key, answer);
+    return std::string("new");
+  };
+  EXPECT_EQ(ask("a", std::string(9, 'A')), "new");
+  EXPECT_EQ(ask("b", std::string(9, 'B')), "new");
+  EXPECT_EQ(ask("a", {}), std::string(9, 'A')) << "twenty bytes are kept";
+  EXPECT_TRUE(log.begin("c", "body", [](const RequestLog::Outcome&) {}));
+  EXPECT_EQ(ask("b", {}), std::string(9, 'B'));
+  log.finish("c", std::string());
+  EXPECT_EQ(ask("b", {}), std::string(9, 'B')) << "used last";
+  EXPECT_EQ(ask("a", std::string(9, 'A')), "new") << "the twenty-first byte was too many";
+  EXPECT_EQ(ask("d", std::string(20, 'D')), "new");
+  EXPECT_EQ(ask("d", std::string(1, 'd')), "new") << "one that is too large by itself is not kept";
+  EXPECT_EQ(ask("d", {}), "d");
 }
 
 }  // namespace
