@@ -16,6 +16,8 @@ struct RpcOptions {
   int max_streams_per_connection = 100;                  // HTTP/2 streams, 1..10000
   std::chrono::milliseconds keepalive_interval{20'000};  // a silent connection is pinged after this long ...
   std::chrono::milliseconds keepalive_timeout{10'000};   // ... and dropped when the answer takes longer than this
+  // For gRPC's buffers, of all connections together; under pressure it drops idle connections, then calls.
+  std::size_t max_buffer_bytes = std::size_t{512} << 20;
 };
 
 // The gRPC transport: every service of kerf.v1, grpc.health.v1.Health and server reflection on one port, without TLS.

@@ -1,7 +1,12 @@
 #include "server/rpc/services.h"
 
+#include <grpcpp/support/byte_buffer.h>
+#include <grpcpp/support/proto_buffer_reader.h>
+#include <grpcpp/support/proto_buffer_writer.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <optional>
+#include <string>
 #include <utility>
 
 #include "kerf/v1/cuts.grpc.pb.h"
@@ -18,86 +23,136 @@ namespace {
 
 using Context = grpc::CallbackServerContext;
 using Reactor = grpc::ServerUnaryReactor;
+using grpc::ByteBuffer;
 
-// Hands the request to the Api's method of the same name. gRPC keeps request and response until the reactor finishes.
-template <typename Request, typename Response>
-Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>), Context* context,
-                const Request* request, Response* response) {
-  Reactor* reactor = context->DefaultReactor();
-  (api.*method)(*request, [reactor, response](Result<Response> reply) {
+// A generated service whose methods get and give bytes. Those that are no message are refused here: gRPC would answer
+// them with UNIMPLEMENTED.
+template <typename Service, template <typename> class... WithRawMethod>
+struct RawService {
+  using type = Service;
+};
+template <typename Service, template <typename> class First, template <typename> class... Rest>
+struct RawService<Service, First, Rest...> {
+  using type = First<typename RawService<Service, Rest...>::type>;
+};
+
+// Finishes `reactor` with the reply.
+template <typename Response>
+api::Reply<Response> finisher(Reactor* reactor, ByteBuffer* response) {
+  return [reactor, response](Result<Response> reply) {
     if (!reply) {
       reactor->Finish(to_status(reply.error()));
       return;
     }
-    *response = std::move(*reply);
-    reactor->Finish(grpc::Status::OK);
-  });
+    bool own_buffer = false;
+    reactor->Finish(grpc::SerializationTraits<Response>::Serialize(*reply, response, &own_buffer));
+  };
+}
+
+// Nothing, and the reactor finished, where `bytes` are no Request.
+template <typename Request>
+std::optional<Request> parse(const ByteBuffer* bytes, Reactor* reactor) {
+  std::optional<Request> request(std::in_place);
+  ByteBuffer copy = *bytes;  // shares the bytes; parsing takes them
+  if (grpc::SerializationTraits<Request>::Deserialize(&copy, &*request).ok()) return request;
+  reactor->Finish(to_status(invalid_argument(
+      "MALFORMED_MESSAGE", "this is no serialised " + std::string(Request::descriptor()->full_name()))));
+  return std::nullopt;
+}
+
+// Hands the request to the Api's method of the same name. gRPC keeps the response until the reactor finishes.
+template <typename Request, typename Response>
+Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>), Context* context,
+                const ByteBuffer* bytes, ByteBuffer* response) {
+  Reactor* reactor = context->DefaultReactor();
+  if (const std::optional<Request> request = parse<Request>(bytes, reactor)) {
+    (api.*method)(*request, finisher<Response>(reactor, response));
+  }
   return reactor;
 }
 
-// One override of a generated callback service: it does nothing but name the Api's method.
+// One override of a generated service: it does nothing but name the Api's method.
 // NOLINTBEGIN(bugprone-macro-parentheses)
-#define KERF_UNARY(Rpc, method, Request, Response)                                                       \
-  grpc::ServerUnaryReactor* Rpc(Context* context, const Request* request, Response* response) override { \
-    return answer(api_, &api::Api::method, context, request, response);                                  \
+#define KERF_UNARY(Rpc, method)                                                                               \
+  grpc::ServerUnaryReactor* Rpc(Context* context, const ByteBuffer* request, ByteBuffer* response) override { \
+    return answer(api_, &api::Api::method, context, request, response);                                       \
   }
 // NOLINTEND(bugprone-macro-parentheses)
 
-class Sheets final : public v1::SheetService::CallbackService {
+using RawSheets =
+    RawService<v1::SheetService::Service, v1::SheetService::WithRawCallbackMethod_CreateSheet,
+               v1::SheetService::WithRawCallbackMethod_GetSheet, v1::SheetService::WithRawCallbackMethod_ListSheets,
+               v1::SheetService::WithRawCallbackMethod_DeleteSheet, v1::SheetService::WithRawCallbackMethod_PauseSheet,
+               v1::SheetService::WithRawCallbackMethod_ResumeSheet, v1::SheetService::WithRawCallbackMethod_StepSheet,
+               v1::SheetService::WithRawCallbackMethod_ResetSheet, v1::SheetService::WithRawCallbackMethod_ExportSheet,
+               v1::SheetService::WithRawCallbackMethod_GetSheetState>::type;
+class Sheets final : public RawSheets {
  public:
   explicit Sheets(api::Api& api) : api_(api) {}
-  KERF_UNARY(CreateSheet, create_sheet, v1::CreateSheetRequest, v1::Sheet)
-  KERF_UNARY(GetSheet, get_sheet, v1::GetSheetRequest, v1::Sheet)
-  KERF_UNARY(ListSheets, list_sheets, v1::ListSheetsRequest, v1::ListSheetsResponse)
-  KERF_UNARY(DeleteSheet, delete_sheet, v1::DeleteSheetRequest, google::protobuf::Empty)
-  KERF_UNARY(PauseSheet, pause_sheet, v1::PauseSheetRequest, v1::Sheet)
-  KERF_UNARY(ResumeSheet, resume_sheet, v1::ResumeSheetRequest, v1::Sheet)
-  KERF_UNARY(StepSheet, step_sheet, v1::StepSheetRequest, v1::Sheet)
-  KERF_UNARY(ResetSheet, reset_sheet, v1::ResetSheetRequest, v1::Sheet)
-  KERF_UNARY(ExportSheet, export_sheet, v1::ExportSheetRequest, v1::ExportSheetResponse)
-  KERF_UNARY(GetSheetState, get_sheet_state, v1::GetSheetStateRequest, v1::SheetState)
+  KERF_UNARY(CreateSheet, create_sheet)
+  KERF_UNARY(GetSheet, get_sheet)
+  KERF_UNARY(ListSheets, list_sheets)
+  KERF_UNARY(DeleteSheet, delete_sheet)
+  KERF_UNARY(PauseSheet, pause_sheet)
+  KERF_UNARY(ResumeSheet, resume_sheet)
+  KERF_UNARY(StepSheet, step_sheet)
+  KERF_UNARY(ResetSheet, reset_sheet)
+  KERF_UNARY(ExportSheet, export_sheet)
+  KERF_UNARY(GetSheetState, get_sheet_state)
 
  private:
   api::Api& api_;
 };
 
-class Cuts final : public v1::CutService::CallbackService {
+using RawCuts = RawService<v1::CutService::Service, v1::CutService::WithRawCallbackMethod_CreateCut,
+                           v1::CutService::WithRawCallbackMethod_ListCuts>::type;
+class Cuts final : public RawCuts {
  public:
   explicit Cuts(api::Api& api) : api_(api) {}
-  KERF_UNARY(CreateCut, create_cut, v1::CreateCutRequest, v1::CutResult)
-  KERF_UNARY(ListCuts, list_cuts, v1::ListCutsRequest, v1::ListCutsResponse)
+  KERF_UNARY(CreateCut, create_cut)
+  KERF_UNARY(ListCuts, list_cuts)
 
  private:
   api::Api& api_;
 };
 
-class Interaction final : public v1::InteractionService::CallbackService {
+using RawInteraction =
+    RawService<v1::InteractionService::Service, v1::InteractionService::WithRawCallbackMethod_GrabPoint,
+               v1::InteractionService::WithRawCallbackMethod_DragPoint,
+               v1::InteractionService::WithRawCallbackMethod_ReleasePoint,
+               v1::InteractionService::WithRawCallbackMethod_SetSheetPins,
+               v1::InteractionService::WithRawCallbackMethod_SetSheetGravity,
+               v1::InteractionService::WithRawCallbackMethod_SetSheetWind>::type;
+class Interaction final : public RawInteraction {
  public:
   explicit Interaction(api::Api& api) : api_(api) {}
-  KERF_UNARY(GrabPoint, grab_point, v1::GrabPointRequest, v1::InteractionResponse)
-  KERF_UNARY(DragPoint, drag_point, v1::DragPointRequest, v1::InteractionResponse)
-  KERF_UNARY(ReleasePoint, release_point, v1::ReleasePointRequest, v1::InteractionResponse)
-  KERF_UNARY(SetSheetPins, set_sheet_pins, v1::SetSheetPinsRequest, v1::InteractionResponse)
-  KERF_UNARY(SetSheetGravity, set_sheet_gravity, v1::SetSheetGravityRequest, v1::InteractionResponse)
-  KERF_UNARY(SetSheetWind, set_sheet_wind, v1::SetSheetWindRequest, v1::InteractionResponse)
+  KERF_UNARY(GrabPoint, grab_point)
+  KERF_UNARY(DragPoint, drag_point)
+  KERF_UNARY(ReleasePoint, release_point)
+  KERF_UNARY(SetSheetPins, set_sheet_pins)
+  KERF_UNARY(SetSheetGravity, set_sheet_gravity)
+  KERF_UNARY(SetSheetWind, set_sheet_wind)
 
  private:
   api::Api& api_;
 };
 
-class Render final : public v1::RenderService::CallbackService {
+using RawRender = RawService<v1::RenderService::Service, v1::RenderService::WithRawCallbackMethod_RenderImage>::type;
+class Render final : public RawRender {
  public:
   explicit Render(api::Api& api) : api_(api) {}
-  KERF_UNARY(RenderImage, render_image, v1::RenderImageRequest, v1::RenderImageResponse)
+  KERF_UNARY(RenderImage, render_image)
 
  private:
   api::Api& api_;
 };
 
-class ServerInformation final : public v1::ServerService::CallbackService {
+using RawServerInformation =
+    RawService<v1::ServerService::Service, v1::ServerService::WithRawCallbackMethod_GetServerInfo>::type;
+class ServerInformation final : public RawServerInformation {
  public:
   explicit ServerInformation(api::Api& api) : api_(api) {}
-  KERF_UNARY(GetServerInfo, get_server_info, v1::GetServerInfoRequest, v1::ServerInfo)
+  KERF_UNARY(GetServerInfo, get_server_info)
 
  private:
   api::Api& api_;

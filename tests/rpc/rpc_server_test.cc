@@ -7,9 +7,11 @@
 #include <atomic>
 #include <chrono>
 #include <limits>
+#include <map>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "client/cpp/client.h"
 #include "client/cpp/failure.h"
@@ -168,6 +170,28 @@ TEST_F(RpcServerTest, RefusalsCarryReasonAndField) {
   EXPECT_EQ(missing.error_code(), StatusCode::NOT_FOUND);
   EXPECT_EQ(client::failure_of(missing).reason, "SHEET_NOT_FOUND");
   EXPECT_EQ(client::failure_of(missing).field, "parent");
+}
+
+TEST_F(RpcServerTest, BytesThatAreNoMessageAreRefused) {
+  const auto channel = grpc::CreateChannel(server_->grpc_address(), grpc::InsecureChannelCredentials());
+  const std::string truncated = "\x0a\x7f";  // field 1, of 127 bytes that do not come
+  for (const auto& [service, methods] : std::map<std::string, std::vector<std::string>>{
+           {"SheetService",
+            {"CreateSheet", "GetSheet", "ListSheets", "DeleteSheet", "PauseSheet", "ResumeSheet", "StepSheet",
+             "ResetSheet", "ExportSheet", "GetSheetState"}},
+           {"CutService", {"CreateCut", "ListCuts"}},
+           {"InteractionService",
+            {"GrabPoint", "DragPoint", "ReleasePoint", "SetSheetPins", "SetSheetGravity", "SetSheetWind"}},
+           {"StreamService", {"Watch"}},
+           {"RenderService", {"RenderImage"}},
+           {"ServerService", {"GetServerInfo"}}}) {
+    for (const std::string& method : methods) {
+      std::string response;
+      const grpc::Status status = exchange(channel, "/kerf.v1." + service + "/" + method, truncated, response);
+      EXPECT_EQ(status.error_code(), StatusCode::INVALID_ARGUMENT) << method;
+      EXPECT_EQ(client::failure_of(status).reason, "MALFORMED_MESSAGE") << method;
+    }
+  }
 }
 
 TEST_F(RpcServerTest, RequestsEndAtTheLimit) {
