@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -108,6 +109,8 @@ class Api {
   void pause_sheet(const v1::PauseSheetRequest& request, Reply<v1::Sheet> reply);
   void resume_sheet(const v1::ResumeSheetRequest& request, Reply<v1::Sheet> reply);
   void step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply);
+  // The same; ends after a tick, with what was done, once `stop` asks for it: nobody waits for the answer any more.
+  void step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop);
   void reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply);
   void export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSheetResponse> reply);
   void get_sheet_state(const v1::GetSheetStateRequest& request, Reply<v1::SheetState> reply);

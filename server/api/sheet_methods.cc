@@ -83,6 +83,10 @@ void Api::resume_sheet(const v1::ResumeSheetRequest& request, Reply<v1::Sheet> r
 }
 
 void Api::step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply) {
+  step_sheet(request, std::move(reply), {});
+}
+
+void Api::step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());
   const std::int32_t limit = core_->host.options().max_step_ticks;
@@ -91,7 +95,7 @@ void Api::step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply
         "OUT_OF_RANGE", "ticks is " + std::to_string(request.ticks()) + "; must be 1 to " + std::to_string(limit),
         "ticks"));
   }
-  core_->host.step(*id, request.ticks(), sheet_reply(std::move(reply), "name"));
+  core_->host.step(*id, request.ticks(), sheet_reply(std::move(reply), "name"), std::move(stop));
 }
 
 void Api::reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply) {

@@ -272,13 +272,13 @@ void Host::resume(const std::string& id, Callback<SheetStatus> done) {
   });
 }
 
-void Host::step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done) {
+void Host::step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop) {
   const std::int32_t limit = options().max_step_ticks;
   if (ticks < 1 || ticks > limit) {
     return done(invalid_argument(
         "OUT_OF_RANGE", "ticks is " + std::to_string(ticks) + "; must be in 1.." + std::to_string(limit), "ticks"));
   }
-  impl_->on_strand(id, done, [ticks, done](SheetRunner& r) { r.step(ticks, done); });
+  impl_->on_strand(id, done, [ticks, done, stop = std::move(stop)](SheetRunner& r) { r.step(ticks, done, stop); });
 }
 
 void Host::inspect(const std::string& id, std::function<void(const sheet::Sheet&)> look, Callback<Nothing> done) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
@@ -126,9 +127,9 @@ class Host {
   // kFailedPrecondition STEPPING while a step() call runs.
   void resume(const std::string& id, Callback<SheetStatus> done);
   // Runs exactly `ticks` ticks of a paused sheet as fast as it can, and answers when they are done, or sooner with what
-  // was done when a pause() or a Reset ends it. kInvalidArgument outside 1..max_step_ticks; kFailedPrecondition
-  // NOT_PAUSED, STEPPING or SHEET_FROZEN.
-  void step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done);
+  // was done when a pause() or a Reset ends it or, between two ticks, `stop` asks it to end. kInvalidArgument outside
+  // 1..max_step_ticks; kFailedPrecondition NOT_PAUSED, STEPPING or SHEET_FROZEN.
+  void step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop = {});
 
   // Calls `look` between two ticks, on the sheet's strand.
   void inspect(const std::string& id, std::function<void(const sheet::Sheet&)> look, Callback<Nothing> done);

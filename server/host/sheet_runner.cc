@@ -136,14 +136,14 @@ Status SheetRunner::resume() {
   return Nothing{};
 }
 
-void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done) {
+void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop) {
   const auto refuse = [&](const char* reason, const char* message) {
     done(Error{ErrorCode::kFailedPrecondition, reason, message, ""});
   };
   if (!paused_) return refuse("NOT_PAUSED", "only a paused sheet is stepped by hand; pause it first");
   if (step_call_) return refuse("STEPPING", "the sheet is being stepped already; wait for that call");
   if (sheet_.frozen()) return refuse("SHEET_FROZEN", "the sheet is frozen at its last good tick; reset it first");
-  step_call_ = StepCall{ticks, std::move(done)};
+  step_call_ = StepCall{ticks, std::move(done), std::move(stop)};
   if (!turn_posted_) take_turn();  // else the turn that an ended call left behind serves this one
 }
 
@@ -227,6 +227,7 @@ void SheetRunner::on_deadline(std::uint64_t generation) {
 void SheetRunner::take_turn() {
   if (closed_ || !step_call_) return;
   for (std::int32_t i = 0; i < Host::kTicksPerTurn && step_call_->remaining > 0; ++i) {
+    if (step_call_->stop.stop_requested()) return finish_step(status());
     --step_call_->remaining;
     run_once(true);
     if (!sheet_.frozen()) continue;

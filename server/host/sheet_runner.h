@@ -62,7 +62,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void close(sheet::SinkEnd reason);
   void pause();
   Status resume();
-  void step(std::int64_t ticks, Callback<SheetStatus> done);
+  void step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop);
   void add_sink(std::shared_ptr<sheet::SnapshotSink> sink);
   void remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   [[nodiscard]] SheetStatus status() const;
@@ -77,6 +77,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   struct StepCall {
     std::int64_t remaining = 0;
     Callback<SheetStatus> done;
+    std::stop_token stop;
   };
 
   void push(sheet::Command command, Callback<CommandResult> done);  // queue_mutex_ held

@@ -6,6 +6,7 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -71,6 +72,17 @@ Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Rep
   return reactor;
 }
 
+// Knows when its call is cancelled, by the client or by its deadline.
+class CancellableReactor final : public Reactor {
+ public:
+  [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
+  void OnCancel() override { source_.request_stop(); }
+  void OnDone() override { delete this; }
+
+ private:
+  std::stop_source source_;
+};
+
 // One override of a generated service: it does nothing but name the Api's method.
 // NOLINTBEGIN(bugprone-macro-parentheses)
 #define KERF_UNARY(Rpc, method)                                                                               \
@@ -95,7 +107,13 @@ class Sheets final : public RawSheets {
   KERF_UNARY(DeleteSheet, delete_sheet)
   KERF_UNARY(PauseSheet, pause_sheet)
   KERF_UNARY(ResumeSheet, resume_sheet)
-  KERF_UNARY(StepSheet, step_sheet)
+  Reactor* StepSheet(Context* /*context*/, const ByteBuffer* request, ByteBuffer* response) override {
+    auto* reactor = new CancellableReactor;  // deletes itself in OnDone
+    if (const auto step = parse<v1::StepSheetRequest>(request, reactor)) {
+      api_.step_sheet(*step, finisher<v1::Sheet>(reactor, response), reactor->token());
+    }
+    return reactor;
+  }
   KERF_UNARY(ResetSheet, reset_sheet)
   KERF_UNARY(ExportSheet, export_sheet)
   KERF_UNARY(GetSheetState, get_sheet_state)

@@ -130,6 +130,39 @@ TEST_F(HostTest, PauseEndsAStepCall) {
   EXPECT_EQ(status("a").tick, Host::kTicksPerTurn + 10);
 }
 
+// Asks for an end when it sees a certain tick.
+class StopAtTick : public RecordingSnapshots {
+ public:
+  explicit StopAtTick(std::int64_t tick) : tick_(tick) {}
+  void publish(std::shared_ptr<const sheet::Snapshot> snapshot) override {
+    if (snapshot->tick == tick_) source_.request_stop();
+    RecordingSnapshots::publish(std::move(snapshot));
+  }
+  [[nodiscard]] std::stop_token token() const { return source_.get_token(); }
+
+ private:
+  const std::int64_t tick_;
+  std::stop_source source_;
+};
+
+TEST_F(HostTest, AStepCallEndsWhenItIsNotWantedAnyMore) {
+  create("a", small_sheet(), true);
+  const auto sink = std::make_shared<StopAtTick>(6);
+  Answers<Nothing> added;
+  host_->add_sink("a", sink, added.callback());
+  Answers<SheetStatus> stepped;
+  host_->step("a", 100'000, stepped.callback(), sink->token());
+  host_->wait_idle();
+  ASSERT_EQ(stepped.count(), 1U);
+  EXPECT_EQ(stepped.at(0)->tick, 6);
+  host_->step("a", 100, stepped.callback(), sink->token());
+  host_->wait_idle();
+  EXPECT_EQ(stepped.at(1)->tick, 6) << "nobody wanted it from the start";
+  host_->step("a", 1, stepped.callback());
+  host_->wait_idle();
+  EXPECT_EQ(stepped.at(2)->tick, 7);
+}
+
 TEST_F(HostTest, ResetEndsAStepCall) {
   create("a", small_sheet(), true);
   Answers<SheetStatus> stepped;

@@ -233,6 +233,32 @@ TEST_F(RpcServerTest, NeverSharesAPort) {
   create("still-here");
 }
 
+TEST_F(RpcServerTest, ACancelledStepEnds) {
+  create("a");
+  constexpr std::int32_t kTicks = 100'000;
+  v1::StepSheetRequest request;
+  request.set_name("sheets/a");
+  request.set_ticks(kTicks);
+  grpc::ClientContext context;
+  std::thread caller([&] {
+    v1::Sheet sheet;
+    EXPECT_EQ(client_->sheets().StepSheet(&context, request, &sheet).error_code(), StatusCode::CANCELLED);
+  });
+  while (get("sheets/a").tick() == 0) {
+  }
+  context.TryCancel();
+  caller.join();
+  // Refused as long as the first goes on.
+  request.set_ticks(1);
+  v1::Sheet stepped;
+  grpc::Status status;
+  do {
+    status = client_->call(&v1::SheetService::Stub::StepSheet, client_->sheets(), request, stepped);
+  } while (status.error_code() == StatusCode::FAILED_PRECONDITION);
+  ASSERT_TRUE(status.ok()) << status.error_message();
+  EXPECT_LT(stepped.tick(), kTicks);
+}
+
 TEST_F(RpcServerTest, StopAnswersWhatIsUnderWay) {
   create("a");
   v1::StepSheetRequest request;
