@@ -257,6 +257,42 @@ TEST_F(WatchTest, TakesFragmentsAndPings) {
   EXPECT_EQ(socket.read_close(), 1000);
 }
 
+TEST_F(WatchTest, ASlowReaderGetsNothingOlderThanItsWindow) {
+  start();
+  Socket socket(port_);
+  send(socket, start_of("sheets/a", 2));
+  client::Mirror mirror;
+  const auto take = [&]() -> std::optional<v1::Frame> {
+    const std::optional<v1::WatchResponse> response = read_message(socket);
+    if (!response || !response->has_frame() || mirror.apply(response->frame())) return std::nullopt;
+    return response->frame();
+  };
+  v1::Sheet sheet;
+  const auto step = [&] { return call("SheetService/StepSheet", R"({"name":"sheets/a","ticks":1})", sheet); };
+  ASSERT_TRUE(take());
+  EXPECT_EQ(mirror.tick(), 0);
+  ASSERT_TRUE(step());
+  ASSERT_TRUE(take());
+  EXPECT_EQ(mirror.tick(), 1);
+  // Two frames are unacknowledged: whatever happens now is not sent.
+  v1::CutResult cut;
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(step());
+    if (i != 10) continue;
+    ASSERT_TRUE(call("CutService/CreateCut",
+                     R"({"parent":"sheets/a","cut":{"curve":{"circle":{"center":{"x":0.5,"y":0.5},"radius_m":0.2}}}})",
+                     cut));
+  }
+  send(socket, ack_of(1));
+  const std::optional<v1::Frame> third = take();
+  ASSERT_TRUE(third);
+  EXPECT_EQ(third->sequence(), 3);
+  EXPECT_EQ(third->tick(), 21) << "the newest, nothing in between";
+  EXPECT_EQ(third->stats().skipped(), 19);
+  EXPECT_EQ(mirror.topology_version(), cut.topology_version());
+  EXPECT_EQ(difference(mirror, state()), "");
+}
+
 TEST_F(WatchTest, AReaderThatDoesNotAcknowledgeIsEnded) {
   app::Config config = test_config();
   config.limits.watch_ack_timeout = milliseconds(150);
