@@ -213,6 +213,28 @@ class Offline(Case):
         self.assertEqual((replayed["identical"], replayed["ticks"]), (True, 20))
         self.assertEqual(replayed["state_hash"], first["state_hash"])
 
+    def test_energies_and_cpu_time_are_told(self):
+        # Nothing moves and nothing is stretched: all there is is weight at a height.
+        still = self.json_of("run", self.scene("still.json", commands=[], pins=[{"box": {"min": {"x": 0, "y": 0},
+                                                                                         "max": {"x": 1, "y": 1}}}],
+                                               placement={"origin": {"z": 2}, "y_axis": {"y": 1}},
+                                               material={"density_kgpm3": 400, "thickness_m": 0.0005}))
+        energies = still["energies"]
+        self.assertAlmostEqual(energies["gravity_j"], 0.0005 * 400 * 9.81 * 2, 6)
+        for none in ("kinetic_j", "membrane_j", "bending_j"):
+            self.assertAlmostEqual(energies[none], 0.0, 9)
+        # Falls freely for 20 ticks: what it loses in height it has in speed.
+        falling = self.json_of("run", self.scene("falling.json", commands=[], pins=[],
+                                                 placement={"origin": {"z": 2}, "y_axis": {"y": 1}},
+                                                 material={"density_kgpm3": 400, "thickness_m": 0.0005,
+                                                           "mass_damping_per_s": 0}))
+        fallen = energies["gravity_j"] - falling["energies"]["gravity_j"]
+        self.assertGreater(fallen, 0.5)
+        self.assertAlmostEqual(falling["energies"]["kinetic_j"], fallen, delta=0.05 * fallen)
+        for result in (still, falling):
+            self.assertGreater(result["cpu_s"], 0.0)
+            self.assertAlmostEqual(result["cpu_per_tick_us"], 1e6 * result["cpu_s"] / 20, 6)
+
     def test_time_that_was_not_simulated_is_told(self):
         whole = self.json_of("run", self.scene("whole.json"))
         self.assertAlmostEqual(whole["simulated_s"], 20 / 60, 9)
