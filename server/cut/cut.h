@@ -19,8 +19,15 @@
 // plan() looks, apply() changes; between the two the mesh may have changed, apply() takes it as it finds it.
 namespace kerf::cut {
 
+// Ranges of the options that requests may set.
+inline constexpr double kMinTolerance = 1.0e-6;              // -
+inline constexpr double kMaxTolerance = 0.5;                 // -
+inline constexpr double kMaxMinAngle = 28.0;                 // degrees
+inline constexpr std::int64_t kMaxNewTriangles = 1'000'000;  // of one cut
+
 struct CutOptions {
-  // Distance asked for between curve and lips, as a fraction of the sheet's edge length.  -, in [1e-6, 0.5]
+  // Distance asked for between curve and lips, as a fraction of the sheet's edge length.  -, in [kMinTolerance,
+  // kMaxTolerance]
   double tolerance = 0.02;
   // The same in metres; replaces `tolerance` where given.  m, in [1e-9, 1e4]
   std::optional<double> tolerance_m;
@@ -28,14 +35,14 @@ struct CutOptions {
   // of the tolerance.  -, in [1e-6, 0.1]
   double snap = 1.0e-3;
   // Triangles touched by the cut are refined until no angle is smaller, except in corners between lips that are
-  // narrower than 60 degrees.  degrees, in [0, 28]; 0 refines nothing
+  // narrower than 60 degrees.  degrees, in [0, kMaxMinAngle]; 0 refines nothing
   double min_angle_deg = 20.0;
   // Moves free old points of the touched ring away from the path in rest space before refining, where that improves
   // the worst triangle around them. Needs far fewer and far less flat triangles; see MeshEdit::moved_vertices.
   bool relax = true;
-  // New triangle slots one cut may take.  -, > 0
+  // New triangle slots one cut may take.  -, in [1, kMaxNewTriangles]
   std::int64_t max_new_triangles = 200'000;
-  // Vertices of the opened mesh after the cut.  -, > 0
+  // Vertices of the opened mesh after the cut.  -, in [1, mesh::kMaxVertices]
   std::int32_t max_vertices = mesh::kMaxVertices;
 };
 

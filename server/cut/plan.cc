@@ -23,11 +23,12 @@ Status check_range(double value, double low, double high, const std::string& fie
 }
 
 Status check_options(const CutOptions& options) {
-  if (Status s = check_range(options.tolerance, 1e-6, 0.5, "cut.tolerance"); !s.ok()) return s;
+  if (Status s = check_range(options.tolerance, kMinTolerance, kMaxTolerance, "cut.tolerance"); !s.ok()) return s;
   if (Status s = check_range(options.tolerance_m.value_or(1.0), 1e-9, 1e4, "cut.tolerance_m"); !s.ok()) return s;
   if (Status s = check_range(options.snap, 1e-6, 0.1, "cut.snap"); !s.ok()) return s;
-  if (Status s = check_range(options.min_angle_deg, 0.0, 28.0, "cut.min_angle_deg"); !s.ok()) return s;
-  if (Status s = check_range(static_cast<double>(options.max_new_triangles), 1.0, 1e9, "cut.max_new_triangles");
+  if (Status s = check_range(options.min_angle_deg, 0.0, kMaxMinAngle, "cut.min_angle_deg"); !s.ok()) return s;
+  if (Status s =
+          check_range(static_cast<double>(options.max_new_triangles), 1.0, kMaxNewTriangles, "cut.max_new_triangles");
       !s.ok()) {
     return s;
   }

@@ -1,34 +1,29 @@
 #include "server/fem/material.h"
 
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <string>
 
 namespace kerf::fem {
 namespace {
 
-struct Range {
-  std::string_view field;
+struct Field {
+  std::string_view name;
   double Material::*member;
-  double low;
-  double high;
-  bool low_excluded;
+  Range range;
 };
 
-constexpr double kTwoPi = 6.283185307179587;
-
-constexpr std::array<Range, 10> kRanges{{
-    {"youngs_modulus_1_pa", &Material::youngs_modulus_1, 0.0, 1e13, true},
-    {"youngs_modulus_2_pa", &Material::youngs_modulus_2, 0.0, 1e13, true},
-    {"shear_modulus_pa", &Material::shear_modulus, 0.0, 1e13, true},
-    {"poissons_ratio_12", &Material::poissons_ratio_12, -1e3, 1e3, false},
-    {"direction_rad", &Material::direction, -kTwoPi, kTwoPi, false},
-    {"thickness_m", &Material::thickness, 1e-6, 1.0, false},
-    {"density_kg_m3", &Material::density, 1e-2, 1e5, false},
-    {"bending_scale", &Material::bending_scale, 0.0, 1e3, false},
-    {"mass_damping_per_s", &Material::mass_damping, 0.0, 1e4, false},
-    {"stiffness_damping_s", &Material::stiffness_damping, 0.0, 10.0, false},
+constexpr std::array<Field, 10> kFields{{
+    {"youngs_modulus_1_pa", &Material::youngs_modulus_1, MaterialRanges::youngs_modulus},
+    {"youngs_modulus_2_pa", &Material::youngs_modulus_2, MaterialRanges::youngs_modulus},
+    {"shear_modulus_pa", &Material::shear_modulus, MaterialRanges::shear_modulus},
+    {"poissons_ratio_12", &Material::poissons_ratio_12, MaterialRanges::poissons_ratio_12},
+    {"direction_rad", &Material::direction, MaterialRanges::direction},
+    {"thickness_m", &Material::thickness, MaterialRanges::thickness},
+    {"density_kg_m3", &Material::density, MaterialRanges::density},
+    {"bending_scale", &Material::bending_scale, MaterialRanges::bending_scale},
+    {"mass_damping_per_s", &Material::mass_damping, MaterialRanges::mass_damping},
+    {"stiffness_damping_s", &Material::stiffness_damping, MaterialRanges::stiffness_damping},
 }};
 
 std::string number(double value) {
@@ -57,14 +52,13 @@ Material isotropic(double youngs_modulus, double poissons_ratio, double thicknes
 
 Status validate(const Material& material, std::string_view prefix) {
   const auto path = [prefix](std::string_view field) { return std::string(prefix) + "." + std::string(field); };
-  for (const Range& range : kRanges) {
-    const double value = material.*range.member;
-    const bool above = range.low_excluded ? value > range.low : value >= range.low;
-    if (std::isfinite(value) && above && value <= range.high) continue;
+  for (const auto& [name, member, range] : kFields) {
+    const double value = material.*member;
+    if (value >= range.low && value <= range.high) continue;  // false for NaN
     return invalid_argument("MATERIAL_OUT_OF_RANGE",
-                            path(range.field) + " is " + number(value) + "; choose a value in " +
-                                (range.low_excluded ? "(" : "[") + number(range.low) + ", " + number(range.high) + "]",
-                            path(range.field));
+                            path(name) + " is " + number(value) + "; choose a value in [" + number(range.low) + ", " +
+                                number(range.high) + "]",
+                            path(name));
   }
   const double product = poisson_product(material);
   if (!(product < 1.0)) {

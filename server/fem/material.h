@@ -9,21 +9,40 @@
 
 namespace kerf::fem {
 
+// Closed.
+struct Range {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+// Of the fields of Material by the same names, in their units; requests keep to them too.
+struct MaterialRanges {
+  static constexpr Range youngs_modulus{1e-6, 1e12};
+  static constexpr Range poissons_ratio_12{-1e3, 1e3};  // what limits it is the rule beside the field
+  static constexpr Range shear_modulus{1e-7, 1e13};     // that of an isotropic sheet, nearly up to nu = -1, included
+  static constexpr Range direction{-6.283185307179587, 6.283185307179587};
+  static constexpr Range thickness{1e-6, 0.1};
+  static constexpr Range density{1e-2, 1e5};
+  static constexpr Range bending_scale{0.0, 1e3};
+  static constexpr Range mass_damping{0.0, 1e3};
+  static constexpr Range stiffness_damping{0.0, 1.0};
+};
+
 // Orthotropic plane-stress sheet material with an independent shear modulus (Jones, Mechanics of Composite Materials,
-// eq. 2.65 ff.). Immutable once a Model is built from it. Material axis 1 is the warp or fibre direction.
+// eq. 2.65 ff.); ranges above. Immutable once a Model is built from it. Material axis 1 is the warp or fibre direction.
 struct Material {
-  double youngs_modulus_1 = 4.0e5;  // Pa, in (0, 1e13], along material axis 1
-  double youngs_modulus_2 = 4.0e5;  // Pa, in (0, 1e13], along material axis 2
+  double youngs_modulus_1 = 4.0e5;  // Pa, along material axis 1
+  double youngs_modulus_2 = 4.0e5;  // Pa, along material axis 2
   double poissons_ratio_12 = 0.3;   // -, contraction along 2 under tension along 1; nu12^2 E2 / E1 < 1 suffices,
                                     // because the shear modulus is independent
-  double shear_modulus = 1.5385e5;  // Pa, in (0, 1e13]
-  double direction = 0.0;           // rad, |direction| <= 2 pi, angle of axis 1 against rest x
-  double thickness = 5.0e-4;        // m, in [1e-6, 1]
-  double density = 400.0;           // kg/m^3, in [1e-2, 1e5]
-  double bending_scale = 1.0;       // -, in [0, 1e3]; 1 is the plate value C t^2 / 12, 0 switches bending off. Woven
+  double shear_modulus = 1.5385e5;  // Pa
+  double direction = 0.0;           // rad, angle of axis 1 against rest x
+  double thickness = 5.0e-4;        // m
+  double density = 400.0;           // kg/m^3
+  double bending_scale = 1.0;       // -; 1 is the plate value C t^2 / 12, 0 switches bending off. Woven
                                     // cloth bends far more easily than a plate of its membrane stiffness: ~0.01
-  double mass_damping = 0.0;        // 1/s, in [0, 1e4], Rayleigh alpha: force -alpha m v
-  double stiffness_damping = 0.0;   // s, in [0, 10], Rayleigh beta: stress C (e + beta de/dt). The explicit integrator
+  double mass_damping = 0.0;        // 1/s, Rayleigh alpha: force -alpha m v
+  double stiffness_damping = 0.0;   // s, Rayleigh beta: stress C (e + beta de/dt). The explicit integrator
                                     // limits it to what its step can carry (see integrator.h)
 
   bool operator==(const Material&) const = default;
@@ -32,7 +51,7 @@ struct Material {
 // E1 = E2 = E, G = E / (2 (1 + nu)); no damping, full plate bending.
 Material isotropic(double youngs_modulus, double poissons_ratio, double thickness, double density);
 
-// Every field finite and in the range above, else INVALID_ARGUMENT with the field path below `prefix`, e.g.
+// Every field in its range of MaterialRanges, else INVALID_ARGUMENT with the field path below `prefix`, e.g.
 // "material.youngs_modulus_1_pa".
 Status validate(const Material& material, std::string_view prefix = "material");
 

@@ -6,6 +6,9 @@ namespace kerf::sheet {
 
 namespace {
 
+// Of a cut; 0 would refine nothing, and leave slivers that shorten every step.  degrees
+constexpr double kMinAngle = 5.0;
+
 Status check_grab_id(const std::string& grab_id, const std::string& field) {
   if (grab_id.empty()) return invalid_argument("EMPTY", field + " must not be empty", field);
   return check_count(grab_id.size(), kMaxGrabIdBytes, "bytes", field);
@@ -25,9 +28,9 @@ Status validate_box(const MaterialBox& box, const std::string& field) {
 
 Status validate_command(const Cut& cut) {
   if (Status s = cut::validate(cut.curve); !s) return s;
-  if (Status s = check_number(cut.tolerance, 1.0e-6, 0.5, "cut.tolerance"); !s) return s;
-  if (Status s = check_number(cut.min_angle_deg, 5.0, 28.0, "cut.min_angle_deg"); !s) return s;
-  return check_integer(cut.max_new_triangles, 1, 1'000'000, "cut.max_new_triangles");
+  if (Status s = check_number(cut.tolerance, cut::kMinTolerance, cut::kMaxTolerance, "cut.tolerance"); !s) return s;
+  if (Status s = check_number(cut.min_angle_deg, kMinAngle, cut::kMaxMinAngle, "cut.min_angle_deg"); !s) return s;
+  return check_integer(cut.max_new_triangles, 1, cut::kMaxNewTriangles, "cut.max_new_triangles");
 }
 
 Status validate_command(const Grab& grab) {

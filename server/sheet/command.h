@@ -56,10 +56,10 @@ struct Wind {
 
 // A cut along a curve, whole or not at all.
 struct Cut {
-  cut::Curve curve;                          // m, material coordinates
-  double tolerance = 0.02;                   // -, 1e-6..0.5; largest distance curve to lips / edge length
-  double min_angle_deg = 20.0;               // degrees, 5..28; asked of new triangles
-  std::int32_t max_new_triangles = 200'000;  // 1..1000000
+  cut::Curve curve;             // m, material coordinates
+  double tolerance = 0.02;      // -, cut::kMinTolerance..kMaxTolerance; largest distance curve to lips / edge length
+  double min_angle_deg = 20.0;  // degrees, 5..cut::kMaxMinAngle; asked of new triangles
+  std::int32_t max_new_triangles = 200'000;  // 1..cut::kMaxNewTriangles
 };
 
 // Ties a point of the sheet to a moving target by a stiff spring. The point stays the same material point through later

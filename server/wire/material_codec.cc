@@ -7,31 +7,32 @@
 namespace kerf::wire {
 namespace {
 
-constexpr double kTwoPi = 6.283185307179587;
-
 // An optional number of the message and the interval it must lie in.
 struct Field {
   const char* name;
   bool (v1::Material::*has)() const;
   double (v1::Material::*get)() const;
-  double low;
-  double high;
-  bool open;  // the ends do not belong to it: (low, high); else [low, high]
+  fem::Range range;
+  bool open = false;  // its ends do not belong to it
 };
 
+using Ranges = fem::MaterialRanges;
 constexpr Field kFields[] = {
-    {"youngs_modulus_pa", &v1::Material::has_youngs_modulus_pa, &v1::Material::youngs_modulus_pa, 1e-6, 1e12, false},
-    {"youngs_modulus_2_pa", &v1::Material::has_youngs_modulus_2_pa, &v1::Material::youngs_modulus_2_pa, 1e-6, 1e12,
-     false},
-    {"poissons_ratio", &v1::Material::has_poissons_ratio, &v1::Material::poissons_ratio, -1.0, 1.0, true},
-    {"shear_modulus_pa", &v1::Material::has_shear_modulus_pa, &v1::Material::shear_modulus_pa, 1e-6, 1e12, false},
-    {"direction_rad", &v1::Material::has_direction_rad, &v1::Material::direction_rad, -kTwoPi, kTwoPi, false},
-    {"thickness_m", &v1::Material::has_thickness_m, &v1::Material::thickness_m, 1e-6, 0.1, false},
-    {"density_kgpm3", &v1::Material::has_density_kgpm3, &v1::Material::density_kgpm3, 1e-2, 1e5, false},
-    {"bending_scale", &v1::Material::has_bending_scale, &v1::Material::bending_scale, 0.0, 1e3, false},
-    {"mass_damping_per_s", &v1::Material::has_mass_damping_per_s, &v1::Material::mass_damping_per_s, 0.0, 1e3, false},
-    {"stiffness_damping_s", &v1::Material::has_stiffness_damping_s, &v1::Material::stiffness_damping_s, 0.0, 1.0,
-     false},
+    {"youngs_modulus_pa", &v1::Material::has_youngs_modulus_pa, &v1::Material::youngs_modulus_pa,
+     Ranges::youngs_modulus},
+    {"youngs_modulus_2_pa", &v1::Material::has_youngs_modulus_2_pa, &v1::Material::youngs_modulus_2_pa,
+     Ranges::youngs_modulus},
+    // Narrower than fem's: G = E / (2 (1 + nu)) has to make sense.
+    {"poissons_ratio", &v1::Material::has_poissons_ratio, &v1::Material::poissons_ratio, {-1.0, 1.0}, true},
+    {"shear_modulus_pa", &v1::Material::has_shear_modulus_pa, &v1::Material::shear_modulus_pa, Ranges::shear_modulus},
+    {"direction_rad", &v1::Material::has_direction_rad, &v1::Material::direction_rad, Ranges::direction},
+    {"thickness_m", &v1::Material::has_thickness_m, &v1::Material::thickness_m, Ranges::thickness},
+    {"density_kgpm3", &v1::Material::has_density_kgpm3, &v1::Material::density_kgpm3, Ranges::density},
+    {"bending_scale", &v1::Material::has_bending_scale, &v1::Material::bending_scale, Ranges::bending_scale},
+    {"mass_damping_per_s", &v1::Material::has_mass_damping_per_s, &v1::Material::mass_damping_per_s,
+     Ranges::mass_damping},
+    {"stiffness_damping_s", &v1::Material::has_stiffness_damping_s, &v1::Material::stiffness_damping_s,
+     Ranges::stiffness_damping},
 };
 
 std::string number(double value) {
@@ -45,12 +46,13 @@ Status check(const Field& field, const v1::Material& material) {
   const double value = (material.*field.get)();
   const std::string path = std::string("material.") + field.name;
   if (!std::isfinite(value)) return invalid_argument("NOT_FINITE", path + " must be a finite number", path);
-  const bool inside = field.open ? value > field.low && value < field.high : value >= field.low && value <= field.high;
+  const auto [low, high] = field.range;
+  const bool inside = field.open ? value > low && value < high : value >= low && value <= high;
   if (inside) return Nothing{};
   return invalid_argument("OUT_OF_RANGE",
                           path + " is " + number(value) + "; choose a value " +
-                              (field.open ? "strictly between " : "from ") + number(field.low) +
-                              (field.open ? " and " : " to ") + number(field.high),
+                              (field.open ? "strictly between " : "from ") + number(low) +
+                              (field.open ? " and " : " to ") + number(high),
                           path);
 }
 

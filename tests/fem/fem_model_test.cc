@@ -57,6 +57,20 @@ TEST(Material, RefusesEveryFieldThatIsNotFiniteOrOutOfRangeByName) {
   }
 }
 
+TEST(Material, RangesIncludeTheirEnds) {
+  for (const auto& [member, range] :
+       std::vector<std::pair<double Material::*, Range>>{{&Material::thickness, MaterialRanges::thickness},
+                                                         {&Material::mass_damping, MaterialRanges::mass_damping}}) {
+    Material material;
+    for (const double end : {range.low, range.high}) {
+      material.*member = end;
+      EXPECT_TRUE(validate(material).ok()) << end;
+    }
+    material.*member = range.high * (1.0 + 1e-15);
+    EXPECT_FALSE(validate(material).ok());
+  }
+}
+
 TEST(Material, PoissonRatioIsLimitedByPositiveDefinitenessAlone) {
   Material material;
   material.poissons_ratio_12 = 0.99;  // allowed: the shear modulus is independent
