@@ -21,7 +21,7 @@ struct MaterialRanges {
   static constexpr Range poissons_ratio_12{-1e3, 1e3};  // what limits it is the rule beside the field
   static constexpr Range shear_modulus{1e-7, 1e13};     // that of an isotropic sheet, nearly up to nu = -1, included
   static constexpr Range direction{-6.283185307179587, 6.283185307179587};
-  static constexpr Range thickness{1e-6, 0.1};
+  static constexpr Range thickness{1e-6, 1.0};
   static constexpr Range density{1e-2, 1e5};
   static constexpr Range bending_scale{0.0, 1e3};
   static constexpr Range mass_damping{0.0, 1e3};

@@ -200,7 +200,7 @@ inline std::vector<BadScene> bad_numbers() {
        }},
       {"material.shear_modulus_pa", [](v1::Scene& s) { s.mutable_material()->set_shear_modulus_pa(-1.0); }},
       {"material.direction_rad", [](v1::Scene& s) { s.mutable_material()->set_direction_rad(7.0); }},
-      {"material.thickness_m", [](v1::Scene& s) { s.mutable_material()->set_thickness_m(0.11); }},
+      {"material.thickness_m", [](v1::Scene& s) { s.mutable_material()->set_thickness_m(1.01); }},
       {"material.density_kgpm3", [=](v1::Scene& s) { s.mutable_material()->set_density_kgpm3(infinity); }},
       {"material.bending_scale", [](v1::Scene& s) { s.mutable_material()->set_bending_scale(-1e-9); }},
       {"material.mass_damping_per_s", [](v1::Scene& s) { s.mutable_material()->set_mass_damping_per_s(1001.0); }},
