@@ -8,6 +8,7 @@
 #include "server/cut/cut.h"
 #include "server/mesh/grid_mesh.h"
 #include "tests/cut/cut_checks.h"
+#include "tests/support/meshes.h"
 
 namespace kerf::cut {
 namespace {
@@ -200,8 +201,7 @@ TEST(CutContract, ACurveNoLargerThanTheSnapDistanceIsAMissWhereverItIs) {
   const mesh::TriangleMesh sheet = jittered(9);
   const mesh::VertexId vertex = 40;
   const Eigen::Vector2d corner = sheet.rest_position(vertex);
-  std::vector<mesh::VertexId> ring;
-  sheet.one_ring(vertex, ring);
+  const std::vector<mesh::VertexId> ring = test::one_ring(sheet, vertex);
   const Eigen::Vector2d on_edge = 0.5 * (corner + sheet.rest_position(ring[0]));
   const Eigen::Vector2d inside = (corner + sheet.rest_position(ring[0]) + sheet.rest_position(ring[1])) / 3.0;
   const double snap = plan(sheet, {Circle{inside, 0.1}, {}, {}})->snap_m;
