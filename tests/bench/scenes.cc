@@ -7,7 +7,9 @@
 
 namespace kerf::bench {
 
-sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator) {
+namespace {
+
+sheet::SheetConfig horizontal_cloth(int side, sheet::IntegratorKind integrator) {
   sheet::SheetConfig config;
   sheet::GridSource grid;
   grid.columns = side;
@@ -15,11 +17,29 @@ sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator) {
   config.mesh = grid;
   config.material = fem::find_preset("demo").value();
   config.placement.y_axis = {0.0, 1.0, 0.0};
-  config.pins.emplace_back(sheet::PinEdge::kTopCorners);
   config.integrator.kind = integrator;
+  return config;
+}
+
+sheet::Sheet create(sheet::SheetConfig config) {
   Result<sheet::Sheet> sheet = sheet::Sheet::create(std::move(config));
   KERF_CHECK(sheet.ok(), "the benchmark scene is refused");
   return std::move(sheet).value();
+}
+
+}  // namespace
+
+sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator) {
+  sheet::SheetConfig config = horizontal_cloth(side, integrator);
+  config.pins.emplace_back(sheet::PinEdge::kTopCorners);
+  return create(std::move(config));
+}
+
+sheet::Sheet draped_cloth(int side, sheet::IntegratorKind integrator) {
+  sheet::SheetConfig config = horizontal_cloth(side, integrator);
+  config.placement.origin = {-0.5, -0.5, 0.31};
+  config.colliders = {{contact::Sphere{{0.0, 0.0, 0.0}, 0.3}, 0.4}};
+  return create(std::move(config));
 }
 
 sheet::Cut s_cut() {

@@ -12,6 +12,9 @@ inline constexpr int kGridSides[] = {15, 50, 100, 200};
 // A horizontal cloth held at two corners, side x side vertices.
 sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator);
 
+// The same, free, laid on a ball with friction.
+sheet::Sheet draped_cloth(int side, sheet::IntegratorKind integrator);
+
 // An S-shaped Bezier curve of half the sheet's width, wholly inside it.
 sheet::Cut s_cut();
 

@@ -1,4 +1,5 @@
 #include <string>
+#include <utility>
 
 #include <benchmark/benchmark.h>
 
@@ -8,35 +9,52 @@
 namespace kerf::bench {
 namespace {
 
-constexpr int kWarmUpTicks = 2;
+struct Scene {
+  const char* name;
+  sheet::Sheet (*make)(int side, sheet::IntegratorKind integrator);
+  int warm_up_ticks;
+  int largest_side;
+};
 
-void step(benchmark::State& state, const std::string& name, int side, sheet::IntegratorKind integrator) {
-  sheet::Sheet sheet = swinging_cloth(side, integrator);
-  for (int tick = 0; tick < kWarmUpTicks; ++tick) sheet.step({});
-  double substeps = 0.0;
-  double linear_iterations = 0.0;
+constexpr Scene kScenes[] = {{"step", swinging_cloth, 2, 200}, {"drape", draped_cloth, 15, 50}};
+
+constexpr std::pair<const char*, sheet::IntegratorKind> kIntegrators[] = {
+    {"explicit", sheet::IntegratorKind::kExplicitLeapfrog}, {"implicit", sheet::IntegratorKind::kImplicitEuler}};
+
+void step(benchmark::State& state, const std::string& name, sheet::Sheet sheet, int warm_up_ticks) {
+  for (int tick = 0; tick < warm_up_ticks; ++tick) sheet.step({});
+  fem::StepStats sum;
   for (auto _ : state) {
     const sheet::TickReport report = sheet.step({});
-    substeps += report.stats.substeps;
-    linear_iterations += report.stats.linear_iterations;
+    sum.substeps += report.stats.substeps;
+    sum.newton_iterations += report.stats.newton_iterations;
+    sum.linear_iterations += report.stats.linear_iterations;
   }
-  state.counters["substeps"] = benchmark::Counter(substeps, benchmark::Counter::kAvgIterations);
-  state.counters["linear_iterations"] = benchmark::Counter(linear_iterations, benchmark::Counter::kAvgIterations);
+  const auto count = [&state](const char* counter, int total) {
+    state.counters[counter] = benchmark::Counter(total, benchmark::Counter::kAvgIterations);
+  };
+  count("substeps", sum.substeps);
+  count("newton_iterations", sum.newton_iterations);
+  count("linear_iterations", sum.linear_iterations);
   expect_hash(state, name, sheet.state_hash());
 }
 
+int ticks_at(int side) {
+  if (side <= 50) return 60;
+  return side <= 100 ? 10 : 3;
+}
+
 const bool kRegistered = [] {
-  for (const auto& [label, integrator] : {std::pair("explicit", sheet::IntegratorKind::kExplicitLeapfrog),
-                                          std::pair("implicit", sheet::IntegratorKind::kImplicitEuler)}) {
-    for (const int side : kGridSides) {
-      const std::string name = std::string("step/") + label + "/" + std::to_string(side * side);
-      const auto kind = integrator;
-      benchmark::RegisterBenchmark(name.c_str(),
-                                   [name, side, kind](benchmark::State& state) { step(state, name, side, kind); })
-          ->Iterations(side <= 50    ? 60
-                       : side <= 100 ? 10
-                                     : 3)
-          ->Unit(benchmark::kMicrosecond);
+  for (const Scene& scene : kScenes) {
+    for (const auto& [label, kind] : kIntegrators) {
+      for (const int side : kGridSides) {
+        if (side > scene.largest_side) continue;
+        const std::string name = std::string(scene.name) + "/" + label + "/" + std::to_string(side * side);
+        const auto run = [name, scene, side, integrator = kind](benchmark::State& state) {
+          step(state, name, scene.make(side, integrator), scene.warm_up_ticks);
+        };
+        benchmark::RegisterBenchmark(name.c_str(), run)->Iterations(ticks_at(side))->Unit(benchmark::kMicrosecond);
+      }
     }
   }
   return true;
