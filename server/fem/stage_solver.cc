@@ -164,10 +164,10 @@ bool StageSolver::repair(const Problem& problem, const Eigen::Matrix3Xd& start, 
   x = start;
   double reference = 0.0;
   double relative = 0.0;
-  if (!std::isfinite(merit(problem, x))) return false;
   for (int i = 0; i < kRepairIterations; ++i) {
     const double residual = evaluate_residual(problem, x, Update::kAll);
-    double value = merit(problem, x);
+    const double value = merit(problem, x);
+    if (!std::isfinite(value)) return false;
     reference = std::max(reference, residual);
     relative = reference > 0.0 ? residual / reference : 0.0;
     if (relative <= options_.newton_tolerance) break;

@@ -27,9 +27,9 @@ struct Stage {
 //
 // Fast iteration: full steps, and in the tangent, not in the residual, the stress predicted by the linear step before
 // (mixed integration points, Magisano, Leonetti, Garcea 2017): the true stress of a stiff sheet after a linear step is
-// mostly the false stretch of its rotation. Where that neither converges nor lowers the incremental potential, it is
-// thrown away for projected Newton steps with backtracking on the potential, without stiffness damping: they always
-// descend, so a step can never blow up.
+// mostly the false stretch of its rotation. Its best point is taken where that converged, or lowers the incremental
+// potential and, with contact, came near; else it is thrown away for projected Newton steps with backtracking on the
+// potential, without stiffness damping: they always descend, so a step can never blow up.
 class StageSolver {
  public:
   explicit StageSolver(const IntegratorOptions& options);

@@ -59,4 +59,23 @@ inline double internal_energy(const Model& model, const State& state) {
   return energies.membrane + energies.bending + energies.kinetic;
 }
 
+inline constexpr double kTick = 1.0 / 60.0;  // s
+
+inline Material soft_cloth() {
+  return isotropic(4.0e5, 0.3, 5.0e-4, 400.0);
+}
+
+inline Loads no_loads() {
+  Loads loads;
+  loads.gravity.setZero();
+  return loads;
+}
+
+// Pins the upper corners of a square grid of n x n where they are.
+inline Loads hang_by_corners(int n, const State& state) {
+  Loads loads;
+  for (const int v : {n * (n - 1), n * n - 1}) loads.pins.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
+  return loads;
+}
+
 }  // namespace kerf::fem

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "server/sheet/recording.h"
-#include "server/sheet/sheet.h"
+#include "tests/sheet/sheet_calls.h"
 #include "tests/support/scenes.h"
 
 // State hashes that must come out of every build of the same sources: any optimisation level, any number of threads
@@ -64,12 +64,6 @@ const Golden kGolden[] = {
     {"cut over a sphere", cut_over_sphere, 60, 0xee3e7a5f625e960f},
     {"implicit over a sphere", implicit_over_sphere, 40, 0x6c5a5cffbb37924e},
 };
-
-Sheet make(SheetConfig config) {
-  Result<Sheet> created = Sheet::create(std::move(config));
-  if (!created) ADD_FAILURE() << created.error().message;
-  return std::move(created).value();
-}
 
 TEST(Golden, HashesAreThoseWrittenDown) {
   for (const Golden& golden : kGolden) {

@@ -1,23 +1,11 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
-#include "server/sheet/sheet.h"
+#include "tests/sheet/sheet_calls.h"
 #include "tests/support/scenes.h"
 
 namespace kerf::sheet {
 namespace {
-
-Sheet make(SheetConfig config) {
-  Result<Sheet> created = Sheet::create(std::move(config));
-  if (!created) ADD_FAILURE() << created.error().message;
-  return std::move(created).value();
-}
-
-Result<CommandReply> apply(Sheet& sheet, Command command) {
-  const std::vector<Command> commands{std::move(command)};
-  TickReport report = sheet.apply(commands);
-  return std::move(report.replies.at(0));
-}
 
 TEST(Snapshot, SharesTheTopologyUntilItChanges) {
   Sheet sheet = make(scenes::hanging(10));

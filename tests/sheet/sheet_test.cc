@@ -1,10 +1,7 @@
-#include "server/sheet/sheet.h"
-
 #include <cmath>
 #include <limits>
 
-#include <gtest/gtest.h>
-
+#include "tests/sheet/sheet_calls.h"
 #include "tests/support/failing_integrator.h"
 #include "tests/support/meshes.h"
 #include "tests/support/scenes.h"
@@ -14,26 +11,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-
-Sheet make(SheetConfig config) {
-  Result<Sheet> created = Sheet::create(std::move(config));
-  if (!created) ADD_FAILURE() << created.error().message;
-  return std::move(created).value();
-}
-
-void run(Sheet& sheet, int ticks) {
-  for (int i = 0; i < ticks; ++i) sheet.step({});
-}
-
-Result<CommandReply> apply(Sheet& sheet, Command command) {
-  const std::vector<Command> commands{std::move(command)};
-  TickReport report = sheet.apply(commands);
-  return std::move(report.replies.at(0));
-}
-
-std::string reason(const Result<CommandReply>& reply) {
-  return reply ? "done" : reply.error().reason;
-}
 
 TEST(Sheet, StartsAsConfigured) {
   const Sheet sheet = make(scenes::hanging(10));
@@ -201,68 +178,6 @@ TEST(Sheet, BothCopiesOfASplitPinnedVertexArePinned) {
   }
 }
 
-TEST(Sheet, AGrabPullsItsPointToTheTarget) {
-  Sheet sheet = make(scenes::hanging(10));
-  ASSERT_TRUE(apply(sheet, Grab{"hand", 4, std::nullopt, 0.0}));
-  const Vector3d start = sheet.state().x.col(4);
-  EXPECT_EQ(sheet.grabs().at(0).target, start);
-  const Vector3d goal = start + Vector3d(0.0, 0.2, 0.1);
-  for (int i = 1; i <= 40; ++i) {
-    const std::vector<Command> drag{Drag{"hand", start + std::min(1.0, i / 30.0) * (goal - start)}};
-    ASSERT_TRUE(sheet.step(drag).replies.at(0));
-  }
-  run(sheet, 60);
-  EXPECT_LT((sheet.state().x.col(4) - goal).norm(), 0.03);
-  ASSERT_TRUE(apply(sheet, Release{"hand"}));
-  EXPECT_TRUE(sheet.grabs().empty());
-}
-
-TEST(Sheet, AGrabbedMaterialPointStaysTheSameThroughCuts) {
-  Sheet sheet = make(scenes::hanging(10));
-  run(sheet, 10);
-  const Vector2d held(0.47, 0.31);
-  ASSERT_TRUE(apply(sheet, Grab{"hand", held, std::nullopt, 50.0}));
-  const auto material_of = [&](const GrabState& grab) {
-    Vector2d at = Vector2d::Zero();
-    for (int k = 0; k < 3; ++k) {
-      at += grab.weights[k] * sheet.mesh().rest_position(grab.vertices[static_cast<std::size_t>(k)]);
-    }
-    return at;
-  };
-  EXPECT_NEAR((material_of(sheet.grabs()[0]) - held).norm(), 0.0, 1e-9);
-  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.3, 0.33}, {0.7, 0.3})));
-  EXPECT_NEAR((material_of(sheet.grabs()[0]) - held).norm(), 0.0, 1e-9);
-  EXPECT_NEAR(sheet.grabs()[0].weights.sum(), 1.0, 1e-12);
-  run(sheet, 10);
-  EXPECT_TRUE(sheet.state().x.allFinite());
-}
-
-SheetConfig of_arrays(const mesh::IndexedMesh& sheet) {
-  SheetConfig config = scenes::hanging(4);
-  config.mesh = ArraySource{sheet.rest, sheet.triangles, {}};
-  config.pins.clear();
-  return config;
-}
-
-// The cut splits the slanted border close to the grabbed point, which then lies a rounding error outside.
-TEST(Sheet, AGrabOnASlantedBorderOutlivesACutBesideIt) {
-  Sheet sheet =
-      make(of_arrays(test::indexed({{0.0, 0.0}, {3.0, 1.0}, {2.0, 4.0}, {-1.0, 3.0}}, {{0, 1, 2}, {0, 2, 3}})));
-  const Vector2d held(1.5, 0.5);
-  ASSERT_TRUE(apply(sheet, Grab{"hand", held, std::nullopt, 50.0}));
-  ASSERT_TRUE(apply(sheet, scenes::line_cut({1.37, -0.3}, {1.27, 1.1})));
-  const GrabState& grab = sheet.grabs()[0];
-  Vector2d at = Vector2d::Zero();
-  for (int k = 0; k < 3; ++k) {
-    EXPECT_GE(grab.weights[k], 0.0);
-    at += grab.weights[k] * sheet.mesh().rest_position(grab.vertices[static_cast<std::size_t>(k)]);
-  }
-  EXPECT_NEAR(grab.weights.sum(), 1.0, 1e-12);
-  EXPECT_NEAR((at - held).norm(), 0.0, 1e-12);
-  run(sheet, 10);
-  EXPECT_TRUE(sheet.state().x.allFinite());
-}
-
 TEST(Sheet, RefusesASliverAndStepsTheFlattestSheetThatImportTakes) {
   const auto created = Sheet::create(of_arrays(test::indexed(
       {{0, 0}, {0.9132020097620708, 0.8346492473105291}, {0.8983662352101822, 0.8210896318797345}}, {{0, 1, 2}})));
@@ -279,33 +194,6 @@ TEST(Sheet, RefusesASliverAndStepsTheFlattestSheetThatImportTakes) {
     Sheet sheet = make(std::move(config));
     run(sheet, 1);
     EXPECT_TRUE(sheet.state().x.allFinite());
-  }
-}
-
-TEST(Sheet, AllowsAtMost64Grabs) {
-  Sheet sheet = make(scenes::hanging(10));
-  for (int i = 0; i < 64; ++i) ASSERT_TRUE(apply(sheet, Grab{std::to_string(i), i, std::nullopt, 1.0}));
-  const Result<CommandReply> reply = apply(sheet, Grab{"64", 64, std::nullopt, 1.0});
-  ASSERT_FALSE(reply);
-  EXPECT_EQ(reply.error().code, ErrorCode::kResourceExhausted);
-}
-
-TEST(Sheet, AViolentGrabNeverMakesItNotFinite) {
-  const Vector3d target(1e5, -1e5, 1e5);
-  for (const IntegratorKind kind : {IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler}) {
-    SheetConfig config = scenes::hanging(10);
-    config.integrator.kind = kind;
-    Sheet sheet = make(config);
-    ASSERT_TRUE(apply(sheet, Grab{"a", 3, target, 1e6}));
-    ASSERT_TRUE(apply(sheet, SetGravity{Vector3d(0, 0, 9e3)}));
-    ASSERT_TRUE(apply(sheet, SetWind{{Vector3d(1000, 0, 0), 100.0, 10.0}}));
-    for (int i = 0; i < 30; ++i) {
-      const TickReport report = sheet.step({});
-      EXPECT_FALSE(report.step_failed || report.frozen) << "tick " << i;
-      ASSERT_TRUE(sheet.state().x.allFinite() && sheet.state().v.allFinite());
-      ASSERT_LT(sheet.state().x.cwiseAbs().maxCoeff(), 2e5) << "it is flung no farther than it is pulled";
-    }
-    EXPECT_LT((sheet.state().x.col(3) - target).norm(), 100.0);
   }
 }
 

@@ -1,0 +1,119 @@
+// What only one kind of integrator does, and how the automatic one chooses. What all do: fem_integrator_test.cc.
+#include <cmath>
+
+#include "server/fem/stable_step.h"
+#include "tests/fem/integrator_cases.h"
+
+namespace kerf::fem {
+namespace {
+
+TEST(ExplicitIntegrator, AgreesWithAFinelyResolvedImplicitOne) {
+  const mesh::TriangleMesh mesh = square_grid(9);
+  const Model model(mesh, soft_cloth());
+  State verlet = rest_state(mesh);
+  State implicit = verlet;
+  const Loads loads = hang_by_corners(9, verlet);
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kExplicit;
+  const std::unique_ptr<Integrator> first = make_integrator(options);
+  first->rebuild(model);
+  options.kind = IntegratorKind::kTrBdf2;
+  options.linear_solver = LinearSolverKind::kDirect;
+  options.newton_iterations = 8;
+  const std::unique_ptr<Integrator> second = make_integrator(options);
+  second->rebuild(model);
+  for (int i = 0; i < 100; ++i) first->step(model, loads, 1e-3, nullptr, verlet);
+  for (int i = 0; i < 100; ++i) second->step(model, loads, 1e-3, nullptr, implicit);
+  EXPECT_LT((verlet.x - implicit.x).cwiseAbs().maxCoeff(), 2e-4);
+  EXPECT_LT(verlet.x.row(2).minCoeff(), -0.04);
+}
+
+TEST(ExplicitIntegrator, ShortensTheStepItCannotAffordAndSaysSo) {
+  const mesh::TriangleMesh mesh = square_grid(6);
+  const Model model(mesh, find_preset("wool").value());
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kExplicit;
+  options.max_substeps = 10;
+  const std::unique_ptr<Integrator> integrator = make_integrator(options);
+  integrator->rebuild(model);
+  State state = rest_state(mesh);
+  const StepStats stats = integrator->step(model, Loads{}, kTick, nullptr, state);
+  EXPECT_NE(stats.flags & kSubstepLimit, 0U);
+  EXPECT_EQ(stats.substeps, 10);
+  EXPECT_LT(stats.simulated, kTick);
+  EXPECT_NEAR(state.v(2, 0), -9.81 * stats.simulated, 1e-12);
+}
+
+TEST(ImplicitIntegrator, SaysWhenItDidNotConvergeAndStepsAllTheSame) {
+  const mesh::TriangleMesh mesh = square_grid(6);
+  const Model model(mesh, soft_cloth());
+  struct Case {
+    int newton_iterations, linear_iterations;
+    bool converges;
+  };
+  for (const Case& tested : {Case{30, 1000, true}, Case{1, 1000, false}, Case{30, 2, false}}) {
+    IntegratorOptions options;
+    options.kind = IntegratorKind::kImplicitEuler;
+    options.newton_iterations = tested.newton_iterations;
+    options.max_linear_iterations = tested.linear_iterations;
+    options.newton_tolerance = 1e-6;
+    const std::unique_ptr<Integrator> integrator = make_integrator(options);
+    integrator->rebuild(model);
+    SeededRandom random(5);
+    State state = rest_state(mesh);
+    state.x += random_field(random, state.x.cols(), 0.05);
+    const StepStats stats = integrator->step(model, no_loads(), kTick, nullptr, state);
+    EXPECT_EQ((stats.flags & kNotConverged) == 0, tested.converges) << stats.residual;
+    EXPECT_EQ(stats.residual <= options.newton_tolerance, tested.converges) << stats.residual;
+    EXPECT_EQ(stats.flags & kFrozen, 0U);
+    EXPECT_EQ(stats.simulated, kTick);
+    EXPECT_TRUE(is_finite(state));
+  }
+}
+
+TEST(StableStep, BoundsTheTrueLargestEigenvalueClosely) {
+  for (const bool jittered : {false, true}) {
+    for (const Material& material : {soft_cloth(), orthotropic_cloth(), find_preset("wool").value()}) {
+      const mesh::TriangleMesh mesh = jittered ? jittered_square(10) : square_grid(10);
+      const Model model(mesh, material);
+      const State rest = rest_state(mesh);
+      const Eigen::Index n = rest.x.cols();
+      SeededRandom random(31);
+      Eigen::Matrix3Xd p = random_field(random, n, 1.0);
+      Eigen::Matrix3Xd up(3, n);
+      Eigen::Matrix3Xd down(3, n);
+      double largest = 0.0;
+      for (int i = 0; i < 2000; ++i) {
+        p /= p.norm();
+        constexpr double kStep = 1e-7;
+        model.internal_forces(rest.x + kStep * p, up);
+        model.internal_forces(rest.x - kStep * p, down);
+        Eigen::Matrix3Xd Kp = (down - up) / (2.0 * kStep);
+        double mass = 0.0;
+        for (Eigen::Index k = 0; k < n; ++k) mass += model.mass()[static_cast<std::size_t>(k)] * p.col(k).squaredNorm();
+        largest = Kp.cwiseProduct(p).sum() / mass;
+        for (Eigen::Index k = 0; k < n; ++k) Kp.col(k) *= model.inverse_mass()[static_cast<std::size_t>(k)];
+        p = Kp;
+      }
+      EXPECT_GE(stiffness_bound(model), largest * (1.0 - 1e-6));
+      EXPECT_LE(stiffness_bound(model), 2.0 * largest);
+    }
+  }
+}
+
+TEST(AutomaticIntegrator, TakesExplicitForSoftAndImplicitForStiffSheetsAndSaysWhy) {
+  const mesh::TriangleMesh mesh = square_grid(20);
+  const std::unique_ptr<Integrator> integrator = make_integrator({});
+  const Model soft(mesh, soft_cloth());
+  integrator->rebuild(soft);
+  EXPECT_EQ(integrator->kind(), IntegratorKind::kExplicit);
+  EXPECT_NE(integrator->explanation().find("substeps"), std::string_view::npos);
+  const Model stiff(mesh, find_preset("wool").value());
+  integrator->rebuild(stiff);
+  EXPECT_EQ(integrator->kind(), IntegratorKind::kImplicitEuler);
+  State state = rest_state(mesh);
+  EXPECT_EQ(integrator->step(stiff, Loads{}, kTick, nullptr, state).substeps, 1);
+}
+
+}  // namespace
+}  // namespace kerf::fem

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/mesh/mesh_import.h"
+#include "server/sheet/sheet.h"
+#include "tests/support/scenes.h"
+
+// A test's short ways to make, step and command a sheet.
+namespace kerf::sheet {
+
+inline Sheet make(SheetConfig config) {
+  Result<Sheet> created = Sheet::create(std::move(config));
+  if (!created) ADD_FAILURE() << created.error().message;
+  return std::move(created).value();
+}
+
+inline void run(Sheet& sheet, int ticks) {
+  for (int i = 0; i < ticks; ++i) sheet.step({});
+}
+
+inline Result<CommandReply> apply(Sheet& sheet, Command command) {
+  const std::vector<Command> commands{std::move(command)};
+  TickReport report = sheet.apply(commands);
+  return std::move(report.replies.at(0));
+}
+
+inline std::string reason(const Result<CommandReply>& reply) {
+  return reply ? "done" : reply.error().reason;
+}
+
+// Free, and made of these triangles.
+inline SheetConfig of_arrays(const mesh::IndexedMesh& sheet) {
+  SheetConfig config = scenes::hanging(4);
+  config.mesh = ArraySource{sheet.rest, sheet.triangles, {}};
+  config.pins.clear();
+  return config;
+}
+
+}  // namespace kerf::sheet
