@@ -37,38 +37,53 @@ std::optional<std::pair<double, double>> inside_range(const Vector2d& a, const V
   return std::make_pair(enter, leave);
 }
 
+// Collects what of a curve lies in a box, segment by segment.
+class Clipper {
+ public:
+  explicit Clipper(const Box& box) : box_(box) {}
+
+  void add_segment(const Vector2d& a, const Vector2d& b) {
+    const bool a_inside = box_.contains(a);
+    const bool b_inside = box_.contains(b);
+    const auto range = inside_range(a, b, box_);
+    if (!range) return end_stroke();
+    if (!a_inside) end_stroke();
+    if (!a_inside || !b_inside) rounding_ = std::max(rounding_, interpolation_error(a, b));
+    const Vector2d start = a_inside ? a : Vector2d(a + range->first * (b - a));
+    const Vector2d end = b_inside ? b : Vector2d(a + range->second * (b - a));
+    if (current_.points.empty()) current_.points.push_back(start);
+    if (current_.points.back() != end) current_.points.push_back(end);
+    if (!b_inside) end_stroke();
+  }
+  void end_stroke() {
+    if (current_.points.size() >= 2) strokes_.push_back(std::move(current_));
+    current_ = Stroke{};
+  }
+
+  // m, by which clipped ends may lie off their segments.
+  [[nodiscard]] double rounding() const { return rounding_; }
+  [[nodiscard]] std::vector<Stroke> take_strokes() { return std::move(strokes_); }
+
+ private:
+  const Box& box_;
+  std::vector<Stroke> strokes_;
+  Stroke current_;
+  double rounding_ = 0.0;
+};
+
 }  // namespace
 
 FlatCurve clip(const FlatCurve& curve, const Box& box) {
-  FlatCurve result;
-  double rounding = 0.0;
-  Stroke current;
-  const auto finish = [&] {
-    if (current.points.size() >= 2) result.strokes.push_back(std::move(current));
-    current = Stroke{};
-  };
+  Clipper clipper(box);
   for (const Stroke& stroke : curve.strokes) {
     for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
-      const Vector2d& a = stroke.points[i];
-      const Vector2d& b = stroke.points[i + 1];
-      const bool a_inside = box.contains(a);
-      const bool b_inside = box.contains(b);
-      const auto range = inside_range(a, b, box);
-      if (!range) {
-        finish();
-        continue;
-      }
-      if (!a_inside) finish();
-      if (!a_inside || !b_inside) rounding = std::max(rounding, interpolation_error(a, b));
-      const Vector2d start = a_inside ? a : Vector2d(a + range->first * (b - a));
-      const Vector2d end = b_inside ? b : Vector2d(a + range->second * (b - a));
-      if (current.points.empty()) current.points.push_back(start);
-      if (current.points.back() != end) current.points.push_back(end);
-      if (!b_inside) finish();
+      clipper.add_segment(stroke.points[i], stroke.points[i + 1]);
     }
-    finish();
+    clipper.end_stroke();
   }
-  result.deviation_m = curve.deviation_m + rounding;
+  FlatCurve result;
+  result.strokes = clipper.take_strokes();
+  result.deviation_m = curve.deviation_m + clipper.rounding();
   return result;
 }
 

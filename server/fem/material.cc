@@ -14,16 +14,16 @@ struct Field {
 };
 
 constexpr std::array<Field, 10> kFields{{
-    {"youngs_modulus_1_pa", &Material::youngs_modulus_1, MaterialRanges::youngs_modulus},
-    {"youngs_modulus_2_pa", &Material::youngs_modulus_2, MaterialRanges::youngs_modulus},
-    {"shear_modulus_pa", &Material::shear_modulus, MaterialRanges::shear_modulus},
-    {"poissons_ratio_12", &Material::poissons_ratio_12, MaterialRanges::poissons_ratio_12},
-    {"direction_rad", &Material::direction, MaterialRanges::direction},
-    {"thickness_m", &Material::thickness, MaterialRanges::thickness},
-    {"density_kg_m3", &Material::density, MaterialRanges::density},
-    {"bending_scale", &Material::bending_scale, MaterialRanges::bending_scale},
-    {"mass_damping_per_s", &Material::mass_damping, MaterialRanges::mass_damping},
-    {"stiffness_damping_s", &Material::stiffness_damping, MaterialRanges::stiffness_damping},
+    {"youngs_modulus_1_pa", &Material::youngs_modulus_1, MaterialRanges::kYoungsModulus},
+    {"youngs_modulus_2_pa", &Material::youngs_modulus_2, MaterialRanges::kYoungsModulus},
+    {"shear_modulus_pa", &Material::shear_modulus, MaterialRanges::kShearModulus},
+    {"poissons_ratio_12", &Material::poissons_ratio_12, MaterialRanges::kPoissonsRatio12},
+    {"direction_rad", &Material::direction, MaterialRanges::kDirection},
+    {"thickness_m", &Material::thickness, MaterialRanges::kThickness},
+    {"density_kg_m3", &Material::density, MaterialRanges::kDensity},
+    {"bending_scale", &Material::bending_scale, MaterialRanges::kBendingScale},
+    {"mass_damping_per_s", &Material::mass_damping, MaterialRanges::kMassDamping},
+    {"stiffness_damping_s", &Material::stiffness_damping, MaterialRanges::kStiffnessDamping},
 }};
 
 std::string number(double value) {

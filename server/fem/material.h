@@ -15,17 +15,17 @@ struct Range {
   double high = 0.0;
 };
 
-// Of the fields of Material by the same names, in their units; requests keep to them too.
+// Of the fields of Material, in their units; requests keep to them too.
 struct MaterialRanges {
-  static constexpr Range youngs_modulus{1e-6, 1e12};
-  static constexpr Range poissons_ratio_12{-1e3, 1e3};  // what limits it is the rule beside the field
-  static constexpr Range shear_modulus{1e-7, 1e13};     // that of an isotropic sheet, nearly up to nu = -1, included
-  static constexpr Range direction{-6.283185307179587, 6.283185307179587};
-  static constexpr Range thickness{1e-6, 1.0};
-  static constexpr Range density{1e-2, 1e5};
-  static constexpr Range bending_scale{0.0, 1e3};
-  static constexpr Range mass_damping{0.0, 1e3};
-  static constexpr Range stiffness_damping{0.0, 1.0};
+  static constexpr Range kYoungsModulus{1e-6, 1e12};
+  static constexpr Range kPoissonsRatio12{-1e3, 1e3};  // what limits it is the rule beside the field
+  static constexpr Range kShearModulus{1e-7, 1e13};    // that of an isotropic sheet, nearly up to nu = -1, included
+  static constexpr Range kDirection{-6.283185307179587, 6.283185307179587};
+  static constexpr Range kThickness{1e-6, 1.0};
+  static constexpr Range kDensity{1e-2, 1e5};
+  static constexpr Range kBendingScale{0.0, 1e3};
+  static constexpr Range kMassDamping{0.0, 1e3};
+  static constexpr Range kStiffnessDamping{0.0, 1.0};
 };
 
 // Orthotropic plane-stress sheet material with an independent shear modulus (Jones, Mechanics of Composite Materials,

@@ -69,12 +69,19 @@ void StageContact::detect(const Eigen::Matrix3Xd& x, Update update) {
   if (contact_ == nullptr) return;
   std::array<SurfaceGap, ContactConstraint::kMaxGaps> gaps;
   auto known = before_.cbegin();
+  const auto skip_to = [&](int vertex, int surface) {
+    const auto is_before = [&](const Entry& entry) {
+      return std::pair(entry.vertex, entry.surface.surface) < std::pair(vertex, surface);
+    };
+    while (known != before_.cend() && is_before(*known)) ++known;
+  };
   for (int i = 0; i < x.cols(); ++i) {
+    skip_to(i, 0);
     const bool any_known = known != before_.cend() && known->vertex == i;
     const double reach = any_known && update == Update::kAdd ? std::numeric_limits<double>::infinity() : 0.0;
     const std::size_t found = contact_->find_gaps(i, x.col(i), reach, gaps);
     for (std::size_t k = 0; k < found; ++k) {
-      while (known != before_.cend() && known->vertex == i && known->surface.surface < gaps[k].surface) ++known;
+      skip_to(i, gaps[k].surface);
       const bool is_known = known != before_.cend() && known->vertex == i && known->surface.surface == gaps[k].surface;
       if (gaps[k].gap >= 0.0 && !(is_known && update == Update::kAdd)) continue;
       Entry entry = is_known ? *known : Entry{};
@@ -88,7 +95,6 @@ void StageContact::detect(const Eigen::Matrix3Xd& x, Update update) {
       entry.force -= entry.stiffness * gaps[k].gap * gaps[k].normal;
       entries_.push_back(entry);
     }
-    while (known != before_.cend() && known->vertex == i) ++known;
   }
 }
 

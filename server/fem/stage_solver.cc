@@ -125,12 +125,16 @@ bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats
   }
   if (!(best <= (contact_.touches() ? kNearly : std::numeric_limits<double>::max()))) return false;
   x = best_;
+  return accept(problem, x, best, stats);
+}
+
+bool StageSolver::accept(const Problem& problem, const Eigen::Matrix3Xd& x, double residual, StepStats& stats) const {
   Problem undamped = problem;
   undamped.beta = 0.0;
   const double reached = merit(undamped, x);
   if (!std::isfinite(reached) || !(reached <= merit(undamped, start_))) return false;
   stats.flags |= kNotConverged;
-  stats.residual = std::max(stats.residual, best);
+  stats.residual = std::max(stats.residual, residual);
   return true;
 }
 

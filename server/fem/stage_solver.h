@@ -52,6 +52,8 @@ class StageSolver {
   using BlockPositions = std::array<int, 9>;  // of corner pair (i, j): entry 3 i + j
 
   bool iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats& stats);
+  // Whether `x`, where the iteration did not converge, is no higher in the potential than where it began.
+  bool accept(const Problem& problem, const Eigen::Matrix3Xd& x, double residual, StepStats& stats) const;
   // The first Newton step, into step_; returns the scale of the residual (see IntegratorOptions::newton_tolerance).
   double solve_first(const Problem& problem, const Eigen::Matrix3Xd& x, StepStats& stats);
   bool repair(const Problem& problem, const Eigen::Matrix3Xd& start, Eigen::Matrix3Xd& x, StepStats& stats);

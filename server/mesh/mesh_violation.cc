@@ -36,6 +36,19 @@ class MeshChecker {
   static bool in_range(std::int32_t id, std::int32_t size) { return id >= 0 && id < size; }
 
   Violation indices() {
+    if (Violation found = triangle_indices()) return found;
+    for (const PointRecord& p : records_.points) {
+      if (!in_range(p.triangle, mesh_.num_triangle_slots())) return "I1: triangle id of a point out of range";
+      if (std::abs(p.at.x) > kMaxCoordinate || std::abs(p.at.y) > kMaxCoordinate) return "I1: point outside the domain";
+    }
+    for (const VertexRecord& v : records_.vertices) {
+      if (!in_range(v.triangle, mesh_.num_triangle_slots())) return "I1: triangle id of a vertex out of range";
+      if (!in_range(v.point, mesh_.num_points())) return "I1: point id of a vertex out of range";
+    }
+    return std::nullopt;
+  }
+
+  Violation triangle_indices() {
     std::int32_t num_solid = 0;
     for (TriangleId t = 0; t < mesh_.num_triangle_slots(); ++t) {
       const TriangleRecord& r = mesh_.record(t);
@@ -53,14 +66,6 @@ class MeshChecker {
       if (r.region != kNone) ++num_solid;
     }
     if (num_solid != mesh_.num_solid_triangles()) return "I1: num_solid_triangles is wrong";
-    for (const PointRecord& p : records_.points) {
-      if (!in_range(p.triangle, mesh_.num_triangle_slots())) return "I1: triangle id of a point out of range";
-      if (std::abs(p.at.x) > kMaxCoordinate || std::abs(p.at.y) > kMaxCoordinate) return "I1: point outside the domain";
-    }
-    for (const VertexRecord& v : records_.vertices) {
-      if (!in_range(v.triangle, mesh_.num_triangle_slots())) return "I1: triangle id of a vertex out of range";
-      if (!in_range(v.point, mesh_.num_points())) return "I1: point id of a vertex out of range";
-    }
     return std::nullopt;
   }
 
@@ -110,13 +115,7 @@ class MeshChecker {
         const TriangleId n = mesh_.welded_neighbour(t, k);
         const bool is_border = (mesh_.locks(t, k) & kLockBorder) != 0;
         if (n == kNone) {
-          if (mesh_.is_solid(t)) return at_edge("I5: solid at the rim of the domain", t, k);
-          if (mesh_.locks(t, k) != 0) return at_edge("I5: lock on the rim of the domain", t, k);
-          const LatticePoint& a = mesh_.at(mesh_.points(t)[next_corner(k)]);
-          const LatticePoint& b = mesh_.at(mesh_.points(t)[previous_corner(k)]);
-          const bool on_rim = (a.x == b.x && std::abs(a.x) == Lattice::kHalfDomain) ||
-                              (a.y == b.y && std::abs(a.y) == Lattice::kHalfDomain);
-          if (!on_rim) return at_edge("I5: no neighbour inside the domain", t, k);
+          if (Violation found = rim(t, k)) return found;
           continue;
         }
         if (is_border != (mesh_.is_solid(t) != mesh_.is_solid(n))) {
@@ -127,6 +126,17 @@ class MeshChecker {
         }
       }
     }
+    return std::nullopt;
+  }
+
+  Violation rim(TriangleId t, int k) {
+    if (mesh_.is_solid(t)) return at_edge("I5: solid at the rim of the domain", t, k);
+    if (mesh_.locks(t, k) != 0) return at_edge("I5: lock on the rim of the domain", t, k);
+    const LatticePoint& a = mesh_.at(mesh_.points(t)[next_corner(k)]);
+    const LatticePoint& b = mesh_.at(mesh_.points(t)[previous_corner(k)]);
+    const bool on_rim =
+        (a.x == b.x && std::abs(a.x) == Lattice::kHalfDomain) || (a.y == b.y && std::abs(a.y) == Lattice::kHalfDomain);
+    if (!on_rim) return at_edge("I5: no neighbour inside the domain", t, k);
     return std::nullopt;
   }
 
@@ -204,7 +214,18 @@ class MeshChecker {
     return std::nullopt;
   }
 
+  Violation piece_numbers() {
+    for (TriangleId t = 0; t < mesh_.num_triangle_slots(); ++t) {
+      const std::int32_t piece = mesh_.piece(t);
+      if (mesh_.is_solid(t) ? !in_range(piece, mesh_.num_pieces()) : piece != kNone) {
+        return at_slot("I11: piece number out of range", t);
+      }
+    }
+    return std::nullopt;
+  }
+
   Violation pieces() {
+    if (Violation found = piece_numbers()) return found;
     const std::int32_t n = mesh_.num_triangle_slots();
     std::vector<TriangleId> parent(static_cast<std::size_t>(n));
     std::iota(parent.begin(), parent.end(), 0);
@@ -214,14 +235,10 @@ class MeshChecker {
     };
     std::int32_t num_components = mesh_.num_solid_triangles();
     for (TriangleId t = 0; t < n; ++t) {
-      const std::int32_t piece = mesh_.piece(t);
-      if (mesh_.is_solid(t) ? !in_range(piece, mesh_.num_pieces()) : piece != kNone) {
-        return at_slot("I11: piece number out of range", t);
-      }
       for (int k = 0; k < 3; ++k) {
         const TriangleId other = mesh_.neighbour(t, k);
         if (other == kNone) continue;
-        if (mesh_.piece(other) != piece)
+        if (mesh_.piece(other) != mesh_.piece(t))
           return at_edge("I11: piece numbers differ across an edge that is not cut", t, k);
         if (root(t) == root(other)) continue;
         parent[root(t)] = root(other);

@@ -19,20 +19,20 @@ struct Field {
 using Ranges = fem::MaterialRanges;
 constexpr Field kFields[] = {
     {"youngs_modulus_pa", &v1::Material::has_youngs_modulus_pa, &v1::Material::youngs_modulus_pa,
-     Ranges::youngs_modulus},
+     Ranges::kYoungsModulus},
     {"youngs_modulus_2_pa", &v1::Material::has_youngs_modulus_2_pa, &v1::Material::youngs_modulus_2_pa,
-     Ranges::youngs_modulus},
+     Ranges::kYoungsModulus},
     // Narrower than fem's: G = E / (2 (1 + nu)) has to make sense.
     {"poissons_ratio", &v1::Material::has_poissons_ratio, &v1::Material::poissons_ratio, {-1.0, 1.0}, true},
-    {"shear_modulus_pa", &v1::Material::has_shear_modulus_pa, &v1::Material::shear_modulus_pa, Ranges::shear_modulus},
-    {"direction_rad", &v1::Material::has_direction_rad, &v1::Material::direction_rad, Ranges::direction},
-    {"thickness_m", &v1::Material::has_thickness_m, &v1::Material::thickness_m, Ranges::thickness},
-    {"density_kgpm3", &v1::Material::has_density_kgpm3, &v1::Material::density_kgpm3, Ranges::density},
-    {"bending_scale", &v1::Material::has_bending_scale, &v1::Material::bending_scale, Ranges::bending_scale},
+    {"shear_modulus_pa", &v1::Material::has_shear_modulus_pa, &v1::Material::shear_modulus_pa, Ranges::kShearModulus},
+    {"direction_rad", &v1::Material::has_direction_rad, &v1::Material::direction_rad, Ranges::kDirection},
+    {"thickness_m", &v1::Material::has_thickness_m, &v1::Material::thickness_m, Ranges::kThickness},
+    {"density_kgpm3", &v1::Material::has_density_kgpm3, &v1::Material::density_kgpm3, Ranges::kDensity},
+    {"bending_scale", &v1::Material::has_bending_scale, &v1::Material::bending_scale, Ranges::kBendingScale},
     {"mass_damping_per_s", &v1::Material::has_mass_damping_per_s, &v1::Material::mass_damping_per_s,
-     Ranges::mass_damping},
+     Ranges::kMassDamping},
     {"stiffness_damping_s", &v1::Material::has_stiffness_damping_s, &v1::Material::stiffness_damping_s,
-     Ranges::stiffness_damping},
+     Ranges::kStiffnessDamping},
 };
 
 std::string number(double value) {

@@ -59,8 +59,8 @@ TEST(Material, RefusesEveryFieldThatIsNotFiniteOrOutOfRangeByName) {
 
 TEST(Material, RangesIncludeTheirEnds) {
   for (const auto& [member, range] :
-       std::vector<std::pair<double Material::*, Range>>{{&Material::thickness, MaterialRanges::thickness},
-                                                         {&Material::mass_damping, MaterialRanges::mass_damping}}) {
+       std::vector<std::pair<double Material::*, Range>>{{&Material::thickness, MaterialRanges::kThickness},
+                                                         {&Material::mass_damping, MaterialRanges::kMassDamping}}) {
     Material material;
     for (const double end : {range.low, range.high}) {
       material.*member = end;
