@@ -102,7 +102,7 @@ void Api::reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> rep
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());
   core_->host.submit(*id, sheet::Reset{},
-                     [core = core_, id = *id, reply = std::move(reply)](Result<host::CommandResult> result) {
+                     [core = core_, id = *id, reply = std::move(reply)](const Result<host::CommandResult>& result) {
                        if (!result.ok()) return reply(at_field(result.error(), "name"));
                        core->host.status(id, sheet_reply(reply, "name"));
                      });

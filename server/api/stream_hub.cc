@@ -32,7 +32,8 @@ void StreamHub::join(const std::string& sheet_id, const stream::SubscriberOption
 // The hub outlives the host's callbacks only together with the core that owns it, which streams keep alive: every
 // Joined holds its stream.
 void StreamHub::attach(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel) {
-  host_.add_sink(sheet_id, channel, [this, sheet_id, channel](Status status) { attached(sheet_id, channel, status); });
+  host_.add_sink(sheet_id, channel,
+                 [this, sheet_id, channel](const Status& status) { attached(sheet_id, channel, status); });
 }
 
 void StreamHub::attached(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel,
@@ -66,7 +67,7 @@ void StreamHub::leave(const std::string& sheet_id, stream::Subscriber& subscribe
     unused = std::move(entry->second.channel);
     entries_.erase(entry);
   }
-  host_.remove_sink(sheet_id, unused, [](Status) {});
+  host_.remove_sink(sheet_id, unused, [](const Status&) {});
 }
 
 void StreamHub::stop() {

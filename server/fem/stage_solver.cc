@@ -94,10 +94,7 @@ bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats
     if (i == 0) {
       evaluate_residual(problem, x);
     } else {
-      relative = evaluate_residual(problem, x, Update::kAdd) / scale;
-      if (relative <= kSettled && contact_.touches()) {
-        relative = evaluate_residual(problem, x, Update::kAll) / scale;
-      }
+      relative = evaluate_relative(problem, x, scale);
       if (relative <= options_.newton_tolerance) {
         stats.residual = std::max(stats.residual, relative);
         return true;
@@ -202,6 +199,12 @@ bool StageSolver::search_line(const Problem& problem, double value, Eigen::Matri
     return true;
   }
   return false;
+}
+
+double StageSolver::evaluate_relative(const Problem& problem, const Eigen::Matrix3Xd& x, double scale) {
+  const double relative = evaluate_residual(problem, x, Update::kAdd) / scale;
+  if (!(relative <= kSettled) || !contact_.touches()) return relative;
+  return evaluate_residual(problem, x, Update::kAll) / scale;
 }
 
 double StageSolver::evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x, Update update) {

@@ -67,6 +67,8 @@ class StageSolver {
   double evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x);
   // The same with them.
   double evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x, StageContact::Update update);
+  // The same over `scale`; what would pull lets go once it has settled.
+  double evaluate_relative(const Problem& problem, const Eigen::Matrix3Xd& x, double scale);
   void add_grab_forces(const Problem& problem, const Eigen::Matrix3Xd& x);
   // The incremental potential whose negative gradient the residual is where beta is 0, kg m^2.
   [[nodiscard]] double merit(const Problem& problem, const Eigen::Matrix3Xd& x) const;
