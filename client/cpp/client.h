@@ -21,7 +21,7 @@ namespace kerf::client {
 // at the first call, as UNAVAILABLE. Thread-safe, as gRPC stubs are.
 class Client {
  public:
-  // Messages up to this size are received: a 250,000-vertex sheet's exact state with room to spare.
+  // Messages up to this size are received: a 500,000-vertex sheet's exact state with room to spare.
   static constexpr int kMaxReceiveBytes = 64 << 20;
 
   // "HOST:PORT".

@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "server/fem/implicit_integrator.h"
-#include "server/fem/stable_step.h"
 
 namespace kerf::fem {
 namespace {
@@ -33,7 +32,7 @@ double explicit_cost(const Model& model, double substeps) {
 }
 
 double iterative_cost(const Model& model, const IntegratorOptions& options) {
-  const double root_condition = std::sqrt(1.0 + options.tick * options.tick * stiffness_bound(model));
+  const double root_condition = std::sqrt(1.0 + options.tick * options.tick * model.stiffness_bound());
   const double iterations =
       std::min(kIterationsPerRootCondition * root_condition, static_cast<double>(options.max_linear_iterations));
   const double blocks = std::max(static_cast<double>(model.bending_rows().num_entries()), 7.0 * model.num_vertices());

@@ -25,6 +25,11 @@ Eigen::Vector3d barycentric(const std::array<Eigen::Vector2d, 3>& corners, const
 
 // Pseudo-inverse of a symmetric positive semidefinite matrix whose rows and columns of missing neighbours are zero.
 Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& G) {
+  // The common case without its eigenvalues: det = l1 l2 l3 and l2 + l3 <= trace give l1 >= 4 det / trace^2, and l3 is
+  // no larger than the trace, so that none of them is cut off here.
+  const double trace = G.trace();
+  const double determinant = G.determinant();
+  if (4.0 * determinant > kEigenvalueCutOff * trace * trace * trace) return G.inverse();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(G);
   const Eigen::Vector3d& values = eigen.eigenvalues();  // ascending
   Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
@@ -40,7 +45,8 @@ Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& G) {
 
 std::array<double, 21> bending_stiffness(const std::array<Eigen::Vector2d, 3>& corners,
                                          const std::array<Eigen::Vector2d, 3>& opposite,
-                                         const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D) {
+                                         const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D,
+                                         const Eigen::Matrix3d& D_inverse) {
   using Matrix36 = Eigen::Matrix<double, 3, 6>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
   Eigen::Matrix3d P = Eigen::Matrix3d::Zero();  // row r: condition of neighbour r
@@ -57,7 +63,7 @@ std::array<double, 21> bending_stiffness(const std::array<Eigen::Vector2d, 3>& c
     W(r, 3 + r) = 1.0;
     P.row(r) = p.transpose();
   }
-  const Eigen::Matrix3d D_inverse_Pt = D.inverse() * P.transpose();
+  const Eigen::Matrix3d D_inverse_Pt = D_inverse * P.transpose();
   const Matrix36 B = D_inverse_Pt * (pseudo_inverse(P * D_inverse_Pt) * W);
   const Eigen::Vector2d e1 = corners[1] - corners[0];
   const Eigen::Vector2d e2 = corners[2] - corners[0];

@@ -8,7 +8,6 @@
 #include "server/base/check.h"
 #include "server/fem/bending_forces.h"
 #include "server/fem/membrane.h"
-#include "server/fem/stable_step.h"
 #include "server/fem/wind_drag.h"
 
 namespace kerf::fem {
@@ -27,7 +26,7 @@ void set_pin_positions(const Loads& loads, double time_left, State& state) {
 }  // namespace
 
 void ExplicitIntegrator::rebuild(const Model& model) {
-  const double omega = std::sqrt(stiffness_bound(model));
+  const double omega = std::sqrt(model.stiffness_bound());
   const double limit = std::max(kMaxModeDamping, options_.highest_mode_damping);
   const double xi = std::clamp(0.5 * model.material().stiffness_damping * omega, options_.highest_mode_damping, limit);
   beta_ = omega > 0.0 ? 2.0 * xi / omega : 0.0;
@@ -39,7 +38,7 @@ void ExplicitIntegrator::rebuild(const Model& model) {
   scratch_.damped.resize(3, n);
   scratch_.start.x.resize(3, n);
   scratch_.start.v.resize(3, n);
-  scratch_.mobility.assign(model.inverse_mass().begin(), model.inverse_mass().end());
+  scratch_.mobility.resize(model.inverse_mass().size());
   explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
 }
 

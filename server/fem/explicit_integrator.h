@@ -12,7 +12,7 @@ namespace kerf::fem {
 // round-off where no load acts.
 //
 // Substep: h = dt / ceil(dt / (cfl h_crit)), h_crit = 2 / omega (sqrt(1 + xi^2) - xi), omega^2 =
-// stiffness_bound(model); Kelvin-Voigt damping beta = 2 xi / omega with xi between highest_mode_damping and
+// Model::stiffness_bound(); Kelvin-Voigt damping beta = 2 xi / omega with xi between highest_mode_damping and
 // kMaxModeDamping, whichever lets the material's own stiffness_damping through. Mass damping by the midpoint rule.
 // Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
 // respects it.

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <map>
 #include <utility>
-#include <vector>
 
 namespace kerf::fem {
 namespace {
 
+using mesh::kNone;
 using mesh::TriangleId;
 using mesh::VertexId;
 
@@ -16,77 +15,101 @@ constexpr int kMaxRounds = 200;
 constexpr double kReached = 0.9;      // of the floor
 constexpr double kLeastGain = 1.001;  // of the worst mass / floor, in a round, as a factor
 
-// The vertices joined to `vertex` by an edge, ascending.
-std::vector<VertexId> neighbours_of(VertexId vertex, const RowStore<TriangleId>& incident_slots,
-                                    std::span<const ElementBlock> blocks) {
-  std::vector<VertexId> neighbours;
-  for (const TriangleId slot : incident_slots.row(vertex)) {
-    const ElementBlock& block = blocks[static_cast<std::size_t>(slot / kLanes)];
-    for (std::size_t k = 0; k < 3; ++k) neighbours.push_back(block.vertex[k][static_cast<std::size_t>(slot % kLanes)]);
-  }
-  std::sort(neighbours.begin(), neighbours.end());
-  neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
-  std::erase(neighbours, vertex);
-  return neighbours;
+std::size_t index(VertexId vertex) {
+  return static_cast<std::size_t>(vertex);
 }
 
-// Vertices below their floor with their neighbours, by id; grows as donors fall below theirs.
-class LightVertices {
+// Calls visit(n) for the corners n of the triangles around `vertex`; every neighbour comes at least once, as may the
+// vertex itself.
+template <typename Visit>
+void visit_around(const MassProblem& problem, VertexId vertex, const Visit& visit) {
+  for (const TriangleId slot : problem.incident_slots.row(vertex)) {
+    const ElementBlock& block = problem.blocks[static_cast<std::size_t>(slot / kLanes)];
+    for (std::size_t k = 0; k < 3; ++k) visit(block.vertex[k][static_cast<std::size_t>(slot % kLanes)]);
+  }
+}
+
+// The diffusion within one domain. Vertices are numbered as in `members`.
+class Diffusion {
  public:
-  LightVertices(const RowStore<TriangleId>& incident_slots, std::span<const ElementBlock> blocks,
-                std::span<const double> floor, std::span<double> mass)
-      : incident_slots_(incident_slots), blocks_(blocks), floor_(floor), mass_(mass) {
-    for (std::size_t i = 0; i < mass.size(); ++i) note(static_cast<VertexId>(i));
+  // `members` must be in their canonical order: results depend on it.
+  Diffusion(const MassProblem& problem, std::span<const VertexId> members) : is_light_(members.size()) {
+    for (const VertexId v : members) {
+      mass_.push_back(problem.lumped[index(v)]);
+      floor_.push_back(problem.floor[index(v)]);
+      // At least the number of edges: a fan on the border has one more than triangles.
+      degree_.push_back(static_cast<double>(problem.incident_slots.row(v).size() + 1));
+      first_edge_.push_back(edges_.size());
+      visit_around(problem, v, [&](VertexId n) {
+        if (n == v) return;
+        const auto found = std::lower_bound(members.begin(), members.end(), n);
+        if (found == members.end() || *found != n) return;
+        const auto edge = static_cast<std::size_t>(found - members.begin());
+        const auto first = edges_.begin() + static_cast<std::ptrdiff_t>(first_edge_.back());
+        if (std::find(first, edges_.end(), edge) == edges_.end()) edges_.push_back(edge);
+      });
+    }
+    first_edge_.push_back(edges_.size());
+    for (std::size_t i = 0; i < mass_.size(); ++i) note(i);
   }
 
-  [[nodiscard]] double worst() const {
+  [[nodiscard]] const std::vector<double>& run() {
+    double worst = worst_fullness();
+    for (int round = 0; round < kMaxRounds && worst < kReached; ++round) {
+      pull();
+      const double better = worst_fullness();
+      if (better < worst * kLeastGain) break;
+      worst = better;
+    }
+    return mass_;
+  }
+
+ private:
+  struct Flow {
+    std::size_t from;
+    std::size_t to;
+    double mass;  // kg
+  };
+
+  [[nodiscard]] double fullness(std::size_t i) const { return mass_[i] / floor_[i]; }
+
+  [[nodiscard]] double worst_fullness() const {
     double worst = 1.0;
-    for (const auto& [vertex, neighbours] : light_) worst = std::min(worst, fullness(vertex));
+    for (const std::size_t i : light_) worst = std::min(worst, fullness(i));
     return worst;
   }
 
   // One round. An edge carries at most 1 / (2 degree) of what its donor has, so nothing becomes negative.
   void pull() {
     flows_.clear();
-    for (const auto& [vertex, neighbours] : light_) {
-      if (fullness(vertex) >= 1.0) continue;
-      for (const VertexId donor : neighbours) {
-        const double difference = fullness(donor) - fullness(vertex);
+    for (const std::size_t i : light_) {
+      const double own = fullness(i);
+      if (own >= 1.0) continue;
+      for (std::size_t e = first_edge_[i]; e < first_edge_[i + 1]; ++e) {
+        const std::size_t donor = edges_[e];
+        const double difference = fullness(donor) - own;
         if (difference <= 0.0) continue;
-        const double floor = std::min(floor_[index(donor)], floor_[index(vertex)]);
-        const auto degree = static_cast<double>(std::max(degree_of(donor), degree_of(vertex)));
-        flows_.push_back({donor, vertex, difference * floor / (2.0 * degree)});
+        const double floor = std::min(floor_[donor], floor_[i]);
+        flows_.push_back({donor, i, difference * floor / (2.0 * std::max(degree_[donor], degree_[i]))});
       }
     }
     for (const Flow& flow : flows_) {
-      mass_[index(flow.from)] -= flow.mass;
-      mass_[index(flow.to)] += flow.mass;
+      mass_[flow.from] -= flow.mass;
+      mass_[flow.to] += flow.mass;
     }
     for (const Flow& flow : flows_) note(flow.from);
   }
 
- private:
-  struct Flow {
-    VertexId from;
-    VertexId to;
-    double mass;  // kg
-  };
-
-  static std::size_t index(VertexId vertex) { return static_cast<std::size_t>(vertex); }
-  [[nodiscard]] double fullness(VertexId vertex) const { return mass_[index(vertex)] / floor_[index(vertex)]; }
-  // At least the number of edges: a fan on the border has one more than triangles.
-  [[nodiscard]] std::size_t degree_of(VertexId vertex) const { return incident_slots_.row(vertex).size() + 1; }
-  void note(VertexId vertex) {
-    if (mass_[index(vertex)] < floor_[index(vertex)] && light_.find(vertex) == light_.end()) {
-      light_.emplace(vertex, neighbours_of(vertex, incident_slots_, blocks_));
-    }
+  void note(std::size_t i) {
+    if (is_light_[i] || mass_[i] >= floor_[i]) return;
+    is_light_[i] = true;
+    light_.push_back(i);
   }
 
-  const RowStore<TriangleId>& incident_slots_;
-  const std::span<const ElementBlock> blocks_;
-  const std::span<const double> floor_;
-  const std::span<double> mass_;
-  std::map<VertexId, std::vector<VertexId>> light_;
+  std::vector<double> mass_, floor_, degree_;
+  std::vector<std::size_t> first_edge_, edges_;  // edges within the domain, a row a vertex
+  std::vector<bool> is_light_;
+  std::vector<std::size_t> light_;  // that are or were below their floor, in the order of becoming so
   std::vector<Flow> flows_;
 };
 
@@ -97,16 +120,85 @@ double corner_stiffness(double gx, double gy, double area, const Eigen::Matrix3d
          (C(0, 0) * gx * gx + C(1, 1) * gy * gy + C(2, 2) * (gx * gx + gy * gy) + 2.0 * (C(0, 2) + C(1, 2)) * gx * gy);
 }
 
-void redistribute_mass(const RowStore<TriangleId>& incident_slots, std::span<const ElementBlock> blocks,
-                       std::span<const double> floor, std::span<double> mass) {
-  LightVertices light(incident_slots, blocks, floor, mass);
-  double worst = light.worst();
-  for (int round = 0; round < kMaxRounds && worst < kReached; ++round) {
-    light.pull();
-    const double better = light.worst();
-    if (better < worst * kLeastGain) return;
-    worst = better;
+// Frees the domain that has `vertex`, if one does, and adds its members to the region.
+void MassRedistribution::dissolve(VertexId vertex) {
+  const std::int32_t domain = domain_of_[index(vertex)];
+  if (domain == kNone) return;
+  std::vector<VertexId>& members = domains_[static_cast<std::size_t>(domain)];
+  for (const VertexId member : members) {
+    domain_of_[index(member)] = kNone;
+    region_.insert(member);
   }
+  members.clear();
+  free_domains_.push_back(domain);
+}
+
+// Fills reach_ with what lies within kReach edges of the region's light vertices. A domain met on the way is dissolved
+// and joins the region: then the answer is false, and the search is to be done again.
+bool MassRedistribution::gather_reach(const MassProblem& problem) {
+  reach_.clear();
+  const std::size_t region_size = region_.size();
+  for (const VertexId v : region_.members()) {
+    if (problem.lumped[index(v)] < problem.floor[index(v)]) reach_.insert(v);
+  }
+  std::size_t begin = 0;
+  for (int depth = 0; depth <= kReach; ++depth) {
+    const std::size_t end = reach_.size();
+    for (; begin < end; ++begin) {
+      visit_around(problem, reach_.members()[begin], [&](VertexId n) {
+        dissolve(n);
+        if (depth < kReach) reach_.insert(n);
+      });
+    }
+  }
+  return region_.size() == region_size;
+}
+
+void MassRedistribution::store_domain(std::vector<VertexId> members) {
+  auto domain = static_cast<std::int32_t>(domains_.size());
+  if (free_domains_.empty()) {
+    domains_.emplace_back();
+  } else {
+    domain = free_domains_.back();
+    free_domains_.pop_back();
+  }
+  for (const VertexId v : members) domain_of_[index(v)] = domain;
+  domains_[static_cast<std::size_t>(domain)] = std::move(members);
+}
+
+std::span<const VertexId> MassRedistribution::update(const MassProblem& problem, std::span<const VertexId> touched,
+                                                     std::span<double> mass) {
+  domain_of_.resize(mass.size(), kNone);
+  for (IndexSet* set : {&region_, &reach_, &parted_}) {
+    set->clear();
+    set->resize(mass.size());
+  }
+  for (const VertexId v : touched) region_.insert(v);
+  for (const VertexId v : touched) dissolve(v);
+  while (!gather_reach(problem)) {
+  }
+  for (const VertexId v : reach_.members()) region_.insert(v);
+  mass_before_.clear();
+  for (const VertexId v : region_.members()) {
+    mass_before_.push_back(mass[index(v)]);
+    mass[index(v)] = problem.lumped[index(v)];
+  }
+  // The connected parts of what was reached.
+  for (const VertexId first : reach_.members()) {
+    if (!parted_.insert(first)) continue;
+    std::vector<VertexId> members{first};
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      visit_around(problem, members[i], [&](VertexId n) {
+        if (reach_.contains(n) && parted_.insert(n)) members.push_back(n);
+      });
+    }
+    std::sort(members.begin(), members.end());
+    Diffusion diffusion(problem, members);
+    const std::vector<double>& result = diffusion.run();
+    for (std::size_t i = 0; i < members.size(); ++i) mass[index(members[i])] = result[i];
+    store_domain(std::move(members));
+  }
+  return region_.members();
 }
 
 }  // namespace kerf::fem

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
 #include "server/fem/element_block.h"
+#include "server/fem/index_set.h"
 #include "server/fem/row_store.h"
 #include "server/mesh/ids.h"
 
@@ -25,10 +28,46 @@ inline constexpr double kMassFloor = 0.25;
 // under the membrane law C, N/m: A tr(B^T C B) with B the corner's strain-displacement matrix.  N/m
 double corner_stiffness(double gx, double gy, double area, const Eigen::Matrix3d& C);
 
-// Moves mass along edges, towards vertices with mass[i] < floor[i], kg, from those that are further above their floor:
-// diffusion of mass / floor, in rounds, until every vertex has (nearly) reached its floor or nothing is gained any
-// more. Deterministic, and a function of the arguments alone.
-void redistribute_mass(const RowStore<mesh::TriangleId>& incident_slots, std::span<const ElementBlock> blocks,
-                       std::span<const double> floor, std::span<double> mass);
+// Lumped masses and what they are redistributed over.
+struct MassProblem {
+  const RowStore<mesh::TriangleId>& incident_slots;
+  std::span<const ElementBlock> blocks;
+  std::span<const double> lumped;  // kg, length V
+  std::span<const double> floor;   // kg, length V; > 0 where there is material
+};
+
+// The redistributed masses, kept up to date through edits at a cost that depends on what an edit touches.
+//
+// Light vertices, those with lumped < floor, and all vertices within kReach edges of one form domains: the connected
+// parts of that set. Inside each domain by itself mass moves along edges, towards vertices below their floor from those
+// that are further above: diffusion of mass / floor, in rounds, until every vertex has (nearly) reached its floor or
+// nothing is gained any more. So the masses of a domain are a function of the domain alone, and an edit concerns the
+// domains that it touches or that its own grow into.
+class MassRedistribution {
+ public:
+  static constexpr int kReach = 4;  // edges
+
+  // `touched`: vertices whose lumped mass, floor or neighbours changed since the last call, new ones included; unique.
+  // `mass` (kg, length V) holds the result of the last call, 0 for new vertices, and is brought up to date.
+  // Returns the vertices that were looked at, `touched` first, unique, valid until the next call, as is
+  // mass_before(): what they had, kg.
+  std::span<const mesh::VertexId> update(const MassProblem& problem, std::span<const mesh::VertexId> touched,
+                                         std::span<double> mass);
+  [[nodiscard]] std::span<const double> mass_before() const { return mass_before_; }
+
+ private:
+  void dissolve(mesh::VertexId vertex);
+  bool gather_reach(const MassProblem& problem);
+  void store_domain(std::vector<mesh::VertexId> members);
+
+  std::vector<std::int32_t> domain_of_;               // length V; kNone: in none
+  std::vector<std::vector<mesh::VertexId>> domains_;  // members, sorted; empty: free
+  std::vector<std::int32_t> free_domains_;
+  // Scratch of update().
+  IndexSet region_;  // touched vertices, dissolved domains, and in the end what was reached
+  IndexSet reach_;   // light vertices of the region and what is near them
+  IndexSet parted_;  // of those, what is in a domain already
+  std::vector<double> mass_before_;
+};
 
 }  // namespace kerf::fem

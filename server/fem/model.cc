@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <Eigen/LU>
 
 #include "server/base/check.h"
 #include "server/base/state_hash.h"
-#include "server/fem/mass_redistribution.h"
 #include "server/mesh/triangle_mesh.h"
 
 namespace kerf::fem {
@@ -32,28 +32,6 @@ Eigen::Matrix2d rotation_into_material_axes(double direction) {
   };
 }
 
-template <typename T>
-void sort_unique(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-}
-
-// The slots whose bending patch an edit of `rewritten` changes: themselves and their neighbours, of which one vertex of
-// the patch is a corner.
-std::vector<TriangleId> touched_patches(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
-  std::vector<TriangleId> touched;
-  touched.reserve(4 * rewritten.size());
-  for (const TriangleId slot : rewritten) {
-    touched.push_back(slot);
-    for (int k = 0; k < 3; ++k) {
-      const TriangleId other = mesh.neighbour(slot, k);
-      if (other != mesh::kNone) touched.push_back(other);
-    }
-  }
-  sort_unique(touched);
-  return touched;
-}
-
 // The corner of `slot` that is not on its edge to `from`.
 VertexId vertex_across(const mesh::TriangleMesh& mesh, TriangleId slot, TriangleId from) {
   for (int k = 0; k < 3; ++k) {
@@ -68,7 +46,13 @@ Model::Model(const mesh::TriangleMesh& mesh, const Material& material)
     : material_(material),
       membrane_law_(fem::membrane_law(material)),
       bending_law_(fem::bending_law(material)),
+      inverse_bending_law_(has_bending() ? Eigen::Matrix3d(bending_law_.inverse()) : Eigen::Matrix3d::Zero()),
       material_from_rest_(rotation_into_material_axes(material.direction)) {
+  // Mass and stiffness of an inner vertex of a uniform grid: six triangles of half a square each.
+  const double h = mesh.base_edge_length();
+  const double typical_mass = material_.density * material_.thickness * h * h;
+  const double typical_stiffness = 2.0 * (membrane_law_(0, 0) + membrane_law_(1, 1) + 2.0 * membrane_law_(2, 2));
+  floor_per_stiffness_ = kMassFloor * typical_mass / typical_stiffness;
   mesh::MeshEdit everything;
   everything.rewritten_triangles.resize(static_cast<std::size_t>(mesh.num_triangle_slots()));
   for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
@@ -78,10 +62,13 @@ Model::Model(const mesh::TriangleMesh& mesh, const Material& material)
 }
 
 MassChange Model::apply(const mesh::TriangleMesh& mesh, const mesh::MeshEdit& edit) {
-  const std::vector<VertexId> touched = set_elements(mesh, edit.rewritten_triangles);
-  for (const VertexId v : touched) set_lumped_mass(v);
-  MassChange change = set_masses(mesh, touched);
+  set_elements(mesh, edit.rewritten_triangles);
+  for (const VertexId v : touched_.members()) set_lumped_mass(v);
+  MassChange change = set_masses();
+  rows_.clear();
   if (has_bending()) set_bending(mesh, edit.rewritten_triangles);
+  stiffness_bound_.update({blocks_, incident_, bending_rows_, membrane_law_, stiffness_, mass_, inverse_mass_},
+                          edit.rewritten_triangles, change.vertices, rows_.members());
   return change;
 }
 
@@ -92,10 +79,16 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   blocks_.resize((static_cast<std::size_t>(num_slots_) + kLanes - 1) / kLanes);
   lumped_mass_.resize(num_vertices, 0.0);
   stiffness_.resize(num_vertices, 0.0);
+  mass_floor_.resize(num_vertices, 0.0);
   mass_.resize(num_vertices, 0.0);
   inverse_mass_.resize(num_vertices, 0.0);
   incident_.resize(mesh.num_vertices());
+  touched_.resize(num_vertices);
+  rewritten_.resize(static_cast<std::size_t>(num_slots_));
   if (!has_bending()) return;
+  patched_.resize(static_cast<std::size_t>(num_slots_));
+  rows_.resize(num_vertices);
+  row_columns_.resize(num_vertices);
   patches_.resize(static_cast<std::size_t>(num_slots_));
   bending_rows_.resize(mesh.num_vertices());
 }
@@ -110,35 +103,51 @@ std::array<VertexId, 3> Model::corners(TriangleId slot) const {
   return {block.vertex[0][l], block.vertex[1][l], block.vertex[2][l]};
 }
 
-std::vector<VertexId> Model::set_elements(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
+void Model::set_elements(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
   resize(mesh);
-  std::vector<std::pair<VertexId, TriangleId>> incidences;  // of the rewritten slots, after
-  std::vector<VertexId> touched;
+  touched_.clear();
+  const auto touch_corners = [&](TriangleId slot) {
+    if (!has_material(slot)) return;
+    for (const VertexId v : corners(slot)) touched_.insert(v);
+  };
   for (const TriangleId slot : rewritten) {
-    if (has_material(slot)) {
-      for (const VertexId v : corners(slot)) touched.push_back(v);
-    }
+    touch_corners(slot);
     set_element(mesh, slot);
-    if (!has_material(slot)) continue;
-    for (const VertexId v : corners(slot)) {
-      touched.push_back(v);
-      incidences.emplace_back(v, slot);
-    }
+    touch_corners(slot);
   }
-  sort_unique(touched);
-  std::sort(incidences.begin(), incidences.end());
-  std::vector<TriangleId> row;
-  auto next = incidences.begin();
-  for (const VertexId v : touched) {
-    row.clear();
-    for (const TriangleId slot : incident_.row(v)) {
-      if (!std::binary_search(rewritten.begin(), rewritten.end(), slot)) row.push_back(slot);
+  set_incidence(rewritten);
+}
+
+void Model::set_incidence(const std::vector<TriangleId>& rewritten) {
+  rewritten_.clear();
+  for (const TriangleId slot : rewritten) rewritten_.insert(slot);
+  // The rewritten slots around each touched vertex, ascending: counted, then put in their places.
+  std::vector<std::size_t> first(touched_.size() + 1, 0);
+  const auto for_corners = [&](const auto& visit) {
+    for (const TriangleId slot : rewritten) {
+      if (!has_material(slot)) continue;
+      for (const VertexId v : corners(slot)) visit(static_cast<std::size_t>(touched_.place(v)), slot);
     }
-    for (; next != incidences.end() && next->first == v; ++next) row.push_back(next->second);
-    std::sort(row.begin(), row.end());
+  };
+  for_corners([&](std::size_t place, TriangleId /*slot*/) { ++first[place + 1]; });
+  for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
+  std::vector<TriangleId> around(first.back());
+  std::vector<std::size_t> next(first.begin(), first.end() - 1);
+  for_corners([&](std::size_t place, TriangleId slot) { around[next[place]++] = slot; });
+
+  std::vector<TriangleId> kept;
+  std::vector<TriangleId> row;
+  for (std::size_t i = 0; i < touched_.size(); ++i) {
+    const VertexId v = touched_.members()[i];
+    kept.clear();
+    for (const TriangleId slot : incident_.row(v)) {
+      if (!rewritten_.contains(slot)) kept.push_back(slot);
+    }
+    row.clear();
+    std::merge(kept.begin(), kept.end(), around.begin() + static_cast<std::ptrdiff_t>(first[i]),
+               around.begin() + static_cast<std::ptrdiff_t>(first[i + 1]), std::back_inserter(row));
     incident_.set_row(v, row);
   }
-  return touched;
 }
 
 void Model::set_element(const mesh::TriangleMesh& mesh, TriangleId slot) {
@@ -189,59 +198,81 @@ void Model::set_lumped_mass(VertexId vertex) {
   const auto v = static_cast<std::size_t>(vertex);
   lumped_mass_[v] = material_.density * material_.thickness * area / 3.0;
   stiffness_[v] = stiffness;
+  mass_floor_[v] = floor_per_stiffness_ * stiffness;
 }
 
-MassChange Model::set_masses(const mesh::TriangleMesh& mesh, const std::vector<VertexId>& touched) {
+MassChange Model::set_masses() {
   MassChange change;
-  if (touched.empty()) return change;
-  // Mass and stiffness of an inner vertex of a uniform grid: six triangles of half a square each.
-  const double h = mesh.base_edge_length();
-  const double typical_mass = material_.density * material_.thickness * h * h;
-  const double typical_stiffness = 2.0 * (membrane_law_(0, 0) + membrane_law_(1, 1) + 2.0 * membrane_law_(2, 2));
-  std::vector<double> floor(stiffness_.size());
-  for (std::size_t i = 0; i < floor.size(); ++i) {
-    floor[i] = kMassFloor * stiffness_[i] * typical_mass / typical_stiffness;
-  }
-  std::vector<double> mass = lumped_mass_;
-  redistribute_mass(incident_, blocks_, floor, mass);
-  for (std::size_t i = 0; i < mass.size(); ++i) {
-    const auto v = static_cast<VertexId>(i);
-    if (mass[i] == mass_[i] && !std::binary_search(touched.begin(), touched.end(), v)) continue;
-    change.vertices.push_back(v);
-    change.mass_before.push_back(mass_[i]);
-    mass_[i] = mass[i];
-    inverse_mass_[i] = mass[i] > 0.0 ? 1.0 / mass[i] : 0.0;
+  const std::span<const VertexId> updated =
+      redistribution_.update({incident_, blocks_, lumped_mass_, mass_floor_}, touched_.members(), mass_);
+  const std::span<const double> before = redistribution_.mass_before();
+  for (std::size_t i = 0; i < updated.size(); ++i) {
+    const auto v = static_cast<std::size_t>(updated[i]);
+    if (mass_[v] == before[i] && !touched_.contains(updated[i])) continue;
+    change.vertices.push_back(updated[i]);
+    change.mass_before.push_back(before[i]);
+    inverse_mass_[v] = mass_[v] > 0.0 ? 1.0 / mass_[v] : 0.0;
   }
   return change;
 }
 
 void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
-  std::vector<VertexId> rows;
-  for (const TriangleId slot : touched_patches(mesh, rewritten)) {
-    BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
-    rows.insert(rows.end(), patch.vertex.begin(), patch.vertex.end());
-    patch = make_patch(mesh, slot);
-    rows.insert(rows.end(), patch.vertex.begin(), patch.vertex.end());
+  // Of a neighbour's patch one vertex is a corner of the rewritten slot.
+  patched_.clear();
+  for (const TriangleId slot : rewritten) {
+    patched_.insert(slot);
+    for (int k = 0; k < 3; ++k) {
+      const TriangleId other = mesh.neighbour(slot, k);
+      if (other != mesh::kNone) patched_.insert(other);
+    }
   }
-  sort_unique(rows);
-  if (!rows.empty() && rows.front() == mesh::kNone) rows.erase(rows.begin());
-  std::vector<BendingEntry> entries;
-  std::vector<TriangleId> around;
-  for (const VertexId v : rows) {
-    around.clear();
-    for (const TriangleId slot : incident_.row(v)) {
-      around.push_back(slot);
-      const std::array<VertexId, 3> vertices = corners(slot);
-      for (int k = 0; k < 3; ++k) {
-        if (vertices[static_cast<std::size_t>(k)] != v) continue;
-        const TriangleId across = mesh.neighbour(slot, k);
-        if (across != mesh::kNone) around.push_back(across);
+  const auto add_rows = [&](const BendingPatch& patch) {
+    for (const VertexId v : patch.vertex) {
+      if (v != mesh::kNone) rows_.insert(v);
+    }
+  };
+  for (const TriangleId slot : patched_.members()) {
+    BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
+    add_rows(patch);
+    patch = make_patch(mesh, slot);
+    add_rows(patch);
+  }
+  for (const VertexId v : rows_.members()) sum_bending_row(mesh, v);
+}
+
+void Model::sum_bending_row(const mesh::TriangleMesh& mesh, VertexId vertex) {
+  std::vector<TriangleId>& slots = row_slots_;
+  slots.clear();
+  for (const TriangleId slot : incident_.row(vertex)) {
+    slots.push_back(slot);
+    const std::array<VertexId, 3> vertices = corners(slot);
+    const int k = vertices[0] == vertex ? 0 : vertices[1] == vertex ? 1 : 2;
+    const TriangleId across = mesh.neighbour(slot, k);
+    if (across != mesh::kNone) slots.push_back(across);
+  }
+  std::sort(slots.begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+
+  row_columns_.clear();
+  row_.clear();
+  for (const TriangleId slot : slots) {
+    const BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
+    const auto at = std::find(patch.vertex.begin(), patch.vertex.end(), vertex);
+    if (at == patch.vertex.end()) continue;
+    const auto a = static_cast<int>(at - patch.vertex.begin());
+    for (std::size_t b = 0; b < 6; ++b) {
+      const VertexId column = patch.vertex[b];
+      if (column == mesh::kNone) continue;
+      const double value = patch.at(a, static_cast<int>(b));
+      if (row_columns_.insert(column)) {
+        row_.push_back({value, column});
+      } else {
+        row_[static_cast<std::size_t>(row_columns_.place(column))].value += value;
       }
     }
-    sort_unique(around);
-    sum_bending_row(v, around, entries);
-    bending_rows_.set_row(v, entries);
   }
+  std::sort(row_.begin(), row_.end(), [](const BendingEntry& a, const BendingEntry& b) { return a.column < b.column; });
+  bending_rows_.set_row(vertex, row_);
 }
 
 BendingPatch Model::make_patch(const mesh::TriangleMesh& mesh, TriangleId slot) const {
@@ -261,27 +292,8 @@ BendingPatch Model::make_patch(const mesh::TriangleMesh& mesh, TriangleId slot) 
     opposite[k] = material_from_rest_ * mesh.rest_position(patch.vertex[3 + k]);
     has_opposite[k] = true;
   }
-  patch.stiffness = bending_stiffness(X, opposite, has_opposite, bending_law_);
+  patch.stiffness = bending_stiffness(X, opposite, has_opposite, bending_law_, inverse_bending_law_);
   return patch;
-}
-
-void Model::sum_bending_row(VertexId vertex, const std::vector<TriangleId>& slots,
-                            std::vector<BendingEntry>& entries) const {
-  entries.clear();
-  for (const TriangleId slot : slots) {
-    const BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
-    for (std::size_t a = 0; a < 6; ++a) {
-      if (patch.vertex[a] != vertex) continue;
-      for (std::size_t b = 0; b < 6; ++b) {
-        const VertexId column = patch.vertex[b];
-        if (column == mesh::kNone) continue;
-        auto at = std::lower_bound(entries.begin(), entries.end(), column,
-                                   [](const BendingEntry& entry, VertexId c) { return entry.column < c; });
-        if (at == entries.end() || at->column != column) at = entries.insert(at, {0.0, column});
-        at->value += patch.at(static_cast<int>(a), static_cast<int>(b));
-      }
-    }
-  }
 }
 
 std::uint64_t Model::hash() const {
@@ -302,9 +314,10 @@ std::uint64_t Model::hash() const {
     hash.add_span(std::span<const VertexId>(patch.vertex));
     hash.add_span(std::span<const double>(patch.stiffness));
   }
-  for (const std::vector<double>* field : {&lumped_mass_, &stiffness_, &mass_, &inverse_mass_}) {
+  for (const std::vector<double>* field : {&lumped_mass_, &stiffness_, &mass_floor_, &mass_, &inverse_mass_}) {
     hash.add_span(std::span<const double>(*field));
   }
+  hash.add(stiffness_bound());
   for (int i = 0; i < incident_.num_rows(); ++i) hash.add_span(incident_.row(i));
   for (int i = 0; i < bending_rows_.num_rows(); ++i) {
     const std::span<const BendingEntry> row = bending_rows_.row(i);

@@ -9,8 +9,11 @@
 
 #include "server/fem/bending.h"
 #include "server/fem/element_block.h"
+#include "server/fem/index_set.h"
+#include "server/fem/mass_redistribution.h"
 #include "server/fem/material.h"
 #include "server/fem/row_store.h"
+#include "server/fem/stable_step.h"
 #include "server/fem/state.h"
 #include "server/mesh/ids.h"
 #include "server/mesh/mesh_edit.h"
@@ -37,7 +40,7 @@ struct Momentum {
 
 // Vertices whose mass an edit recomputed or changed, added ones included, with the mass they had before.
 struct MassChange {
-  std::vector<mesh::VertexId> vertices;  // sorted, unique
+  std::vector<mesh::VertexId> vertices;  // unique
   std::vector<double> mass_before;       // kg, same length; 0 for an added vertex
 };
 
@@ -77,6 +80,8 @@ class Model {
   [[nodiscard]] const RowStore<BendingEntry>& bending_rows() const { return bending_rows_; }
   // Solid slots around each vertex, ascending.
   [[nodiscard]] const RowStore<mesh::TriangleId>& incident_slots() const { return incident_; }
+  // Upper bound of the largest eigenvalue of M^-1 K at rest, 1/s^2; see StiffnessBound.
+  [[nodiscard]] double stiffness_bound() const { return stiffness_bound_.value(); }
 
   // f (3 x V, N), overwritten: membrane and bending forces at x (3 x V, m), no damping. f must have V columns.
   void internal_forces(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& f) const;
@@ -90,27 +95,29 @@ class Model {
   [[nodiscard]] std::uint64_t hash() const;
 
  private:
-  // Rewrites the slots and the incidence of their vertices; returns those vertices, old and new, sorted.
-  std::vector<mesh::VertexId> set_elements(const mesh::TriangleMesh& mesh,
-                                           const std::vector<mesh::TriangleId>& rewritten);
+  // Rewrites the slots and the incidence of their vertices; leaves those vertices, old and new, in touched_.
+  void set_elements(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten);
+  void set_incidence(const std::vector<mesh::TriangleId>& rewritten);
   void resize(const mesh::TriangleMesh& mesh);
   void set_element(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
   void set_lumped_mass(mesh::VertexId vertex);
-  // Takes the lumped masses over into mass_, redistributed. `touched`: vertices whose lumped mass was recomputed.
-  MassChange set_masses(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& touched);
+  // Takes the lumped masses over into mass_, redistributed.
+  MassChange set_masses();
+  // Makes the patches of the rewritten slots and of their neighbours, and sums the rows they are in, left in rows_.
   void set_bending(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten);
   [[nodiscard]] BendingPatch make_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
-  // Row `vertex` of Q: the sum over the patches of `slots`, in that order.
-  void sum_bending_row(mesh::VertexId vertex, const std::vector<mesh::TriangleId>& slots,
-                       std::vector<BendingEntry>& entries) const;
+  // Row `vertex` of Q: the sum over the patches that the vertex is in, by ascending slot.
+  void sum_bending_row(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
   [[nodiscard]] bool has_material(mesh::TriangleId slot) const;
   [[nodiscard]] std::array<mesh::VertexId, 3> corners(mesh::TriangleId slot) const;
 
   Material material_;
   Eigen::Matrix3d membrane_law_;
   Eigen::Matrix3d bending_law_;
+  Eigen::Matrix3d inverse_bending_law_;
   Eigen::Matrix2d material_from_rest_;  // rotation into material axes
 
+  double floor_per_stiffness_ = 0.0;  // kg m/N
   int num_slots_ = 0;
   std::vector<ElementBlock> blocks_;
   std::vector<BendingPatch> patches_;  // one a slot; empty without bending
@@ -118,8 +125,20 @@ class Model {
   RowStore<BendingEntry> bending_rows_;
   std::vector<double> lumped_mass_;  // kg, length V; a third of each triangle's
   std::vector<double> stiffness_;    // N/m, length V; trace of the membrane stiffness at rest
+  std::vector<double> mass_floor_;   // kg, length V; below which a vertex is given mass
   std::vector<double> mass_;
   std::vector<double> inverse_mass_;
+  MassRedistribution redistribution_;
+  StiffnessBound stiffness_bound_;
+
+  // Scratch of apply().
+  IndexSet touched_;                         // vertices of rewritten slots, before and after
+  IndexSet rewritten_;                       // slots
+  IndexSet patched_;                         // slots whose patch is made anew
+  IndexSet rows_;                            // rows of Q that are summed anew
+  std::vector<mesh::TriangleId> row_slots_;  // of one row: its patches
+  IndexSet row_columns_;                     // of one row, in the order of row_
+  std::vector<BendingEntry> row_;
 };
 
 }  // namespace kerf::fem

@@ -1,6 +1,7 @@
 #include "server/fem/stable_step.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <Eigen/Cholesky>
@@ -52,53 +53,91 @@ double largest_eigenvalue_bound(const Eigen::Matrix3d& H) {
   return scale * std::sqrt(std::sqrt(std::sqrt(power.trace())));
 }
 
-double membrane_bound(const Model& model) {
-  const Eigen::Matrix3d& C = model.membrane_law();
-  const Eigen::Matrix3d L = C.llt().matrixL();
-  std::vector<double> stiffness(static_cast<std::size_t>(model.num_vertices()), 0.0);
-  for (const ElementBlock& block : model.element_blocks()) {
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      if (block.area[l] == 0.0) continue;
-      const std::array<Corner, 3> corners = corners_of(block, l, C);
-      for (std::size_t k = 0; k < 3; ++k) {
-        stiffness[static_cast<std::size_t>(block.vertex[k][l])] += corners[k].stiffness;
-      }
-    }
+double membrane_bound(const StiffnessProblem& problem, const Eigen::Matrix3d& L, mesh::TriangleId slot) {
+  const ElementBlock& block = problem.blocks[static_cast<std::size_t>(slot / kLanes)];
+  const auto l = static_cast<std::size_t>(slot % kLanes);
+  if (block.area[l] == 0.0) return 0.0;
+  const std::array<Corner, 3> corners = corners_of(block, l, problem.membrane_law);
+  Eigen::Matrix3d G = Eigen::Matrix3d::Zero();  // sum over corners of A B B^T / (mass share)
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto v = static_cast<std::size_t>(block.vertex[k][l]);
+    const double mass_share = problem.mass[v] * corners[k].stiffness / problem.stiffness[v];
+    G += (block.area[l] / mass_share) * (corners[k].B * corners[k].B.transpose());
   }
-  double bound = 0.0;
-  for (const ElementBlock& block : model.element_blocks()) {
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      if (block.area[l] == 0.0) continue;
-      const std::array<Corner, 3> corners = corners_of(block, l, C);
-      Eigen::Matrix3d G = Eigen::Matrix3d::Zero();  // sum over corners of A B B^T / (mass share)
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto v = static_cast<std::size_t>(block.vertex[k][l]);
-        const double mass_share = model.mass()[v] * corners[k].stiffness / stiffness[v];
-        G += (block.area[l] / mass_share) * (corners[k].B * corners[k].B.transpose());
-      }
-      bound = std::max(bound, largest_eigenvalue_bound(L.transpose() * (G * L)));
-    }
-  }
-  return bound;
+  return largest_eigenvalue_bound(L.transpose() * (G * L));
 }
 
-double bending_bound(const Model& model) {
-  const std::span<const double> inverse_mass = model.inverse_mass();
-  double bound = 0.0;
-  for (int i = 0; i < model.bending_rows().num_rows(); ++i) {
-    double sum = 0.0;
-    for (const BendingEntry& entry : model.bending_rows().row(i)) {
-      sum += std::abs(entry.value) * std::sqrt(inverse_mass[static_cast<std::size_t>(entry.column)]);
-    }
-    bound = std::max(bound, sum * std::sqrt(inverse_mass[static_cast<std::size_t>(i)]));
+double bending_bound(const StiffnessProblem& problem, mesh::VertexId row) {
+  double sum = 0.0;
+  for (const BendingEntry& entry : problem.bending_rows.row(row)) {
+    sum += std::abs(entry.value) * std::sqrt(problem.inverse_mass[static_cast<std::size_t>(entry.column)]);
   }
-  return bound;
+  return sum * std::sqrt(problem.inverse_mass[static_cast<std::size_t>(row)]);
 }
 
 }  // namespace
 
-double stiffness_bound(const Model& model) {
-  return membrane_bound(model) + bending_bound(model);
+void RunningMaximum::resize(std::size_t size) {
+  for (std::size_t level = 0;; ++level) {
+    if (level == levels_.size()) levels_.emplace_back();
+    // A level that was the last one and gets a level above it hands its maxima on.
+    const bool is_new = levels_[level].empty();
+    levels_[level].resize(size, 0.0);
+    if (is_new && level > 0) {
+      const std::vector<double>& below = levels_[level - 1];
+      for (std::size_t i = 0; i < below.size(); ++i) {
+        levels_[level][i / kGroup] = std::max(levels_[level][i / kGroup], below[i]);
+      }
+    }
+    if (size <= 1) return;
+    size = (size + kGroup - 1) / kGroup;
+  }
+}
+
+void RunningMaximum::update(std::span<const std::int32_t> changed) {
+  std::vector<std::size_t> groups(changed.begin(), changed.end());
+  for (std::size_t level = 1; level < levels_.size(); ++level) {
+    // Ids come in runs: dropping repetitions in a row leaves few.
+    for (std::size_t& i : groups) i /= kGroup;
+    groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
+    const std::vector<double>& below = levels_[level - 1];
+    for (const std::size_t i : groups) {
+      const auto first = below.begin() + static_cast<std::ptrdiff_t>(i * kGroup);
+      const auto last = below.begin() + static_cast<std::ptrdiff_t>(std::min((i + 1) * kGroup, below.size()));
+      levels_[level][i] = *std::max_element(first, last);
+    }
+  }
+}
+
+void StiffnessBound::update(const StiffnessProblem& problem, std::span<const mesh::TriangleId> slots,
+                            std::span<const mesh::VertexId> vertices, std::span<const mesh::VertexId> rows) {
+  const Eigen::Matrix3d L = problem.membrane_law.llt().matrixL();
+  membrane_.resize(problem.blocks.size() * kLanes);
+  changed_slots_.clear();
+  changed_slots_.resize(problem.blocks.size() * kLanes);
+  for (const mesh::TriangleId slot : slots) changed_slots_.insert(slot);
+  for (const mesh::VertexId v : vertices) {
+    for (const mesh::TriangleId slot : problem.incident_slots.row(v)) changed_slots_.insert(slot);
+  }
+  for (const mesh::TriangleId slot : changed_slots_.members()) {
+    membrane_.set(static_cast<std::size_t>(slot), membrane_bound(problem, L, slot));
+  }
+  membrane_.update(changed_slots_.members());
+
+  const auto num_rows = static_cast<std::size_t>(problem.bending_rows.num_rows());
+  if (num_rows == 0) return;
+  bending_.resize(num_rows);
+  changed_rows_.clear();
+  changed_rows_.resize(num_rows);
+  for (const mesh::VertexId row : rows) changed_rows_.insert(row);
+  for (const mesh::VertexId v : vertices) {
+    changed_rows_.insert(v);
+    for (const BendingEntry& entry : problem.bending_rows.row(v)) changed_rows_.insert(entry.column);
+  }
+  for (const mesh::VertexId row : changed_rows_.members()) {
+    bending_.set(static_cast<std::size_t>(row), bending_bound(problem, row));
+  }
+  bending_.update(changed_rows_.members());
 }
 
 }  // namespace kerf::fem

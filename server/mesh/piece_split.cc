@@ -2,25 +2,46 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <deque>
+#include <cstdlib>
+#include <memory>
+#include <new>
 #include <utility>
 
 namespace kerf::mesh {
 namespace {
 
+// A table of group numbers, all unset at first, that costs what is used of it and not its size: the system hands out
+// the pages of a large zeroed block only when they are touched.
+class LazyTable {
+ public:
+  explicit LazyTable(std::size_t size)
+      : values_(static_cast<std::int32_t*>(std::calloc(size, sizeof(std::int32_t)))) {  // NOLINT(*-no-malloc)
+    if (!values_) throw std::bad_alloc();
+  }
+  [[nodiscard]] bool has(TriangleId t) const { return values_[static_cast<std::size_t>(t)] != 0; }
+  [[nodiscard]] std::int32_t get(TriangleId t) const { return values_[static_cast<std::size_t>(t)] - 1; }
+  void set(TriangleId t, std::int32_t group) { values_[static_cast<std::size_t>(t)] = group + 1; }
+
+ private:
+  struct Free {
+    void operator()(std::int32_t* block) const { std::free(block); }  // NOLINT(*-no-malloc)
+  };
+  std::unique_ptr<std::int32_t[], Free> values_;  // group + 1
+};
+
 class ComponentGrowth {
  public:
   ComponentGrowth(const TriangleMesh& mesh, std::span<const TriangleId> seeds)
-      : mesh_(mesh), group_of_(static_cast<std::size_t>(mesh.num_triangle_slots()), kNone) {
+      : mesh_(mesh), group_of_(static_cast<std::size_t>(mesh.num_triangle_slots())) {
     for (const TriangleId t : seeds) pieces_.push_back(mesh.piece(t));
     std::sort(pieces_.begin(), pieces_.end());
     pieces_.erase(std::unique(pieces_.begin(), pieces_.end()), pieces_.end());
     num_open_.assign(pieces_.size(), 0);
     for (const TriangleId t : seeds) {
-      if (group_of_[t] != kNone) continue;
+      if (group_of_.has(t)) continue;
       const auto index = static_cast<std::int32_t>(groups_.size());
-      group_of_[t] = index;
-      groups_.push_back({{t}, {t}, index, piece_index(t)});
+      group_of_.set(t, index);
+      groups_.push_back({{t}, {t}, 0, index, piece_index(t)});
       ++num_open_[groups_.back().piece];
       active_.push_back(index);
     }
@@ -33,7 +54,7 @@ class ComponentGrowth {
       for (const std::int32_t index : active_) {
         if (groups_[index].parent != index || num_open_[groups_[index].piece] <= 1) continue;
         const std::int32_t grown = grow(index);
-        if (groups_[grown].frontier.empty()) {
+        if (groups_[grown].next == groups_[grown].frontier.size()) {
           --num_open_[groups_[grown].piece];
           finished.push_back(std::move(groups_[grown].members));
         } else if (grown == index) {
@@ -48,9 +69,10 @@ class ComponentGrowth {
  private:
   struct Group {
     std::vector<TriangleId> members;
-    std::deque<TriangleId> frontier;  // members whose neighbours are still to be looked at
-    std::int32_t parent;              // itself, or the group it was merged into
-    std::size_t piece;                // index into pieces_
+    std::vector<TriangleId> frontier;  // from `next` on: members whose neighbours are still to be looked at
+    std::size_t next;
+    std::int32_t parent;  // itself, or the group it was merged into
+    std::size_t piece;    // index into pieces_
   };
 
   [[nodiscard]] std::size_t piece_index(TriangleId t) const {
@@ -67,17 +89,17 @@ class ComponentGrowth {
 
   // Looks at the neighbours of one slot of the group; returns the group it belongs to afterwards.
   std::int32_t grow(std::int32_t index) {
-    const TriangleId t = groups_[index].frontier.front();  // breadth first: parts that meet round a tip meet soon
-    groups_[index].frontier.pop_front();
+    Group& growing = groups_[index];
+    const TriangleId t = growing.frontier[growing.next++];  // breadth first: parts that meet round a tip meet soon
     for (int k = 0; k < 3; ++k) {
       const TriangleId n = mesh_.neighbour(t, k);
       if (n == kNone) continue;
-      if (group_of_[n] == kNone) {
-        group_of_[n] = index;
+      if (!group_of_.has(n)) {
+        group_of_.set(n, index);
         groups_[index].members.push_back(n);
         groups_[index].frontier.push_back(n);
-      } else if (root(group_of_[n]) != index) {
-        index = merge(index, root(group_of_[n]));
+      } else if (root(group_of_.get(n)) != index) {
+        index = merge(index, root(group_of_.get(n)));
       }
     }
     return index;
@@ -88,14 +110,15 @@ class ComponentGrowth {
     Group& kept = groups_[a];
     Group& gone = groups_[b];
     kept.members.insert(kept.members.end(), gone.members.begin(), gone.members.end());
-    kept.frontier.insert(kept.frontier.end(), gone.frontier.begin(), gone.frontier.end());
-    gone = {{}, {}, a, gone.piece};
+    kept.frontier.insert(kept.frontier.end(), gone.frontier.begin() + static_cast<std::ptrdiff_t>(gone.next),
+                         gone.frontier.end());
+    gone = {{}, {}, 0, a, gone.piece};
     --num_open_[kept.piece];
     return a;
   }
 
   const TriangleMesh& mesh_;
-  std::vector<std::int32_t> group_of_;  // slot -> group, resolve with root()
+  LazyTable group_of_;  // slot -> group, resolve with root()
   std::vector<Group> groups_;
   std::vector<std::int32_t> active_;
   std::vector<std::int32_t> pieces_;  // sorted

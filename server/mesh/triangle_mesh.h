@@ -16,7 +16,7 @@
 namespace kerf::mesh {
 
 // Vertices (of the opened mesh) that a sheet may have: importers refuse more, and so does a cut that would lead there.
-inline constexpr std::int32_t kMaxVertices = 250'000;
+inline constexpr std::int32_t kMaxVertices = 500'000;
 
 // Where a lattice point lies in the welded mesh. Independent of how it was searched for.
 struct Location {

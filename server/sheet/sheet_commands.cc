@@ -249,7 +249,8 @@ void Sheet::Impl::pin(std::vector<mesh::VertexId> vertices) {
 void Sheet::Impl::rebuild() {
   integrator->rebuild(model);
   integrator_description = std::string(integrator->explanation());
-  last_good = state;
+  last_good.x.resize(3, state.x.cols());
+  last_good.v.resize(3, state.v.cols());
 }
 
 std::vector<GrabState>::iterator Sheet::Impl::find_grab(const std::string& grab_id) {

@@ -93,7 +93,7 @@ class Sheets(Case):
 
     def test_refusals(self):
         self.refused("sheet", "create", "Bad_Name", says="sheet_id")
-        self.refused("sheet", "create", "huge", "--grid", "1000x1000", says="250000")
+        self.refused("sheet", "create", "huge", "--grid", "1000x1000", says="500000")
         self.refused("sheet", "create", "flat", "--size", "1x0", says="height_m")
         self.refused("sheet", "create", "odd", "--material", "unobtainium", says="preset")
         kerf("sheet", "create", "twice", "--grid", "3x3")

@@ -333,8 +333,8 @@ TEST(BendingElement, SixPointsOnAConicGiveAFiniteStiffness) {
     hexagon[static_cast<std::size_t>(i)] = {std::cos(angle), std::sin(angle)};
   }
   const Eigen::Matrix3d D = bending_law(isotropic(1.0e6, 0.3, 1.0e-3, 300.0));
-  const std::array<double, 21> Q = bending_stiffness({hexagon[0], hexagon[2], hexagon[4]},
-                                                     {hexagon[3], hexagon[5], hexagon[1]}, {true, true, true}, D);
+  const std::array<double, 21> Q = bending_stiffness(
+      {hexagon[0], hexagon[2], hexagon[4]}, {hexagon[3], hexagon[5], hexagon[1]}, {true, true, true}, D, D.inverse());
   for (const double q : Q) {
     EXPECT_TRUE(std::isfinite(q));
     EXPECT_LT(std::abs(q), 1e3 * D(0, 0));

@@ -193,7 +193,7 @@ TEST(Import, RefusesBadArrays) {
   expect_refused(sheet, "MESH_REGIONS", "-3");
   sheet = test::one_triangle();
   sheet.rest.conservativeResize(Eigen::NoChange, kMaxVertices + 1);
-  expect_refused(sheet, "MESH_TOO_LARGE", "250000");
+  expect_refused(sheet, "MESH_TOO_LARGE", "500000");
 }
 
 TEST(Import, RefusesDegenerateTriangles) {

@@ -36,7 +36,7 @@ TEST(SheetConfig, GridLimits) {
   EXPECT_EQ(field_of([](SheetConfig& c) { grid(c, 1, 5); }), "grid.columns");
   EXPECT_EQ(field_of([](SheetConfig& c) { grid(c, 1001, 5); }), "grid.columns");
   EXPECT_EQ(field_of([](SheetConfig& c) { grid(c, 5, -3); }), "grid.rows");
-  EXPECT_EQ(field_of([](SheetConfig& c) { grid(c, 501, 500); }), "grid.rows");
+  EXPECT_EQ(field_of([](SheetConfig& c) { grid(c, 1000, 501); }), "grid.rows");
   EXPECT_EQ(field_of([](SheetConfig& c) { grid(c, 5, 5, 0.0); }), "grid.width_m");
   EXPECT_EQ(field_of([](SheetConfig& c) { grid(c, 5, 5, 1.0, 1.1e4); }), "grid.height_m");
   EXPECT_EQ(field_of([](SheetConfig& c) { grid(c, 5, 5, kNan); }), "grid.width_m");

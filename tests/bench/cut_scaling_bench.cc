@@ -1,0 +1,124 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <ctime>
+#include <string>
+#include <vector>
+
+#include <benchmark/benchmark.h>
+
+#include "server/base/check.h"
+#include "tests/bench/expected.h"
+#include "tests/bench/scenes.h"
+
+// What a cut costs, by the number of triangles it crosses and by the size of the mesh, and where the time goes.
+namespace kerf::bench {
+namespace {
+
+double thread_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+class StageClock : public sheet::StageObserver {
+ public:
+  void begin(sheet::Stage /*stage*/, std::int32_t /*command*/) override { started_ = thread_cpu_s(); }
+  void end(sheet::Stage stage, std::int32_t /*command*/) override {
+    spent_[static_cast<std::size_t>(stage)] += thread_cpu_s() - started_;
+  }
+  [[nodiscard]] double spent(sheet::Stage stage) const { return spent_[static_cast<std::size_t>(stage)]; }
+
+ private:
+  double started_ = 0.0;
+  std::array<double, 4> spent_{};
+};
+
+// A curve wholly inside a unit square of side x side vertices that crosses about `crossed` triangles: rows of gentle
+// waves, joined by turns.
+sheet::Cut serpentine(int side, int crossed) {
+  constexpr double kCrossedPerEdge = 2.7;  // -; triangles crossed for each edge length of the curve
+  const double h = 1.0 / (side - 1);
+  const double length = crossed / kCrossedPerEdge * h;
+  const double rows = std::ceil(length / 0.8);
+  const double width = length / rows;
+  const double wave = 0.1 * width;
+  const double gap = std::min(20.0 * h, 0.8 / rows);
+  const double left = 0.5 - 0.5 * width;
+  double y = 0.5 - 0.5 * gap * (rows - 1.0);
+  double from = left;
+  double to = left + width;
+  cut::CubicBezier curve;
+  curve.points.emplace_back(from, y);
+  for (double row = 0.0; row < rows; ++row) {
+    if (row > 0.0) {
+      const double out = from + (from > 0.5 ? 1.0 : -1.0) * 0.5 * gap;
+      curve.points.emplace_back(out, y);
+      curve.points.emplace_back(out, y + gap);
+      y += gap;
+      curve.points.emplace_back(from, y);
+    }
+    const double swing = std::min(wave, 0.4 * gap);
+    curve.points.emplace_back(from + (to - from) / 3.0, y + swing);
+    curve.points.emplace_back(from + (to - from) * 2.0 / 3.0, y - swing);
+    curve.points.emplace_back(to, y);
+    std::swap(from, to);
+  }
+  return {curve};
+}
+
+void scaling(benchmark::State& state, const std::string& name, int side, int crossed) {
+  const sheet::Sheet whole = swinging_cloth(side, sheet::IntegratorKind::kExplicitLeapfrog);
+  const sheet::Command command = serpentine(side, crossed);
+  // A copy has no room to grow; a sheet that lives has been cut before.
+  const double h = 1.0 / (side - 1);
+  sheet::Cut first;
+  first.curve = cut::Circle{{3.3 * h, 3.3 * h}, 2.0 * h};
+  const sheet::Command warm_up = first;
+  std::vector<double> cut_s;
+  std::vector<double> update_s;
+  cut::CutReport report;
+  std::uint64_t hash = 0;
+  for (auto _ : state) {
+    sheet::Sheet sheet = whole;
+    KERF_CHECK(sheet.apply({&warm_up, 1}).replies[0].ok(), "the first cut is refused");
+    StageClock clock;
+    const sheet::TickReport done = sheet.apply({&command, 1}, &clock);
+    KERF_CHECK(done.replies.size() == 1 && done.replies[0].ok(), "the benchmark's cut is refused");
+    report = done.replies[0]->cut->report;
+    hash = done.replies[0]->state_hash;
+    cut_s.push_back(clock.spent(sheet::Stage::kCut));
+    update_s.push_back(clock.spent(sheet::Stage::kModelUpdate));
+    state.SetIterationTime(cut_s.back() + update_s.back());
+  }
+  const auto median_us = [](std::vector<double>& seconds) {
+    std::nth_element(seconds.begin(), seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2), seconds.end());
+    return 1e6 * seconds[seconds.size() / 2];
+  };
+  const double cut_us = median_us(cut_s);
+  const double update_us = median_us(update_s);
+  state.counters["crossed"] = report.crossed_triangles;
+  state.counters["new"] = report.new_triangles;
+  state.counters["cut_us"] = cut_us;
+  state.counters["update_us"] = update_us;
+  state.counters["us/crossed"] = (cut_us + update_us) / report.crossed_triangles;
+  expect_hash(state, name, hash);
+}
+
+void add(int side, int crossed) {
+  const int triangles = 2 * (side - 1) * (side - 1);
+  const std::string name = "cut_scaling/" + std::to_string(crossed) + "/" + std::to_string(triangles);
+  benchmark::RegisterBenchmark(name.c_str(), [name, side, crossed](benchmark::State& state) {
+    scaling(state, name, side, crossed);
+  })->Iterations(11)->UseManualTime()->Unit(benchmark::kMicrosecond);
+}
+
+const bool kRegistered = [] {
+  for (const int side : {50, 159, 592}) add(side, 100);
+  for (const int crossed : {10, 30, 300, 1000, 3000, 10000}) add(592, crossed);
+  return true;
+}();
+
+}  // namespace
+}  // namespace kerf::bench
