@@ -120,12 +120,12 @@ double corner_stiffness(double gx, double gy, double area, const Eigen::Matrix3d
          (C(0, 0) * gx * gx + C(1, 1) * gy * gy + C(2, 2) * (gx * gx + gy * gy) + 2.0 * (C(0, 2) + C(1, 2)) * gx * gy);
 }
 
-// Frees the domain that has `vertex`, if one does, and adds its members to the region.
-void MassRedistribution::dissolve(VertexId vertex) {
-  const std::int32_t domain = domain_of_[index(vertex)];
-  if (domain == kNone) return;
+// Frees a domain, if it is one and not free already, and adds its members to the region.
+void MassRedistribution::dissolve(std::int32_t domain) {
+  if (domain == kNone || domains_[static_cast<std::size_t>(domain)].empty()) return;
   std::vector<VertexId>& members = domains_[static_cast<std::size_t>(domain)];
   for (const VertexId member : members) {
+    if (index(member) >= domain_of_.size()) continue;
     domain_of_[index(member)] = kNone;
     region_.insert(member);
   }
@@ -146,7 +146,7 @@ bool MassRedistribution::gather_reach(const MassProblem& problem) {
     const std::size_t end = reach_.size();
     for (; begin < end; ++begin) {
       visit_around(problem, reach_.members()[begin], [&](VertexId n) {
-        dissolve(n);
+        dissolve(domain_of_[index(n)]);
         if (depth < kReach) reach_.insert(n);
       });
     }
@@ -168,13 +168,17 @@ void MassRedistribution::store_domain(std::vector<VertexId> members) {
 
 std::span<const VertexId> MassRedistribution::update(const MassProblem& problem, std::span<const VertexId> touched,
                                                      std::span<double> mass) {
-  domain_of_.resize(mass.size(), kNone);
   for (IndexSet* set : {&region_, &reach_, &parted_}) {
     set->clear();
     set->resize(mass.size());
   }
+  // Domains that lose a vertex.
+  std::vector<std::int32_t> bereft;
+  for (std::size_t v = mass.size(); v < domain_of_.size(); ++v) bereft.push_back(domain_of_[v]);
+  domain_of_.resize(mass.size(), kNone);
+  for (const std::int32_t domain : bereft) dissolve(domain);
   for (const VertexId v : touched) region_.insert(v);
-  for (const VertexId v : touched) dissolve(v);
+  for (const VertexId v : touched) dissolve(domain_of_[index(v)]);
   while (!gather_reach(problem)) {
   }
   for (const VertexId v : reach_.members()) region_.insert(v);

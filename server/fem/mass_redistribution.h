@@ -47,8 +47,10 @@ class MassRedistribution {
  public:
   static constexpr int kReach = 4;  // edges
 
-  // `touched`: vertices whose lumped mass, floor or neighbours changed since the last call, new ones included; unique.
-  // `mass` (kg, length V) holds the result of the last call, 0 for new vertices, and is brought up to date.
+  // `touched`: vertices whose lumped mass, floor or neighbours changed since the last call, new ones included; unique,
+  // all of them still there.
+  // `mass` (kg, length V) holds the result of the last call, 0 for new vertices, and is brought up to date; V may be
+  // less than before, where the last vertices are gone.
   // Returns the vertices that were looked at, `touched` first, unique, valid until the next call, as is
   // mass_before(): what they had, kg.
   std::span<const mesh::VertexId> update(const MassProblem& problem, std::span<const mesh::VertexId> touched,
@@ -56,7 +58,7 @@ class MassRedistribution {
   [[nodiscard]] std::span<const double> mass_before() const { return mass_before_; }
 
  private:
-  void dissolve(mesh::VertexId vertex);
+  void dissolve(std::int32_t domain);
   bool gather_reach(const MassProblem& problem);
   void store_domain(std::vector<mesh::VertexId> members);
 

@@ -78,19 +78,21 @@ double bending_bound(const StiffnessProblem& problem, mesh::VertexId row) {
 }  // namespace
 
 void RunningMaximum::resize(std::size_t size) {
-  for (std::size_t level = 0;; ++level) {
+  if (levels_.empty()) levels_.emplace_back();
+  const std::size_t before = levels_.front().size();
+  if (size == before) return;
+  std::size_t level = 0;
+  for (std::size_t n = size;; n = (n + kGroup - 1) / kGroup) {
     if (level == levels_.size()) levels_.emplace_back();
-    // A level that was the last one and gets a level above it hands its maxima on.
-    const bool is_new = levels_[level].empty();
-    levels_[level].resize(size, 0.0);
-    if (is_new && level > 0) {
-      const std::vector<double>& below = levels_[level - 1];
-      for (std::size_t i = 0; i < below.size(); ++i) {
-        levels_[level][i / kGroup] = std::max(levels_[level][i / kGroup], below[i]);
-      }
-    }
-    if (size <= 1) return;
-    size = (size + kGroup - 1) / kGroup;
+    levels_[level++].resize(n, 0.0);
+    if (n <= 1) break;
+  }
+  levels_.resize(level);
+  // Where values were dropped, the last group of each level lost some of its members; a level that is new at the top
+  // has had none so far. Both have their maxima on the way from the first and the last value to the top.
+  if (size > 0) {
+    const std::array<std::int32_t, 2> ends{0, static_cast<std::int32_t>(size - 1)};
+    update(ends);
   }
 }
 
@@ -115,7 +117,10 @@ void StiffnessBound::update(const StiffnessProblem& problem, std::span<const mes
   membrane_.resize(problem.blocks.size() * kLanes);
   changed_slots_.clear();
   changed_slots_.resize(problem.blocks.size() * kLanes);
-  for (const mesh::TriangleId slot : slots) changed_slots_.insert(slot);
+  const auto num_slots = static_cast<mesh::TriangleId>(problem.blocks.size() * kLanes);
+  for (const mesh::TriangleId slot : slots) {
+    if (slot < num_slots) changed_slots_.insert(slot);
+  }
   for (const mesh::VertexId v : vertices) {
     for (const mesh::TriangleId slot : problem.incident_slots.row(v)) changed_slots_.insert(slot);
   }

@@ -21,7 +21,7 @@ class RunningMaximum {
   [[nodiscard]] double value() const {
     return levels_.empty() || levels_.back().empty() ? 0.0 : levels_.back().front();
   }
-  // New values are 0.
+  // New values are 0; values beyond are dropped.
   void resize(std::size_t size);
   void set(std::size_t i, double value) { levels_.front()[i] = value; }
   // After set() of each of `changed`.
@@ -57,7 +57,8 @@ class StiffnessBound {
  public:
   [[nodiscard]] double value() const { return membrane_.value() + bending_.value(); }
 
-  // After a change of these slots, of mass or stiffness at these vertices, and of these rows.
+  // After a change of these slots, of mass or stiffness at these vertices, and of these rows; those that the problem no
+  // longer has are dropped.
   void update(const StiffnessProblem& problem, std::span<const mesh::TriangleId> slots,
               std::span<const mesh::VertexId> vertices, std::span<const mesh::VertexId> rows);
 
