@@ -6,6 +6,8 @@
 
 #include "server/base/result.h"
 #include "server/cut/curve.h"
+#include "server/cut/dash.h"
+#include "server/cut/fit.h"
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/mesh_editor.h"
 #include "server/mesh/triangle_mesh.h"
@@ -44,6 +46,10 @@ struct CutOptions {
   std::int64_t max_new_triangles = 200'000;
   // Vertices of the opened mesh after the cut.  -, in [1, mesh::kMaxVertices]
   std::int32_t max_vertices = mesh::kMaxVertices;
+  // Where the curve is placed before it is cut; absent: where it is.
+  std::optional<Fit> fit;
+  // Perforation: which lengths of the curve are cut; all of it without any.
+  DashPattern dash;
 };
 
 struct CutRequest {
@@ -99,7 +105,8 @@ struct CutOutcome {
 };
 
 // Validates and flattens. Reads the mesh for its extent and edge length only.
-// Errors, all kInvalidArgument: those of validate(), and OPTION_OUT_OF_RANGE ("cut.min_angle_deg"), VERTEX_UNKNOWN.
+// Errors: those of validate() and fit_into(); OPTION_OUT_OF_RANGE ("cut.min_angle_deg"), FIT_EMPTY, VERTEX_UNKNOWN, all
+// kInvalidArgument; TOO_MANY_DASHES, and CUT_ELEMENT_BUDGET for a cut that is too long, kResourceExhausted.
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 
 // Carries the plan out, or leaves the mesh bit-identical.

@@ -22,6 +22,29 @@ Status check_range(double value, double low, double high, const std::string& fie
       field);
 }
 
+Status check_fit(const std::optional<Fit>& fit) {
+  if (!fit || !fit->box) return Nothing{};
+  const Box& box = *fit->box;
+  for (int axis = 0; axis < 2; ++axis) {
+    const std::string name = axis == 0 ? ".x" : ".y";
+    if (Status s = check_range(box.low[axis], -kMaxCoordinateM, kMaxCoordinateM, "cut.fit.min" + name); !s.ok())
+      return s;
+    if (Status s = check_range(box.high[axis], -kMaxCoordinateM, kMaxCoordinateM, "cut.fit.max" + name); !s.ok())
+      return s;
+    if (box.high[axis] - box.low[axis] >= kMinFitExtentM) continue;
+    return invalid_argument("FIT_EMPTY", "cut.fit.max" + name + " must be above cut.fit.min" + name,
+                            "cut.fit.max" + name);
+  }
+  return Nothing{};
+}
+
+Status place(const mesh::TriangleMesh& mesh, const Fit& fit, Curve& curve) {
+  if (fit.box) return fit_into(*fit.box, curve);
+  const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
+  const Eigen::Vector2d margin = kFitMargin * bounds.sizes();
+  return fit_into({bounds.min() + margin, bounds.max() - margin}, curve);
+}
+
 Status check_options(const CutOptions& options) {
   if (Status s = check_range(options.tolerance, kMinTolerance, kMaxTolerance, "cut.tolerance"); !s.ok()) return s;
   if (Status s = check_range(options.tolerance_m.value_or(1.0), 1e-9, 1e4, "cut.tolerance_m"); !s.ok()) return s;
@@ -32,6 +55,8 @@ Status check_options(const CutOptions& options) {
       !s.ok()) {
     return s;
   }
+  if (Status s = validate(options.dash); !s.ok()) return s;
+  if (Status s = check_fit(options.fit); !s.ok()) return s;
   return check_range(options.max_vertices, 1.0, mesh::kMaxVertices, "cut.max_vertices");
 }
 
@@ -67,13 +92,19 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   const double smallest_snap = 2.0 * static_cast<double>(mesh::MeshEditor::kLockClearance) * mesh.lattice().spacing;
   plan.snap_m = std::max(std::min(plan.options.snap * plan.edge_length_m, 0.1 * tolerance), smallest_snap);
 
-  const FlatCurve flat = flatten(request.curve, std::max(tolerance - plan.snap_m, 0.1 * tolerance));
+  Curve curve = request.curve;
+  if (request.options.fit) {
+    if (Status s = place(mesh, *request.options.fit, curve); !s.ok()) return s.error();
+  }
+  const FlatCurve whole = flatten(curve, std::max(tolerance - plan.snap_m, 0.1 * tolerance));
+  const Result<FlatCurve> flat = dashed(whole, plan.options.dash);
+  if (!flat.ok()) return flat.error();
   const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
   // An edge length keeps ends outside clear of the border, but on a sheet of few triangles that leads out of the
   // domain.
   const double clearance = std::min(plan.edge_length_m, kClipRoom * mesh.lattice().room());
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(clearance + plan.snap_m);
-  FlatCurve clipped = clip(flat, {bounds.min() - margin, bounds.max() + margin});
+  FlatCurve clipped = clip(*flat, {bounds.min() - margin, bounds.max() + margin});
   if (spaced_size(clipped, plan.edge_length_m) > kMaxPathPoints) {
     return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
                  "the cut is longer than 1 million edge lengths; split it into several", "cut.curve"};

@@ -1,23 +1,9 @@
 #pragma once
 
-#include <cstddef>
-#include <vector>
-
-#include <Eigen/Core>
-
+#include "server/cut/box.h"
 #include "server/cut/curve.h"
 
 namespace kerf::cut {
-
-// An axis-aligned box in material coordinates.  m
-struct Box {
-  Eigen::Vector2d low{0.0, 0.0};
-  Eigen::Vector2d high{0.0, 0.0};
-
-  [[nodiscard]] bool contains(const Eigen::Vector2d& point) const {
-    return (point.array() >= low.array()).all() && (point.array() <= high.array()).all();
-  }
-};
 
 // The parts of the curve inside the box, in order; a stroke that leaves and comes back becomes several. Points inside
 // are kept bit for bit; the bound grows by the rounding of the points where strokes were clipped.

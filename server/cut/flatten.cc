@@ -1,11 +1,10 @@
-#include "server/cut/curve.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
-#include <type_traits>
+
+#include "server/cut/curve.h"
+#include "server/cut/path_flattening.h"
 
 namespace kerf::cut {
 namespace {
@@ -13,64 +12,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr int kMaxChords = 4096;  // chords a Bezier piece or an eighth of a circle may become
-
-Status check_scalar(double value, const std::string& field) {
-  if (!std::isfinite(value)) return invalid_argument("CURVE_NOT_FINITE", field + " is not a finite number", field);
-  if (std::abs(value) > kMaxCoordinateM) {
-    return invalid_argument("CURVE_OUT_OF_RANGE",
-                            field + " is " + std::to_string(value) + " m, the limit is 10000 m either way", field);
-  }
-  return Nothing{};
-}
-
-Status check_points(const std::vector<Vector2d>& points, const std::string& path) {
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::string field = path + "[" + std::to_string(i) + "]";
-    if (Status status = check_scalar(points[i].x(), field + ".x"); !status.ok()) return status;
-    if (Status status = check_scalar(points[i].y(), field + ".y"); !status.ok()) return status;
-  }
-  const bool distinct =
-      std::any_of(points.begin(), points.end(), [&](const Vector2d& point) { return point != points.front(); });
-  if (!distinct) return invalid_argument("CURVE_DEGENERATE", "all points of the curve coincide", path);
-  return Nothing{};
-}
-
-Status check(const CubicBezier& bezier) {
-  const std::string path = "cut.curve.bezier.points";
-  const std::size_t count = bezier.points.size();
-  if (count > 3 * kMaxBezierPieces + 1) {
-    return invalid_argument("CURVE_TOO_LONG",
-                            std::to_string(count) + " control points; the limit is 193 (64 cubic pieces)", path);
-  }
-  if (count < 4 || count % 3 != 1) {
-    return invalid_argument("CURVE_TOO_SHORT",
-                            std::to_string(count) + " control points; a chain of n cubic pieces has 3 n + 1, n >= 1",
-                            path);
-  }
-  return check_points(bezier.points, path);
-}
-
-Status check(const Polyline& polyline) {
-  const std::string path = "cut.curve.polyline.points";
-  const std::size_t count = polyline.points.size();
-  if (count > kMaxPolylinePoints) {
-    return invalid_argument("CURVE_TOO_LONG", std::to_string(count) + " points; the limit is 4096", path);
-  }
-  if (count < 2) return invalid_argument("CURVE_TOO_SHORT", "a polyline has at least 2 points", path);
-  return check_points(polyline.points, path);
-}
-
-Status check(const Circle& circle) {
-  if (Status status = check_scalar(circle.centre.x(), "cut.curve.circle.center.x"); !status.ok()) return status;
-  if (Status status = check_scalar(circle.centre.y(), "cut.curve.circle.center.y"); !status.ok()) return status;
-  if (Status status = check_scalar(circle.radius, "cut.curve.circle.radius_m"); !status.ok()) return status;
-  if (circle.radius <= 0.0) {
-    return invalid_argument("RADIUS_NOT_POSITIVE",
-                            "the radius is " + std::to_string(circle.radius) + " m; it must be above zero",
-                            "cut.curve.circle.radius_m");
-  }
-  return Nothing{};
-}
 
 // Bound on the rounding of a point computed in a few operations from coordinates of this size.
 double rounding_bound(double coordinate) {
@@ -204,11 +145,15 @@ FlatCurve flat(const Circle& circle, double tolerance) {
   return result;
 }
 
-}  // namespace
-
-Status validate(const Curve& curve) {
-  return std::visit([](const auto& alternative) { return check(alternative); }, curve);
+FlatCurve flat(const Ellipse& ellipse, double tolerance) {
+  return flatten_ellipse(ellipse, tolerance);
 }
+
+FlatCurve flat(const Path& path, double tolerance) {
+  return flatten_path(path, tolerance);
+}
+
+}  // namespace
 
 FlatCurve flatten(const Curve& curve, double tolerance) {
   return std::visit([tolerance](const auto& alternative) { return flat(alternative, tolerance); }, curve);
