@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <numbers>
 #include <optional>
 #include <sstream>
+#include <utility>
+
+#include "server/svg/path_data.h"
+#include "server/wire/geometry_codec.h"
 
 namespace kerf::cli {
 namespace {
@@ -36,6 +41,22 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
     if (at == std::string_view::npos) return parts;
     text.remove_prefix(at + 1);
   }
+}
+
+// "a,b,c"; nothing where a part is no number.
+std::optional<std::vector<double>> to_numbers(const std::string& text) {
+  std::vector<double> numbers;
+  for (const std::string_view part : split(text, ',')) {
+    const std::optional<double> number = to_number<double>(part);
+    if (!number) return std::nullopt;
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+void set(double x, double y, v1::Vec2& point) {
+  point.set_x(x);
+  point.set_y(y);
 }
 
 UsageError no(const std::string& text, const std::string& form) {
@@ -80,18 +101,84 @@ Parsed<std::vector<v1::Vec2>> parse_points(const std::string& text) {
 }
 
 Parsed<v1::Circle> parse_circle(const std::string& text) {
-  const std::vector<std::string_view> parts = split(text, ',');
-  std::vector<double> numbers;
-  for (const std::string_view part : parts) {
-    const std::optional<double> number = to_number<double>(part);
-    if (number) numbers.push_back(*number);
-  }
-  if (parts.size() != 3 || numbers.size() != 3) return no(text, "CX,CY,RADIUS in metres, such as 0.5,0.5,0.1");
+  const auto numbers = to_numbers(text);
+  if (!numbers || numbers->size() != 3) return no(text, "CX,CY,RADIUS in metres, such as 0.5,0.5,0.1");
   v1::Circle circle;
-  circle.mutable_center()->set_x(numbers[0]);
-  circle.mutable_center()->set_y(numbers[1]);
-  circle.set_radius_m(numbers[2]);
+  set((*numbers)[0], (*numbers)[1], *circle.mutable_center());
+  circle.set_radius_m((*numbers)[2]);
   return circle;
+}
+
+Parsed<v1::Ellipse> parse_ellipse(const std::string& text) {
+  const auto numbers = to_numbers(text);
+  if (!numbers || numbers->size() < 4 || numbers->size() > 5) {
+    return no(text, "CX,CY,RX,RY in metres and, if it is turned, DEGREES, such as 0.5,0.5,0.2,0.1,30");
+  }
+  v1::Ellipse ellipse;
+  set((*numbers)[0], (*numbers)[1], *ellipse.mutable_center());
+  ellipse.set_semi_axis_x_m((*numbers)[2]);
+  ellipse.set_semi_axis_y_m((*numbers)[3]);
+  if (numbers->size() == 5) ellipse.set_rotation_rad((*numbers)[4] / 180.0 * std::numbers::pi);
+  return ellipse;
+}
+
+Parsed<v1::Path> parse_rational(const std::string& text) {
+  std::vector<std::vector<double>> points;
+  std::istringstream words(text);
+  std::string word;
+  while (words >> word) {
+    const auto numbers = to_numbers(word);
+    if (!numbers || numbers->size() != 3) {
+      return no(word, "points as x,y,WEIGHT with blanks between them, such as \"0.2,0.5,1 0.5,0.9,2 0.8,0.5,1\"");
+    }
+    points.push_back(*numbers);
+  }
+  if (points.size() != 3 && points.size() != 4) {
+    return no(text, "3 points x,y,WEIGHT for a quadratic Bezier curve or 4 for a cubic one");
+  }
+  v1::Path path;
+  v1::Path::Subpath& subpath = *path.add_subpaths();
+  set(points[0][0], points[0][1], *subpath.mutable_start());
+  v1::Path::Segment& segment = *subpath.add_segments();
+  if (points.size() == 3) {
+    v1::Path::Quadratic& quadratic = *segment.mutable_quadratic();
+    set(points[1][0], points[1][1], *quadratic.mutable_control());
+    set(points[2][0], points[2][1], *quadratic.mutable_end());
+    for (const std::vector<double>& point : points) quadratic.add_weights(point[2]);
+  } else {
+    v1::Path::Cubic& cubic = *segment.mutable_cubic();
+    set(points[1][0], points[1][1], *cubic.mutable_control_1());
+    set(points[2][0], points[2][1], *cubic.mutable_control_2());
+    set(points[3][0], points[3][1], *cubic.mutable_end());
+    for (const std::vector<double>& point : points) cubic.add_weights(point[2]);
+  }
+  return path;
+}
+
+Parsed<v1::Path> parse_path(const std::string& text) {
+  svg::PathData data = svg::parse_path_data(text, cut::kMaxPathSegments);
+  if (!data.error.empty()) return UsageError{"cannot read the path: " + data.error};
+  if (data.subpaths.empty())
+    return no(text, "a path as in SVG, in metres, such as \"M 0.2,0.2 L 0.8,0.2 A 0.3,0.3 0 0 1 0.2,0.2 Z\"");
+  v1::Curve curve;
+  wire::encode_curve(cut::Path{std::move(data.subpaths)}, curve);
+  return std::move(*curve.mutable_path());
+}
+
+Parsed<v1::MaterialBox> parse_fit(const std::string& text) {
+  v1::MaterialBox box;
+  if (text == "sheet") return box;
+  const auto numbers = to_numbers(text);
+  if (!numbers || numbers->size() != 4) return no(text, "X0,Y0,X1,Y1 in metres, such as 0.1,0.1,0.9,0.9, or sheet");
+  set((*numbers)[0], (*numbers)[1], *box.mutable_min());
+  set((*numbers)[2], (*numbers)[3], *box.mutable_max());
+  return box;
+}
+
+Parsed<std::vector<double>> parse_dash(const std::string& text) {
+  auto numbers = to_numbers(text);
+  if (!numbers) return no(text, "lengths in metres that are cut and left in turn, such as 0.01,0.005");
+  return std::move(*numbers);
 }
 
 bool has_ending(std::string_view name, std::string_view ending) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kerf/v1/geometry.pb.h"
+#include "kerf/v1/scene.pb.h"
 
 // The small languages of the command line. What cannot be read is a UsageError with a sentence that shows the right
 // form.
@@ -41,6 +42,16 @@ Parsed<ImageSize> parse_image_size(const std::string& text);
 Parsed<std::vector<v1::Vec2>> parse_points(const std::string& text);
 // "cx,cy,r"
 Parsed<v1::Circle> parse_circle(const std::string& text);
+// "cx,cy,rx,ry" or "cx,cy,rx,ry,DEGREES", counter-clockwise
+Parsed<v1::Ellipse> parse_ellipse(const std::string& text);
+// "x,y,w x,y,w x,y,w" or with a fourth: a rational quadratic or cubic Bezier curve.
+Parsed<v1::Path> parse_rational(const std::string& text);
+// SVG path data in metres, y up. All of it must be readable.
+Parsed<v1::Path> parse_path(const std::string& text);
+// "x0,y0,x1,y1", or "sheet": a box without corners, which stands for the sheet's less its margin.
+Parsed<v1::MaterialBox> parse_fit(const std::string& text);
+// "0.01,0.005[,...]"
+Parsed<std::vector<double>> parse_dash(const std::string& text);
 
 // Whether `name` ends with `ending`, letter case ignored.
 bool has_ending(std::string_view name, std::string_view ending);

@@ -2,7 +2,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -11,6 +13,8 @@
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cpp/client.h"
+#include "server/host/disk.h"
+#include "server/svg/svg.h"
 
 namespace kerf::cli {
 namespace {
@@ -20,25 +24,33 @@ struct CutArguments {
   std::optional<std::string> bezier;
   std::optional<std::string> polyline;
   std::optional<std::string> circle;
+  std::optional<std::string> ellipse;
+  std::optional<std::string> rational;
+  std::optional<std::string> path;
+  std::optional<std::string> svg;
+  std::optional<std::string> fit;
+  std::optional<std::string> dash;
+  double dash_offset = 0.0;
   double tolerance = 0.0;
   double min_angle_deg = 0.0;
 };
 
-// The curve of whichever option was given, or what is wrong with it.
-Parsed<v1::Curve> curve_of(const CutArguments& arguments) {
-  v1::Curve curve;
-  if (arguments.circle) {
-    const Parsed<v1::Circle> circle = parse_circle(*arguments.circle);
-    if (const auto* wrong = std::get_if<UsageError>(&circle)) return UsageError{"--circle: " + wrong->message};
-    *curve.mutable_circle() = std::get<v1::Circle>(circle);
-    return curve;
-  }
+// Puts what an option says into `target`; what is wrong with it otherwise.
+template <typename T, typename Target>
+std::optional<UsageError> take(const char* option, Parsed<T> parsed, Target& target) {
+  if (const auto* wrong = std::get_if<UsageError>(&parsed))
+    return UsageError{std::string(option) + ": " + wrong->message};
+  target = std::move(std::get<T>(parsed));
+  return std::nullopt;
+}
+
+std::optional<UsageError> set_points(const CutArguments& arguments, v1::Curve& curve) {
   const bool is_bezier = arguments.bezier.has_value();
-  const Parsed<std::vector<v1::Vec2>> parsed = parse_points(is_bezier ? *arguments.bezier : *arguments.polyline);
-  if (const auto* wrong = std::get_if<UsageError>(&parsed)) {
-    return UsageError{(is_bezier ? "--bezier: " : "--polyline: ") + wrong->message};
+  std::vector<v1::Vec2> points;
+  if (auto wrong = take(is_bezier ? "--bezier" : "--polyline",
+                        parse_points(is_bezier ? *arguments.bezier : *arguments.polyline), points)) {
+    return wrong;
   }
-  const auto& points = std::get<std::vector<v1::Vec2>>(parsed);
   if (is_bezier && (points.size() < 4 || points.size() % 3 != 1)) {
     return UsageError{"--bezier: " + std::to_string(points.size()) +
                       " points: a cubic Bezier curve has 4, each further piece 3 more"};
@@ -46,17 +58,45 @@ Parsed<v1::Curve> curve_of(const CutArguments& arguments) {
   if (!is_bezier && points.size() < 2) return UsageError{"--polyline: at least 2 points are needed"};
   auto* target = is_bezier ? curve.mutable_bezier()->mutable_points() : curve.mutable_polyline()->mutable_points();
   target->Assign(points.begin(), points.end());
-  return curve;
+  return std::nullopt;
+}
+
+// The curve of whichever option was given but --svg, or what is wrong with it.
+std::optional<UsageError> set_curve(const CutArguments& arguments, v1::Curve& curve) {
+  if (arguments.circle) return take("--circle", parse_circle(*arguments.circle), *curve.mutable_circle());
+  if (arguments.ellipse) return take("--ellipse", parse_ellipse(*arguments.ellipse), *curve.mutable_ellipse());
+  if (arguments.rational) return take("--rational", parse_rational(*arguments.rational), *curve.mutable_path());
+  if (arguments.path) return take("--path", parse_path(*arguments.path), *curve.mutable_path());
+  return set_points(arguments, curve);
+}
+
+std::optional<UsageError> set_options(const CutArguments& arguments, v1::Cut& cut) {
+  cut.set_tolerance(arguments.tolerance);
+  cut.set_min_angle_deg(arguments.min_angle_deg);
+  cut.set_dash_offset(arguments.dash_offset);
+  if (arguments.fit) {
+    if (auto wrong = take("--fit", parse_fit(*arguments.fit), *cut.mutable_fit())) return wrong;
+  }
+  if (!arguments.dash) return std::nullopt;
+  std::vector<double> lengths;
+  if (auto wrong = take("--dash", parse_dash(*arguments.dash), lengths)) return wrong;
+  cut.mutable_dash()->Assign(lengths.begin(), lengths.end());
+  return std::nullopt;
 }
 
 int cut(const Session& session, const CutArguments& arguments) {
-  const Parsed<v1::Curve> curve = curve_of(arguments);
-  if (const auto* wrong = std::get_if<UsageError>(&curve)) return misuse(wrong->message);
   v1::CreateCutRequest request;
   request.set_parent("sheets/" + arguments.id);
-  *request.mutable_cut()->mutable_curve() = std::get<v1::Curve>(curve);
-  request.mutable_cut()->set_tolerance(arguments.tolerance);
-  request.mutable_cut()->set_min_angle_deg(arguments.min_angle_deg);
+  v1::Curve& curve = *request.mutable_cut()->mutable_curve();
+  if (arguments.svg) {
+    host::RealDisk disk;
+    Result<std::string> text = disk.read_file(*arguments.svg, svg::kMaxTextBytes);
+    if (!text.ok()) return refuse(text.error());
+    curve.mutable_svg()->set_text(std::move(*text));
+  } else if (const auto wrong = set_curve(arguments, curve)) {
+    return misuse(wrong->message);
+  }
+  if (const auto wrong = set_options(arguments, *request.mutable_cut())) return misuse(wrong->message);
   client::Client client(session.server);
   v1::CutResult result;
   const grpc::Status status = client.call(&v1::CutService::Stub::CreateCut, client.cuts(), request, result);
@@ -80,7 +120,23 @@ void add_cut_command(CLI::App& app, Session& session) {
                     "Cubic Bezier curve: \"x,y x,y x,y x,y\"; 3 more points a further piece");
   curve->add_option("--polyline", arguments->polyline, "Straight pieces: \"x,y x,y ...\"");
   curve->add_option("--circle", arguments->circle, "Full circle: \"cx,cy,r\"");
+  curve->add_option("--ellipse", arguments->ellipse, "Full ellipse: \"cx,cy,rx,ry\" or \"cx,cy,rx,ry,DEGREES\"");
+  curve->add_option(
+      "--rational", arguments->rational,
+      "Rational Bezier curve, quadratic of 3 points or cubic of 4: \"x,y,w x,y,w x,y,w\", weights above 0");
+  curve->add_option("--path", arguments->path,
+                    "SVG path data in metres, y up: \"M 0.2,0.2 H 0.8 A 0.3,0.3 0 0 1 0.2,0.2 Z\"");
+  curve->add_option(
+      "--svg", arguments->svg,
+      "SVG file, at most 512 KiB: every outline in it is cut; fitted into the sheet unless --fit is given");
   curve->require_option(1);
+  command->add_option(
+      "--fit", arguments->fit,
+      "Scale the curve evenly and centre it in the box \"x0,y0,x1,y1\", or in 90 % of the sheet: \"sheet\"");
+  command->add_option("--dash", arguments->dash,
+                      "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\"");
+  command->add_option("--dash-offset", arguments->dash_offset, "Metres into the pattern at which it begins (default 0)")
+      ->needs("--dash");
   command->add_option("--tolerance", arguments->tolerance,
                       "Largest distance between curve and cut, as a fraction of the edge length (default 0.02)");
   command->add_option("--min-angle", arguments->min_angle_deg, "Smallest angle of new triangles, degrees (default 20)");

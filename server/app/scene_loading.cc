@@ -29,10 +29,10 @@ Error in_file(const std::filesystem::path& file, Error error) {
 Result<std::string> load(const std::filesystem::path& file, host::Disk& disk, host::Host& host) {
   const Result<std::string> json = disk.read_file(file.string(), wire::kMaxSceneFileBytes);
   if (!json) return in_file(file, json.error());
-  const wire::ObjReader read_obj = [&](const std::string& path) {
+  const wire::FileReader read_file = [&](const std::string& path) {
     return disk.read_file((file.parent_path() / path).string(), sheet::kMaxObjBytes);
   };
-  Result<sheet::SheetConfig> config = wire::decode_scene_file(*json, read_obj);
+  Result<sheet::SheetConfig> config = wire::decode_scene_file(*json, read_file);
   if (!config) return in_file(file, config.error());
   const std::string stem = file.stem().string();
   const std::string id = config->sheet_id.empty() && sheet::is_valid_sheet_id(stem) ? stem : config->sheet_id;

@@ -105,7 +105,7 @@ struct CutOutcome {
 };
 
 // Validates and flattens. Reads the mesh for its extent and edge length only.
-// Errors: those of validate() and fit_into(); OPTION_OUT_OF_RANGE ("cut.min_angle_deg"), FIT_EMPTY, VERTEX_UNKNOWN, all
+// Errors: those of validate() and fit_into(); OPTION_OUT_OF_RANGE ("cut.min_angle_deg"), VERTEX_UNKNOWN, all
 // kInvalidArgument; TOO_MANY_DASHES, and CUT_ELEMENT_BUDGET for a cut that is too long, kResourceExhausted.
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 

@@ -1,7 +1,9 @@
 #include "server/cut/fit.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <string>
 
 #include <Eigen/Geometry>
 
@@ -101,7 +103,25 @@ void extend(Eigen::AlignedBox2d& box, const Path& path) {
   for (const Subpath& subpath : path.subpaths) extend(box, pieces_of(subpath));
 }
 
+Status check_coordinate(double value, const std::string& field) {
+  if (std::abs(value) <= kMaxCoordinateM) return Nothing{};  // false for NaN
+  return invalid_argument("FIT_OUT_OF_RANGE",
+                          field + " is " + std::to_string(value) + " m; the limit is 10000 m either way", field);
+}
+
 }  // namespace
+
+Status validate(const Fit& fit) {
+  for (int axis = 0; fit.box && axis < 2; ++axis) {
+    const std::string low = axis == 0 ? "cut.fit.min.x" : "cut.fit.min.y";
+    const std::string high = axis == 0 ? "cut.fit.max.x" : "cut.fit.max.y";
+    if (Status s = check_coordinate(fit.box->low[axis], low); !s.ok()) return s;
+    if (Status s = check_coordinate(fit.box->high[axis], high); !s.ok()) return s;
+    if (fit.box->high[axis] - fit.box->low[axis] >= kMinFitExtentM) continue;
+    return invalid_argument("FIT_EMPTY", high + " must be above " + low, high);
+  }
+  return Nothing{};
+}
 
 Box extent(const Curve& curve) {
   Eigen::AlignedBox2d box;

@@ -17,6 +17,9 @@ struct Fit {
 inline constexpr double kFitMargin = 0.05;        // -
 inline constexpr double kMinFitExtentM = 1.0e-9;  // m, of the larger side of a curve that is fitted
 
+// Errors, kInvalidArgument: FIT_OUT_OF_RANGE, FIT_EMPTY ("cut.fit.max.x").
+Status validate(const Fit& fit);
+
 // Smallest axis-aligned box round a valid curve, from its ends and from where its pieces turn back in x or y.
 Box extent(const Curve& curve);
 

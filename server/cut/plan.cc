@@ -22,22 +22,6 @@ Status check_range(double value, double low, double high, const std::string& fie
       field);
 }
 
-Status check_fit(const std::optional<Fit>& fit) {
-  if (!fit || !fit->box) return Nothing{};
-  const Box& box = *fit->box;
-  for (int axis = 0; axis < 2; ++axis) {
-    const std::string name = axis == 0 ? ".x" : ".y";
-    if (Status s = check_range(box.low[axis], -kMaxCoordinateM, kMaxCoordinateM, "cut.fit.min" + name); !s.ok())
-      return s;
-    if (Status s = check_range(box.high[axis], -kMaxCoordinateM, kMaxCoordinateM, "cut.fit.max" + name); !s.ok())
-      return s;
-    if (box.high[axis] - box.low[axis] >= kMinFitExtentM) continue;
-    return invalid_argument("FIT_EMPTY", "cut.fit.max" + name + " must be above cut.fit.min" + name,
-                            "cut.fit.max" + name);
-  }
-  return Nothing{};
-}
-
 Status place(const mesh::TriangleMesh& mesh, const Fit& fit, Curve& curve) {
   if (fit.box) return fit_into(*fit.box, curve);
   const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
@@ -56,7 +40,9 @@ Status check_options(const CutOptions& options) {
     return s;
   }
   if (Status s = validate(options.dash); !s.ok()) return s;
-  if (Status s = check_fit(options.fit); !s.ok()) return s;
+  if (options.fit) {
+    if (Status s = validate(*options.fit); !s.ok()) return s;
+  }
   return check_range(options.max_vertices, 1.0, mesh::kMaxVertices, "cut.max_vertices");
 }
 

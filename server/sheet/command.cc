@@ -30,6 +30,10 @@ Status validate_command(const Cut& cut) {
   if (Status s = cut::validate(cut.curve); !s) return s;
   if (Status s = check_number(cut.tolerance, cut::kMinTolerance, cut::kMaxTolerance, "cut.tolerance"); !s) return s;
   if (Status s = check_number(cut.min_angle_deg, kMinAngle, cut::kMaxMinAngle, "cut.min_angle_deg"); !s) return s;
+  if (cut.fit) {
+    if (Status s = cut::validate(*cut.fit); !s) return s;
+  }
+  if (Status s = cut::validate(cut.dash); !s) return s;
   return check_integer(cut.max_new_triangles, 1, cut::kMaxNewTriangles, "cut.max_new_triangles");
 }
 

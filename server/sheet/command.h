@@ -60,6 +60,9 @@ struct Cut {
   double tolerance = 0.02;      // -, cut::kMinTolerance..kMaxTolerance; largest distance curve to lips / edge length
   double min_angle_deg = 20.0;  // degrees, 5..cut::kMaxMinAngle; asked of new triangles
   std::int32_t max_new_triangles = 200'000;  // 1..cut::kMaxNewTriangles
+  std::optional<cut::Fit> fit;               // where the curve is placed; absent: where it is
+  cut::DashPattern dash;                     // perforation; without lengths all of the curve is cut
+  std::vector<std::string> remarks;          // on what the curve was made from; the first warnings of the reply
 };
 
 // Ties a point of the sheet to a moving target by a stiff spring. The point stays the same material point through later

@@ -53,8 +53,9 @@ Error unknown_grab(const std::string& grab_id, const std::string& field) {
   return {ErrorCode::kNotFound, "GRAB_NOT_FOUND", "the sheet has no grab \"" + grab_id + "\"", field};
 }
 
-std::vector<std::string> warnings_of(const cut::CutReport& report) {
-  std::vector<std::string> warnings;
+// `remarks` come first.
+std::vector<std::string> warnings_of(const cut::CutReport& report, const std::vector<std::string>& remarks) {
+  std::vector<std::string> warnings = remarks;
   if (report.closed_gaps > 0) {
     warnings.push_back(std::to_string(report.closed_gaps) +
                        " gaps to older lips, the border or the path itself were closed");
@@ -104,6 +105,8 @@ Result<CommandReply> Sheet::Impl::cut(const Cut& cut, const CommandContext& cont
   request.options.min_angle_deg = cut.min_angle_deg;
   request.options.max_new_triangles = cut.max_new_triangles;
   request.options.max_vertices = config->max_vertices;
+  request.options.fit = cut.fit;
+  request.options.dash = cut.dash;
   request.fixed_vertices = vertices_that_stay();
 
   const auto carry_out = [&]() -> Result<cut::CutOutcome> {
@@ -122,7 +125,7 @@ Result<CommandReply> Sheet::Impl::cut(const Cut& cut, const CommandContext& cont
   }
   CommandReply reply;
   reply.topology_version = topology_version;
-  reply.cut = CutReply{outcome->status, outcome->report, warnings_of(outcome->report)};
+  reply.cut = CutReply{outcome->status, outcome->report, warnings_of(outcome->report, cut.remarks)};
   reply.cut->report.pieces = mesh.num_pieces();
   return reply;
 }

@@ -19,6 +19,15 @@ void encode(const sheet::Cut& cut, v1::Command& message) {
   message.mutable_cut()->set_tolerance(cut.tolerance);
   message.mutable_cut()->set_min_angle_deg(cut.min_angle_deg);
   message.mutable_cut()->set_max_new_triangles(cut.max_new_triangles);
+  if (cut.fit) {
+    v1::MaterialBox& box = *message.mutable_cut()->mutable_fit();
+    if (cut.fit->box) {
+      encode_vector(cut.fit->box->low, *box.mutable_min());
+      encode_vector(cut.fit->box->high, *box.mutable_max());
+    }
+  }
+  message.mutable_cut()->mutable_dash()->Add(cut.dash.lengths.begin(), cut.dash.lengths.end());
+  message.mutable_cut()->set_dash_offset(cut.dash.offset);
 }
 
 void encode(const sheet::Grab& grab, v1::Command& message) {
@@ -59,16 +68,32 @@ void encode(const sheet::Reset& /*reset*/, v1::Command& message) {
   message.mutable_reset();
 }
 
+Result<cut::Fit> decode_fit(const v1::MaterialBox& message) {
+  if (!message.has_min() && !message.has_max()) return cut::Fit{};
+  if (!message.has_min()) return missing("cut.fit.min");
+  if (!message.has_max()) return missing("cut.fit.max");
+  return cut::Fit{cut::Box{decode_vector(message.min()), decode_vector(message.max())}};
+}
+
 }  // namespace
 
-Result<sheet::Command> decode_cut(const v1::Cut& message) {
-  Result<cut::Curve> curve = decode_curve(message.curve(), "cut.curve");
-  if (!curve.ok()) return curve.error();
+Result<sheet::Command> decode_cut(const v1::Cut& message, const FileReader& read_file) {
+  Result<DecodedCurve> decoded = decode_curve(message.curve(), "cut.curve", read_file);
+  if (!decoded.ok()) return decoded.error();
   sheet::Cut cut;
-  cut.curve = std::move(*curve);
+  cut.curve = std::move(decoded->curve);
+  cut.remarks = std::move(decoded->remarks);
   if (message.tolerance() != 0.0) cut.tolerance = message.tolerance();
   if (message.min_angle_deg() != 0.0) cut.min_angle_deg = message.min_angle_deg();
   if (message.max_new_triangles() != 0) cut.max_new_triangles = message.max_new_triangles();
+  if (message.has_fit()) {
+    const Result<cut::Fit> fit = decode_fit(message.fit());
+    if (!fit.ok()) return fit.error();
+    cut.fit = *fit;
+  } else if (decoded->is_drawing) {
+    cut.fit = cut::Fit{};
+  }
+  cut.dash = {{message.dash().begin(), message.dash().end()}, message.dash_offset()};
   return checked(std::move(cut));
 }
 
@@ -116,10 +141,10 @@ Result<sheet::Command> decode_set_wind(const v1::SetWind& message) {
   return checked(set_wind);
 }
 
-Result<sheet::Command> decode_command(const v1::Command& message) {
+Result<sheet::Command> decode_command(const v1::Command& message, const FileReader& read_file) {
   switch (message.kind_case()) {
     case v1::Command::kCut:
-      return decode_cut(message.cut());
+      return decode_cut(message.cut(), read_file);
     case v1::Command::kGrab:
       return decode_grab(message.grab());
     case v1::Command::kDrag:

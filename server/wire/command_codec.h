@@ -3,16 +3,18 @@
 #include "kerf/v1/scene.pb.h"
 #include "server/base/result.h"
 #include "server/sheet/command.h"
+#include "server/wire/geometry_codec.h"
 
 // kerf.v1.Command <-> sheet::Command. Errors as in scene_codec.h; paths begin at the command ("cut.curve.bezier",
 // "grab.target.x"). A Reset has none.
 namespace kerf::wire {
 
-Result<sheet::Command> decode_command(const v1::Command& command);
+// `read_file`: for Svg.file; see geometry_codec.h.
+Result<sheet::Command> decode_command(const v1::Command& command, const FileReader& read_file = {});
 v1::Command encode_command(const sheet::Command& command);
 
 // The same for one kind, with the same paths: requests carry these messages in fields of the same names.
-Result<sheet::Command> decode_cut(const v1::Cut& cut);
+Result<sheet::Command> decode_cut(const v1::Cut& cut, const FileReader& read_file = {});
 Result<sheet::Command> decode_grab(const v1::Grab& grab);
 Result<sheet::Command> decode_drag(const v1::Drag& drag);
 Result<sheet::Command> decode_release(const v1::Release& release);

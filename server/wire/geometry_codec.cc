@@ -1,21 +1,8 @@
 #include "server/wire/geometry_codec.h"
 
 #include <utility>
-#include <variant>
 
 namespace kerf::wire {
-namespace {
-
-template <typename Points>
-std::vector<Eigen::Vector2d> decode_points(const Points& points) {
-  std::vector<Eigen::Vector2d> decoded;
-  decoded.reserve(static_cast<std::size_t>(points.size()));
-  for (const v1::Vec2& point : points) decoded.push_back(decode_vector(point));
-  return decoded;
-}
-
-}  // namespace
-
 Eigen::Vector2d decode_vector(const v1::Vec2& vector) {
   return {vector.x(), vector.y()};
 }
@@ -35,32 +22,24 @@ void encode_vector(const Eigen::Vector3d& vector, v1::Vec3& message) {
   message.set_z(vector.z());
 }
 
-Result<cut::Curve> decode_curve(const v1::Curve& curve, const std::string& path) {
-  switch (curve.kind_case()) {
-    case v1::Curve::kBezier:
-      return cut::Curve(cut::CubicBezier{decode_points(curve.bezier().points())});
-    case v1::Curve::kPolyline:
-      return cut::Curve(cut::Polyline{decode_points(curve.polyline().points())});
-    case v1::Curve::kCircle:
-      return cut::Curve(cut::Circle{decode_vector(curve.circle().center()), curve.circle().radius_m()});
-    case v1::Curve::KIND_NOT_SET:
-      break;
+Result<std::string> read_text(const TextOrFile& from, const FileReader& read_file, const std::string& kind,
+                              const std::string& path) {
+  if (from.file.empty()) return from.text;
+  const std::string field = path + ".file";
+  if (!read_file) {
+    return invalid_argument(
+        kind + "_FILE_REFUSED",
+        field + " names a file of the server, which only scene files may do; send its content as " + path + ".text",
+        field);
   }
-  return choice_missing(path, "bezier, polyline or circle");
-}
-
-void encode_curve(const cut::Curve& curve, v1::Curve& message) {
-  if (const auto* bezier = std::get_if<cut::CubicBezier>(&curve)) {
-    for (const Eigen::Vector2d& point : bezier->points) encode_vector(point, *message.mutable_bezier()->add_points());
-  } else if (const auto* polyline = std::get_if<cut::Polyline>(&curve)) {
-    for (const Eigen::Vector2d& point : polyline->points) {
-      encode_vector(point, *message.mutable_polyline()->add_points());
-    }
-  } else {
-    const auto& circle = std::get<cut::Circle>(curve);
-    encode_vector(circle.centre, *message.mutable_circle()->mutable_center());
-    message.mutable_circle()->set_radius_m(circle.radius);
+  if (!from.text.empty()) {
+    return invalid_argument(kind + "_TWICE", path + ".text and " + field + " are both given; give one of them", field);
   }
+  Result<std::string> text = read_file(from.file);
+  if (text.ok()) return text;
+  Error error = text.error();
+  error.field = field;
+  return error;
 }
 
 Error missing(const std::string& path) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -16,8 +18,29 @@ Eigen::Vector3d decode_vector(const v1::Vec3& vector);
 void encode_vector(const Eigen::Vector2d& vector, v1::Vec2& message);
 void encode_vector(const Eigen::Vector3d& vector, v1::Vec3& message);
 
-// Unchecked, but that a kind is chosen: CHOICE_MISSING, field `path`.
-Result<cut::Curve> decode_curve(const v1::Curve& curve, const std::string& path);
+// Reads a file that a scene file names.
+using FileReader = std::function<Result<std::string>(const std::string& path)>;
+
+// The text of a message that holds it, or in scene files the name of a file with it. Errors: `kind`_FILE_REFUSED
+// without a reader, as it must be for what comes over the network; `kind`_TWICE where both are given; those of the
+// reader. All have field `path`.file.
+struct TextOrFile {
+  const std::string& text;
+  const std::string& file;
+};
+Result<std::string> read_text(const TextOrFile& from, const FileReader& read_file, const std::string& kind,
+                              const std::string& path);
+
+struct DecodedCurve {
+  cut::Curve curve;
+  std::vector<std::string> remarks;  // what of a drawing is not in the curve
+  bool is_drawing = false;           // its place on the sheet is not its own: it is fitted
+};
+
+// Unchecked, but that a kind is chosen (CHOICE_MISSING, field `path`), that weights are as many as points
+// (LENGTH_MISMATCH), and what makes a drawing into a path: svg::read(), read_text() with kind SVG.
+Result<DecodedCurve> decode_curve(const v1::Curve& curve, const std::string& path, const FileReader& read_file);
+// A drawing comes back as the path that it became.
 void encode_curve(const cut::Curve& curve, v1::Curve& message);
 
 // kInvalidArgument FIELD_MISSING: a message that has no default.

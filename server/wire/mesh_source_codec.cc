@@ -30,23 +30,9 @@ Result<sheet::MeshSource> decode_grid(const v1::GridMesh& message) {
   return sheet::MeshSource(grid);
 }
 
-Result<sheet::MeshSource> decode_obj(const v1::ObjMesh& message, const ObjReader& read_obj) {
-  if (message.file().empty()) return sheet::MeshSource(sheet::ObjSource{message.text()});
-  if (!read_obj) {
-    return invalid_argument("OBJ_FILE_REFUSED",
-                            "obj.file names a file of the server, which only scene files may do; "
-                            "send its content as obj.text",
-                            "obj.file");
-  }
-  if (!message.text().empty()) {
-    return invalid_argument("OBJ_TWICE", "obj.text and obj.file are both given; give one of them", "obj.file");
-  }
-  Result<std::string> text = read_obj(message.file());
-  if (!text.ok()) {
-    Error error = text.error();
-    error.field = "obj.file";
-    return error;
-  }
+Result<sheet::MeshSource> decode_obj(const v1::ObjMesh& message, const FileReader& read_file) {
+  Result<std::string> text = read_text({message.text(), message.file()}, read_file, "OBJ", "obj");
+  if (!text.ok()) return text.error();
   return sheet::MeshSource(sheet::ObjSource{std::move(*text)});
 }
 
@@ -96,12 +82,12 @@ void encode_source(const sheet::ArraySource& arrays, v1::Scene& scene) {
 
 }  // namespace
 
-Result<sheet::MeshSource> decode_mesh_source(const v1::Scene& scene, const ObjReader& read_obj) {
+Result<sheet::MeshSource> decode_mesh_source(const v1::Scene& scene, const FileReader& read_file) {
   switch (scene.mesh_case()) {
     case v1::Scene::kGrid:
       return decode_grid(scene.grid());
     case v1::Scene::kObj:
-      return decode_obj(scene.obj(), read_obj);
+      return decode_obj(scene.obj(), read_file);
     case v1::Scene::kInline:
       return decode_inline(scene.inline_());
     case v1::Scene::MESH_NOT_SET:

@@ -99,7 +99,7 @@ v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings) {
 }
 
 // Lists: colliders, scheduled commands.
-Status decode_lists(const v1::Scene& scene, sheet::SheetConfig& config) {
+Status decode_lists(const v1::Scene& scene, const FileReader& read_file, sheet::SheetConfig& config) {
   for (int i = 0; i < scene.colliders_size(); ++i) {
     const std::string path = "colliders[" + std::to_string(i) + "]";
     Result<contact::Collider> collider = decode_collider(scene.colliders(i), path);
@@ -107,7 +107,7 @@ Status decode_lists(const v1::Scene& scene, sheet::SheetConfig& config) {
     config.colliders.push_back(std::move(*collider));
   }
   for (int i = 0; i < scene.commands_size(); ++i) {
-    Result<sheet::Command> command = decode_command(scene.commands(i).command());
+    Result<sheet::Command> command = decode_command(scene.commands(i).command(), read_file);
     if (!command.ok()) return within("commands[" + std::to_string(i) + "].command", command.error());
     config.commands.push_back({scene.commands(i).tick(), std::move(*command)});
   }
@@ -116,10 +116,10 @@ Status decode_lists(const v1::Scene& scene, sheet::SheetConfig& config) {
 
 }  // namespace
 
-Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const ObjReader& read_obj) {
+Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const FileReader& read_file) {
   sheet::SheetConfig config;
   config.sheet_id = scene.sheet_id();
-  Result<sheet::MeshSource> mesh = decode_mesh_source(scene, read_obj);
+  Result<sheet::MeshSource> mesh = decode_mesh_source(scene, read_file);
   if (!mesh.ok()) return mesh.error();
   config.mesh = std::move(*mesh);
   const Result<fem::Material> material = decode_material(scene.material());
@@ -135,7 +135,7 @@ Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const ObjReader&
   if (const Status status = decode_integrator(scene.integrator(), config.integrator); !status.ok()) {
     return status.error();
   }
-  if (const Status status = decode_lists(scene, config); !status.ok()) return status.error();
+  if (const Status status = decode_lists(scene, read_file, config); !status.ok()) return status.error();
   if (scene.max_vertices() != 0) config.max_vertices = scene.max_vertices();
   config.ticks = scene.ticks();
   config.description = scene.description();
@@ -198,10 +198,10 @@ v1::Scene encode_scene(const sheet::SheetConfig& config) {
   return scene;
 }
 
-Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const ObjReader& read_obj) {
+Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const FileReader& read_file) {
   v1::Scene scene;
   if (const Status status = from_json(json, scene); !status.ok()) return status.error();
-  return decode_scene(scene, read_obj);
+  return decode_scene(scene, read_file);
 }
 
 }  // namespace kerf::wire

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <string>
 #include <string_view>
 
 #include "kerf/v1/scene.pb.h"
 #include "server/base/result.h"
 #include "server/sheet/sheet_config.h"
+#include "server/wire/geometry_codec.h"
 
 // kerf.v1.Scene and what it is made of <-> the types of the sheet. Errors are kInvalidArgument with the field path as
 // in scene.proto, from the message given ("grid.columns", "pins[2].box.min.x", "commands[0].command.cut.curve"): what
@@ -15,12 +15,9 @@
 // sheet::validate() refuses.
 namespace kerf::wire {
 
-// Reads the file that ObjMesh.file names.
-using ObjReader = std::function<Result<std::string>(const std::string& path)>;
-
-// Fills in the defaults that scene.proto documents. Without a reader ObjMesh.file is refused (OBJ_FILE_REFUSED), as it
-// must be for what comes over the network.
-Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const ObjReader& read_obj = {});
+// Fills in the defaults that scene.proto documents. Without a reader ObjMesh.file and Svg.file are refused
+// (OBJ_FILE_REFUSED, SVG_FILE_REFUSED), as they must be for what comes over the network.
+Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const FileReader& read_file = {});
 
 // The complete scene, every number given: decode_scene(encode_scene(c)) equals c bit for bit, for every c that came out
 // of decode_scene().
@@ -29,7 +26,7 @@ v1::Scene encode_scene(const sheet::SheetConfig& config);
 inline constexpr std::size_t kMaxSceneFileBytes = std::size_t{128} << 20;  // an OBJ text of 64 MiB, escaped
 
 // A scene file: JSON, decoded. Errors of from_json() and decode_scene().
-Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const ObjReader& read_obj);
+Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const FileReader& read_file);
 
 // What of a scene is in force now.
 struct SettingsInForce {

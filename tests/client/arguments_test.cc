@@ -49,6 +49,47 @@ TEST(Arguments, Circles) {
   for (const char* bad : {"", "1,2", "1,2,3,4", "1,2,x", "1,2,3 "}) EXPECT_TRUE(refused(parse_circle(bad))) << bad;
 }
 
+TEST(Arguments, Ellipses) {
+  const v1::Ellipse plain = std::get<v1::Ellipse>(parse_ellipse("0.5,0.25,0.2,0.1"));
+  EXPECT_EQ(plain.semi_axis_x_m(), 0.2);
+  EXPECT_EQ(plain.rotation_rad(), 0.0);
+  EXPECT_EQ(std::get<v1::Ellipse>(parse_ellipse("0.5,0.25,0.2,0.1,180")).rotation_rad(), std::acos(-1.0));
+  for (const char* bad : {"", "1,2,3", "1,2,3,4,5,6", "1,2,3,x"}) EXPECT_TRUE(refused(parse_ellipse(bad))) << bad;
+}
+
+TEST(Arguments, RationalCurves) {
+  const v1::Path quadratic = std::get<v1::Path>(parse_rational("0,0,1 1,2,0.5 2,0,1"));
+  EXPECT_EQ(quadratic.subpaths(0).segments(0).quadratic().control().y(), 2.0);
+  EXPECT_EQ(quadratic.subpaths(0).segments(0).quadratic().weights(1), 0.5);
+  const v1::Path cubic = std::get<v1::Path>(parse_rational("0,0,1 1,2,3 2,0,4 5,6,7"));
+  EXPECT_EQ(cubic.subpaths(0).segments(0).cubic().control_2().x(), 2.0);
+  EXPECT_EQ(cubic.subpaths(0).segments(0).cubic().weights(3), 7.0);
+  for (const char* bad : {"", "0,0,1 1,1,1", "0,0 1,1 2,2", "0,0,1 1,1,1 2,2,1 3,3,1 4,4,1", "0,0,1 1,1,x 2,2,1"}) {
+    EXPECT_TRUE(refused(parse_rational(bad))) << bad;
+  }
+}
+
+TEST(Arguments, Paths) {
+  const v1::Path path = std::get<v1::Path>(parse_path("M.2.2H.8A.3.3 0 01.2.2ZM1 1l1 1"));
+  ASSERT_EQ(path.subpaths_size(), 2);
+  EXPECT_TRUE(path.subpaths(0).closed());
+  EXPECT_EQ(path.subpaths(0).segments(0).line().x(), 0.8);
+  EXPECT_TRUE(path.subpaths(0).segments(1).arc().counter_clockwise());
+  EXPECT_EQ(path.subpaths(1).segments(0).line().y(), 2.0);
+  for (const char* bad : {"", "M1 1", "L1 1", "M0 0L1", "M0 0L1 1x"}) EXPECT_TRUE(refused(parse_path(bad))) << bad;
+}
+
+TEST(Arguments, BoxesAndDashes) {
+  const v1::MaterialBox box = std::get<v1::MaterialBox>(parse_fit("0.1,0.2,0.8,0.9"));
+  EXPECT_EQ(box.min().y(), 0.2);
+  EXPECT_EQ(box.max().x(), 0.8);
+  EXPECT_FALSE(std::get<v1::MaterialBox>(parse_fit("sheet")).has_min());
+  for (const char* bad : {"", "1,2,3", "1,2,3,4,5", "whole"}) EXPECT_TRUE(refused(parse_fit(bad))) << bad;
+  EXPECT_EQ(std::get<std::vector<double>>(parse_dash("0.01,0.005,2")), (std::vector<double>{0.01, 0.005, 2.0}));
+  EXPECT_EQ(std::get<std::vector<double>>(parse_dash("0.01")).size(), 1U);
+  for (const char* bad : {"", "1,", "1 2", "a"}) EXPECT_TRUE(refused(parse_dash(bad))) << bad;
+}
+
 TEST(Output, JsonForScriptsHasNumbersAndSnakeCase) {
   v1::ListSheetsResponse list;
   v1::Sheet& sheet = *list.add_sheets();

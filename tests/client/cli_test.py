@@ -126,6 +126,29 @@ class Cuts(Case):
         self.assertEqual(self.json_of("cut", self.id, "--circle", "0.5,0.7,0.1")["pieces"], 3)
         self.assertIn("4 pieces", kerf("cut", self.id, "--circle", "0.2,0.15,0.05").stdout)
 
+    def test_ellipses_rational_curves_and_paths(self):
+        self.assertEqual(self.json_of("cut", self.id, "--ellipse", "0.3,0.3,0.2,0.1,30")["pieces"], 2)
+        self.assertEqual(self.json_of("cut", self.id, "--rational", "-0.1,0.9,1 0.5,0.5,3 1.1,0.9,1")["pieces"], 3)
+        self.assertEqual(self.json_of("cut", self.id, "--rational", "0.7,0.5,1 0.8,0.6,3 0.9,0.4,1 0.95,0.5,2")["pieces"], 3)
+        # A triangle and a half disc: arcs bulge to the right of their direction where the sweep is 1, with y up.
+        two = "M.1.55h.1l-.05.1z M.6.15A.1.1 0 0 1 .8.15Z"
+        reply = self.json_of("cut", self.id, "--path", two)
+        self.assertEqual((reply["status"], reply["pieces"]), ("APPLIED", 5))
+
+    def test_svg_is_fitted_and_says_what_it_left_out(self):
+        pathlib.Path(path("ring.svg")).write_text(
+            '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><g transform="translate(50 50)">'
+            '<circle r="40"/><circle r="20"/></g><text>ring</text></svg>')
+        reply = self.json_of("cut", self.id, "--svg", path("ring.svg"))
+        self.assertEqual((reply["status"], reply["pieces"]), ("APPLIED", 3))
+        self.assertIn("SVG: 1 x text element: not cut", reply["warnings"])
+        self.assertIn("note: SVG: 1 x text", kerf("cut", self.id, "--svg", path("ring.svg"), "--fit", "0,0,0.2,0.2").stdout)
+
+    def test_perforation_leaves_one_piece(self):
+        reply = self.json_of("cut", self.id, "--polyline", "-0.1,0.3 1.1,0.35", "--dash", "0.1,0.05", "--dash-offset", "0.03")
+        self.assertEqual((reply["status"], reply["pieces"]), ("APPLIED", 1))
+        self.assertGreater(reply["new_vertices"], 10)
+
     def test_a_miss_is_no_error(self):
         before = self.hash()
         reply = self.json_of("cut", self.id, "--polyline", "2,2 3,3")
@@ -146,6 +169,15 @@ class Cuts(Case):
         self.refused("cut", self.id, "--polyline", "0,0 1e9,1", says="points[1].x")
         self.refused("cut", self.id, "--circle", "0.5,0.5,0.1", "--tolerance", "9", says="tolerance")
         self.refused("cut", "nobody", "--circle", "0.5,0.5,0.1", says="NOT_FOUND")
+        self.refused("cut", self.id, "--ellipse", "0.5,0.5,0.1,0", says="semi_axis_y_m")
+        self.refused("cut", self.id, "--rational", "0,0,1 1,1,0 1,0,1", says="weights[1]")
+        self.refused("cut", self.id, "--path", "M0 0L0 0", says="CURVE_DEGENERATE")
+        self.refused("cut", self.id, "--circle", "0.5,0.5,0.1", "--fit", "0,0,0,1", says="cut.fit.max.x")
+        self.refused("cut", self.id, "--circle", "0.5,0.5,0.1", "--dash", "0.1,0", says="cut.dash[1]")
+        self.refused("cut", self.id, "--circle", "0.5,0.5,0.1", "--dash", "1e-6", says="TOO_MANY_DASHES")
+        pathlib.Path(path("bad.svg")).write_text("<svg><g></svg>")
+        self.refused("cut", self.id, "--svg", path("bad.svg"), says="SVG_MALFORMED")
+        self.refused("cut", self.id, "--svg", path("none.svg"), says="none.svg")
         self.assertEqual(self.hash(), before)
 
     def test_usage_errors(self):
@@ -154,6 +186,12 @@ class Cuts(Case):
         self.refused("cut", self.id, "--bezier", "0,0 1,1", code=2, says="--bezier")
         self.refused("cut", self.id, "--polyline", "0,0", code=2, says="--polyline")
         self.refused("cut", self.id, "--polyline", "0;0", code=2)
+        self.refused("cut", self.id, "--ellipse", "1,2,3", code=2, says="--ellipse")
+        self.refused("cut", self.id, "--rational", "1,2,3 4,5,6", code=2, says="--rational")
+        self.refused("cut", self.id, "--path", "M0 0L1", code=2, says="byte 6")
+        self.refused("cut", self.id, "--circle", "1,2,3", "--fit", "1,2", code=2, says="--fit")
+        self.refused("cut", self.id, "--circle", "1,2,3", "--dash", "x", code=2, says="--dash")
+        self.refused("cut", self.id, "--circle", "1,2,3", "--dash-offset", "1", code=2)
         self.refused("cut", self.id, "--circle", "1,2,3", "--polyline", "0,0 1,1", code=2)
 
 
@@ -200,6 +238,14 @@ class Offline(Case):
     def scene(self, name, **changes):
         pathlib.Path(path(name)).write_text(json.dumps({**SMALL_SCENE, **changes}))
         return path(name)
+
+    def test_scenes_may_name_svg_files_beside_them(self):
+        pathlib.Path(path("leaf.svg")).write_text('<svg viewBox="0 0 9 9"><path d="M1 1Q8 1 8 8Q1 8 1 1Z"/></svg>')
+        cut = {"curve": {"svg": {"file": "leaf.svg"}}, "fit": {"min": {"x": 0.2, "y": 0.2}, "max": {"x": 0.8, "y": 0.8}}}
+        scene = self.scene("leaf.json", commands=[{"tick": 5, "command": {"cut": cut}}])
+        result = self.json_of("run", scene, "--record", path("leaf.rec"))
+        self.assertEqual((result["cuts"][0]["status"], result["pieces"]), ("APPLIED", 2))
+        self.assertEqual(self.json_of("replay", path("leaf.rec"))["state_hash"], result["state_hash"])
 
     def test_run_record_replay(self):
         scene = self.scene("small.json")

@@ -102,7 +102,7 @@ TEST(CutFit, RefusesBoxesThatHoldNothing) {
   EXPECT_EQ(error({{0, 0}, {0, 1}}).reason, "FIT_EMPTY");
   EXPECT_EQ(error({{0, 0}, {1, -1}}).field, "cut.fit.max.y");
   EXPECT_EQ(error({{nan, 0}, {1, 1}}).field, "cut.fit.min.x");
-  EXPECT_EQ(error({{0, 0}, {1, 1.1e4}}).reason, "OPTION_OUT_OF_RANGE");
+  EXPECT_EQ(error({{0, 0}, {1, 1.1e4}}).reason, "FIT_OUT_OF_RANGE");
 }
 
 TEST(CutDash, CutsAndLeavesInTurnThroughCorners) {

@@ -40,6 +40,7 @@ const std::vector<Group>& groups() {
       {"prometheus", {"prometheus/"}},
       {"cli", {"CLI/"}},
       {"json", {"nlohmann/"}},
+      {"xml", {"pugixml.hpp"}},
       {"gl", {"EGL/", "GL/", "GLES", "KHR/"}},
       {"images", {"png.h", "turbojpeg.h", "jpeglib.h"}},
       {"posix",
@@ -58,7 +59,8 @@ const std::vector<Row>& table() {
       {"server/fem", {"server/mesh", "server/base"}, {"eigen"}},
       {"server/sheet", {"server/cut", "server/contact", "server/fem", "server/mesh", "server/base"}, {"eigen"}},
       {"server/host", {"server/sheet", "server/base"}, {"asio", "eigen", "posix"}},
-      {"server/wire", {"server/sheet", "server/mesh", "server/base"}, {"eigen", "proto", "protobuf"}},
+      {"server/svg", {"server/cut", "server/base"}, {"eigen", "xml"}},
+      {"server/wire", {"server/svg", "server/sheet", "server/mesh", "server/base"}, {"eigen", "proto", "protobuf"}},
       {"server/stream", {"server/wire", "server/sheet", "server/mesh", "server/base"}, {}},
       {"server/api",
        {"server/stream", "server/wire", "server/host", "server/sheet", "server/base", "render/renderer.h",
@@ -80,7 +82,7 @@ const std::vector<Row>& table() {
       {"client/cpp", {}, {"proto", "grpc_stubs", "grpc"}},
       // `kerf run` and `kerf replay` need no server: they step the sheet themselves.
       {"client/cli",
-       {"client/cpp", "server/sheet", "server/wire", "server/base", "server/host/disk.h"},
+       {"client/cpp", "server/sheet", "server/svg", "server/wire", "server/base", "server/host/disk.h"},
        {"proto", "protobuf", "grpc_stubs", "grpc", "cli", "json", "posix"}},
   };
   return rows;
@@ -241,6 +243,8 @@ TEST(IncludeTable, FindsSeededViolations) {
       {"server/wire/scene_codec.h", "#include \"kerf/v1/scene.pb.h\"", false},
       {"server/wire/scene_codec.h", "#include \"kerf/v1/sheets.grpc.pb.h\"", true},
       {"server/stream/channel.h", "#include \"kerf/v1/stream.pb.h\"", true},
+      {"server/svg/svg.cc", "#include <pugixml.hpp>", false},
+      {"server/wire/curve_codec.cc", "#include <pugixml.hpp>", true},
       {"server/api/api.cc", "#include \"render/renderer.h\"", false},
       {"server/api/api.cc", "#include \"render/egl_context.h\"", true},
       {"server/api/api.cc", "#include <grpcpp/grpcpp.h>", true},

@@ -25,6 +25,48 @@ inline v1::Command& add_command(v1::Scene& scene, std::int64_t tick) {
   return *scheduled.mutable_command();
 }
 
+// Cuts of the kinds and with the fields that the first three lack.
+inline void add_placed_cuts(v1::Scene& scene) {
+  v1::Cut* cut = add_command(scene, 10).mutable_cut();
+  v1::Ellipse* ellipse = cut->mutable_curve()->mutable_ellipse();
+  set(ellipse->mutable_center(), 0.5, 0.4);
+  ellipse->set_semi_axis_x_m(0.2);
+  ellipse->set_semi_axis_y_m(0.1);
+  ellipse->set_rotation_rad(0.3);
+  cut->set_tolerance(0.02);
+  cut->set_min_angle_deg(20.0);
+  cut->set_max_new_triangles(200000);
+  set(cut->mutable_fit()->mutable_min(), 0.0, 0.1);
+  set(cut->mutable_fit()->mutable_max(), 0.5, 0.6);
+  cut->add_dash(0.03);
+  cut->add_dash(0.01);
+  cut->set_dash_offset(-0.005);
+  cut = add_command(scene, 11).mutable_cut();
+  v1::Path::Subpath* subpath = cut->mutable_curve()->mutable_path()->add_subpaths();
+  set(subpath->mutable_start(), 0.1, 0.1);
+  subpath->set_closed(true);
+  set(subpath->add_segments()->mutable_line(), 0.2, 0.1);
+  v1::Path::Quadratic* quadratic = subpath->add_segments()->mutable_quadratic();
+  set(quadratic->mutable_control(), 0.3, 0.1);
+  set(quadratic->mutable_end(), 0.3, 0.2);
+  v1::Path::Cubic* cubic = subpath->add_segments()->mutable_cubic();
+  set(cubic->mutable_control_1(), 0.3, 0.3);
+  set(cubic->mutable_control_2(), 0.2, 0.4);
+  set(cubic->mutable_end(), 0.1, 0.3);
+  for (const double weight : {1.0, 2.0, 0.5, 1.0}) cubic->add_weights(weight);
+  v1::Path::Arc* arc = subpath->add_segments()->mutable_arc();
+  arc->set_semi_axis_x_m(0.3);
+  arc->set_semi_axis_y_m(0.2);
+  arc->set_rotation_rad(-0.1);
+  arc->set_large(true);
+  arc->set_counter_clockwise(true);
+  set(arc->mutable_end(), 0.1, 0.2);
+  cut->set_tolerance(0.02);
+  cut->set_min_angle_deg(20.0);
+  cut->set_max_new_triangles(200000);
+  cut->mutable_fit();
+}
+
 inline void add_commands(v1::Scene& scene) {
   v1::Cut* cut = add_command(scene, 1).mutable_cut();
   for (int i = 0; i < 4; ++i) set(cut->mutable_curve()->mutable_bezier()->add_points(), 0.1 * i, 0.3);
@@ -62,6 +104,7 @@ inline void add_commands(v1::Scene& scene) {
   set(wind->mutable_velocity_mps(), 3.0, 0.0, 0.0);
   wind->set_air_density_kgpm3(1.0);
   wind->set_drag_coefficient(2.0);
+  add_placed_cuts(scene);
 }
 
 // Every field given that an encoder writes; the kinds of commands, pins and colliders all there.
@@ -236,10 +279,13 @@ inline std::vector<BadScene> bad_numbers() {
 }
 
 // The first cut of the scene is a Bezier, the second a polyline, the third a circle; then grabs, drag, release, pins,
-// gravity, wind.
+// gravity, wind; then a dashed ellipse in a box, and a path fitted into the sheet.
 inline std::vector<BadScene> bad_commands() {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto command = [](v1::Scene& s, int i) { return s.mutable_commands(i)->mutable_command(); };
+  const auto first_subpath = [](v1::Command* c) {
+    return c->mutable_cut()->mutable_curve()->mutable_path()->mutable_subpaths(0);
+  };
   return {
       {"commands[0].tick", [](v1::Scene& s) { s.mutable_commands(0)->set_tick(0); }},
       {"commands[0].command.kind", [=](v1::Scene& s) { command(s, 0)->clear_kind(); }},
@@ -291,6 +337,35 @@ inline std::vector<BadScene> bad_commands() {
        [=](v1::Scene& s) { command(s, 8)->mutable_set_gravity()->mutable_gravity_mps2()->set_z(nan); }},
       {"commands[9].command.set_wind.wind.drag_coefficient",
        [=](v1::Scene& s) { command(s, 9)->mutable_set_wind()->mutable_wind()->set_drag_coefficient(-2.0); }},
+      {"commands[10].command.cut.curve.ellipse.semi_axis_y_m",
+       [=](v1::Scene& s) {
+         command(s, 10)->mutable_cut()->mutable_curve()->mutable_ellipse()->set_semi_axis_y_m(0.0);
+       }},
+      {"commands[10].command.cut.fit.max.y",
+       [=](v1::Scene& s) { command(s, 10)->mutable_cut()->mutable_fit()->mutable_max()->set_y(0.1); }},
+      {"commands[10].command.cut.fit.min",
+       [=](v1::Scene& s) { command(s, 10)->mutable_cut()->mutable_fit()->clear_min(); }},
+      {"commands[10].command.cut.fit.max",
+       [=](v1::Scene& s) { command(s, 10)->mutable_cut()->mutable_fit()->clear_max(); }},
+      {"commands[10].command.cut.dash[1]", [=](v1::Scene& s) { command(s, 10)->mutable_cut()->set_dash(1, 0.0); }},
+      {"commands[10].command.cut.dash_offset",
+       [=](v1::Scene& s) { command(s, 10)->mutable_cut()->set_dash_offset(nan); }},
+      {"commands[11].command.cut.curve.path.subpaths[0].segments[0]",
+       [=](v1::Scene& s) { first_subpath(command(s, 11))->mutable_segments(0)->clear_kind(); }},
+      {"commands[11].command.cut.curve.path.subpaths[0].segments[2].cubic.weights",
+       [=](v1::Scene& s) { first_subpath(command(s, 11))->mutable_segments(2)->mutable_cubic()->add_weights(1.0); }},
+      {"commands[11].command.cut.curve.path.subpaths[0].segments[2].cubic.weights[2]",
+       [=](v1::Scene& s) { first_subpath(command(s, 11))->mutable_segments(2)->mutable_cubic()->set_weights(2, 0.0); }},
+      {"commands[11].command.cut.curve.path.subpaths[0].segments[3].arc.semi_axis_x_m",
+       [=](v1::Scene& s) { first_subpath(command(s, 11))->mutable_segments(3)->mutable_arc()->clear_semi_axis_x_m(); }},
+      {"commands[11].command.cut.curve.path.subpaths[0].start.y",
+       [=](v1::Scene& s) { first_subpath(command(s, 11))->mutable_start()->set_y(nan); }},
+      {"commands[11].command.cut.curve.path.subpaths",
+       [=](v1::Scene& s) { command(s, 11)->mutable_cut()->mutable_curve()->mutable_path()->clear_subpaths(); }},
+      {"commands[11].command.cut.curve.svg",
+       [=](v1::Scene& s) { command(s, 11)->mutable_cut()->mutable_curve()->mutable_svg()->set_text("<svg"); }},
+      {"commands[11].command.cut.curve.svg.file",
+       [=](v1::Scene& s) { command(s, 11)->mutable_cut()->mutable_curve()->mutable_svg()->set_file("leaf.svg"); }},
       {"commands",
        [](v1::Scene& s) {
          for (int i = 0; i < 10'000; ++i) add_command(s, 1).mutable_reset();

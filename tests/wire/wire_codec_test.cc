@@ -124,7 +124,7 @@ TEST(SceneCodec, ObjFilesAreReadOnlyWithAReader) {
   EXPECT_EQ(refused.error().reason, "OBJ_FILE_REFUSED");
   EXPECT_EQ(refused.error().field, "obj.file");
   std::string asked;
-  const ObjReader reader = [&asked](const std::string& path) -> Result<std::string> {
+  const FileReader reader = [&asked](const std::string& path) -> Result<std::string> {
     asked = path;
     if (path == "flag.obj") return std::string("v 0 0 0\n");
     return Error{ErrorCode::kNotFound, "FILE_NOT_FOUND", "no such file", {}};
@@ -141,7 +141,7 @@ TEST(SceneCodec, ObjFilesAreReadOnlyWithAReader) {
 
 TEST(CommandCodec, EveryKindComesBackUnchanged) {
   const v1::Scene scene = full_scene();
-  ASSERT_EQ(scene.commands_size(), 10);
+  ASSERT_EQ(scene.commands_size(), 12);
   for (const v1::ScheduledCommand& scheduled : scene.commands()) {
     const Result<sheet::Command> command = decode_command(scheduled.command());
     ASSERT_TRUE(command.ok()) << command.error().message;
