@@ -29,8 +29,10 @@ CutJournal::Page CutJournal::page(const std::string& sheet, std::int32_t after, 
   const std::lock_guard lock(mutex_);
   const auto log = logs_.find(sheet);
   if (log == logs_.end()) return page;
+  std::size_t bytes = 0;
   for (auto entry = log->second.entries.upper_bound(after); entry != log->second.entries.end(); ++entry) {
-    if (page.entries.size() == count) {
+    bytes += entry->second.ByteSizeLong();
+    if (page.entries.size() == count || (!page.entries.empty() && bytes > kMaxPageBytes)) {
       page.more = true;
       break;
     }

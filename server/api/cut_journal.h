@@ -15,12 +15,14 @@ namespace kerf::api {
 // whose cuts take more than kMaxBytes the oldest are forgotten. Thread-safe.
 class CutJournal {
  public:
-  static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  // serialised, a sheet
+  static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;     // serialised, a sheet
+  static constexpr std::size_t kMaxPageBytes = std::size_t{2} << 20;  // serialised; gRPC clients take 4 MiB a message
 
   void add(const std::string& sheet, v1::Cut cut, v1::CutResult result);
   void forget(const std::string& sheet);
 
-  // At most `count` entries with a topology version above `after`, oldest first; `more`: there are others behind them.
+  // At most `count` entries with a topology version above `after`, and of more than one at most kMaxPageBytes, oldest
+  // first; `more`: there are others behind them.
   struct Page {
     std::vector<v1::ListCutsResponse::Entry> entries;
     bool more = false;

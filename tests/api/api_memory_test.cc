@@ -96,6 +96,51 @@ TEST_F(ApiTest, JournalListsTheCutsSinceTheLastReset) {
   EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 1);
 }
 
+TEST_F(ApiTest, ListedDrawingsCutTheSameAgain) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ASSERT_TRUE(create_sheet("b", true).ok());
+  v1::CreateCutRequest drawing;
+  drawing.set_parent("sheets/a");
+  v1::Cut& cut = *drawing.mutable_cut();
+  cut.mutable_curve()->mutable_svg()->set_text(
+      R"(<svg viewBox="0 0 9 9"><circle cx="4" cy="4" r="3"/><path d="M1 1A5 3 20 0 1 8 8"/><text>no</text></svg>)");
+  cut.add_dash(0.3);
+  cut.add_dash(0.05);
+  const v1::CutResult first = call(&Api::create_cut, drawing).value();
+  EXPECT_EQ(first.status(), v1::CutResult::APPLIED);
+  ASSERT_EQ(first.warnings_size(), 1);
+  EXPECT_EQ(first.warnings(0), "SVG: 1 x text element: not cut");
+  v1::ListCutsRequest list;
+  list.set_parent("sheets/a");
+  const v1::ListCutsResponse listed = call(&Api::list_cuts, list).value();
+  ASSERT_EQ(listed.cuts_size(), 1);
+  EXPECT_TRUE(listed.cuts(0).cut().curve().has_path());
+  v1::CreateCutRequest again;
+  again.set_parent("sheets/b");
+  *again.mutable_cut() = listed.cuts(0).cut();
+  EXPECT_EQ(call(&Api::create_cut, again).value().state_hash(), first.state_hash());
+}
+
+TEST_F(ApiTest, APageOfTheJournalFitsInAMessage) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  v1::CreateCutRequest large = cut_request("sheets/a", 0.5);
+  auto& points = *large.mutable_cut()->mutable_curve()->mutable_polyline()->mutable_points();
+  while (points.size() < 4096) *points.Add() = points[points.size() % 2];
+  const std::size_t bytes = large.cut().ByteSizeLong();
+  const int num_cuts = static_cast<int>(CutJournal::kMaxPageBytes / bytes) + 2;
+  for (int i = 0; i < num_cuts; ++i) {
+    for (v1::Vec2& point : points) point.set_y(0.02 + 0.9 * i / num_cuts);
+    ASSERT_EQ(call(&Api::create_cut, large).value().status(), v1::CutResult::APPLIED) << i;
+  }
+  v1::ListCutsRequest list;
+  list.set_parent("sheets/a");
+  list.set_page_size(1000);
+  const v1::ListCutsResponse page = call(&Api::list_cuts, list).value();
+  EXPECT_LT(page.ByteSizeLong(), CutJournal::kMaxPageBytes + 1000);
+  list.set_page_token(page.next_page_token());
+  EXPECT_EQ(page.cuts_size() + call(&Api::list_cuts, list).value().cuts_size(), num_cuts);
+}
+
 TEST_F(ApiTest, JournalListsScheduledCutsWithTheOthers) {
   const Result<std::string> created = call_json("/kerf.v1.SheetService/CreateSheet", R"({"sheet_id":"a","paused":true,
       "scene":{"grid":{"columns":7,"rows":7,"width_m":1,"height_m":1},"commands":[

@@ -107,7 +107,44 @@ inline cut::Curve random_grid_line(SeededRandom& random) {
   return cut::Polyline{{{at, from}, {at, to}}};
 }
 
-// `map` applied to every point, `scale` to a radius.
+inline cut::Segment random_segment(SeededRandom& random) {
+  const auto weight = [&random] { return std::pow(10.0, random.uniform(-1.5, 1.5)); };
+  switch (random.below(4)) {
+    case 0:
+      return cut::LineTo{random_point(random, 0.1)};
+    case 1:
+      return cut::QuadraticTo{random_point(random, 0.3), random_point(random, 0.1), {weight(), weight(), weight()}};
+    case 2:
+      return cut::CubicTo{{random_point(random, 0.3), random_point(random, 0.3)},
+                          random_point(random, 0.1),
+                          {weight(), weight(), weight(), weight()}};
+    default:
+      return cut::ArcTo{{random.uniform(0.01, 0.5), random.uniform(0.01, 0.5)},
+                        random.uniform(-6.0, 6.0),
+                        random.below(2) == 0,
+                        random.below(2) == 0,
+                        random_point(random, 0.1)};
+  }
+}
+
+inline cut::Curve random_path(SeededRandom& random) {
+  cut::Path path;
+  path.subpaths.resize(1 + random.below(3));
+  for (cut::Subpath& subpath : path.subpaths) {
+    subpath.start = random_point(random, 0.1);
+    for (std::uint64_t i = 0; i <= random.below(4); ++i) subpath.segments.push_back(random_segment(random));
+    subpath.closed = random.below(2) == 0;
+  }
+  return path;
+}
+
+inline cut::Curve random_ellipse(SeededRandom& random) {
+  const double semi_axis = std::pow(10.0, random.uniform(-3.0, -0.4));
+  return cut::Ellipse{
+      random_point(random, 0.1), {semi_axis, semi_axis * random.uniform(0.01, 1.0)}, random.uniform(-6.0, 6.0)};
+}
+
+// `map` applied to every point, `scale` to radii and semi-axes, which keep their directions.
 template <typename Map>
 cut::Curve mapped(cut::Curve curve, const Map& map, double scale) {
   if (auto* circle = std::get_if<cut::Circle>(&curve)) *circle = {map(circle->centre), scale * circle->radius};
@@ -117,15 +154,35 @@ cut::Curve mapped(cut::Curve curve, const Map& map, double scale) {
   if (auto* bezier = std::get_if<cut::CubicBezier>(&curve)) {
     for (Eigen::Vector2d& point : bezier->points) point = map(point);
   }
+  if (auto* ellipse = std::get_if<cut::Ellipse>(&curve)) {
+    *ellipse = {map(ellipse->centre), scale * ellipse->semi_axes, ellipse->rotation};
+  }
+  if (auto* path = std::get_if<cut::Path>(&curve)) {
+    for (cut::Subpath& subpath : path->subpaths) {
+      subpath.start = map(subpath.start);
+      for (cut::Segment& segment : subpath.segments) {
+        if (auto* quadratic = std::get_if<cut::QuadraticTo>(&segment)) quadratic->control = map(quadratic->control);
+        if (auto* cubic = std::get_if<cut::CubicTo>(&segment)) {
+          for (Eigen::Vector2d& control : cubic->controls) control = map(control);
+        }
+        if (auto* arc = std::get_if<cut::ArcTo>(&segment)) arc->semi_axes *= scale;
+        std::visit([&map](auto& each) { each.end = map(each.end); }, segment);
+      }
+    }
+  }
   return curve;
 }
 
 // A curve of the unit square.
 inline cut::Curve random_unit_curve(SeededRandom& random) {
-  switch (random.below(9)) {
+  switch (random.below(11)) {
     case 0:
     case 1:
       return random_bezier(random);
+    case 8:
+      return random_path(random);
+    case 9:
+      return random_ellipse(random);
     case 2:
       return random_scribble(random, 0.7);
     case 3:

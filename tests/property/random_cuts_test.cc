@@ -104,6 +104,10 @@ void run_trial(std::uint64_t seed, Tally& tally) {
   for (int i = 0; i < (is_sequence ? kCutsOfASequence : kSingles) && mesh.num_triangle_slots() < 4'000; ++i) {
     if (!is_sequence && i > 0) mesh = built;
     CutRequest request{property::random_curve(random, mesh, frame, earlier), random_options(random), {}};
+    if (random.below(12) == 0) {
+      const auto length = [&] { return frame.scale * random.uniform(0.01, 0.3); };
+      request.options.dash = {{length(), length()}, length()};
+    }
     if (random.below(4) == 0) request.fixed_vertices = {0, mesh.num_vertices() / 2};
     if (is_sequence) earlier.push_back(request.curve);
     cut_once(mesh, request, tally);

@@ -53,7 +53,9 @@ inline sheet::SheetConfig hanging_with_three_cuts(std::int32_t n) {
   sheet::SheetConfig config = hanging(n);
   std::int64_t tick = 10;
   for (sheet::Cut& cut : three_cuts()) {
-    config.commands.push_back({tick, std::move(cut)});
+    sheet::ScheduledCommand& scheduled = config.commands.emplace_back();
+    scheduled.tick = tick;
+    scheduled.command = std::move(cut);
     tick += 10;
   }
   return config;
