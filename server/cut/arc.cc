@@ -12,6 +12,9 @@ using Eigen::Vector2d;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kQuarterTurn = 1.57079632679489661923;  // rad
 
+// m, to which a semi-axis may be lengthened.
+constexpr double kMaxSemiAxisM = 1.0e9;
+
 // Turned by `quarters` times 90 degrees, counter-clockwise: exact.
 Vector2d turned(const Vector2d& v, int quarters) {
   switch (quarters & 3) {
@@ -107,7 +110,11 @@ ArcPieces arc_pieces(const Vector2d& start, const ArcTo& arc) {
   Vector2d p = along.cwiseQuotient(frame.semi_axes);
   double length = p.norm();
   const bool lengthened = length > 1.0 + 8.0 * kEpsilon;
-  if (length > 1.0) {
+  if (!(length <= 1.0)) {  // also NaN: nothing by nothing
+    if (!(length * frame.semi_axes.maxCoeff() <= kMaxSemiAxisM)) {
+      result.segments.push_back({0.5 * start + 0.5 * arc.end, arc.end, {1.0, 1.0, 1.0}});
+      return result;
+    }
     frame.semi_axes *= length;
     p /= length;
     length = 1.0;

@@ -66,7 +66,8 @@ struct CubicTo {
 };
 
 // An arc of an ellipse between two points, as SVG has it: semi-axes too short for the distance of the points are
-// lengthened alike until they reach; nothing where the points coincide.
+// lengthened alike until they reach; nothing where the points coincide. A semi-axis so short that the other would be
+// lengthened beyond 1e9 m counts as zero, which makes a straight line, as in SVG.
 struct ArcTo {
   Eigen::Vector2d semi_axes{0.0, 0.0};  // m, each > 0
   double rotation = 0.0;                // rad, from the x axis to the first semi-axis; +-kMaxRotation

@@ -118,32 +118,41 @@ int sign_changes(const Polynomial& polynomial) {
   return changes;
 }
 
-// Where the polynomial changes its sign, sorted: intervals without a sign change among the coefficients have no root
-// (Descartes' rule in Bernstein form), the others are halved down to kFinest. Counted, so that a polynomial that is
-// nothing but rounding costs no more than another.
-std::vector<double> sign_change_parameters(const Polynomial& polynomial) {
+// Whether the polynomial is nowhere within `margin` of zero, by its coefficients.
+bool is_clear_of_zero(const Polynomial& polynomial, double margin) {
+  const auto first = polynomial.coefficients.begin();
+  const auto last = first + polynomial.degree + 1;
+  return std::all_of(first, last, [margin](double c) { return c > margin; }) ||
+         std::all_of(first, last, [margin](double c) { return c < -margin; });
+}
+
+// Where the polynomial changes its sign and `other` may be within `margin` of zero, sorted: intervals without a sign
+// change among the coefficients have no root (Descartes' rule in Bernstein form), the others are halved down to
+// kFinest. Counted, so that a polynomial that is nothing but rounding costs no more than another.
+std::vector<double> sign_change_parameters(const Polynomial& polynomial, const Polynomial& other, double margin) {
   struct Interval {
     double from;
     double to;
     Polynomial on;
+    Polynomial other;
   };
-  std::vector<Interval> open{{0.0, 1.0, polynomial}};
+  std::vector<Interval> open{{0.0, 1.0, polynomial, other}};
   std::vector<double> found;
   for (int searched = 0; !open.empty() && searched < kMaxSearched; ++searched) {
     const Interval interval = open.back();
     open.pop_back();
-    if (sign_changes(interval.on) == 0) continue;
+    if (sign_changes(interval.on) == 0 || is_clear_of_zero(interval.other, margin)) continue;
     const double middle = 0.5 * (interval.from + interval.to);
     if (interval.to - interval.from < kFinest) {
       found.push_back(middle);
       continue;
     }
     const auto [left, right] = halves(interval.on);
+    const auto [other_left, other_right] = halves(interval.other);
     // A root in the very middle shows in neither half.
-    const double there = right.coefficients[0];
-    if (there == 0.0) found.push_back(middle);
-    open.push_back({middle, interval.to, right});
-    open.push_back({interval.from, middle, left});
+    if (right.coefficients[0] == 0.0) found.push_back(middle);
+    open.push_back({middle, interval.to, right, other_right});
+    open.push_back({interval.from, middle, left, other_left});
   }
   std::sort(found.begin(), found.end());
   return found;
@@ -212,7 +221,7 @@ double deviation_bound(const RationalPiece& piece) {
 }
 
 std::vector<double> turning_parameters(const RationalPiece& piece, int axis) {
-  return sign_change_parameters(derivative_numerator(piece, axis));
+  return sign_change_parameters(derivative_numerator(piece, axis), Polynomial{}, 0.0);
 }
 
 std::vector<double> cusp_parameters(const RationalPiece& piece) {
@@ -221,8 +230,8 @@ std::vector<double> cusp_parameters(const RationalPiece& piece) {
   const double vanishing =
       kVanishing * std::max(largest_coefficient(numerators[0]), largest_coefficient(numerators[1]));
   std::vector<double> found;
-  for (const Polynomial& numerator : numerators) {
-    for (const double t : sign_change_parameters(numerator)) {
+  for (const std::size_t axis : {0U, 1U}) {
+    for (const double t : sign_change_parameters(numerators[axis], numerators[1 - axis], vanishing)) {
       const bool cusp =
           std::abs(value(numerators[0], t)) <= vanishing && std::abs(value(numerators[1], t)) <= vanishing;
       const bool new_one =

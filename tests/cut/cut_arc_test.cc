@@ -137,6 +137,11 @@ TEST(CutArc, ArcsAtTheEdgesOfTheirCases) {
   EXPECT_LE(distance_to_stroke(Point(-1, 0), whole.strokes.at(0)), whole.deviation_m + 1e-8);
   const FlatCurve little = flatten(path_of({1, 0}, {ArcTo{{1, 1}, 0, false, true, near}}), 1e-2);
   EXPECT_EQ(little.strokes.at(0).points.size(), 2U);
+  // So thin that it counts as a line.
+  for (const double thin : {1e-12, 1e-300, 5e-324}) {
+    const FlatCurve line = flatten(path_of({0, 0}, {ArcTo{{1, thin}, 0, false, true, {0.3, 1}}}), 1e-2);
+    EXPECT_EQ(line.strokes.at(0).points, (std::vector<Vector2d>{{0, 0}, {0.3, 1}})) << thin;
+  }
   // Between equal points: nothing, and the path goes on.
   const FlatCurve none = flatten(path_of({1, 0}, {ArcTo{{1, 1}, 0, true, true, {1, 0}}, LineTo{{2, 0}}}), 1e-2);
   EXPECT_EQ(none.strokes.at(0).points, (std::vector<Vector2d>{{1, 0}, {2, 0}}));
