@@ -22,7 +22,6 @@ Status check_scalar(double value, const std::string& field) {
 }
 
 Status check_point(const Vector2d& point, const std::string& field) {
-  // Without the names of its fields while all is well: a path has thousands of points.
   if (std::abs(point.x()) <= kMaxCoordinateM && std::abs(point.y()) <= kMaxCoordinateM) return Nothing{};
   if (Status status = check_scalar(point.x(), field + ".x"); !status.ok()) return status;
   return check_scalar(point.y(), field + ".y");
@@ -163,8 +162,11 @@ Status check(const Subpath& subpath, const std::string& path, bool& moving) {
   Vector2d from = subpath.start;
   for (std::size_t i = 0; i < subpath.segments.size(); ++i) {
     const Segment& segment = subpath.segments[i];
-    const auto check_one = [&](const auto& each) { return check(each, indexed(path + ".segments", i)); };
-    if (Status status = std::visit(check_one, segment); !status.ok()) return status;
+    const auto check_as = [&segment](const std::string& name) {
+      return std::visit([&name](const auto& each) { return check(each, name); }, segment);
+    };
+    // Its name is put together only where it is needed: a path has thousands of segments.
+    if (!check_as({}).ok()) return check_as(indexed(path + ".segments", i));
     moving = moving || moves(from, segment);
     from = std::visit([](const auto& each) { return each.end; }, segment);
   }

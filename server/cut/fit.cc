@@ -64,10 +64,20 @@ class Placing {
   double scale_;
 };
 
+// Whether a control point lies outside the box; the piece, in their convex hull, does not where none does.
+bool reaches_out(const Eigen::AlignedBox2d& box, const RationalPiece& piece, int axis) {
+  for (int i = 1; i < piece.degree; ++i) {
+    const double at = projected(piece.points[static_cast<std::size_t>(i)])[axis];
+    if (!(at >= box.min()[axis] && at <= box.max()[axis])) return true;
+  }
+  return false;
+}
+
 void extend(Eigen::AlignedBox2d& box, const RationalPiece& piece) {
   box.extend(piece.start);
   box.extend(piece.end);
   for (int axis = 0; piece.degree > 1 && axis < 2; ++axis) {
+    if (!reaches_out(box, piece, axis)) continue;
     for (const double t : turning_parameters(piece, axis)) {
       if (t > 0.0 && t < 1.0) box.extend(split(piece, t).first.end);
     }

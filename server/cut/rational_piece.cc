@@ -11,7 +11,8 @@ using Eigen::Vector3d;
 
 constexpr int kMaxCoefficients = 6;  // of a derivative's numerator: degree 2 * 3 - 1
 constexpr int kMaxSearched = 256;    // intervals looked at for the sign changes of one polynomial
-constexpr double kFinest = 1.0e-13;  // -, parameter interval that is not divided any more
+// -, parameter interval that is not divided any more; where a derivative vanishes, its square is what is left of it.
+constexpr double kFinest = 1.0e-9;
 // -, of the largest coefficient; a derivative below it is zero. Rounding displaces its double roots by the square root
 // of the machine's precision.
 constexpr double kVanishing = 1.0e-7;
