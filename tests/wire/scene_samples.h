@@ -192,7 +192,7 @@ inline std::vector<BadScene> bad_shapes() {
       {"grid.rows",
        [](v1::Scene& s) {
          s.mutable_grid()->set_columns(1000);
-         s.mutable_grid()->set_rows(251);
+         s.mutable_grid()->set_rows(501);
        }},
       {"grid.width_m", [=](v1::Scene& s) { s.mutable_grid()->set_width_m(nan); }},
       {"grid.width_m", [](v1::Scene& s) { s.mutable_grid()->set_width_m(0.0); }},
@@ -272,7 +272,7 @@ inline std::vector<BadScene> bad_numbers() {
       {"integrator.newton_iterations", [](v1::Scene& s) { s.mutable_integrator()->set_newton_iterations(-1); }},
       {"integrator.solver_tolerance", [](v1::Scene& s) { s.mutable_integrator()->set_solver_tolerance(0.2); }},
       {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(2); }},
-      {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(250'001); }},
+      {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(500'001); }},
       {"ticks", [](v1::Scene& s) { s.set_ticks(10'000'001); }},
       {"description", [](v1::Scene& s) { s.set_description(std::string(1001, 'x')); }},
   };
