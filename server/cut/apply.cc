@@ -157,6 +157,8 @@ class Cutter {
     report.snapped_points = counts.snapped_points;
     report.closed_gaps = counts.closed_gaps;
     report.merged_segments = counts.merged_segments;
+    report.layers = plan_.layers;
+    report.triangles_behind = plan_.triangles_behind;
     report.deviation_m = plan_.curve_deviation_m + (counts.deviation + kRoundingUnits) * spacing_;
     fill_shapes(outcome.edit.rewritten_triangles, report);
   }

@@ -8,6 +8,7 @@
 #include "server/cut/curve.h"
 #include "server/cut/dash.h"
 #include "server/cut/fit.h"
+#include "server/cut/view.h"
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/mesh_editor.h"
 #include "server/mesh/triangle_mesh.h"
@@ -57,6 +58,10 @@ struct CutRequest {
   CutOptions options;
   // Vertices whose rest position must stay (pinned, grabbed). In any order.
   std::vector<mesh::VertexId> fixed_vertices;
+  // Present: `curve` is in pixels of this picture of the sheet, whose vertices are at `positions` (3 x V, m, world;
+  // read by plan() only, and only then).
+  std::optional<View> view;
+  const Eigen::Matrix3Xd* positions = nullptr;
 };
 
 // What apply() will do: the curve flattened and clipped to the neighbourhood of the sheet. A plain value.
@@ -67,6 +72,8 @@ struct CutPlan {
   double snap_m = 0.0;             // m; distance below which the path is laid on points and lips
   CutOptions options;
   std::vector<mesh::VertexId> fixed_vertices;  // sorted, unique
+  std::vector<ViewLayer> layers;               // of a cut on a picture
+  std::int32_t triangles_behind = 0;           // of a cut on a picture: left out, since they reach behind the camera
 };
 
 enum class CutStatus {
@@ -89,12 +96,14 @@ struct CutReport {
   double max_aspect = 0.0;               // -; worst longest edge / shortest height among them
   double min_height_m = 0.0;             // m; smallest height among them
   std::int32_t triangles_below_angle =
-      0;                             // of those, below min_angle_deg: in corners between lips < 60 degrees, at the
-                                     // length floor of snap / 4, or an element of the sheet that was so before
-  bool refinement_stopped = false;   // the guard on refinement steps fired; the mesh is valid, its quality is not
-  std::int32_t snapped_points = 0;   // path points moved onto an existing point or lip (by <= snap)
-  std::int32_t closed_gaps = 0;      // of those: onto an older lip, the border, or another strand of this path
-  std::int32_t merged_segments = 0;  // path segments shorter than the snap distance that vanished ("dust")
+      0;                              // of those, below min_angle_deg: in corners between lips < 60 degrees, at the
+                                      // length floor of snap / 4, or an element of the sheet that was so before
+  bool refinement_stopped = false;    // the guard on refinement steps fired; the mesh is valid, its quality is not
+  std::int32_t snapped_points = 0;    // path points moved onto an existing point or lip (by <= snap)
+  std::int32_t closed_gaps = 0;       // of those: onto an older lip, the border, or another strand of this path
+  std::int32_t merged_segments = 0;   // path segments shorter than the snap distance that vanished ("dust")
+  std::vector<ViewLayer> layers;      // of a cut on a picture: its connected stretches
+  std::int32_t triangles_behind = 0;  // of a cut on a picture: as of CutPlan
 };
 
 struct CutOutcome {

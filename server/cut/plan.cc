@@ -63,6 +63,11 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   if (Status s = validate(request.curve); !s.ok()) return s.error();
   if (Status s = check_options(request.options); !s.ok()) return s.error();
   if (Status s = check_vertices(mesh, request.fixed_vertices); !s.ok()) return s.error();
+  if (request.view) {
+    if (Status s = validate(*request.view); !s.ok()) return s.error();
+    KERF_CHECK(request.positions != nullptr && request.positions->cols() == mesh.num_vertices(),
+               "a cut on a picture comes with the positions of the sheet");
+  }
 
   CutPlan plan;
   plan.options = request.options;
@@ -78,11 +83,21 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   const double smallest_snap = 2.0 * static_cast<double>(mesh::MeshEditor::kLockClearance) * mesh.lattice().spacing;
   plan.snap_m = std::max(std::min(plan.options.snap * plan.edge_length_m, 0.1 * tolerance), smallest_snap);
 
-  Curve curve = request.curve;
-  if (request.options.fit) {
-    if (Status s = place(mesh, *request.options.fit, curve); !s.ok()) return s.error();
+  const double flatness = std::max(tolerance - plan.snap_m, 0.1 * tolerance);
+  FlatCurve whole;
+  if (request.view) {
+    Result<ViewPath> path = lay_on_sheet(mesh, *request.positions, request.curve, *request.view, flatness);
+    if (!path.ok()) return path.error();
+    whole = std::move(path->flat);
+    plan.layers = std::move(path->layers);
+    plan.triangles_behind = path->behind;
+  } else {
+    Curve curve = request.curve;
+    if (request.options.fit) {
+      if (Status s = place(mesh, *request.options.fit, curve); !s.ok()) return s.error();
+    }
+    whole = flatten(curve, flatness);
   }
-  const FlatCurve whole = flatten(curve, std::max(tolerance - plan.snap_m, 0.1 * tolerance));
   const Result<FlatCurve> flat = dashed(whole, plan.options.dash);
   if (!flat.ok()) return flat.error();
   const Eigen::AlignedBox2d& bounds = mesh.bounding_box();

@@ -34,7 +34,16 @@ Status validate_command(const Cut& cut) {
     if (Status s = cut::validate(*cut.fit); !s) return s;
   }
   if (Status s = cut::validate(cut.dash); !s) return s;
-  return check_integer(cut.max_new_triangles, 1, cut::kMaxNewTriangles, "cut.max_new_triangles");
+  if (Status s = check_integer(cut.max_new_triangles, 1, cut::kMaxNewTriangles, "cut.max_new_triangles"); !s) return s;
+  if (!cut.view) return Nothing{};
+  if (cut.fit) {
+    return invalid_argument(
+        "FIT_WITH_VIEW",
+        "a curve in pixels of a picture is not fitted into a box of the sheet, and a drawing always "
+        "is: leave out the view, or give pixels",
+        "cut.fit");
+  }
+  return cut::validate(*cut.view);
 }
 
 Status validate_command(const Grab& grab) {

@@ -63,6 +63,7 @@ struct Cut {
   std::optional<cut::Fit> fit;               // where the curve is placed; absent: where it is
   cut::DashPattern dash;                     // perforation; without lengths all of the curve is cut
   std::vector<std::string> remarks;          // on what the curve was made from; the first warnings of the reply
+  std::optional<cut::View> view;             // present: the curve is in pixels of this picture
 };
 
 // Ties a point of the sheet to a moving target by a stiff spring. The point stays the same material point through later

@@ -63,6 +63,10 @@ std::vector<std::string> warnings_of(const cut::CutReport& report, const std::ve
   if (report.merged_segments > 0) {
     warnings.push_back(std::to_string(report.merged_segments) + " segments shorter than the snap distance were merged");
   }
+  if (report.triangles_behind > 0) {
+    warnings.push_back(std::to_string(report.triangles_behind) +
+                       " triangles reach behind the camera and were left out");
+  }
   if (report.refinement_stopped) warnings.emplace_back("refinement stopped early: some new triangles are flat");
   return warnings;
 }
@@ -108,6 +112,8 @@ Result<CommandReply> Sheet::Impl::cut(const Cut& cut, const CommandContext& cont
   request.options.fit = cut.fit;
   request.options.dash = cut.dash;
   request.fixed_vertices = vertices_that_stay();
+  request.view = cut.view;
+  request.positions = &state.x;
 
   const auto carry_out = [&]() -> Result<cut::CutOutcome> {
     const StageScope scope(context.observer, Stage::kCut, context.index);

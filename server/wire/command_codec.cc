@@ -5,6 +5,7 @@
 
 #include "server/wire/geometry_codec.h"
 #include "server/wire/pin_codec.h"
+#include "server/wire/view_codec.h"
 
 namespace kerf::wire {
 namespace {
@@ -28,6 +29,7 @@ void encode(const sheet::Cut& cut, v1::Command& message) {
   }
   message.mutable_cut()->mutable_dash()->Add(cut.dash.lengths.begin(), cut.dash.lengths.end());
   message.mutable_cut()->set_dash_offset(cut.dash.offset);
+  if (cut.view) encode_view(*cut.view, *message.mutable_cut()->mutable_view());
 }
 
 void encode(const sheet::Grab& grab, v1::Command& message) {
@@ -94,6 +96,11 @@ Result<sheet::Command> decode_cut(const v1::Cut& message, const FileReader& read
     cut.fit = cut::Fit{};
   }
   cut.dash = {{message.dash().begin(), message.dash().end()}, message.dash_offset()};
+  if (message.has_view()) {
+    const Result<cut::View> view = decode_view(message.view(), "cut.view");
+    if (!view.ok()) return view.error();
+    cut.view = *view;
+  }
   return checked(std::move(cut));
 }
 

@@ -29,6 +29,14 @@ v1::CutResult encode_cut_result(const sheet::CommandReply& reply) {
   result.set_min_angle_deg(report.min_angle_deg);
   result.set_state_hash(encode_hash(reply.state_hash));
   for (const std::string& warning : reply.cut->warnings) result.add_warnings(warning);
+  for (const cut::ViewLayer& layer : report.layers) {
+    v1::CutLayer& message = *result.add_layers();
+    message.set_piece(layer.piece);
+    message.set_length_m(layer.length_m);
+    message.set_nearest_m(layer.nearest_m);
+    message.set_farthest_m(layer.farthest_m);
+    message.set_faces_camera(layer.faces_camera);
+  }
   return result;
 }
 
