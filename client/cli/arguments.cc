@@ -1,6 +1,7 @@
 #include "client/cli/arguments.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <numbers>
@@ -173,6 +174,63 @@ Parsed<v1::MaterialBox> parse_fit(const std::string& text) {
   set((*numbers)[0], (*numbers)[1], *box.mutable_min());
   set((*numbers)[2], (*numbers)[3], *box.mutable_max());
   return box;
+}
+
+Parsed<v1::Camera> parse_camera(const std::string& text) {
+  std::istringstream words(text);
+  std::vector<std::vector<double>> points;
+  for (std::string word; words >> word;) {
+    const auto numbers = to_numbers(word);
+    if (!numbers || numbers->size() != 3) points.clear();
+    if (!numbers || numbers->size() != 3) break;
+    points.push_back(*numbers);
+  }
+  if (points.size() != 2 && points.size() != 3) {
+    return no(text, "EYE TARGET or EYE TARGET UP, each x,y,z, such as \"0.5,-2,0.5 0.5,0,0.5\"");
+  }
+  v1::Camera camera;
+  const std::array<v1::Vec3*, 3> parts{camera.mutable_eye(), camera.mutable_target(),
+                                       points.size() == 3 ? camera.mutable_up() : nullptr};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    parts[i]->set_x(points[i][0]);
+    parts[i]->set_y(points[i][1]);
+    parts[i]->set_z(points[i][2]);
+  }
+  return camera;
+}
+
+Parsed<v1::View> parse_layers(const std::string& text) {
+  v1::View view;
+  const std::size_t colon = text.find(':');
+  const std::string rule = text.substr(0, colon);
+  const bool has_detail = colon != std::string::npos;
+  const auto numbers = has_detail ? to_numbers(text.substr(colon + 1)) : std::vector<double>{};
+  if (rule == "nearest" && !has_detail) {
+    view.set_layers(v1::View::NEAREST);
+    return view;
+  }
+  if (rule == "all" && !has_detail) {
+    view.set_layers(v1::View::ALL);
+    return view;
+  }
+  if (rule == "piece" && !has_detail) {
+    view.set_layers(v1::View::ONE_PIECE);
+    return view;
+  }
+  if (rule == "piece") {
+    if (const auto piece = to_number<std::int32_t>(std::string_view(text).substr(colon + 1))) {
+      view.set_layers(v1::View::ONE_PIECE);
+      view.set_piece(*piece);
+      return view;
+    }
+  }
+  if (rule == "depth" && numbers && numbers->size() == 2) {
+    view.set_layers(v1::View::DEPTH_RANGE);
+    view.set_nearest_m((*numbers)[0]);
+    view.set_farthest_m((*numbers)[1]);
+    return view;
+  }
+  return no(text, "nearest, all, piece, piece:2 or depth:1.5,2 (metres from the camera)");
 }
 
 Parsed<std::vector<double>> parse_dash(const std::string& text) {

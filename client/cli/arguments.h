@@ -50,6 +50,10 @@ Parsed<v1::Path> parse_rational(const std::string& text);
 Parsed<v1::Path> parse_path(const std::string& text);
 // "x0,y0,x1,y1", or "sheet": a box without corners, which stands for the sheet's less its margin.
 Parsed<v1::MaterialBox> parse_fit(const std::string& text);
+// "EYE TARGET" or "EYE TARGET UP", each "x,y,z" in metres.
+Parsed<v1::Camera> parse_camera(const std::string& text);
+// "nearest", "all", "piece", "piece:N" or "depth:NEAREST,FARTHEST" (metres): fills layers, piece and depths of `view`.
+Parsed<v1::View> parse_layers(const std::string& text);
 // "0.01,0.005[,...]"
 Parsed<std::vector<double>> parse_dash(const std::string& text);
 

@@ -31,6 +31,10 @@ struct CutArguments {
   std::optional<std::string> fit;
   std::optional<std::string> dash;
   double dash_offset = 0.0;
+  std::optional<std::string> view;
+  std::string picture = "640x360";
+  std::string layers = "nearest";
+  double fov_deg = 0.0;
   double tolerance = 0.0;
   double min_angle_deg = 0.0;
 };
@@ -70,12 +74,26 @@ std::optional<UsageError> set_curve(const CutArguments& arguments, v1::Curve& cu
   return set_points(arguments, curve);
 }
 
+std::optional<UsageError> set_view(const CutArguments& arguments, v1::View& view) {
+  if (auto wrong = take("--layers", parse_layers(arguments.layers), view)) return wrong;
+  if (auto wrong = take("--view", parse_camera(*arguments.view), *view.mutable_camera())) return wrong;
+  ImageSize size;
+  if (auto wrong = take("--picture", parse_image_size(arguments.picture), size)) return wrong;
+  view.mutable_camera()->set_vertical_fov_deg(arguments.fov_deg);
+  view.set_width_px(size.width);
+  view.set_height_px(size.height);
+  return std::nullopt;
+}
+
 std::optional<UsageError> set_options(const CutArguments& arguments, v1::Cut& cut) {
   cut.set_tolerance(arguments.tolerance);
   cut.set_min_angle_deg(arguments.min_angle_deg);
   cut.set_dash_offset(arguments.dash_offset);
   if (arguments.fit) {
     if (auto wrong = take("--fit", parse_fit(*arguments.fit), *cut.mutable_fit())) return wrong;
+  }
+  if (arguments.view) {
+    if (auto wrong = set_view(arguments, *cut.mutable_view())) return wrong;
   }
   if (!arguments.dash) return std::nullopt;
   std::vector<double> lengths;
@@ -137,6 +155,17 @@ void add_cut_command(CLI::App& app, Session& session) {
                       "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\"");
   command->add_option("--dash-offset", arguments->dash_offset, "Metres into the pattern at which it begins (default 0)")
       ->needs("--dash");
+  CLI::Option* view = command->add_option("--view", arguments->view,
+                                          "Cut along sight lines: the curve is in pixels of a picture taken from \"EYE "
+                                          "TARGET [UP]\", each x,y,z in metres;\n"
+                                          "(0,0) is its top left corner");
+  command->add_option("--picture", arguments->picture, "Its size in pixels (default 640x360)")->needs(view);
+  command->add_option("--fov", arguments->fov_deg, "Its vertical field of view, degrees (default 40)")->needs(view);
+  command
+      ->add_option("--layers", arguments->layers,
+                   "Which layers of a folded sheet: nearest (what is seen, the default), all, piece (all of the piece\n"
+                   "seen first), piece:N, or depth:NEAREST,FARTHEST in metres from the camera")
+      ->needs(view);
   command->add_option("--tolerance", arguments->tolerance,
                       "Largest distance between curve and cut, as a fraction of the edge length (default 0.02)");
   command->add_option("--min-angle", arguments->min_angle_deg, "Smallest angle of new triangles, degrees (default 20)");

@@ -118,6 +118,10 @@ std::string describe(const v1::CutResult& result) {
       result.new_vertices(), result.new_triangles(), result.deviation_m(), result.min_angle_deg(),
       result.crossed_triangles(), result.name().c_str(), result.topology_version(), result.state_hash().c_str(),
       result.queued_us(), result.cut_us(), result.update_us());
+  for (const v1::CutLayer& layer : result.layers()) {
+    text += format("\n  layer: piece %d, %.4g m long, %.4g to %.4g m from the camera, %s", layer.piece(),
+                   layer.length_m(), layer.nearest_m(), layer.farthest_m(), layer.faces_camera() ? "front" : "back");
+  }
   for (const std::string& warning : result.warnings()) text += "\n  note: " + warning;
   return text;
 }

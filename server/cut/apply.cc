@@ -48,6 +48,7 @@ class Cutter {
 
   Result<CutOutcome> run() {
     CutOutcome outcome;
+    outcome.report.triangles_behind = plan_.triangles_behind;
     outcome.report.crossed_triangles = count_crossed_triangles(mesh_, plan_.strokes);
     for (const Stroke& stroke : plan_.strokes) {
       if (Status status = insertion_.insert(stroke); !status.ok()) return status.error();
@@ -158,7 +159,6 @@ class Cutter {
     report.closed_gaps = counts.closed_gaps;
     report.merged_segments = counts.merged_segments;
     report.layers = plan_.layers;
-    report.triangles_behind = plan_.triangles_behind;
     report.deviation_m = plan_.curve_deviation_m + (counts.deviation + kRoundingUnits) * spacing_;
     fill_shapes(outcome.edit.rewritten_triangles, report);
   }
@@ -195,6 +195,7 @@ Result<CutOutcome> apply(TriangleMesh& mesh, const CutPlan& plan) {
   if (plan.strokes.empty()) {
     CutOutcome outcome;
     outcome.report.pieces = mesh.num_pieces();
+    outcome.report.triangles_behind = plan.triangles_behind;
     return outcome;
   }
   Result<CutOutcome> outcome = Cutter(mesh, plan).run();

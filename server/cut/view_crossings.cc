@@ -56,13 +56,13 @@ double share_of(Int128 first, Int128 second) {
   return a + b > 0.0 ? a / (a + b) : 0.5;
 }
 
-struct Segment {
+struct ScreenSegment {
   LatticePoint from, to;
   std::int32_t first_point = 0;  // number of `from` among the points of all strokes; `to` is the next
 };
 
-std::vector<Segment> segments_of(const std::vector<Stroke>& strokes) {
-  std::vector<Segment> segments;
+std::vector<ScreenSegment> segments_of(const std::vector<Stroke>& strokes) {
+  std::vector<ScreenSegment> segments;
   std::int32_t point = 0;
   for (const Stroke& stroke : strokes) {
     LatticePoint from = screen_point(stroke.points.front());
@@ -80,9 +80,9 @@ std::vector<Segment> segments_of(const std::vector<Stroke>& strokes) {
 // Boxes of the picture with the segments that may pass through them.
 class SegmentGrid {
  public:
-  explicit SegmentGrid(const std::vector<Segment>& segments) : last_asked_(segments.size(), -1) {
+  explicit SegmentGrid(const std::vector<ScreenSegment>& segments) : last_asked_(segments.size(), -1) {
     low_ = high_ = difference({}, segments.front().from);
-    for (const Segment& s : segments) {
+    for (const ScreenSegment& s : segments) {
       for (const LatticePoint& p : {s.from, s.to}) {
         low_ = low_.cwiseMin(difference({}, p));
         high_ = high_.cwiseMax(difference({}, p));
@@ -157,7 +157,7 @@ class Facet {
   [[nodiscard]] std::array<LatticePoint, 3> picture() const { return {at(0), at(1), at(2)}; }
 
   // The part of the segment in the triangle; false where there is none.
-  bool clip(const Segment& segment, std::int32_t number, ViewInterval& interval) const {
+  bool clip(const ScreenSegment& segment, std::int32_t number, ViewInterval& interval) const {
     std::array<ViewNode, 5> nodes;
     std::size_t found = 0;
     if (contains(segment.from)) nodes[found++] = joint(segment.from, segment.first_point, 0.0);
@@ -217,13 +217,13 @@ class Facet {
     return true;
   }
 
-  [[nodiscard]] bool crosses(const Segment& s, int k) const {
+  [[nodiscard]] bool crosses(const ScreenSegment& s, int k) const {
     const auto [a, b] = edge(k);
     return side_of_segment(s.from, s.to, at(a)) != side_of_segment(s.from, s.to, at(b)) &&
            side_of_edge(at(a), at(b), s.from) != side_of_edge(at(a), at(b), s.to);
   }
 
-  [[nodiscard]] ViewNode crossing(const Segment& s, int k) const {
+  [[nodiscard]] ViewNode crossing(const ScreenSegment& s, int k) const {
     const auto [a, b] = edge(k);
     const Corner& low = corner(a);
     const Corner& high = corner(b);
@@ -305,7 +305,7 @@ Screen project(const Eigen::Matrix3Xd& positions, const View& view) {
 Result<ViewCrossings> find_crossings(const mesh::TriangleMesh& mesh, const Screen& screen,
                                      const std::vector<Stroke>& strokes) {
   ViewCrossings crossings;
-  const std::vector<Segment> segments = segments_of(strokes);
+  const std::vector<ScreenSegment> segments = segments_of(strokes);
   if (segments.empty()) return crossings;
   SegmentGrid grid(segments);
   std::int64_t pairs = 0;

@@ -90,6 +90,27 @@ TEST(Arguments, BoxesAndDashes) {
   for (const char* bad : {"", "1,", "1 2", "a"}) EXPECT_TRUE(refused(parse_dash(bad))) << bad;
 }
 
+TEST(Arguments, CamerasAndLayers) {
+  const v1::Camera camera = std::get<v1::Camera>(parse_camera("0.5,-2,0.5  0.5,0,0.25 0,0,1"));
+  EXPECT_EQ(camera.eye().y(), -2.0);
+  EXPECT_EQ(camera.target().z(), 0.25);
+  EXPECT_EQ(camera.up().z(), 1.0);
+  EXPECT_FALSE(std::get<v1::Camera>(parse_camera("0,-2,0 0,0,0")).has_up());
+  for (const char* bad : {"", "1,2,3", "1,2 3,4", "1,2,3 4,5,6 7,8,9 1,1,1", "1,2,3 a,b,c"}) {
+    EXPECT_TRUE(refused(parse_camera(bad))) << bad;
+  }
+  EXPECT_EQ(std::get<v1::View>(parse_layers("all")).layers(), v1::View::ALL);
+  EXPECT_FALSE(std::get<v1::View>(parse_layers("piece")).has_piece());
+  EXPECT_EQ(std::get<v1::View>(parse_layers("piece:3")).piece(), 3);
+  const v1::View depth = std::get<v1::View>(parse_layers("depth:1.5,2"));
+  EXPECT_EQ(depth.layers(), v1::View::DEPTH_RANGE);
+  EXPECT_EQ(depth.nearest_m(), 1.5);
+  EXPECT_EQ(depth.farthest_m(), 2.0);
+  for (const char* bad : {"", "every", "piece:", "piece:x", "depth", "depth:1", "nearest:1", "all:"}) {
+    EXPECT_TRUE(refused(parse_layers(bad))) << bad;
+  }
+}
+
 TEST(Output, JsonForScriptsHasNumbersAndSnakeCase) {
   v1::ListSheetsResponse list;
   v1::Sheet& sheet = *list.add_sheets();

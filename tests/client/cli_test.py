@@ -149,6 +149,20 @@ class Cuts(Case):
         self.assertEqual((reply["status"], reply["pieces"]), ("APPLIED", 1))
         self.assertGreater(reply["new_vertices"], 10)
 
+    def test_view_follows_sight_lines(self):
+        # The sheet hangs in the plane y = 0, 1 m x 1 m; from 2 m in front of it 640x640 pixels show 1.456 m.
+        view = ("--view", "0.5,-2,0.5 0.5,0,0.5", "--picture", "640x640", "--layers", "all")
+        reply = self.json_of("cut", self.id, "--polyline", "0,320 640,320", *view)
+        self.assertEqual((reply["status"], reply["pieces"], len(reply["layers"])), ("APPLIED", 2, 1))
+        self.assertAlmostEqual(reply["layers"][0]["length_m"], 1.0, 2)
+        self.assertAlmostEqual(reply["layers"][0]["nearest_m"], 2.0, 2)
+        self.assertIn("layer: piece", kerf("cut", self.id, "--circle", "320,250,40", *view).stdout)
+        behind = self.json_of("cut", self.id, "--polyline", "0,320 640,320", "--view", "0.5,-2,0.5 0.5,-4,0.5")
+        self.assertEqual(behind["status"], "NO_INTERSECTION")
+        self.assertIn("behind", behind["warnings"][0])
+        self.refused("cut", self.id, "--circle", "320,250,40", "--view", "0,0,0 0,0,0", says="CAMERA_SINGULAR")
+        self.refused("cut", self.id, "--circle", "9,9,4", "--fit", "sheet", *view, says="FIT_WITH_VIEW")
+
     def test_a_miss_is_no_error(self):
         before = self.hash()
         reply = self.json_of("cut", self.id, "--polyline", "2,2 3,3")

@@ -1,6 +1,8 @@
 // Scenes, commands, recordings, errors and JSON.
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -157,6 +159,80 @@ TEST(CommandCodec, ZerosOfACutMeanTheDefaults) {
   EXPECT_EQ(std::get<sheet::Cut>(*command).tolerance, 0.02);
   EXPECT_EQ(std::get<sheet::Cut>(*command).min_angle_deg, 20.0);
   EXPECT_EQ(std::get<sheet::Cut>(*command).max_new_triangles, 200'000);
+}
+
+v1::Cut cut_on_a_picture() {
+  v1::Cut cut;
+  v1::Circle& circle = *cut.mutable_curve()->mutable_circle();
+  circle.mutable_center()->set_x(300.0);
+  circle.mutable_center()->set_y(200.0);
+  circle.set_radius_m(40.0);
+  v1::View& view = *cut.mutable_view();
+  view.mutable_camera()->mutable_eye()->set_y(-2.0);
+  view.mutable_camera()->set_vertical_fov_deg(50.0);
+  view.set_width_px(640.0);
+  view.set_height_px(480.0);
+  return cut;
+}
+
+TEST(CommandCodec, CamerasAndMatricesAreOneView) {
+  v1::Cut cut = cut_on_a_picture();
+  cut.mutable_view()->set_layers(v1::View::DEPTH_RANGE);
+  cut.mutable_view()->set_nearest_m(1.5);
+  cut.mutable_view()->set_farthest_m(2.5);
+  cut.mutable_view()->set_piece(4);
+  const Result<sheet::Command> command = decode_cut(cut);
+  ASSERT_TRUE(command.ok()) << command.error().message;
+  const cut::View& view = *std::get<sheet::Cut>(*command).view;
+  EXPECT_EQ(view.layers, cut::LayerRule::kDepthRange);
+  EXPECT_EQ(view.piece, 4);
+  // The camera stands at y = -2 and looks along y with z up: the target is 2 m before it, in the middle.
+  const Eigen::Vector4d target = view.view * Eigen::Vector4d(0.0, 0.0, 0.0, 1.0);
+  EXPECT_NEAR(target.z(), -2.0, 1e-12);
+  const Eigen::Vector4d top =
+      view.projection * (view.view * Eigen::Vector4d(0.0, 0.0, 2.0 * std::tan(0.43633231), 1.0));
+  EXPECT_NEAR(top.x() / top.w(), 0.0, 1e-12);
+  EXPECT_NEAR(top.y() / top.w(), 1.0, 1e-6);
+  // It is told as matrices, which mean the same again.
+  const v1::Command told = encode_command(*command);
+  EXPECT_EQ(told.cut().view().view_size(), 16);
+  EXPECT_EQ(told.cut().view().projection_size(), 16);
+  EXPECT_FALSE(told.cut().view().has_camera());
+  const Result<sheet::Command> again = decode_command(told);
+  ASSERT_TRUE(again.ok());
+  EXPECT_EQ(std::get<sheet::Cut>(*again).view->view, view.view);
+  EXPECT_EQ(std::get<sheet::Cut>(*again).view->projection, view.projection);
+  expect_equal(encode_command(*again), told);
+}
+
+TEST(CommandCodec, BadViewsAreRefusedByName) {
+  const auto reason = [](const std::function<void(v1::Cut&)>& spoil) {
+    v1::Cut cut = cut_on_a_picture();
+    spoil(cut);
+    const Result<sheet::Command> command = decode_cut(cut);
+    return command.ok() ? std::string("accepted") : command.error().reason + " " + command.error().field;
+  };
+  EXPECT_EQ(reason([](v1::Cut&) {}), "accepted");
+  EXPECT_EQ(reason([](v1::Cut& c) { c.mutable_view()->clear_camera(); }), "FIELD_MISSING cut.view.camera");
+  EXPECT_EQ(reason([](v1::Cut& c) { c.mutable_view()->add_view(1.0); }), "CHOICE_MISSING cut.view.camera");
+  EXPECT_EQ(reason([](v1::Cut& c) {
+              c.mutable_view()->clear_camera();
+              c.mutable_view()->mutable_view()->Resize(15, 0.0);
+            }),
+            "MATRIX_SIZE cut.view.view");
+  EXPECT_EQ(reason([](v1::Cut& c) {
+              c.mutable_view()->clear_camera();
+              c.mutable_view()->mutable_view()->Resize(16, 0.0);
+            }),
+            "MATRIX_SIZE cut.view.projection");
+  EXPECT_EQ(reason([](v1::Cut& c) { c.mutable_view()->mutable_camera()->mutable_eye()->set_y(0.0); }),
+            "CAMERA_SINGULAR cut.view.camera.up");
+  EXPECT_EQ(reason([](v1::Cut& c) { c.mutable_view()->mutable_camera()->set_vertical_fov_deg(180.0); }),
+            "FOV_OUT_OF_RANGE cut.view.camera.vertical_fov_deg");
+  EXPECT_EQ(reason([](v1::Cut& c) { c.mutable_view()->set_layers(static_cast<v1::View::Layers>(9)); }),
+            "UNKNOWN_ENUM_VALUE cut.view.layers");
+  EXPECT_EQ(reason([](v1::Cut& c) { c.mutable_view()->set_width_px(0.0); }), "VIEWPORT_OUT_OF_RANGE cut.view.width_px");
+  EXPECT_EQ(reason([](v1::Cut& c) { c.mutable_fit(); }), "FIT_WITH_VIEW cut.fit");
 }
 
 sheet::Recording sample_recording() {
