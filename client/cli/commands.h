@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 #include <CLI/App.hpp>
 
 #include "client/cli/output.h"
@@ -9,7 +12,11 @@ namespace kerf::cli {
 
 void add_sheet_commands(CLI::App& app, Session& session);
 void add_cut_command(CLI::App& app, Session& session);
+void add_cuts_commands(CLI::App& app, Session& session);     // cuts, undo, redo, pieces
 void add_view_commands(CLI::App& app, Session& session);     // render, watch, export, info
 void add_offline_commands(CLI::App& app, Session& session);  // run, replay
+
+// Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet, all or none; an exit code.
+int cut_batch(const Session& session, const std::string& id, const std::string& file, std::int64_t at_tick);
 
 }  // namespace kerf::cli

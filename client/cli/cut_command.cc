@@ -1,3 +1,4 @@
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -37,6 +38,8 @@ struct CutArguments {
   double fov_deg = 0.0;
   double tolerance = 0.0;
   double min_angle_deg = 0.0;
+  std::string batch;  // a file
+  std::int64_t at_tick = 0;
 };
 
 // Puts what an option says into `target`; what is wrong with it otherwise.
@@ -103,6 +106,7 @@ std::optional<UsageError> set_options(const CutArguments& arguments, v1::Cut& cu
 }
 
 int cut(const Session& session, const CutArguments& arguments) {
+  if (!arguments.batch.empty()) return cut_batch(session, arguments.id, arguments.batch, arguments.at_tick);
   v1::CreateCutRequest request;
   request.set_parent("sheets/" + arguments.id);
   v1::Curve& curve = *request.mutable_cut()->mutable_curve();
@@ -115,6 +119,7 @@ int cut(const Session& session, const CutArguments& arguments) {
     return misuse(wrong->message);
   }
   if (const auto wrong = set_options(arguments, *request.mutable_cut())) return misuse(wrong->message);
+  request.set_at_tick(arguments.at_tick);
   client::Client client(session.server);
   v1::CutResult result;
   const grpc::Status status = client.call(&v1::CutService::Stub::CreateCut, client.cuts(), request, result);
@@ -147,6 +152,10 @@ void add_cut_command(CLI::App& app, Session& session) {
   curve->add_option(
       "--svg", arguments->svg,
       "SVG file, at most 512 KiB: every outline in it is cut; fitted into the sheet unless --fit is given");
+  curve->add_option(
+      "--batch", arguments->batch,
+      "The cuts of this file, all of them or none: {\"cuts\": [{\"curve\": ...}, ...]}, as `kerf cuts ID\n"
+      "--export FILE` writes it; each cut has its own tolerance and angle there");
   curve->require_option(1);
   command->add_option(
       "--fit", arguments->fit,
@@ -166,6 +175,8 @@ void add_cut_command(CLI::App& app, Session& session) {
                    "Which layers of a folded sheet: nearest (what is seen, the default), all, piece (all of the piece\n"
                    "seen first), piece:N, or depth:NEAREST,FARTHEST in metres from the camera")
       ->needs(view);
+  command->add_option("--at-tick", arguments->at_tick,
+                      "At the start of this tick instead of at once; what became of it: `kerf cuts ID`");
   command->add_option("--tolerance", arguments->tolerance,
                       "Largest distance between curve and cut, as a fraction of the edge length (default 0.02)");
   command->add_option("--min-angle", arguments->min_angle_deg, "Smallest angle of new triangles, degrees (default 20)");

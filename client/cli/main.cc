@@ -28,6 +28,7 @@ int run(int argc, char** argv) {
 
   kerf::cli::add_sheet_commands(app, session);
   kerf::cli::add_cut_command(app, session);
+  kerf::cli::add_cuts_commands(app, session);
   kerf::cli::add_view_commands(app, session);
   kerf::cli::add_offline_commands(app, session);
 

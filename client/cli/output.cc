@@ -104,6 +104,10 @@ std::string describe(const v1::Sheet& sheet) {
 }
 
 std::string describe(const v1::CutResult& result) {
+  if (result.status() == v1::CutResult::SCHEDULED) {
+    return format("SCHEDULED for tick %lld; `kerf cuts` tells what became of it",
+                  static_cast<long long>(result.tick()));
+  }
   if (result.status() == v1::CutResult::NO_INTERSECTION) {
     return format(
         "NO_INTERSECTION at tick %lld: the curve misses the sheet, only retraces an earlier cut or is too small; %d %s",
@@ -122,8 +126,18 @@ std::string describe(const v1::CutResult& result) {
     text += format("\n  layer: piece %d, %.4g m long, %.4g to %.4g m from the camera, %s", layer.piece(),
                    layer.length_m(), layer.nearest_m(), layer.farthest_m(), layer.faces_camera() ? "front" : "back");
   }
+  for (const v1::PieceSplit& split : result.split_pieces()) {
+    text += "\n  piece " + std::to_string(split.piece()) + " fell apart:";
+    for (const v1::Piece& child : split.children()) text += "\n    " + describe(child);
+  }
   for (const std::string& warning : result.warnings()) text += "\n  note: " + warning;
   return text;
+}
+
+std::string describe(const v1::Piece& piece) {
+  return format("piece %-4lld of %-4lld %.4g m^2, %.4g kg, %d triangles, centroid (%.4g, %.4g) m",
+                static_cast<long long>(piece.id()), static_cast<long long>(piece.parent()), piece.area_m2(),
+                piece.mass_kg(), piece.num_triangles(), piece.centroid().x(), piece.centroid().y());
 }
 
 }  // namespace kerf::cli

@@ -42,5 +42,6 @@ int misuse(const std::string& message);
 // For people.
 std::string describe(const v1::Sheet& sheet);
 std::string describe(const v1::CutResult& result);
+std::string describe(const v1::Piece& piece);
 
 }  // namespace kerf::cli

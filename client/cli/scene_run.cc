@@ -21,24 +21,44 @@ double process_cpu_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Times the stages of the commands; a tick's cuts share what they took.
+// Times the stages of a tick's commands.
 class StageTimer : public sheet::StageObserver {
  public:
+  struct CutTime {
+    double cut_us = 0.0;
+    double update_us = 0.0;
+  };
+
   void begin(sheet::Stage /*stage*/, std::int32_t /*command*/) override { started_ = Clock::now(); }
-  void end(sheet::Stage stage, std::int32_t /*command*/) override {
+  void end(sheet::Stage stage, std::int32_t command) override {
+    if (command < 0) return;
     const double elapsed = std::chrono::duration<double, std::micro>(Clock::now() - started_).count();
-    if (stage == sheet::Stage::kCut) cut_us_ += elapsed;
-    if (stage == sheet::Stage::kModelUpdate) update_us_ += elapsed;
+    const auto index = static_cast<std::size_t>(command);
+    if (index >= times_.size()) times_.resize(index + 1);
+    if (stage == sheet::Stage::kCut) times_[index].cut_us += elapsed;
+    if (stage == sheet::Stage::kModelUpdate) times_[index].update_us += elapsed;
   }
-  // Since the last call: {cut, model update}.
-  std::pair<double, double> take() { return {std::exchange(cut_us_, 0.0), std::exchange(update_us_, 0.0)}; }
+  void clear() { times_.clear(); }
+  [[nodiscard]] CutTime time(std::size_t command) const {
+    return command < times_.size() ? times_[command] : CutTime{};
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
   Clock::time_point started_;
-  double cut_us_ = 0.0;
-  double update_us_ = 0.0;
+  std::vector<CutTime> times_;  // by command
 };
+
+// The outcomes of a Cut or CutBatch; the cuts of a batch share its time equally.
+void add_cuts(const sheet::CommandReply& reply, const StageTimer::CutTime& time, v1::RunResult& result) {
+  std::vector<v1::CutResult> cuts = wire::encode_cut_results(reply);
+  const auto count = static_cast<double>(cuts.size());
+  for (v1::CutResult& cut : cuts) {
+    cut.set_cut_us(time.cut_us / count);
+    cut.set_update_us(time.update_us / count);
+    *result.add_cuts() = std::move(cut);
+  }
+}
 
 Error refused_command(const sheet::ScheduledReply& scheduled) {
   Error error = scheduled.reply.error();
@@ -74,16 +94,12 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
   StageTimer timer;
   const double cpu_before = process_cpu_s();
   for (std::int64_t tick = 1; tick <= ticks; ++tick) {
+    timer.clear();
     const sheet::TickReport report = sheet.step({}, &timer);
     run.result.set_simulated_s(run.result.simulated_s() + report.stats.simulated);
-    const auto [cut_us, update_us] = timer.take();
-    for (const sheet::ScheduledReply& scheduled : report.scheduled) {
-      if (!scheduled.reply) return refused_command(scheduled);
-      if (!scheduled.reply->cut) continue;
-      v1::CutResult& cut = *run.result.add_cuts();
-      cut = wire::encode_cut_result(*scheduled.reply);
-      cut.set_cut_us(cut_us);
-      cut.set_update_us(update_us);
+    for (std::size_t i = 0; i < report.scheduled.size(); ++i) {
+      if (!report.scheduled[i].reply) return refused_command(report.scheduled[i]);
+      add_cuts(*report.scheduled[i].reply, timer.time(i), run.result);
     }
     for (std::size_t bit = 0; bit < fem::kStepFlagNames.size(); ++bit) {
       if ((report.stats.flags >> bit & 1U) == 0) continue;

@@ -40,7 +40,11 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.SheetService/ExportSheet", api, &Api::export_sheet),
       json_method("/kerf.v1.SheetService/GetSheetState", api, &Api::get_sheet_state),
       json_method("/kerf.v1.CutService/CreateCut", api, &Api::create_cut),
+      json_method("/kerf.v1.CutService/CreateCuts", api, &Api::create_cuts),
       json_method("/kerf.v1.CutService/ListCuts", api, &Api::list_cuts),
+      json_method("/kerf.v1.CutService/UndoCut", api, &Api::undo_cut),
+      json_method("/kerf.v1.CutService/RedoCut", api, &Api::redo_cut),
+      json_method("/kerf.v1.CutService/ListPieces", api, &Api::list_pieces),
       json_method("/kerf.v1.InteractionService/GrabPoint", api, &Api::grab_point),
       json_method("/kerf.v1.InteractionService/DragPoint", api, &Api::drag_point),
       json_method("/kerf.v1.InteractionService/ReleasePoint", api, &Api::release_point),
@@ -59,8 +63,9 @@ std::vector<Method> json_methods(Api& api) {
 Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host::Clock& clock)
     : core_(std::make_shared<ApiCore>(host, renderer, std::move(options), clock)), methods_(json_methods(*this)) {
   host.set_command_listener([core = std::weak_ptr(core_)](const std::string& id, const sheet::Command& command,
-                                                          const host::CommandResult& result) {
-    if (const auto alive = core.lock()) keep_in_journal(*alive, id, command, result);
+                                                          const Result<host::CommandResult>& result,
+                                                          std::int64_t at_tick) {
+    if (const auto alive = core.lock()) keep_in_journal(*alive, id, command, result, at_tick);
   });
 }
 

@@ -25,6 +25,8 @@ class Empty;
 
 namespace kerf::v1 {
 class CreateCutRequest;
+class CreateCutsRequest;
+class CreateCutsResponse;
 class CreateSheetRequest;
 class CutResult;
 class DeleteSheetRequest;
@@ -38,9 +40,12 @@ class GrabPointRequest;
 class InteractionResponse;
 class ListCutsRequest;
 class ListCutsResponse;
+class ListPiecesRequest;
+class ListPiecesResponse;
 class ListSheetsRequest;
 class ListSheetsResponse;
 class PauseSheetRequest;
+class RedoCutRequest;
 class ReleasePointRequest;
 class RenderImageRequest;
 class RenderImageResponse;
@@ -53,6 +58,8 @@ class SetSheetWindRequest;
 class Sheet;
 class SheetState;
 class StepSheetRequest;
+class UndoCutRequest;
+class UndoResult;
 }  // namespace kerf::v1
 
 // What every transport offers, once: a transport turns its bytes into these messages, calls the method of the same name
@@ -116,7 +123,11 @@ class Api {
   void get_sheet_state(const v1::GetSheetStateRequest& request, Reply<v1::SheetState> reply);
 
   void create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> reply);
+  void create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCutsResponse> reply);
   void list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsResponse> reply);
+  void undo_cut(const v1::UndoCutRequest& request, Reply<v1::UndoResult> reply);
+  void redo_cut(const v1::RedoCutRequest& request, Reply<v1::UndoResult> reply);
+  void list_pieces(const v1::ListPiecesRequest& request, Reply<v1::ListPiecesResponse> reply);
 
   void grab_point(const v1::GrabPointRequest& request, Reply<v1::InteractionResponse> reply);
   void drag_point(const v1::DragPointRequest& request, Reply<v1::InteractionResponse> reply);

@@ -62,9 +62,10 @@ Error at_field(Error error, const char* field);
 // kInvalidArgument REQUEST_ID_TOO_LONG.
 Status check_request_id(const std::string& request_id);
 
-// Of every command that a sheet has done: the journal gets its cuts, and forgets them with a Reset.
+// What the host tells of commands: the journal gets the cuts, undos and redos that a sheet has done and the scheduled
+// cuts that it refused, and forgets them with a Reset.
 void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
-                     const host::CommandResult& result);
+                     const Result<host::CommandResult>& result, std::int64_t at_tick);
 
 // kerf.v1.Sheet.
 v1::Sheet encode_sheet(const host::SheetStatus& status);

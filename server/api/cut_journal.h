@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <mutex>
 #include <string>
@@ -11,28 +12,43 @@
 
 namespace kerf::api {
 
-// The applied cuts of every sheet since its last reset, by topology version, which each cut raises. Bounded: of a sheet
-// whose cuts take more than kMaxBytes the oldest are forgotten. Thread-safe.
+// The applied cuts of every sheet since its last reset by number, and the last scheduled ones that were refused. Those
+// undone are set aside until they are made again or a new cut is applied. Bounded: of a sheet whose cuts take more than
+// kMaxBytes the oldest are forgotten. Thread-safe.
 class CutJournal {
  public:
   static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;     // serialised, a sheet
   static constexpr std::size_t kMaxPageBytes = std::size_t{2} << 20;  // serialised; gRPC clients take 4 MiB a message
+  static constexpr std::size_t kMaxRefused = 64;                      // a sheet
+  static constexpr std::size_t kMaxRefusedBytes = std::size_t{1} << 20;  // serialised, a sheet; one may be larger
 
-  void add(const std::string& sheet, v1::Cut cut, v1::CutResult result);
+  void add(const std::string& sheet, std::int64_t number, v1::Cut cut, v1::CutResult result);
+  void undo(const std::string& sheet, const std::vector<std::int64_t>& numbers);
+  // `result`: tick, topology version and hash that they have now.
+  void redo(const std::string& sheet, const std::vector<std::int64_t>& numbers, const v1::UndoResult& result);
+  void refuse(const std::string& sheet, v1::ScheduledCuts cuts);
   void forget(const std::string& sheet);
 
-  // At most `count` entries with a topology version above `after`, and of more than one at most kMaxPageBytes, oldest
-  // first; `more`: there are others behind them.
+  // At most `count` entries with a number above `after`, and of more than one at most kMaxPageBytes, oldest first;
+  // `last`: the number of the last one; `more`: there are others behind it.
   struct Page {
     std::vector<v1::ListCutsResponse::Entry> entries;
+    std::int64_t last = 0;
     bool more = false;
   };
-  Page page(const std::string& sheet, std::int32_t after, std::size_t count) const;
+  Page page(const std::string& sheet, std::int64_t after, std::size_t count) const;
+  std::vector<v1::ScheduledCuts> refused(const std::string& sheet) const;
 
  private:
+  struct Item {
+    v1::ListCutsResponse::Entry entry;
+    bool undone = false;
+  };
   struct Log {
-    std::map<std::int32_t, v1::ListCutsResponse::Entry> entries;
+    std::map<std::int64_t, Item> items;
     std::size_t bytes = 0;
+    std::deque<v1::ScheduledCuts> refused;
+    std::size_t refused_bytes = 0;
   };
 
   mutable std::mutex mutex_;

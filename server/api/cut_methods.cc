@@ -1,5 +1,8 @@
+#include <algorithm>
 #include <charconv>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "kerf/v1/cuts.pb.h"
 #include "server/api/core.h"
@@ -11,34 +14,157 @@
 namespace kerf::api {
 namespace {
 
-v1::CutResult encode_result(const std::string& sheet_id, const host::CommandResult& result) {
-  v1::CutResult message = wire::encode_cut_result(result.reply);
-  if (message.status() == v1::CutResult::APPLIED) {
-    message.set_name(cut_name(sheet_id, result.reply.topology_version));
+// Of a Cut one, of a CutBatch one a cut: equal shares of the times.
+std::vector<v1::CutResult> encode_results(const std::string& sheet_id, const host::CommandResult& result) {
+  const sheet::CommandReply& reply = result.reply;
+  std::vector<v1::CutResult> messages = wire::encode_cut_results(reply);
+  const auto count = static_cast<double>(messages.size());
+  for (std::size_t i = 0; i < messages.size(); ++i) {
+    v1::CutResult& message = messages[i];
+    const std::int64_t number = reply.cut ? reply.cut->number : reply.batch[i].number;
+    if (message.status() == v1::CutResult::APPLIED) message.set_name(cut_name(sheet_id, number));
+    message.set_queued_us(result.timings.queued_us);
+    message.set_cut_us(result.timings.cut_us / count);
+    message.set_update_us(result.timings.update_us / count);
   }
+  return messages;
+}
+
+v1::CreateCutsResponse encode_batch(const std::string& sheet_id, const host::CommandResult& result) {
+  v1::CreateCutsResponse response;
+  response.set_tick(result.reply.tick);
+  response.set_topology_version(result.reply.topology_version);
+  response.set_state_hash(wire::encode_hash(result.reply.state_hash));
+  response.set_queued_us(result.timings.queued_us);
+  response.set_cut_us(result.timings.cut_us);
+  response.set_update_us(result.timings.update_us);
+  for (v1::CutResult& message : encode_results(sheet_id, result)) {
+    if (message.status() == v1::CutResult::APPLIED) response.set_applied(response.applied() + 1);
+    response.set_pieces(message.pieces());
+    response.set_new_vertices(response.new_vertices() + message.new_vertices());
+    response.set_new_triangles(response.new_triangles() + message.new_triangles());
+    *response.add_results() = std::move(message);
+  }
+  response.set_status(response.applied() > 0 ? v1::CutResult::APPLIED : v1::CutResult::NO_INTERSECTION);
+  return response;
+}
+
+v1::UndoResult encode_undo(const std::string& sheet_id, const host::CommandResult& result) {
+  const sheet::UndoReply& undone = *result.reply.undone;
+  v1::UndoResult message;
+  for (const std::int64_t number : undone.cuts) message.add_cuts(cut_name(sheet_id, number));
+  message.set_tick(result.reply.tick);
+  message.set_topology_version(result.reply.topology_version);
+  message.set_pieces(undone.pieces);
+  message.set_state_hash(wire::encode_hash(result.reply.state_hash));
+  message.set_undo_steps(undone.undo_steps);
+  message.set_redo_steps(undone.redo_steps);
   message.set_queued_us(result.timings.queued_us);
   message.set_cut_us(result.timings.cut_us);
   message.set_update_us(result.timings.update_us);
   return message;
 }
 
-// The token is the topology version of the last cut on the page before.
-std::optional<std::int32_t> parse_token(const std::string& token) {
-  std::int32_t version = 0;
+// The cuts of a Cut or CutBatch; of other commands none.
+std::vector<v1::Cut> cuts_of(const sheet::Command& command) {
+  std::vector<v1::Cut> cuts;
+  if (const auto* cut = std::get_if<sheet::Cut>(&command)) cuts.push_back(wire::encode_cut(*cut));
+  if (const auto* batch = std::get_if<sheet::CutBatch>(&command)) {
+    for (const sheet::Cut& cut : batch->cuts) cuts.push_back(wire::encode_cut(cut));
+  }
+  return cuts;
+}
+
+v1::ScheduledCuts encode_scheduled(const sheet::Command& command, std::int64_t tick) {
+  v1::ScheduledCuts message;
+  message.set_state(v1::ScheduledCuts::WAITING);
+  message.set_tick(tick);
+  for (v1::Cut& cut : cuts_of(command)) *message.add_cuts() = std::move(cut);
+  return message;
+}
+
+// A request holds the cuts of a batch in a field of its own.
+Error in_request(Error error) {
+  constexpr std::string_view kBatch = "cut_batch.";
+  if (error.field.starts_with(kBatch)) error.field.erase(0, kBatch.size());
+  return at_field(std::move(error), "parent");
+}
+
+Status check_tick(std::int64_t at_tick) {
+  if (at_tick >= 0) return Nothing{};
+  return invalid_argument("OUT_OF_RANGE", "at_tick is " + std::to_string(at_tick) + "; ticks count from 1", "at_tick");
+}
+
+// Submits the command or, with a tick, schedules it: then `scheduled` is the answer.
+template <typename Response>
+void submit_cut(ApiCore& core, const std::string& id, sheet::Command command, std::int64_t at_tick, Response scheduled,
+                Reply<Response> answer, Response (*encode)(const std::string&, const host::CommandResult&)) {
+  if (at_tick > 0) {
+    scheduled.set_status(v1::CutResult::SCHEDULED);
+    scheduled.set_tick(at_tick);
+    core.host.schedule(id, std::move(command), at_tick, [answer, scheduled](const Status& status) {
+      if (!status.ok()) return answer(in_request(status.error()));
+      answer(scheduled);
+    });
+    return;
+  }
+  core.host.submit(id, std::move(command), [id, answer, encode](Result<host::CommandResult> result) {
+    if (!result.ok()) return answer(in_request(result.error()));
+    answer(encode(id, *result));
+  });
+}
+
+template <typename Request>
+void submit_undo(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request,
+                 sheet::Command command, Reply<v1::UndoResult> reply) {
+  const Result<std::string> id = addressed_sheet(*core, request.parent(), "parent");
+  if (!id.ok()) return reply(id.error());
+  once<v1::UndoResult>(core, method, request, std::move(reply), [&](Reply<v1::UndoResult> answer) {
+    core->host.submit(*id, std::move(command),
+                      [id = *id, answer = std::move(answer)](Result<host::CommandResult> result) {
+                        if (!result.ok()) return answer(at_field(result.error(), "parent"));
+                        answer(encode_undo(id, *result));
+                      });
+  });
+}
+
+// A token is the number of the last entry on the page before.
+std::optional<std::int64_t> parse_token(const std::string& token) {
+  std::int64_t number = 0;
   const char* end = token.data() + token.size();
-  const auto [stop, fault] = std::from_chars(token.data(), end, version);
+  const auto [stop, fault] = std::from_chars(token.data(), end, number);
   if (token.empty()) return 0;
-  if (fault != std::errc() || stop != end || version < 1) return std::nullopt;
-  return version;
+  if (fault != std::errc() || stop != end || number < 1) return std::nullopt;
+  return number;
 }
 
 }  // namespace
 
 void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
-                     const host::CommandResult& result) {
-  if (std::holds_alternative<sheet::Reset>(command)) return core.journal.forget(sheet_id);
-  if (!result.reply.cut || result.reply.cut->status != cut::CutStatus::kApplied) return;
-  core.journal.add(sheet_id, wire::encode_command(command).cut(), encode_result(sheet_id, result));
+                     const Result<host::CommandResult>& result, std::int64_t at_tick) {
+  CutJournal& journal = core.journal;
+  if (!result.ok()) {
+    v1::ScheduledCuts refused = encode_scheduled(command, at_tick);
+    if (refused.cuts().empty()) return;
+    refused.set_state(v1::ScheduledCuts::REFUSED);
+    refused.set_reason(result.error().reason);
+    refused.set_message(result.error().message);
+    refused.set_field(result.error().field);
+    return journal.refuse(sheet_id, std::move(refused));
+  }
+  const sheet::CommandReply& reply = result->reply;
+  if (std::holds_alternative<sheet::Reset>(command)) return journal.forget(sheet_id);
+  if (reply.undone && std::holds_alternative<sheet::UndoCut>(command)) {
+    return journal.undo(sheet_id, reply.undone->cuts);
+  }
+  if (reply.undone) return journal.redo(sheet_id, reply.undone->cuts, encode_undo(sheet_id, *result));
+  std::vector<v1::CutResult> results = encode_results(sheet_id, *result);
+  std::vector<v1::Cut> cuts = cuts_of(command);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (results[i].status() != v1::CutResult::APPLIED) continue;
+    const std::int64_t number = reply.cut ? reply.cut->number : reply.batch[i].number;
+    journal.add(sheet_id, number, std::move(cuts[i]), std::move(results[i]));
+  }
 }
 
 void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> reply) {
@@ -46,15 +172,36 @@ void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> r
   if (!id.ok()) return reply(id.error());
   if (!request.has_cut())
     return reply(invalid_argument("FIELD_MISSING", "cut must be given: its curve at least", "cut"));
+  if (const Status status = check_tick(request.at_tick()); !status.ok()) return reply(status.error());
   Result<sheet::Command> command = wire::decode_cut(request.cut());
   if (!command.ok()) return reply(command.error());
   once<v1::CutResult>(core_, "CreateCut", request, std::move(reply), [&](Reply<v1::CutResult> answer) {
-    core_->host.submit(*id, std::move(*command),
-                       [id = *id, answer = std::move(answer)](Result<host::CommandResult> result) {
-                         if (!result.ok()) return answer(at_field(result.error(), "parent"));
-                         answer(encode_result(id, *result));
-                       });
+    submit_cut<v1::CutResult>(*core_, *id, std::move(*command), request.at_tick(), {}, std::move(answer),
+                              [](const std::string& sheet_id, const host::CommandResult& result) {
+                                return encode_results(sheet_id, result).front();
+                              });
   });
+}
+
+void Api::create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCutsResponse> reply) {
+  const Result<std::string> id = addressed_sheet(*core_, request.parent(), "parent");
+  if (!id.ok()) return reply(id.error());
+  if (const Status status = check_tick(request.at_tick()); !status.ok()) return reply(status.error());
+  Result<sheet::Command> command = wire::decode_cuts(request.cuts());
+  if (!command.ok()) return reply(in_request(command.error()));
+  once<v1::CreateCutsResponse>(core_, "CreateCuts", request, std::move(reply),
+                               [&](Reply<v1::CreateCutsResponse> answer) {
+                                 submit_cut<v1::CreateCutsResponse>(*core_, *id, std::move(*command), request.at_tick(),
+                                                                    {}, std::move(answer), encode_batch);
+                               });
+}
+
+void Api::undo_cut(const v1::UndoCutRequest& request, Reply<v1::UndoResult> reply) {
+  submit_undo(core_, "UndoCut", request, sheet::UndoCut{}, std::move(reply));
+}
+
+void Api::redo_cut(const v1::RedoCutRequest& request, Reply<v1::UndoResult> reply) {
+  submit_undo(core_, "RedoCut", request, sheet::RedoCut{}, std::move(reply));
 }
 
 void Api::list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsResponse> reply) {
@@ -62,22 +209,50 @@ void Api::list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsRespon
   if (!id.ok()) return reply(id.error());
   const Result<std::size_t> size = page_size(request.page_size());
   if (!size.ok()) return reply(size.error());
-  const std::optional<std::int32_t> after = parse_token(request.page_token());
+  const std::optional<std::int64_t> after = parse_token(request.page_token());
   if (!after) return reply(bad_page_token());
   // By way of the sheet: an unknown one is refused, and all cuts done before this call are in the journal.
-  look_at<bool>(
-      core_, *id, [](const sheet::Sheet&) { return true; }, "parent",
-      [core = core_, id = *id, size = *size, after = *after, reply = std::move(reply)](const Result<bool>& exists) {
-        if (!exists.ok()) return reply(exists.error());
-        CutJournal::Page page = core->journal.page(id, after, size);
-        v1::ListCutsResponse response;
-        for (v1::ListCutsResponse::Entry& entry : page.entries) *response.add_cuts() = std::move(entry);
-        if (page.more) {
-          const auto& last = response.cuts(response.cuts_size() - 1);
-          response.set_next_page_token(std::to_string(last.result().topology_version()));
+  core_->host.scheduled(*id, [core = core_, id = *id, size = *size, after = *after,
+                              reply = std::move(reply)](const Result<std::vector<sheet::ScheduledCommand>>& waiting) {
+    if (!waiting.ok()) return reply(at_field(waiting.error(), "parent"));
+    v1::ListCutsResponse response;
+    if (after == 0) {
+      for (v1::ScheduledCuts& refused : core->journal.refused(id)) *response.add_scheduled() = std::move(refused);
+      for (const sheet::ScheduledCommand& each : *waiting) {
+        *response.add_scheduled() = encode_scheduled(each.command, each.tick);
+      }
+    }
+    CutJournal::Page page = core->journal.page(id, after, size);
+    for (v1::ListCutsResponse::Entry& entry : page.entries) *response.add_cuts() = std::move(entry);
+    if (page.more) response.set_next_page_token(std::to_string(page.last));
+    reply(std::move(response));
+  });
+}
+
+void Api::list_pieces(const v1::ListPiecesRequest& request, Reply<v1::ListPiecesResponse> reply) {
+  const Result<std::string> id = addressed_sheet(*core_, request.parent(), "parent");
+  if (!id.ok()) return reply(id.error());
+  const Result<std::size_t> size = page_size(request.page_size());
+  if (!size.ok()) return reply(size.error());
+  const std::optional<std::int64_t> after = parse_token(request.page_token());
+  if (!after) return reply(bad_page_token());
+  look_at<v1::ListPiecesResponse>(
+      core_, *id,
+      [size = *size, after = *after](const sheet::Sheet& sheet) {
+        v1::ListPiecesResponse response;
+        response.set_tick(sheet.tick());
+        response.set_topology_version(sheet.topology_version());
+        std::vector<sheet::Piece> pieces = sheet.pieces();
+        std::erase_if(pieces, [after](const sheet::Piece& piece) { return piece.birth.id <= after; });
+        std::sort(pieces.begin(), pieces.end(), [](const auto& a, const auto& b) { return a.birth.id < b.birth.id; });
+        if (pieces.size() > size) {
+          pieces.resize(size);
+          response.set_next_page_token(std::to_string(pieces.back().birth.id));
         }
-        reply(std::move(response));
-      });
+        for (const sheet::Piece& piece : pieces) *response.add_pieces() = wire::encode_piece(piece);
+        return response;
+      },
+      "parent", std::move(reply));
 }
 
 }  // namespace kerf::api

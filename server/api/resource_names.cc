@@ -27,8 +27,8 @@ std::string sheet_name(const std::string& id) {
   return std::string(kSheets) + id;
 }
 
-std::string cut_name(const std::string& sheet_id, std::int32_t topology_version) {
-  return sheet_name(sheet_id) + "/cuts/" + std::to_string(topology_version);
+std::string cut_name(const std::string& sheet_id, std::int64_t number) {
+  return sheet_name(sheet_id) + "/cuts/" + std::to_string(number);
 }
 
 }  // namespace kerf::api

@@ -11,7 +11,7 @@ namespace kerf::api {
 Result<std::string> parse_sheet_name(const std::string& name, const char* field);
 std::string sheet_name(const std::string& id);
 
-// `sheets/{sheet}/cuts/{cut}`. An applied cut is named by the topology version that it made, which no other can have.
-std::string cut_name(const std::string& sheet_id, std::int32_t topology_version);
+// `sheets/{sheet}/cuts/{cut}`. See sheet::CutReply::number.
+std::string cut_name(const std::string& sheet_id, std::int64_t number);
 
 }  // namespace kerf::api

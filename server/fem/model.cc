@@ -62,19 +62,43 @@ Model::Model(const mesh::TriangleMesh& mesh, const Material& material)
 }
 
 MassChange Model::apply(const mesh::TriangleMesh& mesh, const mesh::MeshEdit& edit) {
-  set_elements(mesh, edit.rewritten_triangles);
+  return follow(mesh, edit.rewritten_triangles);
+}
+
+MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
+  const int num_slots_before = num_slots_;
+  const std::vector<VertexId> bereft = drop_slots(mesh);
+  resize(mesh);
+  set_elements(mesh, rewritten, bereft);
   for (const VertexId v : touched_.members()) set_lumped_mass(v);
   MassChange change = set_masses();
   rows_.clear();
-  if (has_bending()) set_bending(mesh, edit.rewritten_triangles);
-  stiffness_bound_.update({blocks_, incident_, bending_rows_, membrane_law_, stiffness_, mass_, inverse_mass_},
-                          edit.rewritten_triangles, change.vertices, rows_.members());
+  if (has_bending()) set_bending(mesh, rewritten, bereft);
+  std::vector<TriangleId> changed = rewritten;
+  const auto num_lanes = static_cast<int>(blocks_.size()) * kLanes;
+  for (int slot = num_slots_; slot < std::min(num_slots_before, num_lanes); ++slot) changed.push_back(slot);
+  stiffness_bound_.update({blocks_, incident_, bending_rows_, membrane_law_, stiffness_, mass_, inverse_mass_}, changed,
+                          change.vertices, rows_.members());
   return change;
+}
+
+std::vector<VertexId> Model::drop_slots(const mesh::TriangleMesh& mesh) {
+  std::vector<VertexId> bereft;
+  for (TriangleId slot = mesh.num_triangle_slots(); slot < num_slots_; ++slot) {
+    if (!has_material(slot)) continue;
+    for (const VertexId v : corners(slot)) bereft.push_back(v);
+    if (has_bending()) {
+      const BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
+      bereft.insert(bereft.end(), patch.vertex.begin(), patch.vertex.end());
+    }
+    write_element(slot, {0, 0, 0}, Eigen::Matrix2d::Zero(), 0.0);  // a lane of the last block may stay
+  }
+  std::erase_if(bereft, [&](VertexId v) { return v == mesh::kNone || v >= mesh.num_vertices(); });
+  return bereft;
 }
 
 void Model::resize(const mesh::TriangleMesh& mesh) {
   const auto num_vertices = static_cast<std::size_t>(mesh.num_vertices());
-  KERF_CHECK(num_vertices >= mass_.size() && mesh.num_triangle_slots() >= num_slots_, "an edit never removes ids");
   num_slots_ = mesh.num_triangle_slots();
   blocks_.resize((static_cast<std::size_t>(num_slots_) + kLanes - 1) / kLanes);
   lumped_mass_.resize(num_vertices, 0.0);
@@ -103,12 +127,15 @@ std::array<VertexId, 3> Model::corners(TriangleId slot) const {
   return {block.vertex[0][l], block.vertex[1][l], block.vertex[2][l]};
 }
 
-void Model::set_elements(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
-  resize(mesh);
+void Model::set_elements(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten,
+                         const std::vector<VertexId>& bereft) {
   touched_.clear();
+  for (const VertexId v : bereft) touched_.insert(v);
   const auto touch_corners = [&](TriangleId slot) {
     if (!has_material(slot)) return;
-    for (const VertexId v : corners(slot)) touched_.insert(v);
+    for (const VertexId v : corners(slot)) {
+      if (v < mesh.num_vertices()) touched_.insert(v);
+    }
   };
   for (const TriangleId slot : rewritten) {
     touch_corners(slot);
@@ -141,7 +168,7 @@ void Model::set_incidence(const std::vector<TriangleId>& rewritten) {
     const VertexId v = touched_.members()[i];
     kept.clear();
     for (const TriangleId slot : incident_.row(v)) {
-      if (!rewritten_.contains(slot)) kept.push_back(slot);
+      if (slot < num_slots_ && !rewritten_.contains(slot)) kept.push_back(slot);
     }
     row.clear();
     std::merge(kept.begin(), kept.end(), around.begin() + static_cast<std::ptrdiff_t>(first[i]),
@@ -151,27 +178,27 @@ void Model::set_incidence(const std::vector<TriangleId>& rewritten) {
 }
 
 void Model::set_element(const mesh::TriangleMesh& mesh, TriangleId slot) {
+  if (!mesh.is_solid(slot)) return write_element(slot, {0, 0, 0}, Eigen::Matrix2d::Zero(), 0.0);
+  const std::array<VertexId, 3>& vertices = mesh.vertices(slot);
+  // Lattice differences are exact, those of positions are not where the sheet lies far from the origin.
+  const auto edge = [&](VertexId to) {
+    const mesh::LatticePoint& a = mesh.at(mesh.point(vertices[0]));
+    const mesh::LatticePoint& b = mesh.at(mesh.point(to));
+    const Eigen::Vector2d units(static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y));
+    return Eigen::Vector2d(material_from_rest_ * (mesh.lattice().spacing * units));
+  };
+  Eigen::Matrix2d Dm;
+  Dm.col(0) = edge(vertices[1]);
+  Dm.col(1) = edge(vertices[2]);
+  const double area = 0.5 * Dm.determinant();
+  KERF_CHECK(area > 0.0, "a solid triangle has positive rest area");
+  write_element(slot, vertices, Dm.inverse(), area);
+}
+
+void Model::write_element(TriangleId slot, const std::array<VertexId, 3>& vertices, const Eigen::Matrix2d& Dm_inv,
+                          double area) {
   ElementBlock& block = blocks_[block_of(slot)];
   const std::size_t l = lane_of(slot);
-  std::array<VertexId, 3> vertices{0, 0, 0};
-  Eigen::Matrix2d Dm_inv = Eigen::Matrix2d::Zero();
-  double area = 0.0;
-  if (mesh.is_solid(slot)) {
-    vertices = mesh.vertices(slot);
-    // Lattice differences are exact, those of positions are not where the sheet lies far from the origin.
-    const auto edge = [&](VertexId to) {
-      const mesh::LatticePoint& a = mesh.at(mesh.point(vertices[0]));
-      const mesh::LatticePoint& b = mesh.at(mesh.point(to));
-      const Eigen::Vector2d units(static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y));
-      return Eigen::Vector2d(material_from_rest_ * (mesh.lattice().spacing * units));
-    };
-    Eigen::Matrix2d Dm;
-    Dm.col(0) = edge(vertices[1]);
-    Dm.col(1) = edge(vertices[2]);
-    area = 0.5 * Dm.determinant();
-    KERF_CHECK(area > 0.0, "a solid triangle has positive rest area");
-    Dm_inv = Dm.inverse();
-  }
   for (std::size_t c = 0; c < 2; ++c) {
     block.g1[c][l] = Dm_inv(0, static_cast<Eigen::Index>(c));
     block.g2[c][l] = Dm_inv(1, static_cast<Eigen::Index>(c));
@@ -216,7 +243,9 @@ MassChange Model::set_masses() {
   return change;
 }
 
-void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
+void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten,
+                        const std::vector<VertexId>& bereft) {
+  for (const VertexId v : bereft) rows_.insert(v);
   // Of a neighbour's patch one vertex is a corner of the rewritten slot.
   patched_.clear();
   for (const TriangleId slot : rewritten) {
@@ -228,7 +257,7 @@ void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<Triang
   }
   const auto add_rows = [&](const BendingPatch& patch) {
     for (const VertexId v : patch.vertex) {
-      if (v != mesh::kNone) rows_.insert(v);
+      if (v != mesh::kNone && v < mesh.num_vertices()) rows_.insert(v);
     }
   };
   for (const TriangleId slot : patched_.members()) {

@@ -60,6 +60,10 @@ class Model {
   // Follows an edit the mesh has already made; recomputes the rewritten slots, the bending patches that touch them and
   // the masses near them, nothing else. Equal to a fresh Model(mesh, material()).
   MassChange apply(const mesh::TriangleMesh& mesh, const mesh::MeshEdit& edit);
+  // The same for any number of edits, made or taken back, by the slots that they rewrote: `rewritten` is sorted and
+  // unique, and holds all of those that the mesh still has. Where the mesh has fewer slots and vertices than the model,
+  // the last ones go.
+  MassChange follow(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten);
 
   [[nodiscard]] int num_vertices() const { return static_cast<int>(mass_.size()); }
   [[nodiscard]] int num_slots() const { return num_slots_; }
@@ -95,16 +99,25 @@ class Model {
   [[nodiscard]] std::uint64_t hash() const;
 
  private:
-  // Rewrites the slots and the incidence of their vertices; leaves those vertices, old and new, in touched_.
-  void set_elements(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten);
+  // Empties the slots that the mesh no longer has; returns the vertices of their triangles and patches that it still
+  // has, in any order, repeated.
+  std::vector<mesh::VertexId> drop_slots(const mesh::TriangleMesh& mesh);
+  // Rewrites the slots and the incidence of their vertices; leaves those vertices, old and new, and those `bereft` of a
+  // slot in touched_.
+  void set_elements(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten,
+                    const std::vector<mesh::VertexId>& bereft);
   void set_incidence(const std::vector<mesh::TriangleId>& rewritten);
   void resize(const mesh::TriangleMesh& mesh);
   void set_element(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
+  void write_element(mesh::TriangleId slot, const std::array<mesh::VertexId, 3>& vertices,
+                     const Eigen::Matrix2d& Dm_inv, double area);
   void set_lumped_mass(mesh::VertexId vertex);
   // Takes the lumped masses over into mass_, redistributed.
   MassChange set_masses();
-  // Makes the patches of the rewritten slots and of their neighbours, and sums the rows they are in, left in rows_.
-  void set_bending(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten);
+  // Makes the patches of the rewritten slots and of their neighbours, and sums the rows they are in and those of
+  // `bereft`, left in rows_.
+  void set_bending(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten,
+                   const std::vector<mesh::VertexId>& bereft);
   [[nodiscard]] BendingPatch make_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
   // Row `vertex` of Q: the sum over the patches that the vertex is in, by ascending slot.
   void sum_bending_row(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);

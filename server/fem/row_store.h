@@ -20,9 +20,10 @@ class RowStore {
     return {entries_.data() + r.begin, r.size};
   }
 
-  // New rows are empty; never shrinks.
+  // New rows are empty; rows beyond are dropped.
   void resize(int num_rows) {
-    if (num_rows > this->num_rows()) rows_.resize(static_cast<std::size_t>(num_rows));
+    for (int i = num_rows; i < this->num_rows(); ++i) num_entries_ -= rows_[static_cast<std::size_t>(i)].size;
+    rows_.resize(static_cast<std::size_t>(num_rows));
   }
 
   // Invalidates spans of rows.

@@ -101,6 +101,7 @@ class Host::Impl {
 
   [[nodiscard]] std::vector<SheetStatus> statuses(const std::vector<std::string>& ids) const;
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
+  void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, const Callback<Nothing>& done);
 
   void release_grab(const std::string& id, std::string grab_id) {
     if (const std::shared_ptr<SheetRunner> runner = find(id)) runner->release_grab(std::move(grab_id));
@@ -219,6 +220,18 @@ void Host::Impl::submit(const std::string& id, sheet::Command command, Callback<
   done(accepted.error());
 }
 
+void Host::Impl::schedule(const std::string& id, sheet::Command command, std::int64_t at_tick,
+                          const Callback<Nothing>& done) {
+  const auto answer = [this, done](Status status) {
+    if (!status) board_.update([](HostMetrics& m) { ++m.commands_refused; });
+    done(std::move(status));
+  };
+  if (Status valid = sheet::validate(command); !valid) return answer(valid);
+  on_strand<Nothing>(id, answer, [command = std::move(command), at_tick, answer](SheetRunner& r) mutable {
+    answer(r.schedule(std::move(command), at_tick));
+  });
+}
+
 Host::Host(HostOptions options, Clock& clock, Entropy& entropy)
     : impl_(std::make_unique<Impl>(std::move(options), clock, entropy)) {}
 
@@ -248,6 +261,14 @@ std::vector<SheetStatus> Host::statuses(const std::vector<std::string>& ids) con
 
 void Host::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {
   impl_->submit(id, std::move(command), std::move(done));
+}
+
+void Host::schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<Nothing> done) {
+  impl_->schedule(id, std::move(command), at_tick, done);
+}
+
+void Host::scheduled(const std::string& id, Callback<std::vector<sheet::ScheduledCommand>> done) {
+  impl_->on_strand(id, done, [done](SheetRunner& r) { done(r.scheduled()); });
 }
 
 void Host::set_command_listener(CommandListener listener) {

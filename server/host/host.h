@@ -27,6 +27,7 @@ struct HostOptions {
   std::int32_t max_sheets = 64;                               // >= 1
   std::int32_t max_vertices_per_sheet = sheet::kMaxVertices;  // a config's own limit may be lower
   std::int32_t max_queued_commands = 64;                      // a sheet, >= 1
+  std::int32_t max_scheduled_commands = 64;                   // a sheet: of schedule(), waiting for their tick, >= 1
   std::int32_t max_step_ticks = 100'000;                      // a call of step()
   // Where a new sheet's recording goes; null, or a null result: nowhere.
   std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;
@@ -69,9 +70,10 @@ struct CommandResult {
   CommandTimings timings;
 };
 
-// Told of a command that was done, on the sheet's strand. Must not block.
-using CommandListener =
-    std::function<void(const std::string& id, const sheet::Command& command, const CommandResult& result)>;
+// What became of a command, on the sheet's strand. `at_tick`: of a command that was to be done at a tick of its own, by
+// schedule() or by its scene, that tick; 0 else. Must not block.
+using CommandListener = std::function<void(const std::string& id, const sheet::Command& command,
+                                           const Result<CommandResult>& result, std::int64_t at_tick)>;
 
 // Called exactly once: on a worker thread, or from within the call for what is refused at once. Must not block.
 template <typename T>
@@ -115,8 +117,16 @@ class Host {
   // time. Wakes a sleeping sheet. kResourceExhausted QUEUE_FULL at once; validate()'s errors at once; else what the
   // sheet says.
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
-  // Every command that is done from now on, submitted or scheduled by a scene, in the order in which a sheet does them
-  // and before it is answered. Replaces the listener before; begin with it, and it misses nothing.
+  // The same at the start of tick `at_tick`, ahead of what is queued then; commands of one tick in the order of these
+  // calls. `done` is called as soon as that is settled; of what comes of it the listener is told. A sheet with such a
+  // command does not fall asleep; a Reset does not take it back. validate()'s errors; kFailedPrecondition TICK_PAST,
+  // field "at_tick", for a tick that is not ahead; kResourceExhausted TOO_MANY_SCHEDULED.
+  void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<Nothing> done);
+  // Those that wait, by tick.
+  void scheduled(const std::string& id, Callback<std::vector<sheet::ScheduledCommand>> done);
+  // Is told of every command that is done from now on, in the order in which a sheet does them and before it is
+  // answered, and of those with a tick of their own that are refused when it comes, whom nobody else is told of.
+  // Replaces the listener before; begin with it, and it misses nothing.
   void set_command_listener(CommandListener listener);
   // Queues a release, be the queue full or not: for whoever was given the grab and goes away, once a grab. Does nothing
   // where the sheet, or with a reset the grab, is gone.

@@ -147,6 +147,32 @@ void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop
   if (!turn_posted_) take_turn();  // else the turn that an ended call left behind serves this one
 }
 
+Status SheetRunner::schedule(sheet::Command command, std::int64_t at_tick) {
+  if (at_tick <= sheet_.tick()) {
+    return Error{ErrorCode::kFailedPrecondition, "TICK_PAST",
+                 "at_tick is " + std::to_string(at_tick) + "; the sheet has done tick " +
+                     std::to_string(sheet_.tick()) + " already: name a later one",
+                 "at_tick"};
+  }
+  const auto limit = static_cast<std::size_t>(context_.options.max_scheduled_commands);
+  if (scheduled_.size() >= limit) {
+    return Error{ErrorCode::kResourceExhausted, "TOO_MANY_SCHEDULED",
+                 "the sheet has " + std::to_string(limit) +
+                     " commands waiting for their tick, its limit; try again when one is done",
+                 "at_tick"};
+  }
+  const auto after = std::upper_bound(
+      scheduled_.begin(), scheduled_.end(), at_tick,
+      [](std::int64_t tick, const sheet::ScheduledCommand& scheduled) { return tick < scheduled.tick; });
+  scheduled_.insert(after, {at_tick, std::move(command)});
+  if (sleeping_) {
+    sleeping_ = false;
+    note_state();
+    start_clock();
+  }
+  return Nothing{};
+}
+
 void SheetRunner::add_sink(std::shared_ptr<sheet::SnapshotSink> sink) {
   context_.board.update([](HostMetrics& m) { ++m.sinks; });
   sinks_.push_back(std::move(sink));
@@ -213,7 +239,7 @@ void SheetRunner::on_deadline(std::uint64_t generation) {
   if (sheet_.frozen()) {
     stop_clock();
     note_state();
-  } else if (sheet_.at_rest()) {
+  } else if (sheet_.at_rest() && scheduled_.empty()) {
     stop_clock();
     sleeping_ = true;
     context_.board.update([](HostMetrics& m) { ++m.sleeps; });

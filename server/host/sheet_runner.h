@@ -63,6 +63,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void pause();
   Status resume();
   void step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop);
+  Status schedule(sheet::Command command, std::int64_t at_tick);
+  [[nodiscard]] const std::vector<sheet::ScheduledCommand>& scheduled() const { return scheduled_; }
   void add_sink(std::shared_ptr<sheet::SnapshotSink> sink);
   void remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   [[nodiscard]] SheetStatus status() const;
@@ -73,6 +75,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     sheet::Command command;
     Callback<CommandResult> done;
     Nanoseconds queued_at{0};
+    std::int64_t at_tick = 0;  // of one that was scheduled
   };
   struct StepCall {
     std::int64_t remaining = 0;
@@ -87,12 +90,14 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void take_turn();
   bool run_once(bool advance);
   std::vector<Pending> take_queue();
+  // Those of schedule() whose tick is the next one.
+  std::vector<Pending> take_due();
   // Of all commands of the tick, scheduled ones first.
   static std::vector<Result<CommandResult>> results_of(const sheet::TickReport& report,
                                                        const std::vector<Pending>& pending, Nanoseconds drained_at,
                                                        const StageTimer& timer);
-  void tell(const std::vector<sheet::Command>& commands, const sheet::TickReport& report,
-            const std::vector<Result<CommandResult>>& results) const;
+  void tell(const std::vector<sheet::Command>& commands, const std::vector<Pending>& pending,
+            const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results) const;
   void count(const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results, Nanoseconds wall,
              Nanoseconds cpu);
   void publish();
@@ -123,6 +128,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   Pace pace_;
   std::vector<std::shared_ptr<sheet::SnapshotSink>> sinks_;
   std::shared_ptr<sheet::RecordingSink> recording_;
+  std::vector<sheet::ScheduledCommand> scheduled_;  // by tick, equal ticks in the order they came
   std::optional<StepCall> step_call_;
   bool turn_posted_ = false;  // a take_turn() is on its way
   std::optional<TimerId> timer_;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <iterator>
 #include <utility>
 #include <variant>
 
@@ -22,7 +23,9 @@ double microseconds(Nanoseconds time) {
 bool SheetRunner::run_once(bool advance) {
   const Nanoseconds begin = context_.clock.now();
   const Nanoseconds cpu_begin = context_.clock.thread_cpu();
-  std::vector<Pending> pending = take_queue();
+  std::vector<Pending> pending = advance && !sheet_.frozen() ? take_due() : std::vector<Pending>();
+  std::vector<Pending> queued = take_queue();
+  std::move(queued.begin(), queued.end(), std::back_inserter(pending));
   if (!advance && pending.empty()) return false;
   std::vector<sheet::Command> commands;
   commands.reserve(pending.size());
@@ -35,7 +38,7 @@ bool SheetRunner::run_once(bool advance) {
   const auto is_reset = [](const sheet::Command& command) { return std::holds_alternative<sheet::Reset>(command); };
   if (step_call_ && std::any_of(commands.begin(), commands.end(), is_reset)) step_call_->remaining = 0;
   const std::vector<Result<CommandResult>> results = results_of(report, pending, begin, timer);
-  tell(commands, report, results);
+  tell(commands, pending, report, results);
   if (recording_) recording_->append({report.tick, std::move(commands), sheet_.state_hash()});
   const Nanoseconds cpu = context_.clock.thread_cpu() - cpu_begin;
   const Nanoseconds end = context_.clock.now();
@@ -88,22 +91,35 @@ std::vector<Result<CommandResult>> SheetRunner::results_of(const sheet::TickRepo
         CommandResult{*reply, {microseconds(queued), microseconds(time.cut), microseconds(time.update)}});
   };
   for (const sheet::ScheduledReply& scheduled : report.scheduled) add(scheduled.reply, Nanoseconds{0});
-  for (std::size_t i = 0; i < pending.size(); ++i) add(report.replies[i], drained_at - pending[i].queued_at);
+  for (std::size_t i = 0; i < pending.size(); ++i) {
+    add(report.replies[i], pending[i].at_tick > 0 ? Nanoseconds{0} : drained_at - pending[i].queued_at);
+  }
   return results;
 }
 
-void SheetRunner::tell(const std::vector<sheet::Command>& commands, const sheet::TickReport& report,
-                       const std::vector<Result<CommandResult>>& results) const {
+std::vector<SheetRunner::Pending> SheetRunner::take_due() {
+  std::vector<Pending> due;
+  auto next = scheduled_.begin();
+  for (; next != scheduled_.end() && next->tick <= sheet_.tick() + 1; ++next) {
+    due.push_back({std::move(next->command), [](const auto&) {}, Nanoseconds{0}, next->tick});
+  }
+  scheduled_.erase(scheduled_.begin(), next);
+  return due;
+}
+
+void SheetRunner::tell(const std::vector<sheet::Command>& commands, const std::vector<Pending>& pending,
+                       const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results) const {
   if (results.empty()) return;
   const std::shared_ptr<const CommandListener> listener = context_.listener.get();
   if (!listener || !*listener) return;
   const std::size_t num_scheduled = report.scheduled.size();
-  for (std::size_t i = 0; i < results.size(); ++i) {
-    if (!results[i]) continue;
-    const bool scheduled = i < num_scheduled;
-    (*listener)(id_,
-                scheduled ? sheet_.config().commands[report.scheduled[i].index].command : commands[i - num_scheduled],
-                *results[i]);
+  for (std::size_t i = 0; i < num_scheduled; ++i) {
+    const sheet::ScheduledCommand& of_scene = sheet_.config().commands[report.scheduled[i].index];
+    (*listener)(id_, of_scene.command, results[i], of_scene.tick);
+  }
+  for (std::size_t i = num_scheduled; i < results.size(); ++i) {
+    const std::int64_t at_tick = pending[i - num_scheduled].at_tick;
+    if (results[i] || at_tick > 0) (*listener)(id_, commands[i - num_scheduled], results[i], at_tick);
   }
 }
 
@@ -124,7 +140,7 @@ void SheetRunner::count(const sheet::TickReport& report, const std::vector<Resul
     m.commands += num_done;
     m.commands_refused += num_refused;
     for (const Result<CommandResult>& result : results) {
-      if (!result || !result->reply.cut) continue;
+      if (!result || !(result->reply.cut || !result->reply.batch.empty())) continue;
       m.cut_duration.add(1.0e-6 * (result->timings.cut_us + result->timings.update_us));
     }
     m.contact_phases += sheet_.contact_phases() - contact_phases_;

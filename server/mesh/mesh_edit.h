@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include <Eigen/Core>
@@ -24,6 +25,9 @@ struct MeshEdit {
   std::vector<VertexSource> moved_vertices;     // existed before; their rest position changed (relaxation)
   std::vector<TriangleId> rewritten_triangles;  // slots whose vertices, rest shape or solidity changed, or whose
                                                 // neighbours did; new slots included; sorted, unique
+  // Of each new piece, numbers consecutive from the former num_pieces(): the number of the piece that it was part of
+  // before the edit, which goes on in one of its parts.
+  std::vector<std::int32_t> split_from;
 
   [[nodiscard]] bool empty() const {
     return added_vertices.empty() && moved_vertices.empty() && rewritten_triangles.empty();

@@ -15,6 +15,30 @@ void UndoLog::undo(TriangleMesh& mesh) const {
   restore(mesh);
 }
 
+UndoLog UndoLog::inverse(const TriangleMesh& mesh) const {
+  const MeshRecords& now = mesh.records();
+  UndoLog log;
+  log.num_points = num_points_after;
+  log.num_vertices = num_vertices_after;
+  log.num_triangle_slots = num_triangle_slots_after;
+  log.num_solid_triangles = now.num_solid_triangles;
+  log.num_pieces = now.num_pieces;
+  log.num_points_after = num_points;
+  log.num_vertices_after = num_vertices;
+  log.num_triangle_slots_after = num_triangle_slots;
+  const auto keep = [](const auto& overwritten, std::int32_t first_new, const auto& records, auto& kept) {
+    const auto end = static_cast<std::int32_t>(records.size());
+    kept.reserve(overwritten.size() + static_cast<std::size_t>(end - first_new));
+    for (const auto& entry : overwritten)
+      kept.emplace_back(entry.first, records[static_cast<std::size_t>(entry.first)]);
+    for (std::int32_t i = first_new; i < end; ++i) kept.emplace_back(i, records[static_cast<std::size_t>(i)]);
+  };
+  keep(points, num_points, now.points, log.points);
+  keep(vertices, num_vertices, now.vertices, log.vertices);
+  keep(triangles, num_triangle_slots, now.triangles, log.triangles);
+  return log;
+}
+
 void UndoLog::restore(TriangleMesh& mesh) const {
   MeshRecords& records = mesh.records_;
   records.points.resize(static_cast<std::size_t>(num_points));
@@ -125,6 +149,7 @@ CommittedEdit MeshEditor::commit() {
   for (const Birth& birth : births_) done.edit.added_vertices.push_back(source_of(birth));
   done.edit.moved_vertices = moved_sources();
   done.edit.rewritten_triangles = rewritten_triangles();
+  done.edit.split_from = std::move(split_from_);
   finished_ = true;
   log_.num_points_after = mesh_.num_points();
   log_.num_vertices_after = mesh_.num_vertices();

@@ -28,6 +28,10 @@ struct UndoLog {
   // Restores `mesh` bit for bit to what it was before the edit, which must be the last one not yet undone. O(touched).
   void undo(TriangleMesh& mesh) const;
 
+  // The log that takes this one back: made of `mesh` as the edit left it, its undo() makes the edit again, bit for bit,
+  // once this one has been undone. O(touched).
+  [[nodiscard]] UndoLog inverse(const TriangleMesh& mesh) const;
+
  private:
   friend class MeshEditor;
   void restore(TriangleMesh& mesh) const;
@@ -210,11 +214,12 @@ class MeshEditor {
   // Slot or point -> its entry in the log; looked up, never iterated.
   std::unordered_map<TriangleId, std::size_t> triangle_entry_;
   std::unordered_map<PointId, std::size_t> point_entry_;
-  std::vector<TriangleId> parents_;  // of new slots: the slot before the edit that they were split from
-  std::vector<Lip> lips_;            // of new points
-  std::vector<PointId> pending_;     // points to open, may repeat
-  std::vector<PointId> moved_;       // old points that move_point was called on, may repeat
-  std::vector<Birth> births_;        // by VertexId - log_.num_vertices
+  std::vector<TriangleId> parents_;       // of new slots: the slot before the edit that they were split from
+  std::vector<Lip> lips_;                 // of new points
+  std::vector<PointId> pending_;          // points to open, may repeat
+  std::vector<PointId> moved_;            // old points that move_point was called on, may repeat
+  std::vector<Birth> births_;             // by VertexId - log_.num_vertices
+  std::vector<std::int32_t> split_from_;  // see MeshEdit
 };
 
 }  // namespace kerf::mesh

@@ -156,6 +156,9 @@ void MeshEditor::label_pieces() {
     }
   }
   for (const std::vector<TriangleId>& component : split_off_components(mesh_, seeds)) {
+    const std::int32_t parent = mesh_.piece(component.front());
+    split_from_.push_back(parent < log_.num_pieces ? parent
+                                                   : split_from_[static_cast<std::size_t>(parent - log_.num_pieces)]);
     const std::int32_t piece = mesh_.records_.num_pieces++;
     for (const TriangleId t : component) touch_triangle(t).piece = piece;
   }

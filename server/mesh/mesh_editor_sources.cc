@@ -5,21 +5,11 @@
 #include <limits>
 
 #include "server/base/check.h"
+#include "server/mesh/barycentric.h"
 #include "server/mesh/mesh_editor.h"
 #include "server/mesh/mesh_walk.h"
 
 namespace kerf::mesh {
-namespace {
-
-// Barycentric coordinates of p in (a, b, c), from exact areas, clamped to >= 0 and scaled to sum 1.
-Eigen::Vector3d barycentric(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c,
-                            const LatticePoint& p) {
-  const auto share = [](Int128 area) { return area > 0 ? static_cast<double>(area) : 0.0; };
-  const Eigen::Vector3d areas(share(doubled_area(b, c, p)), share(doubled_area(c, a, p)), share(doubled_area(a, b, p)));
-  return areas / (areas.x() + areas.y() + areas.z());
-}
-
-}  // namespace
 
 // The solid slot of the mesh before the edit that holds p; where p was rounded out of the sheet, the solid slot beside.
 TriangleId MeshEditor::locate_in_old(const LatticePoint& p, TriangleId start) const {

@@ -47,8 +47,9 @@ struct SegmentWalk {
 // along, across or into an older cut is no special case, and two lips always match. Void triangles surround the sheet
 // and fill its holes up to a square domain, so that the fan of every point of the sheet is closed.
 //
-// Slots, points and vertices are never deleted and ids never reused. A mesh as built has its solid triangles in slots
-// 0..T-1 and its vertices 0..V-1, both in input order, the void slots after them.
+// Slots, points and vertices are never deleted and ids never reused, but that an undo takes back the last ones. A mesh
+// as built has its solid triangles in slots 0..T-1 and its vertices 0..V-1, both in input order, the void slots after
+// them.
 //
 // A plain value: a copy is an exact snapshot. All changes go through MeshEditor.
 //

@@ -1,5 +1,7 @@
 #include "server/sheet/command.h"
 
+#include <string_view>
+
 #include "server/sheet/field_checks.h"
 
 namespace kerf::sheet {
@@ -46,6 +48,25 @@ Status validate_command(const Cut& cut) {
   return cut::validate(*cut.view);
 }
 
+Status validate_command(const CutBatch& batch) {
+  if (batch.cuts.empty()) {
+    return invalid_argument("EMPTY", "cut_batch.cuts must hold at least one cut", "cut_batch.cuts");
+  }
+  if (Status s = check_count(batch.cuts.size(), kMaxBatchCuts, "cuts", "cut_batch.cuts"); !s) return s;
+  for (std::size_t i = 0; i < batch.cuts.size(); ++i) {
+    if (Status s = validate_command(batch.cuts[i]); !s) return in_batch(s.error(), i);
+  }
+  return Nothing{};
+}
+
+Status validate_command(const UndoCut& /*undo*/) {
+  return Nothing{};
+}
+
+Status validate_command(const RedoCut& /*redo*/) {
+  return Nothing{};
+}
+
 Status validate_command(const Grab& grab) {
   if (Status s = check_grab_id(grab.grab_id, "grab.grab_id"); !s) return s;
   if (const auto* vertex = std::get_if<mesh::VertexId>(&grab.point)) {
@@ -86,6 +107,15 @@ Status validate_command(const Reset& /*reset*/) {
 }
 
 }  // namespace
+
+Error in_batch(Error error, std::size_t index) {
+  constexpr std::string_view kCut = "cut";
+  const std::string path = "cut_batch.cuts[" + std::to_string(index) + "]";
+  const bool is_path = error.field.starts_with(kCut);
+  error.field = is_path ? path + error.field.substr(kCut.size()) : path;
+  error.message = "cut " + std::to_string(index) + " of the batch: " + error.message;
+  return error;
+}
 
 Status validate(const std::vector<PinRegion>& pins, const std::string& field) {
   if (Status s = check_count(pins.size(), kMaxPinRegions, "pin regions", field); !s) return s;

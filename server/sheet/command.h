@@ -11,6 +11,7 @@
 #include "server/base/result.h"
 #include "server/cut/cut.h"
 #include "server/mesh/ids.h"
+#include "server/sheet/lineage.h"
 
 // What can be asked of a running sheet, and the answers: kerf.v1.Command without Protocol Buffers. Each takes effect
 // whole at a tick boundary, or is refused and changes nothing.
@@ -19,6 +20,7 @@ namespace kerf::sheet {
 inline constexpr std::size_t kMaxPinRegions = 64;
 inline constexpr std::size_t kMaxPinnedVertexIds = 1'000'000;  // in all vertex lists of one request together
 inline constexpr std::size_t kMaxGrabs = 64;
+inline constexpr std::size_t kMaxBatchCuts = 4096;  // of one CutBatch
 inline constexpr std::size_t kMaxGrabIdBytes = 63;
 inline constexpr double kMaxMaterialCoordinate = 1.0e4;  // m
 inline constexpr double kMaxWorldCoordinate = 1.0e6;     // m, a component of any world vector
@@ -66,6 +68,22 @@ struct Cut {
   std::optional<cut::View> view;             // present: the curve is in pixels of this picture
 };
 
+// Cuts done one after another as one: all of them, with one topology version and one step to undo, or, where one is
+// refused, none. A cut that meets no sheet (kNoIntersection) is no refusal.
+struct CutBatch {
+  std::vector<Cut> cuts;  // 1..kMaxBatchCuts
+};
+
+// Takes the last Cut or CutBatch that is not undone back: mesh and rest state bit for bit; what moves goes on moving
+// (see fem::revert_state). Pins that the cut's vertices inherited go with them; a vertex that a pinned one joins is
+// pinned; a grab of a vertex that goes holds the same material point from then on. Refused with kFailedPrecondition
+// NOTHING_TO_UNDO, or UNDO_FORGOTTEN beyond what is kept (see UndoHistory).
+struct UndoCut {};
+
+// Makes the cut that was undone last again: the mesh is what it was before the undo, bit for bit. An applied cut and a
+// Reset leave nothing to redo: kFailedPrecondition NOTHING_TO_REDO.
+struct RedoCut {};
+
 // Ties a point of the sheet to a moving target by a stiff spring. The point stays the same material point through later
 // cuts.
 struct Grab {
@@ -101,21 +119,35 @@ struct SetWind {
 // and scheduled commands are not repeated.
 struct Reset {};
 
+// The error of a Cut as that of number `index` of a CutBatch.
+Error in_batch(Error error, std::size_t index);
+
 // Ranges only; whether a listed vertex exists is the sheet's to say. `field`: the path of the list ("pins").
 Status validate(const std::vector<PinRegion>& pins, const std::string& field);
 Status validate(const Wind& wind, const std::string& field);
 
-using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetWind, Reset>;
+using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetWind, Reset, CutBatch, UndoCut, RedoCut>;
 
 // Everything that can be said of a command without a sheet. Errors are kInvalidArgument with the field named as in
-// kerf.v1.Command ("cut.curve.bezier.points[1].x", "grab.stiffness_npm"); a Sheet checks the rest.
+// kerf.v1.Command ("cut.curve.bezier.points[1].x", "cut_batch.cuts[3].curve.circle.radius_m", "grab.stiffness_npm"); a
+// Sheet checks the rest.
 Status validate(const Command& command);
 
 // Part of a CommandReply.
 struct CutReply {
   cut::CutStatus status = cut::CutStatus::kNoIntersection;
-  cut::CutReport report;              // all zero on kNoIntersection, but for `pieces`
-  std::vector<std::string> warnings;  // gaps closed, dust merged, refinement stopped: for people
+  cut::CutReport report;                 // all zero on kNoIntersection, but for `pieces`
+  std::vector<std::string> warnings;     // gaps closed, dust merged, refinement stopped: for people
+  std::int64_t number = 0;               // 1, 2, ... for the sheet's applied cuts, never given twice; 0 unless applied
+  std::vector<SplitPiece> split_pieces;  // that the cut made fall apart, by id
+};
+
+// Part of a CommandReply: of an UndoCut or RedoCut.
+struct UndoReply {
+  std::vector<std::int64_t> cuts;  // numbers of those undone or made again, ascending
+  std::int32_t pieces = 0;         // of the whole sheet
+  std::int32_t undo_steps = 0;     // that can be undone after it
+  std::int32_t redo_steps = 0;     // that can be made again after it
 };
 
 // What a command that was done answers. `tick` and `state_hash` name one state: the sheet as it was when the step (or
@@ -125,6 +157,8 @@ struct CommandReply {
   std::int32_t topology_version = 0;  // right after the command
   std::uint64_t state_hash = 0;       // Sheet::state_hash() at the end of that tick
   std::optional<CutReply> cut;        // of a Cut
+  std::vector<CutReply> batch;        // of a CutBatch, one a cut; `pieces` of each are those of the sheet after it
+  std::optional<UndoReply> undone;    // of an UndoCut or RedoCut
 };
 
 }  // namespace kerf::sheet

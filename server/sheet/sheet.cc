@@ -54,6 +54,7 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       dt(1.0 / config->tick_rate_hz),
       mesh(initial->mesh),
       state{initial->positions, Eigen::Matrix3Xd::Zero(3, initial->positions.cols())},
+      lineage(mesh.num_pieces()),
       model(mesh, config->material),
       integrator(std::move(make_integrator), integrator_options(*config)),
       topology(full_topology(mesh, topology_version)) {
@@ -285,6 +286,13 @@ std::int64_t Sheet::contact_phases() const {
 }
 std::int64_t Sheet::num_cuts() const {
   return impl_->num_cuts;
+}
+const UndoHistory& Sheet::history() const {
+  return impl_->history;
+}
+std::vector<Piece> Sheet::pieces() const {
+  return measure_pieces(impl_->mesh, impl_->lineage.pieces(), impl_->state.x,
+                        impl_->config->material.density * impl_->config->material.thickness);
 }
 const std::string& Sheet::integrator_description() const {
   return impl_->integrator_description;

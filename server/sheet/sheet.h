@@ -20,6 +20,7 @@
 #include "server/sheet/command.h"
 #include "server/sheet/sheet_config.h"
 #include "server/sheet/snapshot.h"
+#include "server/sheet/undo_history.h"
 
 namespace kerf::sheet {
 
@@ -121,7 +122,8 @@ class Sheet {
   [[nodiscard]] std::shared_ptr<const SheetConfig> shared_config() const;
   [[nodiscard]] std::int64_t tick() const;              // ticks done
   [[nodiscard]] double dt() const;                      // s
-  [[nodiscard]] std::int32_t topology_version() const;  // 1 at first; + 1 with each applied cut and each reset
+  [[nodiscard]] std::int32_t topology_version() const;  // 1 at first; + 1 with each applied cut or batch, undo, redo
+                                                        // and reset
   [[nodiscard]] std::int32_t settings_version() const;  // + 1 with each change of pins, gravity or wind
   [[nodiscard]] const mesh::TriangleMesh& mesh() const;
   [[nodiscard]] const fem::Model& model() const;                             // of mesh() and the config's material
@@ -130,8 +132,10 @@ class Sheet {
   [[nodiscard]] const Wind& wind() const;                                    // in force
   [[nodiscard]] const std::vector<mesh::VertexId>& pinned_vertices() const;  // sorted, unique
   [[nodiscard]] const std::vector<GrabState>& grabs() const;                 // in the order they were made
-  [[nodiscard]] std::int64_t contact_phases() const;                // substeps in which colliders were looked at
-  [[nodiscard]] std::int64_t num_cuts() const;                      // cuts applied since creation
+  [[nodiscard]] std::int64_t contact_phases() const;  // substeps in which colliders were looked at
+  [[nodiscard]] std::int64_t num_cuts() const;        // cuts applied since creation, those made again included
+  [[nodiscard]] const UndoHistory& history() const;   // what can be undone and redone
+  [[nodiscard]] std::vector<Piece> pieces() const;    // as they are, by label. O(slots)
   [[nodiscard]] const std::string& integrator_description() const;  // which one runs and why
   [[nodiscard]] Energies energies() const;
 

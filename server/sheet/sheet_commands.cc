@@ -1,9 +1,7 @@
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 #include "server/cut/cut.h"
-#include "server/fem/transfer.h"
 #include "server/sheet/material_point.h"
 #include "server/sheet/pins.h"
 #include "server/sheet/sheet_impl.h"
@@ -15,39 +13,6 @@ namespace {
 
 // Skin friction beside pressure drag: the ratio of fem's default coefficients for cloth.
 constexpr double kTangentialShare = 1.0 / 60.0;
-
-// The point of edge k of t nearest to `at`.
-MaterialPoint nearest_on_edge(const mesh::TriangleMesh& mesh, mesh::TriangleId t, int k, const Eigen::Vector2d& at) {
-  MaterialPoint point;
-  point.vertices = {mesh.vertices(t)[mesh::next_corner(k)], mesh.vertices(t)[mesh::previous_corner(k)],
-                    mesh.vertices(t)[static_cast<std::size_t>(k)]};
-  const Eigen::Vector2d a = mesh.rest_position(point.vertices[0]);
-  const Eigen::Vector2d along = mesh.rest_position(point.vertices[1]) - a;
-  const double share = std::clamp((at - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  point.weights = {1.0 - share, share, 0.0};
-  return point;
-}
-
-// Where `at` is held when a cut has left it in the void: a border edge that a cut splits is rounded to the lattice and
-// may bow inwards by half a unit, so material that lay exactly on it is then outside. Of equally near points, that of
-// the lowest slot.
-MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at) {
-  MaterialPoint nearest;
-  double least = std::numeric_limits<double>::infinity();
-  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      if (!mesh.is_solid(t) || mesh.neighbour(t, k) != mesh::kNone) continue;
-      const MaterialPoint point = nearest_on_edge(mesh, t, k, at);
-      const double distance = (point.weights[0] * mesh.rest_position(point.vertices[0]) +
-                               point.weights[1] * mesh.rest_position(point.vertices[1]) - at)
-                                  .squaredNorm();
-      if (!(distance < least)) continue;  // also where the ends of a tiny edge round to one position, and it is NaN
-      least = distance;
-      nearest = point;
-    }
-  }
-  return nearest;
-}
 
 Error unknown_grab(const std::string& grab_id, const std::string& field) {
   return {ErrorCode::kNotFound, "GRAB_NOT_FOUND", "the sheet has no grab \"" + grab_id + "\"", field};
@@ -78,6 +43,9 @@ Result<CommandReply> Sheet::Impl::do_command(const Command& command, const Comma
   quiet_ticks = 0;
   if (Status s = validate(command); !s) return s.error();
   if (const auto* c = std::get_if<Cut>(&command)) return cut(*c, context);
+  if (const auto* b = std::get_if<CutBatch>(&command)) return cut_batch(*b, context);
+  if (std::holds_alternative<UndoCut>(command)) return undo_cut(context);
+  if (std::holds_alternative<RedoCut>(command)) return redo_cut(context);
   Status done = Nothing{};
   if (const auto* g = std::get_if<Grab>(&command)) {
     done = grab(*g);
@@ -102,7 +70,7 @@ Result<CommandReply> Sheet::Impl::do_command(const Command& command, const Comma
   return reply;
 }
 
-Result<CommandReply> Sheet::Impl::cut(const Cut& cut, const CommandContext& context) {
+cut::CutRequest Sheet::Impl::request_of(const Cut& cut) const {
   cut::CutRequest request;
   request.curve = cut.curve;
   request.options.tolerance = cut.tolerance;
@@ -111,28 +79,16 @@ Result<CommandReply> Sheet::Impl::cut(const Cut& cut, const CommandContext& cont
   request.options.max_vertices = config->max_vertices;
   request.options.fit = cut.fit;
   request.options.dash = cut.dash;
-  request.fixed_vertices = vertices_that_stay();
   request.view = cut.view;
-  request.positions = &state.x;
+  return request;
+}
 
-  const auto carry_out = [&]() -> Result<cut::CutOutcome> {
-    const StageScope scope(context.observer, Stage::kCut, context.index);
-    const Result<cut::CutPlan> plan = cut::plan(mesh, request);
-    if (!plan) return plan.error();
-    return cut::apply(mesh, *plan);
-  };
-  const Result<cut::CutOutcome> outcome = carry_out();
-  if (!outcome) return outcome.error();
-
-  if (outcome->status == cut::CutStatus::kApplied) {
-    const StageScope scope(context.observer, Stage::kModelUpdate, context.index);
-    follow(outcome->edit);
-    ++num_cuts;
-  }
-  CommandReply reply;
-  reply.topology_version = topology_version;
-  reply.cut = CutReply{outcome->status, outcome->report, warnings_of(outcome->report, cut.remarks)};
-  reply.cut->report.pieces = mesh.num_pieces();
+CutReply Sheet::Impl::reply_of(const cut::CutOutcome& outcome, const Cut& cut) const {
+  CutReply reply;
+  reply.status = outcome.status;
+  reply.report = outcome.report;
+  reply.report.pieces = mesh.num_pieces();
+  reply.warnings = warnings_of(outcome.report, cut.remarks);
   return reply;
 }
 
@@ -214,32 +170,13 @@ void Sheet::Impl::reset() {
   set_wind(config->wind);
   pin(initial->pinned);
   rebuild();
+  history.clear();
+  lineage.reset(mesh.num_pieces());
   frozen = false;
   failed_steps = 0;
   ++topology_version;
   ++settings_version;
   topology = full_topology(mesh, topology_version);
-}
-
-// Brings everything that is derived from the mesh up to date with an edit of it.
-void Sheet::Impl::follow(const mesh::MeshEdit& edit) {
-  const fem::MassChange change = model.apply(mesh, edit);
-  fem::transfer_state(edit, model, change, state);
-  std::vector<mesh::VertexId> inherited = pinned;
-  inherit_pins(edit, inherited);
-  // Old pins keep their targets: nothing may have moved them. The new ones are held where they are.
-  for (const fem::Pin& p : loads.pins) state.x.col(p.vertex) = p.target;
-  pin(std::move(inherited));
-  for (GrabState& held : grabs) {
-    if (!held.material) continue;
-    const std::optional<MaterialPoint> found = find_material_point(mesh, *held.material);
-    const MaterialPoint point = found ? *found : nearest_material_point(mesh, *held.material);
-    held.vertices = point.vertices;
-    held.weights = point.weights;
-  }
-  rebuild();
-  ++topology_version;
-  topology = edited_topology(*topology, mesh, edit, topology_version);
 }
 
 // Holds `vertices` (sorted, unique) where they are now.
@@ -264,14 +201,6 @@ void Sheet::Impl::rebuild() {
 
 std::vector<GrabState>::iterator Sheet::Impl::find_grab(const std::string& grab_id) {
   return std::find_if(grabs.begin(), grabs.end(), [&](const GrabState& held) { return held.grab_id == grab_id; });
-}
-
-std::vector<mesh::VertexId> Sheet::Impl::vertices_that_stay() const {
-  std::vector<mesh::VertexId> vertices = pinned;
-  for (const GrabState& held : grabs) {
-    if (!held.material) vertices.push_back(held.vertices[0]);
-  }
-  return vertices;
 }
 
 // N/m. Holds the whole sheet against an acceleration of 1 mm a tick squared with 1 mm of stretch, but is no stiffer

@@ -9,7 +9,9 @@
 
 #include "server/fem/model.h"
 #include "server/sheet/contact_bridge.h"
+#include "server/sheet/lineage.h"
 #include "server/sheet/sheet.h"
+#include "server/sheet/undo_history.h"
 
 namespace kerf::sheet {
 
@@ -80,7 +82,6 @@ struct Sheet::Impl {
 
   // Commands (sheet_commands.cc). Each changes everything it should, or nothing.
   Result<CommandReply> do_command(const Command& command, const CommandContext& context);
-  Result<CommandReply> cut(const Cut& cut, const CommandContext& context);
   Status grab(const Grab& grab);
   Status drag(const Drag& drag);
   Status release(const Release& release);
@@ -88,11 +89,25 @@ struct Sheet::Impl {
   void set_wind(const Wind& value);
   void reset();
 
-  void follow(const mesh::MeshEdit& edit);
+  [[nodiscard]] cut::CutRequest request_of(const Cut& cut) const;  // but for the fixed vertices
+  [[nodiscard]] CutReply reply_of(const cut::CutOutcome& outcome, const Cut& cut) const;
+
+  // Cuts (sheet_cuts.cc), whole or not at all like the others.
+  Result<CommandReply> cut(const Cut& cut, const CommandContext& context);
+  Result<CommandReply> cut_batch(const CutBatch& batch, const CommandContext& context);
+  Result<CommandReply> undo_cut(const CommandContext& context);
+  Result<CommandReply> redo_cut(const CommandContext& context);
+  Result<std::vector<CutReply>> do_cuts(std::span<const Cut> cuts, bool is_batch, const CommandContext& context);
+  // Cuts the mesh and nothing else; where a cut is refused the mesh is as it was. Appends those applied to `done`.
+  Result<std::vector<CutReply>> cut_mesh(std::span<const Cut> cuts, bool is_batch, std::vector<DoneCut>& done);
+  void follow(const std::vector<DoneCut>& cuts);
+  void take_back(const std::vector<DoneCut>& cuts, const CommandContext& context);
+  void finish_edit(std::vector<mesh::VertexId> now_pinned);
+  [[nodiscard]] CommandReply undo_reply(const UndoStep& step) const;
+
   void pin(std::vector<mesh::VertexId> vertices);
   void rebuild();
   [[nodiscard]] std::vector<GrabState>::iterator find_grab(const std::string& grab_id);
-  [[nodiscard]] std::vector<mesh::VertexId> vertices_that_stay() const;
   [[nodiscard]] double default_stiffness() const;
 
   void add_shape_to(StateHash& hash) const;
@@ -114,11 +129,14 @@ struct Sheet::Impl {
   std::size_t next_scheduled = 0;  // into `schedule`
   std::int32_t failed_steps = 0;   // in a row
   bool frozen = false;
+  UndoHistory history;
+  Lineage lineage;
 
   // Counters.
   std::int32_t topology_version = 1;
   std::int32_t settings_version = 0;
-  std::int64_t num_cuts = 0;
+  std::int64_t num_cuts = 0;  // applied, those made again included
+  std::int64_t last_cut_number = 0;
   std::int32_t quiet_ticks = 0;  // in a row, below kRestSpeed
   double quiet_energy = 0.0;     // J, kinetic, when they began
   bool is_quiet = false;         // kRestTicks ticks were

@@ -38,7 +38,7 @@ std::shared_ptr<const Topology> full_topology(const mesh::TriangleMesh& mesh, st
 }
 
 std::shared_ptr<const Topology> edited_topology(const Topology& previous, const mesh::TriangleMesh& mesh,
-                                                const mesh::MeshEdit& edit, std::int32_t version) {
+                                                std::span<const mesh::MeshEdit* const> edits, std::int32_t version) {
   auto topology = std::make_shared<Topology>();
   topology->version = version;
   topology->patchable_since = previous.patchable_since;
@@ -47,13 +47,16 @@ std::shared_ptr<const Topology> edited_topology(const Topology& previous, const 
   topology->slot_versions.resize(topology->triangles.size(), version);
   topology->vertex_versions = previous.vertex_versions;
   topology->vertex_versions.resize(static_cast<std::size_t>(mesh.num_vertices()), version);
-  for (const mesh::TriangleId t : edit.rewritten_triangles)
-    topology->slot_versions[static_cast<std::size_t>(t)] = version;
+  for (const mesh::MeshEdit* edit : edits) {
+    for (const mesh::TriangleId t : edit->rewritten_triangles) {
+      topology->slot_versions[static_cast<std::size_t>(t)] = version;
+    }
+    for (const mesh::VertexSource& moved : edit->moved_vertices) {
+      topology->vertex_versions[static_cast<std::size_t>(moved.vertex)] = version;
+    }
+  }
   for (std::size_t s = 0; s < previous.pieces.size(); ++s) {
     if (previous.pieces[s] != topology->pieces[s]) topology->slot_versions[s] = version;
-  }
-  for (const mesh::VertexSource& moved : edit.moved_vertices) {
-    topology->vertex_versions[static_cast<std::size_t>(moved.vertex)] = version;
   }
   return topology;
 }

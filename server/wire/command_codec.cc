@@ -16,20 +16,19 @@ Result<sheet::Command> checked(sheet::Command command) {
 }
 
 void encode(const sheet::Cut& cut, v1::Command& message) {
-  encode_curve(cut.curve, *message.mutable_cut()->mutable_curve());
-  message.mutable_cut()->set_tolerance(cut.tolerance);
-  message.mutable_cut()->set_min_angle_deg(cut.min_angle_deg);
-  message.mutable_cut()->set_max_new_triangles(cut.max_new_triangles);
-  if (cut.fit) {
-    v1::MaterialBox& box = *message.mutable_cut()->mutable_fit();
-    if (cut.fit->box) {
-      encode_vector(cut.fit->box->low, *box.mutable_min());
-      encode_vector(cut.fit->box->high, *box.mutable_max());
-    }
-  }
-  message.mutable_cut()->mutable_dash()->Add(cut.dash.lengths.begin(), cut.dash.lengths.end());
-  message.mutable_cut()->set_dash_offset(cut.dash.offset);
-  if (cut.view) encode_view(*cut.view, *message.mutable_cut()->mutable_view());
+  *message.mutable_cut() = encode_cut(cut);
+}
+
+void encode(const sheet::CutBatch& batch, v1::Command& message) {
+  for (const sheet::Cut& cut : batch.cuts) *message.mutable_cut_batch()->add_cuts() = encode_cut(cut);
+}
+
+void encode(const sheet::UndoCut& /*undo*/, v1::Command& message) {
+  message.mutable_undo_cut();
+}
+
+void encode(const sheet::RedoCut& /*redo*/, v1::Command& message) {
+  message.mutable_redo_cut();
 }
 
 void encode(const sheet::Grab& grab, v1::Command& message) {
@@ -78,6 +77,36 @@ Result<cut::Fit> decode_fit(const v1::MaterialBox& message) {
 }
 
 }  // namespace
+
+v1::Cut encode_cut(const sheet::Cut& cut) {
+  v1::Cut message;
+  encode_curve(cut.curve, *message.mutable_curve());
+  message.set_tolerance(cut.tolerance);
+  message.set_min_angle_deg(cut.min_angle_deg);
+  message.set_max_new_triangles(cut.max_new_triangles);
+  if (cut.fit) {
+    v1::MaterialBox& box = *message.mutable_fit();
+    if (cut.fit->box) {
+      encode_vector(cut.fit->box->low, *box.mutable_min());
+      encode_vector(cut.fit->box->high, *box.mutable_max());
+    }
+  }
+  message.mutable_dash()->Add(cut.dash.lengths.begin(), cut.dash.lengths.end());
+  message.set_dash_offset(cut.dash.offset);
+  if (cut.view) encode_view(*cut.view, *message.mutable_view());
+  return message;
+}
+
+Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::Cut>& cuts,
+                                   const FileReader& read_file) {
+  sheet::CutBatch batch;
+  for (int i = 0; i < cuts.size(); ++i) {
+    Result<sheet::Command> cut = decode_cut(cuts[i], read_file);
+    if (!cut.ok()) return sheet::in_batch(cut.error(), static_cast<std::size_t>(i));
+    batch.cuts.push_back(std::get<sheet::Cut>(std::move(*cut)));
+  }
+  return checked(std::move(batch));
+}
 
 Result<sheet::Command> decode_cut(const v1::Cut& message, const FileReader& read_file) {
   Result<DecodedCurve> decoded = decode_curve(message.curve(), "cut.curve", read_file);
@@ -166,10 +195,17 @@ Result<sheet::Command> decode_command(const v1::Command& message, const FileRead
       return decode_set_wind(message.set_wind());
     case v1::Command::kReset:
       return sheet::Command(sheet::Reset{});
+    case v1::Command::kCutBatch:
+      return decode_cuts(message.cut_batch().cuts(), read_file);
+    case v1::Command::kUndoCut:
+      return sheet::Command(sheet::UndoCut{});
+    case v1::Command::kRedoCut:
+      return sheet::Command(sheet::RedoCut{});
     case v1::Command::KIND_NOT_SET:
       break;
   }
-  return choice_missing("kind", "cut, grab, drag, release, set_pins, set_gravity, set_wind or reset");
+  return choice_missing(
+      "kind", "cut, grab, drag, release, set_pins, set_gravity, set_wind, reset, cut_batch, undo_cut or redo_cut");
 }
 
 v1::Command encode_command(const sheet::Command& command) {

@@ -6,12 +6,16 @@
 #include "server/wire/geometry_codec.h"
 
 // kerf.v1.Command <-> sheet::Command. Errors as in scene_codec.h; paths begin at the command ("cut.curve.bezier",
-// "grab.target.x"). A Reset has none.
+// "grab.target.x"). A Reset, an UndoCut and a RedoCut have none.
 namespace kerf::wire {
 
 // `read_file`: for Svg.file; see geometry_codec.h.
 Result<sheet::Command> decode_command(const v1::Command& command, const FileReader& read_file = {});
 v1::Command encode_command(const sheet::Command& command);
+v1::Cut encode_cut(const sheet::Cut& cut);
+// A CutBatch; paths begin with "cut_batch.cuts[0]".
+Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::Cut>& cuts,
+                                   const FileReader& read_file = {});
 
 // The same for one kind, with the same paths: requests carry these messages in fields of the same names.
 Result<sheet::Command> decode_cut(const v1::Cut& cut, const FileReader& read_file = {});

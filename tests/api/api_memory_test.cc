@@ -81,7 +81,7 @@ TEST_F(ApiTest, JournalListsTheCutsSinceTheLastReset) {
     const v1::ListCutsResponse page = call(&Api::list_cuts, list).value();
     for (const auto& entry : page.cuts()) {
       heights.push_back(entry.cut().curve().polyline().points(0).y());
-      EXPECT_EQ(entry.result().name(), "sheets/a/cuts/" + std::to_string(entry.result().topology_version()));
+      EXPECT_EQ(entry.result().name(), "sheets/a/cuts/" + std::to_string(heights.size()));
     }
     list.set_page_token(page.next_page_token());
     ++pages;

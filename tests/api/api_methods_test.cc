@@ -74,7 +74,7 @@ TEST_F(ApiTest, CutTellsWhatItDid) {
   EXPECT_GT(result->new_vertices(), 0);
   EXPECT_GT(result->new_triangles(), 0);
   EXPECT_EQ(result->topology_version(), 2);
-  EXPECT_EQ(result->name(), "sheets/a/cuts/2");
+  EXPECT_EQ(result->name(), "sheets/a/cuts/1");
   EXPECT_GT(result->queued_us(), 0.0);
   EXPECT_EQ(result->state_hash().size(), 16U);
   const v1::Sheet sheet = get_sheet("sheets/a");

@@ -2,7 +2,6 @@
 // prints the seed of its trial; run that one alone with
 //   KERF_CUT_SEED=<seed> random_sheet_cuts_test
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -17,8 +16,8 @@
 #include "server/fem/model.h"
 #include "server/sheet/sheet.h"
 #include "server/sheet/topology.h"
+#include "tests/property/moving_sheets.h"
 #include "tests/property/random_curves.h"
-#include "tests/property/random_sheets.h"
 
 #ifndef KERF_RANDOM_CUTS
 #define KERF_RANDOM_CUTS 800
@@ -27,64 +26,11 @@
 namespace kerf::sheet {
 namespace {
 
+using property::PatchMirror;
+using property::random_config;
+using property::stir;
+
 constexpr int kCutsOfASheet = 10;
-
-// A viewer that is given patches only, as Topology's comment describes them.
-struct Mirror {
-  std::int32_t version = 0;
-  std::vector<std::array<mesh::VertexId, 3>> triangles;
-  std::vector<std::int32_t> pieces;
-  Eigen::Matrix2Xd material_positions{2, 0};
-
-  void follow(const Topology& now) {
-    const std::int32_t since = version < now.patchable_since ? 0 : version;
-    if (since == 0) *this = Mirror{};
-    triangles.resize(now.triangles.size());
-    pieces.resize(now.pieces.size());
-    for (std::size_t s = 0; s < now.triangles.size(); ++s) {
-      if (now.slot_versions[s] <= since) continue;
-      triangles[s] = now.triangles[s];
-      pieces[s] = now.pieces[s];
-    }
-    material_positions.conservativeResize(Eigen::NoChange, now.material_positions.cols());
-    for (Eigen::Index v = 0; v < material_positions.cols(); ++v) {
-      if (now.vertex_versions[static_cast<std::size_t>(v)] > since) {
-        material_positions.col(v) = now.material_positions.col(v);
-      }
-    }
-    version = now.version;
-  }
-};
-
-SheetConfig random_config(SeededRandom& random, property::Frame& frame) {
-  property::RandomArrays made = property::random_arrays(random);
-  frame = made.frame;
-  SheetConfig config;
-  config.mesh = ArraySource{std::move(made.arrays.rest), std::move(made.arrays.triangles), Eigen::Matrix3Xd(3, 0)};
-  config.material.youngs_modulus_2 *= random.uniform(0.5, 1.0);
-  config.material.direction = random.uniform(0.0, 3.0);
-  if (random.below(2) == 0) config.material.bending_scale = 0.0;
-  if (random.below(4) == 0) config.pins = {std::vector<mesh::VertexId>{0}};
-  config.gravity = {0.0, 0.0, -9.81 * frame.scale};
-  config.wind = {std::min(frame.scale, 100.0) * Eigen::Vector3d(1.0, 3.0, -2.0), 1.2, 1.0};
-  config.integrator.kind = IntegratorKind::kExplicitLeapfrog;
-  config.integrator.max_substeps = 4;  // the motion need not keep up, it only has to be there
-  return config;
-}
-
-// Pulls a vertex about, so that the sheet strains and turns.
-void stir(SeededRandom& random, const property::Frame& frame, Sheet& sheet) {
-  const auto vertex =
-      static_cast<mesh::VertexId>(random.below(static_cast<std::uint64_t>(sheet.mesh().num_vertices())));
-  const Eigen::Vector3d pull(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1));
-  const std::vector<Command> grab{
-      Grab{"hand", vertex, Eigen::Vector3d(sheet.state().x.col(vertex) + frame.scale * pull), 0.0}};
-  const std::vector<Command> release{Release{"hand"}};
-  sheet.step(grab);
-  sheet.step({});
-  sheet.step(release);
-  ASSERT_FALSE(sheet.frozen());
-}
 
 struct Tally {
   int cuts = 0, applied = 0;
@@ -130,7 +76,7 @@ void run_trial(std::uint64_t seed, Tally& tally) {
   Result<Sheet> made = Sheet::create(random_config(random, frame));
   ASSERT_TRUE(made.ok()) << made.error().message;
   Sheet sheet = std::move(made).value();
-  Mirror mirror;
+  PatchMirror mirror;
   std::vector<cut::Curve> earlier;
   for (int i = 0; i < kCutsOfASheet && sheet.mesh().num_triangle_slots() < 1'500; ++i) {
     if (random.below(3) == 0) stir(random, frame, sheet);

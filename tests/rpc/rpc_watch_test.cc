@@ -141,6 +141,31 @@ TEST_F(RpcWatchTest, MirrorEqualsTheServerThroughFiftyCuts) {
   EXPECT_EQ(applied, 50);
 }
 
+TEST_F(RpcWatchTest, MirrorEqualsTheServerThroughUndoAndRedo) {
+  create("a", true);
+  Stream stream(*client_, "sheets/a");
+  SeededRandom random(4);
+  v1::UndoCutRequest undo;
+  v1::RedoCutRequest redo;
+  undo.set_parent("sheets/a");
+  redo.set_parent("sheets/a");
+  int undone = 0;
+  int redone = 0;
+  for (int i = 0; i < 60; ++i) {
+    v1::UndoResult result;
+    const std::uint64_t what = random.below(4);
+    if (what < 2) cut("a", random, 0.2);
+    if (what == 2) undone += client_->call(&v1::CutService::Stub::UndoCut, client_->cuts(), undo, result).ok() ? 1 : 0;
+    if (what == 3) redone += client_->call(&v1::CutService::Stub::RedoCut, client_->cuts(), redo, result).ok() ? 1 : 0;
+    if (i % 2 == 0) step("a", 2);
+    const v1::SheetState exact = state("a");
+    stream.follow(exact.tick(), exact.topology_version());
+    ASSERT_EQ(difference(stream.mirror, exact), "") << "after step " << i;
+  }
+  EXPECT_GT(undone, 5);
+  EXPECT_GT(redone, 2);
+}
+
 TEST_F(RpcWatchTest, ACutShowsInTheFirstFrameOfItsTick) {
   create("a", false, 120.0);
   Stream stream(*client_, "sheets/a");

@@ -443,7 +443,7 @@ TEST(ReplyCodec, CutResultHoldsTheReport) {
   reply.cut->report.new_vertices = 40;
   reply.cut->report.deviation_m = 1e-4;
   reply.cut->warnings = {"one gap closed"};
-  const v1::CutResult result = encode_cut_result(reply);
+  const v1::CutResult result = encode_cut_result(reply, *reply.cut);
   EXPECT_EQ(result.status(), v1::CutResult::APPLIED);
   EXPECT_EQ(result.tick(), 12);
   EXPECT_EQ(result.pieces(), 2);

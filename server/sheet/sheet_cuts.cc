@@ -1,0 +1,292 @@
+// Cuts, batches of cuts, undo and redo: what changes the mesh, and what follows from it.
+
+#include <algorithm>
+#include <limits>
+#include <unordered_map>
+#include <utility>
+
+#include "server/cut/cut.h"
+#include "server/fem/transfer.h"
+#include "server/mesh/mesh_revert.h"
+#include "server/sheet/material_point.h"
+#include "server/sheet/pins.h"
+#include "server/sheet/sheet_impl.h"
+#include "server/sheet/topology.h"
+
+namespace kerf::sheet {
+
+namespace {
+
+// The point of edge k of t nearest to `at`.
+MaterialPoint nearest_on_edge(const mesh::TriangleMesh& mesh, mesh::TriangleId t, int k, const Eigen::Vector2d& at) {
+  MaterialPoint point;
+  point.vertices = {mesh.vertices(t)[mesh::next_corner(k)], mesh.vertices(t)[mesh::previous_corner(k)],
+                    mesh.vertices(t)[static_cast<std::size_t>(k)]};
+  const Eigen::Vector2d a = mesh.rest_position(point.vertices[0]);
+  const Eigen::Vector2d along = mesh.rest_position(point.vertices[1]) - a;
+  const double share = std::clamp((at - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  point.weights = {1.0 - share, share, 0.0};
+  return point;
+}
+
+// Where `at` is held when a cut has left it in the void: a border edge that a cut splits is rounded to the lattice and
+// may bow inwards by half a unit, so material that lay exactly on it is then outside. Of equally near points, that of
+// the lowest slot.
+MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at) {
+  MaterialPoint nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (!mesh.is_solid(t) || mesh.neighbour(t, k) != mesh::kNone) continue;
+      const MaterialPoint point = nearest_on_edge(mesh, t, k, at);
+      const double distance = (point.weights[0] * mesh.rest_position(point.vertices[0]) +
+                               point.weights[1] * mesh.rest_position(point.vertices[1]) - at)
+                                  .squaredNorm();
+      if (!(distance < least)) continue;  // also where the ends of a tiny edge round to one position, and it is NaN
+      least = distance;
+      nearest = point;
+    }
+  }
+  return nearest;
+}
+
+std::vector<const mesh::MeshEdit*> edits_of(const std::vector<DoneCut>& cuts) {
+  std::vector<const mesh::MeshEdit*> edits;
+  edits.reserve(cuts.size());
+  for (const DoneCut& cut : cuts) edits.push_back(&cut.edit.edit);
+  return edits;
+}
+
+// Slots below `num_slots` that the cuts rewrote; sorted, unique.
+std::vector<mesh::TriangleId> rewritten_slots(const std::vector<DoneCut>& cuts, std::int32_t num_slots) {
+  if (cuts.size() == 1 && cuts[0].edit.undo.num_triangle_slots_after <= num_slots) {
+    return cuts[0].edit.edit.rewritten_triangles;
+  }
+  std::vector<mesh::TriangleId> slots;
+  for (const DoneCut& cut : cuts) {
+    const auto& rewritten = cut.edit.edit.rewritten_triangles;
+    slots.insert(slots.end(), rewritten.begin(), std::lower_bound(rewritten.begin(), rewritten.end(), num_slots));
+  }
+  std::sort(slots.begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  return slots;
+}
+
+// The vertices that those which the cuts made were copied from, and that are there without them.
+class Origins {
+ public:
+  explicit Origins(const std::vector<DoneCut>& cuts) : num_vertices_(cuts.front().edit.undo.num_vertices) {
+    for (const DoneCut& cut : cuts) {
+      for (const mesh::VertexSource& added : cut.edit.edit.added_vertices) {
+        if (mesh::is_copy(added)) origins_.emplace(added.vertex, added.sources[0]);
+      }
+    }
+  }
+  [[nodiscard]] bool goes(mesh::VertexId v) const { return v >= num_vertices_; }
+  // kNone for a vertex at a point that the cuts made.
+  [[nodiscard]] mesh::VertexId of(mesh::VertexId v) const {
+    while (goes(v)) {
+      const auto origin = origins_.find(v);
+      if (origin == origins_.end()) return mesh::kNone;
+      v = origin->second;
+    }
+    return v;
+  }
+
+ private:
+  std::int32_t num_vertices_;
+  std::unordered_map<mesh::VertexId, mesh::VertexId> origins_;  // looked up, never iterated
+};
+
+}  // namespace
+
+Result<CommandReply> Sheet::Impl::cut(const Cut& cut, const CommandContext& context) {
+  Result<std::vector<CutReply>> replies = do_cuts({&cut, 1}, false, context);
+  if (!replies) return replies.error();
+  CommandReply reply;
+  reply.topology_version = topology_version;
+  reply.cut = std::move(replies->front());
+  return reply;
+}
+
+Result<CommandReply> Sheet::Impl::cut_batch(const CutBatch& batch, const CommandContext& context) {
+  Result<std::vector<CutReply>> replies = do_cuts(batch.cuts, true, context);
+  if (!replies) return replies.error();
+  CommandReply reply;
+  reply.topology_version = topology_version;
+  reply.batch = std::move(*replies);
+  return reply;
+}
+
+Result<std::vector<CutReply>> Sheet::Impl::do_cuts(std::span<const Cut> cuts, bool is_batch,
+                                                   const CommandContext& context) {
+  std::vector<DoneCut> done;
+  const auto carry_out = [&] {
+    const StageScope scope(context.observer, Stage::kCut, context.index);
+    return cut_mesh(cuts, is_batch, done);
+  };
+  Result<std::vector<CutReply>> replies = carry_out();
+  if (!replies || done.empty()) return replies;
+
+  const StageScope scope(context.observer, Stage::kModelUpdate, context.index);
+  follow(done);
+  std::vector<LineageChange> changes;
+  bool fell_apart = false;
+  for (DoneCut& cut : done) {
+    cut.number = ++last_cut_number;
+    cut.lineage = lineage.split(cut.edit.edit.split_from, cut.number);
+    fell_apart = fell_apart || !cut.lineage.born.empty();
+    changes.push_back(cut.lineage);
+  }
+  std::vector<std::vector<SplitPiece>> splits(done.size());
+  if (fell_apart) {
+    const double surface_density = config->material.density * config->material.thickness;
+    splits = describe_splits(changes, measure_pieces(mesh, lineage.pieces(), state.x, surface_density));
+  }
+  std::size_t next = 0;
+  for (CutReply& reply : *replies) {
+    if (reply.status != cut::CutStatus::kApplied) continue;
+    reply.number = done[next].number;
+    reply.split_pieces = std::move(splits[next]);
+    ++next;
+  }
+  num_cuts += static_cast<std::int64_t>(done.size());
+  history.add(std::move(done));
+  return replies;
+}
+
+Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, bool is_batch,
+                                                    std::vector<DoneCut>& done) {
+  std::vector<CutReply> replies;
+  std::vector<mesh::VertexId> pins = pinned;  // as they will be when it is the cut's turn
+  // The same of positions, which only cuts on a picture look at.
+  Eigen::Matrix3Xd positions;
+  const bool has_view = std::any_of(cuts.begin(), cuts.end(), [](const Cut& cut) { return cut.view.has_value(); });
+  if (is_batch && has_view) positions = state.x;
+  for (std::size_t i = 0; i < cuts.size(); ++i) {
+    cut::CutRequest request = request_of(cuts[i]);
+    request.positions = is_batch ? &positions : &state.x;
+    request.fixed_vertices = pins;
+    for (const GrabState& held : grabs) {
+      if (!held.material) request.fixed_vertices.push_back(held.vertices[0]);
+    }
+    const Result<cut::CutPlan> plan = cut::plan(mesh, request);
+    Result<cut::CutOutcome> outcome = plan ? cut::apply(mesh, *plan) : Result<cut::CutOutcome>(plan.error());
+    if (!outcome) {
+      for (auto cut = done.rbegin(); cut != done.rend(); ++cut) cut->edit.undo.undo(mesh);
+      done.clear();
+      return is_batch ? in_batch(outcome.error(), i) : outcome.error();
+    }
+    replies.push_back(reply_of(*outcome, cuts[i]));
+    if (outcome->status != cut::CutStatus::kApplied) continue;
+    if (is_batch) inherit_pins(outcome->edit, pins);
+    if (is_batch && has_view) fem::carry_over(outcome->edit, positions);
+    mesh::UndoLog again = outcome->undo.inverse(mesh);
+    done.push_back({{std::move(outcome->edit), std::move(outcome->undo)}, std::move(again), 0, {}});
+  }
+  return replies;
+}
+
+// Brings everything that is derived from the mesh up to date with cuts of it.
+void Sheet::Impl::follow(const std::vector<DoneCut>& cuts) {
+  const std::vector<const mesh::MeshEdit*> edits = edits_of(cuts);
+  const fem::MassChange change = model.follow(mesh, rewritten_slots(cuts, mesh.num_triangle_slots()));
+  fem::transfer_state(edits, model, change, state);
+  std::vector<mesh::VertexId> inherited = pinned;
+  for (const mesh::MeshEdit* edit : edits) inherit_pins(*edit, inherited);
+  // Old pins keep their targets: nothing may have moved them. The new ones are held where they are.
+  for (const fem::Pin& p : loads.pins) state.x.col(p.vertex) = p.target;
+  finish_edit(std::move(inherited));
+  topology = edited_topology(*topology, mesh, edits, topology_version);
+}
+
+Result<CommandReply> Sheet::Impl::undo_cut(const CommandContext& context) {
+  const Result<std::shared_ptr<const UndoStep>> step = history.take_done();
+  if (!step) return step.error();
+  take_back((*step)->cuts, context);
+  return undo_reply(**step);
+}
+
+Result<CommandReply> Sheet::Impl::redo_cut(const CommandContext& context) {
+  const Result<std::shared_ptr<const UndoStep>> step = history.take_undone();
+  if (!step) return step.error();
+  const std::vector<DoneCut>& cuts = (*step)->cuts;
+  {
+    const StageScope scope(context.observer, Stage::kCut, context.index);
+    for (const DoneCut& cut : cuts) {
+      cut.again.undo(mesh);
+      lineage.redo(cut.lineage);
+    }
+  }
+  const StageScope scope(context.observer, Stage::kModelUpdate, context.index);
+  follow(cuts);
+  num_cuts += static_cast<std::int64_t>(cuts.size());
+  return undo_reply(**step);
+}
+
+void Sheet::Impl::take_back(const std::vector<DoneCut>& cuts, const CommandContext& context) {
+  const Origins origins(cuts);
+  for (GrabState& held : grabs) {
+    const mesh::VertexId vertex = held.vertices[0];
+    if (held.material || !origins.goes(vertex)) continue;
+    const mesh::VertexId origin = origins.of(vertex);
+    if (origin != mesh::kNone) {
+      held.vertices[0] = origin;
+    } else {
+      held.material = mesh.rest_position(vertex);
+    }
+  }
+  std::vector<mesh::RevertedEdit> reverted;
+  reverted.reserve(cuts.size());
+  {
+    const StageScope scope(context.observer, Stage::kCut, context.index);
+    for (auto cut = cuts.rbegin(); cut != cuts.rend(); ++cut) {
+      reverted.push_back(mesh::revert(mesh, cut->edit));
+      lineage.undo(cut->lineage);
+    }
+  }
+  const StageScope scope(context.observer, Stage::kModelUpdate, context.index);
+  const std::vector<double> mass_before(model.mass().begin(), model.mass().end());
+  const fem::MassChange change = model.follow(mesh, rewritten_slots(cuts, mesh.num_triangle_slots()));
+  fem::revert_state(reverted, mass_before, model, change, state);
+  // A vertex that a pinned one joins is held where that was; one that was pinned itself, where it was.
+  std::vector<mesh::VertexId> still_pinned;
+  for (auto p = loads.pins.rbegin(); p != loads.pins.rend(); ++p) {  // the ids that remain last
+    const mesh::VertexId vertex = origins.of(p->vertex);
+    if (vertex == mesh::kNone) continue;
+    state.x.col(vertex) = p->target;
+    still_pinned.push_back(vertex);
+  }
+  std::sort(still_pinned.begin(), still_pinned.end());
+  still_pinned.erase(std::unique(still_pinned.begin(), still_pinned.end()), still_pinned.end());
+  finish_edit(std::move(still_pinned));
+  topology = full_topology(mesh, topology_version);
+}
+
+// What follows once mesh, model and state are of one topology again.
+void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned) {
+  pin(std::move(now_pinned));
+  for (GrabState& held : grabs) {
+    if (!held.material) continue;
+    const std::optional<MaterialPoint> found = find_material_point(mesh, *held.material);
+    const MaterialPoint point = found ? *found : nearest_material_point(mesh, *held.material);
+    held.vertices = point.vertices;
+    held.weights = point.weights;
+  }
+  rebuild();
+  ++topology_version;
+}
+
+CommandReply Sheet::Impl::undo_reply(const UndoStep& step) const {
+  UndoReply undone;
+  for (const DoneCut& cut : step.cuts) undone.cuts.push_back(cut.number);
+  undone.pieces = mesh.num_pieces();
+  undone.undo_steps = static_cast<std::int32_t>(history.num_done());
+  undone.redo_steps = static_cast<std::int32_t>(history.num_undone());
+  CommandReply reply;
+  reply.topology_version = topology_version;
+  reply.undone = std::move(undone);
+  return reply;
+}
+
+}  // namespace kerf::sheet

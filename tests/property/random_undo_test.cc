@@ -1,0 +1,228 @@
+// Random sequences of cuts, batches, undos and redos on sheets that move in between, through Sheet::apply. A failure
+// prints the seed of its trial; run that one alone with
+//   KERF_CUT_SEED=<seed> random_undo_test
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/fem/model.h"
+#include "server/sheet/sheet.h"
+#include "server/sheet/topology.h"
+#include "tests/property/moving_sheets.h"
+#include "tests/property/random_curves.h"
+
+#ifndef KERF_RANDOM_UNDOS
+#define KERF_RANDOM_UNDOS 600
+#endif
+
+namespace kerf::sheet {
+namespace {
+
+struct Tally {
+  int undos = 0, redos = 0, steps = 0, batches = 0;
+};
+
+// What an undo or a redo must bring back bit for bit.
+struct Level {
+  std::uint64_t mesh = 0;
+  std::vector<std::int64_t> pieces;  // ids, by label
+};
+
+double area_of(const mesh::TriangleMesh& mesh) {
+  double area = 0.0;
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (mesh.is_solid(t)) area += mesh.area(t);
+  }
+  return area;
+}
+
+std::vector<std::int64_t> ids_of(const Sheet& sheet) {
+  std::vector<std::int64_t> ids;
+  for (const Piece& piece : sheet.pieces()) ids.push_back(piece.birth.id);
+  return ids;
+}
+
+class Trial {
+ public:
+  Trial(std::uint64_t seed, Tally& tally) : random_(seed), tally_(tally), sheet_(make()) {
+    first_area_ = area_of(sheet_.mesh());
+    first_mass_ = sheet_.model().total_mass();
+    seen_ids_.insert(0);
+    note_level();
+  }
+
+  void run() {
+    for (int i = 0; i < 24 && !::testing::Test::HasFatalFailure(); ++i) {
+      const std::uint64_t what = random_.below(10);
+      if (what < 2) property::stir(random_, frame_, sheet_);
+      if (what == 2) sheet_.step({});
+      if (what > 2 && what < 6 && sheet_.mesh().num_triangle_slots() < 1'500) cut();
+      if (what == 6 || what == 7) undo();
+      if (what > 7) redo();
+      check_viewer();
+    }
+    while (at_ > 0 && !::testing::Test::HasFatalFailure()) undo();  // all the way down
+  }
+
+ private:
+  Sheet make() {
+    Result<Sheet> made = Sheet::create(property::random_config(random_, frame_));
+    if (!made) ADD_FAILURE() << made.error().message;
+    return std::move(made).value();
+  }
+
+  Result<CommandReply> apply(Command command) {
+    TickReport report = sheet_.apply(std::vector<Command>{std::move(command)});
+    return std::move(report.replies.at(0));
+  }
+
+  void note_level() { levels_.push_back({sheet_.mesh().state_hash(), ids_of(sheet_)}); }
+
+  void cut() {
+    CutBatch batch;
+    const std::uint64_t num_cuts = random_.below(3) == 0 ? 1 + random_.below(4) : 1;
+    for (std::uint64_t i = 0; i < num_cuts; ++i) {
+      earlier_.push_back(property::random_curve(random_, sheet_.mesh(), frame_, earlier_));
+      Cut cut;
+      cut.curve = earlier_.back();
+      cut.max_new_triangles = 10'000;
+      batch.cuts.push_back(std::move(cut));
+    }
+    const std::uint64_t before = sheet_.state_hash();
+    const std::size_t undone_before = sheet_.history().num_undone();
+    const std::int32_t version = sheet_.topology_version();
+    const bool single = num_cuts == 1 && random_.below(2) == 0;
+    const Result<CommandReply> reply = single ? apply(batch.cuts[0]) : apply(batch);
+    if (sheet_.topology_version() == version) {
+      ASSERT_EQ(sheet_.state_hash(), before) << "what was not cut changed";
+      ASSERT_EQ(sheet_.history().num_undone(), undone_before);
+      return;
+    }
+    ASSERT_TRUE(reply.ok());
+    ASSERT_EQ(sheet_.topology_version(), version + 1);
+    tally_.batches += single ? 0 : 1;
+    ++tally_.steps;
+    levels_.resize(++at_);
+    note_level();
+    ASSERT_EQ(sheet_.history().num_undone(), 0U);
+    for (const std::int64_t id : levels_[at_].pieces) {
+      const auto& before_ids = levels_[at_ - 1].pieces;
+      if (std::find(before_ids.begin(), before_ids.end(), id) != before_ids.end()) continue;
+      ASSERT_TRUE(seen_ids_.insert(id).second) << "piece id " << id << " was given twice";
+    }
+    check_model();
+  }
+
+  void undo() {
+    const Energy before = measure();
+    const Result<CommandReply> reply = apply(UndoCut{});
+    if (at_ == 0) {
+      ASSERT_FALSE(reply.ok());
+      ASSERT_EQ(reply.error().reason, "NOTHING_TO_UNDO");
+      return;
+    }
+    ASSERT_TRUE(reply.ok()) << reply.error().message;
+    --at_;
+    ++tally_.undos;
+    check_level(before);
+  }
+
+  void redo() {
+    const Energy before = measure();
+    const Result<CommandReply> reply = apply(RedoCut{});
+    if (at_ + 1 == levels_.size()) {
+      ASSERT_FALSE(reply.ok());
+      ASSERT_EQ(reply.error().reason, "NOTHING_TO_REDO");
+      return;
+    }
+    ASSERT_TRUE(reply.ok()) << reply.error().message;
+    ++at_;
+    ++tally_.redos;
+    check_level(before);
+  }
+
+  struct Energy {
+    Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
+    double speed = 0.0;
+  };
+  [[nodiscard]] Energy measure() const {
+    return {sheet_.model().momentum(sheet_.state()).linear, sheet_.state().v.colwise().norm().maxCoeff()};
+  }
+
+  void check_level(const Energy& before) {
+    ASSERT_EQ(sheet_.mesh().find_violation(), std::nullopt);
+    ASSERT_EQ(sheet_.mesh().state_hash(), levels_[at_].mesh);
+    ASSERT_EQ(ids_of(sheet_), levels_[at_].pieces);
+    ASSERT_EQ(sheet_.history().num_done(), at_);
+    ASSERT_EQ(sheet_.history().num_undone(), levels_.size() - 1 - at_);
+    check_model();
+    if (!sheet_.pinned_vertices().empty()) return;  // pins take up momentum
+    const Energy after = measure();
+    ASSERT_LE((after.momentum - before.momentum).norm(), 1e-12 * first_mass_ * before.speed);
+    ASSERT_LE(after.speed, 2.0 * before.speed) << "an undo set something flying";
+  }
+
+  void check_model() {
+    const fem::Model fresh(sheet_.mesh(), sheet_.config().material);
+    ASSERT_EQ(sheet_.model().hash(), fresh.hash()) << "the model is not that of the mesh";
+    const fem::State& state = sheet_.state();
+    ASSERT_EQ(state.x.cols(), sheet_.mesh().num_vertices());
+    ASSERT_TRUE(state.x.allFinite() && state.v.allFinite());
+    ASSERT_NEAR(fresh.total_mass(), first_mass_, 1e-12 * first_mass_);
+    ASSERT_NEAR(area_of(sheet_.mesh()), first_area_, 1e-12 * first_area_);
+    double mass = 0.0;
+    for (const Piece& piece : sheet_.pieces()) mass += piece.mass;
+    ASSERT_NEAR(mass, first_mass_, 1e-12 * first_mass_);
+    for (const mesh::VertexId v : sheet_.pinned_vertices()) ASSERT_LT(v, sheet_.mesh().num_vertices());
+  }
+
+  void check_viewer() {
+    if (random_.below(3) == 0) return;  // a viewer may skip versions
+    viewer_.follow(*sheet_.snapshot()->topology);
+    const std::shared_ptr<const Topology> expected = full_topology(sheet_.mesh(), sheet_.topology_version());
+    ASSERT_EQ(viewer_.triangles, expected->triangles);
+    ASSERT_EQ(viewer_.pieces, expected->pieces);
+    ASSERT_EQ(viewer_.material_positions, expected->material_positions);
+  }
+
+  SeededRandom random_;
+  Tally& tally_;
+  property::Frame frame_;
+  Sheet sheet_;
+  double first_area_ = 0.0;  // m^2
+  double first_mass_ = 0.0;  // kg
+  std::vector<cut::Curve> earlier_;
+  std::vector<Level> levels_;
+  std::size_t at_ = 0;  // into levels_
+  std::set<std::int64_t> seen_ids_;
+  property::PatchMirror viewer_;
+};
+
+void run_trial(std::uint64_t seed, Tally& tally) {
+  SCOPED_TRACE("KERF_CUT_SEED=" + std::to_string(seed));
+  Trial(seed, tally).run();
+}
+
+TEST(RandomUndo, GoesBackAndForthBitForBitWhileTheMotionGoesOn) {
+  Tally tally;
+  if (const char* only = std::getenv("KERF_CUT_SEED")) {
+    run_trial(std::strtoull(only, nullptr, 10), tally);
+    return;
+  }
+  for (std::uint64_t seed = 1; tally.undos < KERF_RANDOM_UNDOS && !HasFatalFailure(); ++seed) run_trial(seed, tally);
+  if (HasFatalFailure()) return;
+  std::printf("%d steps (%d of them batches), %d undone, %d made again\n", tally.steps, tally.batches, tally.undos,
+              tally.redos);
+  EXPECT_GT(tally.redos, tally.undos / 10);
+  EXPECT_GT(tally.batches, tally.steps / 10);
+}
+
+}  // namespace
+}  // namespace kerf::sheet
