@@ -152,18 +152,18 @@ void add_cut_command(CLI::App& app, Session& session) {
   curve->add_option(
       "--svg", arguments->svg,
       "SVG file, at most 512 KiB: every outline in it is cut; fitted into the sheet unless --fit is given");
-  curve->add_option(
+  CLI::Option* batch = curve->add_option(
       "--batch", arguments->batch,
       "The cuts of this file, all of them or none: {\"cuts\": [{\"curve\": ...}, ...]}, as `kerf cuts ID\n"
       "--export FILE` writes it; each cut has its own tolerance and angle there");
   curve->require_option(1);
-  command->add_option(
+  CLI::Option* fit = command->add_option(
       "--fit", arguments->fit,
       "Scale the curve evenly and centre it in the box \"x0,y0,x1,y1\", or in 90 % of the sheet: \"sheet\"");
-  command->add_option("--dash", arguments->dash,
-                      "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\"");
+  CLI::Option* dash = command->add_option(
+      "--dash", arguments->dash, "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\"");
   command->add_option("--dash-offset", arguments->dash_offset, "Metres into the pattern at which it begins (default 0)")
-      ->needs("--dash");
+      ->needs(dash);
   CLI::Option* view = command->add_option("--view", arguments->view,
                                           "Cut along sight lines: the curve is in pixels of a picture taken from \"EYE "
                                           "TARGET [UP]\", each x,y,z in metres;\n"
@@ -177,9 +177,12 @@ void add_cut_command(CLI::App& app, Session& session) {
       ->needs(view);
   command->add_option("--at-tick", arguments->at_tick,
                       "At the start of this tick instead of at once; what became of it: `kerf cuts ID`");
-  command->add_option("--tolerance", arguments->tolerance,
-                      "Largest distance between curve and cut, as a fraction of the edge length (default 0.02)");
-  command->add_option("--min-angle", arguments->min_angle_deg, "Smallest angle of new triangles, degrees (default 20)");
+  CLI::Option* tolerance =
+      command->add_option("--tolerance", arguments->tolerance,
+                          "Largest distance between curve and cut, as a fraction of the edge length (default 0.02)");
+  CLI::Option* min_angle = command->add_option("--min-angle", arguments->min_angle_deg,
+                                               "Smallest angle of new triangles, degrees (default 20)");
+  batch->excludes(tolerance, min_angle, fit, dash, view);
   command->callback(
       [&session, arguments] { session.action = [&session, arguments] { return cut(session, *arguments); }; });
 }

@@ -163,6 +163,72 @@ class Cuts(Case):
         self.refused("cut", self.id, "--circle", "320,250,40", "--view", "0,0,0 0,0,0", says="CAMERA_SINGULAR")
         self.refused("cut", self.id, "--circle", "9,9,4", "--fit", "sheet", *view, says="FIT_WITH_VIEW")
 
+    def test_undo_and_redo(self):
+        self.refused("undo", self.id, says="NOTHING_TO_UNDO")
+        reply = self.json_of("cut", self.id, "--circle", "0.5,0.5,0.2")
+        self.assertEqual(reply["split_pieces"][0]["piece"], 1)
+        self.assertEqual(len(reply["split_pieces"][0]["children"]), 2)
+        pieces = self.json_of("pieces", self.id)["pieces"]
+        self.assertEqual([piece["parent"] for piece in pieces], [1, 1])
+        self.assertAlmostEqual(sum(piece["area_m2"] for piece in pieces), 1.0, places=12)
+        undone = self.json_of("undo", self.id)
+        self.assertEqual((undone["pieces"], undone["cuts"]), (1, [reply["name"]]))
+        self.assertEqual(self.json_of("cuts", self.id)["cuts"], [])
+        self.assertIn("REDONE", kerf("redo", self.id).stdout)
+        self.assertEqual([piece["id"] for piece in self.json_of("pieces", self.id)["pieces"]],
+                         [piece["id"] for piece in pieces])
+        self.refused("redo", self.id, says="NOTHING_TO_REDO")
+        self.assertIn("piece 2", kerf("pieces", self.id).stdout)
+        self.refused("undo", "nobody", says="NOT_FOUND")
+        self.refused("pieces", "nobody", says="NOT_FOUND")
+
+    def test_cuts_are_carried_to_another_sheet(self):
+        self.json_of("cut", self.id, "--circle", "0.3,0.7,0.1")
+        self.json_of("cut", self.id, "--bezier", "0.2,0.5 0.4,0.8 0.6,0.2 0.8,0.5", "--tolerance", "0.01")
+        self.json_of("cut", self.id, "--polyline", "-0.1,0.3 1.1,0.35")
+        self.json_of("undo", self.id)
+        self.assertIn("/cuts/2", kerf("cuts", self.id).stdout)
+        file = path("exported.json")
+        self.assertEqual(kerf("cuts", self.id, "--export", file).returncode, 0)
+        exported = json.loads(pathlib.Path(file).read_text())
+        self.assertEqual([cut["tolerance"] for cut in exported["cuts"]], [0.02, 0.01])
+        other = self.id + "-other"
+        self.json_of("sheet", "create", other, "--grid", "20x20")
+        self.json_of("sheet", "pause", other)
+        reply = self.json_of("cuts", other, "--apply", file)
+        self.assertEqual((reply["status"], reply["applied"], reply["pieces"]), ("APPLIED", 2, 2))
+        self.json_of("undo", other)
+        self.assertIn("2 of 2 cuts APPLIED", kerf("cut", other, "--batch", file).stdout)
+        shapes = [self.json_of("sheet", "get", each) for each in (self.id, other)]
+        self.assertEqual(shapes[0]["num_vertices"], shapes[1]["num_vertices"])
+        self.assertEqual(shapes[0]["num_triangles"], shapes[1]["num_triangles"])
+
+    def test_a_batch_is_whole_or_not_at_all(self):
+        before = self.hash()
+        file = path("batch.json")
+        line = {"curve": {"polyline": {"points": [{"x": -0.1, "y": 0.4}, {"x": 1.1, "y": 0.6}]}}}
+        circle = {"center": {"x": 0.5, "y": 0.5}, "radius_m": 0.1}
+        pathlib.Path(file).write_text(json.dumps({"cuts": [line, {"curve": {"circle": circle}, "max_new_triangles": 1}]}))
+        self.refused("cut", self.id, "--batch", file, says="cuts[1]")
+        pathlib.Path(file).write_text(json.dumps({"cuts": [line, {**line, "tolerance": 7}]}))
+        self.refused("cut", self.id, "--batch", file, says="cuts[1].tolerance")
+        pathlib.Path(file).write_text('{"cuts": [{"curve": {"spline": 1}}]}')
+        self.refused("cut", self.id, "--batch", file, says="spline")
+        self.refused("cut", self.id, "--batch", path("absent.json"))
+        self.refused("cut", self.id, "--batch", file, "--tolerance", "0.1", code=2)
+        self.refused("cuts", self.id, "--export", file, "--apply", file, code=2)
+        self.assertEqual(self.hash(), before)
+
+    def test_a_cut_at_a_tick(self):
+        tick = self.json_of("sheet", "get", self.id)["tick"]
+        self.refused("cut", self.id, "--circle", "0.5,0.5,0.1", "--at-tick", str(tick), says="TICK_PAST")
+        reply = self.json_of("cut", self.id, "--circle", "0.5,0.5,0.1", "--at-tick", str(tick + 2))
+        self.assertEqual((reply["status"], reply["tick"]), ("SCHEDULED", tick + 2))
+        self.assertIn(f"waiting for tick {tick + 2}", kerf("cuts", self.id).stdout)
+        self.assertEqual(self.json_of("sheet", "step", self.id, "1")["pieces"], 1)
+        self.assertEqual(self.json_of("sheet", "step", self.id, "1")["pieces"], 2)
+        self.assertEqual(self.json_of("cuts", self.id)["cuts"][0]["result"]["tick"], tick + 2)
+
     def test_a_miss_is_no_error(self):
         before = self.hash()
         reply = self.json_of("cut", self.id, "--polyline", "2,2 3,3")
@@ -331,7 +397,7 @@ class Offline(Case):
 
 class Usage(Case):
     def test_help_and_version(self):
-        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["render"], ["watch"], ["export"], ["run"], ["replay"]):
+        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["cuts"], ["undo"], ["redo"], ["pieces"], ["render"], ["watch"], ["export"], ["run"], ["replay"]):
             done = kerf(*command, "--help", server=False)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("Usage", done.stdout)

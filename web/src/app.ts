@@ -20,6 +20,7 @@ import type { NoticeKind, Tool, ToolId, Viewer } from './tools/tool';
 import { ViewTool } from './tools/view_tool';
 import { CutPanel } from './ui/cut_panel';
 import { Choice, element, setText } from './ui/dom';
+import { HistoryControls } from './ui/history_controls';
 import { Notices } from './ui/notices';
 import { SimulationControls } from './ui/simulation_controls';
 import { StatusLine } from './ui/status_line';
@@ -36,6 +37,7 @@ export class App implements Viewer {
   readonly overlay = element('overlay');
   readonly stage: Stage;
   readonly controls: SimulationControls;
+  readonly history = new HistoryControls(this);
   readonly cutTool: CutTool;
   sheetName = '';
   surface: Surface | undefined;

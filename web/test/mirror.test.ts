@@ -140,6 +140,24 @@ describe('SheetMirror', () => {
     expect(mirror.tick).toBe(9);
   });
 
+  it('follows an undo: a full topology with fewer vertices and slots, and a patch after it', () => {
+    const mirror = new SheetMirror();
+    mirror.apply(frameOf(kKeyframe));
+    const before = state(mirror);
+    mirror.apply(good());
+    expect(mirror.numVertices).toBe(5);
+    mirror.apply(create(FrameSchema, { ...frameOf(kKeyframe), sequence: 3n, tick: 9n, topologyVersion: 6 }));
+    expect(state(mirror)).toEqual({ ...before, tick: 9, topologyVersion: 6 });
+    const again = good();
+    Object.assign(again, { sequence: 4n, tick: 10n, baseTick: 9n, topologyVersion: 7 });
+    again.topology!.baseVersion = 6;
+    mirror.apply(again);
+    const twice = new SheetMirror();
+    twice.apply(frameOf(kKeyframe));
+    twice.apply(good());
+    expect(state(mirror)).toEqual({ ...state(twice), tick: 10, topologyVersion: 7 });
+  });
+
   it('refuses a delta as the first frame', () => {
     expect(() => new SheetMirror().apply(create(FrameSchema, { ...good(), sequence: 1n }))).toThrow(MirrorError);
   });

@@ -1,5 +1,6 @@
 import type { App } from '../app';
 import { element } from './dom';
+import { historyStep } from './history_controls';
 
 /** Keys and the buttons that do the same. */
 export function bindKeys(app: App): void {
@@ -23,6 +24,8 @@ export function bindKeys(app: App): void {
     if (app.tool === app.cutTool) app.cutTool.setMode(mode);
   };
 
+  element('undo').addEventListener('click', () => void app.history.run('undo'));
+  element('redo').addEventListener('click', () => void app.history.run('redo'));
   element('wireframe').addEventListener('click', actions.w);
   element('fit').addEventListener('click', actions.f);
   element('help-open').addEventListener('click', openHelp);
@@ -37,6 +40,12 @@ export function bindKeys(app: App): void {
   });
 
   addEventListener('keydown', (event) => {
+    const step = help.open ? undefined : historyStep(event);
+    if (step) {
+      event.preventDefault();
+      void app.history.run(step);
+      return;
+    }
     if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
     const target = event.target as HTMLElement;
     // Typing in the list of sheets searches it; the gravity slider only wants arrows.

@@ -1,0 +1,74 @@
+import { create } from '@bufbuild/protobuf';
+import { describe, expect, it } from 'vitest';
+import type { call } from '../src/api';
+import { UndoResultSchema } from '../src/gen/kerf/v1/cuts_pb';
+import { HistoryControls, historyStep } from '../src/ui/history_controls';
+
+const kNone = { ctrlKey: false, metaKey: false, shiftKey: false, altKey: false };
+
+describe('historyStep', () => {
+  it('knows the usual keys of all systems', () => {
+    expect(historyStep({ ...kNone, key: 'z', ctrlKey: true })).toBe('undo');
+    expect(historyStep({ ...kNone, key: 'z', metaKey: true })).toBe('undo');
+    expect(historyStep({ ...kNone, key: 'Z', ctrlKey: true, shiftKey: true })).toBe('redo');
+    expect(historyStep({ ...kNone, key: 'Z', metaKey: true, shiftKey: true })).toBe('redo');
+    expect(historyStep({ ...kNone, key: 'y', ctrlKey: true })).toBe('redo');
+  });
+
+  it('leaves all other keys alone', () => {
+    expect(historyStep({ ...kNone, key: 'z' })).toBeUndefined();
+    expect(historyStep({ ...kNone, key: 'z', shiftKey: true })).toBeUndefined();
+    expect(historyStep({ ...kNone, key: 'z', ctrlKey: true, altKey: true })).toBeUndefined();
+    expect(historyStep({ ...kNone, key: 'x', ctrlKey: true })).toBeUndefined();
+  });
+});
+
+describe('HistoryControls', () => {
+  const notices: string[] = [];
+  const sent: string[] = [];
+  let answer: (cuts: number) => void = () => {};
+  let refuse: (reason: string) => void = () => {};
+  const send = ((method: { name: string }, request: { parent: string }) =>
+    new Promise((resolve, reject) => {
+      sent.push(`${method.name} ${request.parent}`);
+      answer = (cuts) =>
+        resolve(create(UndoResultSchema, { cuts: Array(cuts).fill('sheets/a/cuts/1'), pieces: cuts }));
+      refuse = (reason) => reject(new Error(reason));
+    })) as unknown as typeof call;
+  const viewer = {
+    sheetName: 'sheets/a',
+    notify: (kind: string, text: string) => void notices.push(`${kind}: ${text}`),
+    attempt: async <T>(run: () => Promise<T>) => {
+      try {
+        return await run();
+      } catch (error) {
+        notices.push(`error: ${(error as Error).message}`);
+        return undefined;
+      }
+    },
+  };
+
+  it('sends one call at a time and tells what came of it', async () => {
+    const controls = new HistoryControls(viewer, send);
+    const first = controls.run('undo');
+    await controls.run('undo'); // a held key
+    answer(1);
+    await first;
+    const second = controls.run('redo');
+    answer(3);
+    await second;
+    const third = controls.run('undo');
+    refuse('the sheet has no cut to undo');
+    await third;
+    const fourth = controls.run('redo');
+    answer(1);
+    await fourth;
+    expect(sent).toEqual(['UndoCut sheets/a', 'RedoCut sheets/a', 'UndoCut sheets/a', 'RedoCut sheets/a']);
+    expect(notices).toEqual([
+      'success: Cut undone: 1 piece',
+      'success: 3 cuts made again: 3 pieces',
+      'error: the sheet has no cut to undo',
+      'success: Cut made again: 1 piece',
+    ]);
+  });
+});
