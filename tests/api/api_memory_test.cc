@@ -166,7 +166,7 @@ TEST_F(ApiTest, JournalListsScheduledCutsWithTheOthers) {
   EXPECT_EQ(cuts.cuts(1).cut().curve().circle().radius_m(), 0.2);
   EXPECT_EQ(cuts.cuts(1).result().tick(), 2);
   EXPECT_EQ(cuts.cuts(1).result().pieces(), 3);
-  EXPECT_EQ(cuts.cuts(1).result().name(), "sheets/a/cuts/3");
+  EXPECT_EQ(cuts.cuts(1).result().name(), "sheets/a/cuts/2");
   EXPECT_EQ(cuts.cuts(1).result().queued_us(), 0.0);
   EXPECT_EQ(cuts.cuts(2).result().tick(), 3);
   EXPECT_EQ(cuts.cuts(2).result().state_hash(), get_sheet("sheets/a").state_hash());

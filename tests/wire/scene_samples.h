@@ -105,6 +105,11 @@ inline void add_commands(v1::Scene& scene) {
   wind->set_air_density_kgpm3(1.0);
   wind->set_drag_coefficient(2.0);
   add_placed_cuts(scene);
+  v1::CutBatch* batch = add_command(scene, 12).mutable_cut_batch();
+  *batch->add_cuts() = scene.commands(0).command().cut();
+  *batch->add_cuts() = scene.commands(2).command().cut();
+  add_command(scene, 13).mutable_undo_cut();
+  add_command(scene, 14).mutable_redo_cut();
 }
 
 // Every field given that an encoder writes; the kinds of commands, pins and colliders all there.
@@ -279,7 +284,7 @@ inline std::vector<BadScene> bad_numbers() {
 }
 
 // The first cut of the scene is a Bezier, the second a polyline, the third a circle; then grabs, drag, release, pins,
-// gravity, wind; then a dashed ellipse in a box, and a path fitted into the sheet.
+// gravity, wind; a dashed ellipse in a box, a path fitted into the sheet; a batch of a Bezier and a circle, undo, redo.
 inline std::vector<BadScene> bad_commands() {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto command = [](v1::Scene& s, int i) { return s.mutable_commands(i)->mutable_command(); };
@@ -288,6 +293,13 @@ inline std::vector<BadScene> bad_commands() {
   };
   return {
       {"commands[0].tick", [](v1::Scene& s) { s.mutable_commands(0)->set_tick(0); }},
+      {"commands[12].command.cut_batch.cuts", [=](v1::Scene& s) { command(s, 12)->mutable_cut_batch()->clear_cuts(); }},
+      {"commands[12].command.cut_batch.cuts[1].curve",
+       [=](v1::Scene& s) { command(s, 12)->mutable_cut_batch()->mutable_cuts(1)->clear_curve(); }},
+      {"commands[12].command.cut_batch.cuts[1].curve.circle.radius_m",
+       [=](v1::Scene& s) {
+         command(s, 12)->mutable_cut_batch()->mutable_cuts(1)->mutable_curve()->mutable_circle()->set_radius_m(nan);
+       }},
       {"commands[0].command.kind", [=](v1::Scene& s) { command(s, 0)->clear_kind(); }},
       {"commands[0].command.cut.curve", [=](v1::Scene& s) { command(s, 0)->mutable_cut()->clear_curve(); }},
       {"commands[0].command.cut.curve.bezier.points",

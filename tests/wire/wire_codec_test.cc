@@ -143,7 +143,7 @@ TEST(SceneCodec, ObjFilesAreReadOnlyWithAReader) {
 
 TEST(CommandCodec, EveryKindComesBackUnchanged) {
   const v1::Scene scene = full_scene();
-  ASSERT_EQ(scene.commands_size(), 12);
+  ASSERT_EQ(scene.commands_size(), 15);
   for (const v1::ScheduledCommand& scheduled : scene.commands()) {
     const Result<sheet::Command> command = decode_command(scheduled.command());
     ASSERT_TRUE(command.ok()) << command.error().message;
@@ -451,6 +451,38 @@ TEST(ReplyCodec, CutResultHoldsTheReport) {
   EXPECT_EQ(result.deviation_m(), 1e-4);
   EXPECT_EQ(result.state_hash(), "0000000000000abc");
   EXPECT_EQ(result.warnings(0), "one gap closed");
+}
+
+TEST(ReplyCodec, TellsOfPiecesAndOfEveryCutOfABatch) {
+  sheet::CommandReply reply;
+  reply.batch.resize(2);
+  reply.batch[1].status = cut::CutStatus::kApplied;
+  sheet::Piece piece;
+  piece.birth = {7, 2, 3};
+  piece.label = 1;
+  piece.num_triangles = 12;
+  piece.area = 0.25;
+  piece.mass = 0.1;
+  piece.centroid = {0.5, 0.125};
+  piece.world_centroid = {1.0, 2.0, 3.0};
+  reply.batch[1].split_pieces = {{2, {piece, piece}}};
+  const std::vector<v1::CutResult> results = encode_cut_results(reply);
+  ASSERT_EQ(results.size(), 2U);
+  EXPECT_EQ(results[0].status(), v1::CutResult::NO_INTERSECTION);
+  ASSERT_EQ(results[1].split_pieces_size(), 1);
+  EXPECT_EQ(results[1].split_pieces(0).piece(), 2);
+  ASSERT_EQ(results[1].split_pieces(0).children_size(), 2);
+  const v1::Piece& child = results[1].split_pieces(0).children(0);
+  EXPECT_EQ(child.id(), 7);
+  EXPECT_EQ(child.parent(), 2);
+  EXPECT_EQ(child.cut_number(), 3);
+  EXPECT_EQ(child.label(), 1);
+  EXPECT_EQ(child.num_triangles(), 12);
+  EXPECT_EQ(child.area_m2(), 0.25);
+  EXPECT_EQ(child.mass_kg(), 0.1);
+  EXPECT_EQ(child.centroid().y(), 0.125);
+  EXPECT_EQ(child.world_centroid().z(), 3.0);
+  EXPECT_TRUE(encode_cut_results({}).empty());
 }
 
 }  // namespace
