@@ -10,6 +10,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
 
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
@@ -37,9 +38,15 @@ struct CutArguments {
   std::string layers = "nearest";
   double fov_deg = 0.0;
   double tolerance = 0.0;
+  double tolerance_m = 0.0;
   double min_angle_deg = 0.0;
   std::string batch;  // a file
   std::int64_t at_tick = 0;
+  std::string method = "neighbourhood";
+  std::string quality = "default";
+  double tip_size = 0.0;
+  double tip_grading = 0.0;
+  bool no_relax = false;
 };
 
 // Puts what an option says into `target`; what is wrong with it otherwise.
@@ -105,6 +112,15 @@ std::optional<UsageError> set_options(const CutArguments& arguments, v1::Cut& cu
   return std::nullopt;
 }
 
+void set_meshing(const CutArguments& arguments, v1::Cut& cut) {
+  cut.set_tolerance_m(arguments.tolerance_m);
+  cut.set_method(arguments.method == "element" ? v1::Cut::ELEMENT : v1::Cut::NEIGHBOURHOOD);
+  if (arguments.quality == "fine") cut.set_quality(v1::Cut::FINE);
+  cut.set_tip_edge_length_m(arguments.tip_size);
+  cut.set_tip_grading(arguments.tip_grading);
+  if (arguments.no_relax) cut.set_relax(false);
+}
+
 int cut(const Session& session, const CutArguments& arguments) {
   if (!arguments.batch.empty()) return cut_batch(session, arguments.id, arguments.batch, arguments.at_tick);
   v1::CreateCutRequest request;
@@ -120,6 +136,7 @@ int cut(const Session& session, const CutArguments& arguments) {
   }
   if (const auto wrong = set_options(arguments, *request.mutable_cut())) return misuse(wrong->message);
   request.set_at_tick(arguments.at_tick);
+  set_meshing(arguments, *request.mutable_cut());
   client::Client client(session.server);
   v1::CutResult result;
   const grpc::Status status = client.call(&v1::CutService::Stub::CreateCut, client.cuts(), request, result);
@@ -177,11 +194,23 @@ void add_cut_command(CLI::App& app, Session& session) {
       ->needs(view);
   command->add_option("--at-tick", arguments->at_tick,
                       "At the start of this tick instead of at once; what became of it: `kerf cuts ID`");
-  CLI::Option* tolerance =
-      command->add_option("--tolerance", arguments->tolerance,
-                          "Largest distance between curve and cut, as a fraction of the edge length (default 0.02)");
+  CLI::Option* tolerance = command->add_option(
+      "--tolerance", arguments->tolerance,
+      "Largest distance between curve and cut, as a fraction of the edge length there (default 0.02)");
   CLI::Option* min_angle = command->add_option("--min-angle", arguments->min_angle_deg,
                                                "Smallest angle of new triangles, degrees (default 20)");
+  command->add_option("--tolerance-m", arguments->tolerance_m, "The same in metres, instead of --tolerance");
+  command->add_option("--quality", arguments->quality, "default (20 degrees) or fine (25), instead of --min-angle")
+      ->check(CLI::IsMember({"default", "fine"}));
+  command
+      ->add_option("--method", arguments->method,
+                   "neighbourhood (default), or element: each crossed element by itself, for comparison")
+      ->check(CLI::IsMember({"neighbourhood", "element"}));
+  command->add_option("--tip-size", arguments->tip_size,
+                      "Edge length at the tips inside the sheet, metres (default: no grading)");
+  command->add_option("--tip-grading", arguments->tip_grading,
+                      "Growth of edges from ring to ring away from the tips, 1.05 to 10 (default 1.5)");
+  command->add_flag("--no-relax", arguments->no_relax, "Let no old vertex move in material space");
   batch->excludes(tolerance, min_angle, fit, dash, view);
   command->callback(
       [&session, arguments] { session.action = [&session, arguments] { return cut(session, *arguments); }; });

@@ -113,15 +113,21 @@ std::string describe(const v1::CutResult& result) {
         "NO_INTERSECTION at tick %lld: the curve misses the sheet, only retraces an earlier cut or is too small; %d %s",
         static_cast<long long>(result.tick()), result.pieces(), result.pieces() == 1 ? "piece" : "pieces");
   }
+  const v1::CutQuality& quality = result.quality();
   std::string text = format(
       "APPLIED at tick %lld: %d %s, %d new vertices, %d new triangles\n"
-      "  deviation <= %.3g m, smallest new angle %.1f degrees, %d triangles crossed\n"
+      "  deviation <= %.3g m, %d triangles crossed\n"
+      "  new triangles: smallest angle %.1f degrees (mean %.1f), l_max/h_min up to %.2f (%.2f), l_max/l_min up to "
+      "%.2f\n"
+      "  (%.2f), smallest height %.3g m, %d below the contract\n"
       "  %s, topology version %d, state hash %s\n"
       "  queued %.0f us, cut %.0f us, model update %.0f us",
       static_cast<long long>(result.tick()), result.pieces(), result.pieces() == 1 ? "piece" : "pieces",
-      result.new_vertices(), result.new_triangles(), result.deviation_m(), result.min_angle_deg(),
-      result.crossed_triangles(), result.name().c_str(), result.topology_version(), result.state_hash().c_str(),
-      result.queued_us(), result.cut_us(), result.update_us());
+      result.new_vertices(), result.new_triangles(), result.deviation_m(), result.crossed_triangles(),
+      result.min_angle_deg(), quality.mean_min_angle_deg(), quality.max_aspect(), quality.mean_aspect(),
+      quality.max_edge_ratio(), quality.mean_edge_ratio(), quality.min_height_m(), quality.below_contract(),
+      result.name().c_str(), result.topology_version(), result.state_hash().c_str(), result.queued_us(),
+      result.cut_us(), result.update_us());
   for (const v1::CutLayer& layer : result.layers()) {
     text += format("\n  layer: piece %d, %.4g m long, %.4g to %.4g m from the camera, %s", layer.piece(),
                    layer.length_m(), layer.nearest_m(), layer.farthest_m(), layer.faces_camera() ? "front" : "back");
@@ -129,6 +135,13 @@ std::string describe(const v1::CutResult& result) {
   for (const v1::PieceSplit& split : result.split_pieces()) {
     text += "\n  piece " + std::to_string(split.piece()) + " fell apart:";
     for (const v1::Piece& child : split.children()) text += "\n    " + describe(child);
+  }
+  for (const v1::SharpCorner& corner : quality.corners()) {
+    text += format("\n  corner of %.1f degrees at (%.6g, %.6g) m: %d triangles below the angle", corner.angle_deg(),
+                   corner.position().x(), corner.position().y(), corner.elements_below());
+  }
+  if (quality.corners_total() > quality.corners_size()) {
+    text += format("\n  and %d more corners", quality.corners_total() - quality.corners_size());
   }
   for (const std::string& warning : result.warnings()) text += "\n  note: " + warning;
   return text;

@@ -1,20 +1,23 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
+#include <unordered_set>
 
 #include "server/base/check.h"
+#include "server/cut/bisection.h"
 #include "server/cut/crossed_triangles.h"
 #include "server/cut/cut.h"
+#include "server/cut/cut_quality.h"
 #include "server/cut/path_insertion.h"
+#include "server/cut/path_scale.h"
 #include "server/cut/refinement.h"
 #include "server/cut/relaxation.h"
-#include "server/cut/triangle_shape.h"
 
 namespace kerf::cut {
 
 using mesh::kNone;
+using mesh::LatticePoint;
 using mesh::PointId;
 using mesh::TriangleId;
 using mesh::TriangleMesh;
@@ -22,19 +25,25 @@ using mesh::TriangleMesh;
 namespace {
 
 constexpr double kSpacing = 0.8;  // -; longest stretch of path without a point, as a fraction of the edge length
+constexpr double kNoSpacing =
+    std::numeric_limits<double>::infinity();  // edges of elements space the path by themselves
 
 // Refinement steps a cut may take, beyond which the quality is given up, not the cut: per point of the path, and a rest
 // for the tips, corners and loops of small cuts. About ten times what was seen.
 constexpr std::int64_t kInsertionsPerPathPoint = 60;
 constexpr std::int64_t kInsertionsBeside = 2'000;
 
+constexpr double kLengthFloor = 0.25;  // -; as a fraction of the snap distance, see RefinementConfig
+// Around tips: insertions for a gradient of 1 and edges as long as wanted, and up to where, in edge lengths of the
+// sheet, the grading is looked for.
+constexpr double kInsertionsPerTip = 400.0;
+constexpr double kGradedReach = 3.0;
+
+constexpr int kCloserAttempts = 2;                     // see calls_for_less_snapping
+constexpr double kCloserSnap = 0.01;                   // -; by which each multiplies the snap distance
 constexpr double kNarrowGap = 0.03;                    // -; as a fraction of the edge length, see RefinementConfig
 constexpr std::int64_t kGapAllowancePerPathPoint = 4;  // triangles
 constexpr std::int64_t kGapAllowanceBeside = 600;      // triangles
-
-// Rounding of the strokes to the lattice, and of the points that later split a lip: each at most half a unit in x and
-// in y, and a lip is halved fewer than 64 times before the length floor.  lattice units
-constexpr double kRoundingUnits = 64.0;
 
 class Cutter {
  public:
@@ -43,13 +52,16 @@ class Cutter {
         plan_(plan),
         spacing_(mesh.lattice().spacing),
         old_solid_(mesh.num_solid_triangles()),
+        scale_(mesh, plan.options),
         editor_(mesh, slot_limit(mesh, plan)),
-        insertion_(editor_, plan.snap_m / spacing_, kSpacing * plan.edge_length_m / spacing_) {}
+        insertion_(editor_, scale_, is_by_element() ? kNoSpacing : kSpacing) {}
 
   Result<CutOutcome> run() {
     CutOutcome outcome;
     outcome.report.triangles_behind = plan_.triangles_behind;
-    outcome.report.crossed_triangles = count_crossed_triangles(mesh_, plan_.strokes);
+    const std::vector<TriangleId> crossed = crossed_triangles(mesh_, plan_.strokes);
+    outcome.report.crossed_triangles = static_cast<std::int32_t>(crossed.size());
+    if (is_by_element()) lock_elements(editor_, crossed);
     for (const Stroke& stroke : plan_.strokes) {
       if (Status status = insertion_.insert(stroke); !status.ok()) return status.error();
     }
@@ -58,15 +70,13 @@ class Cutter {
       outcome.report.pieces = mesh_.num_pieces();
       return outcome;
     }
+    if (deviation_of_tolerance() > 1.0) return tolerance_not_kept();
     if (Status status = insertion_.split_lone_edges(); !status.ok()) return status.error();
     path_ = insertion_.path_points();
     corridor_ = insertion_.corridor_points();
-    if (plan_.options.relax) relax_ring();
-    if (plan_.options.min_angle_deg > 0.0) {
-      const Result<RefinementCounts> refined = refine_neighbourhood();
-      if (!refined.ok()) return refined.error();
-      outcome.report.refinement_stopped = refined->stopped;
-    }
+    const Result<RefinementCounts> refined = is_by_element() ? bisect() : relax_and_refine();
+    if (!refined.ok()) return refined.error();
+    outcome.report.refinement_stopped = refined->stopped;
     editor_.open();
     if (mesh_.num_vertices() > plan_.options.max_vertices) return too_many_vertices();
     mesh::CommittedEdit committed = editor_.commit();
@@ -81,6 +91,18 @@ class Cutter {
   static std::int32_t slot_limit(const TriangleMesh& mesh, const CutPlan& plan) {
     const std::int64_t wanted = mesh.num_triangle_slots() + plan.options.max_new_triangles;
     return static_cast<std::int32_t>(std::min<std::int64_t>(wanted, mesh::MeshEditor::kDefaultMaxSlots));
+  }
+
+  [[nodiscard]] double deviation_of_tolerance() const {
+    return plan_.curve_deviation_of_tolerance + insertion_.counts().deviation_of_tolerance +
+           kRoundingUnits * spacing_ / scale_.least_tolerance();
+  }
+
+  [[nodiscard]] Error tolerance_not_kept() const {
+    return {ErrorCode::kFailedPrecondition, "TOLERANCE_NOT_KEPT",
+            "older lips near the path would lead it away by " + std::to_string(deviation_of_tolerance()) +
+                " times the tolerance; shift the curve slightly, or ask for a larger tolerance",
+            "cut.curve"};
   }
 
   [[nodiscard]] Error too_many_vertices() const {
@@ -127,23 +149,72 @@ class Cutter {
     moved_ = relax(editor_, candidates, plan_.fixed_vertices);
   }
 
-  Result<RefinementCounts> refine_neighbourhood() {
+  [[nodiscard]] bool is_by_element() const { return plan_.options.method == Method::kElement; }
+
+  [[nodiscard]] std::int64_t max_insertions() const {
+    return kInsertionsBeside + kInsertionsPerPathPoint * static_cast<std::int64_t>(path_.size());
+  }
+
+  Result<RefinementCounts> bisect() {
+    return bisect_ill_shaped(editor_, touched_triangles(), scale_,
+                             {kLengthFloor * plan_.snap_m / spacing_, max_insertions()});
+  }
+
+  Result<RefinementCounts> relax_and_refine() {
+    if (plan_.options.relax) relax_ring();
+    if (plan_.options.min_angle_deg == 0.0 && !plan_.options.tip_edge_length_m) return RefinementCounts{};
     std::vector<TriangleId> seeds = touched_triangles();
     std::vector<TriangleId> fan;
     for (const PointId p : moved_) {
       mesh_.fan_around(p, fan);
       seeds.insert(seeds.end(), fan.begin(), fan.end());
     }
+    RefinementConfig config;
+    if (plan_.options.tip_edge_length_m) config.grading = grading();
+    add_graded(config.grading, seeds);
     std::sort(seeds.begin(), seeds.end());
     seeds.erase(std::unique(seeds.begin(), seeds.end()), seeds.end());
-    RefinementConfig config;
     config.min_angle_deg = plan_.options.min_angle_deg;
-    config.length_floor = 0.25 * plan_.snap_m / spacing_;
+    config.length_floor = kLengthFloor * plan_.snap_m / spacing_;
+    config.lengths = &mesh_.edge_lengths();
     const auto path_size = static_cast<std::int64_t>(path_.size());
     config.narrow_gap = kNarrowGap * plan_.edge_length_m / spacing_;
     config.gap_allowance = kGapAllowanceBeside + kGapAllowancePerPathPoint * path_size;
-    config.max_insertions = kInsertionsBeside + kInsertionsPerPathPoint * path_size;
+    config.max_insertions = max_insertions() + insertions_around(config.grading);
     return refine(editor_, seeds, config);
+  }
+
+  [[nodiscard]] TipGrading grading() const {
+    TipGrading grading;
+    for (const PointId p : insertion_.tips()) grading.tips.push_back(mesh_.at(p));
+    grading.length = *plan_.options.tip_edge_length_m / spacing_;
+    grading.gradient = plan_.options.tip_grading - 1.0;
+    return grading;
+  }
+
+  // About ten times what the area around the tips takes in triangles of the lengths there.
+  [[nodiscard]] std::int64_t insertions_around(const TipGrading& grading) const {
+    const double growth = std::log(std::max(plan_.edge_length_m / spacing_ / grading.length, 1.0));
+    const double per_tip = kInsertionsPerTip * (1.0 + growth) / (grading.gradient * grading.gradient);
+    return grading.tips.empty() ? 0 : std::llround(static_cast<double>(grading.tips.size()) * per_tip);
+  }
+
+  // Adds the solid triangles around tips to where edges as long as those of the sheet there are short enough.
+  void add_graded(const TipGrading& grading, std::vector<TriangleId>& seeds) const {
+    std::vector<TriangleId> found;
+    std::unordered_set<TriangleId> seen;
+    for (const LatticePoint& tip : grading.tips) found.push_back(mesh_.locate(tip).triangle);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      for (int k = 0; k < 3; ++k) {
+        const TriangleId t = mesh_.welded_neighbour(found[i], k);
+        if (t == kNone || !mesh_.is_solid(t)) continue;
+        const LatticePoint& at = mesh_.at(mesh_.points(t)[0]);
+        const double length = scale_.edge_length(mesh_.lattice().position(at)) / spacing_;
+        if (grading.length_at(at) > kGradedReach * length || !seen.insert(t).second) continue;
+        found.push_back(t);
+      }
+    }
+    seeds.insert(seeds.end(), found.begin(), found.end());
   }
 
   void fill_report(CutOutcome& outcome) const {
@@ -159,35 +230,32 @@ class Cutter {
     report.closed_gaps = counts.closed_gaps;
     report.merged_segments = counts.merged_segments;
     report.layers = plan_.layers;
-    report.deviation_m = plan_.curve_deviation_m + (counts.deviation + kRoundingUnits) * spacing_;
-    fill_shapes(outcome.edit.rewritten_triangles, report);
-  }
-
-  void fill_shapes(const std::vector<TriangleId>& rewritten, CutReport& report) const {
-    const double to_degrees = 180.0 / std::numbers::pi;
-    double cos_smallest = -1.0;
-    double smallest_height = std::numeric_limits<double>::infinity();
-    const double cos_limit = std::cos(plan_.options.min_angle_deg / to_degrees);
-    for (const TriangleId t : rewritten) {
-      if (!mesh_.is_solid(t)) continue;
-      const TriangleShape shape = shape_of(corners_of(mesh_, t));
-      cos_smallest = std::max(cos_smallest, shape.cos_smallest);
-      smallest_height = std::min(smallest_height, shape.smallest_height);
-      report.max_aspect = std::max(report.max_aspect, shape.longest / shape.smallest_height);
-      if (shape.cos_smallest > cos_limit) ++report.triangles_below_angle;
+    report.deviation_of_tolerance = deviation_of_tolerance();
+    report.deviation_m =
+        plan_.view_deviation_m + plan_.curve_deviation_m + (counts.deviation + kRoundingUnits) * spacing_;
+    report.quality =
+        measure_quality(mesh_, new_triangles(mesh_, outcome.undo, outcome.edit.rewritten_triangles, moved_),
+                        plan_.options.min_angle_deg);
+    if (!is_by_element() && plan_.options.min_angle_deg > 0.0 && report.quality.triangles_below_contract > 0) {
+      report.refinement_stopped = true;
     }
-    report.min_angle_deg = std::acos(std::min(cos_smallest, 1.0)) * to_degrees;
-    report.min_height_m = smallest_height * spacing_;
   }
 
   TriangleMesh& mesh_;
   const CutPlan& plan_;
   double spacing_;  // m a lattice unit
   std::int32_t old_solid_;
+  PathScale scale_;
   mesh::MeshEditor editor_;
   PathInsertion insertion_;
   std::vector<PointId> path_, corridor_, moved_;  // sorted, unique
 };
+
+// Where older lips lie dense, a path can be laid on one and from there on the next, ever farther from where it should
+// be, or into a corner where nothing can be rounded to: then it is tried again with less snapping.
+bool calls_for_less_snapping(const Result<CutOutcome>& outcome) {
+  return !outcome.ok() && outcome.error().code == ErrorCode::kFailedPrecondition;
+}
 
 }  // namespace
 
@@ -199,6 +267,12 @@ Result<CutOutcome> apply(TriangleMesh& mesh, const CutPlan& plan) {
     return outcome;
   }
   Result<CutOutcome> outcome = Cutter(mesh, plan).run();
+  CutPlan closer = plan;
+  for (int attempt = 0; attempt < kCloserAttempts && calls_for_less_snapping(outcome); ++attempt) {
+    closer.options.snap *= kCloserSnap;
+    closer.snap_m = PathScale(mesh, closer.options).mean_snap();
+    outcome = Cutter(mesh, closer).run();
+  }
 #ifdef KERF_VALIDATE
   if (const std::optional<std::string> violation = mesh.find_violation()) {
     KERF_CHECK(false, violation->c_str());

@@ -40,7 +40,7 @@ TriangleId append_crossed(const mesh::TriangleMesh& mesh, TriangleId t, const La
 
 }  // namespace
 
-std::int32_t count_crossed_triangles(const mesh::TriangleMesh& mesh, std::span<const Stroke> strokes) {
+std::vector<TriangleId> crossed_triangles(const mesh::TriangleMesh& mesh, std::span<const Stroke> strokes) {
   std::vector<TriangleId> crossed;
   TriangleId t = kNone;
   for (const Stroke& stroke : strokes) {
@@ -55,7 +55,7 @@ std::int32_t count_crossed_triangles(const mesh::TriangleMesh& mesh, std::span<c
   }
   std::sort(crossed.begin(), crossed.end());
   crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
-  return static_cast<std::int32_t>(crossed.size());
+  return crossed;
 }
 
 }  // namespace kerf::cut

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "server/base/result.h"
 #include "server/cut/curve.h"
@@ -26,16 +29,32 @@ namespace kerf::cut {
 inline constexpr double kMinTolerance = 1.0e-6;              // -
 inline constexpr double kMaxTolerance = 0.5;                 // -
 inline constexpr double kMaxMinAngle = 28.0;                 // degrees
+inline constexpr double kFineMinAngle = 25.0;                // degrees; CutOptions::min_angle_deg of fine quality
 inline constexpr std::int64_t kMaxNewTriangles = 1'000'000;  // of one cut
+inline constexpr double kMinLength = 1.0e-9;                 // m; least tolerance_m and tip_edge_length
+inline constexpr double kMaxLength = 1.0e4;                  // m; largest of them
+inline constexpr double kMinTipGrading = 1.05;               // -
+inline constexpr double kMaxTipGrading = 10.0;               // -
+
+// How the mesh around the path is made.
+enum class Method {
+  // Delaunay triangulation of the whole neighbourhood of the path, free old points moved away from it (see
+  // CutOptions::relax), then Delaunay refinement to a smallest angle. Keeps the quality contract.
+  kNeighbourhood,
+  // Each crossed element by itself: its edges stay, Delaunay inside, then bisection of longest edges until no triangle
+  // has l_max / l_min > 3 or is below 3 % of the elements' area (ACDM). Promises no angle, ignores min_angle_deg and
+  // relax. For comparison.
+  kElement,
+};
 
 struct CutOptions {
-  // Distance asked for between curve and lips, as a fraction of the sheet's edge length.  -, in [kMinTolerance,
-  // kMaxTolerance]
+  // Distance asked for between curve and lips, as a fraction of the sheet's edge length there (mesh::EdgeLengths).  -,
+  // in [kMinTolerance, kMaxTolerance]
   double tolerance = 0.02;
   // The same in metres; replaces `tolerance` where given.  m, in [1e-9, 1e4]
   std::optional<double> tolerance_m;
-  // The path is laid on points and lips closer than this fraction of the edge length, but never farther than a tenth
-  // of the tolerance.  -, in [1e-6, 0.1]
+  // The path is laid on points and lips closer than this fraction of the edge length there, but never farther than a
+  // tenth of the tolerance.  -, in [1e-6, 0.1]
   double snap = 1.0e-3;
   // Triangles touched by the cut are refined until no angle is smaller, except in corners between lips that are
   // narrower than 60 degrees.  degrees, in [0, kMaxMinAngle]; 0 refines nothing
@@ -51,6 +70,12 @@ struct CutOptions {
   std::optional<Fit> fit;
   // Perforation: which lengths of the curve are cut; all of it without any.
   DashPattern dash;
+  Method method = Method::kNeighbourhood;
+  // Edge length wanted at the tips of the cut inside the sheet, where stresses peak; away from them it grows by
+  // (tip_grading - 1) a unit of distance, so by about the factor tip_grading a ring of triangles. Absent: no grading.
+  // m, in [kMinLength, kMaxLength]
+  std::optional<double> tip_edge_length_m;
+  double tip_grading = 1.5;  // -, in [kMinTipGrading, kMaxTipGrading]
 };
 
 struct CutRequest {
@@ -68,18 +93,50 @@ struct CutRequest {
 struct CutPlan {
   std::vector<Stroke> strokes;     // m, material coordinates; empty where the curve is nowhere near the sheet
   double curve_deviation_m = 0.0;  // m; proven bound on the distance between curve and strokes
-  double edge_length_m = 0.0;      // m; the sheet's edge length, to which the fractions refer
-  double snap_m = 0.0;             // m; distance below which the path is laid on points and lips
+  double curve_deviation_of_tolerance = 0.0;  // -; the same over the tolerance there, the largest of all places
+  double edge_length_m = 0.0;                 // m; the sheet's mean edge length
+  double snap_m = 0.0;  // m; distance below which the path is laid on points and lips where edges are so
+                        // long; elsewhere in proportion
   CutOptions options;
   std::vector<mesh::VertexId> fixed_vertices;  // sorted, unique
   std::vector<ViewLayer> layers;               // of a cut on a picture
   std::int32_t triangles_behind = 0;           // of a cut on a picture: left out, since they reach behind the camera
+  double view_deviation_m = 0.0;               // m; of a cut on a picture that shows the sheet nearly edge-on: beyond
+                                               // the tolerance, bound on the distance between sight lines and strokes
 };
 
 enum class CutStatus {
   kApplied,
   kNoIntersection,  // the curve misses the sheet, only retraces border and lips that are already there, or is no
                     // larger than the snap distance, which makes it a point: mesh untouched, edit empty
+};
+
+// Corners named in a reply; the sharpest first.
+inline constexpr std::size_t kMaxListedCorners = 64;
+
+// A corner between two lips, a lip and the border, or borders, below 60 degrees: no refinement can widen it, and
+// triangles there may stay below the angle asked for.
+struct SharpCorner {
+  Eigen::Vector2d position{0.0, 0.0};  // m, material coordinates
+  double angle_deg = 0.0;              // degrees, in (0, 60); its sharpest one, where several meet
+  std::int32_t triangles_below = 0;    // new triangles below the angle asked for at it or sharing a vertex with one
+                                       // at it; one near two corners is counted at both
+};
+
+// The shapes of the new triangles: those the cut has made, not old ones that merely lost a neighbour.
+struct CutQuality {
+  std::int32_t triangles = 0;                 // measured
+  double min_angle_deg = 180.0;               // degrees; smallest angle of the worst
+  double mean_min_angle_deg = 180.0;          // degrees; mean of the smallest angles
+  double max_aspect = 0.0;                    // -; worst longest edge / shortest height; at least 2 / sqrt(3)
+  double mean_aspect = 0.0;                   // -
+  double max_edge_ratio = 0.0;                // -; worst longest edge / shortest edge, which does not see flat caps
+  double mean_edge_ratio = 0.0;               // -
+  double min_height_m = 0.0;                  // m; smallest height
+  std::int32_t triangles_below_angle = 0;     // below min_angle_deg asked for
+  std::int32_t triangles_below_contract = 0;  // of those, in no sharp corner's two rings; 0 unless refinement_stopped
+  std::vector<SharpCorner> corners;  // with triangles below the angle; the sharpest first, at most kMaxListedCorners
+  std::int32_t num_corners = 0;      // of them all
 };
 
 struct CutReport {
@@ -92,16 +149,13 @@ struct CutReport {
   std::int32_t new_lip_edges = 0;        // edges newly locked as lips, before refinement splits them
   double deviation_m = 0.0;              // m; proven bound on the distance between the curve (inside the sheet) and
                                          // its lips: flattening + snapping + rounding
-  double min_angle_deg = 180.0;          // degrees; worst angle among the solid triangles that the cut rewrote
-  double max_aspect = 0.0;               // -; worst longest edge / shortest height among them
-  double min_height_m = 0.0;             // m; smallest height among them
-  std::int32_t triangles_below_angle =
-      0;                              // of those, below min_angle_deg: in corners between lips < 60 degrees, at the
-                                      // length floor of snap / 4, or an element of the sheet that was so before
-  bool refinement_stopped = false;    // the guard on refinement steps fired; the mesh is valid, its quality is not
-  std::int32_t snapped_points = 0;    // path points moved onto an existing point or lip (by <= snap)
-  std::int32_t closed_gaps = 0;       // of those: onto an older lip, the border, or another strand of this path
-  std::int32_t merged_segments = 0;   // path segments shorter than the snap distance that vanished ("dust")
+  double deviation_of_tolerance = 0.0;   // -, in [0, 1]; the same over the tolerance there, the largest of all places
+  bool refinement_stopped = false;       // a guard fired: the mesh is valid, its quality is not as asked for. In gaps
+                                         // between lips far narrower than an edge, at the length floor of snap / 4
+  std::int32_t snapped_points = 0;       // path points moved onto an existing point or lip (by <= snap)
+  std::int32_t closed_gaps = 0;          // of those: onto an older lip, the border, or another strand of this path
+  std::int32_t merged_segments = 0;      // path segments shorter than the snap distance that vanished ("dust")
+  CutQuality quality;
   std::vector<ViewLayer> layers;      // of a cut on a picture: its connected stretches
   std::int32_t triangles_behind = 0;  // of a cut on a picture: as of CutPlan
 };
@@ -114,15 +168,16 @@ struct CutOutcome {
 };
 
 // Validates and flattens. Reads the mesh for its extent and edge length only.
-// Errors: those of validate() and fit_into(); OPTION_OUT_OF_RANGE ("cut.min_angle_deg"), VERTEX_UNKNOWN, all
-// kInvalidArgument; TOO_MANY_DASHES, and CUT_ELEMENT_BUDGET for a cut that is too long, kResourceExhausted.
+// Errors, kInvalidArgument: those of validate() and fit_into(), OPTION_OUT_OF_RANGE ("cut.min_angle_deg"),
+// OPTIONS_CONFLICT, VERTEX_UNKNOWN, and TOLERANCE_TOO_SMALL, which the lattice or the number of chords cannot keep;
+// kResourceExhausted: TOO_MANY_DASHES, VIEW_WORK_BUDGET, and CUT_ELEMENT_BUDGET for a cut that is too long.
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 
 // Carries the plan out, or leaves the mesh bit-identical.
 // Errors: kResourceExhausted CUT_ELEMENT_BUDGET (max_new_triangles, or the mesh's own limit, or a step counter) and
 //         TOO_MANY_VERTICES (max_vertices);
 //         kFailedPrecondition CUT_NOT_REPRESENTABLE (a crossing could not be rounded to a valid point: shift the
-//         curve).
+//         curve) and TOLERANCE_NOT_KEPT (snapping many times over led the path too far away: shift the curve).
 // With KERF_VALIDATE defined every mesh invariant is checked afterwards.
 Result<CutOutcome> apply(mesh::TriangleMesh& mesh, const CutPlan& plan);
 

@@ -1,5 +1,6 @@
 #include "server/cut/lip_corner.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/cut/lattice_geometry.h"
@@ -15,7 +16,6 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr double kCosSharp = 0.5;       // cos 60 degrees
 constexpr double kCosStraight = 0.9;    // a lip that turns more than about 26 degrees at a point ends there
 constexpr int kMaxEdges = 8;            // edges of a lip followed to a corner
 constexpr double kSameDistance = 1e-3;  // -; relative difference of distances that count as equal
@@ -26,8 +26,9 @@ double cos_between(const Vector2d& u, const Vector2d& v) {
 
 }  // namespace
 
-bool LipCorners::is_sharp(PointId p) {
+double LipCorners::sharpest(PointId p) {
   mesh_.fan_around(p, fan_);
+  double cos_sharpest = kCosSharp;
   // Per solid sector between two consecutive fixed edges: sum up to the first edge that makes it 60 degrees or more.
   const std::size_t size = fan_.size();
   for (std::size_t first = 0; first < size; ++first) {
@@ -38,11 +39,14 @@ bool LipCorners::is_sharp(PointId p) {
       const TriangleId t = fan_[(first + step) % size];
       const int corner = mesh_.corner_of(t, p);
       const Vector2d end = difference(mesh_.at(p), mesh_.at(mesh_.points(t)[previous_corner(corner)]));
-      if (cos_between(start, end) < kCosSharp || start.x() * end.y() - start.y() * end.x() <= 0.0) break;
-      if (mesh_.is_fixed(t, next_corner(corner))) return true;
+      const double cos_angle = cos_between(start, end);
+      if (cos_angle < kCosSharp || start.x() * end.y() - start.y() * end.x() <= 0.0) break;
+      if (!mesh_.is_fixed(t, next_corner(corner))) continue;
+      cos_sharpest = std::max(cos_sharpest, cos_angle);
+      break;
     }
   }
-  return false;
+  return cos_sharpest;
 }
 
 void LipCorners::find_fixed_neighbours(PointId p, std::vector<PointId>& neighbours) {
@@ -61,7 +65,7 @@ void LipCorners::follow_lips(PointId p, std::vector<Reach>& reached) {
     PointId previous = p;
     PointId current = end;
     for (int edge = 0; edge < kMaxEdges && current != kNone; ++edge) {
-      reached.push_back({current, difference(mesh_.at(p), mesh_.at(current)).norm()});
+      reached.push_back({current, difference(mesh_.at(p), mesh_.at(current)).norm(), edge + 1});
       const Vector2d direction = difference(mesh_.at(previous), mesh_.at(current));
       find_fixed_neighbours(current, onward_);
       previous = current;
@@ -76,8 +80,8 @@ void LipCorners::follow_lips(PointId p, std::vector<Reach>& reached) {
   }
 }
 
-bool LipCorners::joins_lips_of_sharp_corner(PointId p, PointId q) {
-  if (mesh_.locks_at_point(p) == 0 || mesh_.locks_at_point(q) == 0) return false;
+int LipCorners::edges_to_sharp_corner(PointId p, PointId q) {
+  if (mesh_.locks_at_point(p) == 0 || mesh_.locks_at_point(q) == 0) return 0;
   follow_lips(p, from_p_);
   follow_lips(q, from_q_);
   for (const Reach& a : from_p_) {
@@ -86,10 +90,10 @@ bool LipCorners::joins_lips_of_sharp_corner(PointId p, PointId q) {
       const Vector2d to_p = difference(mesh_.at(a.point), mesh_.at(p));
       const Vector2d to_q = difference(mesh_.at(a.point), mesh_.at(q));
       const double cos_angle = cos_between(to_p, to_q);
-      if (cos_angle > kCosSharp && cos_angle < 1.0 - 1e-9) return true;
+      if (cos_angle > kCosSharp && cos_angle < 1.0 - 1e-9) return std::max(a.edges, b.edges);
     }
   }
-  return false;
+  return 0;
 }
 
 double LipCorners::split_fraction(PointId a, PointId b, double length) {

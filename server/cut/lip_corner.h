@@ -14,11 +14,17 @@ class LipCorners {
  public:
   explicit LipCorners(const mesh::TriangleMesh& mesh) : mesh_(mesh) {}
 
-  [[nodiscard]] bool is_sharp(mesh::PointId p);
+  static constexpr double kCosSharp = 0.5;  // cos 60 degrees
 
-  // Whether p and q lie equally far from a sharp corner, one on either of its two lips: an edge pq that the corner
-  // forces (Miller, Pav and Walkington's "seditious" edge).
-  [[nodiscard]] bool joins_lips_of_sharp_corner(mesh::PointId p, mesh::PointId q);
+  // Cosine of the smallest angle between two fixed edges at p with material in between, if below 60 degrees, and else
+  // kCosSharp.
+  [[nodiscard]] double sharpest(mesh::PointId p);
+  [[nodiscard]] bool is_sharp(mesh::PointId p) { return sharpest(p) > kCosSharp; }
+
+  // Where p and q lie equally far from a sharp corner, one on either of its two lips, so that the corner forces an edge
+  // pq (Miller, Pav and Walkington's "seditious" edge): the number of lip edges from the corner to the farther of
+  // the two, at least 1. Else 0.
+  [[nodiscard]] int edges_to_sharp_corner(mesh::PointId p, mesh::PointId q);
 
   // Where to split the fixed edge ab of this length (lattice units), as a fraction from a, in [1/3, 2/3]: in the
   // middle, or with a sharp corner at one end at a power of two from it, so that the parts of both its lips come to
@@ -30,6 +36,7 @@ class LipCorners {
   struct Reach {
     mesh::PointId point = mesh::kNone;
     double distance = 0.0;  // lattice units, straight
+    int edges = 0;          // between the two
   };
 
   void find_fixed_neighbours(mesh::PointId p, std::vector<mesh::PointId>& neighbours);

@@ -44,12 +44,23 @@ void sort_unique(std::vector<PointId>& points) {
 
 }  // namespace
 
-PathInsertion::PathInsertion(mesh::MeshEditor& editor, double snap, double spacing)
-    : editor_(editor), mesh_(editor.mesh()), snap_(snap), spacing_(spacing), walk_(editor.mesh(), snap) {}
+PathInsertion::PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing)
+    : editor_(editor), mesh_(editor.mesh()), scale_(scale), spacing_(spacing), walk_(editor.mesh()) {}
+
+void PathInsertion::use_scale_at(const LatticePoint& at) {
+  snap_ = scale_.snap(mesh_.lattice().position(at)) / mesh_.lattice().spacing;
+  walk_.set_clearance(snap_);
+}
 
 std::vector<PointId> PathInsertion::path_points() const {
   std::vector<PointId> points = path_points_;
   sort_unique(points);
+  return points;
+}
+
+std::vector<PointId> PathInsertion::tips() const {
+  std::vector<PointId> points = path_points();
+  points.erase(std::remove_if(points.begin(), points.end(), [this](PointId p) { return !is_tip(p); }), points.end());
   return points;
 }
 
@@ -101,9 +112,9 @@ bool PathInsertion::is_tip(PointId point) const {
 // Takes the path from the start of the present segment to its end.
 Status PathInsertion::insert_segment(PathPosition& position) {
   const Eigen::Vector2d along = difference(segment_start_, segment_end_);
-  const double parts = std::ceil(along.norm() / spacing_);
-  for (double i = 1.0; i < parts; ++i) {
-    const Eigen::Vector2d offset = (i / parts) * along;
+  const mesh::Lattice& lattice = mesh_.lattice();
+  for (const double share : scale_.divisions(lattice.position(segment_start_), lattice.spacing * along, spacing_)) {
+    const Eigen::Vector2d offset = share * along;
     const LatticePoint at{segment_start_.x + std::llround(offset.x()), segment_start_.y + std::llround(offset.y())};
     if (runs_along_edge(at)) continue;
     if (Status status = advance(position, at); !status.ok()) return status;
@@ -175,6 +186,7 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
   const Location location = mesh_.locate(at, hint_);
   KERF_CHECK(location.kind != Location::Kind::kOutside, "a clipped path stays inside the domain");
   hint_ = location.triangle;
+  use_scale_at(at);
   if (location.kind == Location::Kind::kPoint) {
     note_point(location.point);
     return PathPosition{at, location.point, kNone};
@@ -182,18 +194,19 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
   const Snap snap = find_snap(at, location.triangle);
   PointId point = snap.point;
   if (point != kNone) {
-    if (point != last_point_ && mesh_.locks_at_point(point) != 0) ++counts_.closed_gaps;
+    if (point != last_point_ && (mesh_.locks_at_point(point) & ~mesh::kLockOriginal) != 0) ++counts_.closed_gaps;
     ++counts_.snapped_points;
   } else if (snap.triangle != kNone) {
     const LatticePoint& a = mesh_.at(mesh_.points(snap.triangle)[next_corner(snap.corner)]);
     const LatticePoint& b = mesh_.at(mesh_.points(snap.triangle)[previous_corner(snap.corner)]);
     const LatticePoint foot = rounded_projection(a, b, at);
+    const bool is_element_edge = mesh_.locks(snap.triangle, snap.corner) == mesh::kLockOriginal;
     const Result<PointId> split = split_near(snap.triangle, snap.corner, foot);
     if (!split.ok()) return split.error();
     point = *split;
     if (foot != at) {
       ++counts_.snapped_points;
-      ++counts_.closed_gaps;
+      counts_.closed_gaps += is_element_edge ? 0 : 1;
     }
   } else if (!mesh_.is_solid(location.triangle)) {
     return PathPosition{at, kNone, location.triangle};
@@ -202,7 +215,7 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
     if (!inserted.ok()) return inserted.error();
     point = *inserted;
   }
-  counts_.deviation = std::max(counts_.deviation, difference(at, mesh_.at(point)).norm());
+  note_deviation(point, difference(at, mesh_.at(point)).norm());
   note_point(point);
   return PathPosition{mesh_.at(point), point, kNone};
 }
@@ -229,8 +242,14 @@ Result<PointId> PathInsertion::split_near(TriangleId t, int corner, const Lattic
 void PathInsertion::note_point(PointId point) {
   path_points_.push_back(point);
   hint_ = mesh_.records().points[static_cast<std::size_t>(point)].triangle;
-  const double distance = distance_to_segment(mesh_.at(point), segment_start_, segment_end_);
+  note_deviation(point, distance_to_segment(mesh_.at(point), segment_start_, segment_end_));
+}
+
+void PathInsertion::note_deviation(PointId point, double distance) {
+  if (distance <= 0.0) return;
   counts_.deviation = std::max(counts_.deviation, distance);
+  const double of_tolerance = distance * mesh_.lattice().spacing / scale_.tolerance(mesh_.point_position(point));
+  counts_.deviation_of_tolerance = std::max(counts_.deviation_of_tolerance, of_tolerance);
 }
 
 Status PathInsertion::run_segment(PathPosition from, const PathPosition& to) {

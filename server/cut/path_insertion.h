@@ -7,6 +7,7 @@
 
 #include "server/base/result.h"
 #include "server/cut/curve.h"
+#include "server/cut/path_scale.h"
 #include "server/cut/path_walk.h"
 #include "server/mesh/mesh_editor.h"
 
@@ -19,6 +20,7 @@ struct InsertionCounts {
   std::int32_t closed_gaps = 0;
   std::int32_t merged_segments = 0;
   double deviation = 0.0;  // largest distance between the strokes and the chain of edges that stands for them
+  double deviation_of_tolerance = 0.0;  // -; the same over the tolerance there, the largest of all places
 };
 
 // Lays strokes into the mesh: incremental constrained Delaunay on the mesh itself. Each point of a stroke is put on a
@@ -29,8 +31,8 @@ struct InsertionCounts {
 // along them already: a long straight lip would drag needles as long as itself across the sheet.
 class PathInsertion {
  public:
-  // `snap`: lattice units, >= 2 * MeshEditor::kLockClearance. `spacing`: lattice units, > 0.
-  PathInsertion(mesh::MeshEditor& editor, double snap, double spacing);
+  // `spacing`: longest stretch of path without a point, as a fraction of the edge length there.
+  PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing);
 
   // An Error as of cut::apply(); the editor is then to be rolled back.
   Status insert(const Stroke& stroke);
@@ -42,6 +44,8 @@ class PathInsertion {
   [[nodiscard]] const InsertionCounts& counts() const { return counts_; }
   // Mesh points on the path, sorted, unique.
   [[nodiscard]] std::vector<mesh::PointId> path_points() const;
+  // Of those, where only one lip, and no border, ends: tips inside the sheet.
+  [[nodiscard]] std::vector<mesh::PointId> tips() const;
   // End points of edges flipped away to make room for the path, sorted, unique.
   [[nodiscard]] std::vector<mesh::PointId> corridor_points() const;
 
@@ -64,12 +68,15 @@ class PathInsertion {
   Status secure_edge(mesh::PointId p, mesh::PointId q);
   void lock_as_cut(mesh::TriangleId t, int corner);
   void note_point(mesh::PointId point);
+  void note_deviation(mesh::PointId point, double distance);
+  void use_scale_at(const mesh::LatticePoint& at);
   [[nodiscard]] bool is_tip(mesh::PointId point) const;
 
   mesh::MeshEditor& editor_;
   const mesh::TriangleMesh& mesh_;
-  double snap_;
-  double spacing_;
+  const PathScale& scale_;
+  double spacing_;     // -
+  double snap_ = 0.0;  // lattice units, where the path is
   PathWalk walk_;
   InsertionCounts counts_;
   mesh::TriangleId hint_ = mesh::kNone;

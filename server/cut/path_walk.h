@@ -32,8 +32,10 @@ struct Encounter {
 // Follows legs of the path through the welded mesh by exact predicates. Keeps scratch between legs.
 class PathWalk {
  public:
+  explicit PathWalk(const mesh::TriangleMesh& mesh) : mesh_(mesh) {}
+
   // `clearance`: lattice units; points closer than this to a leg are met by it.
-  PathWalk(const mesh::TriangleMesh& mesh, double clearance) : mesh_(mesh), clearance_(clearance) {}
+  void set_clearance(double clearance) { clearance_ = clearance; }
 
   // From `from` to `to`, at different places. A position without a point must lie in the void and from.triangle must
   // hold it now.
@@ -59,7 +61,7 @@ class PathWalk {
   [[nodiscard]] bool is_met(mesh::PointId v) const;
 
   const mesh::TriangleMesh& mesh_;
-  double clearance_;
+  double clearance_ = 0.0;
   PathPosition from_;
   PathPosition to_;
   std::vector<mesh::TriangleId> fan_;

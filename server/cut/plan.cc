@@ -1,8 +1,13 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 #include "server/cut/cut.h"
+#include "server/cut/element_path.h"
+#include "server/cut/path_scale.h"
+#include "server/cut/simplify.h"
 #include "server/cut/stroke.h"
 
 namespace kerf::cut {
@@ -13,6 +18,9 @@ constexpr double kMaxPathPoints = 1.0e6;  // points of a spaced path; more canno
 // Most of the room around the sheet that clipping leaves to a curve, the snap distance aside: that is at most a tenth
 // of the edge length, and the edge length at most sqrt(2) times the room.  -
 constexpr double kClipRoom = 0.25;
+
+// With Method::kElement chords are chosen from this much finer ones.  -
+constexpr double kElementFlattening = 0.25;
 
 Status check_range(double value, double low, double high, const std::string& field) {
   if (value >= low && value <= high) return Nothing{};  // false for NaN
@@ -31,7 +39,8 @@ Status place(const mesh::TriangleMesh& mesh, const Fit& fit, Curve& curve) {
 
 Status check_options(const CutOptions& options) {
   if (Status s = check_range(options.tolerance, kMinTolerance, kMaxTolerance, "cut.tolerance"); !s.ok()) return s;
-  if (Status s = check_range(options.tolerance_m.value_or(1.0), 1e-9, 1e4, "cut.tolerance_m"); !s.ok()) return s;
+  if (Status s = check_range(options.tolerance_m.value_or(1.0), kMinLength, kMaxLength, "cut.tolerance_m"); !s.ok())
+    return s;
   if (Status s = check_range(options.snap, 1e-6, 0.1, "cut.snap"); !s.ok()) return s;
   if (Status s = check_range(options.min_angle_deg, 0.0, kMaxMinAngle, "cut.min_angle_deg"); !s.ok()) return s;
   if (Status s =
@@ -42,6 +51,16 @@ Status check_options(const CutOptions& options) {
   if (Status s = validate(options.dash); !s.ok()) return s;
   if (options.fit) {
     if (Status s = validate(*options.fit); !s.ok()) return s;
+  }
+  if (Status s = check_range(options.tip_edge_length_m.value_or(1.0), kMinLength, kMaxLength, "cut.tip_edge_length_m");
+      !s.ok()) {
+    return s;
+  }
+  if (Status s = check_range(options.tip_grading, kMinTipGrading, kMaxTipGrading, "cut.tip_grading"); !s.ok()) return s;
+  if (options.method == Method::kElement && options.tip_edge_length_m) {
+    return invalid_argument("OPTIONS_CONFLICT",
+                            "cut.tip_edge_length_m needs method neighbourhood; leave one of them out",
+                            "cut.tip_edge_length_m");
   }
   return check_range(options.max_vertices, 1.0, mesh::kMaxVertices, "cut.max_vertices");
 }
@@ -55,6 +74,50 @@ Status check_vertices(const mesh::TriangleMesh& mesh, const std::vector<mesh::Ve
                             "cut.fixed_vertices[" + std::to_string(i) + "]");
   }
   return Nothing{};
+}
+
+std::string metres(double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.3g m", value);
+  return text.data();
+}
+
+// Below a few hundred lattice units rounding alone would exceed the tolerance.
+Status check_tolerance(const PathScale& scale) {
+  const double least = scale.representable_tolerance();
+  if (scale.least_tolerance() >= least) return Nothing{};
+  return invalid_argument("TOLERANCE_TOO_SMALL",
+                          "the tolerance is " + metres(scale.least_tolerance()) +
+                              "; positions on this sheet are rounded, so that " + metres(least) +
+                              " is the least that can be kept",
+                          "cut.tolerance_m");
+}
+
+Error curve_too_long(double achieved) {
+  return {ErrorCode::kInvalidArgument, "TOLERANCE_TOO_SMALL",
+          "4096 chords a piece of the curve come within " + metres(achieved) +
+              " of it; ask for a larger tolerance, or split the curve into more pieces",
+          "cut.curve"};
+}
+
+// What a camera saw of the sheet has a point on every edge that the curve crosses: those that the tolerance does not
+// need go. Where triangles seen nearly edge-on make the picture itself coarser than the tolerance, that is kept apart
+// in `beside`, and the strokes count as exact.
+FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, double& beside) {
+  constexpr double kShareOfPicture = 0.5;  // of the tolerance
+  if (path.deviation_m > kShareOfPicture * scale.least_tolerance()) {
+    beside = path.deviation_m;
+    path.deviation_m = 0.0;
+  }
+  double moved = 0.0;
+  for (Stroke& stroke : path.strokes) {
+    Simplification simplification(stroke.points, path.deviation_m, scale);
+    simplification.simplify_stretch(0, stroke.points.size() - 1);
+    stroke.points = simplification.kept_points();
+    moved = std::max(moved, simplification.moved());
+  }
+  path.deviation_m += moved;
+  return path;
 }
 
 }  // namespace
@@ -75,22 +138,20 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   std::sort(plan.fixed_vertices.begin(), plan.fixed_vertices.end());
   plan.fixed_vertices.erase(std::unique(plan.fixed_vertices.begin(), plan.fixed_vertices.end()),
                             plan.fixed_vertices.end());
-  // The length of the sheet as built, which cuts leave alone: the same curve is flattened and spaced the same way every
-  // time, so a second identical cut meets the lips of the first exactly.
   plan.edge_length_m = mesh.base_edge_length();
-  const double tolerance = plan.options.tolerance_m.value_or(plan.options.tolerance * plan.edge_length_m);
-  // Two clearances of the lattice keep a point that did not snap to a lip insertable beside it.
-  const double smallest_snap = 2.0 * static_cast<double>(mesh::MeshEditor::kLockClearance) * mesh.lattice().spacing;
-  plan.snap_m = std::max(std::min(plan.options.snap * plan.edge_length_m, 0.1 * tolerance), smallest_snap);
+  const PathScale scale(mesh, plan.options);
+  plan.snap_m = scale.mean_snap();
+  if (Status s = check_tolerance(scale); !s.ok()) return s.error();
 
-  const double flatness = std::max(tolerance - plan.snap_m, 0.1 * tolerance);
+  const bool is_by_element = plan.options.method == Method::kElement;
+  const double flatness = (is_by_element ? kElementFlattening : 1.0) * scale.least_flattening();
   FlatCurve whole;
   if (request.view) {
     Result<ViewPath> path = lay_on_sheet(mesh, *request.positions, request.curve, *request.view, flatness);
     if (!path.ok()) return path.error();
-    whole = std::move(path->flat);
     plan.layers = std::move(path->layers);
     plan.triangles_behind = path->behind;
+    whole = leave_out_points(std::move(path->flat), scale, plan.view_deviation_m);
   } else {
     Curve curve = request.curve;
     if (request.options.fit) {
@@ -105,13 +166,16 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   // domain.
   const double clearance = std::min(plan.edge_length_m, kClipRoom * mesh.lattice().room());
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(clearance + plan.snap_m);
-  FlatCurve clipped = clip(*flat, {bounds.min() - margin, bounds.max() + margin});
-  if (spaced_size(clipped, plan.edge_length_m) > kMaxPathPoints) {
+  const FlatCurve clipped = clip(*flat, {bounds.min() - margin, bounds.max() + margin});
+  if (clipped.deviation_m > scale.least_tolerance()) return curve_too_long(clipped.deviation_m);
+  ScaledCurve simplified = is_by_element ? element_path(mesh, clipped, scale) : simplify(clipped, scale);
+  if (spaced_size(simplified.curve, plan.edge_length_m) > kMaxPathPoints) {
     return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
                  "the cut is longer than 1 million edge lengths; split it into several", "cut.curve"};
   }
-  plan.strokes = std::move(clipped.strokes);
-  plan.curve_deviation_m = clipped.deviation_m;
+  plan.strokes = std::move(simplified.curve.strokes);
+  plan.curve_deviation_m = simplified.curve.deviation_m;
+  plan.curve_deviation_of_tolerance = simplified.deviation_of_tolerance;
   return plan;
 }
 

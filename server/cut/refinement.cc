@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <queue>
@@ -30,6 +31,9 @@ constexpr int kMaxWalk = 512;            // triangles between an ill-shaped one 
 // Ungor's off-centre pulled in by 5 %, so that rounding does not leave the new triangle just below the angle
 // (the factor of Shewchuk's Triangle 1.6).
 constexpr double kOffCentreFactor = 0.475;
+// How far a new point keeps from a lip it encroaches on and that must not be split, as a fraction of the shortest edge
+// of the triangle that it is to remove.  -
+constexpr double kLeastRoom = 0.3;
 
 LatticePoint rounded(const LatticePoint& from, const Vector2d& offset) {
   return {from.x + std::llround(offset.x()), from.y + std::llround(offset.y())};
@@ -54,6 +58,16 @@ struct Edge {
   int corner = 0;
 };
 
+}  // namespace
+
+double TipGrading::length_at(const LatticePoint& at) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const LatticePoint& tip : tips) nearest = std::min(nearest, difference(tip, at).norm());
+  return length + gradient * nearest;
+}
+
+namespace {
+
 class Refinement {
  public:
   Refinement(mesh::MeshEditor& editor, const RefinementConfig& config)
@@ -66,6 +80,8 @@ class Refinement {
   Result<RefinementCounts> run(std::span<const TriangleId> seeds) {
     for (const TriangleId t : seeds) consider(t);
     if (Status status = work_off_queue(); !status.ok()) return status.error();
+    refine_wedges();
+    if (Status status = work_off_queue(); !status.ok()) return status.error();
     if (gaps_.empty()) return counts_;
     refine_gaps_within_allowance();
     if (Status status = work_off_queue(); !status.ok()) return status.error();
@@ -73,6 +89,16 @@ class Refinement {
   }
 
  private:
+  // What is refined in turn: all but what a sharp corner forces; between the lips of sharp corners, beyond the first
+  // ring; narrow gaps.
+  enum class Stage { kPlain, kWedges, kGaps };
+
+  // A triangle left for a later stage. Stale where the slot holds other corners now.
+  struct Deferred {
+    TriangleId triangle = kNone;
+    std::array<PointId, 3> points{};
+  };
+
   // A triangle that spans a narrow gap, and about how many triangles would replace it.
   struct Gap {
     double demand = 0.0;
@@ -84,9 +110,18 @@ class Refinement {
     }
   };
 
+  // Between the lips of a sharp corner triangles of the gap's own width are needed, the more the sharper it is. They
+  // stay bounded because lips are not split at the corner any more.
+  void refine_wedges() {
+    stage_ = Stage::kWedges;
+    for (const Deferred& spared : wedges_) {
+      if (mesh_.points(spared.triangle) == spared.points) consider(spared.triangle);
+    }
+  }
+
   // Queues the gaps that cost least, as far as the allowance goes.
   void refine_gaps_within_allowance() {
-    spares_gaps_ = false;
+    stage_ = Stage::kGaps;
     std::sort(gaps_.begin(), gaps_.end());
     double allowance = static_cast<double>(config_.gap_allowance);
     std::array<PointId, 3> previous{};
@@ -126,32 +161,70 @@ class Refinement {
   void consider(TriangleId t) {
     if (!mesh_.is_solid(t)) return;
     const TriangleShape shape = shape_of(corners_of(mesh_, t));
-    if (shape.cos_smallest > cos_limit_) queue_.push({shape.cos_smallest, order_++, t, mesh_.points(t)});
+    if (shape.cos_smallest > cos_limit_ || is_too_large(t, shape))
+      queue_.push({shape.cos_smallest, order_++, t, mesh_.points(t)});
+  }
+
+  [[nodiscard]] bool is_too_large(TriangleId t, const TriangleShape& shape) const {
+    if (config_.grading.tips.empty()) return false;
+    const std::array<LatticePoint, 3> at = corners_of(mesh_, t);
+    const LatticePoint middle = rounded(at[0], (difference(at[0], at[1]) + difference(at[0], at[2])) / 3.0);
+    return shape.longest > std::max(config_.grading.length_at(middle), 4.0 * config_.length_floor);
   }
 
   // Inserts one point that removes t or brings its removal nearer. False where t has to stay as it is.
   bool improve(TriangleId t) {
     const TriangleShape shape = shape_of(corners_of(mesh_, t));
     const int c = shape.sharpest_corner;
-    if (shape.shortest <= config_.length_floor) return false;
+    const double scale = scale_at(mesh_.points(t)[c]);
+    if (shape.cos_smallest <= cos_limit_) return insert_against(t, c, shape);  // well shaped, but too large
+    if (shape.shortest <= scale * config_.length_floor) return false;
     if (mesh_.is_fixed(t, next_corner(c)) && mesh_.is_fixed(t, previous_corner(c))) return false;
     const PointId p = mesh_.points(t)[next_corner(c)];
     const PointId q = mesh_.points(t)[previous_corner(c)];
-    if (!mesh_.is_fixed(t, c) && corners_.joins_lips_of_sharp_corner(p, q)) return false;
-    if (spares_gaps_ && shape.shortest < config_.narrow_gap && spans_gap(t, c)) {
+    if (!mesh_.is_fixed(t, c)) {
+      const int edges = corners_.edges_to_sharp_corner(p, q);
+      if (edges > 0 && stage_ == Stage::kPlain) wedges_.push_back({t, mesh_.points(t)});
+      if (edges == 1 || (edges > 1 && stage_ == Stage::kPlain)) return false;
+    }
+    if (stage_ != Stage::kGaps && shape.shortest < scale * config_.narrow_gap && spans_gap(t, c)) {
       gaps_.push_back({shape.longest / shape.shortest, t, mesh_.points(t)});
       return false;
     }
 
+    return insert_against(t, c, shape);
+  }
+
+  // Inserts the off-centre of t, or splits the fixed edge that is in the way of it.
+  bool insert_against(TriangleId t, int c, const TriangleShape& shape) {
     const LatticePoint target = off_centre(t, c);
     Location location;
     if (const std::optional<Edge> wall = find_wall(t, target, location)) return split_opposite(*wall) || split(*wall);
-    if (location.kind == Location::Kind::kOutside || location.kind == Location::Kind::kPoint) return false;
-    if (const std::optional<Edge> edge = find_encroached(location.triangle, target)) return split(*edge);
+    if (location.kind == Location::Kind::kOutside) return false;
+    if (location.kind == Location::Kind::kPoint) return flip_away(t);
+    if (const std::optional<Edge> edge = find_encroached(location.triangle, target, kLeastRoom * shape.shortest)) {
+      return split(*edge);
+    }
     const PointId added = editor_.insert_point(target, location.triangle);
     if (added == kNone) return false;
     settle(added);
     return true;
+  }
+
+  // Where the place for a new point is taken, t is not Delaunay: a sheet need not have been, and moving points can
+  // leave edges at them that are not.
+  bool flip_away(TriangleId t) {
+    const std::array<LatticePoint, 3> at = corners_of(mesh_, t);
+    for (int k = 0; k < 3; ++k) {
+      if (mesh_.is_fixed(t, k)) continue;
+      const TriangleId u = mesh_.welded_neighbour(t, k);
+      const PointId across = mesh_.points(u)[mesh_.mirror_corner(t, k)];
+      if (mesh::in_circle(at[0], at[1], at[2], mesh_.at(across)) <= 0 || !editor_.flip_edge(t, k)) continue;
+      ++counts_.insertions;
+      consider(u);
+      return true;
+    }
+    return false;
   }
 
   // Opposite the shortest edge pq on its bisector: the circumcentre, or nearer where that is enough for the angle.
@@ -198,6 +271,12 @@ class Refinement {
     return std::nullopt;
   }
 
+  // How the lengths of the configuration are scaled at p.
+  [[nodiscard]] double scale_at(PointId p) const {
+    const mesh::EdgeLengths& lengths = *config_.lengths;
+    return lengths.is_uniform() ? 1.0 : lengths.at(mesh_.point_position(p)) / lengths.mean;
+  }
+
   [[nodiscard]] bool holds(TriangleId t, const LatticePoint& at) const {
     const std::array<LatticePoint, 3> p = corners_of(mesh_, t);
     return mesh::orient2d(p[0], p[1], at) >= 0 && mesh::orient2d(p[1], p[2], at) >= 0 &&
@@ -205,8 +284,8 @@ class Refinement {
   }
 
   // Of the fixed edges that bound the cavity of `at` (the triangles whose circles hold it), the one whose diametral
-  // circle holds it deepest.
-  std::optional<Edge> find_encroached(TriangleId start, const LatticePoint& at) {
+  // circle holds it deepest. One that must not be split any more does not count if it is farther than `room` from it.
+  std::optional<Edge> find_encroached(TriangleId start, const LatticePoint& at, double room) {
     std::optional<Edge> worst;
     double worst_cos = 0.0;
     cavity_.assign(1, start);
@@ -217,13 +296,14 @@ class Refinement {
           grow_cavity(mesh_.welded_neighbour(t, k), at);
           continue;
         }
-        const Vector2d to_a = difference(at, mesh_.at(mesh_.points(t)[next_corner(k)]));
-        const Vector2d to_b = difference(at, mesh_.at(mesh_.points(t)[previous_corner(k)]));
+        const LatticePoint& a = mesh_.at(mesh_.points(t)[next_corner(k)]);
+        const LatticePoint& b = mesh_.at(mesh_.points(t)[previous_corner(k)]);
+        const Vector2d to_a = difference(at, a);
+        const Vector2d to_b = difference(at, b);
         const double cos_seen = to_a.dot(to_b) / std::sqrt(to_a.squaredNorm() * to_b.squaredNorm());
-        if (cos_seen < worst_cos) {
-          worst_cos = cos_seen;
-          worst = Edge{t, k};
-        }
+        if (cos_seen >= worst_cos || (is_frozen({t, k}) && distance_to_segment(at, a, b) > room)) continue;
+        worst_cos = cos_seen;
+        worst = Edge{t, k};
       }
     }
     return worst;
@@ -248,14 +328,24 @@ class Refinement {
     const LatticePoint& at = mesh_.at(facing);
     const LatticePoint& a = mesh_.at(mesh_.points(edge.triangle)[next_corner(edge.corner)]);
     const LatticePoint& b = mesh_.at(mesh_.points(edge.triangle)[previous_corner(edge.corner)]);
-    if (mesh_.locks_at_point(facing) == 0 || distance_to_segment(at, a, b) >= config_.narrow_gap) return false;
+    const double narrow_gap = scale_at(facing) * config_.narrow_gap;
+    if (is_frozen(edge) || mesh_.locks_at_point(facing) == 0 || distance_to_segment(at, a, b) >= narrow_gap) {
+      return false;
+    }
     const LatticePoint foot = mesh::rounded_projection(a, b, at);
     const double nearest_end = std::min(difference(a, foot).norm(), difference(foot, b).norm());
-    if (nearest_end < config_.narrow_gap) return false;
+    if (nearest_end < narrow_gap) return false;
     const PointId added = editor_.split_edge(edge.triangle, edge.corner, foot);
     if (added == kNone) return false;
     settle(added);
     return true;
+  }
+
+  // Whether a lip must not be split any more because it ends at a sharp corner.
+  [[nodiscard]] bool is_frozen(const Edge& edge) {
+    if (stage_ == Stage::kPlain) return false;
+    const auto& p = mesh_.points(edge.triangle);
+    return corners_.is_sharp(p[next_corner(edge.corner)]) || corners_.is_sharp(p[previous_corner(edge.corner)]);
   }
 
   // Splits a fixed edge in its middle, or on a shell around a sharp corner at one of its ends.
@@ -263,7 +353,7 @@ class Refinement {
     const PointId a = mesh_.points(edge.triangle)[next_corner(edge.corner)];
     const PointId b = mesh_.points(edge.triangle)[previous_corner(edge.corner)];
     const double length = difference(mesh_.at(a), mesh_.at(b)).norm();
-    if (length <= 2.0 * config_.length_floor) return false;
+    if (length <= 2.0 * scale_at(a) * config_.length_floor || is_frozen(edge)) return false;
     const double fraction = corners_.split_fraction(a, b, length);
     const LatticePoint middle = rounded(mesh_.at(a), fraction * difference(mesh_.at(a), mesh_.at(b)));
     const PointId added = editor_.split_edge(edge.triangle, edge.corner, middle);
@@ -287,8 +377,9 @@ class Refinement {
   RefinementCounts counts_;
   std::priority_queue<Pending> queue_;
   std::int64_t order_ = 0;
-  bool spares_gaps_ = true;  // until everything else is done
-  std::vector<Gap> gaps_;    // ill-shaped triangles spared
+  Stage stage_ = Stage::kPlain;
+  std::vector<Deferred> wedges_;
+  std::vector<Gap> gaps_;
   std::vector<TriangleId> cavity_;
   std::vector<TriangleId> fan_;
 };

@@ -9,12 +9,25 @@
 
 namespace kerf::cut {
 
+// Edge lengths wanted around the tips of a cut: `length` at each, growing by `gradient` a unit of distance.
+struct TipGrading {
+  std::vector<mesh::LatticePoint> tips;
+  double length = 0.0;    // lattice units, > 0
+  double gradient = 0.5;  // -, > 0
+
+  // Lattice units; infinite without tips.
+  [[nodiscard]] double length_at(const mesh::LatticePoint& at) const;
+};
+
 struct RefinementConfig {
-  double min_angle_deg = 20.0;     // degrees, in (0, 28]
+  double min_angle_deg = 20.0;     // degrees, in [0, 28]; 0: triangles are refined for their size only
   double length_floor = 0.0;       // lattice units; edges this short are not split and not refined around
   double narrow_gap = 0.0;         // lattice units; gaps between lips narrower than this are refined only as far as
   std::int64_t gap_allowance = 0;  // this many triangles go, by an estimate made before
   std::int64_t max_insertions = 0;
+  // Where edges are `lengths->mean` long the lengths above are as given, elsewhere in proportion. Not null.
+  const mesh::EdgeLengths* lengths = nullptr;
+  TipGrading grading;
 };
 
 struct RefinementCounts {
@@ -23,14 +36,14 @@ struct RefinementCounts {
 };
 
 // Delaunay refinement of the solid triangles in `seeds`, and of those it rewrites, until no angle is below
-// min_angle_deg but where the input forces one. After Ruppert (1995, "A Delaunay refinement algorithm for quality
-// 2-dimensional mesh generation") with off-centres (Ungor 2004, "Off-centers: a new type of Steiner points"), fixed
-// edges split where encroached or in the way, and two guards for sharp input corners: concentric shells around corners
-// below 60 degrees (Ruppert, sec. 7) and no refinement of triangles whose shortest edge joins two lips of such a corner
-// (Miller, Pav, Walkington 2003, "When and why Ruppert's algorithm works"). A long narrow gap between two lips would
-// have to be filled with triangles of its own width, none of which is any higher than the needles that span it: there
-// lips are only split opposite each other. The void is never refined. Error: as of cut::apply(), where the editor's
-// budget is exhausted.
+// min_angle_deg but where the input forces one, and no edge is longer than the grading around tips allows. After
+// Ruppert (1995, "A Delaunay refinement algorithm for quality 2-dimensional mesh generation") with off-centres (Ungor
+// 2004, "Off-centers: a new type of Steiner points"), fixed edges split where encroached or in the way, and two guards
+// for sharp input corners: concentric shells around corners below 60 degrees (Ruppert, sec. 7) and no refinement of
+// triangles whose shortest edge joins two lips of such a corner (Miller, Pav, Walkington 2003, "When and why Ruppert's
+// algorithm works"). A long narrow gap between two lips would have to be filled with triangles of its own width, none
+// of which is any higher than the needles that span it: there lips are only split opposite each other. The void is
+// never refined. Error: as of cut::apply(), where the editor's budget is exhausted.
 Result<RefinementCounts> refine(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> seeds,
                                 const RefinementConfig& config);
 

@@ -9,7 +9,6 @@
 
 #include <Eigen/LU>
 
-#include "server/cut/polyline_simplification.h"
 #include "server/cut/view_chains.h"
 #include "server/cut/view_crossings.h"
 #include "server/cut/view_layers.h"
@@ -17,11 +16,10 @@
 namespace kerf::cut {
 namespace {
 
-constexpr double kRigid = 1.0e-6;             // -; of the entries of view^T view - 1
-constexpr double kFirstFlatnessPx = 0.25;     // px
-constexpr double kLeastFlatnessPx = 1.0e-3;   // px
-constexpr double kFlatnessShare = 0.4;        // of the tolerance, for the curve on the picture
-constexpr double kSimplificationShare = 0.4;  // of the tolerance, for leaving points out in rest space
+constexpr double kRigid = 1.0e-6;            // -; of the entries of view^T view - 1
+constexpr double kFirstFlatnessPx = 0.25;    // px
+constexpr double kLeastFlatnessPx = 1.0e-3;  // px
+constexpr double kFlatnessShare = 0.4;       // of the tolerance; the rest is for leaving points out in rest space
 constexpr int kMaxFlattenings = 3;
 // Rounding of the picture to its lattice and what keeps triangles from being lines.  px
 constexpr double kScreenErrorPx = 2.0 * (Screen::kJitter + 1) / Screen::kUnitsPerPx;
@@ -98,17 +96,13 @@ Result<ViewPath> lay_on_sheet(const mesh::TriangleMesh& mesh, const Eigen::Matri
   }
   ViewPath path;
   path.behind = crossings.behind;
-  const double on_sheet = bound_on_sheet(crossings.stretches, on_screen.deviation_m + kScreenErrorPx);
-  path.flat.deviation_m = on_sheet;
+  path.flat.deviation_m = bound_on_sheet(crossings.stretches, on_screen.deviation_m + kScreenErrorPx);
   for (ViewChain& chain : link(select_layers(mesh, view, std::move(crossings.intervals)))) {
     ViewLayer layer = chain.layer;
     layer.piece = mesh.piece(chain.first_triangle);
     layer.faces_camera = faces_camera(mesh, screen, chain.first_triangle);
-    Stroke stroke;
-    const double left_out = simplify(chain.points, kSimplificationShare * tolerance, stroke.points);
-    path.flat.deviation_m = std::max(path.flat.deviation_m, on_sheet + left_out);
-    if (stroke.points.size() < 2) continue;
-    path.flat.strokes.push_back(std::move(stroke));
+    if (chain.points.size() < 2) continue;
+    path.flat.strokes.push_back({std::move(chain.points)});
     path.layers.push_back(layer);
   }
   return path;

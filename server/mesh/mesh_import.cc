@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -283,13 +284,8 @@ class SheetImport {
     for (const VertexRecord& v : records_.vertices) {
       records_.bounds.extend(records_.lattice.position(records_.points[v.point].at));
     }
-    double sum = 0.0;
-    for (TriangleId t = 0; t < num_triangles(); ++t) {
-      const std::array<PointId, 3>& p = records_.triangles[t].points;
-      const Int128 doubled = doubled_area(records_.points[p[0]].at, records_.points[p[1]].at, records_.points[p[2]].at);
-      sum += records_.lattice.spacing * std::sqrt(static_cast<double>(doubled));
-    }
-    records_.base_edge_length = sum / num_triangles();
+    const std::span<const TriangleRecord> solid(records_.triangles.data(), static_cast<std::size_t>(num_triangles()));
+    records_.lengths = EdgeLengths::of(solid, records_.points, records_.lattice, records_.bounds);
   }
 
   const IndexedMesh& input_;

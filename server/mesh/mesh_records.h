@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "server/mesh/edge_lengths.h"
 #include "server/mesh/ids.h"
 #include "server/mesh/lattice.h"
 #include "server/mesh/predicates.h"
@@ -48,7 +49,7 @@ struct TriangleRecord {
 struct MeshRecords {
   Lattice lattice;
   Eigen::AlignedBox2d bounds;             // of the sheet as built, m
-  double base_edge_length = 0.0;          // m, see TriangleMesh::base_edge_length
+  EdgeLengths lengths;                    // of the sheet as built
   std::vector<PointRecord> points;        // by PointId
   std::vector<VertexRecord> vertices;     // by VertexId
   std::vector<TriangleRecord> triangles;  // by TriangleId

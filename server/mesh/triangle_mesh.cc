@@ -104,9 +104,10 @@ void TriangleMesh::add_to(StateHash& hash) const {
   hash.add(records_.lattice.origin.y());
   hash.add(records_.lattice.spacing);
   for (const double value : {records_.bounds.min().x(), records_.bounds.min().y(), records_.bounds.max().x(),
-                             records_.bounds.max().y(), records_.base_edge_length}) {
+                             records_.bounds.max().y(), records_.lengths.mean}) {
     hash.add(value);
   }
+  if (!records_.lengths.is_uniform()) hash.add_span(std::span<const std::int8_t>(records_.lengths.exponents));
   hash.add(num_points());
   for (const PointRecord& point : records_.points) {
     hash.add(point.at.x);
@@ -140,7 +141,7 @@ bool operator==(const TriangleMesh& a, const TriangleMesh& b) {
   const MeshRecords& x = a.records_;
   const MeshRecords& y = b.records_;
   return x.lattice == y.lattice && x.bounds.min() == y.bounds.min() && x.bounds.max() == y.bounds.max() &&
-         x.base_edge_length == y.base_edge_length && x.points == y.points && x.vertices == y.vertices &&
+         x.lengths == y.lengths && x.points == y.points && x.vertices == y.vertices &&
          x.triangles == y.triangles && x.num_solid_triangles == y.num_solid_triangles && x.num_pieces == y.num_pieces;
 }
 

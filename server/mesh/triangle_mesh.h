@@ -113,7 +113,9 @@ class TriangleMesh {
   [[nodiscard]] double area(TriangleId t) const;
   // Mean over the solid triangles of the mesh as built of sqrt(2 area), the leg of the isosceles right triangle of the
   // same area, m. Cuts do not change it.
-  [[nodiscard]] double base_edge_length() const { return records_.base_edge_length; }
+  [[nodiscard]] double base_edge_length() const { return records_.lengths.mean; }
+  // The same place by place. Cuts do not change it either.
+  [[nodiscard]] const EdgeLengths& edge_lengths() const { return records_.lengths; }
 
   // --- The welded mesh (for cutting and checking).
   [[nodiscard]] const Lattice& lattice() const { return records_.lattice; }

@@ -32,6 +32,22 @@ Status validate_command(const Cut& cut) {
   if (Status s = cut::validate(cut.curve); !s) return s;
   if (Status s = check_number(cut.tolerance, cut::kMinTolerance, cut::kMaxTolerance, "cut.tolerance"); !s) return s;
   if (Status s = check_number(cut.min_angle_deg, kMinAngle, cut::kMaxMinAngle, "cut.min_angle_deg"); !s) return s;
+  if (Status s = check_number(cut.tolerance_m.value_or(1.0), cut::kMinLength, cut::kMaxLength, "cut.tolerance_m"); !s) {
+    return s;
+  }
+  if (Status s =
+          check_number(cut.tip_edge_length.value_or(1.0), cut::kMinLength, cut::kMaxLength, "cut.tip_edge_length_m");
+      !s) {
+    return s;
+  }
+  if (cut.method == cut::Method::kElement && cut.tip_edge_length) {
+    return invalid_argument("OPTIONS_CONFLICT",
+                            "cut.tip_edge_length_m needs method NEIGHBOURHOOD; leave one of them out",
+                            "cut.tip_edge_length_m");
+  }
+  if (Status s = check_number(cut.tip_grading, cut::kMinTipGrading, cut::kMaxTipGrading, "cut.tip_grading"); !s) {
+    return s;
+  }
   if (cut.fit) {
     if (Status s = cut::validate(*cut.fit); !s) return s;
   }

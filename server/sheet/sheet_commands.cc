@@ -76,6 +76,11 @@ cut::CutRequest Sheet::Impl::request_of(const Cut& cut) const {
   request.options.tolerance = cut.tolerance;
   request.options.min_angle_deg = cut.min_angle_deg;
   request.options.max_new_triangles = cut.max_new_triangles;
+  request.options.tolerance_m = cut.tolerance_m;
+  request.options.method = cut.method;
+  request.options.tip_edge_length_m = cut.tip_edge_length;
+  request.options.tip_grading = cut.tip_grading;
+  request.options.relax = cut.relax;
   request.options.max_vertices = config->max_vertices;
   request.options.fit = cut.fit;
   request.options.dash = cut.dash;

@@ -31,6 +31,39 @@ void encode(const sheet::RedoCut& /*redo*/, v1::Command& message) {
   message.mutable_redo_cut();
 }
 
+Status decode_method(const v1::Cut& message, sheet::Cut& cut) {
+  switch (message.method()) {
+    case v1::Cut::METHOD_UNSPECIFIED:
+    case v1::Cut::NEIGHBOURHOOD:
+      return Nothing{};
+    case v1::Cut::ELEMENT:
+      cut.method = cut::Method::kElement;
+      return Nothing{};
+    default:
+      return unknown_enum("cut.method", message.method());
+  }
+}
+
+// A quality is a name for an angle.
+Status decode_quality(const v1::Cut& message, sheet::Cut& cut) {
+  switch (message.quality()) {
+    case v1::Cut::QUALITY_UNSPECIFIED:
+    case v1::Cut::DEFAULT:
+      return Nothing{};
+    case v1::Cut::FINE:
+      if (message.min_angle_deg() != 0.0) {
+        return invalid_argument(
+            "CHOICE_AMBIGUOUS",
+            "cut.quality FINE and cut.min_angle_deg both say how good the triangles must be; give one of them",
+            "cut.quality");
+      }
+      cut.min_angle_deg = cut::kFineMinAngle;
+      return Nothing{};
+    default:
+      return unknown_enum("cut.quality", message.quality());
+  }
+}
+
 void encode(const sheet::Grab& grab, v1::Command& message) {
   v1::Grab& grab_message = *message.mutable_grab();
   grab_message.set_grab_id(grab.grab_id);
@@ -84,6 +117,11 @@ v1::Cut encode_cut(const sheet::Cut& cut) {
   message.set_tolerance(cut.tolerance);
   message.set_min_angle_deg(cut.min_angle_deg);
   message.set_max_new_triangles(cut.max_new_triangles);
+  if (cut.tolerance_m) message.set_tolerance_m(*cut.tolerance_m);
+  message.set_method(cut.method == cut::Method::kElement ? v1::Cut::ELEMENT : v1::Cut::NEIGHBOURHOOD);
+  if (cut.tip_edge_length) message.set_tip_edge_length_m(*cut.tip_edge_length);
+  message.set_tip_grading(cut.tip_grading);
+  message.set_relax(cut.relax);
   if (cut.fit) {
     v1::MaterialBox& box = *message.mutable_fit();
     if (cut.fit->box) {
@@ -130,6 +168,12 @@ Result<sheet::Command> decode_cut(const v1::Cut& message, const FileReader& read
     if (!view.ok()) return view.error();
     cut.view = *view;
   }
+  if (Status s = decode_method(message, cut); !s.ok()) return s.error();
+  if (Status s = decode_quality(message, cut); !s.ok()) return s.error();
+  if (message.tolerance_m() != 0.0) cut.tolerance_m = message.tolerance_m();
+  if (message.tip_edge_length_m() != 0.0) cut.tip_edge_length = message.tip_edge_length_m();
+  if (message.tip_grading() != 0.0) cut.tip_grading = message.tip_grading();
+  if (message.has_relax()) cut.relax = message.relax();
   return checked(std::move(cut));
 }
 

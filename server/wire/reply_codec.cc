@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "server/base/check.h"
 #include "server/wire/geometry_codec.h"
 
 namespace kerf::wire {
@@ -12,6 +13,28 @@ std::string encode_hash(std::uint64_t hash) {
   std::snprintf(text.data(), text.size(), "%016llx", static_cast<unsigned long long>(hash));
   return text.data();
 }
+
+namespace {
+
+void encode_quality(const cut::CutQuality& quality, v1::CutQuality& message) {
+  message.set_mean_min_angle_deg(quality.mean_min_angle_deg);
+  message.set_max_aspect(quality.max_aspect);
+  message.set_mean_aspect(quality.mean_aspect);
+  message.set_max_edge_ratio(quality.max_edge_ratio);
+  message.set_mean_edge_ratio(quality.mean_edge_ratio);
+  message.set_min_height_m(quality.min_height_m);
+  message.set_below_angle(quality.triangles_below_angle);
+  message.set_below_contract(quality.triangles_below_contract);
+  message.set_corners_total(quality.num_corners);
+  for (const cut::SharpCorner& corner : quality.corners) {
+    v1::SharpCorner& corner_message = *message.add_corners();
+    encode_vector(corner.position, *corner_message.mutable_position());
+    corner_message.set_angle_deg(corner.angle_deg);
+    corner_message.set_elements_below(corner.triangles_below);
+  }
+}
+
+}  // namespace
 
 v1::CutResult encode_cut_result(const sheet::CommandReply& reply, const sheet::CutReply& cut) {
   const cut::CutReport& report = cut.report;
@@ -24,7 +47,9 @@ v1::CutResult encode_cut_result(const sheet::CommandReply& reply, const sheet::C
   result.set_new_triangles(report.new_triangles);
   result.set_crossed_triangles(report.crossed_triangles);
   result.set_deviation_m(report.deviation_m);
-  result.set_min_angle_deg(report.min_angle_deg);
+  result.set_min_angle_deg(report.quality.min_angle_deg);
+  encode_quality(report.quality, *result.mutable_quality());
+  result.set_refinement_stopped(report.refinement_stopped);
   result.set_state_hash(encode_hash(reply.state_hash));
   for (const std::string& warning : cut.warnings) result.add_warnings(warning);
   for (const cut::ViewLayer& layer : report.layers) {

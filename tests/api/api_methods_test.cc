@@ -73,6 +73,12 @@ TEST_F(ApiTest, CutTellsWhatItDid) {
   EXPECT_EQ(result->pieces(), 2);
   EXPECT_GT(result->new_vertices(), 0);
   EXPECT_GT(result->new_triangles(), 0);
+  EXPECT_GE(result->min_angle_deg(), 20.0 - 1e-6);
+  EXPECT_GE(result->quality().mean_min_angle_deg(), result->min_angle_deg());
+  EXPECT_LE(result->quality().max_aspect(), 5.5);
+  EXPECT_GT(result->quality().min_height_m(), 0.0);
+  EXPECT_EQ(result->quality().below_contract(), 0);
+  EXPECT_FALSE(result->refinement_stopped());
   EXPECT_EQ(result->topology_version(), 2);
   EXPECT_EQ(result->name(), "sheets/a/cuts/1");
   EXPECT_GT(result->queued_us(), 0.0);

@@ -229,6 +229,32 @@ class Cuts(Case):
         self.assertEqual(self.json_of("sheet", "step", self.id, "1")["pieces"], 2)
         self.assertEqual(self.json_of("cuts", self.id)["cuts"][0]["result"]["tick"], tick + 2)
 
+    def test_meshing_options(self):
+        curve = ("--bezier", "0.2,0.5 0.4,0.8 0.6,0.2 0.8,0.5")
+
+        def fresh(*options):
+            self.json_of("sheet", "reset", self.id)
+            return self.json_of("cut", self.id, *curve, *options)
+
+        plain = fresh()
+        self.assertGreaterEqual(plain["min_angle_deg"], 19.999)
+        self.assertLessEqual(plain["quality"]["max_aspect"], 5.5)
+        self.assertEqual(plain["quality"]["below_contract"], 0)
+        self.assertGreaterEqual(fresh("--quality", "fine")["min_angle_deg"], 24.999)
+        self.assertLessEqual(fresh("--tolerance-m", "0.0001")["deviation_m"], 0.0001)
+        graded = fresh("--tip-size", "0.002", "--tip-grading", "1.3")
+        self.assertGreater(graded["new_triangles"], plain["new_triangles"] + 100)
+        self.assertGreater(fresh("--no-relax")["new_triangles"], plain["new_triangles"])
+        element = fresh("--method", "element")
+        self.assertLess(element["min_angle_deg"], 20)
+        self.assertGreater(element["quality"]["below_contract"], 0)
+        self.json_of("sheet", "reset", self.id)
+        text = kerf("cut", self.id, "--polyline", "0.2,0.45 0.7,0.5 0.2,0.5").stdout
+        self.assertIn("0 below the contract", text)
+        self.assertRegex(text, r"corner of \d+\.\d degrees at \(0\.7, 0\.5\) m: \d+ triangles below the angle")
+        self.refused("cut", self.id, *curve, "--tolerance-m", "1e-9", says="TOLERANCE_TOO_SMALL")
+        self.refused("cut", self.id, *curve, "--method", "element", "--tip-size", "0.01", says="OPTIONS_CONFLICT")
+
     def test_a_miss_is_no_error(self):
         before = self.hash()
         reply = self.json_of("cut", self.id, "--polyline", "2,2 3,3")

@@ -96,6 +96,16 @@ TEST(CutContract, RefusesBadRequestsWithReasonAndField) {
          r.fixed_vertices = {3, 25};
        }),
        "VERTEX_UNKNOWN", "cut.fixed_vertices[1]"},
+      {with([&](CutRequest& r) { r.options.tip_edge_length_m = 0.9e-9; }), "OPTION_OUT_OF_RANGE",
+       "cut.tip_edge_length_m"},
+      {with([&](CutRequest& r) { r.options.tip_edge_length_m = nan; }), "OPTION_OUT_OF_RANGE", "cut.tip_edge_length_m"},
+      {with([&](CutRequest& r) { r.options.tip_grading = 1.04; }), "OPTION_OUT_OF_RANGE", "cut.tip_grading"},
+      {with([&](CutRequest& r) { r.options.tip_grading = 10.1; }), "OPTION_OUT_OF_RANGE", "cut.tip_grading"},
+      {with([&](CutRequest& r) {
+         r.options.method = Method::kElement;
+         r.options.tip_edge_length_m = 0.01;
+       }),
+       "OPTIONS_CONFLICT", "cut.tip_edge_length_m"},
       {with([&](CutRequest& r) { r.options.max_vertices = 0; }), "OPTION_OUT_OF_RANGE", "cut.max_vertices"},
       {with([&](CutRequest& r) { r.fixed_vertices = {-1}; }), "VERTEX_UNKNOWN", "cut.fixed_vertices[0]"},
   };
@@ -155,6 +165,37 @@ TEST(CutContract, KeepsTheLimitOnVertices) {
   request.options.max_vertices = free.num_vertices();
   ASSERT_TRUE(apply(mesh, *plan(mesh, request)).ok());
   EXPECT_TRUE(mesh == free);
+}
+
+// By one less than what the cut takes it is refused, whatever makes the triangles.
+TEST(CutContract, BudgetsHoldAtTheirEdges) {
+  CutOptions element, graded;
+  element.method = Method::kElement;
+  graded.tip_edge_length_m = 0.002;
+  for (const CutOptions& options : {CutOptions{}, element, graded}) {
+    mesh::TriangleMesh mesh = grid(20);
+    cut(mesh, {Circle{{0.5, 0.5}, 0.2}, {}, {}});
+    const mesh::TriangleMesh before = mesh;
+    CutRequest request{s_curve(), options, {}};
+    mesh::TriangleMesh free = mesh;
+    cut(free, request);
+    const auto refusal = [&](const CutOptions& limited) {
+      const Result<CutOutcome> outcome = apply(mesh, *plan(mesh, {s_curve(), limited, {}}));
+      EXPECT_TRUE(mesh == (outcome.ok() ? free : before));
+      if (outcome.ok()) mesh = before;
+      return outcome.ok() ? std::string() : outcome.error().reason;
+    };
+    CutOptions limited = options;
+    limited.max_new_triangles = free.num_triangle_slots() - before.num_triangle_slots();
+    EXPECT_EQ(refusal(limited), "");
+    --limited.max_new_triangles;
+    EXPECT_EQ(refusal(limited), "CUT_ELEMENT_BUDGET");
+    limited = options;
+    limited.max_vertices = free.num_vertices();
+    EXPECT_EQ(refusal(limited), "");
+    --limited.max_vertices;
+    EXPECT_EQ(refusal(limited), "TOO_MANY_VERTICES");
+  }
 }
 
 TEST(CutContract, AMissLeavesTheMeshBitIdentical) {

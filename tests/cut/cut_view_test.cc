@@ -8,7 +8,6 @@
 
 #include "server/base/random.h"
 #include "server/cut/cut.h"
-#include "server/cut/polyline_simplification.h"
 #include "server/cut/view.h"
 #include "server/mesh/grid_mesh.h"
 #include "tests/cut/cut_calls.h"
@@ -369,29 +368,6 @@ TEST(ViewCut, RefusesWhatIsNoView) {
             }),
             "DEPTH_RANGE cut.view.nearest_m");
   EXPECT_EQ(reason([](View& v) { v.piece = -2; }), "PIECE_UNKNOWN cut.view.piece");
-}
-
-TEST(PolylineSimplification, KeepsEndsCornersAndTheBound) {
-  std::vector<Vector2d> points;
-  for (int i = 0; i <= 1000; ++i) points.emplace_back(i * 0.01, std::sin(i * 0.01));
-  std::vector<Vector2d> kept;
-  const double bound = simplify(points, 0.02, kept);
-  EXPECT_LE(bound, 0.02);
-  EXPECT_GT(bound, 0.0);
-  EXPECT_LT(kept.size(), 30u);
-  EXPECT_EQ(kept.front(), points.front());
-  EXPECT_EQ(kept.back(), points.back());
-  double farthest = 0.0;
-  for (const Vector2d& p : points) farthest = std::max(farthest, distance_to({Stroke{kept}}, p));
-  EXPECT_LE(farthest, bound * (1.0 + 1e-12));
-
-  const std::vector<Vector2d> square{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
-  simplify(square, 0.1, kept);
-  EXPECT_EQ(kept, square);
-  simplify({{1, 2}}, 0.1, kept);
-  EXPECT_EQ(kept.size(), 1u);
-  simplify({}, 0.1, kept);
-  EXPECT_TRUE(kept.empty());
 }
 
 }  // namespace

@@ -44,6 +44,12 @@ CutOptions random_options(SeededRandom& random) {
   if (random.below(4) == 0) options.min_angle_deg = 0.0;
   if (random.below(4) == 0) options.relax = false;
   if (random.below(8) == 0) options.tolerance = std::pow(10.0, random.uniform(-3.0, -1.0));
+  if (random.below(5) == 0) {
+    options.method = Method::kElement;
+  } else if (random.below(8) == 0) {
+    options.tip_edge_length_m = std::pow(10.0, random.uniform(-4.0, 0.0));
+    options.tip_grading = random.uniform(1.2, 3.0);
+  }
   options.max_new_triangles = 30'000;
   return options;
 }
@@ -65,7 +71,8 @@ void cut_once(mesh::TriangleMesh& mesh, const CutRequest& request, Tally& tally)
   const Result<CutOutcome> outcome = apply(mesh, *planned);
   if (!outcome.ok()) {
     ++tally.refused;
-    EXPECT_TRUE(outcome.error().reason == "CUT_ELEMENT_BUDGET" || outcome.error().reason == "CUT_NOT_REPRESENTABLE");
+    EXPECT_TRUE(outcome.error().reason == "CUT_ELEMENT_BUDGET" || outcome.error().reason == "CUT_NOT_REPRESENTABLE" ||
+                outcome.error().reason == "TOLERANCE_NOT_KEPT");
     ASSERT_TRUE(mesh == before) << "a refused cut changed the mesh";
     return;
   }
@@ -76,6 +83,7 @@ void cut_once(mesh::TriangleMesh& mesh, const CutRequest& request, Tally& tally)
     return;
   }
   ++tally.applied;
+  ASSERT_LE(outcome->report.deviation_of_tolerance, 1.0);
   if (outcome->report.refinement_stopped) ++tally.stopped;
   const auto violation = find_cut_violation(before, mesh, *outcome);
   ASSERT_FALSE(violation.has_value()) << *violation;

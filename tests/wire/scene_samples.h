@@ -73,18 +73,29 @@ inline void add_commands(v1::Scene& scene) {
   cut->set_tolerance(0.01);
   cut->set_min_angle_deg(15.0);
   cut->set_max_new_triangles(1000);
+  cut->set_method(v1::Cut::NEIGHBOURHOOD);
+  cut->set_tip_edge_length_m(0.001);
+  cut->set_tip_grading(1.25);
+  cut->set_tolerance_m(2e-5);
+  cut->set_relax(false);
   cut = add_command(scene, 2).mutable_cut();
   set(cut->mutable_curve()->mutable_polyline()->add_points(), 0.1, 0.2);
   set(cut->mutable_curve()->mutable_polyline()->add_points(), 0.3, 0.4);
   cut->set_tolerance(0.02);
   cut->set_min_angle_deg(20.0);
   cut->set_max_new_triangles(200000);
+  cut->set_method(v1::Cut::ELEMENT);
+  cut->set_tip_grading(1.5);
+  cut->set_relax(true);
   cut = add_command(scene, 3).mutable_cut();
   set(cut->mutable_curve()->mutable_circle()->mutable_center(), 0.5, 0.5);
   cut->mutable_curve()->mutable_circle()->set_radius_m(0.2);
   cut->set_tolerance(0.5);
   cut->set_min_angle_deg(5.0);
   cut->set_max_new_triangles(1);
+  cut->set_method(v1::Cut::NEIGHBOURHOOD);
+  cut->set_tip_grading(10.0);
+  cut->set_relax(true);
   v1::Grab* grab = add_command(scene, 4).mutable_grab();
   grab->set_grab_id("hand");
   grab->set_vertex(0);
@@ -316,6 +327,20 @@ inline std::vector<BadScene> bad_commands() {
        [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_min_angle_deg(29.0); }},
       {"commands[0].command.cut.max_new_triangles",
        [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_max_new_triangles(-1); }},
+      {"commands[0].command.cut.method",
+       [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_method(static_cast<v1::Cut::Method>(3)); }},
+      {"commands[0].command.cut.quality",
+       [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_quality(static_cast<v1::Cut::Quality>(3)); }},
+      {"commands[0].command.cut.quality",
+       [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_quality(v1::Cut::FINE); }},
+      {"commands[0].command.cut.tip_edge_length_m",
+       [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_tip_edge_length_m(-1.0); }},
+      {"commands[1].command.cut.tip_edge_length_m",
+       [=](v1::Scene& s) { command(s, 1)->mutable_cut()->set_tip_edge_length_m(0.01); }},
+      {"commands[0].command.cut.tip_grading",
+       [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_tip_grading(1.0); }},
+      {"commands[0].command.cut.tolerance_m",
+       [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_tolerance_m(1e-10); }},
       {"commands[1].command.cut.curve.polyline.points",
        [=](v1::Scene& s) {
          command(s, 1)->mutable_cut()->mutable_curve()->mutable_polyline()->mutable_points()->RemoveLast();

@@ -159,6 +159,47 @@ TEST(CommandCodec, ZerosOfACutMeanTheDefaults) {
   EXPECT_EQ(std::get<sheet::Cut>(*command).tolerance, 0.02);
   EXPECT_EQ(std::get<sheet::Cut>(*command).min_angle_deg, 20.0);
   EXPECT_EQ(std::get<sheet::Cut>(*command).max_new_triangles, 200'000);
+  EXPECT_EQ(std::get<sheet::Cut>(*command).method, cut::Method::kNeighbourhood);
+  EXPECT_FALSE(std::get<sheet::Cut>(*command).tip_edge_length.has_value());
+  EXPECT_EQ(std::get<sheet::Cut>(*command).tip_grading, 1.5);
+  EXPECT_FALSE(std::get<sheet::Cut>(*command).tolerance_m.has_value());
+  EXPECT_TRUE(std::get<sheet::Cut>(*command).relax);
+}
+
+TEST(CommandCodec, FineQualityIsAnAngle) {
+  v1::Cut cut;
+  cut.mutable_curve()->mutable_circle()->set_radius_m(0.1);
+  cut.set_quality(v1::Cut::FINE);
+  const Result<sheet::Command> command = decode_cut(cut);
+  ASSERT_TRUE(command.ok());
+  EXPECT_EQ(std::get<sheet::Cut>(*command).min_angle_deg, 25.0);
+}
+
+TEST(ReplyCodec, QualityAndCornersOfACutAreAllTold) {
+  sheet::CommandReply reply;
+  reply.cut.emplace();
+  cut::CutReport& report = reply.cut->report;
+  report.refinement_stopped = true;
+  report.quality = {9, 3.5, 30.25, 6.5, 2.5, 4.5, 1.75, 1e-4, 7, 2, {{{0.25, -0.5}, 12.5, 3}, {{1.0, 2.0}, 33.0, 1}},
+                    5};
+  const v1::CutResult result = encode_cut_result(reply);
+  EXPECT_EQ(result.min_angle_deg(), 3.5);
+  EXPECT_TRUE(result.refinement_stopped());
+  const v1::CutQuality& quality = result.quality();
+  EXPECT_EQ(quality.mean_min_angle_deg(), 30.25);
+  EXPECT_EQ(quality.max_aspect(), 6.5);
+  EXPECT_EQ(quality.mean_aspect(), 2.5);
+  EXPECT_EQ(quality.max_edge_ratio(), 4.5);
+  EXPECT_EQ(quality.mean_edge_ratio(), 1.75);
+  EXPECT_EQ(quality.min_height_m(), 1e-4);
+  EXPECT_EQ(quality.below_angle(), 7);
+  EXPECT_EQ(quality.below_contract(), 2);
+  EXPECT_EQ(quality.corners_total(), 5);
+  ASSERT_EQ(quality.corners_size(), 2);
+  EXPECT_EQ(quality.corners(0).position().x(), 0.25);
+  EXPECT_EQ(quality.corners(0).position().y(), -0.5);
+  EXPECT_EQ(quality.corners(0).angle_deg(), 12.5);
+  EXPECT_EQ(quality.corners(0).elements_below(), 3);
 }
 
 v1::Cut cut_on_a_picture() {

@@ -1,0 +1,139 @@
+#include "server/cut/cut_quality.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "server/cut/lip_corner.h"
+#include "server/cut/triangle_shape.h"
+
+namespace kerf::cut {
+
+using mesh::PointId;
+using mesh::TriangleId;
+
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+// Angles are compared with this much room: points are rounded to the lattice.  degrees
+constexpr double kAngleRounding = 1.0e-6;
+
+double angle_of(double cosine) {
+  return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees;
+}
+
+template <typename Id>
+void sort_unique(std::vector<Id>& ids) {
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+}
+
+std::array<PointId, 3> sorted(std::array<PointId, 3> points) {
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+// Triangles with a corner at p, and those that share a vertex of the opened mesh with one of them.
+std::vector<TriangleId> two_rings(const mesh::TriangleMesh& mesh, PointId p) {
+  std::vector<TriangleId> fan;
+  mesh.fan_around(p, fan);
+  std::vector<mesh::VertexId> vertices;
+  for (const TriangleId t : fan) {
+    if (!mesh.is_solid(t)) continue;
+    vertices.insert(vertices.end(), mesh.vertices(t).begin(), mesh.vertices(t).end());
+  }
+  sort_unique(vertices);
+  std::vector<TriangleId> rings;
+  for (const mesh::VertexId v : vertices) {
+    mesh.triangles_around(v, fan);
+    rings.insert(rings.end(), fan.begin(), fan.end());
+  }
+  sort_unique(rings);
+  return rings;
+}
+
+// Lists the sharp corners within two rings of the triangles `below` (sorted) and returns how many of these they excuse.
+std::int32_t list_corners(const mesh::TriangleMesh& mesh, std::span<const TriangleId> below, CutQuality& quality) {
+  std::vector<PointId> candidates;
+  std::vector<TriangleId> fan;
+  for (const TriangleId t : below) {
+    for (const mesh::VertexId v : mesh.vertices(t)) {
+      mesh.triangles_around(v, fan);
+      for (const TriangleId u : fan) candidates.insert(candidates.end(), mesh.points(u).begin(), mesh.points(u).end());
+    }
+  }
+  sort_unique(candidates);
+  LipCorners corners(mesh);
+  std::vector<TriangleId> excused;
+  for (const PointId p : candidates) {
+    const double cos_corner = corners.sharpest(p);
+    if (cos_corner <= LipCorners::kCosSharp) continue;
+    SharpCorner corner{mesh.point_position(p), angle_of(cos_corner), 0};
+    for (const TriangleId t : two_rings(mesh, p)) {
+      if (!std::binary_search(below.begin(), below.end(), t)) continue;
+      excused.push_back(t);
+      ++corner.triangles_below;
+    }
+    if (corner.triangles_below == 0) continue;
+    ++quality.num_corners;
+    quality.corners.push_back(corner);
+  }
+  std::stable_sort(quality.corners.begin(), quality.corners.end(),
+                   [](const SharpCorner& a, const SharpCorner& b) { return a.angle_deg < b.angle_deg; });
+  if (quality.corners.size() > kMaxListedCorners) quality.corners.resize(kMaxListedCorners);
+  sort_unique(excused);
+  return static_cast<std::int32_t>(excused.size());
+}
+
+}  // namespace
+
+std::vector<TriangleId> new_triangles(const mesh::TriangleMesh& mesh, const mesh::UndoLog& undo,
+                                      std::span<const TriangleId> rewritten, std::span<const PointId> moved) {
+  std::vector<std::array<PointId, 3>> old;
+  for (const auto& [t, record] : undo.triangles) old.push_back(sorted(record.points));
+  std::sort(old.begin(), old.end());
+  std::vector<TriangleId> made;
+  for (const TriangleId t : rewritten) {
+    if (!mesh.is_solid(t)) continue;
+    const std::array<PointId, 3>& p = mesh.points(t);
+    const bool has_moved =
+        std::any_of(p.begin(), p.end(), [&](PointId q) { return std::binary_search(moved.begin(), moved.end(), q); });
+    if (has_moved || !std::binary_search(old.begin(), old.end(), sorted(p))) made.push_back(t);
+  }
+  return made;
+}
+
+CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const TriangleId> triangles,
+                           double min_angle_deg) {
+  CutQuality quality;
+  quality.triangles = static_cast<std::int32_t>(triangles.size());
+  if (triangles.empty()) return quality;
+  double smallest_height = std::numeric_limits<double>::infinity();
+  double sum_angle = 0.0, sum_aspect = 0.0, sum_ratio = 0.0;
+  std::vector<TriangleId> below;
+  for (const TriangleId t : triangles) {
+    const TriangleShape shape = shape_of(corners_of(mesh, t));
+    const double angle = angle_of(shape.cos_smallest);
+    const double aspect = shape.longest / shape.smallest_height;
+    const double ratio = shape.longest / shape.shortest;
+    quality.min_angle_deg = std::min(quality.min_angle_deg, angle);
+    quality.max_aspect = std::max(quality.max_aspect, aspect);
+    quality.max_edge_ratio = std::max(quality.max_edge_ratio, ratio);
+    smallest_height = std::min(smallest_height, shape.smallest_height);
+    sum_angle += angle, sum_aspect += aspect, sum_ratio += ratio;
+    if (angle < min_angle_deg - kAngleRounding) below.push_back(t);
+  }
+  const double count = static_cast<double>(triangles.size());
+  quality.mean_min_angle_deg = sum_angle / count;
+  quality.mean_aspect = sum_aspect / count;
+  quality.mean_edge_ratio = sum_ratio / count;
+  quality.min_height_m = smallest_height * mesh.lattice().spacing;
+  quality.triangles_below_angle = static_cast<std::int32_t>(below.size());
+  quality.triangles_below_contract = quality.triangles_below_angle - list_corners(mesh, below, quality);
+  return quality;
+}
+
+}  // namespace kerf::cut

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "server/cut/cut.h"
+#include "server/mesh/mesh_editor.h"
+
+namespace kerf::cut {
+
+// The solid triangles among `rewritten` that were not in the mesh before the edit with the same three corners in the
+// same places: those the cut has made. A triangle that lost a neighbour to a lip, or changed its slot, is none.
+// `undo`: of the edit, whose mesh is `mesh`; `moved`: points that it moved, sorted.
+std::vector<mesh::TriangleId> new_triangles(const mesh::TriangleMesh& mesh, const mesh::UndoLog& undo,
+                                            std::span<const mesh::TriangleId> rewritten,
+                                            std::span<const mesh::PointId> moved);
+
+// Measures `triangles` (sorted) against min_angle_deg and lists the corners that excuse those below it.
+CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const mesh::TriangleId> triangles,
+                           double min_angle_deg);
+
+}  // namespace kerf::cut

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace kerf::mesh {
+
+struct TriangleRecord;
+struct PointRecord;
+struct Lattice;
+
+// How long the edges of a sheet as built are, place by place: a grid of cells over its bounding box, each with the mean
+// of sqrt(2 area) over the triangles near it, rounded to the mean of the whole sheet times a power of two. So a sheet
+// of nearly equal triangles has one length everywhere. Cuts leave it alone.
+struct EdgeLengths {
+  Eigen::AlignedBox2d bounds;          // m
+  double mean = 0.0;                   // m, > 0; of the whole sheet
+  std::int32_t columns = 0, rows = 0;  // 0 where `mean` holds everywhere
+  std::vector<std::int8_t> exponents;  // rows x columns, row by row from the lower left: length = mean * 2^exponent
+
+  // Of the triangles of a mesh as built, with the sheet's bounding box.
+  static EdgeLengths of(std::span<const TriangleRecord> triangles, std::span<const PointRecord> points,
+                        const Lattice& lattice, const Eigen::AlignedBox2d& bounds);
+
+  [[nodiscard]] bool is_uniform() const { return exponents.empty(); }
+  // m; outside the bounding box, of its nearest cell.
+  [[nodiscard]] double at(const Eigen::Vector2d& position) const;
+  // m; the least anywhere.
+  [[nodiscard]] double least() const;
+  // m; the least in a box, cells it merely touches included.
+  [[nodiscard]] double least_in(const Eigen::AlignedBox2d& box) const;
+  // m; a cell's shorter side, or infinity where one length holds everywhere.
+  [[nodiscard]] double resolution() const;
+
+  friend bool operator==(const EdgeLengths& a, const EdgeLengths& b);
+};
+
+}  // namespace kerf::mesh
