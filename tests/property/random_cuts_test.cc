@@ -10,7 +10,7 @@
 
 #include "server/base/random.h"
 #include "server/cut/cut.h"
-#include "tests/cut/cut_checks.h"
+#include "tests/audit/audited_cut.h"
 #include "tests/property/random_curves.h"
 #include "tests/property/random_sheets.h"
 
@@ -55,48 +55,33 @@ CutOptions random_options(SeededRandom& random) {
 }
 
 struct Tally {
-  int cuts = 0, applied = 0, missed = 0, refused = 0, undone = 0, degenerate = 0, stopped = 0;
+  int cuts = 0, applied = 0, missed = 0, refused = 0, degenerate = 0, stopped = 0;
 };
 
-// One cut on `mesh`, checked. False ends a sequence (a refusal: the sheet is full).
+// One cut on `mesh`, checked.
 void cut_once(mesh::TriangleMesh& mesh, const CutRequest& request, Tally& tally) {
   ++tally.cuts;
-  const mesh::TriangleMesh before = mesh;
-  const Result<CutPlan> planned = plan(mesh, request);
-  if (!planned.ok()) {
-    ASSERT_EQ(planned.error().reason, "CURVE_DEGENERATE");
-    ++tally.degenerate;
-    return;
-  }
-  const Result<CutOutcome> outcome = apply(mesh, *planned);
-  if (!outcome.ok()) {
-    ++tally.refused;
-    EXPECT_TRUE(outcome.error().reason == "CUT_ELEMENT_BUDGET" || outcome.error().reason == "CUT_NOT_REPRESENTABLE" ||
-                outcome.error().reason == "TOLERANCE_NOT_KEPT");
-    ASSERT_TRUE(mesh == before) << "a refused cut changed the mesh";
-    return;
-  }
-  if (outcome->status == CutStatus::kNoIntersection) {
-    ++tally.missed;
-    ASSERT_TRUE(mesh == before) << "a missed cut changed the mesh";
-    ASSERT_TRUE(outcome->edit.empty());
-    return;
-  }
-  ++tally.applied;
-  ASSERT_LE(outcome->report.deviation_of_tolerance, 1.0);
-  if (outcome->report.refinement_stopped) ++tally.stopped;
-  const auto violation = find_cut_violation(before, mesh, *outcome);
-  ASSERT_FALSE(violation.has_value()) << *violation;
-  if (tally.cuts % 8 == 0) {
-    const auto uncovered = find_uncovered_path(mesh, *planned, outcome->report);
-    ASSERT_FALSE(uncovered.has_value()) << *uncovered;
-  }
-  if (tally.cuts % 16 == 0) {
-    mesh::TriangleMesh undone = mesh;
-    outcome->undo.undo(undone);
-    ASSERT_TRUE(undone == before) << "undo is not bit-identical";
-    ASSERT_EQ(undone.state_hash(), before.state_hash());
-    ++tally.undone;
+  audit::Depth depth;
+  if (tally.cuts % 16 == 0) depth = audit::kDeepest;
+  const audit::AuditedCut done = audit::cut_and_audit(mesh, request, depth);
+  ASSERT_EQ(done.flaw.value_or(""), "");
+  switch (done.end) {
+    case audit::AuditedCut::End::kApplied:
+      ++tally.applied;
+      if (done.outcome.report.refinement_stopped) ++tally.stopped;
+      ASSERT_LE(done.outcome.report.deviation_of_tolerance, 1.0);
+      break;
+    case audit::AuditedCut::End::kMissed:
+      ++tally.missed;
+      break;
+    case audit::AuditedCut::End::kRefused:
+      EXPECT_TRUE(done.reason == "CUT_ELEMENT_BUDGET" || done.reason == "TOLERANCE_NOT_KEPT") << done.reason;
+      ++tally.refused;
+      break;
+    case audit::AuditedCut::End::kInvalid:
+      ASSERT_EQ(done.reason, "CURVE_DEGENERATE");
+      ++tally.degenerate;
+      break;
   }
 }
 
@@ -140,8 +125,8 @@ TEST(RandomCuts, KeepEveryInvariant) {
     run_trial(sequence, tally);
     sequence += 2;
   }
-  std::printf("%d cuts: %d applied, %d missed, %d refused, %d degenerate, %d undone, refinement stopped in %d\n",
-              tally.cuts, tally.applied, tally.missed, tally.refused, tally.degenerate, tally.undone, tally.stopped);
+  std::printf("%d cuts: %d applied, %d missed, %d refused, %d degenerate, refinement stopped in %d\n", tally.cuts,
+              tally.applied, tally.missed, tally.refused, tally.degenerate, tally.stopped);
   EXPECT_GT(tally.applied, tally.cuts * 3 / 5);
   EXPECT_LE(tally.refused, tally.cuts / 500);
   EXPECT_LE(tally.degenerate, tally.cuts / 100);

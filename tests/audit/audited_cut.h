@@ -1,0 +1,93 @@
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "server/cut/cut.h"
+#include "tests/audit/cut_audit.h"
+#include "tests/audit/path_audit.h"
+
+namespace kerf::audit {
+
+// One cut and what the checks make of it.
+struct AuditedCut {
+  enum class End { kApplied, kMissed, kRefused, kInvalid };
+  End end = End::kInvalid;
+  std::string reason;  // of a refused or invalid cut
+  Finding flaw;
+  cut::CutPlan plan;
+  cut::CutOutcome outcome;  // of an applied or missed cut
+};
+
+// What is checked beside find_cut_flaw().
+struct Depth {
+  bool violation = false;  // the mesh's own find_violation()
+  bool undo = false;       // taking the cut back gives the mesh before, bit for bit
+  bool reload = false;     // the mesh before, read back from its records, is cut to the same hash
+  int curve_samples = 0;   // of a piece, see find_curve_flaw()
+};
+inline constexpr Depth kDeepest{true, true, true, 60};
+
+// A cut that is refused, invalid or missed must leave the mesh bit-identical.
+inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after,
+                                    const cut::Curve& curve, const AuditedCut& done, const Depth& depth) {
+  if (Finding flaw = find_cut_flaw(before, after, done.plan, done.outcome)) return flaw;
+  if (depth.violation) {
+    if (Finding flaw = after.find_violation()) return flaw;
+  }
+  if (depth.curve_samples > 0) {
+    if (Finding flaw = find_curve_flaw(before, after, curve, done.outcome.report, depth.curve_samples)) return flaw;
+  }
+  if (depth.undo) {
+    mesh::TriangleMesh undone = after;
+    done.outcome.undo.undo(undone);
+    if (Finding flaw = find_difference(before, undone)) return "after undo " + *flaw;
+    if (undone.state_hash() != before.state_hash()) return "undo gives another hash";
+  }
+  if (depth.reload) {
+    mesh::TriangleMesh reloaded(before.records());
+    if (reloaded.state_hash() != before.state_hash()) return "the mesh read back has another hash";
+    const Result<cut::CutOutcome> again = cut::apply(reloaded, done.plan);
+    if (!again.ok()) return "refused on the mesh read back: " + again.error().message;
+    if (reloaded.state_hash() != after.state_hash()) return "the mesh read back is cut to another hash";
+  }
+  return std::nullopt;
+}
+
+// Applies `request` to `mesh` as the server does, on a plan changed by `adjust`, and checks what happened.
+template <typename Adjust>
+AuditedCut cut_and_audit(mesh::TriangleMesh& mesh, const cut::CutRequest& request, const Depth& depth,
+                         const Adjust& adjust) {
+  AuditedCut done;
+  const mesh::TriangleMesh before = mesh;
+  Result<cut::CutPlan> planned = cut::plan(mesh, request);
+  if (!planned.ok()) {
+    done.reason = planned.error().reason;
+    return done;
+  }
+  done.plan = std::move(*planned);
+  adjust(done.plan);
+  Result<cut::CutOutcome> applied = cut::apply(mesh, done.plan);
+  if (!applied.ok()) {
+    done.end = AuditedCut::End::kRefused;
+    done.reason = applied.error().reason;
+    done.flaw = find_difference(before, mesh);
+    return done;
+  }
+  done.outcome = std::move(*applied);
+  if (done.outcome.status == cut::CutStatus::kNoIntersection) {
+    done.end = AuditedCut::End::kMissed;
+    done.flaw = find_difference(before, mesh);
+    if (!done.flaw && !done.outcome.edit.empty()) done.flaw = "a miss with an edit";
+    return done;
+  }
+  done.end = AuditedCut::End::kApplied;
+  done.flaw = find_flaw_of_applied(before, mesh, request.curve, done, depth);
+  return done;
+}
+
+inline AuditedCut cut_and_audit(mesh::TriangleMesh& mesh, const cut::CutRequest& request, const Depth& depth = {}) {
+  return cut_and_audit(mesh, request, depth, [](cut::CutPlan&) {});
+}
+
+}  // namespace kerf::audit

@@ -1,0 +1,317 @@
+#include "tests/audit/path_audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <sstream>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "tests/audit/box_grid.h"
+
+namespace kerf::audit {
+namespace {
+
+using Box = Eigen::AlignedBox2d;
+using Eigen::Vector2d;
+using Range = std::pair<double, double>;  // of a parameter; empty where first > second
+
+// Lips of one generation lie this close to those of the one before: each split rounds by a unit or two.  lattice units
+constexpr double kRounding = 64.0;
+// Gaps in what covers a segment that are no gaps: rounding of the intervals' ends.  lattice units
+constexpr double kNoGap = 128.0;
+
+struct Segment {
+  Vector2d a, b;  // lattice units
+  [[nodiscard]] Box box(double margin) const {
+    Box box(a.cwiseMin(b), a.cwiseMax(b));
+    box.min().array() -= margin;
+    box.max().array() += margin;
+    return box;
+  }
+};
+
+double cross(const Vector2d& u, const Vector2d& v) {
+  return u.x() * v.y() - u.y() * v.x();
+}
+
+Vector2d to_double(const mesh::LatticePoint& p) {
+  return {static_cast<double>(p.x), static_cast<double>(p.y)};
+}
+
+Range nothing() {
+  return {1.0, 0.0};
+}
+
+void extend(Range& range, const Range& other) {
+  if (other.first > other.second) return;
+  range = range.first > range.second ? other
+                                     : Range{std::min(range.first, other.first), std::max(range.second, other.second)};
+}
+
+// The t in [0, 1] for which |start + t step - centre| <= radius.
+Range inside_disc(const Vector2d& start, const Vector2d& step, const Vector2d& centre, double radius) {
+  const double a = step.squaredNorm();
+  const double middle = (centre - start).dot(step) / a;
+  const double off = (start + middle * step - centre).norm();
+  if (off > radius) return nothing();
+  const double half = std::sqrt((radius - off) * (radius + off) / a);
+  const Range range{std::max(0.0, middle - half), std::min(1.0, middle + half)};
+  return range.first <= range.second ? range : nothing();
+}
+
+// The t in [0, 1] for which low <= f0 + t df <= high, cut down to what `range` holds.
+Range between(Range range, double f0, double df, double low, double high) {
+  if (df == 0.0) return f0 >= low && f0 <= high ? range : nothing();
+  double enter = (low - f0) / df;
+  double leave = (high - f0) / df;
+  if (enter > leave) std::swap(enter, leave);
+  return {std::max(range.first, enter), std::min(range.second, leave)};
+}
+
+// The part of `path` no farther than `radius` from `other`: one interval, since that neighbourhood is convex.
+Range near(const Segment& path, const Segment& other, double radius) {
+  const Vector2d step = path.b - path.a;
+  Range range = inside_disc(path.a, step, other.a, radius);
+  extend(range, inside_disc(path.a, step, other.b, radius));
+  const Vector2d along = other.b - other.a;
+  const double length = along.norm();
+  if (length > 0.0) {
+    const Vector2d unit = along / length;
+    const Vector2d from = path.a - other.a;
+    const Range strip = between({0.0, 1.0}, from.dot(unit), step.dot(unit), 0.0, length);
+    extend(range, between(strip, cross(unit, from), cross(unit, step), -radius, radius));
+  }
+  return range;
+}
+
+// The part of `path` inside a counter-clockwise triangle whose edges are moved outwards by `margin`.
+Range inside_triangle(const Segment& path, const std::array<Vector2d, 3>& corners, double margin) {
+  Range range{0.0, 1.0};
+  const Vector2d step = path.b - path.a;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector2d unit = (corners[(k + 1) % 3] - corners[k]).normalized();
+    range = between(range, cross(unit, path.a - corners[k]), cross(unit, step), -margin,
+                    std::numeric_limits<double>::infinity());
+    if (range.first > range.second) return nothing();
+  }
+  return range;
+}
+
+// The first part of `wanted` longer than `least` that `given` leaves out.
+std::optional<Range> first_gap(std::vector<Range> wanted, std::vector<Range> given, double least) {
+  std::sort(wanted.begin(), wanted.end());
+  std::sort(given.begin(), given.end());
+  for (const Range& want : wanted) {
+    double at = want.first;
+    for (const Range& have : given) {
+      if (have.first > have.second || have.second < at) continue;
+      if (have.first > at + least || at >= want.second) break;
+      at = have.second;
+    }
+    if (at + least < want.second) return Range{at, want.second};
+  }
+  return std::nullopt;
+}
+
+// Open edges of a sheet, as segments with a grid to find them by.
+class Locks {
+ public:
+  Locks(const mesh::TriangleMesh& mesh, mesh::LockBits which) : grid_({}) {
+    const auto& triangles = mesh.records().triangles;
+    const auto& points = mesh.records().points;
+    std::vector<Box> boxes;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto other = static_cast<std::size_t>(triangles[t].neighbours[k]);
+        if ((triangles[t].locks[k] & which) == 0 || other < t) continue;
+        segments_.push_back({to_double(points[static_cast<std::size_t>(triangles[t].points[(k + 1) % 3])].at),
+                             to_double(points[static_cast<std::size_t>(triangles[t].points[(k + 2) % 3])].at)});
+        boxes.push_back(segments_.back().box(0.0));
+      }
+    }
+    grid_ = BoxGrid(std::move(boxes));
+  }
+
+  [[nodiscard]] const std::vector<Segment>& segments() const { return segments_; }
+
+  void cover(const Segment& path, double radius, std::vector<Range>& given) {
+    grid_.for_touching(path.box(radius), [&](std::size_t i) { given.push_back(near(path, segments_[i], radius)); });
+  }
+
+ private:
+  std::vector<Segment> segments_;
+  BoxGrid grid_;
+};
+
+constexpr mesh::LockBits kOpen = mesh::kLockBorder | mesh::kLockCut;
+
+class PathAudit {
+ public:
+  PathAudit(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after)
+      : before_(before), old_locks_(before, kOpen), new_locks_(after, kOpen), cuts_(after, mesh::kLockCut), grid_({}) {
+    const auto& records = before.records();
+    std::vector<Box> boxes;
+    for (const mesh::TriangleRecord& r : records.triangles) {
+      if (r.region < 0) continue;
+      std::array<Vector2d, 3> corners;
+      Box box;
+      for (std::size_t k = 0; k < 3; ++k) {
+        corners[k] = to_double(records.points[static_cast<std::size_t>(r.points[k])].at);
+        box.extend(corners[k]);
+      }
+      solid_.push_back(corners);
+      boxes.push_back(box);
+    }
+    grid_ = BoxGrid(std::move(boxes));
+  }
+
+  Finding run(const cut::CutPlan& plan, const cut::CutReport& report) {
+    const double spacing = before_.records().lattice.spacing;
+    const double radius = (report.deviation_m - plan.curve_deviation_m) / spacing;
+    std::vector<Segment> path = segments_of(plan);
+    std::vector<bool> grazed(solid_.size()), crossed(solid_.size());
+    for (const Segment& segment : path) {
+      const double length = (segment.b - segment.a).norm();
+      std::vector<Range> wanted, given;
+      grid_.for_touching(segment.box(kRounding), [&](std::size_t i) {
+        const Range range = inside_triangle(segment, solid_[i], 0.0);
+        if (range.first <= range.second) wanted.push_back(range);
+        const Range wide = inside_triangle(segment, solid_[i], kRounding);
+        grazed[i] = grazed[i] || wide.first <= wide.second;
+        const Range narrow = inside_triangle(segment, solid_[i], -kRounding);
+        crossed[i] = crossed[i] || narrow.first < narrow.second;
+      });
+      new_locks_.cover(segment, radius, given);
+      const auto gap = first_gap(std::move(wanted), std::move(given), kNoGap / length);
+      if (!gap) continue;
+      std::ostringstream text;
+      const Vector2d at = segment.a + 0.5 * (gap->first + gap->second) * (segment.b - segment.a);
+      text << "no lip within " << radius * spacing << " m of the path at lattice point (" << std::fixed << at.x()
+           << ", " << at.y() << "), for " << (gap->second - gap->first) * length * spacing << " m";
+      return text.str();
+    }
+    const auto least = std::count(crossed.begin(), crossed.end(), true);
+    const auto most = std::count(grazed.begin(), grazed.end(), true);
+    if (report.crossed_triangles < least || report.crossed_triangles > most) {
+      return "crossed_triangles is " + std::to_string(report.crossed_triangles) + ", not between " +
+             std::to_string(least) + " and " + std::to_string(most);
+    }
+    return find_stray_lip(path, radius);
+  }
+
+  Finding find_far_point(const std::vector<Vector2d>& points, double radius) {
+    for (const Vector2d& point : points) {
+      const Vector2d to_border(kRounding, kRounding);
+      const Segment stub{point - to_border, point + to_border};
+      bool inside = false;
+      grid_.for_touching(stub.box(0.0), [&](std::size_t i) {
+        const Range range = inside_triangle(stub, solid_[i], 0.0);
+        inside = inside || (range.first <= 0.25 && range.second >= 0.75);
+      });
+      if (!inside) continue;
+      std::vector<Range> given;
+      new_locks_.cover(stub, radius + 2.0 * kRounding, given);
+      if (!given.empty() && std::any_of(given.begin(), given.end(), [](const Range& r) { return r.first <= r.second; }))
+        continue;
+      std::ostringstream text;
+      text << std::fixed << "the curve at lattice point (" << point.transpose() << ") is farther from every lip than "
+           << radius << " units";
+      return text.str();
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::vector<Segment> segments_of(const cut::CutPlan& plan) {
+    const mesh::Lattice& lattice = before_.records().lattice;
+    std::vector<Segment> path;
+    for (const cut::Stroke& stroke : plan.strokes) {
+      for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
+        const Segment segment{(stroke.points[i] - lattice.origin) / lattice.spacing,
+                              (stroke.points[i + 1] - lattice.origin) / lattice.spacing};
+        if (segment.a != segment.b) path.push_back(segment);
+      }
+    }
+    return path;
+  }
+
+  Finding find_stray_lip(const std::vector<Segment>& path, double radius) {
+    std::vector<Box> boxes;
+    boxes.reserve(path.size());
+    for (const Segment& segment : path) boxes.push_back(segment.box(0.0));
+    BoxGrid path_grid(std::move(boxes));
+    for (const Segment& lip : cuts_.segments()) {
+      std::vector<Range> given;
+      path_grid.for_touching(lip.box(radius), [&](std::size_t i) { given.push_back(near(lip, path[i], radius)); });
+      old_locks_.cover(lip, kRounding, given);
+      if (first_gap({{0.0, 1.0}}, std::move(given), kNoGap / (lip.b - lip.a).norm())) {
+        std::ostringstream text;
+        text << std::fixed << "a lip from (" << lip.a.transpose() << ") to (" << lip.b.transpose()
+             << ") is neither old nor on the path";
+        return text.str();
+      }
+    }
+    for (const Segment& lip : old_locks_.segments()) {
+      std::vector<Range> given;
+      new_locks_.cover(lip, kRounding, given);
+      if (first_gap({{0.0, 1.0}}, std::move(given), kNoGap / (lip.b - lip.a).norm())) return "an old lip is gone";
+    }
+    return std::nullopt;
+  }
+
+  const mesh::TriangleMesh& before_;
+  Locks old_locks_, new_locks_, cuts_;
+  std::vector<std::array<Vector2d, 3>> solid_;
+  BoxGrid grid_;
+};
+
+// de Casteljau.
+Vector2d bezier_at(const Vector2d* control, double t) {
+  std::array<Vector2d, 4> p{control[0], control[1], control[2], control[3]};
+  for (std::size_t left = 3; left > 0; --left) {
+    for (std::size_t i = 0; i < left; ++i) p[i] += t * (p[i + 1] - p[i]);
+  }
+  return p[0];
+}
+
+std::vector<Vector2d> sample(const cut::Curve& curve, int samples) {
+  std::vector<Vector2d> points;
+  const auto each = [&](const auto& at) {
+    for (int i = 0; i <= samples; ++i) points.push_back(at(static_cast<double>(i) / samples));
+  };
+  if (const auto* circle = std::get_if<cut::Circle>(&curve)) {
+    each([&](double t) {
+      const double angle = 2.0 * std::numbers::pi * t;
+      return Vector2d(circle->centre + circle->radius * Vector2d(std::cos(angle), std::sin(angle)));
+    });
+  } else if (const auto* line = std::get_if<cut::Polyline>(&curve)) {
+    for (std::size_t i = 0; i + 1 < line->points.size(); ++i) {
+      each([&](double t) { return Vector2d(line->points[i] + t * (line->points[i + 1] - line->points[i])); });
+    }
+  } else if (const auto* bezier = std::get_if<cut::CubicBezier>(&curve)) {
+    for (std::size_t i = 0; i + 3 < bezier->points.size(); i += 3) {
+      each([&](double t) { return bezier_at(&bezier->points[i], t); });
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
+                       const cut::CutReport& report) {
+  return PathAudit(before, after).run(plan, report);
+}
+
+Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
+                        const cut::CutReport& report, int samples) {
+  const mesh::Lattice& lattice = before.records().lattice;
+  std::vector<Vector2d> points = sample(curve, samples);
+  for (Vector2d& point : points) point = (point - lattice.origin) / lattice.spacing;
+  return PathAudit(before, after).find_far_point(points, report.deviation_m / lattice.spacing);
+}
+
+}  // namespace kerf::audit

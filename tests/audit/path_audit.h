@@ -1,0 +1,20 @@
+#pragma once
+
+#include "server/cut/cut.h"
+#include "tests/audit/mesh_audit.h"
+
+namespace kerf::audit {
+
+// Whether path and lips cover each other, by lengths and not by samples: every stretch of the plan's strokes inside the
+// sheet lies within the reported deviation of a lip or of the border, every lip that is new lies within it of the
+// strokes, and every lip and border edge there was before is still there. Also that the report's crossed_triangles is
+// the number of old triangles that the strokes run through, those grazed counted or not.
+Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
+                       const cut::CutReport& report);
+
+// Whether points of the curve itself, `samples` to a piece, that lie inside the sheet are within the reported deviation
+// of a lip or of the border.
+Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
+                        const cut::CutReport& report, int samples);
+
+}  // namespace kerf::audit
