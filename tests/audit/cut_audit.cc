@@ -101,10 +101,10 @@ class CutAudit {
     std::sort(old_edges_.begin(), old_edges_.end());
     std::sort(old_corners_.begin(), old_corners_.end());
     grid_ = BoxGrid(std::move(boxes));
-    triangles_of_.resize(now_.vertices.size());
-    for (std::size_t t = 0; t < now_.triangles.size(); ++t) {
+    first_slot_of_.resize(now_.vertices.size());
+    for (std::size_t t = now_.triangles.size(); t-- > 0;) {
       if (!is_solid(now_.triangles[t])) continue;
-      for (const VertexId v : now_.triangles[t].vertices) triangles_of_[index(v)] = t;
+      for (const VertexId v : now_.triangles[t].vertices) first_slot_of_[index(v)] = t;
     }
   }
   [[nodiscard]] Vector2d at(mesh::PointId p) const {
@@ -291,8 +291,11 @@ class CutAudit {
       }
       if (old_.vertices[index(origin)].point != p) return text("a copy of a vertex elsewhere", source->vertex);
     }
+    if (first_slot_of_[v] < first_slot_of_[index(origin)]) {
+      return text("the vertex was not kept by the sector with the lowest slot", origin);
+    }
     const LatticePoint& here = now_.points[index(p)].at;
-    const LatticePoint tripled = tripled_centre(now_, now_.triangles[triangles_of_[v]]);
+    const LatticePoint tripled = tripled_centre(now_, now_.triangles[first_slot_of_[v]]);
     const LatticePoint direction{tripled.x - 3 * here.x, tripled.y - 3 * here.y};
     for (const std::size_t t : corners_at_[index(p)]) {
       const TriangleRecord& r = old_.triangles[t];
@@ -338,7 +341,7 @@ class CutAudit {
     const auto is_left = [&](VertexId from, VertexId to) {
       const LatticePoint& start = old_.points[index(old_.vertices[index(from)].point)].at;
       const LatticePoint& end = old_.points[index(old_.vertices[index(to)].point)].at;
-      const LatticePoint tripled = tripled_centre(now_, now_.triangles[triangles_of_[v]]);
+      const LatticePoint tripled = tripled_centre(now_, now_.triangles[first_slot_of_[v]]);
       return turn(minus(end, start), {tripled.x - 3 * start.x, tripled.y - 3 * start.y}) > 0;
     };
     // Both sides of a lip between the same two vertices only where both are tips.
@@ -399,6 +402,8 @@ class CutAudit {
 
   Finding check_report() {
     const cut::CutReport& report = outcome_.report;
+    const double tolerance = plan_.options.tolerance_m.value_or(plan_.options.tolerance * plan_.edge_length_m);
+    if (report.deviation_m > 1.5 * tolerance) return "the deviation is beyond the tolerance";
     const auto expect = [](const char* name, std::int64_t said, std::int64_t is) -> Finding {
       if (said == is) return std::nullopt;
       return std::string(name) + " is said to be " + std::to_string(said) + " and is " + std::to_string(is);
@@ -458,7 +463,7 @@ class CutAudit {
   std::vector<std::vector<std::size_t>> corners_at_;  // old point -> old solid slots
   std::vector<OldEdge> old_edges_;                    // sorted
   std::vector<std::array<VertexId, 3>> old_corners_;  // sorted, each sorted
-  std::vector<std::size_t> triangles_of_;             // new vertex -> one slot
+  std::vector<std::size_t> first_slot_of_;            // vertex now -> its lowest slot
 };
 
 }  // namespace
