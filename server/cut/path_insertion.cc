@@ -270,6 +270,9 @@ Status PathInsertion::run_segment(PathPosition from, const PathPosition& to) {
         break;
       }
       case Encounter::Kind::kPoint: {
+        if (orient2d(from.at, target.at, mesh_.at(met.point)) != 0 && mesh_.locks_at_point(met.point) != 0) {
+          ++counts_.closed_gaps;
+        }
         note_point(met.point);
         targets.push_back({mesh_.at(met.point), met.point, kNone});
         break;
