@@ -54,6 +54,20 @@ inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh
   return std::nullopt;
 }
 
+// A miss is right only where what lies in the sheet retraces lips and border, or is dust. Points snap one after the
+// other, each to what the one before was laid on.
+inline Finding find_flaw_of_miss(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan) {
+  cut::CutPlan long_strokes = plan;
+  std::erase_if(long_strokes.strokes, [&](const cut::Stroke& stroke) {
+    Eigen::AlignedBox2d box;
+    for (const Eigen::Vector2d& point : stroke.points) box.extend(point);
+    return box.diagonal().norm() <= 3.0 * plan.snap_m;
+  });
+  cut::CutReport report;
+  report.deviation_m = plan.curve_deviation_m + 3.0 * plan.snap_m;
+  return find_uncovered_path(mesh, long_strokes, report);
+}
+
 // Applies `request` to `mesh` as the server does, on a plan changed by `adjust`, and checks what happened.
 template <typename Adjust>
 AuditedCut cut_and_audit(mesh::TriangleMesh& mesh, const cut::CutRequest& request, const Depth& depth,
@@ -79,6 +93,7 @@ AuditedCut cut_and_audit(mesh::TriangleMesh& mesh, const cut::CutRequest& reques
     done.end = AuditedCut::End::kMissed;
     done.flaw = find_difference(before, mesh);
     if (!done.flaw && !done.outcome.edit.empty()) done.flaw = "a miss with an edit";
+    if (!done.flaw) done.flaw = find_flaw_of_miss(before, done.plan);
     return done;
   }
   done.end = AuditedCut::End::kApplied;

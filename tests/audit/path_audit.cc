@@ -166,23 +166,35 @@ class PathAudit {
       boxes.push_back(box);
     }
     grid_ = BoxGrid(std::move(boxes));
+    grazed_.resize(solid_.size());
+    crossed_.resize(solid_.size());
   }
 
   Finding run(const cut::CutPlan& plan, const cut::CutReport& report) {
+    if (Finding found = find_gap(plan, report)) return found;
+    const auto least = std::count(crossed_.begin(), crossed_.end(), true);
+    const auto most = std::count(grazed_.begin(), grazed_.end(), true);
+    if (report.crossed_triangles < least || report.crossed_triangles > most) {
+      return "crossed_triangles is " + std::to_string(report.crossed_triangles) + ", not between " +
+             std::to_string(least) + " and " + std::to_string(most);
+    }
+    return find_stray_lip(segments_of(plan), radius_of(plan, report));
+  }
+
+  // A stretch of the path inside the sheet that is not covered; notes the triangles it runs through.
+  Finding find_gap(const cut::CutPlan& plan, const cut::CutReport& report) {
     const double spacing = before_.records().lattice.spacing;
-    const double radius = (report.deviation_m - plan.curve_deviation_m) / spacing;
-    std::vector<Segment> path = segments_of(plan);
-    std::vector<bool> grazed(solid_.size()), crossed(solid_.size());
-    for (const Segment& segment : path) {
+    const double radius = radius_of(plan, report);
+    for (const Segment& segment : segments_of(plan)) {
       const double length = (segment.b - segment.a).norm();
       std::vector<Range> wanted, given;
       grid_.for_touching(segment.box(kRounding), [&](std::size_t i) {
         const Range range = inside_triangle(segment, solid_[i], 0.0);
         if (range.first <= range.second) wanted.push_back(range);
         const Range wide = inside_triangle(segment, solid_[i], kRounding);
-        grazed[i] = grazed[i] || wide.first <= wide.second;
+        grazed_[i] = grazed_[i] || wide.first <= wide.second;
         const Range narrow = inside_triangle(segment, solid_[i], -kRounding);
-        crossed[i] = crossed[i] || narrow.first < narrow.second;
+        crossed_[i] = crossed_[i] || narrow.first < narrow.second;
       });
       new_locks_.cover(segment, radius, given);
       const auto gap = first_gap(std::move(wanted), std::move(given), kNoGap / length);
@@ -193,13 +205,7 @@ class PathAudit {
            << ", " << at.y() << "), for " << (gap->second - gap->first) * length * spacing << " m";
       return text.str();
     }
-    const auto least = std::count(crossed.begin(), crossed.end(), true);
-    const auto most = std::count(grazed.begin(), grazed.end(), true);
-    if (report.crossed_triangles < least || report.crossed_triangles > most) {
-      return "crossed_triangles is " + std::to_string(report.crossed_triangles) + ", not between " +
-             std::to_string(least) + " and " + std::to_string(most);
-    }
-    return find_stray_lip(path, radius);
+    return std::nullopt;
   }
 
   Finding find_far_point(const std::vector<Vector2d>& points, double radius) {
@@ -225,6 +231,10 @@ class PathAudit {
   }
 
  private:
+  [[nodiscard]] double radius_of(const cut::CutPlan& plan, const cut::CutReport& report) const {
+    return (report.deviation_m - plan.curve_deviation_m) / before_.records().lattice.spacing;
+  }
+
   std::vector<Segment> segments_of(const cut::CutPlan& plan) {
     const mesh::Lattice& lattice = before_.records().lattice;
     std::vector<Segment> path;
@@ -266,6 +276,7 @@ class PathAudit {
   Locks old_locks_, new_locks_, cuts_;
   std::vector<std::array<Vector2d, 3>> solid_;
   BoxGrid grid_;
+  std::vector<bool> grazed_, crossed_;  // of solid_: touched by the path, and more than touched
 };
 
 // de Casteljau.
@@ -304,6 +315,10 @@ std::vector<Vector2d> sample(const cut::Curve& curve, int samples) {
 Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
                        const cut::CutReport& report) {
   return PathAudit(before, after).run(plan, report);
+}
+
+Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan, const cut::CutReport& report) {
+  return PathAudit(mesh, mesh).find_gap(plan, report);
 }
 
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,

@@ -12,6 +12,9 @@ namespace kerf::audit {
 Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
                        const cut::CutReport& report);
 
+// The first half of that, by itself: a stretch of the strokes inside the sheet that no lip or border is near.
+Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan, const cut::CutReport& report);
+
 // Whether points of the curve itself, `samples` to a piece, that lie inside the sheet are within the reported deviation
 // of a lip or of the border.
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
