@@ -85,7 +85,7 @@ struct CutRequest {
   std::vector<mesh::VertexId> fixed_vertices;
   // Present: `curve` is in pixels of this picture of the sheet, whose vertices are at `positions` (3 x V, m, world;
   // read by plan() only, and only then).
-  std::optional<View> view;
+  std::optional<View> view = std::nullopt;
   const Eigen::Matrix3Xd* positions = nullptr;
 };
 

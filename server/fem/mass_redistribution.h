@@ -21,7 +21,8 @@
 // of the mesh only; sheets as generated have no vertex that needs it.
 namespace kerf::fem {
 
-// Every vertex is brought towards this part of the mass / stiffness of an inner vertex of a uniform grid.  -
+// Every vertex is brought towards this part of the mass / stiffness of an inner vertex of a uniform grid with the edge
+// length that the sheet as built has there.  -
 inline constexpr double kMassFloor = 0.25;
 
 // Trace of the stiffness that a corner with shape function gradient (gx, gy), 1/m, has in a triangle of `area`, m^2,

@@ -48,11 +48,10 @@ Model::Model(const mesh::TriangleMesh& mesh, const Material& material)
       bending_law_(fem::bending_law(material)),
       inverse_bending_law_(has_bending() ? Eigen::Matrix3d(bending_law_.inverse()) : Eigen::Matrix3d::Zero()),
       material_from_rest_(rotation_into_material_axes(material.direction)) {
-  // Mass and stiffness of an inner vertex of a uniform grid: six triangles of half a square each.
-  const double h = mesh.base_edge_length();
-  const double typical_mass = material_.density * material_.thickness * h * h;
+  // Mass, for edges of 1 m, and stiffness of an inner vertex of a uniform grid: six triangles of half a square each.
+  const double typical_mass = material_.density * material_.thickness;
   const double typical_stiffness = 2.0 * (membrane_law_(0, 0) + membrane_law_(1, 1) + 2.0 * membrane_law_(2, 2));
-  floor_per_stiffness_ = kMassFloor * typical_mass / typical_stiffness;
+  unit_floor_ = kMassFloor * typical_mass / typical_stiffness;
   mesh::MeshEdit everything;
   everything.rewritten_triangles.resize(static_cast<std::size_t>(mesh.num_triangle_slots()));
   for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
@@ -70,7 +69,7 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
   const std::vector<VertexId> bereft = drop_slots(mesh);
   resize(mesh);
   set_elements(mesh, rewritten, bereft);
-  for (const VertexId v : touched_.members()) set_lumped_mass(v);
+  for (const VertexId v : touched_.members()) set_lumped_mass(mesh, v);
   MassChange change = set_masses();
   rows_.clear();
   if (has_bending()) set_bending(mesh, rewritten, bereft);
@@ -207,7 +206,7 @@ void Model::write_element(TriangleId slot, const std::array<VertexId, 3>& vertic
   for (std::size_t k = 0; k < 3; ++k) block.vertex[k][l] = vertices[k];
 }
 
-void Model::set_lumped_mass(VertexId vertex) {
+void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
   double area = 0.0;
   double stiffness = 0.0;
   for (const TriangleId slot : incident_.row(vertex)) {
@@ -225,7 +224,8 @@ void Model::set_lumped_mass(VertexId vertex) {
   const auto v = static_cast<std::size_t>(vertex);
   lumped_mass_[v] = material_.density * material_.thickness * area / 3.0;
   stiffness_[v] = stiffness;
-  mass_floor_[v] = floor_per_stiffness_ * stiffness;
+  const double edge_length = mesh.records().lengths.at(mesh.rest_position(vertex));
+  mass_floor_[v] = unit_floor_ * edge_length * edge_length * stiffness;
 }
 
 MassChange Model::set_masses() {

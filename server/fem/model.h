@@ -111,7 +111,7 @@ class Model {
   void set_element(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
   void write_element(mesh::TriangleId slot, const std::array<mesh::VertexId, 3>& vertices,
                      const Eigen::Matrix2d& Dm_inv, double area);
-  void set_lumped_mass(mesh::VertexId vertex);
+  void set_lumped_mass(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
   // Takes the lumped masses over into mass_, redistributed.
   MassChange set_masses();
   // Makes the patches of the rewritten slots and of their neighbours, and sums the rows they are in and those of
@@ -130,7 +130,7 @@ class Model {
   Eigen::Matrix3d inverse_bending_law_;
   Eigen::Matrix2d material_from_rest_;  // rotation into material axes
 
-  double floor_per_stiffness_ = 0.0;  // kg m/N
+  double unit_floor_ = 0.0;  // kg/m^2 / (N/m); mass floor of a vertex over its stiffness, for edges of 1 m
   int num_slots_ = 0;
   std::vector<ElementBlock> blocks_;
   std::vector<BendingPatch> patches_;  // one a slot; empty without bending

@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "tests/audit/box_grid.h"
 
 namespace kerf::audit {
@@ -288,6 +290,35 @@ Vector2d bezier_at(const Vector2d* control, double t) {
   return p[0];
 }
 
+// A rational Bezier segment by its Bernstein polynomials.
+template <std::size_t N>
+Vector2d rational_at(const std::array<Vector2d, N>& control, const std::array<double, N>& weights, double t) {
+  Vector2d sum(0.0, 0.0);
+  double total = 0.0;
+  for (std::size_t i = 0; i < N; ++i) {
+    const double binomial = i == 0 || i == N - 1 ? 1.0 : static_cast<double>(N - 1);  // of 2 and of 3
+    const double share =
+        weights[i] * binomial * std::pow(t, static_cast<double>(i)) * std::pow(1.0 - t, static_cast<double>(N - 1 - i));
+    sum += share * control[i];
+    total += share;
+  }
+  return sum / total;
+}
+
+// Arcs are left to the tests of their own pieces.
+template <typename Each>
+void sample_segment(const Vector2d& from, const cut::Segment& segment, const Each& each) {
+  if (const auto* line = std::get_if<cut::LineTo>(&segment)) {
+    each([&](double t) { return Vector2d(from + t * (line->end - from)); });
+  } else if (const auto* quadratic = std::get_if<cut::QuadraticTo>(&segment)) {
+    each([&](double t) { return rational_at<3>({from, quadratic->control, quadratic->end}, quadratic->weights, t); });
+  } else if (const auto* cubic = std::get_if<cut::CubicTo>(&segment)) {
+    each([&](double t) {
+      return rational_at<4>({from, cubic->controls[0], cubic->controls[1], cubic->end}, cubic->weights, t);
+    });
+  }
+}
+
 std::vector<Vector2d> sample(const cut::Curve& curve, int samples) {
   std::vector<Vector2d> points;
   const auto each = [&](const auto& at) {
@@ -305,6 +336,22 @@ std::vector<Vector2d> sample(const cut::Curve& curve, int samples) {
   } else if (const auto* bezier = std::get_if<cut::CubicBezier>(&curve)) {
     for (std::size_t i = 0; i + 3 < bezier->points.size(); i += 3) {
       each([&](double t) { return bezier_at(&bezier->points[i], t); });
+    }
+  } else if (const auto* ellipse = std::get_if<cut::Ellipse>(&curve)) {
+    const Eigen::Rotation2Dd rotation(ellipse->rotation);
+    each([&](double t) {
+      const double angle = 2.0 * std::numbers::pi * t;
+      const Vector2d unit(std::cos(angle), std::sin(angle));
+      return Vector2d(ellipse->centre + rotation * ellipse->semi_axes.cwiseProduct(unit));
+    });
+  } else if (const auto* path = std::get_if<cut::Path>(&curve)) {
+    for (const cut::Subpath& subpath : path->subpaths) {
+      Vector2d from = subpath.start;
+      for (const cut::Segment& segment : subpath.segments) {
+        sample_segment(from, segment, each);
+        from = std::visit([](const auto& kind) { return kind.end; }, segment);
+      }
+      if (subpath.closed) each([&](double t) { return Vector2d(from + t * (subpath.start - from)); });
     }
   }
   return points;
