@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -80,6 +81,18 @@ Finding run_random_cuts(int fault) {
   return std::nullopt;
 }
 
+// 0 where nothing is found. What is found goes to `pipe`; nothing does where memory ran out.
+int run_in_child(int fault, int pipe) {
+  try {
+    Finding found = run_hard_cases(fault);
+    if (!found) found = run_random_cuts(fault);
+    if (!found) return 0;
+    return write(pipe, found->data(), found->size()) < 0 ? 2 : 1;
+  } catch (const std::exception&) {
+    return 3;
+  }
+}
+
 // Runs all cuts in a process of its own. What caught the fault, or nothing.
 Finding caught_by(int fault) {
   std::array<int, 2> ends{};
@@ -94,11 +107,7 @@ Finding caught_by(int fault) {
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
     if (std::freopen("/dev/null", "w", stderr) == nullptr) _exit(2);
-    Finding found = run_hard_cases(fault);
-    if (!found) found = run_random_cuts(fault);
-    if (!found) _exit(0);
-    const ssize_t written = write(ends[1], found->data(), found->size());
-    _exit(written < 0 ? 2 : 1);
+    _exit(run_in_child(fault, ends[1]));
   }
   close(ends[1]);
   std::string text;
