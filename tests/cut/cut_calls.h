@@ -7,7 +7,7 @@
 
 #include "server/cut/cut.h"
 #include "server/mesh/grid_mesh.h"
-#include "tests/cut/cut_checks.h"
+#include "tests/audit/audited_cut.h"
 
 // A test's short ways to meshes and to cuts, each of which is checked.
 namespace kerf::cut {
@@ -20,15 +20,17 @@ inline mesh::TriangleMesh jittered(std::int32_t vertices) {
 }
 
 inline CutOutcome cut(mesh::TriangleMesh& mesh, const CutRequest& request) {
-  const mesh::TriangleMesh before = mesh;
-  const Result<CutPlan> planned = plan(mesh, request);
-  EXPECT_TRUE(planned.ok()) << planned.error().message;
-  Result<CutOutcome> outcome = apply(mesh, *planned);
-  EXPECT_TRUE(outcome.ok()) << outcome.error().message;
-  if (outcome->status == CutStatus::kApplied) {
-    EXPECT_EQ(find_cut_violation(before, mesh, *outcome).value_or(""), "");
-  }
-  return std::move(*outcome);
+  audit::AuditedCut done = audit::cut_and_audit(mesh, request);
+  EXPECT_EQ(done.reason, "");
+  EXPECT_EQ(done.flaw.value_or(""), "");
+  return std::move(done.outcome);
+}
+
+// Of the opened mesh: border and lips.
+inline int count_boundary_loops(const mesh::TriangleMesh& mesh) {
+  audit::Census census;
+  EXPECT_EQ(audit::find_flaw(mesh, &census).value_or(""), "");
+  return static_cast<int>(census.loops);
 }
 
 inline Curve s_curve() {

@@ -8,7 +8,7 @@
 #include "server/cut/cut.h"
 #include "server/mesh/grid_mesh.h"
 #include "server/mesh/mesh_import.h"
-#include "tests/cut/cut_checks.h"
+#include "tests/cut/cut_calls.h"
 #include "tests/support/meshes.h"
 
 // Placements of each case; sanitizer builds take fewer.
@@ -65,24 +65,9 @@ mesh::TriangleMesh sheet(bool jittered, double size = 1.0, std::uint64_t seed = 
   return *made;
 }
 
-CutOutcome cut(mesh::TriangleMesh& mesh, const Curve& curve, const CutOptions& options = {}) {
-  const mesh::TriangleMesh before = mesh;
-  const Result<CutPlan> planned = plan(mesh, {curve, options, {}});
-  EXPECT_TRUE(planned.ok()) << planned.error().message;
-  Result<CutOutcome> outcome = apply(mesh, *planned);
-  EXPECT_TRUE(outcome.ok()) << outcome.error().message;
-  if (outcome->status == CutStatus::kNoIntersection) {
-    EXPECT_TRUE(mesh == before);
-  } else {
-    EXPECT_EQ(find_cut_violation(before, mesh, *outcome).value_or(""), "");
-    EXPECT_EQ(find_uncovered_path(mesh, *planned, outcome->report).value_or(""), "");
-  }
-  return std::move(*outcome);
-}
-
 void check_case(const Case& item, mesh::TriangleMesh mesh, const Placement& place, const CutOptions& options = {}) {
   CutStatus last = CutStatus::kNoIntersection;
-  for (const Curve& curve : item.curves) last = cut(mesh, place(curve), options).status;
+  for (const Curve& curve : item.curves) last = cut(mesh, {place(curve), options, {}}).status;
   EXPECT_EQ(last, item.last);
   EXPECT_EQ(mesh.num_pieces(), item.pieces);
   EXPECT_EQ(count_boundary_loops(mesh), item.loops);
@@ -293,29 +278,6 @@ mesh::TriangleMesh turned_sheet(int cells, double angle, Keep keep) {
   return std::move(*made);
 }
 
-double solid_area(const mesh::TriangleMesh& mesh, std::int32_t region) {
-  double sum = 0.0;
-  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (mesh.is_solid(t) && mesh.region(t) == region) sum += mesh.area(t);
-  }
-  return sum;
-}
-
-// As cut(), but on slanted borders, where a rounded crossing may move the border by a unit of the lattice.
-CutOutcome cut_slanted(mesh::TriangleMesh& mesh, const Curve& curve) {
-  const mesh::TriangleMesh before = mesh;
-  const Result<CutPlan> planned = plan(mesh, {curve, {}, {}});
-  Result<CutOutcome> outcome = apply(mesh, *planned);
-  EXPECT_TRUE(outcome.ok()) << outcome.error().message;
-  EXPECT_EQ(mesh.find_violation().value_or(""), "");
-  EXPECT_EQ(test::find_wrong_source(before, mesh, outcome->edit.added_vertices), std::nullopt);
-  EXPECT_EQ(find_uncovered_path(mesh, *planned, outcome->report).value_or(""), "");
-  for (const std::int32_t region : {0, 1}) {
-    EXPECT_NEAR(solid_area(mesh, region), solid_area(before, region), 1e-12);
-  }
-  return std::move(*outcome);
-}
-
 TEST(CutCases, SheetsWithHolesComponentsRegionsAndSlantedBorders) {
   SeededRandom random(13);
   for (int trial = 0; trial < 12; ++trial) {
@@ -326,21 +288,21 @@ TEST(CutCases, SheetsWithHolesComponentsRegionsAndSlantedBorders) {
     const auto frame = [](int i, int j) { return i < 3 || i > 6 || j < 3 || j > 6; };
     mesh::TriangleMesh mesh = turned_sheet(10, angle, frame);
     EXPECT_EQ(count_boundary_loops(mesh), 2);
-    cut_slanted(mesh, place(line({{-0.1, 0.47}, {0.5, 0.52}})));
+    cut(mesh, {place(line({{-0.1, 0.47}, {0.5, 0.52}})), {}, {}});
     EXPECT_EQ(mesh.num_pieces(), 1);
     EXPECT_EQ(count_boundary_loops(mesh), 1);
-    cut_slanted(mesh, place(line({{0.5, 0.52}, {1.1, 0.47}})));
+    cut(mesh, {place(line({{0.5, 0.52}, {1.1, 0.47}})), {}, {}});
     EXPECT_EQ(mesh.num_pieces(), 2);
     EXPECT_EQ(count_boundary_loops(mesh), 2);
     // A circle in the material around the hole frees a ring within a ring.
     mesh::TriangleMesh ring = turned_sheet(10, angle, frame);
-    cut_slanted(ring, place(Circle{{0.5, 0.5}, 0.4}));
+    cut(ring, {place(Circle{{0.5, 0.5}, 0.4}), {}, {}});
     EXPECT_EQ(ring.num_pieces(), 2);
     EXPECT_EQ(count_boundary_loops(ring), 4);
     // Three strips side by side, cut across in one stroke.
     mesh::TriangleMesh strips = turned_sheet(11, angle, [](int i, int) { return i % 4 != 3; });
     EXPECT_EQ(strips.num_pieces(), 3);
-    cut_slanted(strips, place(line({{-0.2, 0.41}, {1.2, 0.62}})));
+    cut(strips, {place(line({{-0.2, 0.41}, {1.2, 0.62}})), {}, {}});
     EXPECT_EQ(strips.num_pieces(), 6);
     EXPECT_EQ(count_boundary_loops(strips), 6);
   }
@@ -367,13 +329,13 @@ TEST(CutCases, SheetsOfOneOrTwoTrianglesAreCutInEveryDirection) {
       const double angle = std::numbers::pi * (i / 36.0) + 0.01;
       const Vector2d far = middle + 9.0 * Vector2d(std::cos(angle), std::sin(angle));
       mesh::TriangleMesh out = fresh;
-      EXPECT_EQ(cut_slanted(out, line({middle, far})).status, CutStatus::kApplied);
+      EXPECT_EQ(cut(out, {line({middle, far}), {}, {}}).status, CutStatus::kApplied);
       EXPECT_EQ(out.num_pieces(), 1);
       mesh::TriangleMesh in = fresh;
-      EXPECT_EQ(cut_slanted(in, line({far, middle})).status, CutStatus::kApplied);
+      EXPECT_EQ(cut(in, {line({far, middle}), {}, {}}).status, CutStatus::kApplied);
       EXPECT_EQ(in.num_pieces(), 1);
       mesh::TriangleMesh through = fresh;
-      EXPECT_EQ(cut_slanted(through, line({far, 2.0 * middle - far})).status, CutStatus::kApplied);
+      EXPECT_EQ(cut(through, {line({far, 2.0 * middle - far}), {}, {}}).status, CutStatus::kApplied);
       EXPECT_EQ(through.num_pieces(), 2);
     }
   }

@@ -10,8 +10,6 @@
 #include "server/cut/cut.h"
 #include "server/cut/view.h"
 #include "server/mesh/grid_mesh.h"
-#include "tests/cut/cut_calls.h"
-#include "tests/cut/cut_checks.h"
 
 // Cuts drawn on a picture of a flat, a folded, a tilted, a far and a hidden sheet.
 namespace kerf::cut {

@@ -182,7 +182,7 @@ TEST(ReplyCodec, QualityAndCornersOfACutAreAllTold) {
   report.refinement_stopped = true;
   report.quality = {9, 3.5, 30.25, 6.5, 2.5, 4.5, 1.75, 1e-4, 7, 2, {{{0.25, -0.5}, 12.5, 3}, {{1.0, 2.0}, 33.0, 1}},
                     5};
-  const v1::CutResult result = encode_cut_result(reply);
+  const v1::CutResult result = encode_cut_result(reply, *reply.cut);
   EXPECT_EQ(result.min_angle_deg(), 3.5);
   EXPECT_TRUE(result.refinement_stopped());
   const v1::CutQuality& quality = result.quality();
