@@ -55,7 +55,8 @@ inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh
   return std::nullopt;
 }
 
-// A miss is right only where what lies in the sheet retraces lips and border within the tolerance, or is dust.
+// A miss is right only where what lies in the sheet retraces lips and border, within the tolerance or a few snaps in a
+// row, or is dust.
 inline Finding find_flaw_of_miss(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan) {
   cut::CutPlan long_strokes = plan;
   std::erase_if(long_strokes.strokes, [&](const cut::Stroke& stroke) {
@@ -65,7 +66,7 @@ inline Finding find_flaw_of_miss(const mesh::TriangleMesh& mesh, const cut::CutP
   });
   cut::CutReport report;
   const double tolerance = plan.options.tolerance_m.value_or(plan.options.tolerance * plan.edge_length_m);
-  report.deviation_m = std::max(tolerance, plan.curve_deviation_m + plan.snap_m);
+  report.deviation_m = std::max(tolerance, plan.curve_deviation_m + 3.0 * plan.snap_m);
   return find_uncovered_path(mesh, long_strokes, report);
 }
 
