@@ -104,6 +104,12 @@ std::vector<Segment> edges_with(const mesh::TriangleMesh& mesh, mesh::LockBits l
   return edges;
 }
 
+double distance_to_segment_m(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  const Eigen::Vector2d along = b - a;
+  const double t = std::clamp((point - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (point - a - t * along).norm();
+}
+
 double distance_to(const Vector2d& point, const std::vector<Segment>& segments) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const auto& [a, b] : segments) nearest = std::min(nearest, distance_to_segment_m(point, a, b));

@@ -13,12 +13,6 @@
 namespace kerf::cut {
 namespace {
 
-double distance_to_segment_m(const Eigen::Vector2d& point, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const Eigen::Vector2d along = b - a;
-  const double t = std::clamp((point - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (point - a - t * along).norm();
-}
-
 using Eigen::Vector2d;
 
 struct Sum {
