@@ -36,6 +36,14 @@ double bound_on_sheet(const std::vector<ViewStretch>& stretches, double px) {
 }  // namespace
 
 Status validate(const View& view) {
+  const std::array<std::pair<double, const char*>, 2> sides{
+      {{view.width_px, "cut.view.width_px"}, {view.height_px, "cut.view.height_px"}}};
+  for (const auto& [side, field] : sides) {
+    if (!(side > 0.0 && side <= kMaxViewportPx)) {
+      return invalid_argument("VIEWPORT_OUT_OF_RANGE",
+                              std::string(field) + " is " + std::to_string(side) + "; it must be in (0, 65536]", field);
+    }
+  }
   if (!view.view.allFinite()) return invalid_argument("VIEW_NOT_FINITE", "a number is not finite", "cut.view.view");
   if (!view.projection.allFinite()) {
     return invalid_argument("VIEW_NOT_FINITE", "a number is not finite", "cut.view.projection");
@@ -52,14 +60,6 @@ Status validate(const View& view) {
   const double largest = view.projection.cwiseAbs().maxCoeff();
   if (!(largest > 0.0) || !Eigen::FullPivLU<Eigen::Matrix4d>(view.projection / largest).isInvertible()) {
     return invalid_argument("VIEW_SINGULAR", "the projection matrix cannot be inverted", "cut.view.projection");
-  }
-  const std::array<std::pair<double, const char*>, 2> sides{
-      {{view.width_px, "cut.view.width_px"}, {view.height_px, "cut.view.height_px"}}};
-  for (const auto& [side, field] : sides) {
-    if (!(side > 0.0 && side <= kMaxViewportPx)) {
-      return invalid_argument("VIEWPORT_OUT_OF_RANGE",
-                              std::string(field) + " is " + std::to_string(side) + "; it must be in (0, 65536]", field);
-    }
   }
   if (view.layers == LayerRule::kDepthRange &&
       !(view.nearest_m >= 0.0 && view.nearest_m <= view.farthest_m && std::isfinite(view.farthest_m))) {

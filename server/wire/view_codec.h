@@ -2,7 +2,7 @@
 
 #include "kerf/v1/scene.pb.h"
 #include "server/base/result.h"
-#include "server/cut/view.h"
+#include "server/sheet/command.h"
 
 namespace kerf::wire {
 

@@ -58,15 +58,16 @@ inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh
 // A miss is right only where what lies in the sheet retraces lips and border, within the tolerance or a few snaps in a
 // row, or is dust.
 inline Finding find_flaw_of_miss(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan) {
+  const double tolerance = largest_tolerance(mesh, plan);
+  const double snap = std::max(plan.snap_m, 0.1 * tolerance);  // never farther, wherever it is
   cut::CutPlan long_strokes = plan;
   std::erase_if(long_strokes.strokes, [&](const cut::Stroke& stroke) {
     Eigen::AlignedBox2d box;
     for (const Eigen::Vector2d& point : stroke.points) box.extend(point);
-    return box.diagonal().norm() <= 3.0 * plan.snap_m;
+    return box.diagonal().norm() <= 3.0 * snap;
   });
   cut::CutReport report;
-  const double tolerance = plan.options.tolerance_m.value_or(plan.options.tolerance * plan.edge_length_m);
-  report.deviation_m = std::max(tolerance, plan.curve_deviation_m + 3.0 * plan.snap_m);
+  report.deviation_m = std::max(tolerance, plan.curve_deviation_m + 3.0 * snap);
   return find_uncovered_path(mesh, long_strokes, report);
 }
 

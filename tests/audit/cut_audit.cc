@@ -402,8 +402,7 @@ class CutAudit {
 
   Finding check_report() {
     const cut::CutReport& report = outcome_.report;
-    const double tolerance = plan_.options.tolerance_m.value_or(plan_.options.tolerance * plan_.edge_length_m);
-    if (report.deviation_m > tolerance && plan_.curve_deviation_m + plan_.snap_m <= tolerance) {
+    if (report.deviation_m > largest_tolerance(before_mesh_, plan_) || report.deviation_of_tolerance > 1.0) {
       return "the deviation is beyond the tolerance";
     }
     const auto expect = [](const char* name, std::int64_t said, std::int64_t is) -> Finding {

@@ -376,4 +376,12 @@ Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMe
   return PathAudit(before, after).find_far_point(points, report.deviation_m / lattice.spacing);
 }
 
+double largest_tolerance(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan) {
+  if (plan.options.tolerance_m) return *plan.options.tolerance_m;
+  const mesh::EdgeLengths& lengths = mesh.records().lengths;
+  int exponent = 0;
+  if (!lengths.exponents.empty()) exponent = *std::max_element(lengths.exponents.begin(), lengths.exponents.end());
+  return plan.options.tolerance * std::ldexp(lengths.mean, exponent);
+}
+
 }  // namespace kerf::audit

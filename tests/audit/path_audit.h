@@ -20,4 +20,7 @@ Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& 
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
                         const cut::CutReport& report, int samples);
 
+// m; what the plan's tolerance is where the sheet as built has its longest edges.
+double largest_tolerance(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan);
+
 }  // namespace kerf::audit

@@ -115,7 +115,7 @@ TEST(Grid, RefusesAbsurdSizes) {
   const double nan = std::nan("");
   EXPECT_EQ(make_grid({1, 5, 1.0, 1.0}).error().reason, "GRID_SIZE");
   EXPECT_EQ(make_grid({5, -5, 1.0, 1.0}).error().reason, "GRID_SIZE");
-  EXPECT_EQ(make_grid({501, 500, 1.0, 1.0}).error().reason, "GRID_SIZE");
+  EXPECT_EQ(make_grid({1000, 501, 1.0, 1.0}).error().reason, "GRID_SIZE");
   EXPECT_EQ(make_jittered_grid({2147483647, 2147483647, 1.0, 1.0}, 1).error().reason, "GRID_SIZE");
   EXPECT_EQ(make_grid({5, 5, 0.0, 1.0}).error().reason, "GRID_EXTENT");
   EXPECT_EQ(make_grid({5, 5, 1.0, nan}).error().reason, "GRID_EXTENT");

@@ -57,7 +57,7 @@ void run_trial(std::uint64_t seed, bool snaps, Tally& tally, const Judge& judge)
     earlier.push_back(property::random_curve(random, mesh, made.frame, earlier));
     Result<cut::CutPlan> plan = cut::plan(mesh, {earlier.back(), options, {}});
     if (!plan.ok()) continue;
-    if (!snaps) plan->snap_m = 2.0 * static_cast<double>(mesh::MeshEditor::kLockClearance) * mesh.lattice().spacing;
+    if (!snaps) plan->options.snap = 0.0;  // to the least that the lattice needs
     double clearance = kClear;
     const Outcome expected = exact_outcome(mesh, plan->strokes, &clearance);
     if (!snaps && clearance < kClear) {

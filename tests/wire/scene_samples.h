@@ -36,6 +36,9 @@ inline void add_placed_cuts(v1::Scene& scene) {
   cut->set_tolerance(0.02);
   cut->set_min_angle_deg(20.0);
   cut->set_max_new_triangles(200000);
+  cut->set_method(v1::Cut::NEIGHBOURHOOD);
+  cut->set_tip_grading(1.5);
+  cut->set_relax(true);
   set(cut->mutable_fit()->mutable_min(), 0.0, 0.1);
   set(cut->mutable_fit()->mutable_max(), 0.5, 0.6);
   cut->add_dash(0.03);
@@ -64,6 +67,9 @@ inline void add_placed_cuts(v1::Scene& scene) {
   cut->set_tolerance(0.02);
   cut->set_min_angle_deg(20.0);
   cut->set_max_new_triangles(200000);
+  cut->set_method(v1::Cut::NEIGHBOURHOOD);
+  cut->set_tip_grading(1.5);
+  cut->set_relax(true);
   cut->mutable_fit();
 }
 
