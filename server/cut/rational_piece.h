@@ -26,10 +26,12 @@ namespace kerf::cut {
 
 // A point of the plane is carried as (w x, w y, w), w > 0.
 struct RationalPiece {
-  int degree = 1;                           // 1..3
-  std::array<Eigen::Vector3d, 4> points{};  // the first degree + 1 count
-  Eigen::Vector2d start{0.0, 0.0};          // m; the ends as given, which dividing by a weight would round
-  Eigen::Vector2d end{0.0, 0.0};            // m
+  int degree = 1;  // 1..3
+  std::array<Eigen::Vector3d, 4> points{Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.0, 0.0, 0.0),
+                                        Eigen::Vector3d(0.0, 0.0, 0.0),
+                                        Eigen::Vector3d(0.0, 0.0, 0.0)};  // the first degree + 1 count
+  Eigen::Vector2d start{0.0, 0.0};  // m; the ends as given, which dividing by a weight would round
+  Eigen::Vector2d end{0.0, 0.0};    // m
 };
 
 RationalPiece piece_of(const Eigen::Vector2d& start, const LineTo& line);

@@ -141,8 +141,8 @@ bool operator==(const TriangleMesh& a, const TriangleMesh& b) {
   const MeshRecords& x = a.records_;
   const MeshRecords& y = b.records_;
   return x.lattice == y.lattice && x.bounds.min() == y.bounds.min() && x.bounds.max() == y.bounds.max() &&
-         x.lengths == y.lengths && x.points == y.points && x.vertices == y.vertices &&
-         x.triangles == y.triangles && x.num_solid_triangles == y.num_solid_triangles && x.num_pieces == y.num_pieces;
+         x.lengths == y.lengths && x.points == y.points && x.vertices == y.vertices && x.triangles == y.triangles &&
+         x.num_solid_triangles == y.num_solid_triangles && x.num_pieces == y.num_pieces;
 }
 
 }  // namespace kerf::mesh

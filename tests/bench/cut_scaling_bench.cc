@@ -65,7 +65,9 @@ sheet::Cut serpentine(int side, int crossed) {
     curve.points.emplace_back(to, y);
     std::swap(from, to);
   }
-  return {curve};
+  sheet::Cut cut;
+  cut.curve = curve;
+  return cut;
 }
 
 void scaling(benchmark::State& state, const std::string& name, int side, int crossed) {
@@ -109,9 +111,11 @@ void scaling(benchmark::State& state, const std::string& name, int side, int cro
 void add(int side, int crossed) {
   const int triangles = 2 * (side - 1) * (side - 1);
   const std::string name = "cut_scaling/" + std::to_string(crossed) + "/" + std::to_string(triangles);
-  benchmark::RegisterBenchmark(name.c_str(), [name, side, crossed](benchmark::State& state) {
-    scaling(state, name, side, crossed);
-  })->Iterations(11)->UseManualTime()->Unit(benchmark::kMicrosecond);
+  benchmark::RegisterBenchmark(name.c_str(),
+                               [name, side, crossed](benchmark::State& state) { scaling(state, name, side, crossed); })
+      ->Iterations(11)
+      ->UseManualTime()
+      ->Unit(benchmark::kMicrosecond);
 }
 
 const bool kRegistered = [] {
