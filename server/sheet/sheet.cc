@@ -7,7 +7,6 @@
 #include "server/sheet/mesh_source.h"
 #include "server/sheet/pins.h"
 #include "server/sheet/sheet_impl.h"
-#include "server/sheet/topology.h"
 
 namespace kerf::sheet {
 
@@ -56,8 +55,7 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       state{initial->positions, Eigen::Matrix3Xd::Zero(3, initial->positions.cols())},
       lineage(mesh.num_pieces()),
       model(mesh, config->material),
-      integrator(std::move(make_integrator), integrator_options(*config)),
-      topology(full_topology(mesh, topology_version)) {
+      integrator(std::move(make_integrator), integrator_options(*config)) {
   contact.set_colliders(config->colliders, 0.5 * config->material.thickness);
   loads.gravity = config->gravity;
   set_wind(config->wind);
@@ -327,7 +325,7 @@ std::shared_ptr<const Snapshot> Sheet::snapshot(const RunStats& stats) const {
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->tick = impl_->tick;
   snapshot->positions = impl_->state.x;
-  snapshot->topology = impl_->topology;
+  snapshot->topology = impl_->topology.at(impl_->mesh, impl_->topology_version);
   snapshot->stats = stats;
   return snapshot;
 }

@@ -5,7 +5,6 @@
 #include "server/sheet/material_point.h"
 #include "server/sheet/pins.h"
 #include "server/sheet/sheet_impl.h"
-#include "server/sheet/topology.h"
 
 namespace kerf::sheet {
 
@@ -181,7 +180,7 @@ void Sheet::Impl::reset() {
   failed_steps = 0;
   ++topology_version;
   ++settings_version;
-  topology = full_topology(mesh, topology_version);
+  topology.replace();
 }
 
 // Holds `vertices` (sorted, unique) where they are now.

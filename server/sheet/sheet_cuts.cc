@@ -11,7 +11,6 @@
 #include "server/sheet/material_point.h"
 #include "server/sheet/pins.h"
 #include "server/sheet/sheet_impl.h"
-#include "server/sheet/topology.h"
 
 namespace kerf::sheet {
 
@@ -197,7 +196,7 @@ void Sheet::Impl::follow(const std::vector<DoneCut>& cuts) {
   // Old pins keep their targets: nothing may have moved them. The new ones are held where they are.
   for (const fem::Pin& p : loads.pins) state.x.col(p.vertex) = p.target;
   finish_edit(std::move(inherited));
-  topology = edited_topology(*topology, mesh, edits, topology_version);
+  topology.note(edits);
 }
 
 Result<CommandReply> Sheet::Impl::undo_cut(const CommandContext& context) {
@@ -260,7 +259,7 @@ void Sheet::Impl::take_back(const std::vector<DoneCut>& cuts, const CommandConte
   std::sort(still_pinned.begin(), still_pinned.end());
   still_pinned.erase(std::unique(still_pinned.begin(), still_pinned.end()), still_pinned.end());
   finish_edit(std::move(still_pinned));
-  topology = full_topology(mesh, topology_version);
+  topology.replace();
 }
 
 // What follows once mesh, model and state are of one topology again.

@@ -11,6 +11,7 @@
 #include "server/sheet/contact_bridge.h"
 #include "server/sheet/lineage.h"
 #include "server/sheet/sheet.h"
+#include "server/sheet/topology.h"
 #include "server/sheet/undo_history.h"
 
 namespace kerf::sheet {
@@ -146,7 +147,7 @@ struct Sheet::Impl {
   OwnedIntegrator integrator;
   std::string integrator_description;
   ContactBridge contact;
-  std::shared_ptr<const Topology> topology;
+  LazyTopology topology;
 
   // Scratch of a step.
   fem::State last_good;

@@ -27,38 +27,41 @@ void copy_mesh(const mesh::TriangleMesh& mesh, Topology& topology) {
 
 }  // namespace
 
-std::shared_ptr<const Topology> full_topology(const mesh::TriangleMesh& mesh, std::int32_t version) {
-  auto topology = std::make_shared<Topology>();
-  topology->version = version;
-  topology->patchable_since = version;
-  copy_mesh(mesh, *topology);
-  topology->slot_versions.assign(topology->triangles.size(), version);
-  topology->vertex_versions.assign(static_cast<std::size_t>(mesh.num_vertices()), version);
-  return topology;
+void LazyTopology::note(std::span<const mesh::MeshEdit* const> edits) {
+  if (!latest_) return;
+  for (const mesh::MeshEdit* edit : edits) {
+    rewritten_.insert(rewritten_.end(), edit->rewritten_triangles.begin(), edit->rewritten_triangles.end());
+    for (const mesh::VertexSource& moved : edit->moved_vertices) moved_.push_back(moved.vertex);
+  }
 }
 
-std::shared_ptr<const Topology> edited_topology(const Topology& previous, const mesh::TriangleMesh& mesh,
-                                                std::span<const mesh::MeshEdit* const> edits, std::int32_t version) {
+void LazyTopology::replace() {
+  latest_.reset();
+  rewritten_.clear();
+  moved_.clear();
+}
+
+std::shared_ptr<const Topology> LazyTopology::at(const mesh::TriangleMesh& mesh, std::int32_t version) const {
+  if (latest_ && latest_->version == version) return latest_;
   auto topology = std::make_shared<Topology>();
   topology->version = version;
-  topology->patchable_since = previous.patchable_since;
+  topology->patchable_since = latest_ ? latest_->patchable_since : version;
   copy_mesh(mesh, *topology);
-  topology->slot_versions = previous.slot_versions;
+  if (latest_) {
+    topology->slot_versions = latest_->slot_versions;
+    topology->vertex_versions = latest_->vertex_versions;
+  }
   topology->slot_versions.resize(topology->triangles.size(), version);
-  topology->vertex_versions = previous.vertex_versions;
   topology->vertex_versions.resize(static_cast<std::size_t>(mesh.num_vertices()), version);
-  for (const mesh::MeshEdit* edit : edits) {
-    for (const mesh::TriangleId t : edit->rewritten_triangles) {
-      topology->slot_versions[static_cast<std::size_t>(t)] = version;
-    }
-    for (const mesh::VertexSource& moved : edit->moved_vertices) {
-      topology->vertex_versions[static_cast<std::size_t>(moved.vertex)] = version;
-    }
+  for (const mesh::TriangleId t : rewritten_) topology->slot_versions[static_cast<std::size_t>(t)] = version;
+  for (const mesh::VertexId v : moved_) topology->vertex_versions[static_cast<std::size_t>(v)] = version;
+  for (std::size_t s = 0; latest_ && s < latest_->pieces.size(); ++s) {
+    if (latest_->pieces[s] != topology->pieces[s]) topology->slot_versions[s] = version;
   }
-  for (std::size_t s = 0; s < previous.pieces.size(); ++s) {
-    if (previous.pieces[s] != topology->pieces[s]) topology->slot_versions[s] = version;
-  }
-  return topology;
+  rewritten_.clear();
+  moved_.clear();
+  latest_ = std::move(topology);
+  return latest_;
 }
 
 }  // namespace kerf::sheet

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <vector>
 
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/triangle_mesh.h"
@@ -10,12 +11,24 @@
 
 namespace kerf::sheet {
 
-// The whole mesh as of `version`; no patch from an older version leads to it.
-std::shared_ptr<const Topology> full_topology(const mesh::TriangleMesh& mesh, std::int32_t version);
+// The topology of a sheet as viewers get it, made when one is asked for: a cut that nobody watches pays nothing for it.
+// Versions in between that nobody asked for are passed over.
+class LazyTopology {
+ public:
+  // The mesh has made these edits.
+  void note(std::span<const mesh::MeshEdit* const> edits);
+  // The mesh is another one: no patch leads from what viewers have to it.
+  void replace();
 
-// The mesh after `edits`, which brought it from `previous` to `version`. Slots the edits rewrote and slots whose piece
-// number changed get the new version; so do added and moved vertices.
-std::shared_ptr<const Topology> edited_topology(const Topology& previous, const mesh::TriangleMesh& mesh,
-                                                std::span<const mesh::MeshEdit* const> edits, std::int32_t version);
+  // The mesh as of `version`, which has grown with each call of the above. Of a version that was asked for before it is
+  // the same object. Slots that edits since the last one rewrote and slots whose piece number changed have the new
+  // version; so do vertices added and moved.
+  [[nodiscard]] std::shared_ptr<const Topology> at(const mesh::TriangleMesh& mesh, std::int32_t version) const;
+
+ private:
+  mutable std::shared_ptr<const Topology> latest_;   // null: to be made in full
+  mutable std::vector<mesh::TriangleId> rewritten_;  // since then; may repeat
+  mutable std::vector<mesh::VertexId> moved_;        // since then; may repeat
+};
 
 }  // namespace kerf::sheet

@@ -75,5 +75,27 @@ TEST(Snapshot, PatchesByVersionLeadToTheSameTopologyFromAnyVersion) {
   }
 }
 
+TEST(Snapshot, CutsThatNobodyLookedAtAreInTheNextPatch) {
+  Sheet sheet = make(scenes::hanging(12));
+  Mirror mirror;
+  mirror.follow(*sheet.snapshot()->topology);
+  for (const Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(sheet, cut));
+  const auto topology = sheet.snapshot()->topology;
+  EXPECT_EQ(topology->version, 4);
+  EXPECT_EQ(topology->patchable_since, 1);
+  mirror.follow(*topology);
+  EXPECT_EQ(mirror.triangles, topology->triangles);
+  EXPECT_EQ(mirror.pieces, topology->pieces);
+  EXPECT_EQ(mirror.material, topology->material_positions);
+  // After an undo that nobody looked at either, a patch would not do.
+  ASSERT_TRUE(apply(sheet, UndoCut{}));
+  ASSERT_TRUE(apply(sheet, scenes::circle_cut({0.7, 0.3}, 0.1)));
+  const auto after = sheet.snapshot()->topology;
+  EXPECT_EQ(after->patchable_since, after->version);
+  mirror.follow(*after);
+  EXPECT_EQ(mirror.triangles, after->triangles);
+  EXPECT_EQ(mirror.material, after->material_positions);
+}
+
 }  // namespace
 }  // namespace kerf::sheet
