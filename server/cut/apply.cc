@@ -230,6 +230,7 @@ class Cutter {
     report.closed_gaps = counts.closed_gaps;
     report.merged_segments = counts.merged_segments;
     report.layers = plan_.layers;
+    report.view_deviation_m = plan_.view_deviation_m;
     report.deviation_of_tolerance = deviation_of_tolerance();
     report.deviation_m =
         plan_.view_deviation_m + plan_.curve_deviation_m + (counts.deviation + kRoundingUnits) * spacing_;

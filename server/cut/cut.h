@@ -158,6 +158,7 @@ struct CutReport {
   CutQuality quality;
   std::vector<ViewLayer> layers;      // of a cut on a picture: its connected stretches
   std::int32_t triangles_behind = 0;  // of a cut on a picture: as of CutPlan
+  double view_deviation_m = 0.0;      // m; of a cut on a picture: as of CutPlan, part of deviation_m
 };
 
 struct CutOutcome {

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <utility>
 
 #include "server/cut/cut.h"
@@ -20,16 +22,17 @@ Error unknown_grab(const std::string& grab_id, const std::string& field) {
 // `remarks` come first.
 std::vector<std::string> warnings_of(const cut::CutReport& report, const std::vector<std::string>& remarks) {
   std::vector<std::string> warnings = remarks;
-  if (report.closed_gaps > 0) {
-    warnings.push_back(std::to_string(report.closed_gaps) +
-                       " gaps to older lips, the border or the path itself were closed");
-  }
-  if (report.merged_segments > 0) {
-    warnings.push_back(std::to_string(report.merged_segments) + " segments shorter than the snap distance were merged");
-  }
-  if (report.triangles_behind > 0) {
-    warnings.push_back(std::to_string(report.triangles_behind) +
-                       " triangles reach behind the camera and were left out");
+  const auto add = [&warnings](const char* what, std::int32_t count) {
+    if (count > 0) warnings.push_back(std::string(what) + ": " + std::to_string(count));
+  };
+  add("gaps to older lips, the border or the path itself, closed", report.closed_gaps);
+  add("segments shorter than the snap distance, merged", report.merged_segments);
+  add("triangles that reach behind the camera, left out", report.triangles_behind);
+  if (report.view_deviation_m > 0.0) {
+    std::array<char, 96> text{};
+    std::snprintf(text.data(), text.size(), "seen nearly edge-on: the cut lies up to %.3g m off the sight lines",
+                  report.view_deviation_m);
+    warnings.emplace_back(text.data());
   }
   if (report.refinement_stopped) warnings.emplace_back("refinement stopped early: some new triangles are flat");
   return warnings;

@@ -289,6 +289,8 @@ TEST(ViewCut, ASheetSeenEdgeOnIsCutAlongTheSightLine) {
   const Polyline line = line_on_picture(view, {0.437, 0.0, 0.3}, {0.437, 0.0, -0.3});
   const CutOutcome outcome = cut_on_picture(s, line, view);
   EXPECT_EQ(outcome.report.pieces, 2);
+  EXPECT_GT(outcome.report.view_deviation_m, 0.0);
+  EXPECT_GE(outcome.report.deviation_m, outcome.report.view_deviation_m);
   // The sight line through (0.437, 0) from the eye.
   for (const double y : {0.1, 0.5, 0.9}) {
     const Vector2d on_line(0.5 + (0.437 - 0.5) * (y + 3.0) / 3.0, y);
