@@ -68,7 +68,8 @@ inline Finding find_flaw_of_miss(const mesh::TriangleMesh& mesh, const cut::CutP
   });
   cut::CutReport report;
   report.deviation_m = std::max(tolerance, plan.curve_deviation_m + 3.0 * snap);
-  return find_uncovered_path(mesh, long_strokes, report);
+  if (Finding gap = find_uncovered_path(mesh, long_strokes, report)) return "missed, but " + *gap;
+  return std::nullopt;
 }
 
 // Applies `request` to `mesh` as the server does, on a plan changed by `adjust`, and checks what happened.

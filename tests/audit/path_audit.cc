@@ -26,7 +26,8 @@ constexpr double kRounding = 64.0;
 constexpr double kNoGap = 128.0;
 
 struct Segment {
-  Vector2d a, b;  // lattice units
+  Vector2d a, b;         // lattice units
+  bool is_dust = false;  // of a stroke no larger than the snap distance
   [[nodiscard]] Box box(double margin) const {
     Box box(a.cwiseMin(b), a.cwiseMax(b));
     box.min().array() -= margin;
@@ -200,7 +201,7 @@ class PathAudit {
       });
       new_locks_.cover(segment, radius, given);
       const auto gap = first_gap(std::move(wanted), std::move(given), kNoGap / length);
-      if (!gap) continue;
+      if (!gap || (segment.is_dust && report.merged_segments > 0)) continue;
       std::ostringstream text;
       const Vector2d at = segment.a + 0.5 * (gap->first + gap->second) * (segment.b - segment.a);
       text << "no lip within " << radius * spacing << " m of the path at lattice point (" << std::fixed << at.x()
@@ -240,10 +241,15 @@ class PathAudit {
   std::vector<Segment> segments_of(const cut::CutPlan& plan) {
     const mesh::Lattice& lattice = before_.records().lattice;
     std::vector<Segment> path;
+    const double scale = largest_tolerance(before_, plan) /
+                         plan.options.tolerance_m.value_or(plan.options.tolerance * plan.edge_length_m);
     for (const cut::Stroke& stroke : plan.strokes) {
+      Box box;
+      for (const Vector2d& point : stroke.points) box.extend(point);
+      const bool is_dust = box.diagonal().norm() <= scale * plan.snap_m;
       for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
         const Segment segment{(stroke.points[i] - lattice.origin) / lattice.spacing,
-                              (stroke.points[i + 1] - lattice.origin) / lattice.spacing};
+                              (stroke.points[i + 1] - lattice.origin) / lattice.spacing, is_dust};
         if (segment.a != segment.b) path.push_back(segment);
       }
     }
