@@ -97,5 +97,14 @@ TEST(Snapshot, CutsThatNobodyLookedAtAreInTheNextPatch) {
   EXPECT_EQ(mirror.material, after->material_positions);
 }
 
+TEST(Snapshot, ASheetRewrittenMoreThanOnceUnseenIsSentWhole) {
+  Sheet sheet = make(scenes::hanging(4));
+  const std::int32_t seen = sheet.snapshot()->topology->version;
+  for (int i = 0; i < 12; ++i) ASSERT_TRUE(apply(sheet, scenes::circle_cut({0.5, 0.5}, 0.05 + 0.03 * i)));
+  const auto topology = sheet.snapshot()->topology;
+  EXPECT_GT(topology->patchable_since, seen);
+  EXPECT_EQ(topology->triangles.size(), static_cast<std::size_t>(sheet.mesh().num_triangle_slots()));
+}
+
 }  // namespace
 }  // namespace kerf::sheet
