@@ -13,6 +13,7 @@
 #include "server/cut/path_scale.h"
 #include "server/cut/refinement.h"
 #include "server/cut/relaxation.h"
+#include "server/cut/strip.h"
 
 namespace kerf::cut {
 
@@ -51,10 +52,9 @@ class Cutter {
       : mesh_(mesh),
         plan_(plan),
         spacing_(mesh.lattice().spacing),
-        old_solid_(mesh.num_solid_triangles()),
         scale_(mesh, plan.options),
         editor_(mesh, slot_limit(mesh, plan)),
-        insertion_(editor_, scale_, is_by_element() ? kNoSpacing : kSpacing) {}
+        insertion_(editor_, scale_, is_by_element() ? kNoSpacing : kSpacing, plan.options.width_m ? &laid_ : nullptr) {}
 
   Result<CutOutcome> run() {
     CutOutcome outcome;
@@ -65,13 +65,19 @@ class Cutter {
     for (const Stroke& stroke : plan_.strokes) {
       if (Status status = insertion_.insert(stroke); !status.ok()) return status.error();
     }
-    if (insertion_.counts().new_lip_edges == 0) {
+    if (has_width()) {
+      Result<std::vector<TriangleId>> strip = strip_triangles(mesh_, laid_, plan_.outline, max_strip_area());
+      if (!strip.ok()) return strip.error();
+      strip_ = std::move(*strip);
+    }
+    if (has_width() ? strip_.empty() : insertion_.counts().new_lip_edges == 0) {
       editor_.rollback();
       outcome.report.pieces = mesh_.num_pieces();
       return outcome;
     }
     if (deviation_of_tolerance() > 1.0) return tolerance_not_kept();
     if (Status status = insertion_.split_lone_edges(); !status.ok()) return status.error();
+    if (has_width()) remove_strip(outcome.report);
     path_ = insertion_.path_points();
     corridor_ = insertion_.corridor_points();
     const Result<RefinementCounts> refined = is_by_element() ? bisect() : relax_and_refine();
@@ -91,6 +97,26 @@ class Cutter {
   static std::int32_t slot_limit(const TriangleMesh& mesh, const CutPlan& plan) {
     const std::int64_t wanted = mesh.num_triangle_slots() + plan.options.max_new_triangles;
     return static_cast<std::int32_t>(std::min<std::int64_t>(wanted, mesh::MeshEditor::kDefaultMaxSlots));
+  }
+
+  [[nodiscard]] bool has_width() const { return plan_.options.width_m.has_value(); }
+
+  // A strip whose outline is everywhere as far out as the tolerance lets it be.
+  [[nodiscard]] double max_strip_area() const {
+    double length = 0.0;
+    for (const Stroke& stroke : plan_.outline) {
+      for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
+        length += (stroke.points[i + 1] - stroke.points[i]).norm();
+      }
+    }
+    return plan_.strip_area_m2 + 2.0 * length * kToleranceOfWidth * *plan_.options.width_m;
+  }
+
+  // Before anything is refined: the strip may be far narrower than the triangles beside it.
+  void remove_strip(CutReport& report) {
+    report.removed_triangles = static_cast<std::int32_t>(strip_.size());
+    for (const TriangleId t : strip_) report.removed_area_m2 += mesh_.area(t);
+    editor_.remove_triangles(strip_);
   }
 
   [[nodiscard]] double deviation_of_tolerance() const {
@@ -222,7 +248,11 @@ class Cutter {
     report.pieces = mesh_.num_pieces();
     report.new_vertices = static_cast<std::int32_t>(outcome.edit.added_vertices.size());
     report.moved_vertices = static_cast<std::int32_t>(outcome.edit.moved_vertices.size());
-    report.new_triangles = mesh_.num_solid_triangles() - old_solid_;
+    for (TriangleId t = outcome.undo.num_triangle_slots; t < mesh_.num_triangle_slots(); ++t) {
+      report.new_triangles += mesh_.is_solid(t) ? 1 : 0;
+    }
+    report.removed_vertices = static_cast<std::int32_t>(outcome.edit.removed_vertices.size());
+    report.removed_pieces = static_cast<std::int32_t>(outcome.edit.vanished_pieces.size());
     report.rewritten_triangles = static_cast<std::int32_t>(outcome.edit.rewritten_triangles.size());
     const InsertionCounts& counts = insertion_.counts();
     report.new_lip_edges = counts.new_lip_edges;
@@ -245,10 +275,11 @@ class Cutter {
   TriangleMesh& mesh_;
   const CutPlan& plan_;
   double spacing_;  // m a lattice unit
-  std::int32_t old_solid_;
   PathScale scale_;
   mesh::MeshEditor editor_;
+  LaidOutline laid_;  // of a cut with a width
   PathInsertion insertion_;
+  std::vector<TriangleId> strip_;                 // of a cut with a width
   std::vector<PointId> path_, corridor_, moved_;  // sorted, unique
 };
 
@@ -261,7 +292,7 @@ bool calls_for_less_snapping(const Result<CutOutcome>& outcome) {
 }  // namespace
 
 Result<CutOutcome> apply(TriangleMesh& mesh, const CutPlan& plan) {
-  if (plan.strokes.empty()) {
+  if (plan.strokes.empty() && plan.outline.empty()) {
     CutOutcome outcome;
     outcome.report.pieces = mesh.num_pieces();
     outcome.report.triangles_behind = plan.triangles_behind;

@@ -35,6 +35,11 @@ inline constexpr double kMinLength = 1.0e-9;                 // m; least toleran
 inline constexpr double kMaxLength = 1.0e4;                  // m; largest of them
 inline constexpr double kMinTipGrading = 1.05;               // -
 inline constexpr double kMaxTipGrading = 10.0;               // -
+inline constexpr double kMinWidth = 1.0e-6;                  // m
+inline constexpr double kMaxWidth = 1.0e4;                   // m
+
+// The tolerance of a cut with a width is no larger than this part of it: the two sides keep apart.  -
+inline constexpr double kToleranceOfWidth = 0.125;
 
 // How the mesh around the path is made.
 enum class Method {
@@ -76,6 +81,11 @@ struct CutOptions {
   // m, in [kMinLength, kMaxLength]
   std::optional<double> tip_edge_length_m;
   double tip_grading = 1.5;  // -, in [kMinTipGrading, kMaxTipGrading]
+  // Removes all material closer to the curve than half of this: what a disc of that diameter sweeps whose centre
+  // follows the curve, dash by dash, so ends and corners are round. Vertices without any other material and whole
+  // pieces inside the strip are gone, and their momentum with them; the tolerance is at most kToleranceOfWidth of the
+  // width. Absent: the cut opens the sheet and takes nothing away.  m, in [kMinWidth, kMaxWidth]
+  std::optional<double> width_m = std::nullopt;
 };
 
 struct CutRequest {
@@ -91,7 +101,10 @@ struct CutRequest {
 
 // What apply() will do: the curve flattened and clipped to the neighbourhood of the sheet. A plain value.
 struct CutPlan {
-  std::vector<Stroke> strokes;     // m, material coordinates; empty where the curve is nowhere near the sheet
+  std::vector<Stroke> strokes;     // m, material coordinates; empty where the curve is nowhere near the sheet. Of a cut
+                                   // with a width: its outline
+  std::vector<Stroke> outline;     // of a cut with a width: the whole of it, not clipped
+  double strip_area_m2 = 0.0;      // m^2; of a cut with a width: inside the outline
   double curve_deviation_m = 0.0;  // m; proven bound on the distance between curve and strokes
   double curve_deviation_of_tolerance = 0.0;  // -; the same over the tolerance there, the largest of all places
   double edge_length_m = 0.0;                 // m; the sheet's mean edge length
@@ -142,7 +155,7 @@ struct CutQuality {
 struct CutReport {
   std::int32_t pieces = 0;               // connected pieces of the whole sheet after the cut
   std::int32_t new_vertices = 0;         // vertices of the opened mesh added
-  std::int32_t new_triangles = 0;        // solid triangles added
+  std::int32_t new_triangles = 0;        // solid triangles added; those removed do not count
   std::int32_t rewritten_triangles = 0;  // slots rewritten, new ones included
   std::int32_t moved_vertices = 0;       // old vertices relaxed
   std::int32_t crossed_triangles = 0;    // solid triangles of the mesh before that the strokes run through
@@ -156,9 +169,13 @@ struct CutReport {
   std::int32_t closed_gaps = 0;          // of those: onto an older lip, the border, or another strand of this path
   std::int32_t merged_segments = 0;      // path segments shorter than the snap distance that vanished ("dust")
   CutQuality quality;
-  std::vector<ViewLayer> layers;      // of a cut on a picture: its connected stretches
-  std::int32_t triangles_behind = 0;  // of a cut on a picture: as of CutPlan
-  double view_deviation_m = 0.0;      // m; of a cut on a picture: as of CutPlan, part of deviation_m
+  std::vector<ViewLayer> layers;       // of a cut on a picture: its connected stretches
+  std::int32_t triangles_behind = 0;   // of a cut on a picture: as of CutPlan
+  double view_deviation_m = 0.0;       // m; of a cut on a picture: as of CutPlan, part of deviation_m
+  std::int32_t removed_triangles = 0;  // of a cut with a width: in the strip, once its sides were laid in
+  std::int32_t removed_vertices = 0;   // of a cut with a width: left without material
+  std::int32_t removed_pieces = 0;     // of a cut with a width: gone altogether
+  double removed_area_m2 = 0.0;        // m^2; of a cut with a width
 };
 
 struct CutOutcome {
@@ -171,7 +188,8 @@ struct CutOutcome {
 // Validates and flattens. Reads the mesh for its extent and edge length only.
 // Errors, kInvalidArgument: those of validate() and fit_into(), OPTION_OUT_OF_RANGE ("cut.min_angle_deg"),
 // OPTIONS_CONFLICT, VERTEX_UNKNOWN, and TOLERANCE_TOO_SMALL, which the lattice or the number of chords cannot keep;
-// kResourceExhausted: TOO_MANY_DASHES, VIEW_WORK_BUDGET, and CUT_ELEMENT_BUDGET for a cut that is too long.
+// kResourceExhausted: TOO_MANY_DASHES, VIEW_WORK_BUDGET, WIDTH_WORK_BUDGET, and CUT_ELEMENT_BUDGET for a cut that is
+// too long.
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 
 // Carries the plan out, or leaves the mesh bit-identical. Where snapping led beyond the tolerance asked for, the cut is
@@ -179,7 +197,8 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 // Errors: kResourceExhausted CUT_ELEMENT_BUDGET (max_new_triangles, or the mesh's own limit, or a step counter) and
 //         TOO_MANY_VERTICES (max_vertices);
 //         kFailedPrecondition CUT_NOT_REPRESENTABLE (a crossing could not be rounded to a valid point: shift the
-//         curve) and TOLERANCE_NOT_KEPT (snapping many times over led the path too far away: shift the curve).
+//         curve), TOLERANCE_NOT_KEPT (snapping many times over led the path too far away: shift the curve) and
+//         STRIP_COVERS_SHEET (nothing would be left).
 // With KERF_VALIDATE defined every mesh invariant is checked afterwards.
 Result<CutOutcome> apply(mesh::TriangleMesh& mesh, const CutPlan& plan);
 

@@ -44,8 +44,8 @@ void sort_unique(std::vector<PointId>& points) {
 
 }  // namespace
 
-PathInsertion::PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing)
-    : editor_(editor), mesh_(editor.mesh()), scale_(scale), spacing_(spacing), walk_(editor.mesh()) {}
+PathInsertion::PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing, LaidOutline* laid)
+    : editor_(editor), mesh_(editor.mesh()), scale_(scale), spacing_(spacing), laid_(laid), walk_(editor.mesh()) {}
 
 void PathInsertion::use_scale_at(const LatticePoint& at) {
   snap_ = scale_.snap(mesh_.lattice().position(at)) / mesh_.lattice().spacing;
@@ -229,10 +229,13 @@ Result<PointId> PathInsertion::insert_here(const LatticePoint& at, const Locatio
 }
 
 Result<PointId> PathInsertion::split_near(TriangleId t, int corner, const LatticePoint& at) {
+  const PointId a = mesh_.points(t)[next_corner(corner)];
+  const PointId b = mesh_.points(t)[previous_corner(corner)];
   for (const auto& [dx, dy] : kRoundings) {
     const PointId point = editor_.split_edge(t, corner, {at.x + dx, at.y + dy});
     if (editor_.budget_exhausted()) return budget_error();
     if (point == kNone) continue;
+    if (laid_ != nullptr) laid_->split(a, b, point);
     editor_.legalise(point);
     return point;
   }
@@ -312,6 +315,7 @@ Status PathInsertion::secure_edge(PointId p, PointId q) {
   if (recovery.status == Recovery::Status::kLimit) return budget_error();
   KERF_CHECK(recovery.status == Recovery::Status::kRecovered, "a leg that was followed to its end can be recovered");
   lock_as_cut(recovery.triangle, recovery.corner);
+  if (laid_ != nullptr) laid_->run(p, q);
   return Nothing{};
 }
 

@@ -9,6 +9,7 @@
 #include "server/cut/curve.h"
 #include "server/cut/path_scale.h"
 #include "server/cut/path_walk.h"
+#include "server/cut/strip.h"
 #include "server/mesh/mesh_editor.h"
 
 namespace kerf::cut {
@@ -31,8 +32,9 @@ struct InsertionCounts {
 // along them already: a long straight lip would drag needles as long as itself across the sheet.
 class PathInsertion {
  public:
-  // `spacing`: longest stretch of path without a point, as a fraction of the edge length there.
-  PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing);
+  // `spacing`: longest stretch of path without a point, as a fraction of the edge length there. `laid`: told of the
+  // edges that the strokes become, where that is asked for.
+  PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing, LaidOutline* laid = nullptr);
 
   // An Error as of cut::apply(); the editor is then to be rolled back.
   Status insert(const Stroke& stroke);
@@ -76,6 +78,7 @@ class PathInsertion {
   const mesh::TriangleMesh& mesh_;
   const PathScale& scale_;
   double spacing_;     // -
+  LaidOutline* laid_;  // may be null
   double snap_ = 0.0;  // lattice units, where the path is
   PathWalk walk_;
   InsertionCounts counts_;

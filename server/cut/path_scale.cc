@@ -18,7 +18,8 @@ PathScale::PathScale(const mesh::TriangleMesh& mesh, const CutOptions& options)
     : lengths_(mesh.edge_lengths()), options_(options), lattice_spacing_(mesh.lattice().spacing) {}
 
 double PathScale::tolerance_for(double edge_length) const {
-  return options_.tolerance_m.value_or(options_.tolerance * edge_length);
+  const double wanted = options_.tolerance_m.value_or(options_.tolerance * edge_length);
+  return options_.width_m ? std::min(wanted, kToleranceOfWidth * *options_.width_m) : wanted;
 }
 
 double PathScale::snap_for(double edge_length) const {

@@ -6,6 +6,7 @@
 
 #include "server/cut/cut.h"
 #include "server/cut/element_path.h"
+#include "server/cut/outline.h"
 #include "server/cut/path_scale.h"
 #include "server/cut/simplify.h"
 #include "server/cut/stroke.h"
@@ -18,6 +19,9 @@ constexpr double kMaxPathPoints = 1.0e6;  // points of a spaced path; more canno
 // Most of the room around the sheet that clipping leaves to a curve, the snap distance aside: that is at most a tenth
 // of the edge length, and the edge length at most sqrt(2) times the room.  -
 constexpr double kClipRoom = 0.25;
+
+// With a width, the rest is for the outline.  -
+constexpr double kWidthFlattening = 0.5;
 
 // With Method::kElement chords are chosen from this much finer ones.  -
 constexpr double kElementFlattening = 0.25;
@@ -49,6 +53,7 @@ Status check_options(const CutOptions& options) {
     return s;
   }
   if (Status s = validate(options.dash); !s.ok()) return s;
+  if (Status s = check_range(options.width_m.value_or(1.0), kMinWidth, kMaxWidth, "cut.width_m"); !s.ok()) return s;
   if (options.fit) {
     if (Status s = validate(*options.fit); !s.ok()) return s;
   }
@@ -61,6 +66,10 @@ Status check_options(const CutOptions& options) {
     return invalid_argument("OPTIONS_CONFLICT",
                             "cut.tip_edge_length_m needs method neighbourhood; leave one of them out",
                             "cut.tip_edge_length_m");
+  }
+  if (options.method == Method::kElement && options.width_m) {
+    return invalid_argument("OPTIONS_CONFLICT", "cut.width_m needs method neighbourhood; leave one of them out",
+                            "cut.width_m");
   }
   return check_range(options.max_vertices, 1.0, mesh::kMaxVertices, "cut.max_vertices");
 }
@@ -120,6 +129,16 @@ FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, double& besid
   return path;
 }
 
+// The outline of what of the strip may reach into `room`.
+Result<Outline> outline_near(const FlatCurve& curve, double width, const PathScale& scale, const Box& room) {
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(0.5 * width);
+  const FlatCurve near = clip(curve, {room.low - reach, room.high + reach});
+  if (near.deviation_m > scale.least_tolerance()) return curve_too_long(near.deviation_m);
+  Result<Outline> strip = outline(near, width, scale);
+  if (strip.ok() && strip->deviation_of_tolerance > 1.0) return curve_too_long(strip->curve.deviation_m);
+  return strip;
+}
+
 }  // namespace
 
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) {
@@ -144,7 +163,8 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   if (Status s = check_tolerance(scale); !s.ok()) return s.error();
 
   const bool is_by_element = plan.options.method == Method::kElement;
-  const double flatness = (is_by_element ? kElementFlattening : 1.0) * scale.least_flattening();
+  const double share = is_by_element ? kElementFlattening : plan.options.width_m ? kWidthFlattening : 1.0;
+  const double flatness = share * scale.least_flattening();
   FlatCurve whole;
   if (request.view) {
     Result<ViewPath> path = lay_on_sheet(mesh, *request.positions, request.curve, *request.view, flatness);
@@ -166,9 +186,19 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   // domain.
   const double clearance = std::min(plan.edge_length_m, kClipRoom * mesh.lattice().room());
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(clearance + plan.snap_m);
-  const FlatCurve clipped = clip(*flat, {bounds.min() - margin, bounds.max() + margin});
-  if (clipped.deviation_m > scale.least_tolerance()) return curve_too_long(clipped.deviation_m);
-  ScaledCurve simplified = is_by_element ? element_path(mesh, clipped, scale) : simplify(clipped, scale);
+  const Box room{bounds.min() - margin, bounds.max() + margin};
+  ScaledCurve simplified;
+  if (plan.options.width_m) {
+    Result<Outline> strip = outline_near(*flat, *plan.options.width_m, scale, room);
+    if (!strip.ok()) return strip.error();
+    simplified = {clip(strip->curve, room), strip->deviation_of_tolerance};
+    plan.outline = std::move(strip->curve.strokes);
+    plan.strip_area_m2 = strip->area_m2;
+  } else {
+    const FlatCurve clipped = clip(*flat, room);
+    if (clipped.deviation_m > scale.least_tolerance()) return curve_too_long(clipped.deviation_m);
+    simplified = is_by_element ? element_path(mesh, clipped, scale) : simplify(clipped, scale);
+  }
   if (spaced_size(simplified.curve, plan.edge_length_m) > kMaxPathPoints) {
     return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
                  "the cut is longer than 1 million edge lengths; split it into several", "cut.curve"};

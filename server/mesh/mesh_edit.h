@@ -25,9 +25,13 @@ struct MeshEdit {
   std::vector<VertexSource> moved_vertices;     // existed before; their rest position changed (relaxation)
   std::vector<TriangleId> rewritten_triangles;  // slots whose vertices, rest shape or solidity changed, or whose
                                                 // neighbours did; new slots included; sorted, unique
+  std::vector<VertexId> removed_vertices;       // lost all of their material; sorted, unique
   // Of each new piece, numbers consecutive from the former num_pieces(): the number of the piece that it was part of
   // before the edit, which goes on in one of its parts.
   std::vector<std::int32_t> split_from;
+  // Numbers of pieces all of whose material was removed, after the splits and in descending order: one by one each is
+  // given up, and the piece with the highest number takes it over.
+  std::vector<std::int32_t> vanished_pieces;
 
   [[nodiscard]] bool empty() const {
     return added_vertices.empty() && moved_vertices.empty() && rewritten_triangles.empty();

@@ -149,7 +149,9 @@ CommittedEdit MeshEditor::commit() {
   for (const Birth& birth : births_) done.edit.added_vertices.push_back(source_of(birth));
   done.edit.moved_vertices = moved_sources();
   done.edit.rewritten_triangles = rewritten_triangles();
+  done.edit.removed_vertices = std::move(removed_vertices_);
   done.edit.split_from = std::move(split_from_);
+  done.edit.vanished_pieces = std::move(vanished_pieces_);
   finished_ = true;
   log_.num_points_after = mesh_.num_points();
   log_.num_vertices_after = mesh_.num_vertices();

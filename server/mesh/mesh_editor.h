@@ -122,6 +122,12 @@ class MeshEditor {
   // false, and changes nothing, for kLockCut on an edge that is not solid on both sides (a border is open already).
   bool lock_edge(TriangleId t, int k, LockBits bits);
 
+  // Makes solid slots void: they lose region, piece and vertices. Where they meet solid ones the edges become border,
+  // where they meet the void they are unlocked. Each edge between a slot removed and a solid one that stays must be
+  // locked already. Vertices left without a triangle go at open(), which must not have been called before; so do pieces
+  // left without one. At least one solid slot must stay.
+  void remove_triangles(const std::vector<TriangleId>& slots);
+
   // Moves p, which must exist already, to `to`. False (nothing changed) where p is on a locked edge, on an edge between
   // regions or on the rim, or where a triangle of its star would not stay strictly positive.
   bool move_point(PointId p, const LatticePoint& to);
@@ -138,7 +144,8 @@ class MeshEditor {
   // Brings the corner -> vertex map up to date at new points and at the ends of freshly cut edges: one vertex for each
   // connected sector of solid triangles around a point. Of the sectors that shared a vertex, the one with the lowest
   // slot keeps it. Then renumbers pieces: of the parts of a piece, the one that is not exhausted first keeps the
-  // number. May be called more than once; commit() calls it for what is left.
+  // number, and numbers that nothing is left of are taken over by the highest. May be called more than once; commit()
+  // calls it for what is left.
   void open();
 
   // Ends the edit. Locks that belong to one edit are cleared. Weights in the record are barycentric in the triangle,
@@ -185,10 +192,12 @@ class MeshEditor {
 
   void open_point(PointId p);
   [[nodiscard]] std::vector<Sector> sectors_around(PointId p) const;
-  [[nodiscard]] Lip lip_left_of(PointId p, const std::vector<TriangleId>& fan, std::size_t& first,
-                                std::size_t& last) const;
+  [[nodiscard]] std::vector<bool> left_of_lip(PointId p, const Lip& lip, const std::vector<TriangleId>& fan) const;
   void add_vertex(PointId p, const Sector& sector, VertexId held);
+  void drop_bereft_vertices();
   void label_pieces();
+  void label_split_pieces(const std::vector<TriangleId>& seeds);
+  void drop_bereft_pieces(const std::vector<TriangleId>& seeds);
 
   [[nodiscard]] const TriangleRecord& old_record(TriangleId t) const;
   [[nodiscard]] const LatticePoint& old_at(PointId p) const;
@@ -220,6 +229,11 @@ class MeshEditor {
   std::vector<PointId> moved_;            // old points that move_point was called on, may repeat
   std::vector<Birth> births_;             // by VertexId - log_.num_vertices
   std::vector<std::int32_t> split_from_;  // see MeshEdit
+  // Of slots removed: their vertices and pieces, in any order, repeated; and then what of those is gone, see MeshEdit.
+  std::vector<VertexId> bereft_vertices_;
+  std::vector<std::int32_t> bereft_pieces_;
+  std::vector<VertexId> removed_vertices_;
+  std::vector<std::int32_t> vanished_pieces_;
 };
 
 }  // namespace kerf::mesh

@@ -1,6 +1,8 @@
 // Opening: the corner -> vertex map and the pieces, brought up to date along fresh cuts.
 
 #include <algorithm>
+#include <functional>
+#include <optional>
 
 #include "server/base/check.h"
 #include "server/mesh/mesh_editor.h"
@@ -51,8 +53,8 @@ std::vector<MeshEditor::Sector> MeshEditor::sectors_around(PointId p) const {
     separates[i] = (mesh_.locks(fan[i], k) & kLocksThatOpen) != 0;
     if (separates[i]) first = (i + 1) % n;
   }
-  std::size_t lip_first = 0, lip_last = 0;
-  const Lip lip = lip_left_of(p, fan, lip_first, lip_last);
+  const Lip lip = is_new(p) ? lips_[p - log_.num_points] : Lip{};
+  const std::vector<bool> is_left = lip.triangle == kNone ? std::vector<bool>() : left_of_lip(p, lip, fan);
   std::vector<Sector> sectors;
   for (std::size_t offset = 0; offset < n; ++offset) {
     const std::size_t i = (first + offset) % n;
@@ -60,9 +62,8 @@ std::vector<MeshEditor::Sector> MeshEditor::sectors_around(PointId p) const {
     if (sectors.empty() || separates[(i + n - 1) % n]) {
       Sector sector;
       if (lip.triangle != kNone) {
-        const bool is_left = (i + n - lip_first) % n <= (lip_last + n - lip_first) % n;
         const TriangleRecord& record = old_record(lip.triangle);
-        if (is_left) {
+        if (is_left[i]) {
           sector.lip = lip;
         } else {
           const TriangleId mirror = record.neighbours[lip.corner];
@@ -82,32 +83,43 @@ std::vector<MeshEditor::Sector> MeshEditor::sectors_around(PointId p) const {
   return sectors;
 }
 
-// For a new point on an edge that was locked before the edit: that edge, and which run of the fan, first..last
-// cyclically, lies to the left of it. Told by the edge's two remaining halves at the point, not by position: the point
-// was rounded.
-MeshEditor::Lip MeshEditor::lip_left_of(PointId p, const std::vector<TriangleId>& fan, std::size_t& first,
-                                        std::size_t& last) const {
-  if (!is_new(p)) return {};
-  const Lip lip = lips_[p - log_.num_points];
-  if (lip.triangle == kNone) return {};
+// For a new point on an edge that was locked before the edit: which triangles of its fan lie to the left of that edge.
+// Told by the edge's two halves at the point, not by position: the point was rounded. A half on whose both sides
+// material was removed is gone, and the void is in its place; where both halves are, position decides after all.
+std::vector<bool> MeshEditor::left_of_lip(PointId p, const Lip& lip, const std::vector<TriangleId>& fan) const {
   const TriangleRecord& record = old_record(lip.triangle);
   const LatticePoint& a = old_at(record.points[next_corner(lip.corner)]);
   const LatticePoint& b = old_at(record.points[previous_corner(lip.corner)]);
-  int num_halves = 0;
-  for (std::size_t i = 0; i < fan.size(); ++i) {
+  const std::size_t n = fan.size();
+  std::optional<std::size_t> first, last;  // the left run, cyclically
+  for (std::size_t i = 0; i < n; ++i) {
     const int c = mesh_.corner_of(fan[i], p);
     const LockBits bits = mesh_.locks(fan[i], next_corner(c));
     if ((bits & kLocksThatOpen) == 0 || (bits & kLockFresh) != 0) continue;
-    ++num_halves;
     const LatticePoint& end = mesh_.at(mesh_.points(fan[i])[previous_corner(c)]);
-    if (dot(a, b, mesh_.at(p), end) > 0) {
-      first = (i + 1) % fan.size();  // counter-clockwise from the half towards b ...
-    } else {
-      last = i;  // ... to the half towards a
-    }
+    // Counter-clockwise from the half towards b to the half towards a.
+    std::optional<std::size_t>& bound = dot(a, b, mesh_.at(p), end) > 0 ? first : last;
+    KERF_CHECK(!bound, "a split lock leaves one half on each side");
+    bound = &bound == &first ? (i + 1) % n : i;
   }
-  KERF_CHECK(num_halves == 2, "a split lock leaves two halves");
-  return lip;
+  KERF_CHECK((first && last) || !bereft_vertices_.empty(), "a split lock leaves two halves");
+  std::vector<bool> is_left(n, false);
+  if (!first && !last) {
+    for (std::size_t i = 0; i < n; ++i) {
+      Int128 side = 0;
+      for (const PointId corner : mesh_.points(fan[i])) side += doubled_area(a, b, mesh_.at(corner));
+      is_left[i] = side > 0;
+    }
+    return is_left;
+  }
+  // With one bound alone, the run goes on to the void.
+  for (std::size_t step = 0; step < n; ++step) {
+    const std::size_t i = first ? (*first + step) % n : (*last + n - step) % n;
+    if (!(first && last) && !mesh_.is_solid(fan[i])) break;
+    is_left[i] = true;
+    if (first && last && i == *last) break;
+  }
+  return is_left;
 }
 
 void MeshEditor::add_vertex(PointId p, const Sector& sector, VertexId held) {
@@ -145,6 +157,19 @@ void MeshEditor::open_point(PointId p) {
   }
 }
 
+// Vertices of slots that were removed and that no solid slot has a corner at any more.
+void MeshEditor::drop_bereft_vertices() {
+  std::sort(bereft_vertices_.begin(), bereft_vertices_.end());
+  bereft_vertices_.erase(std::unique(bereft_vertices_.begin(), bereft_vertices_.end()), bereft_vertices_.end());
+  for (const VertexId v : bereft_vertices_) {
+    const std::array<VertexId, 3>& corners = mesh_.vertices(mesh_.triangle_at(v));
+    if (std::find(corners.begin(), corners.end(), v) != corners.end()) continue;
+    touch_vertex(v).triangle = kNone;
+    removed_vertices_.push_back(v);
+  }
+  bereft_vertices_.clear();
+}
+
 void MeshEditor::label_pieces() {
   std::vector<TriangleId> seeds;
   std::vector<TriangleId> fan;
@@ -152,9 +177,14 @@ void MeshEditor::label_pieces() {
     mesh_.fan_around(p, fan);
     for (const TriangleId t : fan) {
       const LockBits bits = static_cast<LockBits>(mesh_.locks(t, 0) | mesh_.locks(t, 1) | mesh_.locks(t, 2));
-      if ((bits & kLockFresh) != 0) seeds.push_back(t);
+      if (mesh_.is_solid(t) && (bits & kLockFresh) != 0) seeds.push_back(t);
     }
   }
+  label_split_pieces(seeds);
+  drop_bereft_pieces(seeds);
+}
+
+void MeshEditor::label_split_pieces(const std::vector<TriangleId>& seeds) {
   for (const std::vector<TriangleId>& component : split_off_components(mesh_, seeds)) {
     const std::int32_t parent = mesh_.piece(component.front());
     split_from_.push_back(parent < log_.num_pieces ? parent
@@ -164,10 +194,34 @@ void MeshEditor::label_pieces() {
   }
 }
 
+// A piece that lost some of its material has a seed where the rest of it met that: those without any are gone.
+void MeshEditor::drop_bereft_pieces(const std::vector<TriangleId>& seeds) {
+  if (bereft_pieces_.empty()) return;
+  std::vector<bool> remains(static_cast<std::size_t>(mesh_.num_pieces()));
+  for (const TriangleId t : seeds) {
+    std::int32_t piece = mesh_.piece(t);
+    if (piece >= log_.num_pieces) piece = split_from_[static_cast<std::size_t>(piece - log_.num_pieces)];
+    remains[static_cast<std::size_t>(piece)] = true;
+  }
+  std::sort(bereft_pieces_.begin(), bereft_pieces_.end(), std::greater<>());
+  bereft_pieces_.erase(std::unique(bereft_pieces_.begin(), bereft_pieces_.end()), bereft_pieces_.end());
+  for (const std::int32_t gone : bereft_pieces_) {
+    if (remains[static_cast<std::size_t>(gone)]) continue;
+    vanished_pieces_.push_back(gone);
+    const std::int32_t highest = --mesh_.records_.num_pieces;
+    if (highest == gone) continue;
+    for (TriangleId t = 0; t < mesh_.num_triangle_slots(); ++t) {
+      if (mesh_.piece(t) == highest) touch_triangle(t).piece = gone;
+    }
+  }
+  bereft_pieces_.clear();
+}
+
 void MeshEditor::open() {
   std::sort(pending_.begin(), pending_.end());
   pending_.erase(std::unique(pending_.begin(), pending_.end()), pending_.end());
   for (const PointId p : pending_) open_point(p);
+  drop_bereft_vertices();
   label_pieces();
   pending_.clear();
 }

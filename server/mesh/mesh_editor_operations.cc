@@ -184,6 +184,35 @@ bool MeshEditor::lock_edge(TriangleId t, int k, LockBits bits) {
   return true;
 }
 
+void MeshEditor::remove_triangles(const std::vector<TriangleId>& slots) {
+  KERF_CHECK(births_.empty(), "material is removed before the edit is opened");
+  for (const TriangleId t : slots) {
+    TriangleRecord& record = touch_triangle(t);
+    KERF_CHECK(record.region != kNone, "only solid slots are removed, each once");
+    for (int k = 0; k < 3; ++k) {
+      if (record.vertices[k] != kNone) bereft_vertices_.push_back(record.vertices[k]);
+      pending_.push_back(record.points[k]);
+    }
+    bereft_pieces_.push_back(record.piece);
+    record.region = record.piece = kNone;
+    record.vertices = {kNone, kNone, kNone};
+    --mesh_.records_.num_solid_triangles;
+  }
+  KERF_CHECK(mesh_.num_solid_triangles() > 0, "something of a sheet stays");
+  for (const TriangleId t : slots) {
+    for (int k = 0; k < 3; ++k) {
+      const TriangleId u = mesh_.welded_neighbour(t, k);
+      LockBits bits = 0;
+      if (mesh_.is_solid(u)) {
+        KERF_CHECK((mesh_.locks(t, k) & kLocksThatOpen) != 0, "what is removed ends at locked edges");
+        bits = static_cast<LockBits>((mesh_.locks(t, k) & ~kLockCut) | kLockBorder);
+      }
+      touch_triangle(t).locks[k] = bits;
+      touch_triangle(u).locks[mesh_.mirror_corner(t, k)] = bits;
+    }
+  }
+}
+
 bool MeshEditor::move_point(PointId p, const LatticePoint& to) {
   std::vector<TriangleId> fan;
   mesh_.fan_around(p, fan);

@@ -30,7 +30,7 @@ struct PointRecord {
 
 struct VertexRecord {
   PointId point = kNone;
-  TriangleId triangle = kNone;  // one solid slot with a corner at this vertex
+  TriangleId triangle = kNone;  // one solid slot with a corner at this vertex; kNone once its material is removed
   friend bool operator==(const VertexRecord&, const VertexRecord&) = default;
 };
 

@@ -42,7 +42,9 @@ class MeshChecker {
       if (std::abs(p.at.x) > kMaxCoordinate || std::abs(p.at.y) > kMaxCoordinate) return "I1: point outside the domain";
     }
     for (const VertexRecord& v : records_.vertices) {
-      if (!in_range(v.triangle, mesh_.num_triangle_slots())) return "I1: triangle id of a vertex out of range";
+      if (v.triangle != kNone && !in_range(v.triangle, mesh_.num_triangle_slots())) {
+        return "I1: triangle id of a vertex out of range";
+      }
       if (!in_range(v.point, mesh_.num_points())) return "I1: point id of a vertex out of range";
     }
     return std::nullopt;
@@ -174,6 +176,7 @@ class MeshChecker {
       }
     }
     for (VertexId v = 0; v < mesh_.num_vertices(); ++v) {
+      if (!mesh_.has_material(v)) continue;
       const std::array<VertexId, 3>& corner = mesh_.vertices(mesh_.triangle_at(v));
       if (std::find(corner.begin(), corner.end(), v) == corner.end()) {
         return "I9: vertex " + std::to_string(v) + " names a triangle without it";
@@ -193,7 +196,7 @@ class MeshChecker {
     for (VertexId v = 0; v < mesh_.num_vertices(); ++v) {
       mesh_.triangles_around(v, ring);
       if (static_cast<std::int32_t>(ring.size()) != num_corners[v]) {
-        return "I8: vertex " + std::to_string(v) + " joins more than one sector (bow-tie)";
+        return "I8: vertex " + std::to_string(v) + " has corners beside its one sector (bow-tie, or no sector named)";
       }
     }
     return std::nullopt;
@@ -288,7 +291,9 @@ class MeshChecker {
     }
     const std::int64_t num_sides = 3 * static_cast<std::int64_t>(mesh_.num_solid_triangles());
     const std::int64_t num_edges = (num_sides + num_open_sides) / 2;
-    const std::int64_t characteristic = mesh_.num_vertices() - num_edges + mesh_.num_solid_triangles();
+    std::int64_t num_vertices = 0;
+    for (VertexId v = 0; v < mesh_.num_vertices(); ++v) num_vertices += mesh_.has_material(v) ? 1 : 0;
+    const std::int64_t characteristic = num_vertices - num_edges + mesh_.num_solid_triangles();
     if (characteristic != 2 * static_cast<std::int64_t>(mesh_.num_pieces()) - mesh_.num_boundary_loops()) {
       return "I12: Euler's formula does not hold";
     }

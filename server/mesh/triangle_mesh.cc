@@ -16,6 +16,7 @@ void TriangleMesh::triangles_around(VertexId v, std::vector<TriangleId>& ring) c
   ring.clear();
   const PointId p = point(v);
   const TriangleId start = triangle_at(v);
+  if (start == kNone) return;
   TriangleId first = start;
   for (TriangleId t = start;;) {  // back to the clockwise end
     t = neighbour(t, previous_corner(corner_of(t, p)));

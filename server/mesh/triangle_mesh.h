@@ -47,9 +47,9 @@ struct SegmentWalk {
 // along, across or into an older cut is no special case, and two lips always match. Void triangles surround the sheet
 // and fill its holes up to a square domain, so that the fan of every point of the sheet is closed.
 //
-// Slots, points and vertices are never deleted and ids never reused, but that an undo takes back the last ones. A mesh
-// as built has its solid triangles in slots 0..T-1 and its vertices 0..V-1, both in input order, the void slots after
-// them.
+// Slots, points and vertices are never deleted and ids never reused, but that an undo takes back the last ones: where
+// material is removed, slots become void and vertices stay behind without a triangle. A mesh as built has its solid
+// triangles in slots 0..T-1 and its vertices 0..V-1, both in input order, the void slots after them.
 //
 // A plain value: a copy is an exact snapshot. All changes go through MeshEditor.
 //
@@ -62,14 +62,15 @@ struct SegmentWalk {
 //       both sides; an edge without neighbour is on the rim of the domain and void
 //   I6  solid corners have vertices that lie at the corner's point; void corners have none
 //   I7  vertices are equal across every edge that is solid on both sides and not cut
-//   I8  each vertex has exactly one sector (one fan of solid triangles between two locked edges, or a closed one): none
-//       is unused, and no vertex joins two sectors (no bow-tie in the opened mesh)
-//   I9  points and vertices name a triangle that has them
+//   I8  each vertex has exactly one sector (one fan of solid triangles between two locked edges, or a closed one): no
+//       vertex joins two sectors (no bow-tie in the opened mesh), and one in no triangle names none
+//   I9  points name a triangle that has them, and so do vertices, but those whose material was removed: they name none
 //   I10 no two points coincide, and the exact integer area of all slots is that of the domain: the tiling has neither
 //       gap nor overlap
 //   I11 pieces are the connected components of the opened mesh, numbered 0..num_pieces-1: flood fill and union-find
 //       agree with the stored labels
-//   I12 Euler: vertices - edges + triangles of the opened mesh = 2 pieces - boundary loops (each piece has genus 0)
+//   I12 Euler: vertices - edges + triangles of the opened mesh = 2 pieces - boundary loops (each piece has genus 0);
+//       vertices whose material was removed do not count
 class TriangleMesh {
  public:
   TriangleMesh() = default;
@@ -100,10 +101,12 @@ class TriangleMesh {
   [[nodiscard]] Eigen::Vector2d rest_position(VertexId v) const {
     return records_.lattice.position(records_.points[records_.vertices[v].point].at);
   }
-  // One solid triangle with a corner at v.
+  // Whether any triangle has a corner at v: false for good, but for an undo, once the material around it was removed.
+  [[nodiscard]] bool has_material(VertexId v) const { return triangle_at(v) != kNone; }
+  // One solid triangle with a corner at v; kNone where it has no material.
   [[nodiscard]] TriangleId triangle_at(VertexId v) const { return records_.vertices[v].triangle; }
   // The triangles around v in counter-clockwise order, replacing the contents of `ring`; on the boundary from the
-  // clockwise end, inside starting at triangle_at(v). O(degree).
+  // clockwise end, inside starting at triangle_at(v); empty without material. O(degree).
   void triangles_around(VertexId v, std::vector<TriangleId>& ring) const;
 
   // --- Sizes in rest space.

@@ -7,6 +7,7 @@
 #include "server/cut/cut.h"
 #include "tests/audit/cut_audit.h"
 #include "tests/audit/path_audit.h"
+#include "tests/audit/strip_audit.h"
 
 namespace kerf::audit {
 
@@ -25,7 +26,7 @@ struct Depth {
   bool violation = false;  // the mesh's own find_violation()
   bool undo = false;       // taking the cut back gives the mesh before, bit for bit
   bool reload = false;     // the mesh before, read back from its records, is cut to the same hash
-  int curve_samples = 0;   // of a piece, see find_curve_flaw()
+  int curve_samples = 0;   // of a piece, see find_curve_flaw(); with a width all told, see find_strewn_flaw()
 };
 inline constexpr Depth kDeepest{true, true, true, 60};
 
@@ -36,7 +37,12 @@ inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh
   if (depth.violation) {
     if (Finding flaw = after.find_violation()) return flaw;
   }
-  if (depth.curve_samples > 0) {
+  if (depth.curve_samples > 0 && done.plan.options.width_m) {
+    const std::uint64_t seed = after.state_hash();
+    if (Finding flaw = find_strewn_flaw(before, after, curve, done.plan, done.outcome, seed, depth.curve_samples)) {
+      return flaw;
+    }
+  } else if (depth.curve_samples > 0) {
     if (Finding flaw = find_curve_flaw(before, after, curve, done.outcome.report, depth.curve_samples)) return flaw;
   }
   if (depth.undo) {

@@ -9,6 +9,7 @@
 
 #include "tests/audit/box_grid.h"
 #include "tests/audit/path_audit.h"
+#include "tests/audit/strip_audit.h"
 
 namespace kerf::audit {
 namespace {
@@ -69,10 +70,14 @@ class CutAudit {
                              &CutAudit::check_edit, &CutAudit::check_pieces, &CutAudit::check_report}) {
       if (Finding found = (this->*check)()) return found;
     }
+    if (takes_material()) {
+      if (Finding found = find_strip_flaw(before_mesh_, after_mesh_, plan_, outcome_)) return found;
+    }
     return find_path_flaw(before_mesh_, after_mesh_, plan_, outcome_.report);
   }
 
  private:
+  [[nodiscard]] bool takes_material() const { return plan_.options.width_m.has_value(); }
   static bool is_solid(const TriangleRecord& r) { return r.region >= 0; }
   static std::string text(const char* what, VertexId v) { return std::string(what) + ": vertex " + std::to_string(v); }
 
@@ -114,6 +119,7 @@ class CutAudit {
   Finding check_characteristic() {
     Census before;
     if (Finding found = find_flaw(before_mesh_, &before)) return "before the cut: " + *found;
+    if (takes_material()) return std::nullopt;
     if (census_.welded_characteristic() != before.welded_characteristic()) {
       return "the sheet, closed again along its cuts, has another Euler characteristic";
     }
@@ -122,7 +128,9 @@ class CutAudit {
     return std::nullopt;
   }
 
+  // What a strip takes away is measured by find_strip_flaw.
   Finding check_areas() {
+    if (takes_material()) return std::nullopt;
     std::map<std::int32_t, Wide> area;  // twice the change, by region
     std::map<std::int32_t, Wide> total;
     const auto add = [&](const MeshRecords& records, int sign) {
@@ -261,6 +269,7 @@ class CutAudit {
   Finding check_lip_sources() {
     std::map<mesh::PointId, const VertexSource*> first_at;
     for (std::size_t v = 0; v < now_.vertices.size(); ++v) {
+      if (now_.vertices[v].triangle == kNone) continue;
       const mesh::PointId p = now_.vertices[v].point;
       const bool is_new = v >= old_.vertices.size();
       const VertexSource* source = is_new ? &outcome_.edit.added_vertices[v - old_.vertices.size()] : nullptr;
@@ -291,7 +300,7 @@ class CutAudit {
       }
       if (old_.vertices[index(origin)].point != p) return text("a copy of a vertex elsewhere", source->vertex);
     }
-    if (first_slot_of_[v] < first_slot_of_[index(origin)]) {
+    if (first_slot_of_[v] < first_slot_of_[index(origin)] || now_.vertices[index(origin)].triangle == kNone) {
       return text("the vertex was not kept by the sector with the lowest slot", origin);
     }
     const LatticePoint& here = now_.points[index(p)].at;
@@ -383,16 +392,27 @@ class CutAudit {
     return std::nullopt;
   }
 
+  // The number that a piece had until others, all of which was removed, were given up.
+  [[nodiscard]] std::int32_t before_renumbering(std::int32_t piece) const {
+    const auto& vanished = outcome_.edit.vanished_pieces;
+    std::int32_t count = now_.num_pieces;
+    for (auto gone = vanished.rbegin(); gone != vanished.rend(); ++gone, ++count) {
+      if (piece == *gone) piece = count;
+    }
+    return piece;
+  }
+
   Finding check_pieces() {
-    std::vector<std::int32_t> parent(index(now_.num_pieces), kNone);
+    std::vector<std::int32_t> parent(index(now_.num_pieces) + outcome_.edit.vanished_pieces.size(), kNone);
     for (std::size_t t = 0; t < old_.triangles.size(); ++t) {
       const std::int32_t was = old_.triangles[t].piece;
-      const std::int32_t is = now_.triangles[t].piece;
+      std::int32_t is = now_.triangles[t].piece;
       if (was == kNone) continue;
       if (std::binary_search(outcome_.edit.rewritten_triangles.begin(), outcome_.edit.rewritten_triangles.end(),
                              static_cast<mesh::TriangleId>(t))) {
         continue;
       }
+      is = before_renumbering(is);
       if (is < old_.num_pieces && is != was) return "slot " + std::to_string(t) + " went over to another old piece";
       if (parent[index(is)] == kNone) parent[index(is)] = was;
       if (parent[index(is)] != was) return "piece " + std::to_string(is) + " comes from two";
@@ -413,12 +433,17 @@ class CutAudit {
     for (const Finding& found :
          {expect("pieces", report.pieces, census_.pieces),
           expect("new_vertices", report.new_vertices, size(now_.vertices) - size(old_.vertices)),
-          expect("new_triangles", report.new_triangles, now_.num_solid_triangles - old_.num_solid_triangles),
+          expect("new_triangles", report.new_triangles, solid_in_new_slots()),
           expect("rewritten_triangles", report.rewritten_triangles, size(outcome_.edit.rewritten_triangles)),
           expect("moved_vertices", report.moved_vertices, size(outcome_.edit.moved_vertices))}) {
       if (found) return found;
     }
     return check_shapes();
+  }
+
+  [[nodiscard]] std::int64_t solid_in_new_slots() const {
+    return std::count_if(now_.triangles.begin() + static_cast<std::ptrdiff_t>(old_.triangles.size()),
+                         now_.triangles.end(), is_solid);
   }
 
   // Where the corners of a triangle are, in a fixed order.

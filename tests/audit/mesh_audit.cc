@@ -194,7 +194,12 @@ class Audit {
       }
     }
     for (std::size_t v = 0; v < sector.size(); ++v) {
-      if (sector[v] == 3 * triangles_.size()) return "vertex " + std::to_string(v) + " is used by no triangle";
+      if (sector[v] == 3 * triangles_.size()) {
+        if (records_.vertices[v].triangle != kNone) return "vertex " + std::to_string(v) + " is used by no triangle";
+        continue;
+      }
+      ++census_.vertices;
+      if (records_.vertices[v].triangle == kNone) return "vertex " + std::to_string(v) + " names no triangle";
       const auto& named = triangles_[index(records_.vertices[v].triangle)].vertices;
       if (std::find(named.begin(), named.end(), static_cast<std::int32_t>(v)) == named.end()) {
         return "vertex " + std::to_string(v) + " names a triangle without it";
@@ -217,7 +222,6 @@ class Audit {
         return at_slot("a lip that is not open", a.slot);
       }
     }
-    census_.vertices = static_cast<std::int64_t>(records_.vertices.size());
     return std::nullopt;
   }
 

@@ -181,6 +181,7 @@ class PathAudit {
       return "crossed_triangles is " + std::to_string(report.crossed_triangles) + ", not between " +
              std::to_string(least) + " and " + std::to_string(most);
     }
+    takes_material_ = plan.options.width_m.has_value();
     return find_stray_lip(segments_of(plan), radius_of(plan, report));
   }
 
@@ -273,6 +274,7 @@ class PathAudit {
       }
     }
     for (const Segment& lip : old_locks_.segments()) {
+      if (takes_material_) break;  // lips inside the strip go with it
       std::vector<Range> given;
       new_locks_.cover(lip, kRounding, given);
       if (first_gap({{0.0, 1.0}}, std::move(given), kNoGap / (lip.b - lip.a).norm())) return "an old lip is gone";
@@ -285,6 +287,7 @@ class PathAudit {
   std::vector<std::array<Vector2d, 3>> solid_;
   BoxGrid grid_;
   std::vector<bool> grazed_, crossed_;  // of solid_: touched by the path, and more than touched
+  bool takes_material_ = false;
 };
 
 // de Casteljau.
@@ -325,10 +328,22 @@ void sample_segment(const Vector2d& from, const cut::Segment& segment, const Eac
   }
 }
 
-std::vector<Vector2d> sample(const cut::Curve& curve, int samples) {
-  std::vector<Vector2d> points;
+}  // namespace
+
+Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
+                       const cut::CutReport& report) {
+  return PathAudit(before, after).run(plan, report);
+}
+
+Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan, const cut::CutReport& report) {
+  return PathAudit(mesh, mesh).find_gap(plan, report);
+}
+
+std::vector<std::vector<Vector2d>> sample_curve(const cut::Curve& curve, int samples) {
+  std::vector<std::vector<Vector2d>> lines;
   const auto each = [&](const auto& at) {
-    for (int i = 0; i <= samples; ++i) points.push_back(at(static_cast<double>(i) / samples));
+    lines.emplace_back();
+    for (int i = 0; i <= samples; ++i) lines.back().push_back(at(static_cast<double>(i) / samples));
   };
   if (const auto* circle = std::get_if<cut::Circle>(&curve)) {
     each([&](double t) {
@@ -360,34 +375,26 @@ std::vector<Vector2d> sample(const cut::Curve& curve, int samples) {
       if (subpath.closed) each([&](double t) { return Vector2d(from + t * (subpath.start - from)); });
     }
   }
-  return points;
-}
-
-}  // namespace
-
-Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
-                       const cut::CutReport& report) {
-  return PathAudit(before, after).run(plan, report);
-}
-
-Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan, const cut::CutReport& report) {
-  return PathAudit(mesh, mesh).find_gap(plan, report);
+  return lines;
 }
 
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
                         const cut::CutReport& report, int samples) {
   const mesh::Lattice& lattice = before.records().lattice;
-  std::vector<Vector2d> points = sample(curve, samples);
-  for (Vector2d& point : points) point = (point - lattice.origin) / lattice.spacing;
+  std::vector<Vector2d> points;
+  for (const std::vector<Vector2d>& line : sample_curve(curve, samples)) {
+    for (const Vector2d& point : line) points.emplace_back((point - lattice.origin) / lattice.spacing);
+  }
   return PathAudit(before, after).find_far_point(points, report.deviation_m / lattice.spacing);
 }
 
 double largest_tolerance(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan) {
-  if (plan.options.tolerance_m) return *plan.options.tolerance_m;
   const mesh::EdgeLengths& lengths = mesh.records().lengths;
   int exponent = 0;
   if (!lengths.exponents.empty()) exponent = *std::max_element(lengths.exponents.begin(), lengths.exponents.end());
-  return plan.options.tolerance * std::ldexp(lengths.mean, exponent);
+  const double tolerance =
+      plan.options.tolerance_m.value_or(plan.options.tolerance * std::ldexp(lengths.mean, exponent));
+  return std::min(tolerance, plan.options.width_m.value_or(8.0 * tolerance) / 8.0);
 }
 
 }  // namespace kerf::audit

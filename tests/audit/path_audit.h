@@ -1,5 +1,9 @@
 #pragma once
 
+#include <vector>
+
+#include <Eigen/Core>
+
 #include "server/cut/cut.h"
 #include "tests/audit/mesh_audit.h"
 
@@ -7,8 +11,9 @@ namespace kerf::audit {
 
 // Whether path and lips cover each other, by lengths and not by samples: every stretch of the plan's strokes inside the
 // sheet lies within the reported deviation of a lip or of the border, every lip that is new lies within it of the
-// strokes, and every lip and border edge there was before is still there. Also that the report's crossed_triangles is
-// the number of old triangles that the strokes run through, those grazed counted or not.
+// strokes, and every lip and border edge there was before is still there, unless the cut takes material away. Also that
+// the report's crossed_triangles is the number of old triangles that the strokes run through, those grazed counted or
+// not.
 Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
                        const cut::CutReport& report);
 
@@ -19,6 +24,9 @@ Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& 
 // of a lip or of the border.
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
                         const cut::CutReport& report, int samples);
+
+// Points of the curve, `samples` + 1 to a piece, one line for each; arcs of paths are left out.
+std::vector<std::vector<Eigen::Vector2d>> sample_curve(const cut::Curve& curve, int samples);
 
 // m; what the plan's tolerance is where the sheet as built has its longest edges.
 double largest_tolerance(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan);

@@ -1,0 +1,142 @@
+#include "server/cut/outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <polyclipping/clipper.hpp>
+
+#include "server/cut/simplify.h"
+
+namespace kerf::cut {
+namespace {
+
+using Eigen::Vector2d;
+
+// Of what the tolerance leaves for flattening: arcs at corners and ends. Half is the curve's; the rest is for leaving
+// out points.  -
+constexpr double kArcShare = 0.2;
+
+// Clipper rounds offset points and crossings to its grid.  grid units
+constexpr double kGridRounding = 2.0;
+// Coordinates up to here Clipper multiplies in 64 bits.  grid units
+constexpr double kGridExtent = 1 << 29;
+
+// Looks at pairs whose boxes overlap in y; so many of them are looked at, all told.
+constexpr std::int64_t kMaxPairsLookedAt = 50'000'000;
+
+// Whether more than kMaxStripPairs pairs of chords have boxes, grown by `radius` on each side, that overlap.
+bool exceeds_work_budget(const FlatCurve& curve, double radius) {
+  struct Chord {
+    Vector2d low, high;
+  };
+  std::vector<Chord> chords;
+  for (const Stroke& stroke : curve.strokes) {
+    for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
+      const Vector2d margin = Vector2d::Constant(radius);
+      chords.push_back({stroke.points[i].cwiseMin(stroke.points[i + 1]) - margin,
+                        stroke.points[i].cwiseMax(stroke.points[i + 1]) + margin});
+    }
+  }
+  std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.low.y() < b.low.y(); });
+  std::int64_t pairs = 0, looked_at = 0;
+  for (std::size_t i = 0; i < chords.size(); ++i) {
+    for (std::size_t j = i + 1; j < chords.size() && chords[j].low.y() <= chords[i].high.y(); ++j) {
+      const bool overlap = chords[j].low.x() <= chords[i].high.x() && chords[i].low.x() <= chords[j].high.x();
+      pairs += overlap ? 1 : 0;
+      if (pairs > kMaxStripPairs || ++looked_at > kMaxPairsLookedAt) return true;
+    }
+  }
+  return false;
+}
+
+// The grid that Clipper works on: over all that the strip may reach.
+class Grid {
+ public:
+  Grid(const FlatCurve& curve, double radius) {
+    Eigen::AlignedBox2d box;
+    for (const Stroke& stroke : curve.strokes) {
+      for (const Vector2d& point : stroke.points) box.extend(point);
+    }
+    origin_ = box.center();
+    spacing_ = (0.5 * box.sizes().maxCoeff() + radius) / kGridExtent;
+  }
+  [[nodiscard]] double spacing() const { return spacing_; }  // m
+  [[nodiscard]] ClipperLib::IntPoint nearest(const Vector2d& at) const {
+    return {std::llround((at.x() - origin_.x()) / spacing_), std::llround((at.y() - origin_.y()) / spacing_)};
+  }
+  [[nodiscard]] Vector2d position(const ClipperLib::IntPoint& at) const {
+    return {origin_.x() + spacing_ * static_cast<double>(at.X), origin_.y() + spacing_ * static_cast<double>(at.Y)};
+  }
+
+ private:
+  Vector2d origin_{0.0, 0.0};
+  double spacing_ = 1.0;
+};
+
+ClipperLib::Paths offset(const FlatCurve& curve, double radius, double arc_tolerance, const Grid& grid) {
+  ClipperLib::ClipperOffset offsetter;
+  offsetter.ArcTolerance = arc_tolerance / grid.spacing();
+  for (const Stroke& stroke : curve.strokes) {
+    const bool closed = stroke.points.size() > 3 && stroke.points.front() == stroke.points.back();
+    ClipperLib::Path path;
+    for (const Vector2d& point : stroke.points) path.push_back(grid.nearest(point));
+    if (closed) path.pop_back();
+    offsetter.AddPath(path, ClipperLib::jtRound, closed ? ClipperLib::etClosedLine : ClipperLib::etOpenRound);
+  }
+  ClipperLib::Paths loops;
+  offsetter.Execute(loops, radius / grid.spacing());
+  return loops;
+}
+
+}  // namespace
+
+Result<Outline> outline(const FlatCurve& curve, double width, const PathScale& scale) {
+  const double radius = 0.5 * width;
+  if (exceeds_work_budget(curve, radius)) {
+    return Error{ErrorCode::kResourceExhausted, "WIDTH_WORK_BUDGET",
+                 "more than " + std::to_string(kMaxStripPairs) +
+                     " pairs of chords of the curve lie within the width of each other; make it narrower, or split the "
+                     "cut into several",
+                 "cut.width_m"};
+  }
+  Outline result;
+  if (curve.strokes.empty()) return result;
+  const Grid grid(curve, radius);
+  const double arc_tolerance = kArcShare * scale.least_flattening();
+  const double flattened = curve.deviation_m + arc_tolerance + kGridRounding * grid.spacing();
+  double moved = 0.0;
+  for (const ClipperLib::Path& loop : offset(curve, radius, arc_tolerance, grid)) {
+    std::vector<Vector2d> points;
+    points.reserve(loop.size() + 1);
+    for (const ClipperLib::IntPoint& point : loop) points.push_back(grid.position(point));
+    points.push_back(points.front());
+    Simplification simplification(points, flattened, scale);
+    simplification.simplify_between_corners();
+    std::vector<Vector2d> kept = simplification.kept_points();
+    if (kept.size() < 4) continue;  // a hole no wider than the tolerance
+    moved = std::max(moved, simplification.moved());
+    result.deviation_of_tolerance = std::max(result.deviation_of_tolerance, simplification.of_tolerance());
+    result.area_m2 += grid.spacing() * grid.spacing() * ClipperLib::Area(loop);
+    result.curve.strokes.push_back({std::move(kept)});
+  }
+  result.curve.deviation_m = flattened + moved;
+  return result;
+}
+
+bool contains(const std::vector<Stroke>& outline, const Vector2d& at) {
+  int winding = 0;
+  for (const Stroke& stroke : outline) {
+    for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
+      const Vector2d a = stroke.points[i] - at;
+      const Vector2d b = stroke.points[i + 1] - at;
+      if ((a.y() <= 0.0) == (b.y() <= 0.0)) continue;
+      const bool is_left = a.x() * b.y() - b.x() * a.y() > 0.0;  // of the segment, going up
+      if (a.y() <= 0.0 && is_left) ++winding;
+      if (b.y() <= 0.0 && !is_left) --winding;
+    }
+  }
+  return winding > 0;
+}
+
+}  // namespace kerf::cut

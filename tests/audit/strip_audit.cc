@@ -1,0 +1,199 @@
+#include "tests/audit/strip_audit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "server/base/random.h"
+#include "tests/audit/box_grid.h"
+#include "tests/audit/path_audit.h"
+
+namespace kerf::audit {
+namespace {
+
+using Box = Eigen::AlignedBox2d;
+using Eigen::Vector2d;
+using mesh::kNone;
+using mesh::MeshRecords;
+using mesh::TriangleRecord;
+
+__extension__ using Wide = __int128;
+
+std::size_t index(std::int32_t id) {
+  return static_cast<std::size_t>(id);
+}
+
+Vector2d position(const MeshRecords& records, mesh::PointId p) {
+  return records.lattice.position(records.points[index(p)].at);
+}
+
+double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const Vector2d along = b - a;
+  const double squared = along.squaredNorm();
+  const double t = squared > 0.0 ? std::clamp((p - a).dot(along) / squared, 0.0, 1.0) : 0.0;
+  return (p - a - t * along).norm();
+}
+
+double distance_to(const std::vector<std::vector<Vector2d>>& lines, const Vector2d& p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::vector<Vector2d>& line : lines) {
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+      least = std::min(least, distance_to_segment(p, line[i], line[i + 1]));
+    }
+  }
+  return least;
+}
+
+// By the angles under which the sides of closed lines are seen.
+double winding(const std::vector<std::vector<Vector2d>>& lines, const Vector2d& p) {
+  double angle = 0.0;
+  for (const std::vector<Vector2d>& line : lines) {
+    for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+      const Vector2d a = line[i] - p;
+      const Vector2d b = line[i + 1] - p;
+      angle += std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
+    }
+  }
+  return angle / (2.0 * 3.14159265358979323846);
+}
+
+// Where material is.
+class Solid {
+ public:
+  explicit Solid(const mesh::TriangleMesh& mesh) : records_(mesh.records()), grid_({}) {
+    std::vector<Box> boxes;
+    for (std::size_t t = 0; t < records_.triangles.size(); ++t) {
+      const TriangleRecord& r = records_.triangles[t];
+      if (r.region < 0) continue;
+      Box box;
+      for (const mesh::PointId p : r.points) box.extend(position(records_, p));
+      boxes.push_back(box);
+      slots_.push_back(t);
+    }
+    grid_ = BoxGrid(std::move(boxes));
+  }
+
+  // Whether `p` is inside a triangle by more than `margin` (below 0: or outside by no more than that).  m
+  bool holds(const Vector2d& p, double margin) {
+    bool found = false;
+    grid_.for_touching(Box(p, p), [&](std::size_t i) {
+      const TriangleRecord& r = records_.triangles[slots_[i]];
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vector2d a = position(records_, r.points[k]);
+        const Vector2d along = (position(records_, r.points[(k + 1) % 3]) - a).normalized();
+        least = std::min(least, along.x() * (p - a).y() - along.y() * (p - a).x());
+      }
+      found = found || least > margin;
+    });
+    return found;
+  }
+
+ private:
+  const MeshRecords& records_;
+  std::vector<std::size_t> slots_;
+  BoxGrid grid_;
+};
+
+double area(const MeshRecords& records) {
+  Wide doubled = 0;
+  for (const TriangleRecord& r : records.triangles) {
+    if (r.region < 0) continue;
+    const auto& a = records.points[index(r.points[0])].at;
+    const auto& b = records.points[index(r.points[1])].at;
+    const auto& c = records.points[index(r.points[2])].at;
+    doubled += Wide{b.x - a.x} * (c.y - a.y) - Wide{b.y - a.y} * (c.x - a.x);
+  }
+  return 0.5 * static_cast<double>(doubled) * records.lattice.spacing * records.lattice.spacing;
+}
+
+std::vector<std::vector<Vector2d>> lines_of(const std::vector<cut::Stroke>& strokes) {
+  std::vector<std::vector<Vector2d>> lines;
+  for (const cut::Stroke& stroke : strokes) lines.push_back(stroke.points);
+  return lines;
+}
+
+Finding find_wrong_counts(const MeshRecords& before, const MeshRecords& after, const cut::CutOutcome& outcome) {
+  std::vector<mesh::VertexId> gone;
+  for (std::size_t v = 0; v < before.vertices.size(); ++v) {
+    if (before.vertices[v].triangle != kNone && after.vertices[v].triangle == kNone) {
+      gone.push_back(static_cast<mesh::VertexId>(v));
+    }
+    if (before.vertices[v].triangle == kNone && after.vertices[v].triangle != kNone) {
+      return "vertex " + std::to_string(v) + " has come back";
+    }
+  }
+  for (std::size_t v = before.vertices.size(); v < after.vertices.size(); ++v) {
+    if (after.vertices[v].triangle == kNone) return "vertex " + std::to_string(v) + " was made and removed at once";
+  }
+  if (gone != outcome.edit.removed_vertices) return "removed_vertices are not those without a triangle";
+  const cut::CutReport& report = outcome.report;
+  if (report.removed_vertices != static_cast<std::int32_t>(gone.size())) return "removed_vertices is wrong";
+  if (report.removed_pieces != static_cast<std::int32_t>(outcome.edit.vanished_pieces.size())) {
+    return "removed_pieces is wrong";
+  }
+  const double total = area(before);
+  if (std::abs(total - area(after) - report.removed_area_m2) > 1e-12 * total) return "removed_area_m2 is wrong";
+  return std::nullopt;
+}
+
+}  // namespace
+
+Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
+                        const cut::CutOutcome& outcome) {
+  if (Finding found = find_wrong_counts(before.records(), after.records(), outcome)) return found;
+  // Every triangle that is left is outside, every piece of the old ones that is gone inside.
+  const auto outline = lines_of(plan.outline);
+  const double margin = outcome.report.deviation_m;
+  Solid is(after);
+  for (const mesh::TriangleId t : outcome.edit.rewritten_triangles) {
+    const bool existed = index(t) < before.records().triangles.size();
+    const bool was_solid = existed && before.records().triangles[index(t)].region >= 0;
+    const TriangleRecord& r = after.records().triangles[index(t)];
+    if (r.region < 0 && !was_solid) continue;
+    const MeshRecords& records = r.region >= 0 ? after.records() : before.records();
+    const TriangleRecord& shape = records.triangles[index(t)];
+    const Vector2d centre =
+        (position(records, shape.points[0]) + position(records, shape.points[1]) + position(records, shape.points[2])) /
+        3.0;
+    if (distance_to(outline, centre) <= margin) continue;
+    const bool inside = winding(outline, centre) > 0.5;
+    if (inside && is.holds(centre, 0.0)) return "slot " + std::to_string(t) + " is left inside the strip";
+    if (!inside && !is.holds(centre, -margin)) return "material of slot " + std::to_string(t) + " is gone";
+  }
+  return std::nullopt;
+}
+
+Finding find_strewn_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
+                         const cut::CutPlan& plan, const cut::CutOutcome& outcome, std::uint64_t seed, int samples) {
+  // Between two samples the curve bends by far less than the margin.
+  constexpr int kSamplesOfCurve = 1000;
+  constexpr double kMargin = 1e-6;
+  const auto lines = sample_curve(curve, kSamplesOfCurve);
+  const double radius = 0.5 * *plan.options.width_m;
+  const double margin = outcome.report.deviation_m + kMargin;
+  Solid was(before), is(after);
+  SeededRandom random(seed);
+  const Box& box = before.bounding_box();
+  for (int i = 0; i < samples; ++i) {
+    Vector2d p(random.uniform(box.min().x(), box.max().x()), random.uniform(box.min().y(), box.max().y()));
+    if (i % 2 == 0) {
+      const auto& line = lines[static_cast<std::size_t>(random.uniform(0.0, 1.0) * static_cast<double>(lines.size()))];
+      const auto& at = line[static_cast<std::size_t>(random.uniform(0.0, 1.0) * static_cast<double>(line.size()))];
+      p = at + 2.0 * radius * Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+    }
+    if (!was.holds(p, kMargin)) continue;
+    const double distance = distance_to(lines, p);
+    const auto say = [&](const char* what) {
+      return std::string(what) + " " + std::to_string(distance) + " m from the curve, at (" + std::to_string(p.x()) +
+             ", " + std::to_string(p.y()) + "); half the width is " + std::to_string(radius);
+    };
+    if (distance < radius - margin && is.holds(p, 0.0)) return say("material is left");
+    if (distance > radius + margin && !is.holds(p, -kMargin)) return say("material is gone");
+  }
+  return std::nullopt;
+}
+
+}  // namespace kerf::audit

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "server/cut/cut.h"
+#include "tests/audit/mesh_audit.h"
+
+// Checks of cuts that take a strip away, by sampling: they share no code with the cutter.
+namespace kerf::audit {
+
+// What was removed is the inside of the outline of the plan and nothing else, area by area, but for the deviation;
+// vertices and pieces that are gone are those said to be.
+Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
+                        const cut::CutOutcome& outcome);
+
+// Points strewn over the sheet: those closer to the curve than half the width less the deviation are void, those
+// farther than half the width and the deviation are as they were. `seed`: where they are strewn, and `samples`: how
+// many; half of them near the curve. Curves without arcs.
+Finding find_strewn_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
+                         const cut::CutPlan& plan, const cut::CutOutcome& outcome, std::uint64_t seed, int samples);
+
+}  // namespace kerf::audit
