@@ -65,6 +65,7 @@ class Cutter {
     for (const Stroke& stroke : plan_.strokes) {
       if (Status status = insertion_.insert(stroke); !status.ok()) return status.error();
     }
+    if (Status status = insertion_.split_lone_edges(); !status.ok()) return status.error();
     if (has_width()) {
       Result<std::vector<TriangleId>> strip = strip_triangles(mesh_, laid_, plan_.outline, max_strip_area());
       if (!strip.ok()) return strip.error();
@@ -75,8 +76,7 @@ class Cutter {
       outcome.report.pieces = mesh_.num_pieces();
       return outcome;
     }
-    if (deviation_of_tolerance() > 1.0) return tolerance_not_kept();
-    if (Status status = insertion_.split_lone_edges(); !status.ok()) return status.error();
+    if (deviation_of_tolerance() > 1.0 || deviation_of_width() > 1.0) return tolerance_not_kept();
     if (has_width()) remove_strip(outcome.report);
     path_ = insertion_.path_points();
     corridor_ = insertion_.corridor_points();
@@ -119,6 +119,12 @@ class Cutter {
     editor_.remove_triangles(strip_);
   }
 
+  // Of what snapping may do to the distance between the two sides of a strip.
+  [[nodiscard]] double deviation_of_width() const {
+    return has_width() ? insertion_.counts().deviation * spacing_ / (0.5 * kToleranceOfWidth * *plan_.options.width_m)
+                       : 0.0;
+  }
+
   [[nodiscard]] double deviation_of_tolerance() const {
     return plan_.curve_deviation_of_tolerance + insertion_.counts().deviation_of_tolerance +
            kRoundingUnits * spacing_ / scale_.least_tolerance();
@@ -126,7 +132,8 @@ class Cutter {
 
   [[nodiscard]] Error tolerance_not_kept() const {
     return {ErrorCode::kFailedPrecondition, "TOLERANCE_NOT_KEPT",
-            "older lips near the path would lead it away by " + std::to_string(deviation_of_tolerance()) +
+            "older lips near the path would lead it away by " +
+                std::to_string(std::max(deviation_of_tolerance(), deviation_of_width())) +
                 " times the tolerance; shift the curve slightly, or ask for a larger tolerance",
             "cut.curve"};
   }

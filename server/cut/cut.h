@@ -35,10 +35,10 @@ inline constexpr double kMinLength = 1.0e-9;                 // m; least toleran
 inline constexpr double kMaxLength = 1.0e4;                  // m; largest of them
 inline constexpr double kMinTipGrading = 1.05;               // -
 inline constexpr double kMaxTipGrading = 10.0;               // -
-inline constexpr double kMinWidth = 1.0e-6;                  // m
+inline constexpr double kMinWidth = 1.0e-9;                  // m
 inline constexpr double kMaxWidth = 1.0e4;                   // m
 
-// The tolerance of a cut with a width is no larger than this part of it: the two sides keep apart.  -
+// The two sides of a cut with a width lie where they should beside each other to within this part of it.  -
 inline constexpr double kToleranceOfWidth = 0.125;
 
 // How the mesh around the path is made.
@@ -83,8 +83,9 @@ struct CutOptions {
   double tip_grading = 1.5;  // -, in [kMinTipGrading, kMaxTipGrading]
   // Removes all material closer to the curve than half of this: what a disc of that diameter sweeps whose centre
   // follows the curve, dash by dash, so ends and corners are round. Vertices without any other material and whole
-  // pieces inside the strip are gone, and their momentum with them; the tolerance is at most kToleranceOfWidth of the
-  // width. Absent: the cut opens the sheet and takes nothing away.  m, in [kMinWidth, kMaxWidth]
+  // pieces inside the strip are gone, and their momentum with them. The strip follows the curve within the tolerance,
+  // and is as wide as asked for to within twice kToleranceOfWidth of that. Absent: the cut opens the sheet and takes
+  // nothing away.  m, in [kMinWidth, kMaxWidth]
   std::optional<double> width_m = std::nullopt;
 };
 
@@ -187,7 +188,8 @@ struct CutOutcome {
 
 // Validates and flattens. Reads the mesh for its extent and edge length only.
 // Errors, kInvalidArgument: those of validate() and fit_into(), OPTION_OUT_OF_RANGE ("cut.min_angle_deg"),
-// OPTIONS_CONFLICT, VERTEX_UNKNOWN, and TOLERANCE_TOO_SMALL, which the lattice or the number of chords cannot keep;
+// OPTIONS_CONFLICT, VERTEX_UNKNOWN, and TOLERANCE_TOO_SMALL and WIDTH_TOO_SMALL, which the lattice or the number of
+// chords cannot keep;
 // kResourceExhausted: TOO_MANY_DASHES, VIEW_WORK_BUDGET, WIDTH_WORK_BUDGET, and CUT_ELEMENT_BUDGET for a cut that is
 // too long.
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);

@@ -13,9 +13,12 @@ namespace {
 
 using Eigen::Vector2d;
 
-// Of what the tolerance leaves for flattening: arcs at corners and ends. Half is the curve's; the rest is for leaving
-// out points.  -
-constexpr double kArcShare = 0.2;
+// Of what the outline may add to the deviation: arcs at corners and ends. The rest is for leaving out points.  -
+constexpr double kArcShare = 0.4;
+
+// Clipper rounds the number of chords of an arc to nearest: one may stand for one and a half, and be this much farther
+// from the arc.  -
+constexpr double kChordRounding = 2.25;
 
 // Clipper rounds offset points and crossings to its grid.  grid units
 constexpr double kGridRounding = 2.0;
@@ -76,7 +79,7 @@ class Grid {
 
 ClipperLib::Paths offset(const FlatCurve& curve, double radius, double arc_tolerance, const Grid& grid) {
   ClipperLib::ClipperOffset offsetter;
-  offsetter.ArcTolerance = arc_tolerance / grid.spacing();
+  offsetter.ArcTolerance = arc_tolerance / kChordRounding / grid.spacing();
   for (const Stroke& stroke : curve.strokes) {
     const bool closed = stroke.points.size() > 3 && stroke.points.front() == stroke.points.back();
     ClipperLib::Path path;
@@ -91,7 +94,7 @@ ClipperLib::Paths offset(const FlatCurve& curve, double radius, double arc_toler
 
 }  // namespace
 
-Result<Outline> outline(const FlatCurve& curve, double width, const PathScale& scale) {
+Result<Outline> outline(const FlatCurve& curve, double width, double tolerance) {
   const double radius = 0.5 * width;
   if (exceeds_work_budget(curve, radius)) {
     return Error{ErrorCode::kResourceExhausted, "WIDTH_WORK_BUDGET",
@@ -103,24 +106,23 @@ Result<Outline> outline(const FlatCurve& curve, double width, const PathScale& s
   Outline result;
   if (curve.strokes.empty()) return result;
   const Grid grid(curve, radius);
-  const double arc_tolerance = kArcShare * scale.least_flattening();
-  const double flattened = curve.deviation_m + arc_tolerance + kGridRounding * grid.spacing();
+  const double arc_tolerance = kArcShare * tolerance;
+  const double rounded = arc_tolerance + kGridRounding * grid.spacing();
   double moved = 0.0;
   for (const ClipperLib::Path& loop : offset(curve, radius, arc_tolerance, grid)) {
     std::vector<Vector2d> points;
     points.reserve(loop.size() + 1);
     for (const ClipperLib::IntPoint& point : loop) points.push_back(grid.position(point));
     points.push_back(points.front());
-    Simplification simplification(points, flattened, scale);
+    Simplification simplification(points, rounded, std::max(tolerance, rounded));
     simplification.simplify_between_corners();
     std::vector<Vector2d> kept = simplification.kept_points();
     if (kept.size() < 4) continue;  // a hole no wider than the tolerance
     moved = std::max(moved, simplification.moved());
-    result.deviation_of_tolerance = std::max(result.deviation_of_tolerance, simplification.of_tolerance());
     result.area_m2 += grid.spacing() * grid.spacing() * ClipperLib::Area(loop);
     result.curve.strokes.push_back({std::move(kept)});
   }
-  result.curve.deviation_m = flattened + moved;
+  result.curve.deviation_m = curve.deviation_m + rounded + moved;
   return result;
 }
 

@@ -18,12 +18,12 @@ PathScale::PathScale(const mesh::TriangleMesh& mesh, const CutOptions& options)
     : lengths_(mesh.edge_lengths()), options_(options), lattice_spacing_(mesh.lattice().spacing) {}
 
 double PathScale::tolerance_for(double edge_length) const {
-  const double wanted = options_.tolerance_m.value_or(options_.tolerance * edge_length);
-  return options_.width_m ? std::min(wanted, kToleranceOfWidth * *options_.width_m) : wanted;
+  return options_.tolerance_m.value_or(options_.tolerance * edge_length);
 }
 
 double PathScale::snap_for(double edge_length) const {
-  const double wanted = std::min(options_.snap * edge_length, kSnapShare * tolerance_for(edge_length));
+  double wanted = std::min(options_.snap * edge_length, kSnapShare * tolerance_for(edge_length));
+  if (options_.width_m) wanted = std::min(wanted, kSnapShare * kToleranceOfWidth * *options_.width_m);
   return std::max(wanted, kLeastSnapUnits * lattice_spacing_);
 }
 

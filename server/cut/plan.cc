@@ -20,7 +20,7 @@ constexpr double kMaxPathPoints = 1.0e6;  // points of a spaced path; more canno
 // of the edge length, and the edge length at most sqrt(2) times the room.  -
 constexpr double kClipRoom = 0.25;
 
-// With a width, the rest is for the outline.  -
+// With a width, half is for the curve and half for the outline.  -
 constexpr double kWidthFlattening = 0.5;
 
 // With Method::kElement chords are chosen from this much finer ones.  -
@@ -131,11 +131,20 @@ FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, double& besid
 
 // The outline of what of the strip may reach into `room`.
 Result<Outline> outline_near(const FlatCurve& curve, double width, const PathScale& scale, const Box& room) {
+  const double of_width = kToleranceOfWidth * width;
+  if (of_width < scale.representable_tolerance()) {
+    return invalid_argument("WIDTH_TOO_SMALL",
+                            "the width is " + metres(width) + "; positions on this sheet are rounded, so that " +
+                                metres(scale.representable_tolerance() / kToleranceOfWidth) +
+                                " is the least that can be kept",
+                            "cut.width_m");
+  }
   const Eigen::Vector2d reach = Eigen::Vector2d::Constant(0.5 * width);
   const FlatCurve near = clip(curve, {room.low - reach, room.high + reach});
-  if (near.deviation_m > scale.least_tolerance()) return curve_too_long(near.deviation_m);
-  Result<Outline> strip = outline(near, width, scale);
-  if (strip.ok() && strip->deviation_of_tolerance > 1.0) return curve_too_long(strip->curve.deviation_m);
+  Result<Outline> strip = outline(near, width, std::min(kWidthFlattening * scale.least_flattening(), 0.5 * of_width));
+  if (strip.ok() && strip->curve.deviation_m > scale.least_tolerance()) {
+    return curve_too_long(strip->curve.deviation_m);
+  }
   return strip;
 }
 
@@ -191,7 +200,8 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   if (plan.options.width_m) {
     Result<Outline> strip = outline_near(*flat, *plan.options.width_m, scale, room);
     if (!strip.ok()) return strip.error();
-    simplified = {clip(strip->curve, room), strip->deviation_of_tolerance};
+    simplified.curve = clip(strip->curve, room);
+    simplified.deviation_of_tolerance = simplified.curve.deviation_m / scale.least_tolerance();
     plan.outline = std::move(strip->curve.strokes);
     plan.strip_area_m2 = strip->area_m2;
   } else {

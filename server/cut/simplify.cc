@@ -37,6 +37,13 @@ Simplification::Simplification(const std::vector<Vector2d>& points, double flatt
   }
 }
 
+Simplification::Simplification(const std::vector<Vector2d>& points, double flattened, double tolerance)
+    : points_(points),
+      flattened_(flattened),
+      kept_(points.size(), false),
+      room_(points.size() - 1, tolerance - flattened),
+      tolerance_(points.size() - 1, tolerance) {}
+
 void Simplification::simplify_between_corners() {
   std::size_t from = 0;
   for (std::size_t i = 1; i < points_.size(); ++i) {

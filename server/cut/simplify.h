@@ -21,6 +21,8 @@ class Simplification {
  public:
   // `points`: at least 2; must outlive this. `flattened`: bound on their distance from the curve, m.
   Simplification(const std::vector<Eigen::Vector2d>& points, double flattened, const PathScale& scale);
+  // With the same tolerance (m) everywhere, all of it for flattening.
+  Simplification(const std::vector<Eigen::Vector2d>& points, double flattened, double tolerance);
 
   // Keeps points `first` and `last`, and of those in between what the tolerance needs.
   void simplify_stretch(std::size_t first, std::size_t last);

@@ -59,6 +59,8 @@ class Fold {
   Fold(std::span<const double> mass, State& state) : mass_(mass.begin(), mass.end()), state_(state) {}
 
   void take_back(const mesh::RevertedEdit& reverted) {
+    write(reverted.revived_vertices, interpolate(reverted.revived_vertices, state_.x), state_.x);
+    write(reverted.revived_vertices, interpolate(reverted.revived_vertices, state_.v), state_.v);
     const std::vector<Eigen::Vector3d> x = interpolate(reverted.moved_vertices, state_.x);
     const std::vector<Eigen::Vector3d> v = interpolate(reverted.moved_vertices, state_.v);
     write(reverted.moved_vertices, x, state_.x);
@@ -137,6 +139,7 @@ void transfer_state(std::span<const mesh::MeshEdit* const> edits, const Model& m
   for (const mesh::MeshEdit* edit : edits) {
     transfer_field(*edit, state.x);
     transfer_field(*edit, state.v);
+    for (const mesh::VertexId v : edit->removed_vertices) state.v.col(v).setZero();
   }
   double mass_after = 0.0;
   for (const mesh::VertexId v : change.vertices) {

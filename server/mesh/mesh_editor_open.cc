@@ -102,7 +102,7 @@ std::vector<bool> MeshEditor::left_of_lip(PointId p, const Lip& lip, const std::
     KERF_CHECK(!bound, "a split lock leaves one half on each side");
     bound = &bound == &first ? (i + 1) % n : i;
   }
-  KERF_CHECK((first && last) || !bereft_vertices_.empty(), "a split lock leaves two halves");
+  KERF_CHECK((first && last) || !bereft_pieces_.empty(), "a split lock leaves two halves");
   std::vector<bool> is_left(n, false);
   if (!first && !last) {
     for (std::size_t i = 0; i < n; ++i) {

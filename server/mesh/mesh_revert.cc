@@ -1,6 +1,7 @@
 #include "server/mesh/mesh_revert.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "server/mesh/barycentric.h"
 #include "server/mesh/mesh_walk.h"
@@ -26,6 +27,82 @@ VertexSource source_at(const TriangleMesh& mesh, VertexId vertex, const LatticeP
   return {vertex, mesh.vertices(found), barycentric(mesh.at(points[0]), mesh.at(points[1]), mesh.at(points[2]), p)};
 }
 
+// Finds what revived vertices are placed by. Made of the mesh with the edit in it.
+class Revival {
+ public:
+  Revival(const TriangleMesh& mesh, const CommittedEdit& edit) : revived_(edit.edit.removed_vertices) {
+    if (revived_.empty()) return;
+    for (const auto& [slot, old] : edit.undo.triangles) {
+      for (const VertexId v : old.vertices) {
+        if (v != kNone && mesh.has_material(v)) patches_.try_emplace(v, largest_triangle_at(mesh, v));
+      }
+    }
+  }
+
+  // `mesh`: with the edit taken back. Outwards from the vertices that had material all along, so that each goes by
+  // material on its own side of every lip.
+  [[nodiscard]] std::vector<VertexSource> place(const TriangleMesh& mesh) const {
+    std::unordered_map<VertexId, const Patch*> patch_of;  // looked up, never iterated
+    std::vector<VertexId> placed;
+    std::vector<TriangleId> ring;
+    for (const VertexId v : revived_) {
+      mesh.triangles_around(v, ring);
+      for (const TriangleId t : ring) {
+        for (const VertexId u : mesh.vertices(t)) {
+          const auto found = patches_.find(u);
+          if (found != patches_.end() && patch_of.emplace(v, &found->second).second) placed.push_back(v);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < placed.size(); ++i) {
+      mesh.triangles_around(placed[i], ring);
+      for (const TriangleId t : ring) {
+        for (const VertexId u : mesh.vertices(t)) {
+          const bool is_revived = std::binary_search(revived_.begin(), revived_.end(), u);
+          if (is_revived && patch_of.emplace(u, patch_of.at(placed[i])).second) placed.push_back(u);
+        }
+      }
+    }
+    std::vector<VertexSource> sources;
+    sources.reserve(revived_.size());
+    for (const VertexId v : revived_) {
+      const auto found = patch_of.find(v);
+      sources.push_back({v, {v, v, v}, {1.0, 0.0, 0.0}});
+      if (found == patch_of.end()) continue;
+      const Patch& patch = *found->second;
+      sources.back().sources = patch.vertices;
+      sources.back().weights = affine(patch.at, mesh.at(mesh.point(v)));
+    }
+    return sources;
+  }
+
+ private:
+  struct Patch {
+    std::array<VertexId, 3> vertices;
+    std::array<LatticePoint, 3> at;
+  };
+
+  static Patch largest_triangle_at(const TriangleMesh& mesh, VertexId v) {
+    std::vector<TriangleId> ring;
+    mesh.triangles_around(v, ring);
+    const TriangleId largest = *std::max_element(
+        ring.begin(), ring.end(), [&](TriangleId a, TriangleId b) { return mesh.area(a) < mesh.area(b); });
+    const auto& p = mesh.points(largest);
+    return {mesh.vertices(largest), {mesh.at(p[0]), mesh.at(p[1]), mesh.at(p[2])}};
+  }
+
+  // Barycentric coordinates, of points outside too.
+  static Eigen::Vector3d affine(const std::array<LatticePoint, 3>& at, const LatticePoint& p) {
+    const auto whole = static_cast<double>(doubled_area(at[0], at[1], at[2]));
+    const double second = static_cast<double>(doubled_area(at[0], p, at[2])) / whole;
+    const double third = static_cast<double>(doubled_area(at[0], at[1], p)) / whole;
+    return {1.0 - second - third, second, third};
+  }
+
+  const std::vector<VertexId>& revived_;
+  std::unordered_map<VertexId, Patch> patches_;  // looked up, never iterated
+};
+
 }  // namespace
 
 RevertedEdit revert(TriangleMesh& mesh, const CommittedEdit& edit) {
@@ -47,7 +124,9 @@ RevertedEdit revert(TriangleMesh& mesh, const CommittedEdit& edit) {
   const auto& rewritten = edit.edit.rewritten_triangles;  // sorted: the new slots are at its end
   reverted.rewritten_triangles.assign(rewritten.begin(),
                                       std::lower_bound(rewritten.begin(), rewritten.end(), reverted.num_slots));
+  const Revival revival(mesh, edit);
   edit.undo.undo(mesh);
+  reverted.revived_vertices = revival.place(mesh);
   return reverted;
 }
 

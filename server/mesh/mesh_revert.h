@@ -18,6 +18,9 @@ struct RevertedEdit {
   std::vector<VertexSource> removed_vertices;
   // Vertices whose old rest position is back: fields as sources say, with every field read as it was before the revert.
   std::vector<VertexSource> moved_vertices;
+  // Vertices whose removed material is back, fields as sources say, read likewise: the shape of the material that they
+  // were next to, continued, so weights may be below 0. Where nothing of their piece was left, themselves.
+  std::vector<VertexSource> revived_vertices;
   std::vector<TriangleId> rewritten_triangles;  // as in MeshEdit, of the slots that remain; sorted, unique
 };
 

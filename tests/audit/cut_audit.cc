@@ -361,7 +361,9 @@ class CutAudit {
   // Without what lies across lips and border, which the opened mesh does not see.
   static TriangleRecord opened(TriangleRecord r) {
     for (std::size_t k = 0; k < 3; ++k) {
-      if (r.locks[k] != 0) r.neighbours[k] = kNone;
+      if (r.locks[k] == 0) continue;
+      r.neighbours[k] = kNone;
+      r.locks[k] = mesh::kLockBorder;  // a lip becomes border where the material across goes
     }
     return r;
   }

@@ -154,7 +154,12 @@ constexpr mesh::LockBits kOpen = mesh::kLockBorder | mesh::kLockCut;
 class PathAudit {
  public:
   PathAudit(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after)
-      : before_(before), old_locks_(before, kOpen), new_locks_(after, kOpen), cuts_(after, mesh::kLockCut), grid_({}) {
+      : before_(before),
+        after_(after),
+        old_locks_(before, kOpen),
+        new_locks_(after, kOpen),
+        cuts_(after, mesh::kLockCut),
+        grid_({}) {
     const auto& records = before.records();
     std::vector<Box> boxes;
     for (const mesh::TriangleRecord& r : records.triangles) {
@@ -203,6 +208,7 @@ class PathAudit {
       new_locks_.cover(segment, radius, given);
       const auto gap = first_gap(std::move(wanted), std::move(given), kNoGap / length);
       if (!gap || (segment.is_dust && report.merged_segments > 0)) continue;
+      if (plan.options.width_m && lies_in_void(segment, *gap, radius)) continue;  // between strips that closed a gap
       std::ostringstream text;
       const Vector2d at = segment.a + 0.5 * (gap->first + gap->second) * (segment.b - segment.a);
       text << "no lip within " << radius * spacing << " m of the path at lattice point (" << std::fixed << at.x()
@@ -237,6 +243,25 @@ class PathAudit {
  private:
   [[nodiscard]] double radius_of(const cut::CutPlan& plan, const cut::CutReport& report) const {
     return (report.deviation_m - plan.curve_deviation_m) / before_.records().lattice.spacing;
+  }
+
+  // Whether no material is left, farther than `radius` from its border, where `range` of the segment lies.
+  [[nodiscard]] bool lies_in_void(const Segment& segment, const Range& range, double radius) const {
+    constexpr int kSamples = 16;
+    for (const mesh::TriangleRecord& r : after_.records().triangles) {
+      if (r.region < 0) continue;
+      std::array<Vector2d, 3> corners;
+      for (std::size_t k = 0; k < 3; ++k) {
+        corners[k] = to_double(after_.records().points[static_cast<std::size_t>(r.points[k])].at);
+      }
+      for (int i = 0; i <= kSamples; ++i) {
+        const double t = range.first + (range.second - range.first) * i / kSamples;
+        const Vector2d at = segment.a + t * (segment.b - segment.a);
+        const Segment stub{at, at + (segment.b - segment.a)};
+        if (inside_triangle(stub, corners, -radius).first == 0.0) return false;
+      }
+    }
+    return true;
   }
 
   std::vector<Segment> segments_of(const cut::CutPlan& plan) {
@@ -283,6 +308,7 @@ class PathAudit {
   }
 
   const mesh::TriangleMesh& before_;
+  const mesh::TriangleMesh& after_;
   Locks old_locks_, new_locks_, cuts_;
   std::vector<std::array<Vector2d, 3>> solid_;
   BoxGrid grid_;
@@ -392,9 +418,7 @@ double largest_tolerance(const mesh::TriangleMesh& mesh, const cut::CutPlan& pla
   const mesh::EdgeLengths& lengths = mesh.records().lengths;
   int exponent = 0;
   if (!lengths.exponents.empty()) exponent = *std::max_element(lengths.exponents.begin(), lengths.exponents.end());
-  const double tolerance =
-      plan.options.tolerance_m.value_or(plan.options.tolerance * std::ldexp(lengths.mean, exponent));
-  return std::min(tolerance, plan.options.width_m.value_or(8.0 * tolerance) / 8.0);
+  return plan.options.tolerance_m.value_or(plan.options.tolerance * std::ldexp(lengths.mean, exponent));
 }
 
 }  // namespace kerf::audit

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "server/base/random.h"
@@ -144,11 +145,16 @@ Finding find_wrong_counts(const MeshRecords& before, const MeshRecords& after, c
 Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
                         const cut::CutOutcome& outcome) {
   if (Finding found = find_wrong_counts(before.records(), after.records(), outcome)) return found;
-  // Every triangle that is left is outside, every piece of the old ones that is gone inside.
+  // What is left is outside, what is gone inside: looked at where triangles were rewritten.
+  constexpr std::size_t kLookedAt = 100;
+  const auto& rewritten = outcome.edit.rewritten_triangles;
+  const std::size_t stride = rewritten.size() / kLookedAt + 1;
   const auto outline = lines_of(plan.outline);
-  const double margin = outcome.report.deviation_m;
+  const double margin = outcome.report.deviation_m - plan.curve_deviation_m;  // between outline and border
+  if (margin > *plan.options.width_m / 8.0) return "the sides of the strip have moved by more than an eighth of it";
   Solid is(after);
-  for (const mesh::TriangleId t : outcome.edit.rewritten_triangles) {
+  for (std::size_t i = 0; i < rewritten.size(); i += stride) {
+    const mesh::TriangleId t = rewritten[i];
     const bool existed = index(t) < before.records().triangles.size();
     const bool was_solid = existed && before.records().triangles[index(t)].region >= 0;
     const TriangleRecord& r = after.records().triangles[index(t)];
@@ -168,12 +174,19 @@ Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMe
 
 Finding find_strewn_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
                          const cut::CutPlan& plan, const cut::CutOutcome& outcome, std::uint64_t seed, int samples) {
+  if (const auto* path = std::get_if<cut::Path>(&curve)) {
+    for (const cut::Subpath& subpath : path->subpaths) {
+      for (const cut::Segment& segment : subpath.segments) {
+        if (std::holds_alternative<cut::ArcTo>(segment)) return std::nullopt;
+      }
+    }
+  }
   // Between two samples the curve bends by far less than the margin.
   constexpr int kSamplesOfCurve = 1000;
-  constexpr double kMargin = 1e-6;
   const auto lines = sample_curve(curve, kSamplesOfCurve);
   const double radius = 0.5 * *plan.options.width_m;
-  const double margin = outcome.report.deviation_m + kMargin;
+  const double rounding = 1e-6 * before.bounding_box().sizes().maxCoeff();
+  const double margin = outcome.report.deviation_m + rounding;
   Solid was(before), is(after);
   SeededRandom random(seed);
   const Box& box = before.bounding_box();
@@ -184,14 +197,14 @@ Finding find_strewn_flaw(const mesh::TriangleMesh& before, const mesh::TriangleM
       const auto& at = line[static_cast<std::size_t>(random.uniform(0.0, 1.0) * static_cast<double>(line.size()))];
       p = at + 2.0 * radius * Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
     }
-    if (!was.holds(p, kMargin)) continue;
+    if (!was.holds(p, rounding)) continue;
     const double distance = distance_to(lines, p);
     const auto say = [&](const char* what) {
       return std::string(what) + " " + std::to_string(distance) + " m from the curve, at (" + std::to_string(p.x()) +
              ", " + std::to_string(p.y()) + "); half the width is " + std::to_string(radius);
     };
     if (distance < radius - margin && is.holds(p, 0.0)) return say("material is left");
-    if (distance > radius + margin && !is.holds(p, -kMargin)) return say("material is gone");
+    if (distance > radius + margin && !is.holds(p, -rounding)) return say("material is gone");
   }
   return std::nullopt;
 }

@@ -19,8 +19,15 @@ inline Eigen::Vector2d random_point(SeededRandom& random, double margin) {
   return {random.uniform(-margin, 1.0 + margin), random.uniform(-margin, 1.0 + margin)};
 }
 
+// One that has material.
+inline mesh::VertexId random_vertex_id(SeededRandom& random, const mesh::TriangleMesh& mesh) {
+  auto v = static_cast<mesh::VertexId>(random.below(static_cast<std::uint64_t>(mesh.num_vertices())));
+  while (!mesh.has_material(v)) v = (v + 1) % mesh.num_vertices();
+  return v;
+}
+
 inline Eigen::Vector2d random_vertex(SeededRandom& random, const mesh::TriangleMesh& mesh) {
-  return mesh.rest_position(static_cast<mesh::VertexId>(random.below(static_cast<std::uint64_t>(mesh.num_vertices()))));
+  return mesh.rest_position(random_vertex_id(random, mesh));
 }
 
 inline Eigen::Vector2d polar(double angle, double radius) {
@@ -79,7 +86,7 @@ inline cut::Curve random_hairpin(SeededRandom& random) {
 inline cut::Curve random_vertex_path(SeededRandom& random, const mesh::TriangleMesh& mesh) {
   cut::Polyline line{{random_vertex(random, mesh), random_vertex(random, mesh)}};
   if (random.below(2) == 0) {
-    auto vertex = static_cast<mesh::VertexId>(random.below(static_cast<std::uint64_t>(mesh.num_vertices())));
+    mesh::VertexId vertex = random_vertex_id(random, mesh);
     line.points.assign(1, mesh.rest_position(vertex));
     const std::uint64_t steps = 1 + random.below(6);
     for (std::uint64_t i = 0; i < steps; ++i) {

@@ -23,9 +23,10 @@ inline constexpr int kCutsOfASequence = 40;
 inline constexpr int kSingles = 4;
 
 struct Tally {
-  std::int64_t cuts = 0, applied = 0, missed = 0, invalid = 0, stopped = 0, deep = 0;
+  std::int64_t cuts = 0, applied = 0, missed = 0, invalid = 0, stopped = 0, deep = 0, strips = 0;
   std::map<std::string, std::int64_t> refused;  // by reason
-  double area_drift = 0.0;                      // -; largest relative change of the area since a sheet was made
+  double area_drift = 0.0;    // -; largest relative change of the area since a sheet was made, strips taken aside
+  double removed_area = 0.0;  // m^2, of strips taken from the present sheet
 };
 
 inline RandomSheet random_sheet(SeededRandom& random) {
@@ -67,11 +68,13 @@ inline double total_area(const mesh::TriangleMesh& mesh) {
   return sum;
 }
 
-// Makes one cut and counts what became of it. What is wrong in words, or nothing.
-inline audit::Finding count_cut(mesh::TriangleMesh& mesh, const cut::CutRequest& request, Tally& tally) {
+// Makes one cut and counts what became of it. What is wrong in words, or nothing. `number`: of the cut; one in 16 is
+// checked in depth.
+inline audit::Finding count_cut(mesh::TriangleMesh& mesh, const cut::CutRequest& request, std::uint64_t number,
+                                Tally& tally) {
   ++tally.cuts;
   audit::Depth depth;
-  if (tally.cuts % 16 == 0) {
+  if (number % 16 == 0) {
     depth = audit::kDeepest;
     if (!request.options.dash.lengths.empty()) depth.curve_samples = 0;  // the gaps of a dashed curve have no lips
     ++tally.deep;
@@ -81,6 +84,8 @@ inline audit::Finding count_cut(mesh::TriangleMesh& mesh, const cut::CutRequest&
     case audit::AuditedCut::End::kApplied:
       ++tally.applied;
       if (done.outcome.report.refinement_stopped) ++tally.stopped;
+      if (request.options.width_m) ++tally.strips;
+      tally.removed_area += done.outcome.report.removed_area_m2;
       break;
     case audit::AuditedCut::End::kMissed:
       ++tally.missed;
@@ -106,15 +111,20 @@ inline audit::Finding run_trial(std::uint64_t seed, Tally& tally) {
   std::vector<cut::Curve> earlier;
   for (int i = 0; i < (is_sequence ? kCutsOfASequence : kSingles) && mesh.num_triangle_slots() < 4'000; ++i) {
     if (!is_sequence && i > 0) mesh = built;
+    if (!is_sequence || i == 0) tally.removed_area = 0.0;
     cut::CutRequest request{random_curve(random, mesh, frame, earlier), random_options(random), {}};
-    if (random.below(12) == 0) {
+    // Dashes graded to each of a hundred tips take any budget.
+    if (random.below(12) == 0 && !request.options.tip_edge_length_m) {
       const auto length = [&] { return frame.scale * random.uniform(0.01, 0.3); };
       request.options.dash = {{length(), length()}, length()};
     }
+    if (request.options.method != cut::Method::kElement && random.below(6) == 0) {
+      request.options.width_m = frame.scale * std::pow(10.0, random.uniform(-5.0, -0.5));
+    }
     if (random.below(4) == 0) request.fixed_vertices = {0, mesh.num_vertices() / 2};
     if (is_sequence) earlier.push_back(request.curve);
-    if (audit::Finding flaw = count_cut(mesh, request, tally)) return flaw;
-    tally.area_drift = std::max(tally.area_drift, std::abs(total_area(mesh) - area) / area);
+    if (audit::Finding flaw = count_cut(mesh, request, seed / 2 + static_cast<std::uint64_t>(i), tally)) return flaw;
+    tally.area_drift = std::max(tally.area_drift, std::abs(total_area(mesh) + tally.removed_area - area) / area);
   }
   if (tally.area_drift > 1e-12) return "the area has drifted";
   return std::nullopt;

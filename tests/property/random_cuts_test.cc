@@ -34,10 +34,12 @@ TEST(RandomCuts, KeepEveryInvariant) {
     expect_sound(sequence, tally);
     sequence += 2;
   }
-  std::printf("%lld cuts: %lld applied, %lld missed, %lld degenerate, refinement stopped in %lld; area drift %.1e\n",
-              static_cast<long long>(tally.cuts), static_cast<long long>(tally.applied),
-              static_cast<long long>(tally.missed), static_cast<long long>(tally.invalid),
-              static_cast<long long>(tally.stopped), tally.area_drift);
+  std::printf(
+      "%lld cuts: %lld applied, %lld missed, %lld degenerate, refinement stopped in %lld, %lld strips; area drift "
+      "%.1e\n",
+      static_cast<long long>(tally.cuts), static_cast<long long>(tally.applied), static_cast<long long>(tally.missed),
+      static_cast<long long>(tally.invalid), static_cast<long long>(tally.stopped),
+      static_cast<long long>(tally.strips), tally.area_drift);
   for (const auto& [reason, count] : tally.refused) ADD_FAILURE() << count << " refused: " << reason;
   EXPECT_GT(tally.applied, tally.cuts * 3 / 5);
   EXPECT_LE(tally.invalid, tally.cuts / 100);
