@@ -33,6 +33,7 @@ struct CutArguments {
   std::optional<std::string> fit;
   std::optional<std::string> dash;
   double dash_offset = 0.0;
+  double width = 0.0;
   std::optional<std::string> view;
   std::string picture = "640x360";
   std::string layers = "nearest";
@@ -118,6 +119,7 @@ void set_meshing(const CutArguments& arguments, v1::Cut& cut) {
   if (arguments.quality == "fine") cut.set_quality(v1::Cut::FINE);
   cut.set_tip_edge_length_m(arguments.tip_size);
   cut.set_tip_grading(arguments.tip_grading);
+  cut.set_width_m(arguments.width);
   if (arguments.no_relax) cut.set_relax(false);
 }
 
@@ -181,6 +183,9 @@ void add_cut_command(CLI::App& app, Session& session) {
       "--dash", arguments->dash, "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\"");
   command->add_option("--dash-offset", arguments->dash_offset, "Metres into the pattern at which it begins (default 0)")
       ->needs(dash);
+  CLI::Option* width = command->add_option(
+      "--width", arguments->width,
+      "Kerf: take away the strip of this width around the curve, metres on the undeformed sheet (default: nothing)");
   CLI::Option* view = command->add_option("--view", arguments->view,
                                           "Cut along sight lines: the curve is in pixels of a picture taken from \"EYE "
                                           "TARGET [UP]\", each x,y,z in metres;\n"
@@ -211,7 +216,7 @@ void add_cut_command(CLI::App& app, Session& session) {
   command->add_option("--tip-grading", arguments->tip_grading,
                       "Growth of edges from ring to ring away from the tips, 1.05 to 10 (default 1.5)");
   command->add_flag("--no-relax", arguments->no_relax, "Let no old vertex move in material space");
-  batch->excludes(tolerance, min_angle, fit, dash, view);
+  batch->excludes(tolerance, min_angle, fit, dash, view, width);
   command->callback(
       [&session, arguments] { session.action = [&session, arguments] { return cut(session, *arguments); }; });
 }

@@ -132,8 +132,13 @@ std::string describe(const v1::CutResult& result) {
     text += format("\n  layer: piece %d, %.4g m long, %.4g to %.4g m from the camera, %s", layer.piece(),
                    layer.length_m(), layer.nearest_m(), layer.farthest_m(), layer.faces_camera() ? "front" : "back");
   }
+  if (result.has_removed()) {
+    const v1::Removed& removed = result.removed();
+    text += format("\n  taken away: %.6g m^2, %.6g kg, %d vertices", removed.area_m2(), removed.mass_kg(),
+                   removed.vertices());
+  }
   for (const v1::PieceSplit& split : result.split_pieces()) {
-    text += "\n  piece " + std::to_string(split.piece()) + " fell apart:";
+    text += "\n  piece " + std::to_string(split.piece()) + (split.children().empty() ? " is gone" : " fell apart:");
     for (const v1::Piece& child : split.children()) text += "\n    " + describe(child);
   }
   for (const v1::SharpCorner& corner : quality.corners()) {

@@ -59,8 +59,7 @@ class Fold {
   Fold(std::span<const double> mass, State& state) : mass_(mass.begin(), mass.end()), state_(state) {}
 
   void take_back(const mesh::RevertedEdit& reverted) {
-    write(reverted.revived_vertices, interpolate(reverted.revived_vertices, state_.x), state_.x);
-    write(reverted.revived_vertices, interpolate(reverted.revived_vertices, state_.v), state_.v);
+    revive(reverted.revived_vertices);
     const std::vector<Eigen::Vector3d> x = interpolate(reverted.moved_vertices, state_.x);
     const std::vector<Eigen::Vector3d> v = interpolate(reverted.moved_vertices, state_.v);
     write(reverted.moved_vertices, x, state_.x);
@@ -74,6 +73,16 @@ class Fold {
   }
 
  private:
+  // Places continue the shape beside; velocities are taken from the nearest of it, for continued they would grow.
+  void revive(std::vector<mesh::VertexSource> sources) {
+    write(sources, interpolate(sources, state_.x), state_.x);
+    for (mesh::VertexSource& source : sources) {
+      source.weights = source.weights.cwiseMax(0.0);
+      source.weights /= source.weights.sum();
+    }
+    write(sources, interpolate(sources, state_.v), state_.v);
+  }
+
   double& mass(mesh::VertexId v) { return mass_[static_cast<std::size_t>(v)]; }
 
   // The share of `added` in the vertex's mass once it has joined it.

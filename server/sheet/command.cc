@@ -40,10 +40,10 @@ Status validate_command(const Cut& cut) {
       !s) {
     return s;
   }
-  if (cut.method == cut::Method::kElement && cut.tip_edge_length) {
-    return invalid_argument("OPTIONS_CONFLICT",
-                            "cut.tip_edge_length_m needs method NEIGHBOURHOOD; leave one of them out",
-                            "cut.tip_edge_length_m");
+  if (Status s = check_number(cut.width.value_or(1.0), cut::kMinWidth, cut::kMaxWidth, "cut.width_m"); !s) return s;
+  if (cut.method == cut::Method::kElement && (cut.tip_edge_length || cut.width)) {
+    const std::string field = cut.width ? "cut.width_m" : "cut.tip_edge_length_m";
+    return invalid_argument("OPTIONS_CONFLICT", field + " needs method NEIGHBOURHOOD; leave one of them out", field);
   }
   if (Status s = check_number(cut.tip_grading, cut::kMinTipGrading, cut::kMaxTipGrading, "cut.tip_grading"); !s) {
     return s;

@@ -71,6 +71,7 @@ struct Cut {
   std::optional<double> tip_edge_length;  // m, cut::kMinLength..kMaxLength; edge length wanted at the tips inside
   double tip_grading = 1.5;               // -, cut::kMinTipGrading..kMaxTipGrading; growth of edges away from them
   bool relax = true;                      // whether free old vertices may move away from the path, in rest space
+  std::optional<double> width;            // m, cut::kMinWidth..kMaxWidth; present: the strip around the curve goes
 };
 
 // Cuts done one after another as one: all of them, with one topology version and one step to undo, or, where one is
@@ -81,8 +82,9 @@ struct CutBatch {
 
 // Takes the last Cut or CutBatch that is not undone back: mesh and rest state bit for bit; what moves goes on moving
 // (see fem::revert_state). Pins that the cut's vertices inherited go with them; a vertex that a pinned one joins is
-// pinned; a grab of a vertex that goes holds the same material point from then on. Refused with kFailedPrecondition
-// NOTHING_TO_UNDO, or UNDO_FORGOTTEN beyond what is kept (see UndoHistory).
+// pinned; pins that went with material come back with it, where no others were set since; a grab of a vertex that goes
+// holds the same material point from then on. Refused with kFailedPrecondition NOTHING_TO_UNDO, or UNDO_FORGOTTEN
+// beyond what is kept (see UndoHistory).
 struct UndoCut {};
 
 // Makes the cut that was undone last again: the mesh is what it was before the undo, bit for bit. An applied cut and a
@@ -144,7 +146,8 @@ struct CutReply {
   cut::CutReport report;                 // all zero on kNoIntersection, but for `pieces`
   std::vector<std::string> warnings;     // gaps closed, dust merged, refinement stopped: for people
   std::int64_t number = 0;               // 1, 2, ... for the sheet's applied cuts, never given twice; 0 unless applied
-  std::vector<SplitPiece> split_pieces;  // that the cut made fall apart, by id
+  std::vector<SplitPiece> split_pieces;  // that the cut made fall apart or took away, by id
+  std::optional<double> removed_mass;    // kg; of an applied cut with a width
 };
 
 // Part of a CommandReply: of an UndoCut or RedoCut.

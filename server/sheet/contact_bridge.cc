@@ -9,9 +9,12 @@ void ContactBridge::set_colliders(std::span<const contact::Collider> colliders, 
   half_thickness_ = half_thickness;
 }
 
-void ContactBridge::set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned) {
+void ContactBridge::set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
+                                 const std::vector<mesh::VertexId>& removed) {
   is_pinned_.assign(static_cast<std::size_t>(num_vertices), 0);
-  for (const mesh::VertexId v : pinned) is_pinned_[static_cast<std::size_t>(v)] = 1;
+  for (const auto* held : {&pinned, &removed}) {
+    for (const mesh::VertexId v : *held) is_pinned_[static_cast<std::size_t>(v)] = 1;
+  }
   x_before_.resize(3, num_vertices);
 }
 

@@ -18,8 +18,9 @@ class ContactBridge : public fem::ContactConstraint {
  public:
   // `half_thickness`: m, >= 0, the distance that the sheet's middle surface keeps from a collider.
   void set_colliders(std::span<const contact::Collider> colliders, double half_thickness);
-  // After every change of pins or topology; `pinned` are left alone. Allocates.
-  void set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned);
+  // After every change of pins or topology; `pinned`, and `removed` without material, are left alone. Allocates.
+  void set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
+                    const std::vector<mesh::VertexId>& removed);
 
   void begin(const Eigen::Matrix3Xd& x) override { x_before_ = x; }
   void enforce(double dt, fem::State& state) override;

@@ -19,8 +19,10 @@ Piece sum_of(const std::vector<Piece>& parts, const PieceBirth& birth) {
     sum.centroid += part.area * part.centroid;
     sum.world_centroid += part.area * part.world_centroid;
   }
-  sum.centroid /= sum.area;
-  sum.world_centroid /= sum.area;
+  if (sum.area > 0.0) {
+    sum.centroid /= sum.area;
+    sum.world_centroid /= sum.area;
+  }
   return sum;
 }
 
@@ -30,7 +32,8 @@ Lineage::Lineage(std::int32_t num_pieces) : next_id_(std::int64_t{num_pieces} + 
   reset(num_pieces);
 }
 
-LineageChange Lineage::split(const std::vector<std::int32_t>& split_from, std::int64_t cut) {
+LineageChange Lineage::split(const std::vector<std::int32_t>& split_from, const std::vector<std::int32_t>& vanished,
+                             std::int64_t cut) {
   LineageChange change;
   change.num_pieces_before = static_cast<std::int32_t>(pieces_.size());
   change.num_pieces_after = change.num_pieces_before + static_cast<std::int32_t>(split_from.size());
@@ -45,6 +48,9 @@ LineageChange Lineage::split(const std::vector<std::int32_t>& split_from, std::i
     change.ended.emplace_back(parent, ended);
     for (const std::int32_t label : labels) change.born.emplace_back(label, PieceBirth{next_id_++, ended.id, cut});
   }
+  for (const std::int32_t label : vanished) {
+    change.given_up.emplace_back(label, pieces_[static_cast<std::size_t>(label)]);
+  }
   redo(change);
   return change;
 }
@@ -52,9 +58,18 @@ LineageChange Lineage::split(const std::vector<std::int32_t>& split_from, std::i
 void Lineage::redo(const LineageChange& change) {
   pieces_.resize(static_cast<std::size_t>(change.num_pieces_after));
   for (const auto& [label, birth] : change.born) pieces_[static_cast<std::size_t>(label)] = birth;
+  for (const auto& [label, birth] : change.given_up) {
+    pieces_[static_cast<std::size_t>(label)] = pieces_.back();
+    pieces_.pop_back();
+  }
 }
 
 void Lineage::undo(const LineageChange& change) {
+  for (auto gone = change.given_up.rbegin(); gone != change.given_up.rend(); ++gone) {
+    const auto label = static_cast<std::size_t>(gone->first);
+    pieces_.push_back(label < pieces_.size() ? pieces_[label] : gone->second);
+    pieces_[label] = gone->second;
+  }
   pieces_.resize(static_cast<std::size_t>(change.num_pieces_before));
   for (const auto& [label, birth] : change.ended) pieces_[static_cast<std::size_t>(label)] = birth;
 }
@@ -95,6 +110,13 @@ std::vector<std::vector<SplitPiece>> describe_splits(const std::vector<LineageCh
   for (const Piece& piece : now) known.emplace(piece.birth.id, piece);
   std::vector<std::vector<SplitPiece>> splits(changes.size());
   for (std::size_t i = changes.size(); i-- > 0;) {
+    for (const auto& [label, gone] : changes[i].given_up) {
+      Piece nothing;
+      nothing.birth = gone;
+      nothing.label = mesh::kNone;
+      known[gone.id] = nothing;
+      splits[i].push_back({gone.id, {}});
+    }
     for (const auto& [parent_label, ended] : changes[i].ended) {
       SplitPiece split;
       split.id = ended.id;

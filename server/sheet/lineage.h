@@ -34,16 +34,18 @@ struct Piece {
 // A piece that fell apart.
 struct SplitPiece {
   std::int64_t id = 0;          // ended with this
-  std::vector<Piece> children;  // two or more, by id; as they are when the whole command is done, where a later cut of
-                                // a batch divided one again: the sum of its parts, label -1
+  std::vector<Piece> children;  // two or more, by id, or none where all of it was removed; as they are when the whole
+                                // command is done. Where a later cut of a batch divided one again: the sum of its
+                                // parts, label -1; where one removed it: nothing, label -1
 };
 
 // What one edit did to the tree. Pieces with their number in the mesh.
 struct LineageChange {
   std::int32_t num_pieces_before = 0;
-  std::int32_t num_pieces_after = 0;
-  std::vector<std::pair<std::int32_t, PieceBirth>> ended;
-  std::vector<std::pair<std::int32_t, PieceBirth>> born;  // ids consecutive
+  std::int32_t num_pieces_after = 0;                          // those given up still counted
+  std::vector<std::pair<std::int32_t, PieceBirth>> ended;     // fell apart
+  std::vector<std::pair<std::int32_t, PieceBirth>> born;      // ids consecutive; numbers before any was given up
+  std::vector<std::pair<std::int32_t, PieceBirth>> given_up;  // one by one, the highest number taking each over
 };
 
 class Lineage {
@@ -53,8 +55,9 @@ class Lineage {
   // By the mesh's piece number.
   [[nodiscard]] const std::vector<PieceBirth>& pieces() const { return pieces_; }
 
-  // After an edit with this MeshEdit::split_from, by cut number `cut`.
-  LineageChange split(const std::vector<std::int32_t>& split_from, std::int64_t cut);
+  // After an edit, by cut number `cut`: see MeshEdit::split_from and vanished_pieces.
+  LineageChange split(const std::vector<std::int32_t>& split_from, const std::vector<std::int32_t>& vanished,
+                      std::int64_t cut);
   // Takes back the last change that is not taken back yet.
   void undo(const LineageChange& change);
   // The same again, after its undo.

@@ -16,6 +16,7 @@ mesh::VertexId nearest_vertex(const mesh::TriangleMesh& mesh, const Eigen::Vecto
   mesh::VertexId nearest = mesh::kNone;
   double smallest = std::numeric_limits<double>::infinity();
   for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+    if (!mesh.has_material(v)) continue;
     const double distance = (mesh.rest_position(v) - corner).squaredNorm();
     if (distance < smallest) {
       smallest = distance;
@@ -27,7 +28,7 @@ mesh::VertexId nearest_vertex(const mesh::TriangleMesh& mesh, const Eigen::Vecto
 
 void add_in_box(const mesh::TriangleMesh& mesh, const Eigen::AlignedBox2d& box, std::vector<mesh::VertexId>& pinned) {
   for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
-    if (box.contains(mesh.rest_position(v))) pinned.push_back(v);
+    if (mesh.has_material(v) && box.contains(mesh.rest_position(v))) pinned.push_back(v);
   }
 }
 
@@ -60,6 +61,11 @@ Status add_listed(const mesh::TriangleMesh& mesh, const std::vector<mesh::Vertex
                               path + " is " + std::to_string(ids[k]) + "; the sheet has vertices 0.." +
                                   std::to_string(mesh.num_vertices() - 1),
                               path);
+    }
+    if (!mesh.has_material(ids[k])) {
+      const std::string path = field + ".vertices.vertices[" + std::to_string(k) + "]";
+      return invalid_argument("UNKNOWN_VERTEX",
+                              path + " is " + std::to_string(ids[k]) + ", whose material a cut took away", path);
     }
     pinned.push_back(ids[k]);
   }
@@ -98,6 +104,9 @@ void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinne
     }
     if (all) pinned.push_back(added.vertex);  // ids are consecutive beyond all old ones, so the order holds
   }
+  std::erase_if(pinned, [&](mesh::VertexId v) {
+    return std::binary_search(edit.removed_vertices.begin(), edit.removed_vertices.end(), v);
+  });
 }
 
 }  // namespace kerf::sheet

@@ -17,7 +17,8 @@ Result<std::vector<mesh::VertexId>> find_pinned(const mesh::TriangleMesh& mesh, 
                                                 const std::string& field);
 
 // Pins after an edit: a new vertex is pinned where everything that it comes from is, so both copies of a split vertex
-// and a new vertex on an edge between two pinned ones. `pinned`: sorted, unique; stays so.
+// and a new vertex on an edge between two pinned ones. Those left without material are not. `pinned`: sorted, unique;
+// stays so.
 void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinned);
 
 }  // namespace kerf::sheet

@@ -325,6 +325,14 @@ std::shared_ptr<const Snapshot> Sheet::snapshot(const RunStats& stats) const {
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->tick = impl_->tick;
   snapshot->positions = impl_->state.x;
+  // Vertices without material stay where they were when they lost it; viewers find them with one that has some, so that
+  // what the sheet extends over is told by the material alone.
+  if (!impl_->removed.empty()) {
+    mesh::TriangleId solid = 0;
+    while (!impl_->mesh.is_solid(solid)) ++solid;
+    const Eigen::Vector3d at = impl_->state.x.col(impl_->mesh.vertices(solid)[0]);
+    for (const mesh::VertexId v : impl_->removed) snapshot->positions.col(v) = at;
+  }
   snapshot->topology = impl_->topology.at(impl_->mesh, impl_->topology_version);
   snapshot->stats = stats;
   return snapshot;

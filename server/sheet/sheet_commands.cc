@@ -83,6 +83,7 @@ cut::CutRequest Sheet::Impl::request_of(const Cut& cut) const {
   request.options.tip_edge_length_m = cut.tip_edge_length;
   request.options.tip_grading = cut.tip_grading;
   request.options.relax = cut.relax;
+  request.options.width_m = cut.width;
   request.options.max_vertices = config->max_vertices;
   request.options.fit = cut.fit;
   request.options.dash = cut.dash;
@@ -96,6 +97,9 @@ CutReply Sheet::Impl::reply_of(const cut::CutOutcome& outcome, const Cut& cut) c
   reply.report = outcome.report;
   reply.report.pieces = mesh.num_pieces();
   reply.warnings = warnings_of(outcome.report, cut.remarks);
+  if (cut.width && outcome.status == cut::CutStatus::kApplied) {
+    reply.removed_mass = config->material.density * config->material.thickness * outcome.report.removed_area_m2;
+  }
   return reply;
 }
 
@@ -115,6 +119,11 @@ Status Sheet::Impl::grab(const Grab& grab) {
       return invalid_argument("UNKNOWN_VERTEX",
                               "grab.vertex is " + std::to_string(*vertex) + "; the sheet has vertices 0.." +
                                   std::to_string(mesh.num_vertices() - 1),
+                              "grab.vertex");
+    }
+    if (!mesh.has_material(*vertex)) {
+      return invalid_argument("UNKNOWN_VERTEX",
+                              "grab.vertex is " + std::to_string(*vertex) + ", whose material a cut took away",
                               "grab.vertex");
     }
     held.vertices[0] = *vertex;
@@ -155,6 +164,7 @@ Status Sheet::Impl::set_pins(const SetPins& pins) {
   Result<std::vector<mesh::VertexId>> found = find_pinned(mesh, pins.pins, "set_pins.pins");
   if (!found) return found.error();
   pin(std::move(found).value());
+  ++pins_version;
   ++settings_version;
   return Nothing{};
 }
@@ -175,7 +185,9 @@ void Sheet::Impl::reset() {
   grabs.clear();
   loads.gravity = config->gravity;
   set_wind(config->wind);
+  removed.clear();
   pin(initial->pinned);
+  ++pins_version;
   rebuild();
   history.clear();
   lineage.reset(mesh.num_pieces());
@@ -195,7 +207,7 @@ void Sheet::Impl::pin(std::vector<mesh::VertexId> vertices) {
     state.v.col(v).setZero();
     loads.pins.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
   }
-  contact.set_vertices(mesh.num_vertices(), pinned);
+  contact.set_vertices(mesh.num_vertices(), pinned, removed);
 }
 
 // After the model changed; all that a step needs is allocated here.

@@ -133,8 +133,8 @@ Result<std::vector<CutReply>> Sheet::Impl::do_cuts(std::span<const Cut> cuts, bo
   bool fell_apart = false;
   for (DoneCut& cut : done) {
     cut.number = ++last_cut_number;
-    cut.lineage = lineage.split(cut.edit.edit.split_from, cut.number);
-    fell_apart = fell_apart || !cut.lineage.born.empty();
+    cut.lineage = lineage.split(cut.edit.edit.split_from, cut.edit.edit.vanished_pieces, cut.number);
+    fell_apart = fell_apart || !cut.lineage.born.empty() || !cut.lineage.given_up.empty();
     changes.push_back(cut.lineage);
   }
   std::vector<std::vector<SplitPiece>> splits(done.size());
@@ -181,7 +181,9 @@ Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, b
     if (is_batch) inherit_pins(outcome->edit, pins);
     if (is_batch && has_view) fem::carry_over(outcome->edit, positions);
     mesh::UndoLog again = outcome->undo.inverse(mesh);
-    done.push_back({{std::move(outcome->edit), std::move(outcome->undo)}, std::move(again), 0, {}});
+    std::vector<fem::Pin> lost = pins_lost_by(outcome->edit);
+    done.push_back(
+        {{std::move(outcome->edit), std::move(outcome->undo)}, std::move(again), 0, {}, std::move(lost), pins_version});
   }
   return replies;
 }
@@ -189,12 +191,18 @@ Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, b
 // Brings everything that is derived from the mesh up to date with cuts of it.
 void Sheet::Impl::follow(const std::vector<DoneCut>& cuts) {
   const std::vector<const mesh::MeshEdit*> edits = edits_of(cuts);
+  for (const mesh::MeshEdit* edit : edits) {
+    removed.insert(removed.end(), edit->removed_vertices.begin(), edit->removed_vertices.end());
+  }
+  std::sort(removed.begin(), removed.end());
   const fem::MassChange change = model.follow(mesh, rewritten_slots(cuts, mesh.num_triangle_slots()));
   fem::transfer_state(edits, model, change, state);
   std::vector<mesh::VertexId> inherited = pinned;
   for (const mesh::MeshEdit* edit : edits) inherit_pins(*edit, inherited);
   // Old pins keep their targets: nothing may have moved them. The new ones are held where they are.
-  for (const fem::Pin& p : loads.pins) state.x.col(p.vertex) = p.target;
+  for (const fem::Pin& p : loads.pins) {
+    if (mesh.has_material(p.vertex)) state.x.col(p.vertex) = p.target;
+  }
   finish_edit(std::move(inherited));
   topology.note(edits);
 }
@@ -256,16 +264,33 @@ void Sheet::Impl::take_back(const std::vector<DoneCut>& cuts, const CommandConte
     state.x.col(vertex) = p->target;
     still_pinned.push_back(vertex);
   }
+  std::erase_if(removed, [&](mesh::VertexId v) { return v >= mesh.num_vertices() || mesh.has_material(v); });
+  for (const DoneCut& cut : cuts) {
+    if (cut.pins_version != pins_version) continue;
+    for (const fem::Pin& p : cut.lost_pins) {
+      state.x.col(p.vertex) = p.target;
+      still_pinned.push_back(p.vertex);
+    }
+  }
   std::sort(still_pinned.begin(), still_pinned.end());
   still_pinned.erase(std::unique(still_pinned.begin(), still_pinned.end()), still_pinned.end());
   finish_edit(std::move(still_pinned));
   topology.replace();
 }
 
+std::vector<fem::Pin> Sheet::Impl::pins_lost_by(const mesh::MeshEdit& edit) const {
+  std::vector<fem::Pin> lost;
+  for (const fem::Pin& p : loads.pins) {
+    if (std::binary_search(edit.removed_vertices.begin(), edit.removed_vertices.end(), p.vertex)) lost.push_back(p);
+  }
+  return lost;
+}
+
 // What follows once mesh, model and state are of one topology again.
 void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned) {
   pin(std::move(now_pinned));
   for (GrabState& held : grabs) {
+    if (!held.material && !mesh.has_material(held.vertices[0])) held.material = mesh.rest_position(held.vertices[0]);
     if (!held.material) continue;
     const std::optional<MaterialPoint> found = find_material_point(mesh, *held.material);
     const MaterialPoint point = found ? *found : nearest_material_point(mesh, *held.material);

@@ -103,6 +103,8 @@ struct Sheet::Impl {
   Result<std::vector<CutReply>> cut_mesh(std::span<const Cut> cuts, bool is_batch, std::vector<DoneCut>& done);
   void follow(const std::vector<DoneCut>& cuts);
   void take_back(const std::vector<DoneCut>& cuts, const CommandContext& context);
+  // Of vertices that the edit leaves without material.
+  [[nodiscard]] std::vector<fem::Pin> pins_lost_by(const mesh::MeshEdit& edit) const;
   void finish_edit(std::vector<mesh::VertexId> now_pinned);
   [[nodiscard]] CommandReply undo_reply(const UndoStep& step) const;
 
@@ -123,6 +125,7 @@ struct Sheet::Impl {
   mesh::TriangleMesh mesh;
   fem::State state;
   std::vector<mesh::VertexId> pinned;  // sorted, unique
+  std::int32_t pins_version = 0;       // grows where a client sets them
   std::vector<GrabState> grabs;
   Wind wind;
   fem::Loads loads;  // its pins hold the vertices in `pinned`, in order; its grabs are set anew each tick
@@ -148,6 +151,7 @@ struct Sheet::Impl {
   std::string integrator_description;
   ContactBridge contact;
   LazyTopology topology;
+  std::vector<mesh::VertexId> removed;  // vertices without material; sorted
 
   // Scratch of a step.
   fem::State last_good;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/base/result.h"
+#include "server/fem/loads.h"
 #include "server/mesh/mesh_editor.h"
 #include "server/sheet/lineage.h"
 
@@ -17,6 +18,8 @@ struct DoneCut {
   mesh::UndoLog again;  // makes the edit again once it is undone: edit.undo.inverse()
   std::int64_t number = 0;
   LineageChange lineage;
+  std::vector<fem::Pin> lost_pins;  // of vertices that it left without material
+  std::int32_t pins_version = 0;    // Sheet::Impl::pins_version then: pins set since are not put back
 };
 
 // What one UndoCut takes back: the applied cuts of a Cut or CutBatch, in the order of their making. Never changes.

@@ -122,6 +122,7 @@ v1::Cut encode_cut(const sheet::Cut& cut) {
   if (cut.tip_edge_length) message.set_tip_edge_length_m(*cut.tip_edge_length);
   message.set_tip_grading(cut.tip_grading);
   message.set_relax(cut.relax);
+  if (cut.width) message.set_width_m(*cut.width);
   if (cut.fit) {
     v1::MaterialBox& box = *message.mutable_fit();
     if (cut.fit->box) {
@@ -174,6 +175,7 @@ Result<sheet::Command> decode_cut(const v1::Cut& message, const FileReader& read
   if (message.tip_edge_length_m() != 0.0) cut.tip_edge_length = message.tip_edge_length_m();
   if (message.tip_grading() != 0.0) cut.tip_grading = message.tip_grading();
   if (message.has_relax()) cut.relax = message.relax();
+  if (message.width_m() != 0.0) cut.width = message.width_m();
   return checked(std::move(cut));
 }
 

@@ -60,6 +60,14 @@ v1::CutResult encode_cut_result(const sheet::CommandReply& reply, const sheet::C
     message.set_farthest_m(layer.farthest_m);
     message.set_faces_camera(layer.faces_camera);
   }
+  if (cut.removed_mass) {
+    v1::Removed& removed = *result.mutable_removed();
+    removed.set_area_m2(report.removed_area_m2);
+    removed.set_mass_kg(*cut.removed_mass);
+    removed.set_pieces(report.removed_pieces);
+    removed.set_vertices(report.removed_vertices);
+    removed.set_triangles(report.removed_triangles);
+  }
   for (const sheet::SplitPiece& split : cut.split_pieces) {
     v1::PieceSplit& message = *result.add_split_pieces();
     message.set_piece(split.id);

@@ -10,6 +10,7 @@
 
 #include "server/base/random.h"
 #include "server/sheet/sheet.h"
+#include "tests/property/random_curves.h"
 #include "tests/property/random_sheets.h"
 
 // Random sheets that move, and what looks at them.
@@ -68,8 +69,7 @@ inline SheetConfig random_config(SeededRandom& random, Frame& frame) {
 
 // Pulls a vertex about, so that the sheet strains and turns.
 inline void stir(SeededRandom& random, const Frame& frame, Sheet& sheet) {
-  const auto vertex =
-      static_cast<mesh::VertexId>(random.below(static_cast<std::uint64_t>(sheet.mesh().num_vertices())));
+  const mesh::VertexId vertex = random_vertex_id(random, sheet.mesh());
   const Eigen::Vector3d pull(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1));
   const std::vector<Command> grab{
       Grab{"hand", vertex, Eigen::Vector3d(sheet.state().x.col(vertex) + frame.scale * pull), 0.0}};

@@ -83,6 +83,7 @@ inline void add_commands(v1::Scene& scene) {
   cut->set_tip_edge_length_m(0.001);
   cut->set_tip_grading(1.25);
   cut->set_tolerance_m(2e-5);
+  cut->set_width_m(0.004);
   cut->set_relax(false);
   cut = add_command(scene, 2).mutable_cut();
   set(cut->mutable_curve()->mutable_polyline()->add_points(), 0.1, 0.2);
@@ -343,6 +344,9 @@ inline std::vector<BadScene> bad_commands() {
        [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_tip_edge_length_m(-1.0); }},
       {"commands[1].command.cut.tip_edge_length_m",
        [=](v1::Scene& s) { command(s, 1)->mutable_cut()->set_tip_edge_length_m(0.01); }},
+      {"commands[0].command.cut.width_m", [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_width_m(9e-10); }},
+      {"commands[0].command.cut.width_m", [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_width_m(1.1e4); }},
+      {"commands[1].command.cut.width_m", [=](v1::Scene& s) { command(s, 1)->mutable_cut()->set_width_m(0.01); }},
       {"commands[0].command.cut.tip_grading",
        [=](v1::Scene& s) { command(s, 0)->mutable_cut()->set_tip_grading(1.0); }},
       {"commands[0].command.cut.tolerance_m",

@@ -164,6 +164,7 @@ TEST(CommandCodec, ZerosOfACutMeanTheDefaults) {
   EXPECT_EQ(std::get<sheet::Cut>(*command).tip_grading, 1.5);
   EXPECT_FALSE(std::get<sheet::Cut>(*command).tolerance_m.has_value());
   EXPECT_TRUE(std::get<sheet::Cut>(*command).relax);
+  EXPECT_FALSE(std::get<sheet::Cut>(*command).width.has_value());
 }
 
 TEST(CommandCodec, FineQualityIsAnAngle) {
