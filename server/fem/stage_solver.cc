@@ -142,6 +142,9 @@ double StageSolver::solve_first(const Problem& problem, const Eigen::Matrix3Xd& 
   const Eigen::Vector3d fall = d * d * problem.loads.gravity;
   rhs_ = residual_;
   step_ = (d * problem.stage.base.v).colwise() + fall;
+  for (Eigen::Index i = 0; i < step_.cols(); ++i) {
+    if (problem.model.mass()[static_cast<std::size_t>(i)] == 0.0) step_.col(i).setZero();  // nothing moves it
+  }
   contact_.predict(x, residual_, step_);
   constrain(problem, x);
   const double whole = rhs_.norm();
@@ -250,7 +253,11 @@ void StageSolver::restore_momentum(const Problem& problem, Eigen::Matrix3Xd& x) 
     missing += m * (stage.d * stage.base.v.col(i) - inertia * (x.col(i) - stage.base.x.col(i)));
     missing += stage.d * stage.d * (m * problem.loads.gravity + problem.constant_force.col(i));
   }
-  if (mass > 0.0) x.colwise() += missing / (mass * inertia);
+  if (!(mass > 0.0)) return;
+  const Eigen::Vector3d shift = missing / (mass * inertia);
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    if (problem.model.mass()[static_cast<std::size_t>(i)] > 0.0) x.col(i) += shift;
+  }
 }
 
 void StageSolver::add_grab_forces(const Problem& problem, const Eigen::Matrix3Xd& x) {

@@ -13,7 +13,7 @@ namespace {
 constexpr double kSameMass = 1e-9;  // -, of the touched mass
 
 Eigen::Vector3d interpolate(const mesh::VertexSource& source, const Eigen::Matrix3Xd& field) {
-  if (source.weights[0] == 1.0) return field.col(source.sources[0]);
+  if (source.weights[0] == 1.0 && source.weights[1] == 0.0) return field.col(source.sources[0]);
   Eigen::Vector3d value = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
     const double weight = source.weights[static_cast<Eigen::Index>(k)];
