@@ -32,6 +32,7 @@ struct Group {
 
 const std::vector<Group>& groups() {
   static const std::vector<Group> all = {
+      {"clipper", {"polyclipping/"}},
       {"eigen", {"Eigen/"}},
       {"asio", {"boost/asio", "boost/system"}},
       {"boost", {"boost/"}},
@@ -54,7 +55,7 @@ const std::vector<Row>& table() {
   static const std::vector<Row> rows = {
       {"server/base", {}, {}},
       {"server/mesh", {"server/base"}, {"eigen"}},
-      {"server/cut", {"server/mesh", "server/base"}, {"eigen"}},
+      {"server/cut", {"server/mesh", "server/base"}, {"clipper", "eigen"}},
       {"server/contact", {"server/mesh", "server/base"}, {"eigen"}},
       {"server/fem", {"server/mesh", "server/base"}, {"eigen"}},
       {"server/sheet", {"server/cut", "server/contact", "server/fem", "server/mesh", "server/base"}, {"eigen"}},
