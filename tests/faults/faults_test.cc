@@ -2,6 +2,7 @@
 // by a cut that is refused without need, by a crash, or by running out of processor time. Without a fault nothing is
 // found.
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -72,6 +73,7 @@ Finding run_random_cuts(int fault) {
       cut::CutRequest request{property::random_curve(random, mesh, made.frame, earlier), {}, {}};
       if (random.below(3) == 0) request.options.relax = false;
       if (random.below(3) == 0) request.options.min_angle_deg = 0.0;
+      if (random.below(4) == 0) request.options.width_m = made.frame.scale * std::pow(10.0, random.uniform(-4.0, -0.5));
       for (mesh::VertexId v = mesh.num_vertices() - 1; v >= 0; v -= 3) request.fixed_vertices.push_back(v);
       earlier.push_back(request.curve);
       const AuditedCut done = cut(fault, mesh, request);
