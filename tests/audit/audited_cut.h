@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/cut/cut.h"
+#include "server/cut/fit.h"
 #include "tests/audit/cut_audit.h"
 #include "tests/audit/path_audit.h"
 #include "tests/audit/strip_audit.h"
@@ -30,6 +31,17 @@ struct Depth {
 };
 inline constexpr Depth kDeepest{true, true, true, 60};
 
+// The curve where it is cut: moved and scaled as the request's fit says.
+inline cut::Curve placed_curve(const mesh::TriangleMesh& mesh, const cut::CutRequest& request) {
+  cut::Curve curve = request.curve;
+  if (!request.options.fit) return curve;
+  const Eigen::Vector2d margin = cut::kFitMargin * mesh.bounding_box().sizes();
+  const cut::Box box = request.options.fit->box.value_or(
+      cut::Box{mesh.bounding_box().min() + margin, mesh.bounding_box().max() - margin});
+  (void)cut::fit_into(box, curve);  // as plan() did before this
+  return curve;
+}
+
 // A cut that is refused, invalid or missed must leave the mesh bit-identical.
 inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after,
                                     const cut::Curve& curve, const AuditedCut& done, const Depth& depth) {
@@ -43,7 +55,9 @@ inline Finding find_flaw_of_applied(const mesh::TriangleMesh& before, const mesh
       return flaw;
     }
   } else if (depth.curve_samples > 0) {
-    if (Finding flaw = find_curve_flaw(before, after, curve, done.outcome.report, depth.curve_samples)) return flaw;
+    if (Finding flaw = find_curve_flaw(before, after, curve, done.outcome.report, depth.curve_samples,
+                                       largest_snap(before, done.plan)))
+      return flaw;
   }
   if (depth.undo) {
     mesh::TriangleMesh undone = after;
@@ -107,7 +121,7 @@ AuditedCut cut_and_audit(mesh::TriangleMesh& mesh, const cut::CutRequest& reques
     return done;
   }
   done.end = AuditedCut::End::kApplied;
-  done.flaw = find_flaw_of_applied(before, mesh, request.curve, done, depth);
+  done.flaw = find_flaw_of_applied(before, mesh, placed_curve(before, request), done, depth);
   return done;
 }
 

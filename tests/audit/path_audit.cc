@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <sstream>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -267,12 +268,11 @@ class PathAudit {
   std::vector<Segment> segments_of(const cut::CutPlan& plan) {
     const mesh::Lattice& lattice = before_.records().lattice;
     std::vector<Segment> path;
-    const double scale = largest_tolerance(before_, plan) /
-                         plan.options.tolerance_m.value_or(plan.options.tolerance * plan.edge_length_m);
+    const double dust = largest_snap(before_, plan);
     for (const cut::Stroke& stroke : plan.strokes) {
       Box box;
       for (const Vector2d& point : stroke.points) box.extend(point);
-      const bool is_dust = box.diagonal().norm() <= scale * plan.snap_m;
+      const bool is_dust = box.diagonal().norm() <= dust;
       for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
         const Segment segment{(stroke.points[i] - lattice.origin) / lattice.spacing,
                               (stroke.points[i + 1] - lattice.origin) / lattice.spacing, is_dust};
@@ -354,6 +354,21 @@ void sample_segment(const Vector2d& from, const cut::Segment& segment, const Eac
   }
 }
 
+// A single point is no line, and nothing is cut there.
+bool is_point(const cut::Subpath& subpath) {
+  const auto stays = [&](const auto& segment) {
+    using Kind = std::decay_t<decltype(segment)>;
+    bool same = segment.end == subpath.start;
+    if constexpr (std::is_same_v<Kind, cut::QuadraticTo>) same = same && segment.control == subpath.start;
+    if constexpr (std::is_same_v<Kind, cut::CubicTo>) {
+      same = same && segment.controls[0] == subpath.start && segment.controls[1] == subpath.start;
+    }
+    return same;
+  };
+  return std::all_of(subpath.segments.begin(), subpath.segments.end(),
+                     [&](const cut::Segment& segment) { return std::visit(stays, segment); });
+}
+
 }  // namespace
 
 Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::CutPlan& plan,
@@ -365,7 +380,7 @@ Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& 
   return PathAudit(mesh, mesh).find_gap(plan, report);
 }
 
-std::vector<std::vector<Vector2d>> sample_curve(const cut::Curve& curve, int samples) {
+std::vector<std::vector<Vector2d>> sample_curve(const cut::Curve& curve, int samples, double dust) {
   std::vector<std::vector<Vector2d>> lines;
   const auto each = [&](const auto& at) {
     lines.emplace_back();
@@ -393,22 +408,29 @@ std::vector<std::vector<Vector2d>> sample_curve(const cut::Curve& curve, int sam
     });
   } else if (const auto* path = std::get_if<cut::Path>(&curve)) {
     for (const cut::Subpath& subpath : path->subpaths) {
+      if (is_point(subpath)) continue;
+      const std::size_t begin = lines.size();
       Vector2d from = subpath.start;
       for (const cut::Segment& segment : subpath.segments) {
         sample_segment(from, segment, each);
         from = std::visit([](const auto& kind) { return kind.end; }, segment);
       }
       if (subpath.closed) each([&](double t) { return Vector2d(from + t * (subpath.start - from)); });
+      Box box;
+      for (std::size_t i = begin; i < lines.size(); ++i) {
+        for (const Vector2d& point : lines[i]) box.extend(point);
+      }
+      if (lines.size() > begin && box.diagonal().norm() <= dust) lines.resize(begin);
     }
   }
   return lines;
 }
 
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
-                        const cut::CutReport& report, int samples) {
+                        const cut::CutReport& report, int samples, double dust_m) {
   const mesh::Lattice& lattice = before.records().lattice;
   std::vector<Vector2d> points;
-  for (const std::vector<Vector2d>& line : sample_curve(curve, samples)) {
+  for (const std::vector<Vector2d>& line : sample_curve(curve, samples, report.merged_segments > 0 ? dust_m : 0.0)) {
     for (const Vector2d& point : line) points.emplace_back((point - lattice.origin) / lattice.spacing);
   }
   return PathAudit(before, after).find_far_point(points, report.deviation_m / lattice.spacing);
@@ -419,6 +441,11 @@ double largest_tolerance(const mesh::TriangleMesh& mesh, const cut::CutPlan& pla
   int exponent = 0;
   if (!lengths.exponents.empty()) exponent = *std::max_element(lengths.exponents.begin(), lengths.exponents.end());
   return plan.options.tolerance_m.value_or(plan.options.tolerance * std::ldexp(lengths.mean, exponent));
+}
+
+double largest_snap(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan) {
+  const double mean = plan.options.tolerance_m.value_or(plan.options.tolerance * plan.edge_length_m);
+  return plan.snap_m * largest_tolerance(mesh, plan) / mean;
 }
 
 }  // namespace kerf::audit

@@ -21,14 +21,19 @@ Finding find_path_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMes
 Finding find_uncovered_path(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan, const cut::CutReport& report);
 
 // Whether points of the curve itself, `samples` to a piece, that lie inside the sheet are within the reported deviation
-// of a lip or of the border.
+// of a lip or of the border. Lines of a path that are a point are left out, and so, where the report says that some
+// merged, are those no larger than `dust_m` (m).
 Finding find_curve_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMesh& after, const cut::Curve& curve,
-                        const cut::CutReport& report, int samples);
+                        const cut::CutReport& report, int samples, double dust_m);
 
-// Points of the curve, `samples` + 1 to a piece, one line for each; arcs of paths are left out.
-std::vector<std::vector<Eigen::Vector2d>> sample_curve(const cut::Curve& curve, int samples);
+// Points of the curve, `samples` + 1 to a piece, one line for each; arcs of paths are left out, and lines of paths that
+// are a point or no larger than `dust` (m).
+std::vector<std::vector<Eigen::Vector2d>> sample_curve(const cut::Curve& curve, int samples, double dust = 0.0);
 
 // m; what the plan's tolerance is where the sheet as built has its longest edges.
 double largest_tolerance(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan);
+
+// m; the plan's snap distance there.
+double largest_snap(const mesh::TriangleMesh& mesh, const cut::CutPlan& plan);
 
 }  // namespace kerf::audit
