@@ -441,18 +441,6 @@ class Usage(Case):
         self.assertIn("no Kerf server answers at 127.0.0.1:1", done.stderr)
 
 
-class Python(Case):
-    def test_example(self):
-        kerf("sheet", "create", "snake", "--grid", "15x15")
-        stubs = path("stubs")
-        subprocess.run([ROOT / "client/python/generate", stubs], check=True)
-        done = subprocess.run(["/usr/bin/python3", ROOT / "client/python/cut_example.py", SERVER["grpc"], "snake"],
-                              capture_output=True, text=True, env={**os.environ, "PYTHONPATH": stubs})
-        self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("status: APPLIED", done.stdout)
-        self.assertIn("pieces: 2", done.stdout)
-
-
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kerf", required=True)

@@ -1,0 +1,136 @@
+"""Curves to cut along, as kerf.v1.Curve: metres in material coordinates, or pixels of a picture for a cut with a view."""
+
+from __future__ import annotations
+
+import math
+import os
+import pathlib
+from collections.abc import Sequence
+from typing import Any, Optional, Tuple
+
+from kerf.v1 import geometry_pb2
+
+Point = Tuple[float, float]
+
+
+def vec2(point: Point) -> geometry_pb2.Vec2:
+    x, y = point
+    return geometry_pb2.Vec2(x=x, y=y)
+
+
+def polyline(*points: Point) -> geometry_pb2.Curve:
+    """Straight pieces; closed if the last point equals the first. 2..4096 points."""
+    return geometry_pb2.Curve(polyline=geometry_pb2.Polyline(points=[vec2(point) for point in points]))
+
+
+def bezier(*points: Point) -> geometry_pb2.Curve:
+    """Cubic Bezier pieces joined end to start: 3 n + 1 points for n of 1..64 pieces."""
+    return geometry_pb2.Curve(bezier=geometry_pb2.CubicBezier(points=[vec2(point) for point in points]))
+
+
+def rational(*points: Tuple[float, float, float]) -> geometry_pb2.Curve:
+    """A rational Bezier curve of three (quadratic) or four (cubic) points x, y, weight. Weights 1e-6..1e6."""
+    if len(points) not in (3, 4):
+        raise ValueError(f"a rational curve has 3 points or 4, not {len(points)}")
+    path = Path(points[0][:2])
+    weights = [weight for _, _, weight in points]
+    if len(points) == 3:
+        path.quadratic(points[1][:2], points[2][:2], weights=weights)
+    else:
+        path.cubic(points[1][:2], points[2][:2], points[3][:2], weights=weights)
+    return path.curve()
+
+
+def circle(center: Point, radius: float) -> geometry_pb2.Curve:
+    """A full circle: a punch."""
+    return geometry_pb2.Curve(circle=geometry_pb2.Circle(center=vec2(center), radius_m=radius))
+
+
+def ellipse(center: Point, semi_axis_x: float, semi_axis_y: float, rotation_deg: float = 0.0) -> geometry_pb2.Curve:
+    """A full ellipse; the rotation is counter-clockwise."""
+    return geometry_pb2.Curve(
+        ellipse=geometry_pb2.Ellipse(
+            center=vec2(center),
+            semi_axis_x_m=semi_axis_x,
+            semi_axis_y_m=semi_axis_y,
+            rotation_rad=math.radians(rotation_deg),
+        )
+    )
+
+
+def svg(text: str) -> geometry_pb2.Curve:
+    """The outlines of a drawing, given as SVG text. Without `fit` it is fitted into the sheet."""
+    return geometry_pb2.Curve(svg=geometry_pb2.Svg(text=text))
+
+
+def svg_file(path: "str | os.PathLike[str]") -> geometry_pb2.Curve:
+    """The outlines of a drawing in a file of this machine. Raises OSError, or UnicodeDecodeError where it is not UTF-8."""
+    return svg(pathlib.Path(path).read_text(encoding="utf-8"))
+
+
+class Path:
+    """Lines of any pieces, built one after the other; each method returns the path, so that they chain:
+
+    kerf.Path((0.1, 0.1)).line((0.3, 0.1)).arc((0.3, 0.3), 0.1).close().move((0.6, 0.6)).line((0.8, 0.7)).curve()
+    """
+
+    def __init__(self, start: Point) -> None:
+        self._path = geometry_pb2.Path()
+        self.move(start)
+
+    def move(self, start: Point) -> Path:
+        """Begins another line."""
+        self._path.subpaths.add(start=vec2(start))
+        return self
+
+    def line(self, *ends: Point) -> Path:
+        for end in ends:
+            self._segments().add(line=vec2(end))
+        return self
+
+    def quadratic(self, control: Point, end: Point, *, weights: Sequence[float] = ()) -> Path:
+        """weights: of start, control and end; none: all equal."""
+        segment = geometry_pb2.Path.Quadratic(control=vec2(control), end=vec2(end), weights=weights)
+        self._segments().add(quadratic=segment)
+        return self
+
+    def cubic(self, control_1: Point, control_2: Point, end: Point, *, weights: Sequence[float] = ()) -> Path:
+        """weights: of start, both controls and end; none: all equal."""
+        segment = geometry_pb2.Path.Cubic(
+            control_1=vec2(control_1), control_2=vec2(control_2), end=vec2(end), weights=weights
+        )
+        self._segments().add(cubic=segment)
+        return self
+
+    def arc(
+        self,
+        end: Point,
+        semi_axis_x: float,
+        semi_axis_y: Optional[float] = None,
+        *,
+        rotation_deg: float = 0.0,
+        large: bool = False,
+        counter_clockwise: bool = True,
+    ) -> Path:
+        """Of an ellipse; of a circle where there is one semi-axis. large: the longer way round."""
+        segment = geometry_pb2.Path.Arc(
+            semi_axis_x_m=semi_axis_x,
+            semi_axis_y_m=semi_axis_x if semi_axis_y is None else semi_axis_y,
+            rotation_rad=math.radians(rotation_deg),
+            large=large,
+            counter_clockwise=counter_clockwise,
+            end=vec2(end),
+        )
+        self._segments().add(arc=segment)
+        return self
+
+    def close(self) -> Path:
+        """Ends the line where it began."""
+        self._path.subpaths[-1].closed = True
+        return self
+
+    def curve(self) -> geometry_pb2.Curve:
+        return geometry_pb2.Curve(path=self._path)
+
+    def _segments(self) -> Any:
+        return self._path.subpaths[-1].segments

@@ -1,0 +1,145 @@
+"""Cuts: a curve and how it is to be cut, as kerf.v1.Cut; and lists of them in files."""
+
+from __future__ import annotations
+
+import os
+import pathlib
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, Dict, List, Literal, Optional, Tuple, TypedDict, Union
+
+from google.protobuf import json_format
+
+from kerf.curves import vec2
+from kerf.v1 import cuts_pb2, geometry_pb2, scene_pb2
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+# What became of a cut: CutResult.status.
+APPLIED = cuts_pb2.CutResult.APPLIED
+NO_INTERSECTION = cuts_pb2.CutResult.NO_INTERSECTION  # misses the sheet; nothing changed
+SCHEDULED = cuts_pb2.CutResult.SCHEDULED  # waits for its tick
+
+Vector = Tuple[float, float, float]
+Fit = Union[Literal["sheet"], Tuple[float, float, float, float]]
+
+
+class CutOptions(TypedDict, total=False):
+    """What may be said of a cut beside its curve; each has its default where it is left out. Ranges: proto/kerf/v1/scene.proto."""
+
+    tolerance: float  # largest distance curve to lips, as a fraction of the edge length there
+    tolerance_m: float  # the same in metres, instead
+    min_angle_deg: float  # asked of new elements
+    max_new_triangles: int
+    method: Literal["neighbourhood", "element"]
+    quality: Literal["default", "fine"]
+    tip_edge_length_m: float  # edge length at the tips
+    tip_grading: float  # growth of edges a ring of elements away from the tips
+    relax: bool  # False: no old vertex moves in material space
+    fit: Fit  # scaled and moved into this box: low x, low y, high x, high y; or "sheet"
+    dash: Sequence[float]  # metres cut and metres left, in turn
+    dash_offset: float
+    view: scene_pb2.View  # the curve is in pixels of this picture
+
+
+def cut(curve: geometry_pb2.Curve, **options: Unpack[CutOptions]) -> scene_pb2.Cut:
+    """A cut to be made later: one of a batch."""
+    fields: Dict[str, Any] = dict(options)
+    unknown = fields.keys() - CutOptions.__annotations__.keys()
+    if unknown:
+        raise TypeError(f"a cut has no option {min(unknown)!r}; there are {', '.join(CutOptions.__annotations__)}")
+    if "method" in fields:
+        fields["method"] = _enum_value(scene_pb2.Cut.Method, "method", fields["method"])
+    if "quality" in fields:
+        fields["quality"] = _enum_value(scene_pb2.Cut.Quality, "quality", fields["quality"])
+    if "fit" in fields:
+        fields["fit"] = _as_box(fields["fit"])
+    return scene_pb2.Cut(curve=curve, **fields)
+
+
+def vec3(vector: Vector) -> geometry_pb2.Vec3:
+    x, y, z = vector
+    return geometry_pb2.Vec3(x=x, y=y, z=z)
+
+
+def camera(
+    eye: Vector, target: Vector, up: Optional[Vector] = None, *, vertical_fov_deg: float = 0.0
+) -> geometry_pb2.Camera:
+    """A perspective camera in the world, metres. up: +z; vertical_fov_deg: 40 degrees where it is 0."""
+    return geometry_pb2.Camera(
+        eye=vec3(eye),
+        target=vec3(target),
+        up=None if up is None else vec3(up),
+        vertical_fov_deg=vertical_fov_deg,
+    )
+
+
+def view(
+    camera: geometry_pb2.Camera,
+    size_px: Tuple[float, float] = (640, 360),
+    *,
+    layers: str = "nearest",
+    piece: Optional[int] = None,
+    depth_m: Tuple[float, float] = (0.0, 0.0),
+) -> scene_pb2.View:
+    """A picture to cut on, as Sheet.render() draws it with the same camera and size; pixel (0, 0) is its top left corner.
+
+    layers: "nearest", "all", "one_piece" (that with the label `piece`, else the one met first) or "depth_range" (`depth_m` from
+    the camera).
+    """
+    return _with_layers(scene_pb2.View(camera=camera), size_px, layers, piece, depth_m)
+
+
+def view_of_matrices(
+    view: Sequence[float],
+    projection: Sequence[float],
+    size_px: Tuple[float, float],
+    *,
+    layers: str = "nearest",
+    piece: Optional[int] = None,
+    depth_m: Tuple[float, float] = (0.0, 0.0),
+) -> scene_pb2.View:
+    """The same from 16 numbers each, column by column, as OpenGL and WebGL hold them."""
+    return _with_layers(scene_pb2.View(view=view, projection=projection), size_px, layers, piece, depth_m)
+
+
+def save_cuts(path: "str | os.PathLike[str]", cuts: Iterable[scene_pb2.Cut]) -> None:
+    """Writes cuts as JSON, as `kerf cuts --export` does."""
+    text = json_format.MessageToJson(scene_pb2.CutBatch(cuts=cuts), preserving_proto_field_name=True)
+    pathlib.Path(path).write_text(text + "\n", encoding="utf-8")
+
+
+def load_cuts(path: "str | os.PathLike[str]") -> List[scene_pb2.Cut]:
+    """Reads what save_cuts() or `kerf cuts --export` wrote. Raises ValueError where the file holds something else."""
+    try:
+        batch = json_format.Parse(pathlib.Path(path).read_text(encoding="utf-8"), scene_pb2.CutBatch())
+    except json_format.ParseError as wrong:
+        raise ValueError(f"{os.fspath(path)}: {wrong}") from None
+    return list(batch.cuts)
+
+
+def _as_box(fit: Fit) -> scene_pb2.MaterialBox:
+    if isinstance(fit, str):
+        if fit != "sheet":
+            raise ValueError(f"fit is {fit!r}; must be low x, low y, high x, high y, or 'sheet'")
+        return scene_pb2.MaterialBox()
+    low_x, low_y, high_x, high_y = fit
+    return scene_pb2.MaterialBox(min=vec2((low_x, low_y)), max=vec2((high_x, high_y)))
+
+
+def _with_layers(
+    made: scene_pb2.View, size_px: Tuple[float, float], layers: str, piece: Optional[int], depth_m: Tuple[float, float]
+) -> scene_pb2.View:
+    made.width_px, made.height_px = size_px
+    made.layers = _enum_value(scene_pb2.View.Layers, "layers", layers)
+    if piece is not None:
+        made.piece = piece
+    made.nearest_m, made.farthest_m = depth_m
+    return made
+
+
+def _enum_value(enum: Any, option: str, name: str) -> Any:
+    names = [key for key in enum.keys() if not key.endswith("UNSPECIFIED")]
+    if name.upper() not in names:
+        raise ValueError(f"{option} is {name!r}; must be one of {', '.join(key.lower() for key in names)}")
+    return enum.Value(name.upper())
