@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -26,7 +27,10 @@ struct RenderArguments {
   std::string id;
   std::string out;
   std::string size = "640x360";
+  std::optional<std::string> view;
+  double fov_deg = 0.0;
   bool wireframe = false;
+  bool undeformed = false;
 };
 
 int write(const std::string& path, std::string_view content) {
@@ -46,6 +50,13 @@ int render(const Session& session, const RenderArguments& arguments) {
   request.set_width_px(std::get<ImageSize>(size).width);
   request.set_height_px(std::get<ImageSize>(size).height);
   request.set_wireframe(arguments.wireframe);
+  request.set_undeformed(arguments.undeformed);
+  if (arguments.view) {
+    const Parsed<v1::Camera> camera = parse_camera(*arguments.view);
+    if (const auto* wrong = std::get_if<UsageError>(&camera)) return misuse("--view: " + wrong->message);
+    *request.mutable_camera() = std::get<v1::Camera>(camera);
+    request.mutable_camera()->set_vertical_fov_deg(arguments.fov_deg);
+  }
   request.set_format(jpeg ? v1::RenderImageRequest::JPEG : v1::RenderImageRequest::PNG);
   client::Client client(session.server);
   v1::RenderImageResponse response;
@@ -157,7 +168,13 @@ void add_render(CLI::App& app, Session& session) {
   command->add_option("ID", arguments->id, "Name of the sheet")->required();
   command->add_option("--out", arguments->out, "File to write: .png, .jpg or .jpeg")->required();
   command->add_option("--size", arguments->size, "Width and height in pixels, 16..4096 each")->capture_default_str();
+  CLI::Option* view = command->add_option("--view", arguments->view,
+                                          "Seen from \"EYE TARGET [UP]\", each x,y,z in metres, as in kerf cut --view "
+                                          "(default: all of it)");
+  command->add_option("--fov", arguments->fov_deg, "Its vertical field of view, degrees (default 40)")->needs(view);
   command->add_flag("--wireframe", arguments->wireframe, "Draw the triangles' edges");
+  command->add_flag("--undeformed", arguments->undeformed,
+                    "Draw the sheet as it is cut, but flat: x,y,0 in material coordinates, without colliders");
   command->callback(
       [&session, arguments] { session.action = [&session, arguments] { return render(session, *arguments); }; });
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -89,14 +90,21 @@ struct MeshArrays {
   std::vector<std::int32_t> pieces;
 };
 
-MeshArrays arrays_of(const sheet::Snapshot& snapshot) {
+// Material points in the plane z = 0.
+Eigen::Matrix3Xd laid_out(const Eigen::Matrix2Xd& material) {
+  Eigen::Matrix3Xd positions = Eigen::Matrix3Xd::Zero(3, material.cols());
+  positions.topRows<2>() = material;
+  return positions;
+}
+
+MeshArrays arrays_of(const sheet::Snapshot& snapshot, const Eigen::Matrix3Xd& positions) {
   const sheet::Topology& topology = *snapshot.topology;
   MeshArrays arrays;
   const auto append = [](const auto& matrix, std::vector<float>& out) {
     out.reserve(static_cast<std::size_t>(matrix.size()));
     for (Eigen::Index i = 0; i < matrix.size(); ++i) out.push_back(static_cast<float>(matrix.data()[i]));
   };
-  append(snapshot.positions, arrays.positions);
+  append(positions, arrays.positions);
   append(topology.material_positions, arrays.material);
   for (std::size_t slot = 0; slot < topology.triangles.size(); ++slot) {
     if (topology.pieces[slot] == mesh::kNone) continue;
@@ -104,6 +112,23 @@ MeshArrays arrays_of(const sheet::Snapshot& snapshot) {
     arrays.pieces.push_back(topology.pieces[slot]);
   }
   return arrays;
+}
+
+render::Style style_of(const PictureRequest& request) {
+  render::Style style;
+  style.wireframe = request.wireframe;
+  style.shadows = !request.undeformed;            // a flat sheet throws none on itself
+  if (request.undeformed && request.wireframe) {  // the triangles are what is looked at
+    style.texture = false;
+    style.front = {0.66, 0.76, 0.86};
+  }
+  return style;
+}
+
+render::Camera whole_sheet(std::span<const float> positions, const PictureRequest& request) {
+  const double aspect = static_cast<double>(request.width) / request.height;
+  if (!request.undeformed) return render::fit_camera(positions, aspect);
+  return render::fit_camera(positions, aspect, {0.0, 0.0, 1.0}, {0.0, 1.0, 0.0});
 }
 
 // No fault of the request: a sheet that nothing holds falls on for ever.
@@ -138,6 +163,7 @@ Result<PictureRequest> decode_picture_request(const v1::RenderImageRequest& mess
   if (message.height_px() != 0) request.height = message.height_px();
   if (message.jpeg_quality() != 0) request.jpeg_quality = message.jpeg_quality();
   request.wireframe = message.wireframe();
+  request.undeformed = message.undeformed();
   if (Status s = check_range(request.width, render::kMinImageSize, render::kMaxImageSize, "width_px"); !s.ok()) {
     return s.error();
   }
@@ -169,9 +195,11 @@ PictureSubject picture_subject(const sheet::Sheet& sheet) {
 
 Result<v1::RenderImageResponse> draw_picture(render::Renderer& renderer, const PictureSubject& subject,
                                              const PictureRequest& request) {
-  const Eigen::Matrix3Xd& positions = subject.snapshot->positions;
+  const sheet::Snapshot& snapshot = *subject.snapshot;
+  const Eigen::Matrix3Xd positions =
+      request.undeformed ? laid_out(snapshot.topology->material_positions) : snapshot.positions;
   if (!(positions.array().abs() <= render::kMaxCoordinate).all()) return out_of_reach(positions);
-  const MeshArrays arrays = arrays_of(*subject.snapshot);
+  const MeshArrays arrays = arrays_of(snapshot, positions);
   render::Scene scene;
   scene.mesh.positions = arrays.positions;
   scene.mesh.material_coordinates = arrays.material;
@@ -182,12 +210,13 @@ Result<v1::RenderImageResponse> draw_picture(render::Renderer& renderer, const P
     scene.mesh.material_lower[axis] = static_cast<float>(subject.material_box.min()[i]);
     scene.mesh.material_upper[axis] = static_cast<float>(subject.material_box.max()[i]);
   }
-  for (const contact::Collider& collider : subject.config->colliders) {
-    scene.colliders.push_back(std::visit(ShapeForRenderer{}, collider.shape));
+  if (!request.undeformed) {
+    for (const contact::Collider& collider : subject.config->colliders) {
+      scene.colliders.push_back(std::visit(ShapeForRenderer{}, collider.shape));
+    }
   }
-  scene.style.wireframe = request.wireframe;
-  const double aspect = static_cast<double>(request.width) / request.height;
-  const render::Camera camera = request.camera ? *request.camera : render::fit_camera(scene.mesh.positions, aspect);
+  scene.style = style_of(request);
+  const render::Camera camera = request.camera ? *request.camera : whole_sheet(scene.mesh.positions, request);
   if (!request.camera && !render::validate(camera).ok()) return out_of_reach(positions);
   render::Pixels pixels;
   const render::Status status = renderer.render(scene, camera, request.width, request.height, pixels);

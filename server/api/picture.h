@@ -19,6 +19,7 @@ struct PictureRequest {
   int height = 360;                      // pixels
   std::optional<render::Camera> camera;  // empty: chosen to show the whole sheet
   bool wireframe = false;
+  bool undeformed = false;
   bool jpeg = false;
   int jpeg_quality = 85;
 };

@@ -7,6 +7,7 @@
 #include <set>
 #include <sstream>
 #include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -86,6 +87,8 @@ class FakeRenderer : public render::Renderer {
     num_colliders = scene.colliders.size();
     eye_x = camera.eye.x;
     wireframe = scene.style.wireframe;
+    textured = scene.style.texture;
+    positions.assign(scene.mesh.positions.begin(), scene.mesh.positions.end());
     const render::Status status = render::validate(scene);
     if (!status.ok()) return status;
     pixels = {width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width * height), 200)};
@@ -101,6 +104,8 @@ class FakeRenderer : public render::Renderer {
   std::size_t num_colliders = 0;
   double eye_x = 0.0;
   bool wireframe = false;
+  bool textured = false;
+  std::vector<float> positions;
 };
 
 Result<v1::RenderImageResponse> draw(Api& api, const v1::RenderImageRequest& request) {
@@ -135,6 +140,44 @@ TEST_F(ApiTest, PictureIsDrawnOffTheStrand) {
   EXPECT_EQ(picture->image().substr(0, 2), "\xff\xd8");
   request.set_name("sheets/nobody");
   EXPECT_EQ(draw(*api_, request).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(ApiTest, ThePictureOfTheUndeformedSheetIsFlatAndWholeWherever) {
+  if (!render::image_codecs_available()) GTEST_SKIP() << "built without image libraries";
+  FakeRenderer renderer;
+  make_api({}, &renderer);
+  // 2 m x 1 m, upright, too far away for a camera before it, with a ball.
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/CreateSheet",
+                        R"({"sheet_id":"a","paused":true,"scene":{"placement":{"origin":{"y":1e6}},)"
+                        R"("colliders":[{"sphere":{"center":{"y":1e6},"radius_m":1}}],)"
+                        R"("grid":{"columns":5,"rows":3,"width_m":2,"height_m":1}}})")
+                  .ok());
+  v1::RenderImageRequest request;
+  request.set_name("sheets/a");
+  ASSERT_EQ(draw(*api_, request).error().reason, "SHEET_OUT_OF_REACH");
+  request.set_undeformed(true);
+  ASSERT_TRUE(draw(*api_, request).ok());
+  EXPECT_EQ(renderer.num_colliders, 0U);
+  EXPECT_EQ(renderer.positions.size(), 3U * 15U);
+  for (std::size_t i = 0; i < 15; ++i) {
+    EXPECT_EQ(renderer.positions[3 * i], 0.5F * static_cast<float>(i % 5)) << i;
+    EXPECT_EQ(renderer.positions[3 * i + 1], 0.5F * static_cast<float>(i / 5)) << i;
+    EXPECT_EQ(renderer.positions[3 * i + 2], 0.0F) << i;
+  }
+  // Straight down on its middle.
+  EXPECT_NEAR(renderer.eye_x, 1.0, 1e-6);
+  EXPECT_TRUE(renderer.textured);
+  request.set_wireframe(true);
+  request.mutable_camera()->mutable_eye()->set_x(0.3);
+  request.mutable_camera()->mutable_eye()->set_y(-2.0);
+  request.mutable_camera()->mutable_target();
+  ASSERT_TRUE(draw(*api_, request).ok());
+  EXPECT_EQ(renderer.eye_x, 0.3);
+  EXPECT_FALSE(renderer.textured) << "triangles are drawn on plain colour";
+  request.set_undeformed(false);
+  ASSERT_TRUE(draw(*api_, request).ok());
+  EXPECT_EQ(renderer.num_colliders, 1U);
+  EXPECT_TRUE(renderer.textured);
 }
 
 TEST_F(ApiTest, ASheetOutOfReachIsNotTheCamerasFault) {

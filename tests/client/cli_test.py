@@ -315,6 +315,14 @@ class Views(Case):
         reply = self.json_of("render", "view", "--out", path("frame.jpg"), "--size", "320x200")
         self.assertEqual((reply["width_px"], reply["height_px"], reply["media_type"]), (320, 200, "image/jpeg"))
         self.assertEqual(pathlib.Path(path("frame.jpg")).read_bytes()[:2], b"\xff\xd8")
+        near, flat = (self.json_of("render", "view", "--out", path(name), "--size", "64x64", *how) and
+                      pathlib.Path(path(name)).read_bytes()
+                      for name, how in (("near.png", ("--view", "0.5,-1,0.5 0.5,0,0.5", "--fov", "30")),
+                                        ("flat.png", ("--undeformed", "--wireframe"))))
+        self.assertNotEqual(near, flat)
+        self.refused("render", "view", "--out", path("a.png"), "--view", "0,0,0 0,0,0", says="CAMERA_SINGULAR")
+        self.refused("render", "view", "--out", path("a.png"), "--view", "0,0,0", code=2, says="--view")
+        self.refused("render", "view", "--out", path("a.png"), "--fov", "30", code=2)
         self.refused("render", "view", "--out", path("a.png"), "--size", "9999x10", says="width_px")
         self.refused("render", "view", "--out", path("a.gif"), code=2, says="--out")
         self.refused("render", "view", "--out", "/nonexistent/a.png", says="/nonexistent/a.png")

@@ -332,6 +332,7 @@ class Sheets(Case):
         self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
         near = self.sheet.render((64, 64), camera=kerf.camera((0.5, -1, 0.5), (0.5, 0, 0.5)), format="jpeg")
         self.assertEqual(near[:2], b"\xff\xd8")
+        self.assertNotEqual(self.sheet.render((64, 64), undeformed=True), self.sheet.render((64, 64)))
         self.assertTrue(self.sheet.obj().startswith(b"#") or b"\nv " in self.sheet.obj())
         self.refused(kerf.InvalidArgument, "INVALID_ARGUMENT", "OUT_OF_RANGE", "width_px", self.sheet.render, (9, 9))
 

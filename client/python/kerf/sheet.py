@@ -188,12 +188,14 @@ class Sheet:
         *,
         camera: Optional[geometry_pb2.Camera] = None,
         wireframe: bool = False,
+        undeformed: bool = False,
         format: Literal["png", "jpeg"] = "png",
         jpeg_quality: int = 0,
     ) -> bytes:
         """A picture of the sheet, drawn on the server: the bytes of a file. Unavailable where it has no renderer.
 
-        camera: see kerf.camera(); absent: shows the whole sheet.
+        camera: see kerf.camera(); absent: shows the whole sheet. undeformed: as it is cut, but flat, at its material
+        coordinates x, y, 0.
         """
         request = render_pb2.RenderImageRequest(
             name=self.name,
@@ -201,6 +203,7 @@ class Sheet:
             height_px=size_px[1],
             camera=camera,
             wireframe=wireframe,
+            undeformed=undeformed,
             format=render_pb2.RenderImageRequest.Format.Value(format.upper()),
             jpeg_quality=jpeg_quality,
         )
