@@ -6,6 +6,7 @@ import { ViewerPage } from './viewer_page.mjs';
 
 const [kerfdPath, web, chromiumPath] = process.argv.slice(2);
 const kWide = { viewport: { width: 1280, height: 720 }, colorScheme: 'light' };
+const kTall = { viewport: { width: 1280, height: 960 }, colorScheme: 'light' };
 const kPhone = { viewport: { width: 390, height: 844 }, colorScheme: 'dark', hasTouch: true, isMobile: true };
 const kDemo = { name: 'sheets/demo' };
 const kDemoVertices = 2500;
@@ -99,6 +100,7 @@ await steps.step('four taps and Enter cut the paused sheet in two', async () => 
   await viewer.notice(/Cut at tick \d+: 2 pieces, \d+ new vertices, deviation/);
   const { cuts } = await post(kerfd.url, 'CutService/ListCuts', { parent: kDemo.name });
   check(cuts.length === 1 && cuts[0].result.pieces === 2, `the server's journal: ${JSON.stringify(cuts)}`);
+  check(cuts[0].cut.view?.layers === 'NEAREST', 'what is seen is not what was cut');
 });
 
 await steps.step('the sheet falls when it runs on', async () => {
@@ -214,6 +216,135 @@ await steps.step('the help opens with ? and the page logged no error', async () 
   await viewer.screenshot('help');
   await viewer.page.keyboard.press('Escape');
   check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+});
+
+// A sheet folded in the middle, one half behind the other, that nothing moves.
+function foldedScene() {
+  const side = 31;
+  const numbers = Array.from({ length: side * side }, (_, i) => [(i % side) / (side - 1), Math.floor(i / side) / (side - 1)]);
+  const vertices = numbers.map(([u, v]) => `v ${u} ${0.4 * (v - 0.5)} ${Math.sqrt(0.84) * Math.abs(v - 0.5)}`);
+  const faces = numbers.flatMap(([u, v], i) => {
+    const corners = [i + 1, i + 2, i + 2 + side, i + 1 + side].map((vertex) => `${vertex}/${vertex}`);
+    return u < 1 && v < 1 ? [`f ${corners.slice(0, 3).join(' ')}`, `f ${corners[0]} ${corners[2]} ${corners[3]}`] : [];
+  });
+  const text = [...vertices, ...numbers.map(([u, v]) => `vt ${u} ${v}`), ...faces].join('\n');
+  return { obj: { text }, gravityMps2: {}, material: { preset: 'paper' } };
+}
+
+const lastCut = async (sheet) => (await post(kerfd.url, 'CutService/ListCuts', { parent: sheet })).cuts?.at(-1);
+const kFold = 'sheets/fold';
+let fold;
+
+await steps.step('what is seen is cut, or every layer, or the material', async () => {
+  await post(kerfd.url, 'SheetService/CreateSheet', { sheetId: 'fold', scene: foldedScene() });
+  await post(kerfd.url, 'SheetService/PauseSheet', { name: kFold });
+  fold = await ViewerPage.open(browser, `${kerfd.url}/?sheet=fold`, kTall);
+  await fold.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+  await fold.choose('cut');
+  // On the half in front, where the other is behind it.
+  const tapLine = async () => {
+    await fold.page.keyboard.press('i');
+    await fold.tap(0.3, 0.25);
+    await fold.tap(0.5, 0.2);
+    await fold.tap(0.7, 0.25);
+  };
+  for (const [key, layers, stretches] of [
+    ['1', 'NEAREST', 1],
+    ['2', 'ALL', 2],
+    ['3', 'ONE_PIECE', 2],
+    ['4', 'DEPTH_RANGE', 1],
+  ]) {
+    const { version } = await fold.read('({ version: k.topologyVersion })');
+    await fold.page.keyboard.press(key);
+    await tapLine();
+    if (key === '4') await fold.screenshot('cut-depth');
+    await fold.page.keyboard.press('Enter');
+    await fold.until('k.topologyVersion > given.version', { version });
+    const { cut, result } = await lastCut(kFold);
+    check(cut.view?.layers === layers, `key ${key} cut ${JSON.stringify(cut.view?.layers)}`);
+    check(result.layers.length === stretches, `${layers} cut ${result.layers.length} stretches, not ${stretches}`);
+    if (key === '2') await fold.screenshot('cut-layers');
+    await fold.page.keyboard.press('Control+z');
+    await fold.until('k.topologyVersion > given.version', { version: version + 1 });
+  }
+  await fold.page.keyboard.press('5');
+  await tapLine();
+  await fold.page.keyboard.press('Enter');
+  await fold.notice(/Cut at tick/);
+  const { cut } = await lastCut(kFold);
+  const [first] = cut.curve.polyline.points;
+  check(!cut.view && Math.hypot(first.x - 0.3, first.y - 0.25) < 0.01, `on the material: ${JSON.stringify(cut)}`);
+  await fold.page.keyboard.press('1');
+  await fold.page.keyboard.press('Control+z');
+  await fold.until('k.numVertices === 961');
+});
+
+await steps.step('a point of a curve gets a weight, and the curve is rational', async () => {
+  await fold.page.keyboard.press('b');
+  for (const [x, y] of [
+    [0.15, 0.3],
+    [0.5, 0.02],
+    [0.85, 0.3],
+  ])
+    await fold.tap(x, y);
+  await fold.page.locator('.handle', { hasText: '2' }).click();
+  await fold.page.fill('#cut-weight-value', '1');
+  await fold.shows('#cut-weight-shown', '10.00');
+  await fold.page.focus('#canvas');
+  await fold.page.keyboard.press('-');
+  await fold.shows('#cut-weight-shown', '8.00');
+  await fold.screenshot('cut-weight');
+  await fold.page.keyboard.press('Enter');
+  await fold.until('k.numVertices > 961');
+  const { cut } = await lastCut(kFold);
+  const { weights } = cut.curve.path.subpaths[0].segments[0].quadratic;
+  check(Math.abs(weights[1] / weights[0] - 8) < 1e-9, `weights ${weights}`);
+  await fold.page.keyboard.press('Control+z');
+  await fold.until('k.numVertices === 961');
+});
+
+await steps.step('circle, ellipse and a dashed freehand loop are drawn by a drag', async () => {
+  for (const [mode, shape, pieces] of [
+    ['circle', 'circle', 2],
+    ['ellipse', 'ellipse', 3],
+  ]) {
+    const x = mode === 'circle' ? 0.3 : 0.7;
+    await fold.page.click(`#cut-panel [data-mode=${mode}]`);
+    await fold.drag(await fold.at(x, 0.25), await fold.at(x + 0.07, 0.25));
+    await fold.page.mouse.up();
+    await fold.screenshot(`cut-${mode}`);
+    await fold.page.click('#cut-apply');
+    await fold.until('k.pieces === given.pieces', { pieces });
+    const { cut } = await lastCut(kFold);
+    check(cut.curve[shape] && cut.view, `cut ${JSON.stringify(cut)}`);
+  }
+  await fold.page.click('#cut-panel [data-mode=freehand]');
+  await fold.page.check('#cut-dashed');
+  await fold.page.fill('#cut-dash-cut', '30');
+  await fold.page.fill('#cut-dash-left', '15');
+  const around = (angle) => fold.at(0.5 + 0.08 * Math.cos(angle), 0.25 + 0.11 * Math.sin(angle));
+  await fold.drag(await around(0), await around(0.3));
+  for (let i = 2; i <= 20; ++i) {
+    const { x, y } = await around(0.3 * i);
+    await fold.page.mouse.move(x, y);
+  }
+  const end = await around(0.03);
+  await fold.page.mouse.move(end.x, end.y);
+  await fold.page.mouse.up();
+  await fold.screenshot('cut-dashes');
+  const { version } = await fold.read('({ version: k.topologyVersion })');
+  await fold.page.click('#cut-apply');
+  await fold.until('k.topologyVersion > given.version', { version });
+  const { cut, result } = await lastCut(kFold);
+  const points = cut.curve.polyline.points;
+  check(points[0].x === points.at(-1).x && points[0].y === points.at(-1).y, 'the loop is not closed');
+  check(cut.dash[0] === 0.03 && cut.dash[1] === 0.015 && result.pieces === 3, `perforated: ${JSON.stringify(result)}`);
+  await fold.page.keyboard.press('d');
+  check(!(await fold.page.isChecked('#cut-dashed')), 'D does not switch dashes off');
+  await fold.page.mouse.move(640, 5);
+  await fold.screenshot('cut-all');
+  check(fold.errors.length === 0, `console: ${fold.errors.join('; ')}`);
+  await fold.page.close();
 });
 
 await steps.step('a freehand line is cut on a phone, in the dark', async () => {

@@ -69,7 +69,7 @@ export class App implements Viewer {
     this.grabTool = new GrabTool(this);
     this.tools = { view: new ViewTool(), cut: this.cutTool, grab: this.grabTool, pin: new PinTool(this) };
     this.tool = this.tools.view;
-    this.cutPanel = new CutPanel(this.cutTool);
+    this.cutPanel = new CutPanel(this.cutTool, () => this.focusStage());
     this.toolChoice = new Choice<ToolId>(element('tools'), 'tool', (id) => this.choose(id));
     this.controls = new SimulationControls(this);
     new PointerRouter(element('stage'), this.canvas, this.stage, () => this.tool);

@@ -18,7 +18,7 @@ describe('lengthText', () => {
 });
 
 describe('cutText', () => {
-  it('says what was cut, with the warnings of the server', () => {
+  it('says what was cut; warnings are told apart', () => {
     const result = create(CutResultSchema, {
       status: CutResult_Status.APPLIED,
       tick: 480n,
@@ -27,10 +27,21 @@ describe('cutText', () => {
       deviationM: 3.9e-4,
       warnings: ['1 gap closed'],
     });
-    expect(cutText(result)).toBe('Cut at tick 480: 2 pieces, 175 new vertices, deviation 0.39 mm. 1 gap closed');
+    expect(cutText(result)).toBe('Cut at tick 480: 2 pieces, 175 new vertices, deviation 0.39 mm');
+  });
+
+  it('says how many stretches a cut on a picture has, when it is not one', () => {
+    const result = create(CutResultSchema, {
+      status: CutResult_Status.APPLIED,
+      tick: 7n,
+      pieces: 1,
+      newVertices: 1,
+      layers: [{ piece: 0 }, { piece: 0 }],
+    });
+    expect(cutText(result)).toBe('Cut at tick 7 in 2 stretches: 1 piece, 1 new vertex, deviation 0 mm');
   });
 
   it('says that a miss changed nothing', () => {
-    expect(cutText(create(CutResultSchema, { status: CutResult_Status.NO_INTERSECTION }))).toContain('nothing was cut');
+    expect(cutText(create(CutResultSchema, { status: CutResult_Status.NO_INTERSECTION }))).toContain('Nothing was cut');
   });
 });

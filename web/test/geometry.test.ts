@@ -1,7 +1,7 @@
 import { PerspectiveCamera, Ray, Vector2, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import { boundaryEdges } from '../src/geometry/boundary';
-import { bezierPoint, simplify } from '../src/geometry/curve';
+import { bezierPoint, distance, ellipsePoints, simplify } from '../src/geometry/curve';
 import { Locator } from '../src/geometry/locator';
 import { vertexNormals } from '../src/geometry/normals';
 import { Surface } from '../src/geometry/surface';
@@ -142,6 +142,34 @@ describe('curves', () => {
     expect(bezierPoint(points, 0)).toEqual(points[0]);
     expect(bezierPoint(points, 1)).toEqual(points[3]);
     expect(bezierPoint(points, 0.5)).toEqual({ x: 1.5, y: 2.25 });
+  });
+
+  it('may be quadratic, and rational: with weights 1, 1, 2 a quarter of a circle', () => {
+    const corner = [points[0], points[1], points[2]];
+    expect(bezierPoint(corner, 0.5)).toEqual({ x: 0.75, y: 2.25 });
+    const arc = [
+      { x: 1, y: 0 },
+      { x: 1, y: 1 },
+      { x: 0, y: 1 },
+    ];
+    for (let i = 0; i <= 10; ++i) {
+      const { x, y } = bezierPoint(arc, i / 10, [1, 1, 2]);
+      expect(Math.hypot(x, y)).toBeCloseTo(1, 12);
+    }
+  });
+
+  it('include ellipses by centre and two ends of axes, closed exactly', () => {
+    const [center, a, b] = [
+      { x: 1, y: 2 },
+      { x: 1, y: 5 },
+      { x: -1, y: 2 },
+    ];
+    const ellipse = ellipsePoints(center, a, b, 8);
+    expect(ellipse).toHaveLength(9);
+    expect(ellipse[8]).toEqual(ellipse[0]);
+    expect(distance(ellipse[0], a)).toBeLessThan(1e-12);
+    expect(distance(ellipse[2], b)).toBeLessThan(1e-12);
+    for (const { x, y } of ellipse) expect(((y - 2) / 3) ** 2 + ((x - 1) / 2) ** 2).toBeCloseTo(1, 12);
   });
 
   it('are reduced to the points that matter', () => {

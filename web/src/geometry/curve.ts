@@ -1,13 +1,31 @@
 import type { Point2 } from './locator';
 
-/** Point of the cubic Bezier curve with the given four control points at t in 0..1. */
-export function bezierPoint(p: readonly Point2[], t: number): Point2 {
-  const s = 1 - t;
-  const [a, b, c, d] = [s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t];
-  return {
-    x: a * p[0].x + b * p[1].x + c * p[2].x + d * p[3].x,
-    y: a * p[0].y + b * p[1].y + c * p[2].y + d * p[3].y,
-  };
+/**
+ * Point at t in 0..1 of the Bezier curve with these control points, of any degree; rational where the weights (> 0, one
+ * a point) differ. De Casteljau's algorithm on (w x, w y, w).
+ */
+export function bezierPoint(points: readonly Point2[], t: number, weights?: readonly number[]): Point2 {
+  const row = points.map(({ x, y }, i) => {
+    const w = weights?.[i] ?? 1;
+    return [w * x, w * y, w];
+  });
+  for (let length = row.length - 1; length > 0; --length) {
+    for (let i = 0; i < length; ++i) row[i] = row[i].map((value, k) => (1 - t) * value + t * row[i + 1][k]);
+  }
+  const [x, y, w] = row[0];
+  return { x: x / w, y: y / w };
+}
+
+/** Closed polyline of n chords along the ellipse with centre c that passes through a and, at a right angle to it, b. */
+export function ellipsePoints(c: Point2, a: Point2, b: Point2, n: number): Point2[] {
+  return Array.from({ length: n + 1 }, (_, i) => {
+    const angle = (2 * Math.PI * (i % n)) / n;
+    const [cosine, sine] = [Math.cos(angle), Math.sin(angle)];
+    return {
+      x: c.x + cosine * (a.x - c.x) + sine * (b.x - c.x),
+      y: c.y + cosine * (a.y - c.y) + sine * (b.y - c.y),
+    };
+  });
 }
 
 /**
@@ -31,6 +49,10 @@ export function simplify(points: readonly Point2[], tolerance: number): Point2[]
     spans.push([first, farthest], [farthest, last]);
   }
   return points.filter((_, i) => isKept[i]);
+}
+
+export function distance(a: Point2, b: Point2): number {
+  return Math.hypot(a.x - b.x, a.y - b.y);
 }
 
 function distanceToSegment(p: Point2, a: Point2, b: Point2): number {

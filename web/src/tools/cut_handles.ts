@@ -1,33 +1,46 @@
 import { Vector2 } from 'three';
 
-/** The numbered control points of a curve as elements over the canvas, which can be dragged. */
+export interface Handle {
+  /** On the overlay, CSS pixels; undefined hides it (behind the camera). */
+  px: Vector2 | undefined;
+  text: string;
+  isChosen: boolean;
+}
+
+/** The points of a drawing as elements over the canvas, which can be dragged. */
 export class CutHandles {
   private readonly elements: HTMLElement[] = [];
 
-  /** @param moved  called with the index of a handle and where it was dragged, CSS pixels on the overlay */
+  /**
+   * @param chosen  called with the index of a handle that is pressed
+   * @param moved   called with the index of a handle and where it was dragged, CSS pixels on the overlay
+   */
   constructor(
     private readonly overlay: HTMLElement,
+    private readonly chosen: (index: number) => void,
     private readonly moved: (index: number, px: Vector2) => void,
   ) {}
 
-  /** One handle a point; undefined hides that one (behind the camera). */
-  show(points: readonly (Vector2 | undefined)[]): void {
-    while (this.elements.length < points.length) this.elements.push(this.create(this.elements.length));
+  show(handles: readonly Handle[]): void {
+    while (this.elements.length < handles.length) this.elements.push(this.create(this.elements.length));
     this.elements.forEach((element, i) => {
-      const point = points[i];
-      element.hidden = !point;
-      if (point) element.style.transform = `translate(${point.x.toFixed(1)}px, ${point.y.toFixed(1)}px)`;
+      const handle = handles[i];
+      element.hidden = !handle?.px;
+      if (!handle?.px) return;
+      element.style.transform = `translate(${handle.px.x.toFixed(1)}px, ${handle.px.y.toFixed(1)}px)`;
+      element.classList.toggle('chosen', handle.isChosen);
+      if (element.textContent !== handle.text) element.textContent = handle.text;
     });
   }
 
   private create(index: number): HTMLElement {
     const element = document.createElement('div');
     element.className = 'handle';
-    element.textContent = String(index + 1);
     element.setAttribute('aria-hidden', 'true');
     element.addEventListener('pointerdown', (event) => {
       event.preventDefault();
       element.setPointerCapture(event.pointerId);
+      this.chosen(index);
     });
     element.addEventListener('pointermove', (event) => {
       if (!element.hasPointerCapture(event.pointerId)) return;

@@ -1,39 +1,57 @@
-import type { Vector3 } from 'three';
-import { FatLines } from '../scene/fat_lines';
-import type { Stage } from '../scene/stage';
+import type { Vector2 } from 'three';
+
+export interface PixelLine {
+  /** Undefined behind the camera. */
+  points: readonly (Vector2 | undefined)[];
+  isGuide?: boolean;
+}
+
+const kSvg = 'http://www.w3.org/2000/svg';
 
 /**
- * The curve about to be cut and, thinner and white, its control polygon, over the sheet: a bright line in a dark rim
- * reads everywhere.
+ * The curve about to be cut and, thinner and white, its guides, over the sheet: a bright line in a dark rim reads
+ * everywhere.
  */
 export class CutPreview {
-  private readonly polygonRim = new FatLines({ color: 0x10151c, width: 5, onTop: true });
-  private readonly polygon = new FatLines({ color: 0xffffff, width: 2.25, onTop: true });
-  private readonly curveRim = new FatLines({ color: 0x10151c, width: 7, onTop: true });
-  private readonly curve = new FatLines({ color: 0xffd23f, width: 4, onTop: true });
+  private readonly guides: SVGPathElement[];
+  private readonly curves: SVGPathElement[];
 
-  constructor(stage: Stage) {
-    [this.polygonRim, this.polygon, this.curveRim, this.curve].forEach((lines, i) => {
-      lines.object.renderOrder = 10 + i;
-      stage.scene.add(lines.object);
+  constructor(overlay: HTMLElement) {
+    const svg = document.createElementNS(kSvg, 'svg');
+    svg.id = 'cut-preview';
+    svg.setAttribute('aria-hidden', 'true');
+    const paths = ['guide-rim', 'guide', 'curve-rim', 'curve'].map((name) => {
+      const path = document.createElementNS(kSvg, 'path');
+      path.setAttribute('class', name);
+      svg.append(path);
+      return path;
     });
-    this.clear();
+    this.guides = paths.slice(0, 2);
+    this.curves = paths.slice(2);
+    overlay.append(svg);
   }
 
-  show(curve: readonly (Vector3 | undefined)[], polygon: readonly (Vector3 | undefined)[]): void {
-    const line = coordinates(curve);
-    this.curveRim.setPolyline(line);
-    this.curve.setPolyline(line);
-    const corners = coordinates(polygon);
-    this.polygonRim.setPolyline(corners);
-    this.polygon.setPolyline(corners);
-  }
-
-  clear(): void {
-    this.show([], []);
+  /** @param dashPx  lengths that are cut and left, CSS pixels; none: all of it is cut */
+  show(lines: readonly PixelLine[], dashPx: readonly number[] = []): void {
+    const guide = pathData(lines.filter((line) => line.isGuide));
+    for (const path of this.guides) path.setAttribute('d', guide);
+    const curve = pathData(lines.filter((line) => !line.isGuide));
+    for (const path of this.curves) {
+      path.setAttribute('d', curve);
+      path.style.strokeDasharray = dashPx.join(' ');
+      path.style.strokeLinecap = dashPx.length > 0 ? 'butt' : '';
+    }
   }
 }
 
-function coordinates(points: readonly (Vector3 | undefined)[]): number[] {
-  return points.flatMap((point) => (point ? [point.x, point.y, point.z] : []));
+function pathData(lines: readonly PixelLine[]): string {
+  let data = '';
+  for (const { points } of lines) {
+    let isJoined = false;
+    for (const point of points) {
+      if (point) data += `${isJoined ? 'L' : 'M'}${point.x.toFixed(1)} ${point.y.toFixed(1)}`;
+      isJoined = point !== undefined;
+    }
+  }
+  return data;
 }

@@ -8,12 +8,19 @@ export function lengthText(metres: number): string {
   return `${Number((factor * metres).toPrecision(2))} ${unit}`;
 }
 
-/** The reply to a cut in a sentence. */
+export function countText(count: number, one: string, many = `${one}s`): string {
+  return `${count} ${count === 1 ? one : many}`;
+}
+
+/** The reply to a cut in a sentence; what the server warns of is not in it. */
 export function cutText(result: CutResult): string {
-  if (result.status === CutResult_Status.NO_INTERSECTION) return 'The curve does not meet the sheet: nothing was cut';
-  const pieces = `${result.pieces} ${result.pieces === 1 ? 'piece' : 'pieces'}`;
-  const text =
-    `Cut at tick ${result.tick}: ${pieces}, ${result.newVertices} new vertices, ` +
-    `deviation ${lengthText(result.deviationM)}`;
-  return [text, ...result.warnings].join('. ');
+  if (result.status === CutResult_Status.NO_INTERSECTION) {
+    return 'Nothing was cut: the line misses the sheet, or follows an older cut';
+  }
+  const pieces = countText(result.pieces, 'piece');
+  const through = result.layers.length > 1 ? ` in ${result.layers.length} stretches` : '';
+  return (
+    `Cut at tick ${result.tick}${through}: ${pieces}, ${countText(result.newVertices, 'new vertex', 'new vertices')}, ` +
+    `deviation ${lengthText(result.deviationM)}`
+  );
 }

@@ -1,44 +1,73 @@
-import { create } from '@bufbuild/protobuf';
-import type { Vector2 } from 'three';
+import type { MessageInitShape } from '@bufbuild/protobuf';
+import { Vector2, Vector3 } from 'three';
 import { call } from '../api';
 import { CutResult_Status, CutService } from '../gen/kerf/v1/cuts_pb';
-import { CurveSchema } from '../gen/kerf/v1/geometry_pb';
-import type { Curve } from '../gen/kerf/v1/geometry_pb';
-import { bezierPoint, simplify } from '../geometry/curve';
-import type { Point2 } from '../geometry/locator';
+import type { CutSchema } from '../gen/kerf/v1/scene_pb';
 import { CutHandles } from './cut_handles';
 import { CutPreview } from './cut_preview';
 import { cutText } from './cut_text';
+import { MaterialPlane, PicturePlane, cutView } from './drawing_plane';
+import type { CutTarget, DepthRange, DrawingPlane } from './drawing_plane';
+import { BezierDrawing } from './drawings/bezier_drawing';
+import type { Drawing } from './drawings/drawing';
+import { EllipseDrawing } from './drawings/ellipse_drawing';
+import { FreehandDrawing } from './drawings/freehand_drawing';
+import { LinesDrawing } from './drawings/lines_drawing';
 import type { Pointer, Tool, Viewer } from './tool';
 
-export type CutMode = 'bezier' | 'freehand';
+export type CutMode = 'curve' | 'lines' | 'freehand' | 'circle' | 'ellipse';
 
-const kPreviewPieces = 64;
-// How far the cut may leave the stroke, in parts of the sheet's diagonal: less than a hand's tremor.
-const kFreehandTolerance = 0.002;
+/** Perforation: metres of the sheet that are cut and left in turn. */
+export interface Dashes {
+  isOn: boolean;
+  cutM: number;
+  leftM: number;
+}
+
+const kDrawings: Record<CutMode, () => Drawing> = {
+  curve: () => new BezierDrawing(),
+  lines: () => new LinesDrawing(),
+  freehand: () => new FreehandDrawing(),
+  circle: () => new EllipseDrawing(true),
+  ellipse: () => new EllipseDrawing(false),
+};
+
+/** Weights go from this to its inverse, and a key makes a step of them. */
+export const kLeastWeight = 0.05;
+const kWeightStep = 1.25;
 
 /**
- * Draws a curve on the sheet, in material coordinates so that it moves with the sheet, and cuts along it: four taps for
- * the control points of a cubic Bezier curve, or one stroke for a polyline. A point beside the sheet is allowed, so
- * that a cut can run from border to border.
+ * Draws something and cuts along it: what is seen under it on the picture or, if asked, the material, with which the
+ * drawing then moves. It need not stay on the sheet: a cut from border to border starts and ends beside it.
  */
 export class CutTool implements Tool {
   readonly id = 'cut';
   readonly cursor = 'crosshair';
-  private points: Point2[] = [];
-  private isDrawing = false;
+  readonly dashes: Dashes = { isOn: false, cutM: 0.02, leftM: 0.01 };
+  readonly depth: DepthRange = { nearestM: 0, farthestM: 0 };
+  private currentMode: CutMode = 'curve';
+  private currentTarget: CutTarget = 'seen';
+  private drawing: Drawing = kDrawings.curve();
+  private chosenHandle = -1;
   private isCutting = false;
-  private currentMode: CutMode = 'bezier';
+  private readonly picture = new PicturePlane();
+  private readonly material: MaterialPlane;
   private readonly preview: CutPreview;
   private readonly handles: CutHandles;
+  private readonly drawnSizePx = new Vector2();
 
   /** @param changed  called when the prompt or the possible actions may have changed */
   constructor(
     private readonly viewer: Viewer,
     private readonly changed: () => void,
   ) {
-    this.preview = new CutPreview(viewer.stage);
-    this.handles = new CutHandles(viewer.overlay, (index, px) => this.moveHandle(index, px));
+    this.material = new MaterialPlane(viewer);
+    this.preview = new CutPreview(viewer.overlay);
+    this.handles = new CutHandles(
+      viewer.overlay,
+      (index) => this.chooseHandle(index),
+      (index, px) => this.moveHandle(index, px),
+    );
   }
 
   get mode(): CutMode {
@@ -50,20 +79,56 @@ export class CutTool implements Tool {
     this.cancel();
   }
 
+  get target(): CutTarget {
+    return this.currentTarget;
+  }
+
+  /** A drawing that is started is taken along to where it lies now. */
+  setTarget(target: CutTarget): void {
+    const from = this.plane;
+    this.currentTarget = target;
+    if (target === 'depth') this.frontHalf();
+    const to = this.plane;
+    const isKept = from === to || this.drawing.map((point) => {
+      const px = from.toPx(point);
+      return px && to.at(px);
+    });
+    if (!isKept) this.cancel();
+    this.refresh();
+  }
+
   get isReady(): boolean {
-    return !this.isCutting && !this.isDrawing && this.points.length >= (this.mode === 'bezier' ? 4 : 2);
+    return !this.isCutting && this.drawing.isReady;
   }
 
   get isStarted(): boolean {
-    return this.points.length > 0;
+    return this.drawing.isStarted;
   }
 
   get prompt(): string {
-    if (this.isReady) return this.mode === 'bezier' ? 'Drag the points to adjust, then cut' : 'Cut along the line?';
-    if (this.mode === 'freehand') return 'Draw a line across the sheet';
-    return this.isStarted
-      ? `Point ${this.points.length + 1} of 4`
-      : 'Tap four points; start and end beside the sheet to cut through';
+    return this.drawing.prompt;
+  }
+
+  /** The chosen point that has a weight. */
+  get weighted(): { index: number; weight: number } | undefined {
+    const weight = this.drawing.isReady ? this.drawing.weights?.[this.chosenHandle] : undefined;
+    return weight === undefined ? undefined : { index: this.chosenHandle, weight };
+  }
+
+  setWeight(weight: number): void {
+    if (!this.weighted) return;
+    this.drawing.weights![this.chosenHandle] = Math.min(1 / kLeastWeight, Math.max(kLeastWeight, weight));
+    this.refresh();
+  }
+
+  setDashes(dashes: Partial<Dashes>): void {
+    Object.assign(this.dashes, dashes);
+    this.refresh();
+  }
+
+  setDepth(depth: Partial<DepthRange>): void {
+    Object.assign(this.depth, depth);
+    this.refresh();
   }
 
   enter(): void {
@@ -75,113 +140,137 @@ export class CutTool implements Tool {
   }
 
   press(pointer: Pointer): boolean {
-    if (this.mode !== 'freehand') return false;
-    const point = this.materialAt(pointer);
-    if (!point) return false;
-    this.points = [point];
-    this.isDrawing = true;
+    const point = this.plane.at(pointer.px);
+    const isTaken = point !== undefined && this.drawing.press(point);
     this.refresh();
-    return true;
+    return isTaken;
   }
 
   drag(pointer: Pointer): void {
-    if (!this.isDrawing) return;
-    const point = this.materialAt(pointer);
-    if (point) this.points.push(point);
+    const point = this.plane.at(pointer.px);
+    if (point) this.drawing.drag(point);
     this.refresh();
   }
 
   release(): void {
-    this.isDrawing = false;
-    const { locator } = this.viewer.surface ?? {};
-    if (locator && this.points.length > 1) {
-      const size = Math.hypot(locator.max.x - locator.min.x, locator.max.y - locator.min.y);
-      this.points = simplify(this.points, kFreehandTolerance * size);
-    }
-    if (this.points.length < 2) this.points = [];
+    this.drawing.release(this.plane.tremor);
     this.refresh();
   }
 
   tap(pointer: Pointer): void {
-    if (this.mode !== 'bezier' || this.points.length >= 4) return;
-    const point = this.materialAt(pointer);
-    if (point) this.points.push(point);
+    const point = this.plane.at(pointer.px);
+    if (point) this.drawing.tap(point);
     this.refresh();
   }
 
   key(key: string): boolean {
     if (key === 'Enter' && this.isReady) void this.cut();
     else if (key === 'Escape' && this.isStarted) this.cancel();
-    else if (key === 'Backspace' && this.isStarted && this.mode === 'bezier') this.points.pop();
+    else if (key === 'Backspace' && this.isStarted) this.drawing.removeLast();
+    else if (key === '+' && this.weighted) this.setWeight(this.weighted.weight * kWeightStep);
+    else if (key === '-' && this.weighted) this.setWeight(this.weighted.weight / kWeightStep);
     else return false;
     this.refresh();
     return true;
   }
 
   cancel(): void {
-    this.points = [];
-    this.isDrawing = false;
+    this.drawing = kDrawings[this.currentMode]();
+    this.chosenHandle = -1;
     this.refresh();
   }
 
   async cut(): Promise<void> {
     if (!this.isReady) return;
+    const { drawing } = this;
     this.isCutting = true;
     this.refresh();
-    const result = await this.viewer.attempt(() =>
-      call(CutService.method.createCut, { parent: this.viewer.sheetName, cut: { curve: this.curve() } }),
-    );
+    const request = { parent: this.viewer.sheetName, cut: this.request() };
+    const result = await this.viewer.attempt(() => call(CutService.method.createCut, request));
     this.isCutting = false;
     if (result) {
       this.viewer.notify(result.status === CutResult_Status.APPLIED ? 'success' : 'info', cutText(result));
-      this.points = [];
+      if (result.warnings.length > 0) this.viewer.notify('warning', `${result.warnings.join('. ')}.`);
+      if (drawing === this.drawing) this.cancel();
     }
     this.refresh();
   }
 
   update(): void {
-    const { surface, stage } = this.viewer;
-    if (!surface || !this.isStarted) {
-      this.preview.clear();
-      this.handles.show([]);
-      return;
-    }
-    const toWorld = (point: Point2) => surface.toWorld(point);
-    const isBezier = this.mode === 'bezier';
-    const isCurve = isBezier && this.points.length === 4;
-    const line = isCurve
-      ? Array.from({ length: kPreviewPieces + 1 }, (_, i) => bezierPoint(this.points, i / kPreviewPieces))
-      : this.points;
-    this.preview.show(line.map(toWorld), isCurve ? this.points.map(toWorld) : []);
+    this.followSize();
+    const { plane, drawing } = this;
+    this.preview.show(
+      drawing.lines().map(({ points, isGuide }) => ({ points: points.map((point) => plane.toPx(point)), isGuide })),
+      this.dashPx,
+    );
     this.handles.show(
-      isBezier
-        ? this.points.map((point) => {
-            const world = toWorld(point);
-            return world && stage.project(world);
-          })
-        : [],
+      drawing.handles.map((point, i) => ({
+        px: plane.toPx(point),
+        text: drawing.handleText(i),
+        isChosen: drawing.weights !== undefined && i === this.chosenHandle,
+      })),
     );
   }
 
-  private curve(): Curve {
-    return create(
-      CurveSchema,
-      this.mode === 'bezier'
-        ? { kind: { case: 'bezier', value: { points: this.points } } }
-        : { kind: { case: 'polyline', value: { points: this.points } } },
-    );
+  private get plane(): DrawingPlane {
+    return this.currentTarget === 'material' ? this.material : this.picture;
   }
 
-  private materialAt({ px, ray }: Pointer): Point2 | undefined {
+  private request(): MessageInitShape<typeof CutSchema> {
+    const { stage } = this.viewer;
+    const { isOn, cutM, leftM } = this.dashes;
+    const target = this.currentTarget;
+    return {
+      ...this.drawing.cut(),
+      dash: isOn ? [cutM, leftM] : [],
+      view: target === 'material' ? undefined : cutView(stage.camera, stage.sizePx, target, this.depth),
+    };
+  }
+
+  // As long as on a sheet that is seen face-on in the middle of the view: the server measures them on the material.
+  private get dashPx(): number[] {
+    const { isOn, cutM, leftM } = this.dashes;
+    const { stage } = this.viewer;
+    const scale = stage.metresPerPx(stage.controls.target);
+    return isOn ? [cutM, leftM].map((metres) => metres / scale) : [];
+  }
+
+  // A picture of another size shows the same things at the same distances from its middle, in parts of its height.
+  private followSize(): void {
+    const { x, y } = this.drawnSizePx;
+    const { sizePx } = this.viewer.stage;
+    if (this.plane === this.picture && y > 0 && !this.drawnSizePx.equals(sizePx)) {
+      const scale = sizePx.y / y;
+      this.drawing.map((at) => ({
+        x: 0.5 * sizePx.x + scale * (at.x - 0.5 * x),
+        y: 0.5 * sizePx.y + scale * (at.y - 0.5 * y),
+      }));
+    }
+    this.drawnSizePx.copy(sizePx);
+  }
+
+  // The half of the sheet that is nearer to the camera, to begin with; whole millimetres.
+  private frontHalf(): void {
     const { surface, stage } = this.viewer;
-    return (
-      surface?.pick(ray)?.material ?? surface?.pickBeside(px, stage.camera, stage.sizePx, (at) => stage.metresPerPx(at))
-    );
+    if (!surface) return;
+    const forward = stage.camera.getWorldDirection(new Vector3());
+    let [nearest, farthest] = [Infinity, 0];
+    for (let v = 0; v < surface.mirror.numVertices; ++v) {
+      const depth = surface.vertexPosition(v).sub(stage.camera.position).dot(forward);
+      [nearest, farthest] = [Math.min(nearest, depth), Math.max(farthest, depth)];
+    }
+    this.depth.nearestM = Math.max(0, Math.floor(1e3 * nearest) / 1e3);
+    this.depth.farthestM = Math.max(this.depth.nearestM, Math.ceil(500 * (nearest + farthest)) / 1e3);
+  }
+
+  private chooseHandle(index: number): void {
+    this.chosenHandle = index;
+    this.refresh();
   }
 
   private moveHandle(index: number, px: Vector2): void {
-    const point = this.materialAt({ px, ray: this.viewer.stage.rayAt(px) });
-    if (point && index < this.points.length) this.points[index] = point;
+    const point = this.plane.at(px);
+    if (point && index < this.drawing.handles.length) this.drawing.moveHandle(index, point);
     this.refresh();
   }
 

@@ -31,7 +31,7 @@ export interface Tool {
   update(): void;
 }
 
-export type NoticeKind = 'info' | 'success' | 'error';
+export type NoticeKind = 'info' | 'success' | 'warning' | 'error';
 
 /** What tools may use of the viewer. */
 export interface Viewer {

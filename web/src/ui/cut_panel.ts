@@ -1,25 +1,89 @@
+import { kLeastWeight } from '../tools/cut_tool';
 import type { CutMode, CutTool } from '../tools/cut_tool';
+import type { CutTarget } from '../tools/drawing_plane';
 import { Choice, element, setText } from './dom';
 
-/** Prompt and buttons of the cut tool. */
+const kMillimetre = 1e-3;
+
+/** What is drawn, what it cuts, prompt and buttons of the cut tool. */
 export class CutPanel {
   private readonly panel = element('cut-panel');
   private readonly prompt = element('cut-prompt');
   private readonly apply = element<HTMLButtonElement>('cut-apply');
   private readonly cancel = element<HTMLButtonElement>('cut-cancel');
+  private readonly target = element<HTMLSelectElement>('cut-target');
+  private readonly options = element('cut-options');
+  private readonly depthOptions = element('cut-depth');
+  private readonly nearest = element<HTMLInputElement>('cut-nearest');
+  private readonly farthest = element<HTMLInputElement>('cut-farthest');
+  private readonly isDashed = element<HTMLInputElement>('cut-dashed');
+  private readonly dashOptions = element('cut-dash');
+  private readonly dashCut = element<HTMLInputElement>('cut-dash-cut');
+  private readonly dashLeft = element<HTMLInputElement>('cut-dash-left');
+  private readonly weightOptions = element('cut-weight');
+  private readonly weight = element<HTMLInputElement>('cut-weight-value');
   private readonly mode: Choice<CutMode>;
 
-  constructor(private readonly tool: CutTool) {
+  /** @param done  gives the keyboard back to the canvas */
+  constructor(
+    private readonly tool: CutTool,
+    done: () => void,
+  ) {
     this.mode = new Choice<CutMode>(this.panel, 'mode', (mode) => tool.setMode(mode));
     this.apply.addEventListener('click', () => void tool.cut());
     this.cancel.addEventListener('click', () => tool.cancel());
+    this.target.addEventListener('change', () => {
+      tool.setTarget(this.target.value as CutTarget);
+      done();
+    });
+    this.isDashed.addEventListener('change', () => {
+      tool.setDashes({ isOn: this.isDashed.checked });
+      done();
+    });
+    whenNumber(this.nearest, (nearestM) => tool.setDepth({ nearestM }));
+    whenNumber(this.farthest, (farthestM) => tool.setDepth({ farthestM }));
+    whenNumber(this.dashCut, (mm) => tool.setDashes({ cutM: mm * kMillimetre }));
+    whenNumber(this.dashLeft, (mm) => tool.setDashes({ leftM: mm * kMillimetre }));
+    // The slider's ends are the logarithms of the weights.
+    this.weight.min = String(Math.log10(kLeastWeight));
+    this.weight.max = String(-Math.log10(kLeastWeight));
+    whenNumber(this.weight, (exponent) => tool.setWeight(10 ** exponent));
   }
 
   update(isShown: boolean): void {
+    const { tool } = this;
     this.panel.hidden = !isShown;
-    setText(this.prompt, this.tool.prompt);
-    this.apply.disabled = !this.tool.isReady;
-    this.cancel.disabled = !this.tool.isStarted;
-    this.mode.show(this.tool.mode);
+    setText(this.prompt, tool.prompt);
+    this.apply.disabled = !tool.isReady;
+    this.cancel.disabled = !tool.isStarted;
+    this.mode.show(tool.mode);
+    this.target.value = tool.target;
+    this.depthOptions.hidden = tool.target !== 'depth';
+    setNumber(this.nearest, tool.depth.nearestM);
+    setNumber(this.farthest, tool.depth.farthestM);
+    this.isDashed.checked = tool.dashes.isOn;
+    this.dashOptions.hidden = !tool.dashes.isOn;
+    setNumber(this.dashCut, tool.dashes.cutM / kMillimetre);
+    setNumber(this.dashLeft, tool.dashes.leftM / kMillimetre);
+    const { weighted } = tool;
+    this.weightOptions.hidden = !weighted;
+    this.options.hidden = tool.target !== 'depth' && !tool.dashes.isOn && !weighted;
+    if (!weighted) return;
+    setText(element('cut-weight-point'), String(weighted.index + 1));
+    setText(element('cut-weight-shown'), weighted.weight.toFixed(2));
+    setNumber(this.weight, Math.log10(weighted.weight));
   }
+}
+
+function whenNumber(input: HTMLInputElement, use: (value: number) => void): void {
+  input.addEventListener('input', () => {
+    if (Number.isFinite(input.valueAsNumber)) use(input.valueAsNumber);
+  });
+}
+
+// Not while it is typed into, nor where it only differs by rounding.
+function setNumber(input: HTMLInputElement, value: number): void {
+  if (document.activeElement === input && input.type === 'number') return;
+  const text = String(Number(value.toFixed(4)));
+  if (input.value !== text) input.value = text;
 }

@@ -1,4 +1,6 @@
 import type { App } from '../app';
+import type { CutMode, CutTool } from '../tools/cut_tool';
+import type { CutTarget } from '../tools/drawing_plane';
 import { element } from './dom';
 import { historyStep } from './history_controls';
 
@@ -11,8 +13,17 @@ export function bindKeys(app: App): void {
     c: () => app.choose('cut'),
     g: () => app.choose('grab'),
     p: () => app.choose('pin'),
-    b: () => setCutMode('bezier'),
+    b: () => setCutMode('curve'),
+    i: () => setCutMode('lines'),
     l: () => setCutMode('freehand'),
+    o: () => setCutMode('circle'),
+    e: () => setCutMode('ellipse'),
+    d: () => whenCutting((tool) => tool.setDashes({ isOn: !tool.dashes.isOn })),
+    1: () => setCutTarget('seen'),
+    2: () => setCutTarget('all'),
+    3: () => setCutTarget('piece'),
+    4: () => setCutTarget('depth'),
+    5: () => setCutTarget('material'),
     ' ': () => void app.controls.togglePause(),
     '.': () => void app.controls.step(),
     r: () => void app.controls.reset(),
@@ -20,9 +31,11 @@ export function bindKeys(app: App): void {
     f: () => app.fit(),
     '?': openHelp,
   };
-  const setCutMode = (mode: 'bezier' | 'freehand') => {
-    if (app.tool === app.cutTool) app.cutTool.setMode(mode);
+  const whenCutting = (act: (tool: CutTool) => void) => {
+    if (app.tool === app.cutTool) act(app.cutTool);
   };
+  const setCutMode = (mode: CutMode) => whenCutting((tool) => tool.setMode(mode));
+  const setCutTarget = (target: CutTarget) => whenCutting((tool) => tool.setTarget(target));
 
   element('undo').addEventListener('click', () => void app.history.run('undo'));
   element('redo').addEventListener('click', () => void app.history.run('redo'));
@@ -48,9 +61,9 @@ export function bindKeys(app: App): void {
     }
     if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
     const target = event.target as HTMLElement;
-    // Typing in the list of sheets searches it; the gravity slider only wants arrows.
-    if (target.closest('select')) return;
-    if (target.closest('button') && (event.key === ' ' || event.key === 'Enter')) return;
+    // Typing in a list searches it and in a field fills it; sliders only want arrows.
+    if (target.closest('select, input[type=number]')) return;
+    if (target.closest('button, input[type=checkbox]') && (event.key === ' ' || event.key === 'Enter')) return;
     if (app.tool.key(event.key)) {
       event.preventDefault();
       return;

@@ -1,7 +1,7 @@
 import type { NoticeKind } from '../tools/tool';
 
 const kMaxShown = 4;
-const kShownMs: Record<NoticeKind, number> = { info: 4000, success: 6000, error: 9000 };
+const kShownMs: Record<NoticeKind, number> = { info: 4000, success: 6000, warning: 12000, error: 9000 };
 
 /** Short messages that go away by themselves, or when clicked. */
 export class Notices {

@@ -1,0 +1,91 @@
+import type { MessageInitShape } from '@bufbuild/protobuf';
+import type { PerspectiveCamera } from 'three';
+import { Vector2 } from 'three';
+import { View_Layers } from '../gen/kerf/v1/scene_pb';
+import type { ViewSchema } from '../gen/kerf/v1/scene_pb';
+import type { Point2 } from '../geometry/locator';
+import type { Viewer } from './tool';
+
+/** What a cut goes through: layers of the sheet as it is seen, or the material, wherever it is. */
+export type CutTarget = 'seen' | 'all' | 'piece' | 'depth' | 'material';
+
+/** Metres from the camera along its axis. */
+export interface DepthRange {
+  nearestM: number;
+  farthestM: number;
+}
+
+const kLayers: Record<Exclude<CutTarget, 'material'>, View_Layers> = {
+  seen: View_Layers.NEAREST,
+  all: View_Layers.ALL,
+  piece: View_Layers.ONE_PIECE,
+  depth: View_Layers.DEPTH_RANGE,
+};
+
+/** The view of a cut that is drawn on a picture of this size (CSS pixels) from where the camera is. */
+export function cutView(
+  camera: PerspectiveCamera,
+  sizePx: Vector2,
+  target: Exclude<CutTarget, 'material'>,
+  depth: DepthRange,
+): MessageInitShape<typeof ViewSchema> {
+  camera.updateMatrixWorld();
+  return {
+    view: [...camera.matrixWorldInverse.elements],
+    projection: [...camera.projectionMatrix.elements],
+    widthPx: sizePx.x,
+    heightPx: sizePx.y,
+    layers: kLayers[target],
+    ...(target === 'depth' ? depth : {}),
+  };
+}
+
+/** Where a drawing lies: how its coordinates and the canvas belong together. */
+export interface DrawingPlane {
+  /** The point under one of the canvas, CSS pixels. */
+  at(px: Vector2): Point2 | undefined;
+  toPx(point: Point2): Vector2 | undefined;
+  /** How far a hand strays without meaning it. */
+  readonly tremor: number;
+}
+
+const kTremorPx = 1.5;
+// Of a drawing on the material, in parts of the sheet's diagonal.
+const kTremorPart = 0.002;
+
+/** The picture: the drawing stays where it is on the canvas, and the sheet moves below it. */
+export class PicturePlane implements DrawingPlane {
+  readonly tremor = kTremorPx;
+
+  at({ x, y }: Vector2): Point2 {
+    return { x, y };
+  }
+
+  toPx({ x, y }: Point2): Vector2 {
+    return new Vector2(x, y);
+  }
+}
+
+/** The material: the drawing moves with the sheet. A point beside the sheet is as far beside its nearest border. */
+export class MaterialPlane implements DrawingPlane {
+  constructor(private readonly viewer: Pick<Viewer, 'surface' | 'stage'>) {}
+
+  get tremor(): number {
+    const { locator } = this.viewer.surface ?? {};
+    return locator ? kTremorPart * Math.hypot(locator.max.x - locator.min.x, locator.max.y - locator.min.y) : 0;
+  }
+
+  at(px: Vector2): Point2 | undefined {
+    const { surface, stage } = this.viewer;
+    return (
+      surface?.pick(stage.rayAt(px))?.material ??
+      surface?.pickBeside(px, stage.camera, stage.sizePx, (at) => stage.metresPerPx(at))
+    );
+  }
+
+  toPx(point: Point2): Vector2 | undefined {
+    const { surface, stage } = this.viewer;
+    const world = surface?.toWorld(point);
+    return world && stage.project(world);
+  }
+}

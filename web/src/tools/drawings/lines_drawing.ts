@@ -1,0 +1,34 @@
+import type { Point2 } from '../../geometry/locator';
+import { PointDrawing } from './drawing';
+import type { DrawnCut, PreviewLine } from './drawing';
+
+// kerf.v1.Polyline.
+const kMaxPoints = 4096;
+
+/** Straight lines from tap to tap. */
+export class LinesDrawing extends PointDrawing {
+  get isReady(): boolean {
+    return this.points.length >= 2;
+  }
+
+  get prompt(): string {
+    if (!this.isStarted) return 'Tap the corners of a line of straight pieces';
+    return this.isReady ? 'Tap more corners, or cut' : 'Tap the next corner';
+  }
+
+  override tap(point: Point2): void {
+    if (this.points.length < kMaxPoints) this.points.push(point);
+  }
+
+  override removeLast(): boolean {
+    return this.points.pop() !== undefined;
+  }
+
+  lines(): PreviewLine[] {
+    return [{ points: this.points }];
+  }
+
+  cut(): DrawnCut {
+    return { curve: { kind: { case: 'polyline', value: { points: this.points } } } };
+  }
+}
