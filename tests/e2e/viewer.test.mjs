@@ -347,6 +347,81 @@ await steps.step('circle, ellipse and a dashed freehand loop are drawn by a drag
   await fold.page.close();
 });
 
+// A frame, two holes by reference, a letter of two subpaths in a turned group, and what is no outline.
+const kDrawing = `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 100">
+  <defs><circle id="hole" r="12"/></defs>
+  <rect x="5" y="5" width="190" height="90" rx="12"/>
+  <use href="#hole" x="40" y="50"/><use href="#hole" x="160" y="50"/>
+  <g transform="translate(100 50) rotate(20)"><path d="M -25 30 L 0 -30 L 25 30 Z m 17 -8 h 16 l -8 -19 z"/></g>
+  <text x="20" y="20">cut me not</text>
+  <rect width="10" height="10" display="none"/>
+</svg>`;
+const kFlatScene = {
+  grid: { columns: 41, rows: 41, widthM: 1, heightM: 1 },
+  placement: { xAxis: { x: 1 }, yAxis: { y: Math.cos(0.7), z: Math.sin(0.7) } },
+  gravityMps2: {},
+};
+let flat;
+
+await steps.step('an SVG file is dropped on the sheet, moved, scaled and cut', async () => {
+  await post(kerfd.url, 'SheetService/CreateSheet', { sheetId: 'flat', scene: kFlatScene, paused: true });
+  flat = await ViewerPage.open(browser, `${kerfd.url}/?sheet=flat`, kTall);
+  await flat.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+  const transfer = await flat.page.evaluateHandle((text) => {
+    const files = new DataTransfer();
+    files.items.add(new File([text], 'sign.svg', { type: 'image/svg+xml' }));
+    return files;
+  }, kDrawing);
+  await flat.page.dispatchEvent('#canvas', 'dragover', { dataTransfer: transfer });
+  await flat.screenshot('svg-drop');
+  await flat.page.dispatchEvent('#canvas', 'drop', { dataTransfer: transfer });
+  await flat.until('k.tool === "cut"');
+  await flat.page.locator('#cut-prompt', { hasText: 'sign.svg' }).waitFor();
+  check(await flat.page.isDisabled('#cut-target'), 'a drawing on a picture is offered, and the server refuses it');
+  await flat.screenshot('svg');
+  // 0.9 m wide in the middle: smaller by its upper right corner, then dragged up from within.
+  await flat.drag(await flat.at(0.95, 0.7), await flat.at(0.77, 0.61));
+  await flat.page.mouse.up();
+  await flat.drag(await flat.at(0.35, 0.4), await flat.at(0.45, 0.6));
+  await flat.page.mouse.up();
+  await flat.screenshot('svg-moved');
+  await flat.page.keyboard.press('Enter');
+  await flat.until('k.pieces === 6');
+  await flat.notice(/Cut at tick \d+: 6 pieces/);
+  await flat.notice(/text/);
+  const { cut } = await lastCut('sheets/flat');
+  const { min, max } = cut.fit;
+  const wanted = [0.15, 0.487, 0.87, 0.828];
+  const off = [min.x, min.y, max.x, max.y].map((value, i) => Math.abs(value - wanted[i]));
+  check(Math.max(...off) < 0.01, `cut in ${JSON.stringify(cut.fit)}`);
+  await flat.screenshot('svg-cut');
+});
+
+await steps.step('an SVG file is chosen, and what is none is refused in words', async () => {
+  const choosing = flat.page.waitForEvent('filechooser');
+  await flat.page.keyboard.press('Control+z');
+  await flat.until('k.pieces === 1');
+  await flat.page.setInputFiles('#svg-file', { name: 'notes.txt', mimeType: 'text/plain', buffer: Buffer.from('x') });
+  await flat.notice(/notes.txt is no SVG drawing/);
+  await flat.page.setInputFiles('#svg-file', {
+    name: 'large.svg',
+    mimeType: 'image/svg+xml',
+    buffer: Buffer.alloc(512 * 1024 + 1, ' '),
+  });
+  await flat.notice(/large.svg has 513 KiB; the server takes drawings of at most 512/);
+  await flat.page.keyboard.press('s');
+  const chooser = await choosing;
+  await chooser.setFiles({ name: 'broken.svg', mimeType: 'image/svg+xml', buffer: Buffer.from('<svg><path') });
+  await flat.page.locator('#cut-prompt', { hasText: 'No outline of broken.svg' }).waitFor();
+  await flat.page.click('#cut-apply');
+  await flat.page.locator('.notice[data-kind=error]', { hasText: /^Nothing was cut: .*INVALID_ARGUMENT/ }).waitFor();
+  await flat.screenshot('svg-broken');
+  await flat.page.keyboard.press('Escape');
+  // The browser writes the refusal to the console.
+  flat.errors = flat.errors.filter((error) => !error.includes('400'));
+  check(flat.errors.length === 0, `console: ${flat.errors.join('; ')}`);
+});
+
 await steps.step('a freehand line is cut on a phone, in the dark', async () => {
   await post(kerfd.url, 'SheetService/PauseSheet', kDemo);
   await post(kerfd.url, 'SheetService/ResetSheet', kDemo);

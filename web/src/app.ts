@@ -24,6 +24,7 @@ import { HistoryControls } from './ui/history_controls';
 import { Notices } from './ui/notices';
 import { SimulationControls } from './ui/simulation_controls';
 import { StatusLine } from './ui/status_line';
+import { SvgFiles } from './ui/svg_files';
 
 const kStateText: Record<ConnectionState, string> = {
   connecting: 'Connecting',
@@ -39,6 +40,7 @@ export class App implements Viewer {
   readonly controls: SimulationControls;
   readonly history = new HistoryControls(this);
   readonly cutTool: CutTool;
+  readonly svgFiles = new SvgFiles(this);
   sheetName = '';
   surface: Surface | undefined;
   watch: Watch | undefined;
@@ -69,7 +71,11 @@ export class App implements Viewer {
     this.grabTool = new GrabTool(this);
     this.tools = { view: new ViewTool(), cut: this.cutTool, grab: this.grabTool, pin: new PinTool(this) };
     this.tool = this.tools.view;
-    this.cutPanel = new CutPanel(this.cutTool, () => this.focusStage());
+    this.cutPanel = new CutPanel(
+      this.cutTool,
+      () => this.focusStage(),
+      () => this.svgFiles.choose(),
+    );
     this.toolChoice = new Choice<ToolId>(element('tools'), 'tool', (id) => this.choose(id));
     this.controls = new SimulationControls(this);
     new PointerRouter(element('stage'), this.canvas, this.stage, () => this.tool);
@@ -138,12 +144,12 @@ export class App implements Viewer {
     this.notices.add(kind, text);
   }
 
-  async attempt<T>(run: () => Promise<T>): Promise<T | undefined> {
+  async attempt<T>(run: () => Promise<T>, what = ''): Promise<T | undefined> {
     try {
       return await run();
     } catch (error) {
       const code = error instanceof ApiError ? ` (${error.code})` : '';
-      this.notify('error', `${(error as Error).message}${code}`);
+      this.notify('error', `${what}${(error as Error).message}${code}`);
       return undefined;
     }
   }

@@ -1,7 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { CutResultSchema, CutResult_Status } from '../src/gen/kerf/v1/cuts_pb';
-import { cutText, lengthText } from '../src/tools/cut_text';
+import { cutText, lengthText, warningText } from '../src/tools/cut_text';
 
 describe('lengthText', () => {
   it('has two digits and a fitting unit, never an exponent', () => {
@@ -28,6 +28,10 @@ describe('cutText', () => {
       warnings: ['1 gap closed'],
     });
     expect(cutText(result)).toBe('Cut at tick 480: 2 pieces, 175 new vertices, deviation 0.39 mm');
+    expect(warningText(result)).toBe('1 gap closed.');
+    result.warnings.push('segments merged: 2');
+    expect(warningText(result)).toBe('1 gap closed. Segments merged: 2.');
+    expect(warningText(create(CutResultSchema, {}))).toBe('');
   });
 
   it('says how many stretches a cut on a picture has, when it is not one', () => {

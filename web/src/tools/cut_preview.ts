@@ -6,6 +6,9 @@ export interface PixelLine {
   isGuide?: boolean;
 }
 
+// So many lines are drawn thinner.
+const kManyLines = 12;
+
 const kSvg = 'http://www.w3.org/2000/svg';
 
 /**
@@ -13,11 +16,12 @@ const kSvg = 'http://www.w3.org/2000/svg';
  * everywhere.
  */
 export class CutPreview {
+  private readonly svg = document.createElementNS(kSvg, 'svg');
   private readonly guides: SVGPathElement[];
   private readonly curves: SVGPathElement[];
 
   constructor(overlay: HTMLElement) {
-    const svg = document.createElementNS(kSvg, 'svg');
+    const { svg } = this;
     svg.id = 'cut-preview';
     svg.setAttribute('aria-hidden', 'true');
     const paths = ['guide-rim', 'guide', 'curve-rim', 'curve'].map((name) => {
@@ -33,6 +37,7 @@ export class CutPreview {
 
   /** @param dashPx  lengths that are cut and left, CSS pixels; none: all of it is cut */
   show(lines: readonly PixelLine[], dashPx: readonly number[] = []): void {
+    this.svg.classList.toggle('fine', lines.length > kManyLines);
     const guide = pathData(lines.filter((line) => line.isGuide));
     for (const path of this.guides) path.setAttribute('d', guide);
     const curve = pathData(lines.filter((line) => !line.isGuide));

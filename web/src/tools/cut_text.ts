@@ -9,7 +9,7 @@ export function lengthText(metres: number): string {
 }
 
 export function countText(count: number, one: string, many = `${one}s`): string {
-  return `${count} ${count === 1 ? one : many}`;
+  return `${count.toLocaleString('en')} ${count === 1 ? one : many}`;
 }
 
 /** The reply to a cut in a sentence; what the server warns of is not in it. */
@@ -23,4 +23,9 @@ export function cutText(result: CutResult): string {
     `Cut at tick ${result.tick}${through}: ${pieces}, ${countText(result.newVertices, 'new vertex', 'new vertices')}, ` +
     `deviation ${lengthText(result.deviationM)}`
   );
+}
+
+/** What the server warns of, in sentences; empty without any. */
+export function warningText({ warnings }: CutResult): string {
+  return warnings.map((warning) => `${warning.charAt(0).toUpperCase()}${warning.slice(1)}.`).join(' ');
 }

@@ -3,9 +3,10 @@ import { Vector2, Vector3 } from 'three';
 import { call } from '../api';
 import { CutResult_Status, CutService } from '../gen/kerf/v1/cuts_pb';
 import type { CutSchema } from '../gen/kerf/v1/scene_pb';
+import { svgOutline } from '../geometry/svg_outline';
 import { CutHandles } from './cut_handles';
 import { CutPreview } from './cut_preview';
-import { cutText } from './cut_text';
+import { cutText, warningText } from './cut_text';
 import { MaterialPlane, PicturePlane, cutView } from './drawing_plane';
 import type { CutTarget, DepthRange, DrawingPlane } from './drawing_plane';
 import { BezierDrawing } from './drawings/bezier_drawing';
@@ -13,9 +14,11 @@ import type { Drawing } from './drawings/drawing';
 import { EllipseDrawing } from './drawings/ellipse_drawing';
 import { FreehandDrawing } from './drawings/freehand_drawing';
 import { LinesDrawing } from './drawings/lines_drawing';
+import { PictureDrawing } from './drawings/picture_drawing';
+import type { Picture } from './drawings/picture_drawing';
 import type { Pointer, Tool, Viewer } from './tool';
 
-export type CutMode = 'curve' | 'lines' | 'freehand' | 'circle' | 'ellipse';
+export type CutMode = 'curve' | 'lines' | 'freehand' | 'circle' | 'ellipse' | 'svg';
 
 /** Perforation: metres of the sheet that are cut and left in turn. */
 export interface Dashes {
@@ -30,6 +33,7 @@ const kDrawings: Record<CutMode, () => Drawing> = {
   freehand: () => new FreehandDrawing(),
   circle: () => new EllipseDrawing(true),
   ellipse: () => new EllipseDrawing(false),
+  svg: () => new PictureDrawing(),
 };
 
 /** Weights go from this to its inverse, and a key makes a step of them. */
@@ -79,8 +83,19 @@ export class CutTool implements Tool {
     this.cancel();
   }
 
+  /** Lays a drawing on the sheet; false while there is none. */
+  lay(picture: Omit<Picture, 'outline'>): boolean {
+    const { locator } = this.viewer.surface ?? {};
+    if (!locator) return false;
+    this.setMode('svg');
+    this.drawing = new PictureDrawing({ ...picture, outline: svgOutline(picture.text) }, locator);
+    this.refresh();
+    return true;
+  }
+
+  /** A drawing of a file lies on the material. */
   get target(): CutTarget {
-    return this.currentTarget;
+    return this.currentMode === 'svg' ? 'material' : this.currentTarget;
   }
 
   /** A drawing that is started is taken along to where it lies now. */
@@ -186,11 +201,14 @@ export class CutTool implements Tool {
     this.isCutting = true;
     this.refresh();
     const request = { parent: this.viewer.sheetName, cut: this.request() };
-    const result = await this.viewer.attempt(() => call(CutService.method.createCut, request));
+    const result = await this.viewer.attempt(
+      () => call(CutService.method.createCut, request),
+      'Nothing was cut: ',
+    );
     this.isCutting = false;
     if (result) {
       this.viewer.notify(result.status === CutResult_Status.APPLIED ? 'success' : 'info', cutText(result));
-      if (result.warnings.length > 0) this.viewer.notify('warning', `${result.warnings.join('. ')}.`);
+      if (result.warnings.length > 0) this.viewer.notify('warning', warningText(result));
       if (drawing === this.drawing) this.cancel();
     }
     this.refresh();
@@ -213,13 +231,13 @@ export class CutTool implements Tool {
   }
 
   private get plane(): DrawingPlane {
-    return this.currentTarget === 'material' ? this.material : this.picture;
+    return this.target === 'material' ? this.material : this.picture;
   }
 
   private request(): MessageInitShape<typeof CutSchema> {
     const { stage } = this.viewer;
     const { isOn, cutM, leftM } = this.dashes;
-    const target = this.currentTarget;
+    const { target } = this;
     return {
       ...this.drawing.cut(),
       dash: isOn ? [cutM, leftM] : [],

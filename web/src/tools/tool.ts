@@ -45,7 +45,10 @@ export interface Viewer {
   /** As last told by the server. */
   readonly sheet: Sheet | undefined;
   notify(kind: NoticeKind, text: string): void;
-  /** Runs a call; its failure becomes a notice. Undefined if it failed. */
-  attempt<T>(call: () => Promise<T>): Promise<T | undefined>;
+  /**
+   * Runs a call; its failure becomes a notice. Undefined if it failed.
+   * @param what  begins the notice: "Nothing was cut: "
+   */
+  attempt<T>(call: () => Promise<T>, what?: string): Promise<T | undefined>;
   refreshSheet(): Promise<void>;
 }

@@ -24,12 +24,19 @@ export class CutPanel {
   private readonly weight = element<HTMLInputElement>('cut-weight-value');
   private readonly mode: Choice<CutMode>;
 
-  /** @param done  gives the keyboard back to the canvas */
+  /**
+   * @param done        gives the keyboard back to the canvas
+   * @param chooseFile  asks for a drawing
+   */
   constructor(
     private readonly tool: CutTool,
     done: () => void,
+    chooseFile: () => void,
   ) {
-    this.mode = new Choice<CutMode>(this.panel, 'mode', (mode) => tool.setMode(mode));
+    this.mode = new Choice<CutMode>(this.panel, 'mode', (mode) => {
+      tool.setMode(mode);
+      if (mode === 'svg') chooseFile();
+    });
     this.apply.addEventListener('click', () => void tool.cut());
     this.cancel.addEventListener('click', () => tool.cancel());
     this.target.addEventListener('change', () => {
@@ -58,6 +65,7 @@ export class CutPanel {
     this.cancel.disabled = !tool.isStarted;
     this.mode.show(tool.mode);
     this.target.value = tool.target;
+    this.target.disabled = tool.mode === 'svg';
     this.depthOptions.hidden = tool.target !== 'depth';
     setNumber(this.nearest, tool.depth.nearestM);
     setNumber(this.farthest, tool.depth.farthestM);

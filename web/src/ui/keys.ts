@@ -18,6 +18,10 @@ export function bindKeys(app: App): void {
     l: () => setCutMode('freehand'),
     o: () => setCutMode('circle'),
     e: () => setCutMode('ellipse'),
+    s: () => {
+      setCutMode('svg');
+      whenCutting(() => app.svgFiles.choose());
+    },
     d: () => whenCutting((tool) => tool.setDashes({ isOn: !tool.dashes.isOn })),
     1: () => setCutTarget('seen'),
     2: () => setCutTarget('all'),

@@ -1,0 +1,80 @@
+import { bezierPoint } from './curve';
+import type { Point2 } from './locator';
+
+const kNumber = /[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?/gi;
+const kCounts: Record<string, number> = { M: 2, L: 2, H: 1, V: 1, C: 6, S: 4, Q: 4, T: 2, A: 7, Z: 0 };
+
+/** Points of an arc "M x y A ...", its start included. */
+export type ArcPoints = (data: string, pieces: number) => Point2[];
+
+/** How many segments path data has, about. */
+export function countSegments(data: string): number {
+  return Math.ceil((data.match(kNumber)?.length ?? 0) / 4);
+}
+
+/**
+ * Polylines, one a subpath, through path data (SVG 1.1, chapter 8.3), for a preview: what does not read as such ends it.
+ *
+ * @param pieces  chords of a curve
+ */
+export function pathLines(data: string, pieces: number, arcPoints: ArcPoints): Point2[][] {
+  const lines: Point2[][] = [];
+  let line: Point2[] = [];
+  let at: Point2 = { x: 0, y: 0 };
+  // The second last control point of the curve before, for S and T.
+  let control: Point2 | undefined;
+  let curve = '';
+
+  const run = (letter: string, n: readonly number[]): void => {
+    const name = letter.toUpperCase();
+    const origin = letter === name ? { x: 0, y: 0 } : at;
+    const point = (i: number): Point2 => ({ x: origin.x + n[i], y: origin.y + n[i + 1] });
+    const mirrored = (of: string): Point2 =>
+      control && of.includes(curve) ? { x: 2 * at.x - control.x, y: 2 * at.y - control.y } : at;
+    const bend = (...points: Point2[]): void => {
+      const all = [at, ...points];
+      for (let i = 1; i <= pieces; ++i) line.push(bezierPoint(all, i / pieces));
+      control = points[points.length - 2];
+    };
+    if (name === 'M' || line.length === 0) lines.push((line = [name === 'M' ? point(0) : at]));
+    if (name === 'L') line.push(point(0));
+    else if (name === 'H') line.push({ x: origin.x + n[0], y: at.y });
+    else if (name === 'V') line.push({ x: at.x, y: origin.y + n[0] });
+    else if (name === 'C') bend(point(0), point(2), point(4));
+    else if (name === 'S') bend(mirrored('CS'), point(0), point(2));
+    else if (name === 'Q') bend(point(0), point(2));
+    else if (name === 'T') bend(mirrored('QT'), point(0));
+    else if (name === 'A') line.push(...arcPoints(`M${at.x} ${at.y}${letter}${n.join(' ')}`, pieces).slice(1));
+    else if (name === 'Z') line.push(line[0]);
+    at = line[line.length - 1];
+    curve = name;
+    // The next segment begins another subpath, at this one's start.
+    if (name === 'Z') line = [];
+  };
+
+  for (const [, letter, rest] of data.matchAll(/([mlhvcsqtaz])([^mlhvcsqtaz]*)/gi)) {
+    const name = letter.toUpperCase();
+    const numbers = name === 'A' ? arcNumbers(rest) : (rest.match(kNumber) ?? []).map(Number);
+    const count = kCounts[name];
+    if (count === 0) run(letter, []);
+    for (let i = 0; count > 0 && i + count <= numbers.length; i += count) {
+      // Further pairs after a move are lines.
+      run(name === 'M' && i > 0 ? (letter === 'M' ? 'L' : 'l') : letter, numbers.slice(i, i + count));
+    }
+  }
+  return lines.filter(({ length }) => length > 1);
+}
+
+// An arc's two flags may stand together with what follows them: "a 1 1 0 015 5".
+function arcNumbers(text: string): number[] {
+  const numbers: number[] = [];
+  let rest = text;
+  for (;;) {
+    rest = rest.replace(/^[\s,]+/, '');
+    const isFlag = numbers.length % 7 === 3 || numbers.length % 7 === 4;
+    const found = (isFlag ? /^[01]/ : /^[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?/i).exec(rest);
+    if (!found) return numbers;
+    numbers.push(Number(found[0]));
+    rest = rest.slice(found[0].length);
+  }
+}

@@ -1,0 +1,152 @@
+import type { Point2 } from '../../geometry/locator';
+import type { SvgOutline } from '../../geometry/svg_outline';
+import type { DrawnCut, Drawing, PreviewLine } from './drawing';
+
+export interface Picture {
+  name: string;
+  /** SVG */
+  text: string;
+  /** Undefined where the browser makes nothing of it. */
+  outline: SvgOutline | undefined;
+}
+
+export interface Box {
+  min: Point2;
+  max: Point2;
+}
+
+// Of the sheet's box, left free at each side: what the server leaves too.
+const kMargin = 0.05;
+// Pieces of a side of the box, which follow the sheet.
+const kSidePieces = 16;
+// Of a side of the box against the sheet's larger side.
+const kLeastSide = 0.01;
+
+/** An SVG file in a box on the material, which is moved and scaled before the cut; none until there is one. */
+export class PictureDrawing implements Drawing {
+  private box: Box = { min: { x: 0, y: 0 }, max: { x: 0, y: 0 } };
+  private readonly aspect: number = 1;
+  private readonly leastSide: number = 0;
+  private held: Point2 | undefined;
+
+  /** @param sheet  the sheet's bounding box, metres; only without a picture none */
+  constructor(
+    private readonly picture?: Picture,
+    sheet?: Box,
+  ) {
+    if (!picture || !sheet) return;
+    const [width, height] = [sheet.max.x - sheet.min.x, sheet.max.y - sheet.min.y];
+    this.aspect = picture.outline?.aspect ?? width / height;
+    this.leastSide = kLeastSide * Math.max(width, height);
+    const fitted = Math.min(width, height * this.aspect) * (1 - 2 * kMargin);
+    const half = { x: 0.5 * fitted, y: (0.5 * fitted) / this.aspect };
+    const center = { x: 0.5 * (sheet.min.x + sheet.max.x), y: 0.5 * (sheet.min.y + sheet.max.y) };
+    this.box = {
+      min: { x: center.x - half.x, y: center.y - half.y },
+      max: { x: center.x + half.x, y: center.y + half.y },
+    };
+  }
+
+  get isStarted(): boolean {
+    return this.picture !== undefined;
+  }
+
+  get isReady(): boolean {
+    return this.isStarted;
+  }
+
+  get prompt(): string {
+    if (!this.picture) return 'Drop an SVG file on the sheet, or choose one';
+    return this.picture.outline
+      ? `Drag ${this.picture.name} where it is to be cut, or its corners to scale it`
+      : `No outline of ${this.picture.name} can be shown here; the server may see one`;
+  }
+
+  /** Corners, counter-clockwise from the lower left one, and the middle. */
+  get handles(): readonly Point2[] {
+    if (!this.isStarted) return [];
+    const { min, max } = this.box;
+    return [min, { x: max.x, y: min.y }, max, { x: min.x, y: max.y }, middle(this.box)];
+  }
+
+  handleText(index: number): string {
+    return index === 4 ? '✥' : '';
+  }
+
+  lines(): PreviewLine[] {
+    if (!this.isStarted) return [];
+    const { min, max } = this.box;
+    const corners = this.handles.slice(0, 4);
+    const border = corners.flatMap((from, i) => {
+      const to = corners[(i + 1) % 4];
+      return Array.from({ length: kSidePieces }, (_, k) => between(from, to, k / kSidePieces));
+    });
+    const outlines = (this.picture?.outline?.lines ?? []).map((line) => ({
+      points: line.map(({ x, y }) => ({ x: min.x + x * (max.x - min.x), y: min.y + y * (max.y - min.y) })),
+    }));
+    return [{ points: [...border, border[0]], isGuide: true }, ...outlines];
+  }
+
+  cut(): DrawnCut {
+    const { min, max } = this.box;
+    return { curve: { kind: { case: 'svg', value: { text: this.picture?.text } } }, fit: { min, max } };
+  }
+
+  tap(): void {}
+
+  press(point: Point2): boolean {
+    const { min, max } = this.box;
+    const isInside = point.x >= min.x && point.x <= max.x && point.y >= min.y && point.y <= max.y;
+    if (!this.isStarted || !isInside) return false;
+    this.held = point;
+    return true;
+  }
+
+  drag(point: Point2): void {
+    if (this.held) this.shift(point.x - this.held.x, point.y - this.held.y);
+    this.held = point;
+  }
+
+  release(): void {
+    this.held = undefined;
+  }
+
+  moveHandle(index: number, to: Point2): void {
+    if (index === 4) {
+      const from = middle(this.box);
+      return this.shift(to.x - from.x, to.y - from.y);
+    }
+    // The opposite corner stays; the shape of the box too.
+    const opposite = this.handles[(index + 2) % 4];
+    const isRight = index === 1 || index === 2;
+    const isUpper = index === 2 || index === 3;
+    const reachX = (to.x - opposite.x) * (isRight ? 1 : -1);
+    const reachY = (to.y - opposite.y) * (isUpper ? 1 : -1);
+    const width = Math.max(reachX, reachY * this.aspect, this.leastSide * Math.max(1, this.aspect));
+    const height = width / this.aspect;
+    const min = { x: isRight ? opposite.x : opposite.x - width, y: isUpper ? opposite.y : opposite.y - height };
+    this.box = { min, max: { x: min.x + width, y: min.y + height } };
+  }
+
+  removeLast(): boolean {
+    return false;
+  }
+
+  // It lies on the material and nowhere else.
+  map(): boolean {
+    return false;
+  }
+
+  private shift(dx: number, dy: number): void {
+    const { min, max } = this.box;
+    this.box = { min: { x: min.x + dx, y: min.y + dy }, max: { x: max.x + dx, y: max.y + dy } };
+  }
+}
+
+function middle({ min, max }: Box): Point2 {
+  return between(min, max, 0.5);
+}
+
+function between(from: Point2, to: Point2, t: number): Point2 {
+  return { x: (1 - t) * from.x + t * to.x, y: (1 - t) * from.y + t * to.y };
+}
