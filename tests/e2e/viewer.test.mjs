@@ -422,6 +422,43 @@ await steps.step('an SVG file is chosen, and what is none is refused in words', 
   check(flat.errors.length === 0, `console: ${flat.errors.join('; ')}`);
 });
 
+await steps.step('pieces have colours that they keep while others are cut', async () => {
+  const circle = async (x, y, radius) => {
+    const { pieces } = await flat.read('({ pieces: k.pieces })');
+    await flat.page.keyboard.press('o');
+    await flat.drag(await flat.at(x, y), await flat.at(x + radius, y));
+    await flat.page.mouse.up();
+    await flat.page.keyboard.press('Enter');
+    await flat.until('k.pieces > given.pieces', { pieces });
+  };
+  const colourAt = async (name, ...points) => {
+    const px = [];
+    for (const [x, y] of points) px.push(await flat.at(x, y));
+    return flat.colours(px, name);
+  };
+  await circle(0.3, 0.7, 0.12);
+  await flat.page.keyboard.press('k');
+  await flat.until('k.isByPiece && k.pieceAt(0.3, 0.7) && k.pieceAt(0.5, 0.2)');
+  const ids = await flat.read('[k.pieceAt(0.3, 0.7), k.pieceAt(0.5, 0.2)]');
+  await flat.until('k.framesDrawn > given.drawn', { drawn: await flat.read('k.framesDrawn - 1') });
+  const [disc, rest] = await colourAt('pieces', [0.3, 0.7], [0.5, 0.2]);
+  check(disc.some((value, i) => Math.abs(value - rest[i]) > 40), `disc ${disc} and rest ${rest} look alike`);
+  await circle(0.7, 0.6, 0.15);
+  await flat.until('k.pieceAt(0.7, 0.6) && k.pieceAt(0.5, 0.2)');
+  const after = await flat.read('[k.pieceAt(0.3, 0.7), k.pieceAt(0.5, 0.2), k.pieceAt(0.7, 0.6)]');
+  check(after[0] === ids[0] && after[1] !== ids[1], `ids ${ids} became ${after}`);
+  const { pieces } = await post(kerfd.url, 'CutService/ListPieces', { parent: 'sheets/flat' });
+  check(pieces.map(({ id }) => Number(id)).sort().join() === [...after].sort().join(), `${JSON.stringify(pieces)}, ${after}`);
+  await flat.page.mouse.move(640, 5);
+  await flat.until('k.framesDrawn > given.drawn', { drawn: await flat.read('k.framesDrawn - 1') });
+  const [kept] = await colourAt('pieces-cut-on', [0.3, 0.7]);
+  check(kept.every((value, i) => Math.abs(value - disc[i]) < 8), `the disc was ${disc} and is ${kept}`);
+  await flat.page.click('#by-piece');
+  await flat.until('!k.isByPiece');
+  check(flat.errors.length === 0, `console: ${flat.errors.join('; ')}`);
+  await flat.page.close();
+});
+
 await steps.step('a freehand line is cut on a phone, in the dark', async () => {
   await post(kerfd.url, 'SheetService/PauseSheet', kDemo);
   await post(kerfd.url, 'SheetService/ResetSheet', kDemo);

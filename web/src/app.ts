@@ -9,6 +9,7 @@ import { Stage } from './scene/stage';
 import { worldBox } from './scene/world_box';
 import { FrameClock, unixTimeMs } from './stream/frame_clock';
 import type { SheetMirror } from './stream/mirror';
+import { PieceIds } from './stream/piece_ids';
 import { SettingsFollower } from './stream/settings_follower';
 import { Watch } from './stream/watch';
 import type { ConnectionState } from './stream/watch';
@@ -47,6 +48,7 @@ export class App implements Viewer {
   sheet: Sheet | undefined;
   tool: Tool;
   framesDrawn = 0;
+  isByPiece = false;
 
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly sheetView = new SheetView();
@@ -58,6 +60,7 @@ export class App implements Viewer {
   private readonly grabTool: GrabTool;
   private readonly cutPanel: CutPanel;
   private readonly toolChoice: Choice<ToolId>;
+  private readonly pieceIds = new PieceIds(() => this.showAgain());
   private clock = new FrameClock();
   private hasNewFrame = false;
   private isFitted = false;
@@ -94,6 +97,18 @@ export class App implements Viewer {
     this.sheetView.setWireframe(!this.isWireframe);
     element('wireframe').setAttribute('aria-pressed', String(this.isWireframe));
     this.stage.invalidate();
+  }
+
+  toggleByPiece(): void {
+    this.isByPiece = !this.isByPiece;
+    element('by-piece').setAttribute('aria-pressed', String(this.isByPiece));
+    this.showAgain();
+  }
+
+  /** Stable id of a piece by its label in the mirror's frames; undefined while it is not known. */
+  pieceId(label: number): number | undefined {
+    const version = this.surface?.mirror.topologyVersion;
+    return version === undefined ? undefined : this.pieceIds.at(this.sheetName, version)?.get(label);
   }
 
   choose(id: ToolId): void {
@@ -166,8 +181,7 @@ export class App implements Viewer {
     this.controls.show(sheet);
     this.pinView.set(sheet.pinnedVertices);
     this.colliderView.set(sheet.scene?.colliders ?? []);
-    this.hasNewFrame = this.surface !== undefined;
-    this.stage.invalidate();
+    this.showAgain();
   }
 
   showConnection(state: ConnectionState, detail: string): void {
@@ -177,6 +191,11 @@ export class App implements Viewer {
     const line = element('connection-detail');
     line.hidden = detail === '';
     setText(line, detail);
+  }
+
+  private showAgain(): void {
+    this.hasNewFrame = this.surface !== undefined;
+    this.stage.invalidate();
   }
 
   // False if it failed: the stream tells about a lost connection or a sheet that is gone.
@@ -193,6 +212,7 @@ export class App implements Viewer {
       this.surface = new Surface(mirror);
       this.clock = new FrameClock();
       this.settings.reset();
+      this.pieceIds.reset();
     }
     const { stats } = mirror;
     if (stats) {
@@ -224,6 +244,8 @@ export class App implements Viewer {
       this.isFitted = this.sheet !== undefined;
     }
     this.sheetView.update(surface);
+    const version = surface.mirror.topologyVersion;
+    this.sheetView.colorByPiece(this.isByPiece ? this.pieceIds.at(this.sheetName, version) : null);
     const { min, max } = surface.locator;
     this.pinView.update(surface.mirror, 0.009 * Math.max(max.x - min.x, max.y - min.y));
     this.watch?.acknowledge();

@@ -13,6 +13,7 @@ export interface Hooks {
   readonly numVertices: number;
   readonly isPaused: boolean;
   readonly isWireframe: boolean;
+  readonly isByPiece: boolean;
   readonly tool: string;
   readonly pinnedVertices: readonly number[];
   readonly framesDrawn: number;
@@ -20,6 +21,8 @@ export interface Hooks {
   toWorld(materialX: number, materialY: number): { x: number; y: number; z: number } | undefined;
   /** The same on the page, CSS pixels. */
   toClient(materialX: number, materialY: number): { x: number; y: number } | undefined;
+  /** Id of the piece at a material point; undefined off the sheet and while it is not known. */
+  pieceAt(materialX: number, materialY: number): number | undefined;
 }
 
 declare global {
@@ -55,6 +58,9 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
     get isWireframe() {
       return app.isWireframe;
     },
+    get isByPiece() {
+      return app.isByPiece;
+    },
     get tool() {
       return app.tool.id;
     },
@@ -67,6 +73,11 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
     toWorld(x, y) {
       const at = world(x, y);
       return at && { x: at.x, y: at.y, z: at.z };
+    },
+    pieceAt(x, y) {
+      const { surface } = app;
+      const place = surface?.locator.find({ x, y });
+      return place && app.pieceId(surface!.mirror.pieces[place.slot]);
     },
     toClient(x, y) {
       const at = world(x, y);

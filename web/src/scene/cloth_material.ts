@@ -5,6 +5,8 @@ import type { IUniform } from 'three';
 // two sides differ in colour, so that folds show.
 const kPattern = /* glsl */ `
   uniform float checkSize;
+  uniform bool isByPiece;
+  varying vec3 vPieceColor;
 
   float band(float t, float halfWidth) {
     float blur = max(fwidth(t), 1e-4);
@@ -23,12 +25,17 @@ const kPattern = /* glsl */ `
     vec3 light = isFront ? vec3(0.84, 0.80, 0.70) : vec3(0.88, 0.46, 0.26);
     vec3 dark = isFront ? vec3(0.012, 0.072, 0.21) : vec3(0.47, 0.065, 0.03);
     vec3 color = mix(light, dark, bands * (isFront ? 0.92 : 0.6));
-    return color * (1.0 + 0.10 * weave);
+    color *= 1.0 + 0.10 * weave;
+    if (!isByPiece) return color;
+    // The checks stay, as light and dark; the back is darker.
+    float lightness = dot(color, vec3(0.2126, 0.7152, 0.0722));
+    return vPieceColor * (0.6 + 0.55 * lightness) * (isFront ? 1.0 : 0.7);
   }
 `;
 
 export class ClothMaterial extends MeshStandardMaterial {
   private readonly checkSize: IUniform<number> = { value: 0.1 };
+  private readonly isByPiece: IUniform<boolean> = { value: false };
 
   constructor() {
     super({
@@ -44,6 +51,10 @@ export class ClothMaterial extends MeshStandardMaterial {
     this.defines = { ...this.defines, USE_UV: '' };
     this.onBeforeCompile = (shader) => {
       shader.uniforms.checkSize = this.checkSize;
+      shader.uniforms.isByPiece = this.isByPiece;
+      shader.vertexShader = shader.vertexShader
+        .replace('#include <common>', '#include <common>\nattribute vec3 pieceColor;\nvarying vec3 vPieceColor;')
+        .replace('#include <begin_vertex>', '#include <begin_vertex>\nvPieceColor = pieceColor;');
       shader.fragmentShader = shader.fragmentShader
         .replace('#include <common>', `#include <common>\n${kPattern}`)
         .replace('#include <color_fragment>', 'diffuseColor.rgb = clothColor(vUv, gl_FrontFacing);');
@@ -53,5 +64,10 @@ export class ClothMaterial extends MeshStandardMaterial {
   /** @param size  metres, > 0: width of one light and one dark band together */
   setCheckSize(size: number): void {
     this.checkSize.value = size;
+  }
+
+  /** Colours the sheet by the vertex attribute `pieceColor` (linear) instead of the cloth's own colours. */
+  setByPiece(isOn: boolean): void {
+    this.isByPiece.value = isOn;
   }
 }

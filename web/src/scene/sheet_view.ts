@@ -3,6 +3,7 @@ import { vertexNormals } from '../geometry/normals';
 import type { Surface } from '../geometry/surface';
 import { ClothMaterial } from './cloth_material';
 import { FatLines } from './fat_lines';
+import { carriedColors, pieceColors } from './piece_colors';
 
 function upload(attribute: BufferAttribute, count: number): void {
   attribute.clearUpdateRanges();
@@ -24,6 +25,10 @@ export class SheetView {
   private surface: Surface | undefined;
   private shownVersion = -1;
   private wiresVersion = -1;
+  private colors: Float32Array | undefined;
+  // What the colours were made of.
+  private coloredIds: ReadonlyMap<number, number> | undefined;
+  private coloredVersion = -1;
 
   constructor() {
     this.mesh.castShadow = true;
@@ -41,6 +46,26 @@ export class SheetView {
   setWireframe(isOn: boolean): void {
     this.wires.visible = isOn;
     if (isOn) this.updateWires();
+  }
+
+  /**
+   * Colours the pieces, or the cloth as it is.
+   * @param ids  label -> id in the mirror's topology version; undefined while it is not known; null: off
+   */
+  colorByPiece(ids: ReadonlyMap<number, number> | undefined | null): void {
+    this.cloth.setByPiece(ids !== null);
+    if (ids === null || !this.surface) {
+      this.colors = undefined;
+      this.coloredIds = undefined;
+      this.mesh.geometry.deleteAttribute('pieceColor');
+      return;
+    }
+    const { mirror } = this.surface;
+    if (ids ? ids === this.coloredIds : this.colors && mirror.topologyVersion === this.coloredVersion) return;
+    this.colors = ids ? pieceColors(mirror, ids) : carriedColors(mirror, this.colors ?? new Float32Array(0));
+    this.coloredIds = ids;
+    this.coloredVersion = mirror.topologyVersion;
+    this.mesh.geometry.setAttribute('pieceColor', new BufferAttribute(this.colors, 3));
   }
 
   /** Takes the mirror's newest state; `surface` may be another one after a new connection. */

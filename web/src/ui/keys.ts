@@ -32,6 +32,7 @@ export function bindKeys(app: App): void {
     '.': () => void app.controls.step(),
     r: () => void app.controls.reset(),
     w: () => app.toggleWireframe(),
+    k: () => app.toggleByPiece(),
     f: () => app.fit(),
     '?': openHelp,
   };
@@ -44,6 +45,7 @@ export function bindKeys(app: App): void {
   element('undo').addEventListener('click', () => void app.history.run('undo'));
   element('redo').addEventListener('click', () => void app.history.run('redo'));
   element('wireframe').addEventListener('click', actions.w);
+  element('by-piece').addEventListener('click', actions.k);
   element('fit').addEventListener('click', actions.f);
   element('help-open').addEventListener('click', openHelp);
   help.addEventListener('click', (event) => {

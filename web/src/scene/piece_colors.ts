@@ -1,0 +1,57 @@
+import { Color } from 'three';
+import type { SheetMirror } from '../stream/mirror';
+
+// Okabe and Ito, "Color universal design" (2008), without black: told apart by the colour-blind too. In an order in which
+// neighbours, as the parts of one cut are, differ most.
+const kPalette = [0x0072b2, 0xe69f00, 0x009e73, 0xcc79a7, 0x56b4e9, 0xd55e00, 0xf0e442];
+// Further rounds through it are mixed with white and with black.
+const kRounds: readonly [number, number][] = [
+  [0xffffff, 0],
+  [0xffffff, 0.5],
+  [0x000000, 0.4],
+];
+const kUnknown = new Color(0x9a9a9a);
+
+/** Always the same for an id (1, 2, ...): a piece keeps its colour as long as it is not cut itself. */
+export function pieceColor(id: number): Color {
+  const round = Math.floor((id - 1) / kPalette.length) % kRounds.length;
+  const [towards, share] = kRounds[round];
+  return new Color(kPalette[(id - 1) % kPalette.length]).lerp(new Color(towards), share);
+}
+
+/**
+ * A colour for each vertex, 3 V numbers, linear. No two pieces share a vertex.
+ *
+ * @param ids     label -> id
+ */
+export function pieceColors(mirror: SheetMirror, ids: ReadonlyMap<number, number>): Float32Array {
+  const colors = new Map([...ids].map(([label, id]) => [label, pieceColor(id)]));
+  const out = new Float32Array(3 * mirror.numVertices);
+  for (let slot = 0; slot < mirror.numSlots; ++slot) {
+    if (mirror.triangles[3 * slot] < 0) continue;
+    const color = colors.get(mirror.pieces[slot]) ?? kUnknown;
+    for (let corner = 0; corner < 3; ++corner) color.toArray(out, 3 * mirror.triangles[3 * slot + corner]);
+  }
+  return out;
+}
+
+/**
+ * While ids of a new topology are on their way: old vertices keep their colours, new ones get that of a neighbour.
+ *
+ * @param old  of the topology before, 3 numbers a vertex
+ */
+export function carriedColors(mirror: SheetMirror, old: Float32Array): Float32Array {
+  const out = new Float32Array(3 * mirror.numVertices);
+  out.set(old.subarray(0, out.length));
+  const { triangles } = mirror;
+  for (let slot = 0; slot < mirror.numSlots; ++slot) {
+    const corners = [0, 1, 2].map((corner) => 3 * triangles[3 * slot + corner]);
+    const known = corners.find((first) => first >= 0 && first < old.length) ?? -1;
+    for (const first of corners) {
+      if (first < old.length) continue;
+      if (known >= 0) out.set(old.subarray(known, known + 3), first);
+      else if (out[first] + out[first + 1] + out[first + 2] === 0) kUnknown.toArray(out, first);
+    }
+  }
+  return out;
+}
