@@ -14,7 +14,10 @@ function twoPieces(): SheetMirror {
   return mirror;
 }
 
-const list = (topologyVersion: number, ...ids: [number, number][]): PieceList => ({ topologyVersion, ids: new Map(ids) });
+const list = (topologyVersion: number, ...ids: [number, number][]): PieceList => ({
+  topologyVersion,
+  ids: new Map(ids),
+});
 
 describe('pieceColor', () => {
   it('is another one for each of 21 ids in a row', () => {

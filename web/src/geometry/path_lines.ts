@@ -13,7 +13,8 @@ export function countSegments(data: string): number {
 }
 
 /**
- * Polylines, one a subpath, through path data (SVG 1.1, chapter 8.3), for a preview: what does not read as such ends it.
+ * Polylines, one a subpath, through path data (SVG 1.1, chapter 8.3), for a preview: what does not read as such is left
+ * out.
  *
  * @param pieces  chords of a curve
  */

@@ -19,10 +19,9 @@ export function cutText(result: CutResult): string {
   }
   const pieces = countText(result.pieces, 'piece');
   const through = result.layers.length > 1 ? ` in ${result.layers.length} stretches` : '';
-  return (
-    `Cut at tick ${result.tick}${through}: ${pieces}, ${countText(result.newVertices, 'new vertex', 'new vertices')}, ` +
-    `deviation ${lengthText(result.deviationM)}`
-  );
+  const vertices = countText(result.newVertices, 'new vertex', 'new vertices');
+  const deviation = lengthText(result.deviationM);
+  return `Cut at tick ${result.tick}${through}: ${pieces}, ${vertices}, deviation ${deviation}`;
 }
 
 /** What the server warns of, in sentences; empty without any. */

@@ -7,7 +7,11 @@ import { historyStep } from './history_controls';
 /** Keys and the buttons that do the same. */
 export function bindKeys(app: App): void {
   const help = element<HTMLDialogElement>('help');
-  const openHelp = () => help.showModal();
+  const openHelp = () => {
+    help.showModal();
+    // The focus is on its last line.
+    help.scrollTop = 0;
+  };
   const actions: Record<string, () => void> = {
     v: () => app.choose('view'),
     c: () => app.choose('cut'),

@@ -5,7 +5,9 @@ import type { DrawnCut, PreviewLine } from './drawing';
 
 const kPreviewPieces = 64;
 
-/** A Bezier curve by its control points: three taps make it quadratic, a fourth cubic. Rational where weights differ. */
+/**
+ * A Bezier curve by its control points: three taps make it quadratic, a fourth cubic. Rational where weights differ.
+ */
 export class BezierDrawing extends PointDrawing {
   readonly weights: number[] = [];
 
@@ -40,7 +42,8 @@ export class BezierDrawing extends PointDrawing {
   lines(): PreviewLine[] {
     if (!this.isReady) return [{ points: this.points }];
     const { points, weights } = this;
-    const curve = Array.from({ length: kPreviewPieces + 1 }, (_, i) => bezierPoint(points, i / kPreviewPieces, weights));
+    const at = (i: number) => bezierPoint(points, i / kPreviewPieces, weights);
+    const curve = Array.from({ length: kPreviewPieces + 1 }, (_, i) => at(i));
     return [{ points, isGuide: true }, { points: curve }];
   }
 
@@ -51,7 +54,9 @@ export class BezierDrawing extends PointDrawing {
     const segment =
       rest.length === 2
         ? { kind: { case: 'quadratic' as const, value: { control: rest[0], end: rest[1], weights } } }
-        : { kind: { case: 'cubic' as const, value: { control1: rest[0], control2: rest[1], end: rest[2], weights } } };
+        : {
+            kind: { case: 'cubic' as const, value: { control1: rest[0], control2: rest[1], end: rest[2], weights } },
+          };
     return { curve: { kind: { case: 'path', value: { subpaths: [{ start, segments: [segment] }] } } } };
   }
 }

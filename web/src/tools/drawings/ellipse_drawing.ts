@@ -25,7 +25,9 @@ export class EllipseDrawing extends PointDrawing {
   get prompt(): string {
     const name = this.isCircle ? 'circle' : 'ellipse';
     if (this.isDrawing) return 'Let go at the rim';
-    return this.isReady ? `Drag its points to adjust the ${name}, then cut` : `Press in the middle of the ${name} and drag to its rim`;
+    return this.isReady
+      ? `Drag its points to adjust the ${name}, then cut`
+      : `Press in the middle of the ${name} and drag to its rim`;
   }
 
   override get handles(): readonly Point2[] {
