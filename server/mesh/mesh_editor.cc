@@ -52,11 +52,7 @@ void UndoLog::restore(TriangleMesh& mesh) const {
 }
 
 MeshEditor::MeshEditor(TriangleMesh& mesh, std::int32_t max_triangle_slots)
-    : mesh_(mesh),
-      max_slots_(max_triangle_slots),
-      triangle_logged_(static_cast<std::size_t>(mesh.num_triangle_slots())),
-      point_logged_(static_cast<std::size_t>(mesh.num_points())),
-      vertex_logged_(static_cast<std::size_t>(mesh.num_vertices())) {
+    : mesh_(mesh), max_slots_(max_triangle_slots) {
   log_.num_points = mesh.num_points();
   log_.num_vertices = mesh.num_vertices();
   log_.num_triangle_slots = mesh.num_triangle_slots();
@@ -70,9 +66,7 @@ MeshEditor::~MeshEditor() {
 
 TriangleRecord& MeshEditor::touch_triangle(TriangleId t) {
   TriangleRecord& record = mesh_.records_.triangles[t];
-  if (t < log_.num_triangle_slots && !triangle_logged_[t]) {
-    triangle_logged_[t] = true;
-    triangle_entry_.emplace(t, log_.triangles.size());
+  if (t < log_.num_triangle_slots && triangle_entry_.add(t, static_cast<std::int32_t>(log_.triangles.size()))) {
     log_.triangles.emplace_back(t, record);
   }
   return record;
@@ -80,9 +74,7 @@ TriangleRecord& MeshEditor::touch_triangle(TriangleId t) {
 
 PointRecord& MeshEditor::touch_point(PointId p) {
   PointRecord& record = mesh_.records_.points[p];
-  if (p < log_.num_points && !point_logged_[p]) {
-    point_logged_[p] = true;
-    point_entry_.emplace(p, log_.points.size());
+  if (p < log_.num_points && point_entry_.add(p, static_cast<std::int32_t>(log_.points.size()))) {
     log_.points.emplace_back(p, record);
   }
   return record;
@@ -90,8 +82,7 @@ PointRecord& MeshEditor::touch_point(PointId p) {
 
 VertexRecord& MeshEditor::touch_vertex(VertexId v) {
   VertexRecord& record = mesh_.records_.vertices[v];
-  if (v < log_.num_vertices && !vertex_logged_[v]) {
-    vertex_logged_[v] = true;
+  if (v < log_.num_vertices && vertex_entry_.add(v, static_cast<std::int32_t>(log_.vertices.size()))) {
     log_.vertices.emplace_back(v, record);
   }
   return record;
@@ -124,13 +115,13 @@ TriangleId MeshEditor::parent_of(TriangleId t) const {
 }
 
 const TriangleRecord& MeshEditor::old_record(TriangleId t) const {
-  const auto entry = triangle_entry_.find(t);
-  return entry == triangle_entry_.end() ? mesh_.record(t) : log_.triangles[entry->second].second;
+  const std::int32_t entry = triangle_entry_.find(t);
+  return entry == kNone ? mesh_.record(t) : log_.triangles[static_cast<std::size_t>(entry)].second;
 }
 
 const LatticePoint& MeshEditor::old_at(PointId p) const {
-  const auto entry = point_entry_.find(p);
-  return entry == point_entry_.end() ? mesh_.at(p) : log_.points[entry->second].second.at;
+  const std::int32_t entry = point_entry_.find(p);
+  return entry == kNone ? mesh_.at(p) : log_.points[static_cast<std::size_t>(entry)].second.at;
 }
 
 void MeshEditor::clear_edit_locks() {

@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cstdint>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "server/mesh/id_table.h"
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/triangle_mesh.h"
 
@@ -217,12 +217,8 @@ class MeshEditor {
   std::int32_t max_slots_;
   bool budget_exhausted_ = false;
   bool finished_ = false;
-  std::vector<bool> triangle_logged_;
-  std::vector<bool> point_logged_;
-  std::vector<bool> vertex_logged_;
-  // Slot or point -> its entry in the log; looked up, never iterated.
-  std::unordered_map<TriangleId, std::size_t> triangle_entry_;
-  std::unordered_map<PointId, std::size_t> point_entry_;
+  // Where their entries are in the log.
+  IdTable triangle_entry_, point_entry_, vertex_entry_;
   std::vector<TriangleId> parents_;       // of new slots: the slot before the edit that they were split from
   std::vector<Lip> lips_;                 // of new points
   std::vector<PointId> pending_;          // points to open, may repeat

@@ -27,9 +27,9 @@ MeshEditor::Lip MeshEditor::old_edge(TriangleId t, int k) const {
   const auto corner_in = [](const TriangleRecord& record, PointId p) {
     return static_cast<int>(std::find(record.points.begin(), record.points.end(), p) - record.points.begin());
   };
-  const auto entry = point_entry_.find(a);
-  const TriangleId start =
-      entry == point_entry_.end() ? mesh_.records().points[a].triangle : log_.points[entry->second].second.triangle;
+  const std::int32_t entry = point_entry_.find(a);
+  const TriangleId start = entry == kNone ? mesh_.records().points[a].triangle
+                                          : log_.points[static_cast<std::size_t>(entry)].second.triangle;
   TriangleId s = start;
   do {
     const TriangleRecord& record = old_record(s);

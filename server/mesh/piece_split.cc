@@ -2,37 +2,16 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
-#include <memory>
-#include <new>
 #include <utility>
+
+#include "server/mesh/id_table.h"
 
 namespace kerf::mesh {
 namespace {
 
-// A table of group numbers, all unset at first, that costs what is used of it and not its size: the system hands out
-// the pages of a large zeroed block only when they are touched.
-class LazyTable {
- public:
-  explicit LazyTable(std::size_t size)
-      : values_(static_cast<std::int32_t*>(std::calloc(size, sizeof(std::int32_t)))) {  // NOLINT(*-no-malloc)
-    if (!values_) throw std::bad_alloc();
-  }
-  [[nodiscard]] bool has(TriangleId t) const { return values_[static_cast<std::size_t>(t)] != 0; }
-  [[nodiscard]] std::int32_t get(TriangleId t) const { return values_[static_cast<std::size_t>(t)] - 1; }
-  void set(TriangleId t, std::int32_t group) { values_[static_cast<std::size_t>(t)] = group + 1; }
-
- private:
-  struct Free {
-    void operator()(std::int32_t* block) const { std::free(block); }  // NOLINT(*-no-malloc)
-  };
-  std::unique_ptr<std::int32_t[], Free> values_;  // group + 1
-};
-
 class ComponentGrowth {
  public:
-  ComponentGrowth(const TriangleMesh& mesh, std::span<const TriangleId> seeds)
-      : mesh_(mesh), group_of_(static_cast<std::size_t>(mesh.num_triangle_slots())) {
+  ComponentGrowth(const TriangleMesh& mesh, std::span<const TriangleId> seeds) : mesh_(mesh) {
     for (const TriangleId t : seeds) pieces_.push_back(mesh.piece(t));
     std::sort(pieces_.begin(), pieces_.end());
     pieces_.erase(std::unique(pieces_.begin(), pieces_.end()), pieces_.end());
@@ -40,7 +19,7 @@ class ComponentGrowth {
     for (const TriangleId t : seeds) {
       if (group_of_.has(t)) continue;
       const auto index = static_cast<std::int32_t>(groups_.size());
-      group_of_.set(t, index);
+      group_of_.add(t, index);
       groups_.push_back({{t}, {t}, 0, index, piece_index(t)});
       ++num_open_[groups_.back().piece];
       active_.push_back(index);
@@ -95,7 +74,7 @@ class ComponentGrowth {
       const TriangleId n = mesh_.neighbour(t, k);
       if (n == kNone) continue;
       if (!group_of_.has(n)) {
-        group_of_.set(n, index);
+        group_of_.add(n, index);
         groups_[index].members.push_back(n);
         groups_[index].frontier.push_back(n);
       } else if (root(group_of_.get(n)) != index) {
@@ -118,7 +97,7 @@ class ComponentGrowth {
   }
 
   const TriangleMesh& mesh_;
-  LazyTable group_of_;  // slot -> group, resolve with root()
+  IdTable group_of_;  // slot -> group, resolve with root()
   std::vector<Group> groups_;
   std::vector<std::int32_t> active_;
   std::vector<std::int32_t> pieces_;  // sorted

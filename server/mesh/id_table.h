@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace kerf::mesh {
+
+// Numbers for some of the ids of a mesh, at a cost of what is in it and not of the mesh: open addressing, a power of
+// two of places, at most half of them taken. Ids are only added, and there is no order among them.
+class IdTable {
+ public:
+  IdTable() : places_(kFirstSize) {}
+
+  // The number of `id`, or -1.
+  [[nodiscard]] std::int32_t find(std::int32_t id) const {
+    const Place& place = places_[place_of(id)];
+    return place.id == id ? place.number : -1;
+  }
+  [[nodiscard]] bool has(std::int32_t id) const { return places_[place_of(id)].id == id; }
+  // `id` must be in the table.
+  [[nodiscard]] std::int32_t get(std::int32_t id) const { return places_[place_of(id)].number; }
+
+  // id, number >= 0. False, and nothing changes, where the id is there already.
+  bool add(std::int32_t id, std::int32_t number) {
+    Place& place = places_[place_of(id)];
+    if (place.id == id) return false;
+    place = {id, number};
+    if (2 * ++size_ > places_.size()) grow();
+    return true;
+  }
+
+ private:
+  struct Place {
+    std::int32_t id = -1;
+    std::int32_t number = -1;
+  };
+  static constexpr std::size_t kFirstSize = 256;
+
+  // Of `id`, or the free one where it would be.
+  [[nodiscard]] std::size_t place_of(std::int32_t id) const {
+    const std::size_t mask = places_.size() - 1;
+    // Ids come in runs; multiplying by 2^64 / golden ratio spreads them (Knuth, vol. 3, 6.4).
+    std::size_t i = (static_cast<std::uint64_t>(id) * 0x9e3779b97f4a7c15ULL >> 32) & mask;
+    while (places_[i].id != id && places_[i].id >= 0) i = (i + 1) & mask;
+    return i;
+  }
+  void grow() {
+    std::vector<Place> before(2 * places_.size());
+    before.swap(places_);
+    for (const Place& place : before) {
+      if (place.id >= 0) places_[place_of(place.id)] = place;
+    }
+  }
+
+  std::vector<Place> places_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace kerf::mesh
