@@ -234,7 +234,7 @@ class Refinement {
     const LatticePoint& apex = mesh_.at(mesh_.points(t)[c]);
     const Vector2d edge = difference(p, q);
     const Vector2d to_apex = difference(p, apex);
-    const double doubled_area = static_cast<double>(mesh::doubled_area(p, q, apex));
+    const double doubled_area = mesh::to_double(mesh::doubled_area(p, q, apex));
     const Vector2d inward(-edge.y(), edge.x());
     // Circumcentre = middle of pq + height * inward, height = (apex - p) . (apex - q) / (2 * doubled area).
     const double circumcentre = to_apex.dot(to_apex - edge) / (2.0 * doubled_area);

@@ -29,14 +29,21 @@ struct Star {
   PointId centre = kNone;
   LatticePoint at;
   std::vector<LatticePoint> ring;
+  std::vector<double> rim;     // squared lengths of the ring's edges, from each of its points to the next
+  std::vector<double> spokes;  // squared distances of the ring's points from where the centre is tried
 
-  // Quality of the worst triangle with the centre at p; at most 0 where one is not strictly positive.
-  [[nodiscard]] double worst_quality(const LatticePoint& p) const {
+  // Quality of the worst triangle with the centre at p; at most 0 where one is not strictly positive. Of places that
+  // are no better than `enough`, any value up to it.
+  [[nodiscard]] double worst_quality(const LatticePoint& p, double enough) {
+    const std::size_t size = ring.size();
+    spokes.resize(size);
+    for (std::size_t i = 0; i < size; ++i) spokes[i] = squared_distance(p, ring[i]);
     double worst = 1.0;
-    for (std::size_t i = 0; i < ring.size(); ++i) {
-      const std::array<LatticePoint, 3> corners{p, ring[i], ring[(i + 1) % ring.size()]};
-      if (mesh::orient2d(corners[0], corners[1], corners[2]) <= 0) return 0.0;
-      worst = std::min(worst, shape_of(corners).quality);
+    for (std::size_t i = 0; i < size && worst > enough; ++i) {
+      const std::size_t next = i + 1 == size ? 0 : i + 1;
+      const double doubled_area = mesh::to_double(mesh::doubled_area(p, ring[i], ring[next]));
+      if (doubled_area <= 0.0) return 0.0;
+      worst = std::min(worst, quality_of(doubled_area, {rim[i], spokes[next], spokes[i]}));
     }
     return worst;
   }
@@ -73,12 +80,12 @@ class Relaxation {
   // Whether p was moved.
   bool improve(PointId p, double reach) {
     if (!gather(p)) return false;
-    double best_quality = star_.worst_quality(star_.at);
+    double best_quality = star_.worst_quality(star_.at, 0.0);
     if (best_quality >= kWellShaped) return false;
     best_quality += kLeastImprovement;
     LatticePoint best = star_.at;
     for (const LatticePoint& place : trial_places(star_, reach)) {
-      const double quality = star_.worst_quality(place);
+      const double quality = star_.worst_quality(place, best_quality);
       if (quality <= best_quality) continue;
       best_quality = quality;
       best = place;
@@ -95,13 +102,16 @@ class Relaxation {
     star_.centre = p;
     star_.at = mesh_.at(p);
     star_.ring.clear();
+    star_.rim.clear();
     mesh_.fan_around(p, fan_);
     for (const TriangleId t : fan_) {
       const int k = mesh_.corner_of(t, p);
       if (!mesh_.is_solid(t) || mesh_.is_fixed(t, next_corner(k)) || mesh_.is_fixed(t, previous_corner(k))) {
         return false;
       }
-      star_.ring.push_back(mesh_.at(mesh_.points(t)[next_corner(k)]));
+      const LatticePoint& from = mesh_.at(mesh_.points(t)[next_corner(k)]);
+      star_.ring.push_back(from);
+      star_.rim.push_back(squared_distance(from, mesh_.at(mesh_.points(t)[previous_corner(k)])));
     }
     const TriangleId first = fan_.front();
     const mesh::VertexId vertex = mesh_.vertices(first)[mesh_.corner_of(first, p)];

@@ -12,7 +12,7 @@ TriangleShape shape_of(const std::array<mesh::LatticePoint, 3>& corners) {
   for (int k = 0; k < 3; ++k) {
     squared[k] = squared_distance(corners[mesh::next_corner(k)], corners[mesh::previous_corner(k)]);
   }
-  const double doubled_area = static_cast<double>(mesh::doubled_area(corners[0], corners[1], corners[2]));
+  const double doubled_area = mesh::to_double(mesh::doubled_area(corners[0], corners[1], corners[2]));
   TriangleShape shape;
   shape.sharpest_corner = static_cast<int>(std::min_element(squared.begin(), squared.end()) - squared.begin());
   const double a = squared[shape.sharpest_corner];
@@ -22,7 +22,7 @@ TriangleShape shape_of(const std::array<mesh::LatticePoint, 3>& corners) {
   shape.shortest = std::sqrt(a);
   shape.longest = std::sqrt(std::max(b, c));
   shape.smallest_height = doubled_area / shape.longest;
-  shape.quality = 2.0 * std::sqrt(3.0) * doubled_area / (a + b + c);
+  shape.quality = quality_of(doubled_area, squared);
   return shape;
 }
 

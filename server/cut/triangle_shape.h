@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "server/mesh/triangle_mesh.h"
 
@@ -15,6 +17,14 @@ struct TriangleShape {
   double smallest_height = 0.0;
   double quality = 0.0;  // -; 4 sqrt(3) area / sum of squared edges, 1 for the equilateral triangle, 0 for a flat one
 };
+
+// The quality of a triangle by twice its area and the squared lengths of its edges.
+inline double quality_of(double doubled_area, const std::array<double, 3>& squared) {
+  // Added from the shortest on, so that the sum is that of shape_of whichever corner is named first.
+  const auto& [a, b, c] = squared;
+  const double sum = b < a ? (c < b ? c + a + b : b + c + a) : (c < a ? c + a + b : a + b + c);
+  return 2.0 * std::sqrt(3.0) * doubled_area / sum;
+}
 
 TriangleShape shape_of(const std::array<mesh::LatticePoint, 3>& corners);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <bit>
 #include <compare>
 #include <cstdint>
 
@@ -24,6 +25,21 @@ inline constexpr std::int64_t kMaxCoordinate = std::int64_t{1} << 52;
 // Twice the signed area of (a, b, c), lattice units squared; > 0 <=> counter-clockwise.
 inline Int128 doubled_area(const LatticePoint& a, const LatticePoint& b, const LatticePoint& c) {
   return static_cast<Int128>(b.x - a.x) * (c.y - a.y) - static_cast<Int128>(b.y - a.y) * (c.x - a.x);
+}
+
+// The nearest double, ties to even, as a cast gives it, which is a call of many more instructions.
+inline double to_double(Int128 value) {
+  __extension__ using Uint128 = unsigned __int128;
+  if (value == static_cast<std::int64_t>(value)) return static_cast<double>(static_cast<std::int64_t>(value));
+  const Uint128 magnitude = value < 0 ? -static_cast<Uint128>(value) : static_cast<Uint128>(value);
+  // The 63 leading bits, the last of which also stands for all that follow: so they round as the whole would.
+  const auto high = static_cast<std::uint64_t>(magnitude >> 64);
+  const int shift = high == 0 ? 1 : 65 - std::countl_zero(high);
+  const bool has_rest = (magnitude & ((Uint128{1} << shift) - 1)) != 0;
+  const auto leading = static_cast<std::int64_t>(magnitude >> shift) | (has_rest ? 1 : 0);
+  const double scale = std::bit_cast<double>(static_cast<std::uint64_t>(1023 + shift) << 52);
+  const double rounded = scale * static_cast<double>(leading);
+  return value < 0 ? -rounded : rounded;
 }
 
 // > 0 <=> a, b, c turn counter-clockwise; 0 <=> collinear.

@@ -60,7 +60,7 @@ void TriangleMesh::fan_around(PointId p, std::vector<TriangleId>& fan) const {
 double TriangleMesh::area(TriangleId t) const {
   const std::array<PointId, 3>& p = points(t);
   const double spacing = records_.lattice.spacing;
-  return 0.5 * spacing * spacing * static_cast<double>(doubled_area(at(p[0]), at(p[1]), at(p[2])));
+  return 0.5 * spacing * spacing * to_double(doubled_area(at(p[0]), at(p[1]), at(p[2])));
 }
 
 bool TriangleMesh::is_fixed(TriangleId t, int k) const {

@@ -135,6 +135,26 @@ TEST(Predicates, OrientationMatchesLongIntegersNearLines) {
   EXPECT_GT(num_zero, 1000);
 }
 
+TEST(Predicates, DoublesOfLongIntegersAreThoseOfACast) {
+  SeededRandom random(11);
+  const auto check = [](Int128 value) {
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(to_double(value)), std::bit_cast<std::uint64_t>(static_cast<double>(value)));
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(to_double(-value)),
+              std::bit_cast<std::uint64_t>(static_cast<double>(-value)));
+  };
+  for (int bits = 0; bits < 126; ++bits) {
+    const Int128 power = Int128{1} << bits;
+    for (int low = 0; low < bits; ++low) {  // ties, and what is just beside them
+      for (const int off : {-1, 0, 1}) check(power + (Int128{1} << low) + off);
+    }
+    for (int i = 0; i < 200; ++i) {
+      const auto high = static_cast<Int128>(random.below(std::uint64_t{1} << 62));
+      check(((high << 62) | static_cast<Int128>(random.below(std::uint64_t{1} << 62))) % power);
+    }
+  }
+  check(0);
+}
+
 TEST(Predicates, OrientationIsPositiveCounterClockwise) {
   EXPECT_EQ(orient2d({0, 0}, {1, 0}, {0, 1}), 1);
   EXPECT_EQ(orient2d({0, 0}, {0, 1}, {1, 0}), -1);
