@@ -33,8 +33,8 @@ void visit_around(const MassProblem& problem, VertexId vertex, const Visit& visi
 class Diffusion {
  public:
   // `members` must be in their canonical order: results depend on it.
-  Diffusion(const MassProblem& problem, std::span<const VertexId> members) : is_light_(members.size()) {
-    for (const VertexId v : members) {
+  Diffusion(const MassProblem& problem, const IndexSet& members) : is_light_(members.size()) {
+    for (const VertexId v : members.members()) {
       mass_.push_back(problem.lumped[index(v)]);
       floor_.push_back(problem.floor[index(v)]);
       // At least the number of edges: a fan on the border has one more than triangles.
@@ -42,9 +42,8 @@ class Diffusion {
       first_edge_.push_back(edges_.size());
       visit_around(problem, v, [&](VertexId n) {
         if (n == v) return;
-        const auto found = std::lower_bound(members.begin(), members.end(), n);
-        if (found == members.end() || *found != n) return;
-        const auto edge = static_cast<std::size_t>(found - members.begin());
+        if (!members.contains(n)) return;
+        const auto edge = static_cast<std::size_t>(members.place(n));
         const auto first = edges_.begin() + static_cast<std::ptrdiff_t>(first_edge_.back());
         if (std::find(first, edges_.end(), edge) == edges_.end()) edges_.push_back(edge);
       });
@@ -168,7 +167,7 @@ void MassRedistribution::store_domain(std::vector<VertexId> members) {
 
 std::span<const VertexId> MassRedistribution::update(const MassProblem& problem, std::span<const VertexId> touched,
                                                      std::span<double> mass) {
-  for (IndexSet* set : {&region_, &reach_, &parted_}) {
+  for (IndexSet* set : {&region_, &reach_, &parted_, &domain_}) {
     set->clear();
     set->resize(mass.size());
   }
@@ -197,7 +196,9 @@ std::span<const VertexId> MassRedistribution::update(const MassProblem& problem,
       });
     }
     std::sort(members.begin(), members.end());
-    Diffusion diffusion(problem, members);
+    domain_.clear();
+    for (const VertexId v : members) domain_.insert(v);
+    Diffusion diffusion(problem, domain_);
     const std::vector<double>& result = diffusion.run();
     for (std::size_t i = 0; i < members.size(); ++i) mass[index(members[i])] = result[i];
     store_domain(std::move(members));

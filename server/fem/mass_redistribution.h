@@ -70,6 +70,7 @@ class MassRedistribution {
   IndexSet region_;  // touched vertices, dissolved domains, and in the end what was reached
   IndexSet reach_;   // light vertices of the region and what is near them
   IndexSet parted_;  // of those, what is in a domain already
+  IndexSet domain_;  // one domain, in ascending order
   std::vector<double> mass_before_;
 };
 
