@@ -19,7 +19,7 @@ ContactBridge over_five_planes(const std::vector<mesh::VertexId>& pinned) {
   }
   ContactBridge bridge;
   bridge.set_colliders(colliders, 0.25);
-  bridge.set_vertices(2, pinned);
+  bridge.set_vertices(2, pinned, {});
   return bridge;
 }
 
