@@ -293,7 +293,8 @@ class Cutter {
 // Where older lips lie dense, a path can be laid on one and from there on the next, ever farther from where it should
 // be, or into a corner where nothing can be rounded to: then it is tried again with less snapping.
 bool calls_for_less_snapping(const Result<CutOutcome>& outcome) {
-  return !outcome.ok() && outcome.error().code == ErrorCode::kFailedPrecondition;
+  return !outcome.ok() && outcome.error().code == ErrorCode::kFailedPrecondition &&
+         outcome.error().reason != "STRIP_COVERS_SHEET";
 }
 
 }  // namespace

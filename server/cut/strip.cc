@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <unordered_set>
 
+#include <Eigen/Geometry>
+
 #include "server/cut/outline.h"
 
 namespace kerf::cut {
@@ -123,10 +125,14 @@ Result<std::vector<TriangleId>> strip_triangles(const TriangleMesh& mesh, const 
     growth.add(left);
   }
   bool fits = growth.grow(max_area_m2);
+  Eigen::AlignedBox2d box;
+  for (const Stroke& stroke : outline) {
+    for (const Eigen::Vector2d& point : stroke.points) box.extend(point);
+  }
   for (const TriangleId t : representatives(mesh, touched)) {
     const auto& [a, b, c] = mesh.points(t);
     const Eigen::Vector2d centre = (mesh.point_position(a) + mesh.point_position(b) + mesh.point_position(c)) / 3.0;
-    if (contains(outline, centre)) growth.add(t);
+    if (box.contains(centre) && contains(outline, centre)) growth.add(t);
   }
   fits = fits && growth.grow(max_area_m2);
   if (!fits) {
