@@ -1,4 +1,4 @@
-// 20,000 random cuts, each audited. A failure prints the seed of its trial; run that one alone with
+// 50,000 random cuts, each audited. A failure prints the seed of its trial; run that one alone with
 //   KERF_CUT_SEED=<seed> random_cuts_test
 #include <cstdio>
 #include <cstdlib>
@@ -9,7 +9,7 @@
 #include "tests/property/random_cut_trial.h"
 
 #ifndef KERF_RANDOM_CUTS
-#define KERF_RANDOM_CUTS 20000
+#define KERF_RANDOM_CUTS 50000
 #endif
 
 namespace kerf::property {
