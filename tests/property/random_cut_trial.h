@@ -51,7 +51,6 @@ inline cut::CutOptions random_options(SeededRandom& random) {
     options.tip_edge_length_m = std::pow(10.0, random.uniform(-4.0, 0.0));
     options.tip_grading = random.uniform(1.2, 3.0);
   }
-  options.max_new_triangles = 30'000;
   return options;
 }
 
