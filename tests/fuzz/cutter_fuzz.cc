@@ -1,4 +1,5 @@
 // Bytes -> a sheet and a few cuts on it, each audited. Stops the fuzzer where anything is wrong.
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -77,6 +78,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto options = bytes.take<std::uint8_t>();
     request.options.relax = options % 2 == 0;
     if (options % 4 >= 2) request.options.min_angle_deg = 0.0;
+    if (options / 64 % 2 == 1) request.options.width_m = std::exp2(-bytes.take<std::uint8_t>() / 8.0);
     request.options.max_new_triangles = 4'000;
     if (options >= 128) request.fixed_vertices = {0, mesh.num_vertices() / 2};
     const audit::AuditedCut done = audit::cut_and_audit(mesh, request, audit::kDeepest);
