@@ -111,16 +111,18 @@ Error curve_too_long(double achieved) {
 
 // What a camera saw of the sheet has a point on every edge that the curve crosses: those that the tolerance does not
 // need go. Where triangles seen nearly edge-on make the picture itself coarser than the tolerance, that is kept apart
-// in `beside`, and the strokes count as exact.
-FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, double& beside) {
+// in `beside`, and the strokes count as exact. `flatness` (m): with a width, of which the outline needs the rest, what
+// the strokes may be off in all.
+FlatCurve leave_out_points(FlatCurve path, const PathScale& scale, std::optional<double> flatness, double& beside) {
   constexpr double kShareOfPicture = 0.5;  // of the tolerance
-  if (path.deviation_m > kShareOfPicture * scale.least_tolerance()) {
+  if (path.deviation_m > kShareOfPicture * flatness.value_or(scale.least_tolerance())) {
     beside = path.deviation_m;
     path.deviation_m = 0.0;
   }
   double moved = 0.0;
   for (Stroke& stroke : path.strokes) {
-    Simplification simplification(stroke.points, path.deviation_m, scale);
+    Simplification simplification = flatness ? Simplification(stroke.points, path.deviation_m, *flatness)
+                                             : Simplification(stroke.points, path.deviation_m, scale);
     simplification.simplify_stretch(0, stroke.points.size() - 1);
     stroke.points = simplification.kept_points();
     moved = std::max(moved, simplification.moved());
@@ -180,7 +182,8 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
     if (!path.ok()) return path.error();
     plan.layers = std::move(path->layers);
     plan.triangles_behind = path->behind;
-    whole = leave_out_points(std::move(path->flat), scale, plan.view_deviation_m);
+    const auto most = plan.options.width_m ? std::optional(flatness) : std::nullopt;
+    whole = leave_out_points(std::move(path->flat), scale, most, plan.view_deviation_m);
   } else {
     Curve curve = request.curve;
     if (request.options.fit) {

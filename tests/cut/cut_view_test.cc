@@ -343,6 +343,32 @@ TEST(ViewCut, RandomViewsOfACrumpledSheetKeepEveryInvariant) {
   EXPECT_GT(applied, 40);
 }
 
+TEST(ViewCut, AStripOnAPictureKeepsItsToleranceWhereverTheSheetBends) {
+  SeededRandom random(11);
+  for (int trial = 0; trial < 40; ++trial) {
+    SCOPED_TRACE(trial);
+    const double depth = random.uniform(0.0, 0.3), bends = random.uniform(1.0, 9.0);
+    Scene s = scene(15, [&](const Vector2d& at) {
+      return Vector3d(at.x(), at.y(), depth * std::sin(bends * (at.x() + 0.3 * at.y())));
+    });
+    CutRequest request;
+    CubicBezier curve;
+    for (int i = 0; i < 4; ++i) curve.points.emplace_back(random.uniform(200, 600), random.uniform(100, 500));
+    request.curve = curve;
+    request.view = view_from({random.uniform(-1, 2), random.uniform(-1, 2), 2.5}, {0.5, 0.5, 0.0});
+    request.view->layers = trial % 2 == 0 ? LayerRule::kAll : LayerRule::kNearest;
+    request.positions = &s.positions;
+    request.options.width_m = random.uniform(0.005, 0.05);
+    const Result<CutPlan> planned = plan(s.mesh, request);
+    ASSERT_TRUE(planned.ok()) << planned.error().message;
+    EXPECT_LE(planned->curve_deviation_m, 0.02 / 14.0);
+    const Result<CutOutcome> outcome = apply(s.mesh, *planned);
+    ASSERT_TRUE(outcome.ok()) << outcome.error().message;
+    EXPECT_GT(outcome->report.removed_area_m2, 0.0);
+    EXPECT_EQ(s.mesh.find_violation().value_or(""), "");
+  }
+}
+
 TEST(ViewCut, RefusesWhatIsNoView) {
   const View good = view_from({0.5, 0.5, 3.0}, {0.5, 0.5, 0.0});
   EXPECT_TRUE(validate(good).ok());
