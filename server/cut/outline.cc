@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <polyclipping/clipper.hpp>
@@ -12,6 +13,7 @@ namespace kerf::cut {
 namespace {
 
 using Eigen::Vector2d;
+using std::numbers::pi;
 
 // Of what the outline may add to the deviation: arcs at corners and ends. The rest is for leaving out points.  -
 constexpr double kArcShare = 0.4;
@@ -28,26 +30,55 @@ constexpr double kGridExtent = 1 << 29;
 // Looks at pairs whose boxes overlap in y; so many of them are looked at, all told.
 constexpr std::int64_t kMaxPairsLookedAt = 50'000'000;
 
-// Whether more than kMaxStripPairs pairs of chords have boxes, grown by `radius` on each side, that overlap.
-bool exceeds_work_budget(const FlatCurve& curve, double radius) {
-  struct Chord {
-    Vector2d low, high;
-  };
+bool is_closed(const Stroke& stroke) {
+  return stroke.points.size() > 3 && stroke.points.front() == stroke.points.back();
+}
+
+// Angle by which the stroke turns at the end of chord i, where the outline has an arc; pi where it ends.  radians
+double turn_after(const Stroke& stroke, std::size_t i) {
+  const std::vector<Vector2d>& points = stroke.points;
+  const bool is_last = i + 2 == points.size();
+  if (is_last && !is_closed(stroke)) return pi;
+  const Vector2d along = points[i + 1] - points[i];
+  const Vector2d next = (is_last ? points[1] : points[i + 2]) - points[i + 1];
+  return std::abs(std::atan2(along.x() * next.y() - along.y() * next.x(), along.dot(next)));
+}
+
+struct Chord {
+  Vector2d low, high;     // of the strip around it
+  double outline_points;  // that it gives the outline, before strips are united
+};
+
+std::vector<Chord> strips_of_chords(const FlatCurve& curve, double radius, double arc_tolerance) {
+  const Vector2d margin = Vector2d::Constant(radius);
+  // As Clipper has it.
+  const double points_a_turn = pi / std::acos(1.0 - std::min(0.25, arc_tolerance / kChordRounding / radius));
   std::vector<Chord> chords;
   for (const Stroke& stroke : curve.strokes) {
-    for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
-      const Vector2d margin = Vector2d::Constant(radius);
-      chords.push_back({stroke.points[i].cwiseMin(stroke.points[i + 1]) - margin,
-                        stroke.points[i].cwiseMax(stroke.points[i + 1]) + margin});
+    const std::vector<Vector2d>& points = stroke.points;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const double start = i == 0 && !is_closed(stroke) ? pi : 0.0;
+      chords.push_back({points[i].cwiseMin(points[i + 1]) - margin, points[i].cwiseMax(points[i + 1]) + margin,
+                        2.0 + points_a_turn * (start + turn_after(stroke, i)) / (2.0 * pi)});
     }
   }
+  return chords;
+}
+
+// Whether the strips of the chords overlap, by their boxes, in more than kMaxStripPairs pairs, or in pairs with more
+// than kMaxStripPoints points of the outline.
+bool exceeds_work_budget(const FlatCurve& curve, double radius, double arc_tolerance) {
+  std::vector<Chord> chords = strips_of_chords(curve, radius, arc_tolerance);
   std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.low.y() < b.low.y(); });
   std::int64_t pairs = 0, looked_at = 0;
+  double points = 0.0;
   for (std::size_t i = 0; i < chords.size(); ++i) {
     for (std::size_t j = i + 1; j < chords.size() && chords[j].low.y() <= chords[i].high.y(); ++j) {
-      const bool overlap = chords[j].low.x() <= chords[i].high.x() && chords[i].low.x() <= chords[j].high.x();
-      pairs += overlap ? 1 : 0;
-      if (pairs > kMaxStripPairs || ++looked_at > kMaxPairsLookedAt) return true;
+      if (++looked_at > kMaxPairsLookedAt) return true;
+      if (chords[j].low.x() > chords[i].high.x() || chords[i].low.x() > chords[j].high.x()) continue;
+      ++pairs;
+      points += chords[i].outline_points + chords[j].outline_points;
+      if (pairs > kMaxStripPairs || points > kMaxStripPoints) return true;
     }
   }
   return false;
@@ -81,7 +112,7 @@ ClipperLib::Paths offset(const FlatCurve& curve, double radius, double arc_toler
   ClipperLib::ClipperOffset offsetter;
   offsetter.ArcTolerance = arc_tolerance / kChordRounding / grid.spacing();
   for (const Stroke& stroke : curve.strokes) {
-    const bool closed = stroke.points.size() > 3 && stroke.points.front() == stroke.points.back();
+    const bool closed = is_closed(stroke);
     ClipperLib::Path path;
     for (const Vector2d& point : stroke.points) path.push_back(grid.nearest(point));
     if (closed) path.pop_back();
@@ -96,17 +127,17 @@ ClipperLib::Paths offset(const FlatCurve& curve, double radius, double arc_toler
 
 Result<Outline> outline(const FlatCurve& curve, double width, double tolerance) {
   const double radius = 0.5 * width;
-  if (exceeds_work_budget(curve, radius)) {
+  const double arc_tolerance = kArcShare * tolerance;
+  if (exceeds_work_budget(curve, radius, arc_tolerance)) {
     return Error{ErrorCode::kResourceExhausted, "WIDTH_WORK_BUDGET",
-                 "more than " + std::to_string(kMaxStripPairs) +
-                     " pairs of chords of the curve lie within the width of each other; make it narrower, or split the "
-                     "cut into several",
+                 "too much of the curve lies within the width of itself: more than " + std::to_string(kMaxStripPairs) +
+                     " pairs of chords, or " + std::to_string(kMaxStripPoints) +
+                     " points of their outlines; make it narrower, the tolerance larger, or split the cut into several",
                  "cut.width_m"};
   }
   Outline result;
   if (curve.strokes.empty()) return result;
   const Grid grid(curve, radius);
-  const double arc_tolerance = kArcShare * tolerance;
   const double rounded = arc_tolerance + kGridRounding * grid.spacing();
   double moved = 0.0;
   for (const ClipperLib::Path& loop : offset(curve, radius, arc_tolerance, grid)) {

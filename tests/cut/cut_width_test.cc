@@ -149,12 +149,21 @@ TEST(CutWidth, RefusalsLeaveTheSheetAlone) {
   by_element.options.method = Method::kElement;
   EXPECT_EQ(reason(by_element), "OPTIONS_CONFLICT");
   EXPECT_EQ(reason(strip(line, kMaxWidth)), "STRIP_COVERS_SHEET");
-  // 800 chords, all within the width of each other.
-  Polyline zigzag;
-  for (int i = 0; i <= 800; ++i) zigzag.points.emplace_back(0.4 + 0.2 * (i % 2), 0.5 + 1e-5 * i);
+  // Chords that are all within the width of each other: 800 in a row, and 520 with an arc of 19 points between each
+  // two.
+  Polyline row, zigzag;
+  for (int i = 0; i <= 800; ++i) row.points.emplace_back(0.4 + 1e-4 * i, 0.5);
+  for (int i = 0; i <= 520; ++i) zigzag.points.emplace_back(0.4 + 0.2 * (i % 2), 0.5 + 1e-5 * i);
+  EXPECT_EQ(reason(strip(row, 0.1)), "WIDTH_WORK_BUDGET");
   EXPECT_EQ(reason(strip(zigzag, 0.1)), "WIDTH_WORK_BUDGET");
   EXPECT_EQ(mesh.state_hash(), hash);
-  zigzag.points.resize(700);
+  row.points.resize(700);
+  EXPECT_EQ(reason(strip(row, 0.1)), "applied");
+  mesh = grid(11);
+  zigzag.points.resize(450);
+  CutRequest finer = strip(zigzag, 0.1);
+  finer.options.tolerance = 0.002;
+  EXPECT_EQ(reason(finer), "WIDTH_WORK_BUDGET");
   EXPECT_EQ(reason(strip(zigzag, 0.1)), "applied");
   // 3,072 units of the lattice of a sheet of a million metres.
   mesh = *mesh::make_grid({11, 11, 9.0e3, 9.0e3});
