@@ -288,6 +288,7 @@ std::vector<fem::Pin> Sheet::Impl::pins_lost_by(const mesh::MeshEdit& edit) cons
 
 // What follows once mesh, model and state are of one topology again.
 void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned) {
+  if (now_pinned != pinned) ++settings_version;
   pin(std::move(now_pinned));
   for (GrabState& held : grabs) {
     if (!held.material && !mesh.has_material(held.vertices[0])) held.material = mesh.rest_position(held.vertices[0]);

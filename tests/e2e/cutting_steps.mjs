@@ -34,7 +34,7 @@ const kFlatScene = {
   gravityMps2: {},
 };
 
-/** Drawing on the picture and on the material, every kind of drawing, and the colours of the pieces. */
+/** Drawing on the picture and on the material, every kind of drawing, strips, and the colours of the pieces. */
 export async function cuttingSteps(steps, browser, url) {
   const lastCut = async (sheet) => (await post(url, 'CutService/ListCuts', { parent: sheet })).cuts?.at(-1);
   let fold;
@@ -248,5 +248,108 @@ export async function cuttingSteps(steps, browser, url) {
     await flat.until('!k.isByPiece');
     check(flat.errors.length === 0, `console: ${flat.errors.join('; ')}`);
     await flat.page.close();
+  });
+
+  await stripSteps(steps, browser, url, lastCut);
+}
+
+// Cuts with a width: what was pinned, held and coloured where the material goes, and what is there when it is back.
+async function stripSteps(steps, browser, url, lastCut) {
+  const kStrip = 'sheets/strip';
+  const kMiddle = 840; // of 41 x 41 vertices
+  let strip;
+  const background = async (...points) => {
+    const px = [];
+    for (const [x, y] of points) px.push(await strip.at(x, y));
+    return strip.colours(px, 'strip-colours');
+  };
+  const isRed = ([red, green, blue]) => red > green + 40 && red > blue + 40;
+
+  await steps.step('a cut with a width shows its strip, takes it away and says how much', async () => {
+    const scene = { ...kFlatScene, pins: [{ vertices: { vertices: [0, kMiddle] } }] };
+    await post(url, 'SheetService/CreateSheet', { sheetId: 'strip', scene, paused: true });
+    strip = await ViewerPage.open(browser, `${url}/?sheet=strip`, kTall);
+    await strip.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0 && k.pinnedVertices.length === 2');
+    await strip.choose('cut');
+    await strip.page.keyboard.press('5');
+    await strip.page.keyboard.press('i');
+    await strip.tap(0.2, 0.5);
+    await strip.tap(0.8, 0.5);
+    await strip.page.keyboard.press('t');
+    await strip.page.keyboard.type('80');
+    await strip.page.keyboard.press('Enter');
+    check((await strip.page.inputValue('#cut-width')) === '80', 'the width is not typed after T');
+    await strip.screenshot('strip');
+    const [inside, end, beside, beyond] = await background([0.5, 0.535], [0.83, 0.5], [0.5, 0.545], [0.845, 0.5]);
+    check(isRed(inside) && isRed(end), `the strip's preview is ${inside} inside and ${end} in its round end`);
+    check(!isRed(beside) && !isRed(beyond), `the strip's preview is ${beside} beside and ${beyond} beyond it`);
+    await strip.page.keyboard.press('Enter');
+    await strip.notice(/^Cut at tick \d+: 1 piece, .* 530 cm² \([\d.]+ g\) taken away$/);
+    const { cut, result } = await lastCut(kStrip);
+    check(cut.width_m === 0.08 && !cut.view, `cut ${JSON.stringify(cut)}`);
+    check(Math.abs(result.removed.area_m2 - (0.08 * 0.6 + Math.PI * 0.04 ** 2)) < 2e-4, `took ${result.removed.area_m2}`);
+    await strip.until('k.pinnedVertices.length === 1');
+    await strip.page.mouse.move(640, 5);
+    await strip.screenshot('strip-cut');
+  });
+
+  await steps.step('vertices without material disturb neither grab, pieces, wireframe, fit nor undo', async () => {
+    const { version } = await strip.read('({ version: k.topologyVersion })');
+    await strip.choose('grab');
+    await strip.drag(await strip.at(0.3, 0.75), await strip.at(0.4, 0.9));
+    const hole = { curve: { circle: { center: { x: 0.3, y: 0.75 }, radiusM: 0.03 } }, widthM: 0.1 };
+    await post(url, 'CutService/CreateCut', { parent: kStrip, cut: hole });
+    await strip.until('k.topologyVersion > given.version', { version });
+    await strip.screenshot('strip-held');
+    await strip.page.mouse.up();
+    const ring = { curve: { circle: { center: { x: 0.6, y: 0.25 }, radiusM: 0.15 } }, widthM: 0.05 };
+    await post(url, 'CutService/CreateCut', { parent: kStrip, cut: ring });
+    await strip.until('k.pieces === 2');
+    await strip.page.keyboard.press('k');
+    await strip.page.keyboard.press('w');
+    await strip.page.keyboard.press('f');
+    await strip.until('k.isByPiece && k.pieceAt(0.6, 0.25) && k.pieceAt(0.1, 0.1)');
+    check((await strip.read('k.pieceAt(0.3, 0.75) ?? 0')) === 0, 'there is a piece in the hole');
+    await strip.screenshot('strip-pieces');
+    for (let cuts = 3; cuts > 0; --cuts) {
+      const before = await strip.read('k.topologyVersion');
+      await strip.page.keyboard.press('Control+z');
+      await strip.until('k.topologyVersion > given.before', { before });
+    }
+    await strip.until('k.numVertices === 1681 && k.pieces === 1 && k.pieceAt(0.3, 0.75) && k.pieceAt(0.5, 0.5)');
+    await strip.page.mouse.move(640, 5);
+    const [middle, corner] = await background([0.51, 0.51], [0.11, 0.11]);
+    check(middle.every((value, i) => Math.abs(value - corner[i]) < 60), `${middle} where the material is back, ${corner}`);
+    await strip.screenshot('strip-undone');
+    await strip.page.keyboard.press('w');
+    await strip.page.keyboard.press('k');
+  });
+
+  await steps.step('a dashed strip on the picture is cut, and one that takes all is refused in words', async () => {
+    await strip.choose('cut');
+    await strip.page.keyboard.press('1');
+    await strip.page.keyboard.press('o');
+    await strip.drag(await strip.at(0.5, 0.5), await strip.at(0.75, 0.5));
+    await strip.page.mouse.up();
+    await strip.page.fill('#cut-width', '5000');
+    await strip.page.click('#cut-apply');
+    await strip.notice(/^Nothing was cut: the strip would take the whole sheet away; .*FAILED_PRECONDITION/);
+    await strip.page.fill('#cut-width', '25');
+    await strip.page.check('#cut-dashed');
+    await strip.page.fill('#cut-dash-cut', '60');
+    await strip.page.fill('#cut-dash-left', '60');
+    await strip.page.focus('#canvas');
+    await strip.screenshot('strip-dashes');
+    await strip.page.keyboard.press('Enter');
+    await strip.until('k.numVertices > 1681');
+    await strip.notice(/taken away/);
+    const { cut } = await lastCut(kStrip);
+    check(cut.view && cut.width_m === 0.025 && cut.dash.length === 2, `cut ${JSON.stringify(cut)}`);
+    await strip.page.mouse.move(640, 5);
+    await strip.screenshot('strip-dashes-cut');
+    // The browser writes the refusal to the console.
+    strip.errors = strip.errors.filter((error) => !error.includes('400'));
+    check(strip.errors.length === 0, `console: ${strip.errors.join('; ')}`);
+    await strip.page.close();
   });
 }

@@ -107,13 +107,21 @@ TEST(CutWidth, PinsGoWithTheMaterialAndComeBackWithIt) {
   const std::vector<mesh::VertexId> pinned = sheet.pinned_vertices();
   const double top = sheet.mesh().bounding_box().max().y();
   const double left = sheet.mesh().bounding_box().min().x();
+  // Viewers ask for the pins when this has grown.
+  const std::int32_t settings = sheet.settings_version();
+  ASSERT_TRUE(apply(sheet, strip({left + 0.3, top - 0.5}, {left + 0.7, top - 0.5}, 0.1)));
+  EXPECT_EQ(sheet.settings_version(), settings) << "no pin there";
+  ASSERT_TRUE(apply(sheet, UndoCut{}));
+  EXPECT_EQ(sheet.settings_version(), settings);
   ASSERT_TRUE(apply(sheet, strip({left - 0.1, top}, {left + 0.35, top}, 0.1)));
+  EXPECT_EQ(sheet.settings_version(), settings + 1);
   const std::vector<mesh::VertexId> kept = sheet.pinned_vertices();
   EXPECT_FALSE(std::includes(kept.begin(), kept.end(), pinned.begin(), pinned.end()));
   for (const mesh::VertexId v : kept) EXPECT_TRUE(sheet.mesh().has_material(v));
   run(sheet, 5);
   ASSERT_TRUE(apply(sheet, UndoCut{}));
   EXPECT_EQ(sheet.pinned_vertices(), pinned);
+  EXPECT_EQ(sheet.settings_version(), settings + 2);
   ASSERT_TRUE(apply(sheet, RedoCut{}));
   EXPECT_EQ(sheet.pinned_vertices(), kept);
   ASSERT_TRUE(sheet.mesh().has_material(pinned.back()));

@@ -58,7 +58,7 @@ export class App implements Viewer {
   private readonly status = new StatusLine();
   private readonly tools: Record<ToolId, Tool>;
   private readonly grabTool: GrabTool;
-  private readonly cutPanel: CutPanel;
+  readonly cutPanel: CutPanel;
   private readonly toolChoice: Choice<ToolId>;
   private readonly pieceIds = new PieceIds(() => this.showAgain());
   private clock = new FrameClock();
@@ -247,7 +247,7 @@ export class App implements Viewer {
     const version = surface.mirror.topologyVersion;
     this.sheetView.colorByPiece(this.isByPiece ? this.pieceIds.at(this.sheetName, version) : null);
     const { min, max } = surface.locator;
-    this.pinView.update(surface.mirror, 0.009 * Math.max(max.x - min.x, max.y - min.y));
+    this.pinView.update(surface, 0.009 * Math.max(max.x - min.x, max.y - min.y));
     this.watch?.acknowledge();
   }
 }

@@ -1,7 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { CutResultSchema, CutResult_Status } from '../src/gen/kerf/v1/cuts_pb';
-import { cutText, lengthText, warningText } from '../src/tools/cut_text';
+import { areaText, cutText, lengthText, massText, warningText } from '../src/tools/cut_text';
 
 describe('lengthText', () => {
   it('has two digits and a fitting unit, never an exponent', () => {
@@ -13,6 +13,28 @@ describe('lengthText', () => {
       '1 µm',
       '46 nm',
       'under 1 nm',
+    ]);
+  });
+});
+
+describe('areaText and massText', () => {
+  it('have two digits, or all whole ones, and a fitting unit', () => {
+    expect([1.04, 0.053245, 2.14e-4, 8e-6, 3e-9, 1e-16, 0].map(areaText)).toEqual([
+      '1 m²',
+      '532 cm²',
+      '2.1 cm²',
+      '8 mm²',
+      '3,000 µm²',
+      'under 0.01 µm²',
+      '0 µm²',
+    ]);
+    expect([1.5, 0.1234, 0.0106, 8e-6, 4.9e-10, 0].map(massText)).toEqual([
+      '1.5 kg',
+      '123 g',
+      '11 g',
+      '8 mg',
+      '0.49 µg',
+      '0 µg',
     ]);
   });
 });
@@ -45,7 +67,24 @@ describe('cutText', () => {
     expect(cutText(result)).toBe('Cut at tick 7 in 2 stretches: 1 piece, 1 new vertex, deviation 0 mm');
   });
 
+  it('says what a cut with a width took away', () => {
+    const result = create(CutResultSchema, {
+      status: CutResult_Status.APPLIED,
+      tick: 9n,
+      pieces: 3,
+      newVertices: 20,
+      deviationM: 1e-3,
+      removed: { areaM2: 0.0533, massKg: 0.0106 },
+    });
+    const cut = 'Cut at tick 9: 3 pieces, 20 new vertices, deviation 1 mm, 533 cm² (11 g) taken away';
+    expect(cutText(result, true)).toBe(cut);
+    result.removed!.pieces = 2;
+    expect(cutText(result, true)).toBe(`${cut}, 2 whole pieces among it`);
+  });
+
   it('says that a miss changed nothing', () => {
+    const missed = create(CutResultSchema, { status: CutResult_Status.NO_INTERSECTION });
+    expect(cutText(missed, true)).toBe('Nothing was cut: there is no material under the strip');
     expect(cutText(create(CutResultSchema, { status: CutResult_Status.NO_INTERSECTION }))).toContain('Nothing was cut');
   });
 });

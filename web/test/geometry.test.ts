@@ -205,3 +205,44 @@ describe('curves', () => {
     expect(simplify(circle, 0.01).length).toBeGreaterThan(12);
   });
 });
+
+describe('vertices without material', () => {
+  /** The square without its four middle triangles round vertex 12, which comes to lie with vertex 0. */
+  function withHole(): Surface {
+    const mirror = squareMirror();
+    const hole = 12;
+    for (let slot = 0; slot < mirror.numSlots; ++slot) {
+      const corners = mirror.triangles.subarray(3 * slot, 3 * slot + 3);
+      if (corners.includes(hole)) corners.fill(-1);
+    }
+    mirror.positions.copyWithin(3 * hole, 0, 3);
+    return new Surface(mirror);
+  }
+
+  it('are told from others, and the nearest other is found', () => {
+    const surface = withHole();
+    expect([11, 12, 13, 99].map((vertex) => surface.hasMaterial(vertex))).toEqual([true, false, true, false]);
+    expect([7, 11, 13, 17]).toContain(surface.nearestWithMaterial(12));
+    expect(surface.nearestWithMaterial(3)).toBe(3);
+    // Undone: the next topology.
+    const square = squareMirror();
+    Object.assign(surface.mirror, { triangles: square.triangles, topologyVersion: 2 });
+    expect(surface.hasMaterial(12)).toBe(true);
+    expect(surface.nearestWithMaterial(12)).toBe(12);
+  });
+
+  it('are on no border, hit by no ray, at no place, and have no normal', () => {
+    const surface = withHole();
+    const { mirror } = surface;
+    expect([...edgeSet(surface.boundary)].join(' ')).not.toMatch(/\b12\b/);
+    expect(surface.locator.find({ x: 0.5, y: 0.5 })).toBeUndefined();
+    expect(surface.pick(new Ray(new Vector3(2, 0.5, 9), new Vector3(0, 0, -1)))).toBeUndefined();
+    const corner = surface.pick(new Ray(new Vector3(1.01, 0.005, 9), new Vector3(0, 0, -1)));
+    expect(corner?.vertex).toBe(0);
+    const normals = new Float32Array(3 * mirror.numVertices).fill(7);
+    vertexNormals(mirror.positions, mirror.numVertices, mirror.triangles, mirror.numSlots, normals);
+    for (let v = 0; v < mirror.numVertices; ++v) {
+      expect([...normals.subarray(3 * v, 3 * v + 3)]).toEqual([0, 0, v === 12 ? 0 : 1]);
+    }
+  });
+});

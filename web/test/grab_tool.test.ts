@@ -19,6 +19,9 @@ describe('GrabTool', () => {
   let notices: string[];
   let viewer: { watch: object; notify: Viewer['notify'] };
   let tool: GrabTool;
+  let isTaken = false;
+  // Vertices whose positions were asked for.
+  let asked: number[];
 
   const connection = () => ({ state: 'live', send: (kind: Sent) => sent.push(kind) > 0 });
   const pointer = { ray: { intersectPlane: (_: unknown, at: Vector3) => at.set(0, 0, 2) } as unknown as Ray };
@@ -50,7 +53,16 @@ describe('GrabTool', () => {
     vi.useFakeTimers();
     sent = [];
     notices = [];
-    const surface = { pick: () => ({ vertex: 7 }), vertexPosition: () => new Vector3(), mirror: { numVertices: 9 } };
+    asked = [];
+    const surface = {
+      pick: () => ({ vertex: 7 }),
+      vertexPosition: (vertex: number) => {
+        asked.push(vertex);
+        return new Vector3();
+      },
+      nearestWithMaterial: (vertex: number) => (isTaken ? 5 : vertex),
+      mirror: { numVertices: 9 },
+    };
     const stage = { scene: new Scene(), camera: new PerspectiveCamera(), invalidate: () => {} };
     viewer = { watch: connection(), notify: (_, text) => notices.push(text) };
     Object.assign(viewer, { surface, stage });
@@ -98,6 +110,16 @@ describe('GrabTool', () => {
     tool.update();
     tool.release();
     expect(kinds()).toEqual(['grab', 'drag', 'drag', 'release']);
+  });
+
+  it('is shown beside its vertex while that has no material', () => {
+    hold();
+    isTaken = true;
+    tool.update();
+    isTaken = false;
+    tool.update();
+    expect(asked.slice(-3)).toEqual([7, 5, 7]);
+    expect(kinds()).toEqual(['grab', 'drag']);
   });
 
   it('tells another refusal and ends the pull', () => {

@@ -55,6 +55,25 @@ describe('pieceColors', () => {
   });
 });
 
+describe('a vertex without material', () => {
+  const ids = new Map([[0, 1], [1, 2]]);
+  const rgb = (colors: Float32Array, vertex: number) => [...colors.subarray(3 * vertex, 3 * vertex + 3)];
+
+  it('has no colour, and gets its neighbour\'s when its triangle is back', () => {
+    const mirror = twoPieces();
+    mirror.numSlots = 4;
+    mirror.triangles = Int32Array.of(0, 1, 2, -1, -1, -1, -1, -1, -1, -1, -1, -1);
+    mirror.pieces = Int32Array.of(0, -1, -1, -1);
+    const cut = pieceColors(mirror, ids);
+    expect(rgb(cut, 4)).toEqual([0, 0, 0]);
+    mirror.triangles = Int32Array.of(0, 1, 2, 2, 1, 3, 3, 4, 5, -1, -1, -1);
+    mirror.pieces = Int32Array.of(0, 0, 0, -1);
+    const back = carriedColors(mirror, cut);
+    expect(rgb(back, 3)).toEqual(rgb(cut, 0));
+    for (const vertex of [4, 5]) expect(Math.max(...rgb(back, vertex))).toBeGreaterThan(0);
+  });
+});
+
 describe('PieceIds', () => {
   it('asks once for each version, and gives what belongs to it', async () => {
     const arrived = vi.fn();

@@ -24,7 +24,36 @@ export class Surface {
   private boundaryVersion = -1;
   private cachedBoundary: Uint32Array = new Uint32Array(0);
 
+  private materialVersion = -1;
+  private cachedMaterial = new Uint8Array(0);
+
   constructor(readonly mirror: SheetMirror) {}
+
+  /** Whether a triangle has this vertex: cuts with a width leave others behind, which come to lie anywhere. */
+  hasMaterial(vertex: number): boolean {
+    const { mirror } = this;
+    if (this.materialVersion !== mirror.topologyVersion) {
+      this.cachedMaterial = new Uint8Array(mirror.numVertices);
+      for (let i = 0; i < 3 * mirror.numSlots; ++i) {
+        if (mirror.triangles[i] >= 0) this.cachedMaterial[mirror.triangles[i]] = 1;
+      }
+      this.materialVersion = mirror.topologyVersion;
+    }
+    return this.cachedMaterial[vertex] === 1;
+  }
+
+  /** This vertex, or if it has no material any more the nearest that has, on the undeformed sheet. */
+  nearestWithMaterial(vertex: number): number {
+    if (this.hasMaterial(vertex)) return vertex;
+    const { numVertices, materialPositions: m } = this.mirror;
+    let nearest = vertex;
+    let least = Infinity;
+    for (let v = 0; v < numVertices; ++v) {
+      const distance = (m[2 * v] - m[2 * vertex]) ** 2 + (m[2 * v + 1] - m[2 * vertex + 1]) ** 2;
+      if (distance < least && this.hasMaterial(v)) [nearest, least] = [v, distance];
+    }
+    return nearest;
+  }
 
   /** Start, end, slot of each border or lip edge; see boundaryEdges(). */
   get boundary(): Uint32Array {

@@ -36,7 +36,8 @@ export function pieceColors(mirror: SheetMirror, ids: ReadonlyMap<number, number
 }
 
 /**
- * While ids of a new topology are on their way: old vertices keep their colours, new ones get that of a neighbour.
+ * While ids of a new topology are on their way: old vertices keep their colours, new ones, and those that have
+ * material again, get that of a neighbour.
  *
  * @param old  of the topology before, 3 numbers a vertex
  */
@@ -44,11 +45,14 @@ export function carriedColors(mirror: SheetMirror, old: Float32Array): Float32Ar
   const out = new Float32Array(3 * mirror.numVertices);
   out.set(old.subarray(0, out.length));
   const { triangles } = mirror;
+  // A vertex without material has no colour, black; it gets material again where its cut is undone.
+  const isKnown = (first: number) => first < old.length && old[first] + old[first + 1] + old[first + 2] > 0;
   for (let slot = 0; slot < mirror.numSlots; ++slot) {
     const corners = [0, 1, 2].map((corner) => 3 * triangles[3 * slot + corner]);
-    const known = corners.find((first) => first >= 0 && first < old.length) ?? -1;
+    if (corners[0] < 0) continue;
+    const known = corners.find(isKnown) ?? -1;
     for (const first of corners) {
-      if (first < old.length) continue;
+      if (isKnown(first)) continue;
       if (known >= 0) out.set(old.subarray(known, known + 3), first);
       else if (out[first] + out[first + 1] + out[first + 2] === 0) kUnknown.toArray(out, first);
     }

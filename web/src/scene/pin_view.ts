@@ -1,5 +1,5 @@
 import { Group, InstancedMesh, Matrix4, MeshStandardMaterial, SphereGeometry, Vector3 } from 'three';
-import type { SheetMirror } from '../stream/mirror';
+import type { Surface } from '../geometry/surface';
 
 /** Small balls on the pinned vertices. */
 export class PinView {
@@ -19,12 +19,14 @@ export class PinView {
   }
 
   /** @param radius  metres */
-  update(mirror: SheetMirror, radius: number): void {
+  update(surface: Surface, radius: number): void {
+    const { mirror } = surface;
     const matrix = new Matrix4();
     const at = new Vector3();
     let count = 0;
     for (const vertex of this.vertices) {
-      if (vertex >= mirror.numVertices) continue;
+      // A pin goes with its material; the list without it is on its way.
+      if (!surface.hasMaterial(vertex)) continue;
       at.fromArray(mirror.positions, 3 * vertex);
       this.balls.setMatrixAt(count++, matrix.makeScale(radius, radius, radius).setPosition(at));
     }

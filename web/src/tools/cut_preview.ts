@@ -6,17 +6,21 @@ export interface PixelLine {
   isGuide?: boolean;
 }
 
+/** A polygon on the canvas; undefined behind the camera. */
+export type PixelPolygon = readonly (Vector2 | undefined)[];
+
 // So many lines are drawn thinner.
 const kManyLines = 12;
 
 const kSvg = 'http://www.w3.org/2000/svg';
 
 /**
- * The curve about to be cut and, thinner and white, its guides, over the sheet: a bright line in a dark rim reads
- * everywhere.
+ * The curve about to be cut, the strip that it takes away and, thinner and white, its guides, over the sheet: a bright
+ * line in a dark rim reads everywhere.
  */
 export class CutPreview {
   private readonly svg = document.createElementNS(kSvg, 'svg');
+  private readonly strip: SVGPathElement;
   private readonly guides: SVGPathElement[];
   private readonly curves: SVGPathElement[];
 
@@ -24,19 +28,24 @@ export class CutPreview {
     const { svg } = this;
     svg.id = 'cut-preview';
     svg.setAttribute('aria-hidden', 'true');
-    const paths = ['guide-rim', 'guide', 'curve-rim', 'curve'].map((name) => {
+    const paths = ['strip', 'guide-rim', 'guide', 'curve-rim', 'curve'].map((name) => {
       const path = document.createElementNS(kSvg, 'path');
       path.setAttribute('class', name);
       svg.append(path);
       return path;
     });
-    this.guides = paths.slice(0, 2);
-    this.curves = paths.slice(2);
+    this.strip = paths[0];
+    this.guides = paths.slice(1, 3);
+    this.curves = paths.slice(3);
     overlay.append(svg);
   }
 
-  /** @param dashPx  lengths that are cut and left, CSS pixels; none: all of it is cut */
-  show(lines: readonly PixelLine[], dashPx: readonly number[] = []): void {
+  /**
+   * @param dashPx  lengths that are cut and left, CSS pixels; none: all of it is cut
+   * @param strip   what is taken away: polygons that may overlap
+   */
+  show(lines: readonly PixelLine[], dashPx: readonly number[] = [], strip: readonly PixelPolygon[] = []): void {
+    this.strip.setAttribute('d', polygonData(strip));
     this.svg.classList.toggle('fine', lines.length > kManyLines);
     const guide = pathData(lines.filter((line) => line.isGuide));
     for (const path of this.guides) path.setAttribute('d', guide);
@@ -47,6 +56,14 @@ export class CutPreview {
       path.style.strokeLinecap = dashPx.length > 0 ? 'butt' : '';
     }
   }
+}
+
+// One that is partly behind the camera is left out.
+function polygonData(polygons: readonly PixelPolygon[]): string {
+  return polygons
+    .filter((polygon) => polygon.every((point) => point !== undefined))
+    .map((polygon) => `${pathData([{ points: polygon }])}Z`)
+    .join('');
 }
 
 function pathData(lines: readonly PixelLine[]): string {

@@ -12,16 +12,47 @@ export function countText(count: number, one: string, many = `${one}s`): string 
   return `${count.toLocaleString('en')} ${count === 1 ? one : many}`;
 }
 
-/** The reply to a cut in a sentence; what the server warns of is not in it. */
-export function cutText(result: CutResult): string {
+/** An area to two digits, in the unit in which it reads best. */
+export function areaText(squareMetres: number): string {
+  const units: [number, string][] = [[1, 'm²'], [1e4, 'cm²'], [1e6, 'mm²'], [1e12, 'µm²']];
+  return inUnit(squareMetres, units);
+}
+
+/** A mass to two digits, in the unit in which it reads best. */
+export function massText(kilograms: number): string {
+  return inUnit(kilograms, [[1, 'kg'], [1e3, 'g'], [1e6, 'mg'], [1e9, 'µg']]);
+}
+
+// In the first unit in which the number is not below one.
+function inUnit(value: number, units: readonly [number, string][]): string {
+  const last = units.at(-1)!;
+  const [factor, unit] = units.find(([scale]) => scale * value >= 0.995) ?? last;
+  const digits = factor * value >= 100 ? Math.round(factor * value) : Number((factor * value).toPrecision(2));
+  return value > 0 && digits < 0.01 ? `under 0.01 ${last[1]}` : `${digits.toLocaleString('en')} ${unit}`;
+}
+
+// What a cut with a width took away.
+function removedText({ removed }: CutResult): string {
+  if (!removed) return '';
+  const gone = removed.pieces > 0 ? `, ${countText(removed.pieces, 'whole piece')} among it` : '';
+  return `, ${areaText(removed.areaM2)} (${massText(removed.massKg)}) taken away${gone}`;
+}
+
+/**
+ * The reply to a cut in a sentence; what the server warns of is not in it.
+ * @param hasWidth  whether a strip was to be taken away
+ */
+export function cutText(result: CutResult, hasWidth = false): string {
   if (result.status === CutResult_Status.NO_INTERSECTION) {
-    return 'Nothing was cut: the line misses the sheet, or follows an older cut';
+    return hasWidth
+      ? 'Nothing was cut: there is no material under the strip'
+      : 'Nothing was cut: the line misses the sheet, or follows an older cut';
   }
   const pieces = countText(result.pieces, 'piece');
   const through = result.layers.length > 1 ? ` in ${result.layers.length} stretches` : '';
   const vertices = countText(result.newVertices, 'new vertex', 'new vertices');
   const deviation = lengthText(result.deviationM);
-  return `Cut at tick ${result.tick}${through}: ${pieces}, ${vertices}, deviation ${deviation}`;
+  return `Cut at tick ${result.tick}${through}: ${pieces}, ${vertices}, deviation ${deviation}${removedText(result)}`;
 }
 
 /** What the server warns of, in sentences; empty without any. */

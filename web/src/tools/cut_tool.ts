@@ -3,6 +3,8 @@ import { Vector2, Vector3 } from 'three';
 import { call } from '../api';
 import { CutResult_Status, CutService } from '../gen/kerf/v1/cuts_pb';
 import type { CutSchema } from '../gen/kerf/v1/scene_pb';
+import type { Point2 } from '../geometry/locator';
+import { dashes as dashesOf, stripPolygons } from '../geometry/strip';
 import { svgOutline } from '../geometry/svg_outline';
 import { CutHandles } from './cut_handles';
 import { CutPreview } from './cut_preview';
@@ -10,7 +12,7 @@ import { cutText, warningText } from './cut_text';
 import { MaterialPlane, PicturePlane, cutView } from './drawing_plane';
 import type { CutTarget, DepthRange, DrawingPlane } from './drawing_plane';
 import { BezierDrawing } from './drawings/bezier_drawing';
-import type { Drawing } from './drawings/drawing';
+import type { Drawing, PreviewLine } from './drawings/drawing';
 import { EllipseDrawing } from './drawings/ellipse_drawing';
 import { FreehandDrawing } from './drawings/freehand_drawing';
 import { LinesDrawing } from './drawings/lines_drawing';
@@ -36,6 +38,9 @@ const kDrawings: Record<CutMode, () => Drawing> = {
   svg: () => new PictureDrawing(),
 };
 
+// Of a drawing with more chords than this the preview of the strip leaves points out, evenly.
+const kMaxStripChords = 2000;
+
 /** Weights go from this to its inverse, and a key makes a step of them. */
 export const kLeastWeight = 0.05;
 const kWeightStep = 1.25;
@@ -49,6 +54,7 @@ export class CutTool implements Tool {
   readonly cursor = 'crosshair';
   readonly dashes: Dashes = { isOn: false, cutM: 0.02, leftM: 0.01 };
   readonly depth: DepthRange = { nearestM: 0, farthestM: 0 };
+  private currentWidthM = 0;
   private currentMode: CutMode = 'curve';
   private currentTarget: CutTarget = 'seen';
   private drawing: Drawing = kDrawings.curve();
@@ -141,6 +147,16 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
+  /** Of the strip that is taken away, metres of the sheet; 0: none. */
+  get widthM(): number {
+    return this.currentWidthM;
+  }
+
+  setWidth(metres: number): void {
+    this.currentWidthM = Math.max(0, metres);
+    this.refresh();
+  }
+
   setDepth(depth: Partial<DepthRange>): void {
     Object.assign(this.depth, depth);
     this.refresh();
@@ -200,6 +216,7 @@ export class CutTool implements Tool {
     const { drawing } = this;
     this.isCutting = true;
     this.refresh();
+    const { widthM } = this;
     const request = { parent: this.viewer.sheetName, cut: this.request() };
     const result = await this.viewer.attempt(
       () => call(CutService.method.createCut, request),
@@ -207,7 +224,7 @@ export class CutTool implements Tool {
     );
     this.isCutting = false;
     if (result) {
-      this.viewer.notify(result.status === CutResult_Status.APPLIED ? 'success' : 'info', cutText(result));
+      this.viewer.notify(result.status === CutResult_Status.APPLIED ? 'success' : 'info', cutText(result, widthM > 0));
       if (result.warnings.length > 0) this.viewer.notify('warning', warningText(result));
       if (drawing === this.drawing) this.cancel();
     }
@@ -217,9 +234,11 @@ export class CutTool implements Tool {
   update(): void {
     this.followSize();
     const { plane, drawing } = this;
+    const lines = drawing.lines();
     this.preview.show(
-      drawing.lines().map(({ points, isGuide }) => ({ points: points.map((point) => plane.toPx(point)), isGuide })),
-      this.dashPx,
+      lines.map(({ points, isGuide }) => ({ points: points.map((point) => plane.toPx(point)), isGuide })),
+      this.dashLengths.map((metres) => metres / this.metresPerPx),
+      this.strip(lines).map((polygon) => polygon.map((point) => plane.toPx(point))),
     );
     this.handles.show(
       drawing.handles.map((point, i) => ({
@@ -241,16 +260,34 @@ export class CutTool implements Tool {
     return {
       ...this.drawing.cut(),
       dash: isOn ? [cutM, leftM] : [],
+      widthM: this.widthM,
       view: target === 'material' ? undefined : cutView(stage.camera, stage.sizePx, target, this.depth),
     };
   }
 
-  // As long as on a sheet that is seen face-on in the middle of the view: the server measures them on the material.
-  private get dashPx(): number[] {
+  // Metres of material.
+  private get dashLengths(): number[] {
     const { isOn, cutM, leftM } = this.dashes;
+    return isOn ? [cutM, leftM] : [];
+  }
+
+  // On a sheet that is seen face-on in the middle of the view.
+  private get metresPerPx(): number {
     const { stage } = this.viewer;
-    const scale = stage.metresPerPx(stage.controls.target);
-    return isOn ? [cutM, leftM].map((metres) => metres / scale) : [];
+    return stage.metresPerPx(stage.controls.target);
+  }
+
+  // What would be taken away, in the plane's coordinates: true on the material, where the server measures it; on the
+  // picture as it would be in the middle of the view.
+  private strip(lines: readonly PreviewLine[]): Point2[][] {
+    if (this.widthM === 0) return [];
+    const unit = this.plane === this.material ? 1 : this.metresPerPx;
+    const curves = lines.filter((line) => !line.isGuide).map((line) => line.points);
+    const chords = curves.reduce((sum, curve) => sum + curve.length, 0);
+    const step = Math.ceil(chords / kMaxStripChords);
+    const thinned = curves.map((curve) => curve.filter((_, i) => i % step === 0 || i === curve.length - 1));
+    const lengths = this.dashLengths.map((metres) => metres / unit);
+    return dashesOf(thinned, lengths).flatMap((dash) => stripPolygons(dash, this.widthM / unit));
   }
 
   // A picture of another size shows the same things at the same distances from its middle, in parts of its height.

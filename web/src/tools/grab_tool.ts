@@ -90,7 +90,8 @@ export class GrabTool implements Tool {
       active.watch.send({ case: 'drag', value: { grabId: active.id, target: active.target } });
       active.isTargetNew = false;
     }
-    const at = surface.vertexPosition(active.vertex);
+    // The server moves a grab to what is left beside it.
+    const at = surface.vertexPosition(surface.nearestWithMaterial(active.vertex));
     this.spring.setPolyline([...at.toArray(), ...active.target.toArray()]);
   }
 

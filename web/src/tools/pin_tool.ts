@@ -38,7 +38,7 @@ export class PinTool implements Tool {
     let nearest = kPinReachPx;
     let found: number | undefined;
     for (const vertex of sheet?.pinnedVertices ?? []) {
-      if (!surface || vertex >= surface.mirror.numVertices) continue;
+      if (!surface?.hasMaterial(vertex)) continue;
       const distance = stage.project(surface.vertexPosition(vertex))?.distanceTo(px) ?? Infinity;
       if (distance < nearest) [nearest, found] = [distance, vertex];
     }

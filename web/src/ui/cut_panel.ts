@@ -12,7 +12,6 @@ export class CutPanel {
   private readonly apply = element<HTMLButtonElement>('cut-apply');
   private readonly cancel = element<HTMLButtonElement>('cut-cancel');
   private readonly target = element<HTMLSelectElement>('cut-target');
-  private readonly options = element('cut-options');
   private readonly depthOptions = element('cut-depth');
   private readonly nearest = element<HTMLInputElement>('cut-nearest');
   private readonly farthest = element<HTMLInputElement>('cut-farthest');
@@ -20,6 +19,7 @@ export class CutPanel {
   private readonly dashOptions = element('cut-dash');
   private readonly dashCut = element<HTMLInputElement>('cut-dash-cut');
   private readonly dashLeft = element<HTMLInputElement>('cut-dash-left');
+  private readonly width = element<HTMLInputElement>('cut-width');
   private readonly weightOptions = element('cut-weight');
   private readonly weight = element<HTMLInputElement>('cut-weight-value');
   private readonly mode: Choice<CutMode>;
@@ -51,10 +51,21 @@ export class CutPanel {
     whenNumber(this.farthest, (farthestM) => tool.setDepth({ farthestM }));
     whenNumber(this.dashCut, (mm) => tool.setDashes({ cutM: mm * kMillimetre }));
     whenNumber(this.dashLeft, (mm) => tool.setDashes({ leftM: mm * kMillimetre }));
+    whenNumber(this.width, (mm) => tool.setWidth(mm * kMillimetre));
+    // What is typed holds at once; these keys leave the field.
+    element('cut-options').addEventListener('keydown', ({ key }) => {
+      if (key === 'Enter' || key === 'Escape') done();
+    });
     // The slider's ends are the logarithms of the weights.
     this.weight.min = String(Math.log10(kLeastWeight));
     this.weight.max = String(-Math.log10(kLeastWeight));
     whenNumber(this.weight, (exponent) => tool.setWeight(10 ** exponent));
+  }
+
+  /** Puts the keyboard into the field of the width. */
+  askWidth(): void {
+    this.width.focus();
+    this.width.select();
   }
 
   update(isShown: boolean): void {
@@ -73,9 +84,9 @@ export class CutPanel {
     this.dashOptions.hidden = !tool.dashes.isOn;
     setNumber(this.dashCut, tool.dashes.cutM / kMillimetre);
     setNumber(this.dashLeft, tool.dashes.leftM / kMillimetre);
+    setNumber(this.width, tool.widthM / kMillimetre);
     const { weighted } = tool;
     this.weightOptions.hidden = !weighted;
-    this.options.hidden = tool.target !== 'depth' && !tool.dashes.isOn && !weighted;
     if (!weighted) return;
     setText(element('cut-weight-point'), String(weighted.index + 1));
     setText(element('cut-weight-shown'), weighted.weight.toFixed(2));
