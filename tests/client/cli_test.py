@@ -182,6 +182,26 @@ class Cuts(Case):
         self.refused("undo", "nobody", says="NOT_FOUND")
         self.refused("pieces", "nobody", says="NOT_FOUND")
 
+    def test_a_width_takes_a_strip_away(self):
+        line = ["cut", self.id, "--polyline", "0.2,0.5 0.8,0.5"]
+        reply = self.json_of(*line, "--width", "0.06")
+        self.assertAlmostEqual(reply["removed"]["area_m2"], 0.6 * 0.06 + math.pi * 0.03 ** 2, delta=1e-3)
+        self.assertEqual((reply["pieces"], reply["removed"]["pieces"]), (1, 0))
+        left = sum(piece["area_m2"] for piece in self.json_of("pieces", self.id)["pieces"])
+        self.assertAlmostEqual(left, 1 - reply["removed"]["area_m2"], places=12)
+        told = kerf("cut", self.id, "--circle", "0.3,0.8,0.1", "--width", "0.02", "--dash", "0.05,0.05")
+        self.assertRegex(told.stdout, r"(?s)^APPLIED.*taken away: [0-9.e-]+ m\^2, [0-9.e-]+ kg, [0-9]+ vertices")
+        self.assertEqual([cut["cut"]["width_m"] for cut in self.json_of("cuts", self.id)["cuts"]], [0.06, 0.02])
+        self.assertEqual(self.json_of(*line, "--width", "0.06")["status"], "NO_INTERSECTION")
+        self.assertNotIn("removed", self.json_of("cut", self.id, "--circle", "0.8,0.2,0.1"))
+        before = self.hash()
+        self.refused(*line, "--width", "5", says="STRIP_COVERS_SHEET")
+        self.refused(*line, "--width", "-1", says="cut.width_m")
+        self.refused(*line, "--width", "2e4", says="cut.width_m")
+        self.refused(*line, "--width", "0.01", "--method", "element", says="OPTIONS_CONFLICT")
+        self.refused(*line, "--width", "wide", code=2, says="--width")
+        self.assertEqual(self.hash(), before)
+
     def test_cuts_are_carried_to_another_sheet(self):
         self.json_of("cut", self.id, "--circle", "0.3,0.7,0.1")
         self.json_of("cut", self.id, "--bezier", "0.2,0.5 0.4,0.8 0.6,0.2 0.8,0.5", "--tolerance", "0.01")

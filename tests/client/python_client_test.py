@@ -114,6 +114,30 @@ class Curves(Case):
         line = kerf.polyline((-0.1, 0.3), (1.1, 0.35))
         self.assertEqual(self.pieces_after(line, dash=(0.1, 0.05), dash_offset=0.03), 1)
 
+    def test_a_width_takes_a_strip_away(self):
+        def area():
+            return sum(piece.area_m2 for piece in self.sheet.pieces())
+
+        result = self.sheet.cut(kerf.polyline((0.2, 0.5), (0.8, 0.5)), width_m=0.06)
+        self.assertAlmostEqual(result.removed.area_m2, 0.6 * 0.06 + math.pi * 0.03 ** 2, delta=1e-3)
+        self.assertAlmostEqual(area(), 1 - result.removed.area_m2, places=12)
+        self.assertGreater(result.removed.mass_kg, 0)
+        self.assertEqual((result.removed.pieces, self.sheet.cuts()[0].cut.width_m), (0, 0.06))
+        ring = kerf.cut(kerf.circle((0.3, 0.8), 0.1), width_m=0.02)
+        self.assertEqual(self.sheet.cut(ring).pieces, 2)
+        gone = self.sheet.cut(kerf.polyline((0.3, 0.8), (0.31, 0.8)), width_m=0.3)
+        self.assertEqual((gone.removed.pieces, gone.pieces), (1, 1))
+        self.assertEqual([len(split.children) for split in gone.split_pieces], [0])
+        self.assertFalse(self.sheet.cut(kerf.circle((0.8, 0.2), 0.1)).HasField("removed"))
+        for _ in range(4):
+            self.sheet.undo()
+        self.assertAlmostEqual(area(), 1, places=12)
+        everything = kerf.polyline((0, 0), (1, 1))
+        self.refused(kerf.FailedPrecondition, "FAILED_PRECONDITION", "STRIP_COVERS_SHEET", "cut.width_m",
+                     self.sheet.cut, everything, width_m=3)
+        self.refused(kerf.InvalidArgument, "INVALID_ARGUMENT", "OPTIONS_CONFLICT", "cut.width_m",
+                     self.sheet.cut, everything, width_m=0.1, method="element")
+
     def test_cuts_on_a_picture(self):
         # The sheet hangs in the plane y = 0, 1 m x 1 m; from 2 m in front of it 640 x 640 pixels show 1.456 m.
         camera = kerf.camera((0.5, -2, 0.5), (0.5, 0, 0.5))

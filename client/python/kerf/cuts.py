@@ -39,6 +39,7 @@ class CutOptions(TypedDict, total=False):
     fit: Fit  # scaled and moved into this box: low x, low y, high x, high y; or "sheet"
     dash: Sequence[float]  # metres cut and metres left, in turn
     dash_offset: float
+    width_m: float  # of the strip that is taken away around the curve; result.removed says what went
     view: scene_pb2.View  # the curve is in pixels of this picture
 
 
