@@ -57,7 +57,7 @@ Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path)
   if (!json) return json.error();
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
   return wire::decode_scene_file(*json, [&disk, &folder](const std::string& file) {
-    return disk.read_file((folder / file).string(), sheet::kMaxObjBytes);
+    return disk.read_file((folder / file).string(), sheet::kMaxMeshFileBytes);
   });
 }
 

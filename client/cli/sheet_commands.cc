@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
 #include <variant>
 
 #include <CLI/App.hpp>
@@ -10,14 +11,20 @@
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cpp/client.h"
+#include "server/host/disk.h"
+#include "server/wire/mesh_source_codec.h"
 
 namespace kerf::cli {
 namespace {
+
+constexpr std::size_t kMaxMeshFileBytes = std::size_t{1} << 20;  // of a request; larger ones are for scene files
 
 struct CreateArguments {
   std::string id;
   std::string grid = "50x50";
   std::string size = "1x1";
+  std::string obj;  // a file, instead of a grid
+  std::string ply;  // a file, instead of a grid
   std::string pin = "top";
   std::string material;
 };
@@ -26,19 +33,35 @@ void print(const Session& session, const v1::Sheet& sheet) {
   std::printf("%s\n", (session.json ? to_script_json(sheet) : describe(sheet)).c_str());
 }
 
-int create_sheet(const Session& session, const CreateArguments& arguments) {
+// The sheet's mesh; kDone, or the exit code of what is wrong, which has been said.
+int add_mesh(const CreateArguments& arguments, v1::Scene& scene) {
+  if (const std::string& path = arguments.obj.empty() ? arguments.ply : arguments.obj; !path.empty()) {
+    host::RealDisk disk;
+    Result<std::string> content = disk.read_file(path, kMaxMeshFileBytes);
+    if (!content) return refuse(content.error());
+    if (arguments.obj.empty()) {
+      scene.mutable_ply()->set_data(std::move(content).value());
+    } else {
+      scene.mutable_obj()->set_text(wire::obj_text(std::move(content).value()));
+    }
+    return kDone;
+  }
   const Parsed<GridSize> grid = parse_grid(arguments.grid);
   const Parsed<SheetSize> size = parse_size(arguments.size);
   if (const auto* wrong = std::get_if<UsageError>(&grid)) return misuse("--grid: " + wrong->message);
   if (const auto* wrong = std::get_if<UsageError>(&size)) return misuse("--size: " + wrong->message);
-
-  v1::CreateSheetRequest request;
-  request.set_sheet_id(arguments.id);
-  v1::Scene& scene = *request.mutable_scene();
   scene.mutable_grid()->set_columns(std::get<GridSize>(grid).columns);
   scene.mutable_grid()->set_rows(std::get<GridSize>(grid).rows);
   scene.mutable_grid()->set_width_m(std::get<SheetSize>(size).width);
   scene.mutable_grid()->set_height_m(std::get<SheetSize>(size).height);
+  return kDone;
+}
+
+int create_sheet(const Session& session, const CreateArguments& arguments) {
+  v1::CreateSheetRequest request;
+  request.set_sheet_id(arguments.id);
+  v1::Scene& scene = *request.mutable_scene();
+  if (const int code = add_mesh(arguments, scene); code != kDone) return code;
   if (!arguments.material.empty()) scene.mutable_material()->set_preset(arguments.material);
   if (arguments.pin == "top") scene.add_pins()->set_edge(v1::PinRegion::TOP);
   if (arguments.pin == "corners") scene.add_pins()->set_edge(v1::PinRegion::CORNERS);
@@ -113,13 +136,23 @@ int step_sheet(const Session& session, const std::string& id, std::int32_t ticks
 void add_create(CLI::App& sheet, Session& session) {
   const auto arguments = std::make_shared<CreateArguments>();
   CLI::App* create = sheet.add_subcommand("create",
-                                          "Create a sheet from a grid.\n"
+                                          "Create a sheet from a grid or a mesh file.\n"
                                           "Example: kerf sheet create flag --grid 50x50 --size 1x1 --pin top");
   create->add_option("ID", arguments->id, "Name of the sheet: a small letter, then letters, digits, dashes")
       ->required();
-  create->add_option("--grid", arguments->grid, "Vertices along x and y")->capture_default_str();
-  create->add_option("--size", arguments->size, "Width and height in metres; the sheet spans (0,0) to (width,height)")
-      ->capture_default_str();
+  CLI::Option* grid = create->add_option("--grid", arguments->grid, "Vertices along x and y")->capture_default_str();
+  CLI::Option* size =
+      create
+          ->add_option("--size", arguments->size, "Width and height in metres; the sheet spans (0,0) to (width,height)")
+          ->capture_default_str();
+  CLI::Option* obj =
+      create->add_option("--obj", arguments->obj,
+                         "Mesh from this Wavefront OBJ file: its positions place the sheet, its texture\n"
+                         "coordinates in metres are the rest shape; without any, it must be flat. A call takes 1 MiB");
+  CLI::Option* ply = create->add_option("--ply", arguments->ply,
+                                        "The same from a PLY file, text or binary; s t, u v or texture_u texture_v");
+  for (CLI::Option* file : {obj, ply}) file->excludes(grid)->excludes(size);
+  obj->excludes(ply);
   create->add_option("--pin", arguments->pin, "What is held: top (the edge y = height), corners, none")
       ->check(CLI::IsMember({"top", "corners", "none"}))
       ->capture_default_str();

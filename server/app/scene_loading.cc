@@ -30,7 +30,7 @@ Result<std::string> load(const std::filesystem::path& file, host::Disk& disk, ho
   const Result<std::string> json = disk.read_file(file.string(), wire::kMaxSceneFileBytes);
   if (!json) return in_file(file, json.error());
   const wire::FileReader read_file = [&](const std::string& path) {
-    return disk.read_file((file.parent_path() / path).string(), sheet::kMaxObjBytes);
+    return disk.read_file((file.parent_path() / path).string(), sheet::kMaxMeshFileBytes);
   };
   Result<sheet::SheetConfig> config = wire::decode_scene_file(*json, read_file);
   if (!config) return in_file(file, config.error());

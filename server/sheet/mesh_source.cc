@@ -1,12 +1,12 @@
 #include "server/sheet/mesh_source.h"
 
-#include <cmath>
+#include <string>
 #include <utility>
 
 #include "server/mesh/grid_mesh.h"
 #include "server/mesh/mesh_import.h"
 #include "server/mesh/obj_import.h"
-#include "server/sheet/field_checks.h"
+#include "server/mesh/ply_import.h"
 
 namespace kerf::sheet {
 
@@ -40,17 +40,20 @@ Result<BuiltMesh> build(const GridSource& grid, const Placement& placement) {
   return BuiltMesh{std::move(built).value(), std::move(positions)};
 }
 
-Result<BuiltMesh> build(const ObjSource& obj, const Placement& /*placement*/) {
-  Result<mesh::ObjSheet> parsed = mesh::parse_obj(obj.text);
-  if (!parsed) return with_field(parsed.error(), "obj.text");
-  for (Eigen::Index i = 0; i < parsed->world.cols(); ++i) {
-    if (Status s = check_vector(Eigen::Vector3d(parsed->world.col(i)), kMaxWorldCoordinate, "obj.text"); !s) {
-      return with_field(s.error(), "obj.text");
-    }
-  }
+// A mesh file. Its positions are within the world's limits: those of its reader are tighter.
+Result<BuiltMesh> build(Result<mesh::ImportedSheet> parsed, const std::string& field) {
+  if (!parsed) return with_field(parsed.error(), field);
   Result<mesh::TriangleMesh> built = mesh::import_mesh(parsed->sheet);
-  if (!built) return with_field(built.error(), "obj.text");
+  if (!built) return with_field(built.error(), field);
   return BuiltMesh{std::move(built).value(), std::move(parsed->world)};
+}
+
+Result<BuiltMesh> build(const ObjSource& obj, const Placement& /*placement*/) {
+  return build(mesh::parse_obj(obj.text), "obj.text");
+}
+
+Result<BuiltMesh> build(const PlySource& ply, const Placement& /*placement*/) {
+  return build(mesh::parse_ply(ply.data), "ply.data");
 }
 
 Result<BuiltMesh> build(const ArraySource& arrays, const Placement& placement) {

@@ -34,7 +34,12 @@ Status validate_source(const GridSource& grid) {
 
 Status validate_source(const ObjSource& obj) {
   if (obj.text.empty()) return invalid_argument("EMPTY", "obj.text must not be empty", "obj.text");
-  return check_count(obj.text.size(), kMaxObjBytes, "bytes", "obj.text");
+  return check_count(obj.text.size(), kMaxMeshFileBytes, "bytes", "obj.text");
+}
+
+Status validate_source(const PlySource& ply) {
+  if (ply.data.empty()) return invalid_argument("EMPTY", "ply.data must not be empty", "ply.data");
+  return check_count(ply.data.size(), kMaxMeshFileBytes, "bytes", "ply.data");
 }
 
 Status validate_source(const ArraySource& arrays) {

@@ -11,8 +11,8 @@
 #include "server/base/result.h"
 #include "server/contact/collider.h"
 #include "server/fem/material.h"
+#include "server/mesh/face_list.h"
 #include "server/mesh/ids.h"
-#include "server/mesh/obj_import.h"
 #include "server/mesh/triangle_mesh.h"
 #include "server/sheet/command.h"
 
@@ -21,7 +21,7 @@
 namespace kerf::sheet {
 
 // Limits on what a scene may hold (reliability table of the README).
-using mesh::kMaxObjBytes;
+using mesh::kMaxMeshFileBytes;
 using mesh::kMaxVertices;
 inline constexpr std::size_t kMaxSheetIdBytes = 63;
 inline constexpr std::size_t kMaxColliders = 64;
@@ -41,7 +41,12 @@ struct GridSource {
 
 // Wavefront OBJ; see mesh/obj_import.h. The positions in the text place the sheet; Placement is ignored.
 struct ObjSource {
-  std::string text;  // at most kMaxObjBytes
+  std::string text;  // at most kMaxMeshFileBytes
+};
+
+// PLY, text or binary; see mesh/ply_import.h. The positions in the file place the sheet; Placement is ignored.
+struct PlySource {
+  std::string data;  // at most kMaxMeshFileBytes
 };
 
 // A mesh given by its arrays.
@@ -51,7 +56,7 @@ struct ArraySource {
   Eigen::Matrix3Xd positions;           // 3 x V, m, world; or 3 x 0: Placement is used
 };
 
-using MeshSource = std::variant<GridSource, ObjSource, ArraySource>;
+using MeshSource = std::variant<GridSource, ObjSource, PlySource, ArraySource>;
 
 // World position of material point (x, y): origin + x * x_axis + y * y_axis.
 struct Placement {

@@ -82,7 +82,7 @@ Result<cut::Path> decode_path(const v1::Path& message, const std::string& path) 
 }
 
 Result<DecodedCurve> decode_svg(const v1::Svg& message, const std::string& path, const FileReader& read_file) {
-  const Result<std::string> text = read_text({message.text(), message.file()}, read_file, "SVG", path);
+  const Result<std::string> text = read_content({message.text(), message.file()}, read_file, "SVG", path);
   if (!text.ok()) return text.error();
   Result<svg::Drawing> drawing = svg::read(*text);
   if (!drawing.ok()) return drawing.error();

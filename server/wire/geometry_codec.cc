@@ -22,18 +22,18 @@ void encode_vector(const Eigen::Vector3d& vector, v1::Vec3& message) {
   message.set_z(vector.z());
 }
 
-Result<std::string> read_text(const TextOrFile& from, const FileReader& read_file, const std::string& kind,
-                              const std::string& path) {
-  if (from.file.empty()) return from.text;
+Result<std::string> read_content(const ContentOrFile& from, const FileReader& read_file, const std::string& kind,
+                                 const std::string& path) {
+  if (from.file.empty()) return from.content;
+  const std::string content = path + "." + from.content_field;
   const std::string field = path + ".file";
   if (!read_file) {
     return invalid_argument(
         kind + "_FILE_REFUSED",
-        field + " names a file of the server, which only scene files may do; send its content as " + path + ".text",
-        field);
+        field + " names a file of the server, which only scene files may do; send what is in it as " + content, field);
   }
-  if (!from.text.empty()) {
-    return invalid_argument(kind + "_TWICE", path + ".text and " + field + " are both given; give one of them", field);
+  if (!from.content.empty()) {
+    return invalid_argument(kind + "_TWICE", content + " and " + field + " are both given; give one of them", field);
   }
   Result<std::string> text = read_file(from.file);
   if (text.ok()) return text;

@@ -21,15 +21,16 @@ void encode_vector(const Eigen::Vector3d& vector, v1::Vec3& message);
 // Reads a file that a scene file names.
 using FileReader = std::function<Result<std::string>(const std::string& path)>;
 
-// The text of a message that holds it, or in scene files the name of a file with it. Errors: `kind`_FILE_REFUSED
+// The content of a message that holds it, or in scene files the name of a file with it. Errors: `kind`_FILE_REFUSED
 // without a reader, as it must be for what comes over the network; `kind`_TWICE where both are given; those of the
 // reader. All have field `path`.file.
-struct TextOrFile {
-  const std::string& text;
+struct ContentOrFile {
+  const std::string& content;
   const std::string& file;
+  std::string content_field = "text";
 };
-Result<std::string> read_text(const TextOrFile& from, const FileReader& read_file, const std::string& kind,
-                              const std::string& path);
+Result<std::string> read_content(const ContentOrFile& from, const FileReader& read_file, const std::string& kind,
+                                 const std::string& path);
 
 struct DecodedCurve {
   cut::Curve curve;
@@ -38,7 +39,7 @@ struct DecodedCurve {
 };
 
 // Unchecked, but that a kind is chosen (CHOICE_MISSING, field `path`), that weights are as many as points
-// (LENGTH_MISMATCH), and what makes a drawing into a path: svg::read(), read_text() with kind SVG.
+// (LENGTH_MISMATCH), and what makes a drawing into a path: svg::read(), read_content() with kind SVG.
 Result<DecodedCurve> decode_curve(const v1::Curve& curve, const std::string& path, const FileReader& read_file);
 // A drawing comes back as the path that it became.
 void encode_curve(const cut::Curve& curve, v1::Curve& message);

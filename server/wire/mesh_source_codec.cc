@@ -31,9 +31,15 @@ Result<sheet::MeshSource> decode_grid(const v1::GridMesh& message) {
 }
 
 Result<sheet::MeshSource> decode_obj(const v1::ObjMesh& message, const FileReader& read_file) {
-  Result<std::string> text = read_text({message.text(), message.file()}, read_file, "OBJ", "obj");
+  Result<std::string> text = read_content({message.text(), message.file()}, read_file, "OBJ", "obj");
   if (!text.ok()) return text.error();
-  return sheet::MeshSource(sheet::ObjSource{std::move(*text)});
+  return sheet::MeshSource(sheet::ObjSource{obj_text(std::move(*text))});
+}
+
+Result<sheet::MeshSource> decode_ply(const v1::PlyMesh& message, const FileReader& read_file) {
+  Result<std::string> data = read_content({message.data(), message.file(), "data"}, read_file, "PLY", "ply");
+  if (!data.ok()) return data.error();
+  return sheet::MeshSource(sheet::PlySource{std::move(*data)});
 }
 
 Status check_length(int length, int multiple, const std::string& path) {
@@ -72,6 +78,10 @@ void encode_source(const sheet::ObjSource& obj, v1::Scene& scene) {
   scene.mutable_obj()->set_text(obj.text);
 }
 
+void encode_source(const sheet::PlySource& ply, v1::Scene& scene) {
+  scene.mutable_ply()->set_data(ply.data);
+}
+
 void encode_source(const sheet::ArraySource& arrays, v1::Scene& scene) {
   v1::InlineMesh& message = *scene.mutable_inline_();
   message.mutable_material_positions()->Add(arrays.material_positions.data(),
@@ -88,12 +98,21 @@ Result<sheet::MeshSource> decode_mesh_source(const v1::Scene& scene, const FileR
       return decode_grid(scene.grid());
     case v1::Scene::kObj:
       return decode_obj(scene.obj(), read_file);
+    case v1::Scene::kPly:
+      return decode_ply(scene.ply(), read_file);
     case v1::Scene::kInline:
       return decode_inline(scene.inline_());
     case v1::Scene::MESH_NOT_SET:
       break;
   }
-  return choice_missing("mesh", "grid, obj or inline");
+  return choice_missing("mesh", "grid, obj, ply or inline");
+}
+
+std::string obj_text(std::string file) {
+  for (char& c : file) {
+    if (static_cast<unsigned char>(c) > 0x7f) c = '?';
+  }
+  return file;
 }
 
 void encode_mesh_source(const sheet::MeshSource& mesh, v1::Scene& scene) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "kerf/v1/scene.pb.h"
 #include "server/base/result.h"
 #include "server/wire/scene_codec.h"
@@ -7,9 +9,13 @@
 namespace kerf::wire {
 
 // Scene.mesh. Beside what sheet::validate() will check: CHOICE_MISSING ("mesh"), UNKNOWN_ENUM_VALUE, LENGTH_MISMATCH
-// (arrays that do not hold whole points or triangles), OBJ_FILE_REFUSED, OBJ_TWICE, and the errors of `read_file` with
-// field "obj.file".
+// (arrays that do not hold whole points or triangles), and for obj and ply those of read_content() with kind OBJ or
+// PLY.
 Result<sheet::MeshSource> decode_mesh_source(const v1::Scene& scene, const FileReader& read_file);
+
+// An OBJ file as ObjMesh.text, which is UTF-8 as every string of a message: other bytes than ASCII, which mean nothing
+// in an OBJ file but in names and comments, become question marks.
+std::string obj_text(std::string file);
 
 void encode_mesh_source(const sheet::MeshSource& mesh, v1::Scene& scene);
 

@@ -105,6 +105,8 @@ inline std::vector<BadCall> bad_sheet_calls() {
       {create, R"({"scene":{"grid":{"columns":3,"rows":3,"width_m":"NaN","height_m":1}}})", invalid,
        "scene.grid.width_m"},
       {create, R"({"scene":{"obj":{"file":"/etc/passwd"}}})", invalid, "scene.obj.file"},
+      {create, R"({"scene":{"ply":{"file":"/etc/passwd"}}})", invalid, "scene.ply.file"},
+      {create, R"({"scene":{"ply":{"data":"cGx5Cg=="}}})", invalid, "scene.ply.data"},
       {create, R"({"scene":{"inline":{"material_positions":[0,0,1,0,0,1],"triangles":[0,1,3]}}})", invalid,
        "scene.inline.triangles"},
       {create, R"({"scene":{"inline":{"material_positions":[0,0,1,0,2,0],"triangles":[0,1,2]}}})", invalid,

@@ -1,12 +1,14 @@
 """Runs every `kerf` command against a real kerfd, as a shell user would: outputs, JSON fields, exit codes, refusals."""
 
 import argparse
+import base64
 import json
 import math
 import os
 import pathlib
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import unittest
@@ -52,6 +54,19 @@ def path(name):
     return os.path.join(OPTIONS.work, name)
 
 
+def panel(kind, faces=((0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7))):
+    """A PLY file: a square of 3 m with a square hole of 1 m, flat on the ground."""
+    points = [(0, 0), (3, 0), (3, 3), (0, 3), (1, 1), (2, 1), (2, 2), (1, 2)]
+    header = (f"ply\nformat {kind} 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+              f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n").encode()
+    if kind == "ascii":
+        rows = [f"{x} {y} 0" for x, y in points] + [f"3 {a} {b} {c}" for a, b, c in faces]
+        return header + ("\n".join(rows) + "\n").encode()
+    order = "<" if kind == "binary_little_endian" else ">"
+    return (header + b"".join(struct.pack(order + "3f", x, y, 0) for x, y in points)
+            + b"".join(struct.pack(order + "B3i", 3, *face) for face in faces))
+
+
 class Case(unittest.TestCase):
     def json_of(self, *arguments):
         done = kerf("--json", *arguments)
@@ -90,6 +105,27 @@ class Sheets(Case):
         self.assertIn("25 vertices", done.stdout)
         self.assertIn("sheets/people", kerf("sheet", "list").stdout)
         self.assertIn("materials", kerf("info").stdout)
+
+    def test_sheets_from_mesh_files(self):
+        pathlib.Path(path("panel.ply")).write_bytes(panel("binary_big_endian"))
+        made = self.json_of("sheet", "create", "panel", "--ply", path("panel.ply"), "--pin", "none")
+        self.assertEqual((made["num_vertices"], made["num_triangles"], made["pieces"]), (8, 8, 1))
+        self.json_of("sheet", "pause", "panel")
+        cut = self.json_of("cut", "panel", "--polyline", "0.5,-1 0.5,4")
+        self.assertEqual((cut["status"], cut["pieces"]), ("APPLIED", 2))
+        kerf("export", "panel", "--out", path("panel.obj"))
+        made = self.json_of("sheet", "create", "panel-again", "--obj", path("panel.obj"), "--pin", "none")
+        self.assertEqual(made["pieces"], 2)
+        self.refused("sheet", "create", "none", "--ply", path("missing.ply"), says="FILE_NOT_FOUND")
+        self.refused("sheet", "create", "none", "--ply", path("panel.obj"), says="PLY_HEADER")
+        self.refused("sheet", "create", "none", "--ply", path("panel.ply"), "--grid", "5x5", code=2, says="--grid")
+        self.refused("sheet", "create", "none", "--ply", path("panel.ply"), "--obj", path("panel.obj"), code=2)
+        pathlib.Path(path("bow.ply")).write_bytes(panel("ascii", faces=((0, 1, 5), (0, 3, 7))))
+        self.refused("sheet", "create", "none", "--ply", path("bow.ply"), "--pin", "none", says="MESH_NON_MANIFOLD_VERTEX")
+        pathlib.Path(path("large.obj")).write_bytes(b"#" * (1 << 20))
+        self.refused("sheet", "create", "none", "--obj", path("large.obj"), says="RESOURCE_EXHAUSTED")
+        pathlib.Path(path("larger.obj")).write_bytes(b"#" * ((1 << 20) + 1))
+        self.refused("sheet", "create", "none", "--obj", path("larger.obj"), says="FILE_TOO_LARGE")
 
     def test_refusals(self):
         self.refused("sheet", "create", "Bad_Name", says="sheet_id")
@@ -370,7 +406,8 @@ class Views(Case):
 
 class Offline(Case):
     def scene(self, name, **changes):
-        pathlib.Path(path(name)).write_text(json.dumps({**SMALL_SCENE, **changes}))
+        scene = {name: value for name, value in {**SMALL_SCENE, **changes}.items() if value is not None}
+        pathlib.Path(path(name)).write_text(json.dumps(scene))
         return path(name)
 
     def test_scenes_may_name_svg_files_beside_them(self):
@@ -380,6 +417,17 @@ class Offline(Case):
         result = self.json_of("run", scene, "--record", path("leaf.rec"))
         self.assertEqual((result["cuts"][0]["status"], result["pieces"]), ("APPLIED", 2))
         self.assertEqual(self.json_of("replay", path("leaf.rec"))["state_hash"], result["state_hash"])
+
+    def test_scenes_may_name_or_hold_mesh_files(self):
+        pathlib.Path(path("ring.ply")).write_bytes(panel("binary_little_endian"))
+        changes = {"grid": None, "pins": [], "commands": [
+            {"tick": 5, "command": {"cut": {"curve": {"polyline": {"points": [{"x": 0.5, "y": -1}, {"x": 0.5, "y": 4}]}}}}}]}
+        named = self.json_of("run", self.scene("named.json", ply={"file": "ring.ply"}, **changes), "--record", path("ring.rec"))
+        self.assertEqual((named["cuts"][0]["status"], named["pieces"]), ("APPLIED", 2))
+        self.assertEqual(self.json_of("replay", path("ring.rec"))["state_hash"], named["state_hash"])
+        held = {"data": base64.b64encode(panel("binary_little_endian")).decode()}
+        self.assertEqual(self.json_of("run", self.scene("held.json", ply=held, **changes))["state_hash"], named["state_hash"])
+        self.refused("run", self.scene("gone.json", ply={"file": "gone.ply"}, **changes), says="gone.ply")
 
     def test_run_record_replay(self):
         scene = self.scene("small.json")

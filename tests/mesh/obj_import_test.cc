@@ -24,7 +24,7 @@ TEST(Obj, ReadsEveryFormOfAFace) {
   const std::string text =
       "# a sheet\nmtllib x.mtl\nv 0 0 0\nv 1 0 0 # right\r\nv +1 1 0 0.5 0.5 0.5\nv 0 1 0\n\n"
       "vn 0 0 1\no sheet\nf 1//1 2//1 3//1\nf -4 -2 -1\n";
-  const Result<ObjSheet> obj = parse_obj(text);
+  const Result<ImportedSheet> obj = parse_obj(text);
   ASSERT_TRUE(obj.ok()) << obj.error().message;
   EXPECT_EQ(obj->sheet.rest.cols(), 4);
   ASSERT_EQ(obj->sheet.triangles.cols(), 2);
@@ -34,7 +34,7 @@ TEST(Obj, ReadsEveryFormOfAFace) {
 }
 
 TEST(Obj, SplitsPolygonsAsFans) {
-  const Result<ObjSheet> obj = parse_obj("v 0 0 0\nv 2 0 0\nv 3 1 0\nv 1 2 0\nv -1 1 0\nf 1 2 3 4 5\n");
+  const Result<ImportedSheet> obj = parse_obj("v 0 0 0\nv 2 0 0\nv 3 1 0\nv 1 2 0\nv -1 1 0\nf 1 2 3 4 5\n");
   ASSERT_TRUE(obj.ok());
   ASSERT_EQ(obj->sheet.triangles.cols(), 3);
   EXPECT_EQ(obj->sheet.triangles.col(2), Eigen::Vector3i(0, 3, 4));
@@ -45,10 +45,10 @@ TEST(Obj, TextureCoordinatesAreTheRestShapeAndSeamsSplitVertices) {
   const std::string text =
       "v 0 0 0\nv 1 0 0\nv 1 1 2\nv 0 1 3\nvt 0 0\nvt 0.5 0\nvt 0.5 0.5\nvt 1 1\nvt 1.5 1.5\nvt 1 1.5\n"
       "f 1/1 2/2/9 3/3\nf 1/4 3/5 4/6\n";
-  const Result<ObjSheet> obj = parse_obj(text);
+  const Result<ImportedSheet> obj = parse_obj(text);
   ASSERT_TRUE(obj.ok()) << obj.error().message;
   ASSERT_EQ(obj->sheet.rest.cols(), 6);
-  EXPECT_EQ(obj->obj_positions, (std::vector<std::int32_t>{0, 0, 1, 2, 2, 3}));
+  EXPECT_EQ(obj->file_positions, (std::vector<std::int32_t>{0, 0, 1, 2, 2, 3}));
   EXPECT_EQ(obj->sheet.rest.col(1), Eigen::Vector2d(1, 1));
   EXPECT_EQ(obj->world.col(4), Eigen::Vector3d(1, 1, 2));
   const TriangleMesh mesh = test::must(import_mesh(obj->sheet));
@@ -57,7 +57,7 @@ TEST(Obj, TextureCoordinatesAreTheRestShapeAndSeamsSplitVertices) {
 
 TEST(Obj, APlaneInSpaceGivesTheRestShape) {
   // A rectangle of 3 x 4 in a tilted plane.
-  const Result<ObjSheet> obj = parse_obj("v 1 1 1\nv 4 1 1\nv 4 3.4 4.2\nv 1 3.4 4.2\nf 1 2 3 4\n");
+  const Result<ImportedSheet> obj = parse_obj("v 1 1 1\nv 4 1 1\nv 4 3.4 4.2\nv 1 3.4 4.2\nf 1 2 3 4\n");
   ASSERT_TRUE(obj.ok()) << obj.error().message;
   const TriangleMesh mesh = test::must(import_mesh(obj->sheet));
   EXPECT_NEAR(total_area(mesh), 12.0, 1e-12);
@@ -70,7 +70,7 @@ TEST(Obj, APlaneInSpaceGivesTheRestShape) {
 }
 
 void expect_obj_refused(const std::string& text, const std::string& reason, const std::string& field) {
-  const Result<ObjSheet> obj = parse_obj(text);
+  const Result<ImportedSheet> obj = parse_obj(text);
   ASSERT_FALSE(obj.ok()) << text;
   EXPECT_EQ(obj.error().reason, reason) << obj.error().message;
   EXPECT_EQ(obj.error().field, field) << obj.error().message;
@@ -115,7 +115,7 @@ TEST(Obj, DamagedTextIsRefusedOrRead) {
       text[random.below(text.size())] = alphabet[random.below(alphabet.size())];
     }
     if (random.below(4) == 0) text.resize(random.below(text.size()));
-    const Result<ObjSheet> obj = parse_obj(text);
+    const Result<ImportedSheet> obj = parse_obj(text);
     if (!obj.ok()) {
       ASSERT_EQ(obj.error().code, ErrorCode::kInvalidArgument);
       ASSERT_TRUE(obj.error().field.starts_with("obj"));

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "server/sheet/sheet.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/meshes.h"
 #include "tests/support/scenes.h"
 
 namespace kerf::sheet {
@@ -85,6 +87,23 @@ TEST(SheetConfig, ObjPlacesTheSheetItself) {
   EXPECT_EQ(field_of([](SheetConfig& c) { c.mesh = ObjSource{""}; }), "obj.text");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.mesh = ObjSource{"f 1 2 3\n"}; }), "obj.text");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.mesh = ObjSource{"v 0 0 nan\n"}; }), "obj.text");
+}
+
+TEST(SheetConfig, PlyPlacesTheSheetItself) {
+  SheetConfig config = scenes::hanging(4);
+  config.pins.clear();
+  config.mesh = PlySource{test::write_ply(test::square_with_hole(), test::PlyKind::kLittleEndian, 5.0)};
+  const Result<Sheet> created = Sheet::create(config);
+  ASSERT_TRUE(created) << created.error().message;
+  EXPECT_EQ(created->mesh().num_boundary_loops(), 2);
+  EXPECT_EQ(Vector3d(created->state().x.col(2)), Vector3d(3, 3, 5));
+  config.mesh = ObjSource{test::write_obj(test::square_with_hole(), 5.0)};
+  EXPECT_EQ(Sheet::create(config)->state_hash(), created->state_hash());
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.mesh = PlySource{""}; }), "ply.data");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.mesh = PlySource{"ply\n"}; }), "ply.data");
+  const std::string bow_tie = test::write_ply(
+      test::indexed({{0, 0}, {1, 0}, {1, 1}, {-1, 0}, {-1, -1}}, {{0, 1, 2}, {0, 3, 4}}), test::PlyKind::kAscii);
+  EXPECT_EQ(field_of([&](SheetConfig& c) { c.mesh = PlySource{bow_tie}; }), "ply.data");
 }
 
 TEST(SheetConfig, PlacementMustBeOrthonormal) {

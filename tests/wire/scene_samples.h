@@ -224,6 +224,8 @@ inline std::vector<BadScene> bad_shapes() {
       {"grid.pattern", [](v1::Scene& s) { s.mutable_grid()->set_pattern(static_cast<v1::GridMesh::Pattern>(9)); }},
       {"obj.text", [](v1::Scene& s) { s.mutable_obj(); }},
       {"obj.file", [](v1::Scene& s) { s.mutable_obj()->set_file("/etc/passwd"); }},
+      {"ply.data", [](v1::Scene& s) { s.mutable_ply(); }},
+      {"ply.file", [](v1::Scene& s) { s.mutable_ply()->set_file("/etc/passwd"); }},
       {"inline.material_positions", [](v1::Scene& s) { s.mutable_inline_()->add_material_positions(1.0); }},
       {"inline.material_positions", [](v1::Scene& s) { s.mutable_inline_(); }},
       {"inline.triangles", [](v1::Scene& s) { s.mutable_inline_()->add_triangles(0); }},

@@ -23,6 +23,8 @@
 #include "server/wire/recording_codec.h"
 #include "server/wire/reply_codec.h"
 #include "server/wire/scene_codec.h"
+#include "tests/support/mesh_files.h"
+#include "tests/support/meshes.h"
 #include "tests/wire/scene_samples.h"
 
 namespace kerf::wire {
@@ -61,6 +63,12 @@ TEST(SceneCodec, EveryMeshSourceComesBackUnchanged) {
   expect_equal(encode_scene(decoded(scene)), scene);
   scene.mutable_obj()->set_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   expect_equal(encode_scene(decoded(scene)), scene);
+  scene.mutable_ply()->set_data(test::write_ply(test::one_triangle(), test::PlyKind::kBigEndian));
+  expect_equal(encode_scene(decoded(scene)), scene);
+  v1::Scene from_file;  // bytes of every value are base64 in a scene file
+  scene.mutable_ply()->set_data(std::string("ply\n\0\xff", 6));
+  ASSERT_TRUE(from_json(to_json(scene), from_file).ok());
+  expect_equal(from_file, scene);
 }
 
 TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
@@ -118,7 +126,7 @@ TEST(SceneCodec, EveryBadFieldIsRefusedByName) {
   }
 }
 
-TEST(SceneCodec, ObjFilesAreReadOnlyWithAReader) {
+TEST(SceneCodec, MeshFilesAreReadOnlyWithAReader) {
   v1::Scene scene = full_scene();
   scene.mutable_obj()->set_file("flag.obj");
   const Result<sheet::SheetConfig> refused = decode_scene(scene);
@@ -139,6 +147,23 @@ TEST(SceneCodec, ObjFilesAreReadOnlyWithAReader) {
   EXPECT_EQ(decode_scene(scene, reader).error().field, "obj.file");
   scene.mutable_obj()->set_text("v 0 0 0\n");
   EXPECT_EQ(decode_scene(scene, reader).error().reason, "OBJ_TWICE");
+  scene.mutable_ply()->set_file("flag.obj");
+  EXPECT_EQ(decode_scene(scene).error().reason, "PLY_FILE_REFUSED");
+  EXPECT_EQ(decode_scene(scene).error().field, "ply.file");
+  EXPECT_NE(decode_scene(scene).error().message.find("ply.data"), std::string::npos);
+  EXPECT_EQ(std::get<sheet::PlySource>(decode_scene(scene, reader)->mesh).data, "v 0 0 0\n");
+  scene.mutable_ply()->set_data("ply");
+  EXPECT_EQ(decode_scene(scene, reader).error().reason, "PLY_TWICE");
+}
+
+// Names and comments in another encoding than UTF-8: a message could not hold them, nor a recording.
+TEST(SceneCodec, ObjFilesMayHoldAnyBytes) {
+  v1::Scene scene = full_scene();
+  scene.mutable_obj()->set_file("flag.obj");
+  const FileReader reader = [](const std::string&) -> Result<std::string> { return std::string("o T\xfcr\nv 0 0 0\n"); };
+  const Result<sheet::SheetConfig> read = decode_scene(scene, reader);
+  ASSERT_TRUE(read.ok());
+  EXPECT_EQ(encode_scene(*read).obj().text(), "o T?r\nv 0 0 0\n");
 }
 
 TEST(CommandCodec, EveryKindComesBackUnchanged) {

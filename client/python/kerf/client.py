@@ -94,17 +94,25 @@ class Server:
         *,
         grid: Tuple[int, int] = (50, 50),
         size_m: Tuple[float, float] = (1.0, 1.0),
+        mesh_file: "Union[str, os.PathLike[str], None]" = None,
         pins: Iterable[Edge] = ("top",),
         material: str = "",
         paused: bool = False,
     ) -> Sheet:
-        """A rectangle of grid[0] x grid[1] vertices. material: a preset; info() lists them. For anything else: create_scene()."""
+        """A rectangle of grid[0] x grid[1] vertices, or the mesh of an .obj or .ply file (grid and size_m do not count then).
+
+        material: a preset; info() lists them. For anything else: create_scene(). Raises ValueError where the file's name
+        has another ending; a server takes calls of up to 1 MiB.
+        """
         columns, rows = grid
         scene = scene_pb2.Scene(
-            grid=scene_pb2.GridMesh(columns=columns, rows=rows, width_m=size_m[0], height_m=size_m[1]),
             pins=[scene_pb2.PinRegion(edge=scene_pb2.PinRegion.Edge.Value(each.upper())) for each in pins],
             material=scene_pb2.Material(preset=material),
         )
+        if mesh_file is None:
+            scene.grid.CopyFrom(scene_pb2.GridMesh(columns=columns, rows=rows, width_m=size_m[0], height_m=size_m[1]))
+        else:
+            _add_mesh_file(scene, pathlib.Path(mesh_file))
         return self.create_scene(scene, sheet_id, paused=paused)
 
     def create_scene(
@@ -124,6 +132,16 @@ class Server:
         )
         made = self.call(self.sheet_service.CreateSheet, request)
         return Sheet(self, made.name.removeprefix("sheets/"))
+
+
+def _add_mesh_file(scene: scene_pb2.Scene, file: pathlib.Path) -> None:
+    if file.suffix.lower() == ".ply":
+        scene.ply.data = file.read_bytes()
+    elif file.suffix.lower() == ".obj":
+        # All that counts in it is ASCII; names and comments may be in any encoding.
+        scene.obj.text = file.read_text(encoding="ascii", errors="replace")
+    else:
+        raise ValueError(f"{file}: the name of a mesh file ends in .obj or .ply")
 
 
 def _as_scene(scene: "Union[scene_pb2.Scene, Mapping[str, Any], str, os.PathLike[str]]") -> scene_pb2.Scene:

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/base/result.h"
+
+namespace kerf::mesh {
+
+enum class PlyFormat { kAscii, kLittleEndian, kBigEndian };
+
+enum class PlyType { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
+
+// Bytes of a number of this type.
+std::size_t size_of(PlyType type);
+
+// What a property is to a sheet.
+enum class PlyRole { kSkipped, kX, kY, kZ, kTextureX, kTextureY, kCorners };
+
+struct PlyProperty {
+  std::string name;
+  PlyType type = PlyType::kInt8;
+  std::optional<PlyType> count_type;  // of a list; an integer
+  PlyRole role = PlyRole::kSkipped;
+};
+
+struct PlyElement {
+  std::string name;
+  std::int64_t count = 0;  // >= 0
+  std::vector<PlyProperty> properties;
+};
+
+struct PlyHeader {
+  PlyFormat format = PlyFormat::kAscii;
+  std::vector<PlyElement> elements;  // in the order of the file; one is "vertex" and one "face"
+  char line_end = '\n';              // or '\r'; a '\r' before '\n' is a blank
+  std::int64_t num_lines = 0;
+  std::int64_t num_vertices = 0;  // <= kMaxVertices
+  bool has_texture = false;
+};
+
+// Takes the header off the front of `file`. Errors as of parse_ply, with reason and place complete: PLY_HEADER,
+// PLY_TOO_LARGE (vertices).
+Result<PlyHeader> read_ply_header(std::string_view& file);
+
+}  // namespace kerf::mesh

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+// Words of the text that mesh files are made of.
+namespace kerf::mesh {
+
+inline bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r';
+}
+
+// Cuts the next word off the front of `line`; empty at its end.
+inline std::string_view next_word(std::string_view& line) {
+  while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+  std::size_t length = 0;
+  while (length < line.size() && !is_blank(line[length])) ++length;
+  const std::string_view word = line.substr(0, length);
+  line.remove_prefix(length);
+  return word;
+}
+
+// Cuts the next line off the front of `text`, which is not empty; without its end.
+inline std::string_view next_line(std::string_view& text, char end) {
+  const std::size_t length = std::min(text.find(end), text.size());
+  const std::string_view line = text.substr(0, length);
+  text.remove_prefix(std::min(length + 1, text.size()));
+  return line;
+}
+
+// Whether the whole word is a number of this type, with or without a sign.
+template <typename Number>
+bool parse_number(std::string_view word, Number& value) {
+  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return code == std::errc{} && end == word.data() + word.size() && !word.empty();
+}
+
+// For messages: in quotes, at most 40 characters, ? for what is not printable ASCII.
+inline std::string quoted(std::string_view word) {
+  std::string shown = "\"";
+  for (const char c : word.substr(0, 40)) shown += c >= ' ' && c <= '~' ? c : '?';
+  return shown + (word.size() > 40 ? "...\"" : "\"");
+}
+
+}  // namespace kerf::mesh
