@@ -52,8 +52,8 @@ void ContactSolver::set_colliders(std::span<const Collider> colliders) {
   for (const Collider& collider : colliders) colliders_.emplace_back(collider);
 }
 
-void ContactSolver::resolve(double thickness, std::span<const std::uint8_t> fixed, const Eigen::Matrix3Xd& x_before,
-                            Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& v) {
+void ContactSolver::resolve(double thickness, std::span<const std::uint8_t> fixed, const mesh::VertexField& x_before,
+                            mesh::VertexField& x, mesh::VertexField& v) {
   if (colliders_.empty()) return;
   KERF_CHECK(x.cols() == v.cols() && x.cols() == x_before.cols(), "positions and velocities of different meshes");
   KERF_CHECK(fixed.empty() || static_cast<Eigen::Index>(fixed.size()) == x.cols(), "pin mask of another mesh");

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "server/contact/collider.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::contact {
 
@@ -47,8 +48,8 @@ class ContactSolver {
   // `thickness`: m, >= 0; the distance at which a vertex is kept from a surface: half the sheet's thickness, so that
   // its lower face touches. `fixed`: V bytes, non-zero = leave that vertex alone (a pin); empty = none is. `x_before`:
   // 3 x V, m, where the vertices were when the substep began.
-  void resolve(double thickness, std::span<const std::uint8_t> fixed, const Eigen::Matrix3Xd& x_before,
-               Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& v);
+  void resolve(double thickness, std::span<const std::uint8_t> fixed, const mesh::VertexField& x_before,
+               mesh::VertexField& x, mesh::VertexField& v);
 
   [[nodiscard]] std::span<const PreparedCollider> colliders() const { return colliders_; }
   [[nodiscard]] const ContactCounters& counters() const { return counters_; }

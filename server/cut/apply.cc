@@ -48,9 +48,10 @@ constexpr std::int64_t kGapAllowanceBeside = 600;      // triangles
 
 class Cutter {
  public:
-  Cutter(TriangleMesh& mesh, const CutPlan& plan)
+  Cutter(TriangleMesh& mesh, const CutPlan& plan, PhaseObserver* observer)
       : mesh_(mesh),
         plan_(plan),
+        observer_(observer),
         spacing_(mesh.lattice().spacing),
         scale_(mesh, plan.options),
         editor_(mesh, slot_limit(mesh, plan)),
@@ -59,6 +60,7 @@ class Cutter {
   Result<CutOutcome> run() {
     CutOutcome outcome;
     outcome.report.triangles_behind = plan_.triangles_behind;
+    enter_phase(observer_, "insert path");
     const std::vector<TriangleId> crossed = crossed_triangles(mesh_, plan_.strokes);
     outcome.report.crossed_triangles = static_cast<std::int32_t>(crossed.size());
     if (is_by_element()) lock_elements(editor_, crossed);
@@ -83,12 +85,15 @@ class Cutter {
     const Result<RefinementCounts> refined = is_by_element() ? bisect() : relax_and_refine();
     if (!refined.ok()) return refined.error();
     outcome.report.refinement_stopped = refined->stopped;
+    enter_phase(observer_, "open lips");
     editor_.open();
     if (mesh_.num_vertices() > plan_.options.max_vertices) return too_many_vertices();
+    enter_phase(observer_, "commit");
     mesh::CommittedEdit committed = editor_.commit();
     outcome.status = CutStatus::kApplied;
     outcome.edit = std::move(committed.edit);
     outcome.undo = std::move(committed.undo);
+    enter_phase(observer_, "measure");
     fill_report(outcome);
     return outcome;
   }
@@ -189,12 +194,15 @@ class Cutter {
   }
 
   Result<RefinementCounts> bisect() {
+    enter_phase(observer_, "refine");
     return bisect_ill_shaped(editor_, touched_triangles(), scale_,
                              {kLengthFloor * plan_.snap_m / spacing_, max_insertions()});
   }
 
   Result<RefinementCounts> relax_and_refine() {
+    enter_phase(observer_, "relax");
     if (plan_.options.relax) relax_ring();
+    enter_phase(observer_, "refine");
     if (plan_.options.min_angle_deg == 0.0 && !plan_.options.tip_edge_length_m) return RefinementCounts{};
     std::vector<TriangleId> seeds = touched_triangles();
     std::vector<TriangleId> fan;
@@ -281,6 +289,7 @@ class Cutter {
 
   TriangleMesh& mesh_;
   const CutPlan& plan_;
+  PhaseObserver* observer_;
   double spacing_;  // m a lattice unit
   PathScale scale_;
   mesh::MeshEditor editor_;
@@ -299,19 +308,19 @@ bool calls_for_less_snapping(const Result<CutOutcome>& outcome) {
 
 }  // namespace
 
-Result<CutOutcome> apply(TriangleMesh& mesh, const CutPlan& plan) {
+Result<CutOutcome> apply(TriangleMesh& mesh, const CutPlan& plan, PhaseObserver* observer) {
   if (plan.strokes.empty() && plan.outline.empty()) {
     CutOutcome outcome;
     outcome.report.pieces = mesh.num_pieces();
     outcome.report.triangles_behind = plan.triangles_behind;
     return outcome;
   }
-  Result<CutOutcome> outcome = Cutter(mesh, plan).run();
+  Result<CutOutcome> outcome = Cutter(mesh, plan, observer).run();
   CutPlan closer = plan;
   for (int attempt = 0; attempt < kCloserAttempts && calls_for_less_snapping(outcome); ++attempt) {
     closer.options.snap *= kCloserSnap;
     closer.snap_m = PathScale(mesh, closer.options).mean_snap();
-    outcome = Cutter(mesh, closer).run();
+    outcome = Cutter(mesh, closer, observer).run();
   }
 #ifdef KERF_VALIDATE
   if (const std::optional<std::string> violation = mesh.find_violation()) {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "server/base/phase_observer.h"
 #include "server/base/result.h"
 #include "server/cut/curve.h"
 #include "server/cut/dash.h"
@@ -15,6 +16,7 @@
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/mesh_editor.h"
 #include "server/mesh/triangle_mesh.h"
+#include "server/mesh/vertex_field.h"
 
 // Cuts along a curve in material coordinates. The mesh stays welded in rest space: the curve becomes a chain of locked
 // edges (lips), and only the map from triangle corners to vertices tells the two sides apart. So re-cuts, crossings,
@@ -97,7 +99,7 @@ struct CutRequest {
   // Present: `curve` is in pixels of this picture of the sheet, whose vertices are at `positions` (3 x V, m, world;
   // read by plan() only, and only then).
   std::optional<View> view = std::nullopt;
-  const Eigen::Matrix3Xd* positions = nullptr;
+  const mesh::VertexField* positions = nullptr;
 };
 
 // What apply() will do: the curve flattened and clipped to the neighbourhood of the sheet. A plain value.
@@ -202,6 +204,7 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request);
 //         curve), TOLERANCE_NOT_KEPT (snapping many times over led the path too far away: shift the curve) and
 //         STRIP_COVERS_SHEET (nothing would be left).
 // With KERF_VALIDATE defined every mesh invariant is checked afterwards.
-Result<CutOutcome> apply(mesh::TriangleMesh& mesh, const CutPlan& plan);
+// `observer` may be null.
+Result<CutOutcome> apply(mesh::TriangleMesh& mesh, const CutPlan& plan, PhaseObserver* observer = nullptr);
 
 }  // namespace kerf::cut

@@ -72,7 +72,7 @@ Status validate(const View& view) {
   return Nothing{};
 }
 
-Result<ViewPath> lay_on_sheet(const mesh::TriangleMesh& mesh, const Eigen::Matrix3Xd& positions, const Curve& curve,
+Result<ViewPath> lay_on_sheet(const mesh::TriangleMesh& mesh, const mesh::VertexField& positions, const Curve& curve,
                               const View& view, double tolerance) {
   if (view.layers == LayerRule::kPiece && view.piece >= mesh.num_pieces()) {
     return invalid_argument("PIECE_UNKNOWN",

@@ -9,6 +9,7 @@
 #include "server/base/result.h"
 #include "server/cut/curve.h"
 #include "server/mesh/triangle_mesh.h"
+#include "server/mesh/vertex_field.h"
 
 // Cuts drawn on a picture: a curve in pixels that sweeps along the rays of a camera through the deformed sheet.
 namespace kerf::cut {
@@ -68,7 +69,7 @@ struct ViewPath {
 // no ties.
 // Errors: those of validate(curve); kResourceExhausted VIEW_WORK_BUDGET: too many pairs of triangles and curve segments
 // meet; PIECE_UNKNOWN.
-Result<ViewPath> lay_on_sheet(const mesh::TriangleMesh& mesh, const Eigen::Matrix3Xd& positions, const Curve& curve,
+Result<ViewPath> lay_on_sheet(const mesh::TriangleMesh& mesh, const mesh::VertexField& positions, const Curve& curve,
                               const View& view, double tolerance);
 
 }  // namespace kerf::cut

@@ -9,6 +9,7 @@
 #include "server/cut/stroke.h"
 #include "server/cut/view.h"
 #include "server/mesh/triangle_mesh.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::cut {
 
@@ -28,7 +29,7 @@ struct Screen {
   std::vector<Vertex> vertices;  // by VertexId
 };
 
-Screen project(const Eigen::Matrix3Xd& positions, const View& view);
+Screen project(const mesh::VertexField& positions, const View& view);
 
 // A screen point on the lattice of Screen.
 mesh::LatticePoint screen_point(const Eigen::Vector2d& px);

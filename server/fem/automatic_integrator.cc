@@ -61,6 +61,21 @@ StepStats AutomaticIntegrator::step(const Model& model, const Loads& loads, doub
 }
 
 void AutomaticIntegrator::rebuild(const Model& model) {
+  choose(model);
+  if (implicit_) implicit_->rebuild(model);
+}
+
+void AutomaticIntegrator::follow(const Model& model) {
+  const bool is_new = choose(model);
+  if (!implicit_) return;
+  if (is_new) {
+    implicit_->rebuild(model);
+  } else {
+    implicit_->follow(model);
+  }
+}
+
+bool AutomaticIntegrator::choose(const Model& model) {
   explicit_.rebuild(model);
   const double substeps = explicit_.planned_substeps(options_.tick);
   const double of_explicit = explicit_cost(model, substeps);
@@ -69,14 +84,17 @@ void AutomaticIntegrator::rebuild(const Model& model) {
   const double of_implicit = std::min(of_iterative, of_direct);
   const bool use_explicit = substeps <= options_.max_substeps && of_explicit <= kPreferenceForExplicit * of_implicit;
   const char* choice = "explicit";
-  implicit_.reset();
-  if (!use_explicit) {
+  bool is_new = false;
+  if (use_explicit) {
+    implicit_.reset();
+  } else {
     const bool direct = of_direct <= of_iterative;
     choice = direct ? "implicit Euler, direct solver" : "implicit Euler, conjugate gradients";
     IntegratorOptions options = with_kind(options_, IntegratorKind::kImplicitEuler);
     options.linear_solver = direct ? LinearSolverKind::kDirect : LinearSolverKind::kConjugateGradient;
-    implicit_ = std::make_unique<ImplicitIntegrator>(options);
-    implicit_->rebuild(model);
+    is_new = !implicit_ || options.linear_solver != solver_;
+    solver_ = options.linear_solver;
+    if (is_new) implicit_ = std::make_unique<ImplicitIntegrator>(options);
   }
   std::array<char, 256> text{};
   std::snprintf(text.data(), text.size(),
@@ -84,6 +102,7 @@ void AutomaticIntegrator::rebuild(const Model& model) {
                 "gradients %.1f ms, with the direct solver %.1f ms",
                 choice, options_.tick, substeps, of_explicit * 1e-6, of_iterative * 1e-6, of_direct * 1e-6);
   explanation_ = text.data();
+  return is_new;
 }
 
 }  // namespace kerf::fem

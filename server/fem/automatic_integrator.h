@@ -16,12 +16,17 @@ class AutomaticIntegrator final : public Integrator {
   explicit AutomaticIntegrator(const IntegratorOptions& options);
 
   void rebuild(const Model& model) override;
+  void follow(const Model& model) override;
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override;
 
  private:
+  // Whether the implicit integrator is a new one, which knows nothing of the model yet.
+  bool choose(const Model& model);
+
   IntegratorOptions options_;
+  LinearSolverKind solver_ = LinearSolverKind::kConjugateGradient;  // of the implicit one
   ExplicitIntegrator explicit_;
   std::unique_ptr<Integrator> implicit_;  // null while the explicit integrator is the choice
   std::string explanation_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 
 #include <Eigen/Core>
@@ -20,12 +21,12 @@ struct BendingPatch {
   // Upper triangle of Q by rows, N/m; zero in rows and columns of missing vertices.
   std::array<double, 21> stiffness{};
 
-  [[nodiscard]] double at(int a, int b) const {
-    const int i = a < b ? a : b;
-    const int j = a < b ? b : a;
-    const int index = i * 6 - i * (i - 1) / 2 + (j - i);
-    return stiffness[static_cast<std::size_t>(index)];
-  }
+  [[nodiscard]] double at(int a, int b) const { return stiffness[kPlace[static_cast<std::size_t>(6 * a + b)]]; }
+
+ private:
+  static constexpr std::array<std::uint8_t, 36> kPlace{0, 1, 2,  3,  4,  5,  1, 6,  7,  8,  9,  10,
+                                                       2, 7, 11, 12, 13, 14, 3, 8,  12, 15, 16, 17,
+                                                       4, 9, 13, 16, 18, 19, 5, 10, 14, 17, 19, 20};
 };
 
 // One entry of a row of the assembled Q.

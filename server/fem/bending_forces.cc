@@ -2,7 +2,7 @@
 
 namespace kerf::fem {
 
-void add_bending_forces(const RowStore<BendingEntry>& rows, const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& f) {
+void add_bending_forces(const RowStore<BendingEntry>& rows, const mesh::VertexField& x, mesh::VertexField& f) {
   const double* const from = x.data();
   double* const to = f.data();
   for (int i = 0; i < rows.num_rows(); ++i) {
@@ -23,7 +23,7 @@ void add_bending_forces(const RowStore<BendingEntry>& rows, const Eigen::Matrix3
   }
 }
 
-double bending_energy(const RowStore<BendingEntry>& rows, const Eigen::Matrix3Xd& x) {
+double bending_energy(const RowStore<BendingEntry>& rows, const mesh::VertexField& x) {
   // x.Q x / 2 = -1/4 sum_ij Q_ij |x_i - x_j|^2.
   double sum = 0.0;
   for (int i = 0; i < rows.num_rows(); ++i) {

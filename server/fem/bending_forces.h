@@ -4,6 +4,7 @@
 
 #include "server/fem/bending.h"
 #include "server/fem/row_store.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -11,9 +12,9 @@ namespace kerf::fem {
 // exactly invariant under translation and, pair by pair, exactly without resultant force. For damping beta pass
 // x + beta v: the rate of the curvature as a vector, so that, unlike membrane damping, it also brakes the rotation of a
 // sheet that is bent. Rows in order.
-void add_bending_forces(const RowStore<BendingEntry>& rows, const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& f);
+void add_bending_forces(const RowStore<BendingEntry>& rows, const mesh::VertexField& x, mesh::VertexField& f);
 
 // J.
-double bending_energy(const RowStore<BendingEntry>& rows, const Eigen::Matrix3Xd& x);
+double bending_energy(const RowStore<BendingEntry>& rows, const mesh::VertexField& x);
 
 }  // namespace kerf::fem

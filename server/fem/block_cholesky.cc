@@ -40,8 +40,8 @@ void BlockCholesky::analyse(const BlockMatrix& A) {
   analyse_factor(A);
   block_.assign(row_.size(), Eigen::Matrix3d::Zero());
   work_.assign(static_cast<std::size_t>(A.num_rows()), Eigen::Matrix3d::Zero());
-  permuted_.resize(3, A.num_rows());
-  residual_.resize(3, A.num_rows());
+  permuted_.resize(A.num_rows());
+  residual_.resize(A.num_rows());
 }
 
 void BlockCholesky::order(const BlockMatrix& A) {
@@ -49,7 +49,7 @@ void BlockCholesky::order(const BlockMatrix& A) {
   std::vector<Eigen::Triplet<double>> pattern;
   pattern.reserve(static_cast<std::size_t>(A.num_blocks()));
   for (int i = 0; i < n; ++i) {
-    for (int at = A.row_begin(i); at < A.row_begin(i + 1); ++at) pattern.emplace_back(i, A.column(at), 1.0);
+    for (int at = A.row_begin(i); at < A.row_end(i); ++at) pattern.emplace_back(i, A.column(at), 1.0);
   }
   Eigen::SparseMatrix<double> graph(n, n);
   graph.setFromTriplets(pattern.begin(), pattern.end());
@@ -79,7 +79,7 @@ void BlockCholesky::analyse_factor(const BlockMatrix& A) {
       rows.push_back(i);
     };
     const int old_column = old_from_new_[j];
-    for (int at = A.row_begin(old_column); at < A.row_begin(old_column + 1); ++at) {
+    for (int at = A.row_begin(old_column); at < A.row_end(old_column); ++at) {
       add(new_from_old_[static_cast<std::size_t>(A.column(at))]);
     }
     for (const int child : children[j]) {
@@ -108,7 +108,7 @@ bool BlockCholesky::factorise(const BlockMatrix& A) {
   const auto n = static_cast<std::size_t>(A.num_rows());
   for (std::size_t j = 0; j < n; ++j) {
     const int old_column = old_from_new_[j];
-    for (int at = A.row_begin(old_column); at < A.row_begin(old_column + 1); ++at) {
+    for (int at = A.row_begin(old_column); at < A.row_end(old_column); ++at) {
       const auto i = static_cast<std::size_t>(new_from_old_[static_cast<std::size_t>(A.column(at))]);
       if (i >= j) work_[i] = A.block(at).transpose();  // block (i, j) of a symmetric matrix
     }
@@ -135,7 +135,7 @@ bool BlockCholesky::factorise(const BlockMatrix& A) {
   return true;
 }
 
-void BlockCholesky::substitute(const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x) {
+void BlockCholesky::substitute(const mesh::VertexField& b, mesh::VertexField& x) {
   const int n = static_cast<int>(old_from_new_.size());
   for (int j = 0; j < n; ++j) permuted_.col(j) = b.col(old_from_new_[static_cast<std::size_t>(j)]);
   for (int j = 0; j < n; ++j) {
@@ -159,8 +159,8 @@ void BlockCholesky::substitute(const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x) {
   for (int j = 0; j < n; ++j) x.col(old_from_new_[static_cast<std::size_t>(j)]) = permuted_.col(j);
 }
 
-LinearStats BlockCholesky::solve(const BlockMatrix& A, const Eigen::Matrix3Xd& b, double tolerance,
-                                 Eigen::Matrix3Xd& x) {
+LinearStats BlockCholesky::solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
+                                 mesh::VertexField& x) {
   LinearStats stats;
   if (!factorise(A)) return stats;
   substitute(b, x);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/fem/linear_solver.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -12,7 +13,7 @@ namespace kerf::fem {
 class BlockCholesky final : public LinearSolver {
  public:
   void analyse(const BlockMatrix& A) override;
-  LinearStats solve(const BlockMatrix& A, const Eigen::Matrix3Xd& b, double tolerance, Eigen::Matrix3Xd& x) override;
+  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
 
  private:
   // Block L_jk, k < j, as the columns to its left are gone through for column j.
@@ -24,7 +25,7 @@ class BlockCholesky final : public LinearSolver {
   void order(const BlockMatrix& A);
   void analyse_factor(const BlockMatrix& A);
   bool factorise(const BlockMatrix& A);  // false: not positive definite
-  void substitute(const Eigen::Matrix3Xd& b, Eigen::Matrix3Xd& x);
+  void substitute(const mesh::VertexField& b, mesh::VertexField& x);
 
   std::vector<int> new_from_old_, old_from_new_;
   std::vector<int> column_begin_;  // positions of column j: its diagonal first, then rows ascending
@@ -33,7 +34,7 @@ class BlockCholesky final : public LinearSolver {
   std::vector<int> left_begin_;  // entries of row j of L left of the diagonal
   std::vector<RowEntry> left_;
   std::vector<Eigen::Matrix3d> work_;  // one block a row, zero between columns
-  Eigen::Matrix3Xd permuted_, residual_;
+  mesh::VertexField permuted_, residual_;
 };
 
 }  // namespace kerf::fem

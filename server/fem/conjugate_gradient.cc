@@ -7,7 +7,7 @@
 namespace kerf::fem {
 namespace {
 
-double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+double dot(const mesh::VertexField& a, const mesh::VertexField& b) {
   const double* const pa = a.data();
   const double* const pb = b.data();
   double sum = 0.0;
@@ -19,7 +19,7 @@ double dot(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
 
 void ConjugateGradient::analyse(const BlockMatrix& A) {
   inverse_diagonal_.resize(static_cast<std::size_t>(A.num_rows()));
-  for (Eigen::Matrix3Xd* vector : {&r_, &z_, &p_, &Ap_}) vector->resize(3, A.num_rows());
+  for (mesh::VertexField* vector : {&r_, &z_, &p_, &Ap_}) vector->resize(A.num_rows());
 }
 
 void ConjugateGradient::precondition() {
@@ -29,8 +29,8 @@ void ConjugateGradient::precondition() {
   }
 }
 
-LinearStats ConjugateGradient::solve(const BlockMatrix& A, const Eigen::Matrix3Xd& b, double tolerance,
-                                     Eigen::Matrix3Xd& x) {
+LinearStats ConjugateGradient::solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
+                                     mesh::VertexField& x) {
   LinearStats stats;
   for (int i = 0; i < A.num_rows(); ++i) {
     inverse_diagonal_[static_cast<std::size_t>(i)] = A.block(A.diagonal(i)).inverse();

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "server/fem/linear_solver.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -13,14 +14,14 @@ class ConjugateGradient final : public LinearSolver {
   explicit ConjugateGradient(int max_iterations) : max_iterations_(max_iterations) {}
 
   void analyse(const BlockMatrix& A) override;
-  LinearStats solve(const BlockMatrix& A, const Eigen::Matrix3Xd& b, double tolerance, Eigen::Matrix3Xd& x) override;
+  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
 
  private:
   void precondition();  // z_ = P^-1 r_
 
   int max_iterations_;
   std::vector<Eigen::Matrix3d> inverse_diagonal_;
-  Eigen::Matrix3Xd r_, z_, p_, Ap_;  // 3 x N
+  mesh::VertexField r_, z_, p_, Ap_;  // 3 x N
 };
 
 }  // namespace kerf::fem

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "server/fem/state.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -23,7 +24,7 @@ class ContactConstraint {
 
   virtual ~ContactConstraint() = default;
   // Called before the first substep from positions `x`, m, and again when a step is thrown away and begun anew.
-  virtual void begin(const Eigen::Matrix3Xd& x) = 0;
+  virtual void begin(const mesh::VertexField& x) = 0;
   // Called once a substep, after positions and velocities were updated and pins set: moves them out of what they
   // penetrate. dt: the substep, s.
   virtual void enforce(double dt, State& state) = 0;

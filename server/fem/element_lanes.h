@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "server/fem/element_block.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -26,7 +27,7 @@ struct LaneEdges {
   Lane3 d1, d2;
 };
 
-inline void gather_edges(const ElementBlock& block, const Eigen::Matrix3Xd& x, LaneEdges& edges) {
+inline void gather_edges(const ElementBlock& block, const mesh::VertexField& x, LaneEdges& edges) {
   const double* data = x.data();
   for (std::size_t l = 0; l < kLanes; ++l) {
     const double* x0 = data + 3 * static_cast<std::ptrdiff_t>(block.vertex[0][l]);
@@ -92,7 +93,7 @@ inline void polar_decomposition(const Lane3& __restrict f1, const Lane3& __restr
 }
 
 // Frames of the block's triangles at x (3 x V, m).
-inline void frames_at(const ElementBlock& block, const Eigen::Matrix3Xd& x, LaneFrames& frames) {
+inline void frames_at(const ElementBlock& block, const mesh::VertexField& x, LaneFrames& frames) {
   LaneEdges dx;
   Lane3 f1;
   Lane3 f2;

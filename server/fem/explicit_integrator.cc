@@ -34,10 +34,10 @@ void ExplicitIntegrator::rebuild(const Model& model) {
   critical_step_ =
       omega > 0.0 ? 2.0 / omega * (std::sqrt(1.0 + xi * xi) - xi) : std::numeric_limits<double>::infinity();
   const Eigen::Index n = model.num_vertices();
-  scratch_.force.resize(3, n);
-  scratch_.damped.resize(3, n);
-  scratch_.start.x.resize(3, n);
-  scratch_.start.v.resize(3, n);
+  scratch_.force.resize(n);
+  scratch_.damped.resize(n);
+  scratch_.start.x.resize(n);
+  scratch_.start.v.resize(n);
   scratch_.mobility.resize(model.inverse_mass().size());
   explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
 }
@@ -108,7 +108,7 @@ void ExplicitIntegrator::advance(const Model& model, const Loads& loads, double 
 }
 
 void ExplicitIntegrator::evaluate_forces(const Model& model, const Loads& loads, double kick, const State& state) {
-  Eigen::Matrix3Xd& f = scratch_.force;
+  mesh::VertexField& f = scratch_.force;
   if (loads.external_forces.cols() > 0) {
     f = loads.external_forces;
   } else {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/fem/integrator.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -33,8 +34,8 @@ class ExplicitIntegrator final : public Integrator {
 
  private:
   struct Scratch {
-    Eigen::Matrix3Xd force;        // 3 x V, N
-    Eigen::Matrix3Xd damped;       // 3 x V, m: x + beta v
+    mesh::VertexField force;       // 3 x V, N
+    mesh::VertexField damped;      // 3 x V, m: x + beta v
     std::vector<double> mobility;  // V, 1/kg: inverse masses, 0 at pins
     State start;                   // to go back to
   };

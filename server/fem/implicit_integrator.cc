@@ -20,10 +20,19 @@ std::string_view ImplicitIntegrator::explanation() const {
 
 void ImplicitIntegrator::rebuild(const Model& model) {
   solver_.rebuild(model);
-  for (Eigen::Matrix3Xd* field :
+  resize(model);
+}
+
+void ImplicitIntegrator::follow(const Model& model) {
+  solver_.follow(model);
+  resize(model);
+}
+
+void ImplicitIntegrator::resize(const Model& model) {
+  for (mesh::VertexField* field :
        {&scratch_.start.x, &scratch_.start.v, &scratch_.substep_start.x, &scratch_.substep_start.v, &scratch_.force,
         &scratch_.constant, &scratch_.damped, &scratch_.stage.base.x, &scratch_.stage.base.v}) {
-    field->resize(3, model.num_vertices());
+    field->resize(model.num_vertices());
   }
 }
 
@@ -119,7 +128,7 @@ void ImplicitIntegrator::evaluate_constant_force(const Model& model, const Loads
 void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& loads, double time_left,
                                                const State& state) {
   const Material& material = model.material();
-  Eigen::Matrix3Xd& f = scratch_.force;
+  mesh::VertexField& f = scratch_.force;
   f = scratch_.constant;
   add_membrane_forces(model.element_blocks(), model.membrane_law(), material.stiffness_damping, state.x, state.v, f);
   if (model.has_bending()) {

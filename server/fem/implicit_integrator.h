@@ -2,6 +2,7 @@
 
 #include "server/fem/integrator.h"
 #include "server/fem/stage_solver.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -14,6 +15,7 @@ class ImplicitIntegrator final : public Integrator {
   explicit ImplicitIntegrator(const IntegratorOptions& options);
 
   void rebuild(const Model& model) override;
+  void follow(const Model& model) override;
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
   [[nodiscard]] std::string_view explanation() const override;
   [[nodiscard]] IntegratorKind kind() const override { return options_.kind; }
@@ -22,12 +24,13 @@ class ImplicitIntegrator final : public Integrator {
   struct Scratch {
     State start;  // of the step
     State substep_start;
-    Eigen::Matrix3Xd force;     // 3 x V, N
-    Eigen::Matrix3Xd constant;  // 3 x V, N: external forces and wind
-    Eigen::Matrix3Xd damped;    // 3 x V, m
+    mesh::VertexField force;     // 3 x V, N
+    mesh::VertexField constant;  // 3 x V, N: external forces and wind
+    mesh::VertexField damped;    // 3 x V, m
     Stage stage;
   };
 
+  void resize(const Model& model);
   bool advance(const Model& model, const Loads& loads, double h, double time_left, State& state, StepStats& stats);
   bool advance_euler(const Model& model, const Loads& loads, double h, double time_left, State& state,
                      StepStats& stats);

@@ -79,8 +79,11 @@ class Integrator {
  public:
   virtual ~Integrator() = default;
 
-  // To be called before the first step and after every Model::apply. Allocates what step() needs.
+  // To be called before the first step and after every Model::apply or follow. Allocates what step() needs.
   virtual void rebuild(const Model& model) = 0;
+  // The same where the last Model::follow is all that has changed since the call before, of either: what that left
+  // alone need not be looked at.
+  virtual void follow(const Model& model) { rebuild(model); }
 
   // Advances `state` by dt (s, > 0). Never allocates, throws or logs; on failure (kFrozen) `state` is left as it was.
   // The result depends on the arguments alone, not on earlier calls. `contact` may be null.

@@ -6,6 +6,7 @@
 
 #include "server/fem/block_matrix.h"
 #include "server/fem/integrator.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -26,7 +27,8 @@ class LinearSolver {
 
   // b, x: 3 x N with N = A.num_rows(). x holds the initial guess and becomes the solution. Converged when
   // |b - A x| <= tolerance |b|. Never allocates.
-  virtual LinearStats solve(const BlockMatrix& A, const Eigen::Matrix3Xd& b, double tolerance, Eigen::Matrix3Xd& x) = 0;
+  virtual LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
+                            mesh::VertexField& x) = 0;
 };
 
 // max_iterations limits the iterative solver; the direct one ignores it.

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "server/mesh/ids.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -44,9 +45,9 @@ struct Grab {
 struct Loads {
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2
   Wind wind;
-  Eigen::Matrix3Xd external_forces;  // N, 3 x V, or 3 x 0 for none
-  std::vector<Pin> pins;             // each vertex at most once
-  std::vector<Grab> grabs;           // a grab that touches a pinned vertex moves only the others
+  mesh::VertexField external_forces;  // N, 3 x V, or 3 x 0 for none
+  std::vector<Pin> pins;              // each vertex at most once
+  std::vector<Grab> grabs;            // a grab that touches a pinned vertex moves only the others
 };
 
 }  // namespace kerf::fem

@@ -35,7 +35,7 @@ void biot_strain(const LaneFrames& frames, LaneStrain& e) {
 
 // e += beta dS/dt. M = R^T dF/dt = dS/dt + w S with the spin w = [[0, -omega], [omega, 0]], hence omega = (M21 - M12) /
 // tr S: the rate of a rigid rotation is exactly zero however the triangle is strained.
-void add_strain_rate(const ElementBlock& block, const Eigen::Matrix3Xd& v, double beta, const LaneFrames& frames,
+void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, double beta, const LaneFrames& frames,
                      LaneStrain& e) {
   LaneEdges dv;
   Lane3 f1;
@@ -72,7 +72,7 @@ void corner_forces(const ElementBlock& block, const Law& law, const LaneFrames& 
   }
 }
 
-void scatter(const ElementBlock& block, const LaneForces& forces, Eigen::Matrix3Xd& f) {
+void scatter(const ElementBlock& block, const LaneForces& forces, mesh::VertexField& f) {
   double* data = f.data();
   for (std::size_t l = 0; l < kLanes; ++l) {
     double* f0 = data + 3 * static_cast<std::ptrdiff_t>(block.vertex[0][l]);
@@ -119,7 +119,7 @@ void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, L
 }
 
 void add_membrane_forces(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, double beta,
-                         const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& f) {
+                         const mesh::VertexField& x, const mesh::VertexField& v, mesh::VertexField& f) {
   const Law law(C);
   LaneFrames frames;
   LaneStrain e;
@@ -133,7 +133,7 @@ void add_membrane_forces(std::span<const ElementBlock> blocks, const Eigen::Matr
   }
 }
 
-double membrane_energy(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, const Eigen::Matrix3Xd& x) {
+double membrane_energy(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, const mesh::VertexField& x) {
   double energy = 0.0;
   LaneFrames frames;
   LaneStrain e;
@@ -149,7 +149,7 @@ double membrane_energy(std::span<const ElementBlock> blocks, const Eigen::Matrix
   return energy;
 }
 
-double max_principal_strain(std::span<const ElementBlock> blocks, const Eigen::Matrix3Xd& x) {
+double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::VertexField& x) {
   double largest = 0.0;
   LaneFrames frames;
   for (const ElementBlock& block : blocks) {

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "server/fem/element_block.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -24,12 +25,12 @@ namespace kerf::fem {
 // f (3 x V, N) += forces at x (3 x V, m) and v (3 x V, m/s). Kelvin-Voigt damping with beta (s, >= 0): sigma = C (e +
 // beta de/dt), which does no work on rigid motions and never adds energy. v is not read where beta is 0.
 void add_membrane_forces(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, double beta,
-                         const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& v, Eigen::Matrix3Xd& f);
+                         const mesh::VertexField& x, const mesh::VertexField& v, mesh::VertexField& f);
 
 // J.
-double membrane_energy(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, const Eigen::Matrix3Xd& x);
+double membrane_energy(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, const mesh::VertexField& x);
 
 // Largest |principal strain| of any triangle with material, -.
-double max_principal_strain(std::span<const ElementBlock> blocks, const Eigen::Matrix3Xd& x);
+double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::VertexField& x);
 
 }  // namespace kerf::fem

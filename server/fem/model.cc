@@ -1,6 +1,7 @@
 #include "server/fem/model.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <iterator>
 
@@ -64,15 +65,23 @@ MassChange Model::apply(const mesh::TriangleMesh& mesh, const mesh::MeshEdit& ed
   return follow(mesh, edit.rewritten_triangles);
 }
 
-MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
+MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten,
+                         PhaseObserver* observer) {
+  enter_phase(observer, "elements");
   const int num_slots_before = num_slots_;
   const std::vector<VertexId> bereft = drop_slots(mesh);
+  const std::vector<double> dropped(mass_.begin() + std::min<std::ptrdiff_t>(mesh.num_vertices(), num_vertices()),
+                                    mass_.end());
   resize(mesh);
   set_elements(mesh, rewritten, bereft);
+  enter_phase(observer, "masses");
   for (const VertexId v : touched_.members()) set_lumped_mass(mesh, v);
   MassChange change = set_masses();
+  change.dropped = dropped;
+  enter_phase(observer, "bending");
   rows_.clear();
   if (has_bending()) set_bending(mesh, rewritten, bereft);
+  enter_phase(observer, "stability bound");
   std::vector<TriangleId> changed = rewritten;
   const auto num_lanes = static_cast<int>(blocks_.size()) * kLanes;
   for (int slot = num_slots_; slot < std::min(num_slots_before, num_lanes); ++slot) changed.push_back(slot);
@@ -111,7 +120,7 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   if (!has_bending()) return;
   patched_.resize(static_cast<std::size_t>(num_slots_));
   rows_.resize(num_vertices);
-  row_columns_.resize(num_vertices);
+  row_place_.resize(num_vertices, -1);
   patches_.resize(static_cast<std::size_t>(num_slots_));
   bending_rows_.resize(mesh.num_vertices());
 }
@@ -275,33 +284,38 @@ void Model::sum_bending_row(const mesh::TriangleMesh& mesh, VertexId vertex) {
   for (const TriangleId slot : incident_.row(vertex)) {
     slots.push_back(slot);
     const std::array<VertexId, 3> vertices = corners(slot);
-    const int k = vertices[0] == vertex ? 0 : vertices[1] == vertex ? 1 : 2;
-    const TriangleId across = mesh.neighbour(slot, k);
+    const TriangleId across = mesh.neighbour(slot, (vertices[1] == vertex ? 1 : 0) + (vertices[2] == vertex ? 2 : 0));
     if (across != mesh::kNone) slots.push_back(across);
   }
   std::sort(slots.begin(), slots.end());
   slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
 
-  row_columns_.clear();
-  row_.clear();
+  // Hardly any branch below could be predicted, hence few are made.
+  if (row_.size() < 6 * slots.size()) row_.resize(6 * slots.size());
+  std::size_t size = 0;
   for (const TriangleId slot : slots) {
     const BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
-    const auto at = std::find(patch.vertex.begin(), patch.vertex.end(), vertex);
-    if (at == patch.vertex.end()) continue;
-    const auto a = static_cast<int>(at - patch.vertex.begin());
-    for (std::size_t b = 0; b < 6; ++b) {
-      const VertexId column = patch.vertex[b];
-      if (column == mesh::kNone) continue;
-      const double value = patch.at(a, static_cast<int>(b));
-      if (row_columns_.insert(column)) {
-        row_.push_back({value, column});
-      } else {
-        row_[static_cast<std::size_t>(row_columns_.place(column))].value += value;
+    unsigned rows = 0;  // of the patch that are the vertex's: two around a vertex of three triangles
+    for (std::size_t a = 0; a < 6; ++a) rows |= (patch.vertex[a] == vertex ? 1U : 0U) << a;
+    for (; rows != 0; rows &= rows - 1) {
+      const int a = std::countr_zero(rows);
+      for (std::size_t b = 0; b < 6; ++b) {
+        const VertexId column = patch.vertex[b];
+        if (column == mesh::kNone) continue;
+        std::int32_t& place = row_place_[static_cast<std::size_t>(column)];
+        const bool is_new = place < 0;
+        place = is_new ? static_cast<std::int32_t>(size) : place;
+        size += is_new ? 1 : 0;
+        BendingEntry& entry = row_[static_cast<std::size_t>(place)];
+        entry.value = (is_new ? -0.0 : entry.value) + patch.at(a, static_cast<int>(b));  // -0.0 + x is x, of any sign
+        entry.column = column;
       }
     }
   }
-  std::sort(row_.begin(), row_.end(), [](const BendingEntry& a, const BendingEntry& b) { return a.column < b.column; });
-  bending_rows_.set_row(vertex, row_);
+  const std::span<BendingEntry> row(row_.data(), size);
+  for (const BendingEntry& entry : row) row_place_[static_cast<std::size_t>(entry.column)] = -1;
+  std::sort(row.begin(), row.end(), [](const BendingEntry& a, const BendingEntry& b) { return a.column < b.column; });
+  bending_rows_.set_row(vertex, row);
 }
 
 BendingPatch Model::make_patch(const mesh::TriangleMesh& mesh, TriangleId slot) const {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "server/base/phase_observer.h"
 #include "server/fem/bending.h"
 #include "server/fem/element_block.h"
 #include "server/fem/index_set.h"
@@ -17,6 +18,7 @@
 #include "server/fem/state.h"
 #include "server/mesh/ids.h"
 #include "server/mesh/mesh_edit.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::mesh {
 class TriangleMesh;
@@ -42,6 +44,7 @@ struct Momentum {
 struct MassChange {
   std::vector<mesh::VertexId> vertices;  // unique
   std::vector<double> mass_before;       // kg, same length; 0 for an added vertex
+  std::vector<double> dropped;           // kg, of the last vertices, which are gone
 };
 
 // The discrete elastic sheet: constants of every triangle, lumped masses and the bending matrix, for a flat rest shape
@@ -63,7 +66,9 @@ class Model {
   // The same for any number of edits, made or taken back, by the slots that they rewrote: `rewritten` is sorted and
   // unique, and holds all of those that the mesh still has. Where the mesh has fewer slots and vertices than the model,
   // the last ones go.
-  MassChange follow(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten);
+  // `observer` may be null.
+  MassChange follow(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten,
+                    PhaseObserver* observer = nullptr);
 
   [[nodiscard]] int num_vertices() const { return static_cast<int>(mass_.size()); }
   [[nodiscard]] int num_slots() const { return num_slots_; }
@@ -84,15 +89,20 @@ class Model {
   [[nodiscard]] const RowStore<BendingEntry>& bending_rows() const { return bending_rows_; }
   // Solid slots around each vertex, ascending.
   [[nodiscard]] const RowStore<mesh::TriangleId>& incident_slots() const { return incident_; }
+  // Vertices whose row of the stiffness matrix may have other columns since the last apply() or follow(), or stand for
+  // other elements; unique.
+  [[nodiscard]] std::span<const mesh::VertexId> changed_rows() const {
+    return has_bending() ? rows_.members() : touched_.members();
+  }
   // Upper bound of the largest eigenvalue of M^-1 K at rest, 1/s^2; see StiffnessBound.
   [[nodiscard]] double stiffness_bound() const { return stiffness_bound_.value(); }
 
   // f (3 x V, N), overwritten: membrane and bending forces at x (3 x V, m), no damping. f must have V columns.
-  void internal_forces(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& f) const;
+  void internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const;
   // gravity: m/s^2.
   [[nodiscard]] Energies energies(const State& state, const Eigen::Vector3d& gravity) const;
   [[nodiscard]] Momentum momentum(const State& state) const;
-  [[nodiscard]] Eigen::Vector3d centre_of_mass(const Eigen::Matrix3Xd& x) const;  // m
+  [[nodiscard]] Eigen::Vector3d centre_of_mass(const mesh::VertexField& x) const;  // m
 
   // Of every number derived from mesh and material, bit for bit, those that only a later edit reads included; for
   // tests.
@@ -150,8 +160,8 @@ class Model {
   IndexSet patched_;                         // slots whose patch is made anew
   IndexSet rows_;                            // rows of Q that are summed anew
   std::vector<mesh::TriangleId> row_slots_;  // of one row: its patches
-  IndexSet row_columns_;                     // of one row, in the order of row_
-  std::vector<BendingEntry> row_;
+  std::vector<BendingEntry> row_;            // of one row
+  std::vector<std::int32_t> row_place_;      // column -> its place in row_, or -1
 };
 
 }  // namespace kerf::fem

@@ -12,7 +12,7 @@ double Model::total_mass() const {
   return total;
 }
 
-void Model::internal_forces(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& f) const {
+void Model::internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const {
   f.setZero();
   add_membrane_forces(blocks_, membrane_law_, 0.0, x, x, f);
   add_bending_forces(bending_rows_, x, f);
@@ -40,7 +40,7 @@ Momentum Model::momentum(const State& state) const {
   return momentum;
 }
 
-Eigen::Vector3d Model::centre_of_mass(const Eigen::Matrix3Xd& x) const {
+Eigen::Vector3d Model::centre_of_mass(const mesh::VertexField& x) const {
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();
   for (int i = 0; i < num_vertices(); ++i) moment += mass_[static_cast<std::size_t>(i)] * x.col(i);
   return moment / total_mass();

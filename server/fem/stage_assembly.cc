@@ -3,7 +3,7 @@
 
 namespace kerf::fem {
 
-void StageSolver::assemble(const Problem& problem, const Eigen::Matrix3Xd& x, bool predicted) {
+void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, bool predicted) {
   matrix_.set_zero();
   const double inertia = 1.0 + problem.stage.d * problem.model.material().mass_damping;
   for (int i = 0; i < matrix_.num_rows(); ++i) {
@@ -14,7 +14,7 @@ void StageSolver::assemble(const Problem& problem, const Eigen::Matrix3Xd& x, bo
   add_bending_and_grabs(problem);
 }
 
-void StageSolver::add_membrane(const Problem& problem, const Eigen::Matrix3Xd& x, bool predicted) {
+void StageSolver::add_membrane(const Problem& problem, const mesh::VertexField& x, bool predicted) {
   const double geometric_scale = problem.stage.d * problem.stage.d;
   const double material_scale = geometric_scale + problem.stage.d * problem.beta;
   const std::span<const ElementBlock> blocks = problem.model.element_blocks();
@@ -27,10 +27,11 @@ void StageSolver::add_membrane(const Problem& problem, const Eigen::Matrix3Xd& x
       const MembraneTangent tangent(blocks[b], l, frames, problem.model.membrane_law());
       const Eigen::Vector3d sigma = predicted ? stress_[b * kLanes + l] : tangent.stress();
       tangent.stiffness(sigma, material_scale, geometric_scale, true, K);
-      const BlockPositions& positions = positions_[b * kLanes + l];
+      const BlockPlaces& places = places_[b * kLanes + l];
       for (std::size_t i = 0; i < 3; ++i) {
+        const int row = matrix_.row_begin(blocks[b].vertex[i][l]);
         for (std::size_t j = 0; j < 3; ++j) {
-          matrix_.block(positions[3 * i + j]) +=
+          matrix_.block(row + places[3 * i + j]) +=
               K.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * j));
         }
       }
@@ -62,7 +63,7 @@ void StageSolver::add_bending_and_grabs(const Problem& problem) {
   }
 }
 
-void StageSolver::predict_stress(const Problem& problem, const Eigen::Matrix3Xd& x) {
+void StageSolver::predict_stress(const Problem& problem, const mesh::VertexField& x) {
   const std::span<const ElementBlock> blocks = problem.model.element_blocks();
   LaneFrames frames;
   ElementVector dx;
@@ -79,10 +80,10 @@ void StageSolver::predict_stress(const Problem& problem, const Eigen::Matrix3Xd&
   }
 }
 
-void StageSolver::constrain(const Problem& problem, const Eigen::Matrix3Xd& x) {
+void StageSolver::constrain(const Problem& problem, const mesh::VertexField& x) {
   for (const Pin& pin : problem.loads.pins) {
     const Eigen::Vector3d displacement = pin.target - problem.stage.time_left * pin.velocity - x.col(pin.vertex);
-    for (int at = matrix_.row_begin(pin.vertex); at < matrix_.row_begin(pin.vertex + 1); ++at) {
+    for (int at = matrix_.row_begin(pin.vertex); at < matrix_.row_end(pin.vertex); ++at) {
       const int j = matrix_.column(at);
       if (j == pin.vertex) continue;
       rhs_.col(j) -= matrix_.block(at).transpose() * displacement;

@@ -15,12 +15,14 @@ Eigen::Vector3d tangential(const SurfaceGap& surface, const Eigen::Vector3d& u) 
 
 void StageContact::resize(int num_vertices) {
   entries_.clear();
-  entries_.reserve(ContactConstraint::kMaxGaps * static_cast<std::size_t>(num_vertices));
+  const std::size_t room = ContactConstraint::kMaxGaps * static_cast<std::size_t>(num_vertices);
+  if (room <= entries_.capacity()) return;
+  entries_.reserve(room + room / 2);  // a large block that nothing was written to takes no memory
   before_.reserve(entries_.capacity());
 }
 
 void StageContact::begin(const ContactConstraint* contact, const Model& model, double d,
-                         const Eigen::Matrix3Xd& start) {
+                         const mesh::VertexField& start) {
   contact_ = contact;
   model_ = &model;
   start_ = &start;
@@ -33,7 +35,7 @@ double StageContact::stiffness(int vertex) const {
   return kStiffening * (inertia_ * model_->mass()[static_cast<std::size_t>(vertex)] + membrane_);
 }
 
-void StageContact::predict(const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& impulse, Eigen::Matrix3Xd& step) {
+void StageContact::predict(const mesh::VertexField& x, const mesh::VertexField& impulse, mesh::VertexField& step) {
   entries_.clear();
   if (contact_ == nullptr) return;
   std::array<SurfaceGap, ContactConstraint::kMaxGaps> gaps;
@@ -63,7 +65,7 @@ void StageContact::predict(const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& im
   }
 }
 
-void StageContact::detect(const Eigen::Matrix3Xd& x, Update update) {
+void StageContact::detect(const mesh::VertexField& x, Update update) {
   std::swap(entries_, before_);
   entries_.clear();
   if (contact_ == nullptr) return;
@@ -122,7 +124,7 @@ void StageContact::update_friction(const Eigen::Vector3d& slid, double limit, En
   entry.friction = limit_before > 0.0 ? Eigen::Vector3d(limit * predicted) : entry.force;
 }
 
-void StageContact::add_forces(double scale, Eigen::Matrix3Xd& forces) const {
+void StageContact::add_forces(double scale, mesh::VertexField& forces) const {
   for (const Entry& entry : entries_) forces.col(entry.vertex) += scale * entry.force;
 }
 
@@ -145,7 +147,7 @@ void StageContact::add_stiffness(double scale, BlockMatrix& matrix) const {
   }
 }
 
-double StageContact::potential(const Eigen::Matrix3Xd& x) const {
+double StageContact::potential(const mesh::VertexField& x) const {
   if (contact_ == nullptr) return 0.0;
   double potential = 0.0;
   std::array<SurfaceGap, ContactConstraint::kMaxGaps> gaps;

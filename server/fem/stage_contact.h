@@ -5,6 +5,7 @@
 #include "server/fem/block_matrix.h"
 #include "server/fem/contact_constraint.h"
 #include "server/fem/model.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -30,7 +31,7 @@ class StageContact {
 
   // Begins a stage of implicit weight d (s, see Stage). `contact` may be null: there is none then. `start`: 3 x V, m,
   // positions when the substep began; must outlive the stage.
-  void begin(const ContactConstraint* contact, const Model& model, double d, const Eigen::Matrix3Xd& start);
+  void begin(const ContactConstraint* contact, const Model& model, double d, const mesh::VertexField& start);
 
   // Whether a surface was found near any vertex.
   [[nodiscard]] bool touches() const { return !entries_.empty(); }
@@ -38,20 +39,20 @@ class StageContact {
   // Before the first Newton step, where no contact force is known: finds the vertices that `step` (m) takes from `x`
   // into a surface and shortens it to end there, without sliding where friction can hold them. `impulse`: 3 x V, kg m,
   // d^2 times the forces at `x` and the momentum, which the surface would have to stop.
-  void predict(const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& impulse, Eigen::Matrix3Xd& step);
+  void predict(const mesh::VertexField& x, const mesh::VertexField& impulse, mesh::VertexField& step);
 
   enum class Update {
     kAdd,  // contacts known stay, pulling where they should let go; new ones, as yet without friction, are added
     kAll,  // those that would pull let go: full Newton steps overshoot, and doing so at each would make them chatter
   };
   // Finds the contacts at `x` and their forces.
-  void detect(const Eigen::Matrix3Xd& x, Update update);
+  void detect(const mesh::VertexField& x, Update update);
 
   // Of the contacts found last: scale * force added to `forces`, scale * stiffness to `matrix`.
-  void add_forces(double scale, Eigen::Matrix3Xd& forces) const;
+  void add_forces(double scale, mesh::VertexField& forces) const;
   void add_stiffness(double scale, BlockMatrix& matrix) const;
   // J, at `x`: its negative gradient is the force there, with the friction limits of detect(kAll).
-  [[nodiscard]] double potential(const Eigen::Matrix3Xd& x) const;
+  [[nodiscard]] double potential(const mesh::VertexField& x) const;
 
  private:
   struct Entry {
@@ -71,7 +72,7 @@ class StageContact {
 
   const ContactConstraint* contact_ = nullptr;
   const Model* model_ = nullptr;
-  const Eigen::Matrix3Xd* start_ = nullptr;
+  const mesh::VertexField* start_ = nullptr;
   double inertia_ = 0.0;        // 1/s^2, 1 / d^2
   double membrane_ = 0.0;       // N/m
   std::vector<Entry> entries_;  // by vertex, then surface; both reserved for kMaxGaps a vertex

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "server/fem/bending_forces.h"
 #include "server/fem/grab_point.h"
@@ -11,6 +12,7 @@
 namespace kerf::fem {
 namespace {
 
+constexpr std::size_t kRoom = 2;  // -; places for blocks beside those there are, so that cuts need not copy them
 constexpr int kRepairIterations = 30;
 constexpr int kMaxBacktracks = 30;
 constexpr int kContactIterations = 8;  // at least, where vertices touch
@@ -25,45 +27,62 @@ StageSolver::StageSolver(const IntegratorOptions& options)
     : options_(options), solver_(make_linear_solver(options.linear_solver, options.max_linear_iterations)) {}
 
 void StageSolver::rebuild(const Model& model) {
-  std::vector<std::vector<int>> columns(static_cast<std::size_t>(model.num_vertices()));
-  for (int i = 0; i < model.num_vertices(); ++i) {
-    std::vector<int>& row = columns[static_cast<std::size_t>(i)];
-    row.push_back(i);
-    for (const BendingEntry& entry :
-         model.has_bending() ? model.bending_rows().row(i) : std::span<const BendingEntry>{}) {
-      row.push_back(entry.column);
-    }
-    for (const mesh::TriangleId slot : model.incident_slots().row(i)) {
-      const ElementBlock& block = model.element_blocks()[static_cast<std::size_t>(slot / kLanes)];
-      for (std::size_t k = 0; k < 3; ++k) row.push_back(block.vertex[k][static_cast<std::size_t>(slot % kLanes)]);
-    }
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-  }
-  contact_.resize(model.num_vertices());
-  matrix_.set_pattern(columns);
-  solver_->analyse(matrix_);
+  std::vector<mesh::VertexId> all(static_cast<std::size_t>(model.num_vertices()));
+  std::iota(all.begin(), all.end(), 0);
+  matrix_ = {};
+  constexpr std::size_t kBlocksPerRow = 19;  // of an inner vertex of a grid with bending
+  matrix_.reserve(kRoom * kBlocksPerRow * all.size());
+  set_rows(model, all);
+}
 
+void StageSolver::follow(const Model& model) {
+  set_rows(model, model.changed_rows());
+}
+
+// Into columns_: what row v of the stiffness matrix reaches.
+void StageSolver::find_columns(const Model& model, mesh::VertexId v) {
+  columns_.clear();
+  // Patches reach beyond the triangles that they are of: with bending its rows have every column, and in order.
+  if (model.has_bending()) {
+    for (const BendingEntry& entry : model.bending_rows().row(v)) columns_.push_back(entry.column);
+    if (!columns_.empty()) return;
+  }
+  columns_.push_back(v);
+  for (const mesh::TriangleId slot : model.incident_slots().row(v)) {
+    const ElementBlock& block = model.element_blocks()[static_cast<std::size_t>(slot / kLanes)];
+    for (std::size_t k = 0; k < 3; ++k) columns_.push_back(block.vertex[k][static_cast<std::size_t>(slot % kLanes)]);
+  }
+  std::sort(columns_.begin(), columns_.end());
+  columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
+}
+
+void StageSolver::set_rows(const Model& model, std::span<const mesh::VertexId> vertices) {
   const std::span<const ElementBlock> blocks = model.element_blocks();
-  positions_.assign(blocks.size() * kLanes, {});
-  stress_.assign(blocks.size() * kLanes, Eigen::Vector3d::Zero());
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      if (blocks[b].area[l] == 0.0) continue;
-      for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t j = 0; j < 3; ++j) {
-          positions_[b * kLanes + l][3 * i + j] = matrix_.find(blocks[b].vertex[i][l], blocks[b].vertex[j][l]);
-        }
+  contact_.resize(model.num_vertices());
+  matrix_.resize(model.num_vertices());
+  places_.resize(blocks.size() * kLanes);
+  stress_.resize(blocks.size() * kLanes, Eigen::Vector3d::Zero());
+  for (mesh::VertexField* field :
+       {&force_, &residual_, &rhs_, &step_, &increment_, &velocity_, &damped_, &trial_, &start_, &best_}) {
+    field->resize(model.num_vertices());
+  }
+  for (const mesh::VertexId v : vertices) {
+    find_columns(model, v);
+    matrix_.set_row(v, columns_);
+    for (const mesh::TriangleId slot : model.incident_slots().row(v)) {
+      const auto lane = static_cast<std::size_t>(slot % kLanes);
+      const ElementBlock& block = blocks[static_cast<std::size_t>(slot / kLanes)];
+      const std::size_t i = (block.vertex[1][lane] == v ? 1U : 0U) + (block.vertex[2][lane] == v ? 2U : 0U);
+      for (std::size_t j = 0; j < 3; ++j) {
+        const auto at = std::lower_bound(columns_.begin(), columns_.end(), block.vertex[j][lane]);
+        places_[static_cast<std::size_t>(slot)][3 * i + j] = static_cast<int>(at - columns_.begin());
       }
     }
   }
-  for (Eigen::Matrix3Xd* field :
-       {&force_, &residual_, &rhs_, &step_, &increment_, &velocity_, &damped_, &trial_, &start_, &best_}) {
-    field->resize(3, model.num_vertices());
-  }
+  solver_->analyse(matrix_);
 }
 
-bool StageSolver::solve(const Model& model, const Loads& loads, const Eigen::Matrix3Xd& constant_force,
+bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
                         const Stage& stage, State& state, StepStats& stats) {
   const Problem problem{model, loads, constant_force, stage, model.material().stiffness_damping};
   contact_.begin(stage.contact, model, stage.d, stage.start != nullptr ? *stage.start : state.x);
@@ -83,7 +102,7 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const Eigen::Mat
 }
 
 // True where it converged, or ended below the potential it began at.
-bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats& stats) {
+bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStats& stats) {
   step_.setZero();
   predict_stress(problem, x);
   double scale = 0.0;
@@ -125,7 +144,7 @@ bool StageSolver::iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats
   return accept(problem, x, best, stats);
 }
 
-bool StageSolver::accept(const Problem& problem, const Eigen::Matrix3Xd& x, double residual, StepStats& stats) const {
+bool StageSolver::accept(const Problem& problem, const mesh::VertexField& x, double residual, StepStats& stats) const {
   Problem undamped = problem;
   undamped.beta = 0.0;
   const double reached = merit(undamped, x);
@@ -137,7 +156,7 @@ bool StageSolver::accept(const Problem& problem, const Eigen::Matrix3Xd& x, doub
 
 // The unknown is the departure from ballistic motion that ends at the surfaces it meets, so that tolerances are
 // relative to what forces do and not to the momentum a moving sheet has anyway, and free fall is exact.
-double StageSolver::solve_first(const Problem& problem, const Eigen::Matrix3Xd& x, StepStats& stats) {
+double StageSolver::solve_first(const Problem& problem, const mesh::VertexField& x, StepStats& stats) {
   const double d = problem.stage.d;
   const Eigen::Vector3d fall = d * d * problem.loads.gravity;
   rhs_ = residual_;
@@ -163,7 +182,8 @@ double StageSolver::solve_first(const Problem& problem, const Eigen::Matrix3Xd& 
       {departure, kMomentumShare * whole, rounding / options_.newton_tolerance, std::numeric_limits<double>::min()});
 }
 
-bool StageSolver::repair(const Problem& problem, const Eigen::Matrix3Xd& start, Eigen::Matrix3Xd& x, StepStats& stats) {
+bool StageSolver::repair(const Problem& problem, const mesh::VertexField& start, mesh::VertexField& x,
+                         StepStats& stats) {
   stats.flags |= kRepaired;
   x = start;
   double reference = 0.0;
@@ -190,7 +210,7 @@ bool StageSolver::repair(const Problem& problem, const Eigen::Matrix3Xd& start, 
 }
 
 // Armijo backtracking along step_; false where no step lowers the potential any more.
-bool StageSolver::search_line(const Problem& problem, double value, Eigen::Matrix3Xd& x) {
+bool StageSolver::search_line(const Problem& problem, double value, mesh::VertexField& x) {
   constexpr double kSufficientDecrease = 1e-4;
   double slope = 0.0;
   for (Eigen::Index i = 0; i < step_.cols(); ++i) slope += residual_.col(i).dot(step_.col(i));
@@ -204,20 +224,20 @@ bool StageSolver::search_line(const Problem& problem, double value, Eigen::Matri
   return false;
 }
 
-double StageSolver::evaluate_relative(const Problem& problem, const Eigen::Matrix3Xd& x, double scale) {
+double StageSolver::evaluate_relative(const Problem& problem, const mesh::VertexField& x, double scale) {
   const double relative = evaluate_residual(problem, x, Update::kAdd) / scale;
   if (!(relative <= kSettled) || !contact_.touches()) return relative;
   return evaluate_residual(problem, x, Update::kAll) / scale;
 }
 
-double StageSolver::evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x, Update update) {
+double StageSolver::evaluate_residual(const Problem& problem, const mesh::VertexField& x, Update update) {
   evaluate_residual(problem, x);
   contact_.detect(x, update);
   contact_.add_forces(problem.stage.d * problem.stage.d, residual_);
   return residual_.norm();
 }
 
-double StageSolver::evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x) {
+double StageSolver::evaluate_residual(const Problem& problem, const mesh::VertexField& x) {
   const Stage& stage = problem.stage;
   const Model& model = problem.model;
   velocity_ = (x - stage.base.x) / stage.d;
@@ -242,7 +262,7 @@ double StageSolver::evaluate_residual(const Problem& problem, const Eigen::Matri
   return std::sqrt(sum);
 }
 
-void StageSolver::restore_momentum(const Problem& problem, Eigen::Matrix3Xd& x) const {
+void StageSolver::restore_momentum(const Problem& problem, mesh::VertexField& x) const {
   const Stage& stage = problem.stage;
   const double inertia = 1.0 + stage.d * problem.model.material().mass_damping;
   Eigen::Vector3d missing = Eigen::Vector3d::Zero();
@@ -260,7 +280,7 @@ void StageSolver::restore_momentum(const Problem& problem, Eigen::Matrix3Xd& x) 
   }
 }
 
-void StageSolver::add_grab_forces(const Problem& problem, const Eigen::Matrix3Xd& x) {
+void StageSolver::add_grab_forces(const Problem& problem, const mesh::VertexField& x) {
   for (const Grab& grab : problem.loads.grabs) {
     const Eigen::Vector3d target = grab.target - problem.stage.time_left * grab.velocity;
     const Eigen::Vector3d f =
@@ -272,7 +292,7 @@ void StageSolver::add_grab_forces(const Problem& problem, const Eigen::Matrix3Xd
   }
 }
 
-double StageSolver::merit(const Problem& problem, const Eigen::Matrix3Xd& x) const {
+double StageSolver::merit(const Problem& problem, const mesh::VertexField& x) const {
   const Stage& stage = problem.stage;
   const Model& model = problem.model;
   const double d = stage.d;
@@ -296,7 +316,7 @@ double StageSolver::merit(const Problem& problem, const Eigen::Matrix3Xd& x) con
   return kinetic + d * d * potential;
 }
 
-void StageSolver::solve_linear(StepStats& stats, Eigen::Matrix3Xd& x) {
+void StageSolver::solve_linear(StepStats& stats, mesh::VertexField& x) {
   const LinearStats linear = solver_->solve(matrix_, rhs_, options_.linear_tolerance, x);
   stats.linear_iterations += linear.iterations;
   if (!linear.converged) stats.flags |= kNotConverged;

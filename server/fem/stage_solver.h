@@ -2,6 +2,7 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "server/fem/block_matrix.h"
@@ -9,6 +10,7 @@
 #include "server/fem/linear_solver.h"
 #include "server/fem/membrane_tangent.h"
 #include "server/fem/stage_contact.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -20,7 +22,7 @@ struct Stage {
   double d = 0.0;          // s, > 0
   double time_left = 0.0;  // s, from the end of the stage to the end of the step, for moving pins and grabs
   const ContactConstraint* contact = nullptr;
-  const Eigen::Matrix3Xd* start = nullptr;  // m, positions when the substep began; needed where there is contact
+  const mesh::VertexField* start = nullptr;  // m, positions when the substep began; needed where there is contact
 };
 
 // Solves a stage by Newton's method, each linear system made positive definite (see MembraneTangent::stiffness).
@@ -35,9 +37,11 @@ class StageSolver {
   explicit StageSolver(const IntegratorOptions& options);
 
   void rebuild(const Model& model);
+  // The same where the last Model::follow is all that has changed since the call before.
+  void follow(const Model& model);
   // constant_force: 3 x V, N. state.x: where to start from; becomes the solution, state.v its velocity. False: no
   // finite solution was found, state is then undefined. Adds to the counters of stats, its flags and residual.
-  bool solve(const Model& model, const Loads& loads, const Eigen::Matrix3Xd& constant_force, const Stage& stage,
+  bool solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force, const Stage& stage,
              State& state, StepStats& stats);
 
  private:
@@ -45,52 +49,57 @@ class StageSolver {
   struct Problem {
     const Model& model;
     const Loads& loads;
-    const Eigen::Matrix3Xd& constant_force;
+    const mesh::VertexField& constant_force;
     const Stage& stage;
     double beta;  // s, stiffness damping; 0 in a repair
   };
-  using BlockPositions = std::array<int, 9>;  // of corner pair (i, j): entry 3 i + j
+  using BlockPlaces = std::array<int, 9>;  // of corner pair (i, j): entry 3 i + j, from the beginning of row i
 
-  bool iterate(const Problem& problem, Eigen::Matrix3Xd& x, StepStats& stats);
+  void find_columns(const Model& model, mesh::VertexId v);
+  // Makes room for the model, and the rows of these vertices, and what depends on them.
+  void set_rows(const Model& model, std::span<const mesh::VertexId> vertices);
+
+  bool iterate(const Problem& problem, mesh::VertexField& x, StepStats& stats);
   // Whether `x`, where the iteration did not converge, is no higher in the potential than where it began.
-  bool accept(const Problem& problem, const Eigen::Matrix3Xd& x, double residual, StepStats& stats) const;
+  bool accept(const Problem& problem, const mesh::VertexField& x, double residual, StepStats& stats) const;
   // The first Newton step, into step_; returns the scale of the residual (see IntegratorOptions::newton_tolerance).
-  double solve_first(const Problem& problem, const Eigen::Matrix3Xd& x, StepStats& stats);
-  bool repair(const Problem& problem, const Eigen::Matrix3Xd& start, Eigen::Matrix3Xd& x, StepStats& stats);
-  bool search_line(const Problem& problem, double merit, Eigen::Matrix3Xd& x);
+  double solve_first(const Problem& problem, const mesh::VertexField& x, StepStats& stats);
+  bool repair(const Problem& problem, const mesh::VertexField& start, mesh::VertexField& x, StepStats& stats);
+  bool search_line(const Problem& problem, double merit, mesh::VertexField& x);
 
   // Moves the whole of a free sheet so that its residual has no resultant: internal forces have none, so linear
   // momentum is conserved to round-off however loosely the stage was solved.
-  void restore_momentum(const Problem& problem, Eigen::Matrix3Xd& x) const;
+  void restore_momentum(const Problem& problem, mesh::VertexField& x) const;
 
   // Into residual_, zero at pins; returns its Euclidean norm. Without contact forces.
-  double evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x);
+  double evaluate_residual(const Problem& problem, const mesh::VertexField& x);
   // The same with them.
-  double evaluate_residual(const Problem& problem, const Eigen::Matrix3Xd& x, StageContact::Update update);
+  double evaluate_residual(const Problem& problem, const mesh::VertexField& x, StageContact::Update update);
   // The same over `scale`; what would pull lets go once it has settled.
-  double evaluate_relative(const Problem& problem, const Eigen::Matrix3Xd& x, double scale);
-  void add_grab_forces(const Problem& problem, const Eigen::Matrix3Xd& x);
+  double evaluate_relative(const Problem& problem, const mesh::VertexField& x, double scale);
+  void add_grab_forces(const Problem& problem, const mesh::VertexField& x);
   // The incremental potential whose negative gradient the residual is where beta is 0, kg m^2.
-  [[nodiscard]] double merit(const Problem& problem, const Eigen::Matrix3Xd& x) const;
+  [[nodiscard]] double merit(const Problem& problem, const mesh::VertexField& x) const;
 
   // Into matrix_. With stress_ where `predicted`, else with the stress at x.
-  void assemble(const Problem& problem, const Eigen::Matrix3Xd& x, bool predicted);
-  void add_membrane(const Problem& problem, const Eigen::Matrix3Xd& x, bool predicted);
+  void assemble(const Problem& problem, const mesh::VertexField& x, bool predicted);
+  void add_membrane(const Problem& problem, const mesh::VertexField& x, bool predicted);
   void add_bending_and_grabs(const Problem& problem);
-  void predict_stress(const Problem& problem, const Eigen::Matrix3Xd& x);  // from step_, into stress_
+  void predict_stress(const Problem& problem, const mesh::VertexField& x);  // from step_, into stress_
   // Puts the pins' displacement into step_ and rhs_ and decouples their rows: matrix_ stays symmetric.
-  void constrain(const Problem& problem, const Eigen::Matrix3Xd& x);
+  void constrain(const Problem& problem, const mesh::VertexField& x);
   // matrix_ x = rhs_, x holding the guess.
-  void solve_linear(StepStats& stats, Eigen::Matrix3Xd& x);
+  void solve_linear(StepStats& stats, mesh::VertexField& x);
 
   IntegratorOptions options_;
   std::unique_ptr<LinearSolver> solver_;
   StageContact contact_;
   BlockMatrix matrix_;
-  std::vector<BlockPositions> positions_;                       // one a lane of the model's blocks
-  std::vector<Eigen::Vector3d> stress_;                         // one a lane, N/m, for the tangent
-  Eigen::Matrix3Xd force_, residual_, rhs_, step_, increment_;  // 3 x V
-  Eigen::Matrix3Xd velocity_, damped_, trial_, start_, best_;
+  std::vector<BlockPlaces> places_;                              // one a lane of the model's blocks
+  std::vector<int> columns_;                                     // scratch, of a row
+  std::vector<Eigen::Vector3d> stress_;                          // one a lane, N/m, for the tangent
+  mesh::VertexField force_, residual_, rhs_, step_, increment_;  // 3 x V
+  mesh::VertexField velocity_, damped_, trial_, start_, best_;
 };
 
 }  // namespace kerf::fem

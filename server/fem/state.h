@@ -2,13 +2,15 @@
 
 #include <Eigen/Core>
 
+#include "server/mesh/vertex_field.h"
+
 namespace kerf::fem {
 
 // All that a step changes, and all that it needs to know of the past: no integrator keeps history between steps, so a
 // snapshot of this is enough to continue bit for bit.
 struct State {
-  Eigen::Matrix3Xd x;  // 3 x V, world positions, m
-  Eigen::Matrix3Xd v;  // 3 x V, world velocities, m/s
+  mesh::VertexField x;  // 3 x V, world positions, m
+  mesh::VertexField v;  // 3 x V, world velocities, m/s
 };
 
 // Whether every position and velocity is finite.

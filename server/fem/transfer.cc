@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <unordered_map>
 #include <vector>
 
 #include "server/base/check.h"
@@ -12,7 +13,7 @@ namespace {
 
 constexpr double kSameMass = 1e-9;  // -, of the touched mass
 
-Eigen::Vector3d interpolate(const mesh::VertexSource& source, const Eigen::Matrix3Xd& field) {
+Eigen::Vector3d interpolate(const mesh::VertexSource& source, const mesh::VertexField& field) {
   if (source.weights[0] == 1.0 && source.weights[1] == 0.0) return field.col(source.sources[0]);
   Eigen::Vector3d value = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
@@ -24,7 +25,7 @@ Eigen::Vector3d interpolate(const mesh::VertexSource& source, const Eigen::Matri
 
 // Moved vertices may be sources of others: all values are taken before any is written.
 std::vector<Eigen::Vector3d> interpolate(const std::vector<mesh::VertexSource>& sources,
-                                         const Eigen::Matrix3Xd& field) {
+                                         const mesh::VertexField& field) {
   std::vector<Eigen::Vector3d> values;
   values.reserve(sources.size());
   for (const mesh::VertexSource& source : sources) values.push_back(interpolate(source, field));
@@ -32,12 +33,12 @@ std::vector<Eigen::Vector3d> interpolate(const std::vector<mesh::VertexSource>& 
 }
 
 void write(const std::vector<mesh::VertexSource>& sources, const std::vector<Eigen::Vector3d>& values,
-           Eigen::Matrix3Xd& field) {
+           mesh::VertexField& field) {
   for (std::size_t i = 0; i < values.size(); ++i) field.col(sources[i].vertex) = values[i];
 }
 
 // Columns of `field` for every added and moved vertex.
-void transfer_field(const mesh::MeshEdit& edit, Eigen::Matrix3Xd& field) {
+void transfer_field(const mesh::MeshEdit& edit, mesh::VertexField& field) {
   const std::vector<Eigen::Vector3d> moved = interpolate(edit.moved_vertices, field);
   const std::vector<Eigen::Vector3d> added = interpolate(edit.added_vertices, field);
   write(edit.moved_vertices, moved, field);
@@ -52,11 +53,32 @@ void shift(const std::vector<mesh::VertexId>& vertices, const Eigen::Vector3d& m
   for (const mesh::VertexId v : vertices) state.v.col(v) += step;
 }
 
+// Masses before a change.
+class MassesBefore {
+ public:
+  MassesBefore(const Model& model, const MassChange& change) : model_(model), dropped_(change.dropped) {
+    for (std::size_t i = 0; i < change.vertices.size(); ++i)
+      changed_.emplace(change.vertices[i], change.mass_before[i]);
+  }
+  [[nodiscard]] mesh::VertexId num_vertices() const {
+    return model_.num_vertices() + static_cast<mesh::VertexId>(dropped_.size());
+  }
+  [[nodiscard]] double of(mesh::VertexId v) const {  // kg
+    if (v >= model_.num_vertices()) return dropped_[static_cast<std::size_t>(v - model_.num_vertices())];
+    const auto changed = changed_.find(v);
+    return changed != changed_.end() ? changed->second : model_.mass()[static_cast<std::size_t>(v)];
+  }
+
+ private:
+  const Model& model_;
+  std::span<const double> dropped_;
+  std::unordered_map<mesh::VertexId, double> changed_;  // looked up, never iterated
+};
+
 // Folds vertices that go into those that they came from.
 class Fold {
  public:
-  // `mass`: kg, of the vertices as they are; grows as others join them.
-  Fold(std::span<const double> mass, State& state) : mass_(mass.begin(), mass.end()), state_(state) {}
+  Fold(const MassesBefore& mass_before, State& state) : mass_before_(mass_before), state_(state) {}
 
   void take_back(const mesh::RevertedEdit& reverted) {
     revive(reverted.revived_vertices);
@@ -83,7 +105,7 @@ class Fold {
     write(sources, interpolate(sources, state_.v), state_.v);
   }
 
-  double& mass(mesh::VertexId v) { return mass_[static_cast<std::size_t>(v)]; }
+  double& mass(mesh::VertexId v) { return mass_.try_emplace(v, mass_before_.of(v)).first->second; }
 
   // The share of `added` in the vertex's mass once it has joined it.
   double grow(mesh::VertexId vertex, double added) {
@@ -109,7 +131,9 @@ class Fold {
     }
   }
 
-  std::vector<double> mass_;
+  const MassesBefore& mass_before_;
+  // kg, as they are with those that have joined; looked up, never iterated.
+  std::unordered_map<mesh::VertexId, double> mass_;
   State& state_;
 };
 
@@ -143,8 +167,8 @@ void transfer_state(std::span<const mesh::MeshEdit* const> edits, const Model& m
     mass_before += change.mass_before[i];
     if (change.vertices[i] < num_before) momentum += change.mass_before[i] * state.v.col(change.vertices[i]);
   }
-  state.x.conservativeResize(Eigen::NoChange, num_after);
-  state.v.conservativeResize(Eigen::NoChange, num_after);
+  state.x.resize(num_after);
+  state.v.resize(num_after);
   for (const mesh::MeshEdit* edit : edits) {
     transfer_field(*edit, state.x);
     transfer_field(*edit, state.v);
@@ -164,32 +188,33 @@ void transfer_state(const mesh::MeshEdit& edit, const Model& model, const MassCh
   transfer_state(edits, model, change, state);
 }
 
-void carry_over(const mesh::MeshEdit& edit, Eigen::Matrix3Xd& field) {
-  field.conservativeResize(Eigen::NoChange, field.cols() + static_cast<Eigen::Index>(edit.added_vertices.size()));
+void carry_over(const mesh::MeshEdit& edit, mesh::VertexField& field) {
+  field.resize(field.cols() + static_cast<Eigen::Index>(edit.added_vertices.size()));
   transfer_field(edit, field);
 }
 
-void revert_state(std::span<const mesh::RevertedEdit> reverted, std::span<const double> mass_before, const Model& model,
-                  const MassChange& change, State& state) {
+void revert_state(std::span<const mesh::RevertedEdit> reverted, const Model& model, const MassChange& change,
+                  State& state) {
   if (reverted.empty()) return;
   const std::int32_t num_after = reverted.back().num_vertices;
-  KERF_CHECK(num_after == model.num_vertices() && static_cast<Eigen::Index>(mass_before.size()) == state.x.cols(),
+  const MassesBefore mass_before(model, change);
+  KERF_CHECK(num_after == model.num_vertices() && mass_before.num_vertices() == state.x.cols(),
              "state, reverted edits and model are of one mesh");
   const std::vector<mesh::VertexId> touched = touched_vertices(reverted, change, num_after);
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  // of touched vertices and those that go, before minus after
   double total_before = 0.0;
   const auto add = [&](mesh::VertexId v) {
-    const double m = mass_before[static_cast<std::size_t>(v)];
+    const double m = mass_before.of(v);
     total_before += m;
     momentum += m * state.v.col(v);
   };
   for (const mesh::VertexId v : touched) add(v);
-  for (auto v = num_after; v < static_cast<mesh::VertexId>(mass_before.size()); ++v) add(v);
+  for (auto v = num_after; v < mass_before.num_vertices(); ++v) add(v);
 
   Fold fold(mass_before, state);
   for (const mesh::RevertedEdit& edit : reverted) fold.take_back(edit);
-  state.x.conservativeResize(Eigen::NoChange, num_after);
-  state.v.conservativeResize(Eigen::NoChange, num_after);
+  state.x.resize(num_after);
+  state.v.resize(num_after);
 
   double total_after = 0.0;
   for (const mesh::VertexId v : touched) {

@@ -6,6 +6,7 @@
 #include "server/fem/state.h"
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/mesh_revert.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -20,10 +21,9 @@ void transfer_state(std::span<const mesh::MeshEdit* const> edits, const Model& m
 void transfer_state(const mesh::MeshEdit& edit, const Model& model, const MassChange& change, State& state);
 
 // Carries a field alone over one edit: 3 x V before it, 3 x V after it.
-void carry_over(const mesh::MeshEdit& edit, Eigen::Matrix3Xd& field);
+void carry_over(const mesh::MeshEdit& edit, mesh::VertexField& field);
 
-// Carries x and v over edits taken back one after another, after Model::follow returned `change`. `mass_before`: kg, a
-// vertex of the state as it comes.
+// Carries x and v over edits taken back one after another, after Model::follow returned `change`.
 //   - A vertex that remains keeps its position. Copies that become one vertex again with it (lips) do so at the mean of
 //     their positions, weighted by mass.
 //   - A vertex whose material is back gets x and v from the material that it was next to.
@@ -32,7 +32,7 @@ void carry_over(const mesh::MeshEdit& edit, Eigen::Matrix3Xd& field);
 //     rest of the change of masses is made up for as in transfer_state, so linear momentum is conserved to round-off.
 // Where nothing has moved since the edits were made, positions of vertices that no edit moved are what they were bit
 // for bit.
-void revert_state(std::span<const mesh::RevertedEdit> reverted, std::span<const double> mass_before, const Model& model,
-                  const MassChange& change, State& state);
+void revert_state(std::span<const mesh::RevertedEdit> reverted, const Model& model, const MassChange& change,
+                  State& state);
 
 }  // namespace kerf::fem

@@ -15,7 +15,7 @@ double limited(double rate, double duration_per_mass) {
 }  // namespace
 
 void add_wind_drag(std::span<const ElementBlock> blocks, const Wind& wind, double surface_density, double duration,
-                   const State& state, Eigen::Matrix3Xd& f) {
+                   const State& state, mesh::VertexField& f) {
   if (wind.air_density <= 0.0) return;
   const double normal_factor = 0.5 * wind.air_density * wind.normal_drag;
   const double tangential_factor = 0.5 * wind.air_density * wind.tangential_drag;

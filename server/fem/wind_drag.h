@@ -7,6 +7,7 @@
 #include "server/fem/element_block.h"
 #include "server/fem/loads.h"
 #include "server/fem/state.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -14,6 +15,6 @@ namespace kerf::fem {
 // The force acts over a kick of `duration` (s). Where the drag rate r of a triangle is so high that the kick would
 // carry it past the velocity of the air, it is divided by sqrt(1 + (r duration)^2). Slots in order.
 void add_wind_drag(std::span<const ElementBlock> blocks, const Wind& wind, double surface_density, double duration,
-                   const State& state, Eigen::Matrix3Xd& f);
+                   const State& state, mesh::VertexField& f);
 
 }  // namespace kerf::fem

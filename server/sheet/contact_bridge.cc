@@ -11,21 +11,22 @@ void ContactBridge::set_colliders(std::span<const contact::Collider> colliders, 
 
 void ContactBridge::set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
                                  const std::vector<mesh::VertexId>& removed) {
-  is_pinned_.assign(static_cast<std::size_t>(num_vertices), 0);
-  for (const auto* held : {&pinned, &removed}) {
-    for (const mesh::VertexId v : *held) is_pinned_[static_cast<std::size_t>(v)] = 1;
-  }
-  x_before_.resize(3, num_vertices);
+  for (const mesh::VertexId v : left_alone_) is_left_alone_[static_cast<std::size_t>(v)] = 0;
+  left_alone_ = pinned;
+  left_alone_.insert(left_alone_.end(), removed.begin(), removed.end());
+  is_left_alone_.resize(static_cast<std::size_t>(num_vertices), 0);
+  for (const mesh::VertexId v : left_alone_) is_left_alone_[static_cast<std::size_t>(v)] = 1;
+  x_before_.resize(num_vertices);
 }
 
 void ContactBridge::enforce(double /*dt*/, fem::State& state) {
-  solver_.resolve(half_thickness_, is_pinned_, x_before_, state.x, state.v);
+  solver_.resolve(half_thickness_, is_left_alone_, x_before_, state.x, state.v);
   x_before_ = state.x;
 }
 
 std::size_t ContactBridge::find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
                                      std::array<fem::SurfaceGap, kMaxGaps>& gaps) const {
-  if (is_pinned_[static_cast<std::size_t>(vertex)] != 0) return 0;
+  if (is_left_alone_[static_cast<std::size_t>(vertex)] != 0) return 0;
   std::size_t found = 0;
   const std::span<const contact::PreparedCollider> colliders = solver_.colliders();
   for (std::size_t i = 0; i < colliders.size(); ++i) {

@@ -10,6 +10,8 @@
 
 #include "server/contact/contact_solver.h"
 #include "server/fem/integrator.h"
+#include "server/mesh/ids.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::sheet {
 
@@ -18,11 +20,12 @@ class ContactBridge : public fem::ContactConstraint {
  public:
   // `half_thickness`: m, >= 0, the distance that the sheet's middle surface keeps from a collider.
   void set_colliders(std::span<const contact::Collider> colliders, double half_thickness);
-  // After every change of pins or topology; `pinned`, and `removed` without material, are left alone. Allocates.
+  // After every change of pins or topology; `pinned`, and `removed` without material, are left alone. O(both and new
+  // vertices). Allocates.
   void set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
                     const std::vector<mesh::VertexId>& removed);
 
-  void begin(const Eigen::Matrix3Xd& x) override { x_before_ = x; }
+  void begin(const mesh::VertexField& x) override { x_before_ = x; }
   void enforce(double dt, fem::State& state) override;
   std::size_t find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
                         std::array<fem::SurfaceGap, kMaxGaps>& gaps) const override;
@@ -33,8 +36,9 @@ class ContactBridge : public fem::ContactConstraint {
  private:
   contact::ContactSolver solver_;
   double half_thickness_ = 0.0;
-  std::vector<std::uint8_t> is_pinned_;
-  Eigen::Matrix3Xd x_before_;  // m, when the present substep began
+  std::vector<mesh::VertexId> left_alone_;
+  std::vector<std::uint8_t> is_left_alone_;  // length V
+  mesh::VertexField x_before_;               // m, when the present substep began
 };
 
 }  // namespace kerf::sheet

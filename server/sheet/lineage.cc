@@ -80,7 +80,7 @@ void Lineage::reset(std::int32_t num_pieces) {
 }
 
 std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vector<PieceBirth>& births,
-                                  const Eigen::Matrix3Xd& x, double surface_density) {
+                                  const mesh::VertexField& x, double surface_density) {
   std::vector<Piece> pieces(births.size());
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
     if (!mesh.is_solid(t)) continue;

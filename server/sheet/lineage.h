@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include "server/mesh/triangle_mesh.h"
+#include "server/mesh/vertex_field.h"
 
 // The family tree of a sheet's pieces. The mesh numbers its pieces 0..n-1 and a piece that falls apart keeps its number
 // in one of its parts; here each piece has an id of its own. A piece that falls apart ends, and each of its parts is a
@@ -72,7 +73,7 @@ class Lineage {
 
 // Every piece of the mesh, by label. `x`: 3 x V, m. `surface_density`: kg/m^2. O(slots).
 std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vector<PieceBirth>& births,
-                                  const Eigen::Matrix3Xd& x, double surface_density);
+                                  const mesh::VertexField& x, double surface_density);
 
 // Of each of the changes, which were made one after another and led to the pieces of `now`, what fell apart.
 std::vector<std::vector<SplitPiece>> describe_splits(const std::vector<LineageChange>& changes,

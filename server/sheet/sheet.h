@@ -11,6 +11,7 @@
 
 #include <Eigen/Core>
 
+#include "server/base/phase_observer.h"
 #include "server/base/result.h"
 #include "server/fem/integrator.h"
 #include "server/fem/model.h"
@@ -33,13 +34,14 @@ enum class Stage {
 };
 
 // Told when stages begin and end, so that the owner can time them: the sheet itself reads no clock.
-class StageObserver {
+class StageObserver : public PhaseObserver {
  public:
-  virtual ~StageObserver() = default;
   // `command`: which of the commands of this step() or apply(), in the order in which they are done: scheduled ones
   // first, then those given; -1 where the stage serves none of them (loads, integration).
   virtual void begin(Stage stage, std::int32_t command) = 0;
   virtual void end(Stage stage, std::int32_t command) = 0;
+  // The parts of kCut and kModelUpdate, as they begin.
+  void enter(const char* /*phase*/) override {}
 };
 
 // The answer to a command of SheetConfig::commands.

@@ -210,12 +210,17 @@ void Sheet::Impl::pin(std::vector<mesh::VertexId> vertices) {
   contact.set_vertices(mesh.num_vertices(), pinned, removed);
 }
 
-// After the model changed; all that a step needs is allocated here.
+// After the model was made anew.
 void Sheet::Impl::rebuild() {
   integrator->rebuild(model);
+  make_room();
+}
+
+// After the integrator was told of the model; all that a step needs is allocated here.
+void Sheet::Impl::make_room() {
   integrator_description = std::string(integrator->explanation());
-  last_good.x.resize(3, state.x.cols());
-  last_good.v.resize(3, state.v.cols());
+  last_good.x.resize(state.x.cols());
+  last_good.v.resize(state.v.cols());
 }
 
 std::vector<GrabState>::iterator Sheet::Impl::find_grab(const std::string& grab_id) {

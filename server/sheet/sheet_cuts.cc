@@ -122,13 +122,14 @@ Result<std::vector<CutReply>> Sheet::Impl::do_cuts(std::span<const Cut> cuts, bo
   std::vector<DoneCut> done;
   const auto carry_out = [&] {
     const StageScope scope(context.observer, Stage::kCut, context.index);
-    return cut_mesh(cuts, is_batch, done);
+    return cut_mesh(cuts, is_batch, done, context.observer);
   };
   Result<std::vector<CutReply>> replies = carry_out();
   if (!replies || done.empty()) return replies;
 
   const StageScope scope(context.observer, Stage::kModelUpdate, context.index);
-  follow(done);
+  follow(done, context.observer);
+  enter_phase(context.observer, "pieces and history");
   std::vector<LineageChange> changes;
   bool fell_apart = false;
   for (DoneCut& cut : done) {
@@ -155,14 +156,15 @@ Result<std::vector<CutReply>> Sheet::Impl::do_cuts(std::span<const Cut> cuts, bo
 }
 
 Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, bool is_batch,
-                                                    std::vector<DoneCut>& done) {
+                                                    std::vector<DoneCut>& done, PhaseObserver* observer) {
   std::vector<CutReply> replies;
   std::vector<mesh::VertexId> pins = pinned;  // as they will be when it is the cut's turn
   // The same of positions, which only cuts on a picture look at.
-  Eigen::Matrix3Xd positions;
+  mesh::VertexField positions;
   const bool has_view = std::any_of(cuts.begin(), cuts.end(), [](const Cut& cut) { return cut.view.has_value(); });
   if (is_batch && has_view) positions = state.x;
   for (std::size_t i = 0; i < cuts.size(); ++i) {
+    enter_phase(observer, "plan");
     cut::CutRequest request = request_of(cuts[i]);
     request.positions = is_batch ? &positions : &state.x;
     request.fixed_vertices = pins;
@@ -170,12 +172,13 @@ Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, b
       if (!held.material) request.fixed_vertices.push_back(held.vertices[0]);
     }
     const Result<cut::CutPlan> plan = cut::plan(mesh, request);
-    Result<cut::CutOutcome> outcome = plan ? cut::apply(mesh, *plan) : Result<cut::CutOutcome>(plan.error());
+    Result<cut::CutOutcome> outcome = plan ? cut::apply(mesh, *plan, observer) : Result<cut::CutOutcome>(plan.error());
     if (!outcome) {
       for (auto cut = done.rbegin(); cut != done.rend(); ++cut) cut->edit.undo.undo(mesh);
       done.clear();
       return is_batch ? in_batch(outcome.error(), i) : outcome.error();
     }
+    enter_phase(observer, "keep for undo");
     replies.push_back(reply_of(*outcome, cuts[i]));
     if (outcome->status != cut::CutStatus::kApplied) continue;
     if (is_batch) inherit_pins(outcome->edit, pins);
@@ -189,13 +192,14 @@ Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, b
 }
 
 // Brings everything that is derived from the mesh up to date with cuts of it.
-void Sheet::Impl::follow(const std::vector<DoneCut>& cuts) {
+void Sheet::Impl::follow(const std::vector<DoneCut>& cuts, PhaseObserver* observer) {
   const std::vector<const mesh::MeshEdit*> edits = edits_of(cuts);
   for (const mesh::MeshEdit* edit : edits) {
     removed.insert(removed.end(), edit->removed_vertices.begin(), edit->removed_vertices.end());
   }
   std::sort(removed.begin(), removed.end());
-  const fem::MassChange change = model.follow(mesh, rewritten_slots(cuts, mesh.num_triangle_slots()));
+  const fem::MassChange change = model.follow(mesh, rewritten_slots(cuts, mesh.num_triangle_slots()), observer);
+  enter_phase(observer, "state");
   fem::transfer_state(edits, model, change, state);
   std::vector<mesh::VertexId> inherited = pinned;
   for (const mesh::MeshEdit* edit : edits) inherit_pins(*edit, inherited);
@@ -203,7 +207,7 @@ void Sheet::Impl::follow(const std::vector<DoneCut>& cuts) {
   for (const fem::Pin& p : loads.pins) {
     if (mesh.has_material(p.vertex)) state.x.col(p.vertex) = p.target;
   }
-  finish_edit(std::move(inherited));
+  finish_edit(std::move(inherited), observer);
   topology.note(edits);
 }
 
@@ -226,7 +230,7 @@ Result<CommandReply> Sheet::Impl::redo_cut(const CommandContext& context) {
     }
   }
   const StageScope scope(context.observer, Stage::kModelUpdate, context.index);
-  follow(cuts);
+  follow(cuts, context.observer);
   num_cuts += static_cast<std::int64_t>(cuts.size());
   return undo_reply(**step);
 }
@@ -253,9 +257,9 @@ void Sheet::Impl::take_back(const std::vector<DoneCut>& cuts, const CommandConte
     }
   }
   const StageScope scope(context.observer, Stage::kModelUpdate, context.index);
-  const std::vector<double> mass_before(model.mass().begin(), model.mass().end());
-  const fem::MassChange change = model.follow(mesh, rewritten_slots(cuts, mesh.num_triangle_slots()));
-  fem::revert_state(reverted, mass_before, model, change, state);
+  const fem::MassChange change = model.follow(mesh, rewritten_slots(cuts, mesh.num_triangle_slots()), context.observer);
+  enter_phase(context.observer, "state");
+  fem::revert_state(reverted, model, change, state);
   // A vertex that a pinned one joins is held where that was; one that was pinned itself, where it was.
   std::vector<mesh::VertexId> still_pinned;
   for (auto p = loads.pins.rbegin(); p != loads.pins.rend(); ++p) {  // the ids that remain last
@@ -274,7 +278,7 @@ void Sheet::Impl::take_back(const std::vector<DoneCut>& cuts, const CommandConte
   }
   std::sort(still_pinned.begin(), still_pinned.end());
   still_pinned.erase(std::unique(still_pinned.begin(), still_pinned.end()), still_pinned.end());
-  finish_edit(std::move(still_pinned));
+  finish_edit(std::move(still_pinned), context.observer);
   topology.replace();
 }
 
@@ -287,7 +291,7 @@ std::vector<fem::Pin> Sheet::Impl::pins_lost_by(const mesh::MeshEdit& edit) cons
 }
 
 // What follows once mesh, model and state are of one topology again.
-void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned) {
+void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned, PhaseObserver* observer) {
   if (now_pinned != pinned) ++settings_version;
   pin(std::move(now_pinned));
   for (GrabState& held : grabs) {
@@ -298,7 +302,9 @@ void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned) {
     held.vertices = point.vertices;
     held.weights = point.weights;
   }
-  rebuild();
+  enter_phase(observer, "integrator");
+  integrator->follow(model);
+  make_room();
   ++topology_version;
 }
 

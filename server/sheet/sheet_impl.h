@@ -100,16 +100,18 @@ struct Sheet::Impl {
   Result<CommandReply> redo_cut(const CommandContext& context);
   Result<std::vector<CutReply>> do_cuts(std::span<const Cut> cuts, bool is_batch, const CommandContext& context);
   // Cuts the mesh and nothing else; where a cut is refused the mesh is as it was. Appends those applied to `done`.
-  Result<std::vector<CutReply>> cut_mesh(std::span<const Cut> cuts, bool is_batch, std::vector<DoneCut>& done);
-  void follow(const std::vector<DoneCut>& cuts);
+  Result<std::vector<CutReply>> cut_mesh(std::span<const Cut> cuts, bool is_batch, std::vector<DoneCut>& done,
+                                         PhaseObserver* observer);
+  void follow(const std::vector<DoneCut>& cuts, PhaseObserver* observer);
   void take_back(const std::vector<DoneCut>& cuts, const CommandContext& context);
   // Of vertices that the edit leaves without material.
   [[nodiscard]] std::vector<fem::Pin> pins_lost_by(const mesh::MeshEdit& edit) const;
-  void finish_edit(std::vector<mesh::VertexId> now_pinned);
+  void finish_edit(std::vector<mesh::VertexId> now_pinned, PhaseObserver* observer);
   [[nodiscard]] CommandReply undo_reply(const UndoStep& step) const;
 
   void pin(std::vector<mesh::VertexId> vertices);
   void rebuild();
+  void make_room();
   [[nodiscard]] std::vector<GrabState>::iterator find_grab(const std::string& grab_id);
   [[nodiscard]] double default_stiffness() const;
 

@@ -28,8 +28,8 @@ TEST_P(FreeFall, FollowsTheBallisticPathAndKeepsItsMomenta) {
   const mesh::TriangleMesh mesh = mesh::make_grid({.num_x = 7, .num_y = 7, .width = side, .height = side}).value();
   const fem::Model model(mesh, reference.material());
   fem::State state;
-  state.x.setZero(3, mesh.num_vertices());
-  state.v.setZero(3, mesh.num_vertices());
+  state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  state.v = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   const Eigen::Vector3d omega(0.0, 0.0, 5.0);
   for (int i = 0; i < mesh.num_vertices(); ++i) {
     state.x.col(i).head<2>() = mesh.rest_position(i) - Eigen::Vector2d(0.5 * side, 0.5 * side);

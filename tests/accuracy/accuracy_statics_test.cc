@@ -66,13 +66,13 @@ Deflection cook(const Reference& reference, int n) {
   material.bending_scale = 0.0;
   const fem::Model model(mesh, material);
   fem::State state;
-  state.x.setZero(3, mesh.num_vertices());
-  state.v.setZero(3, mesh.num_vertices());
+  state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  state.v = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   for (int i = 0; i < mesh.num_vertices(); ++i) state.x.col(i).head<2>() = mesh.rest_position(i);
   const Eigen::Matrix3Xd rest = state.x;
   fem::Loads loads;
   loads.gravity.setZero();
-  loads.external_forces.setZero(3, mesh.num_vertices());
+  loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   for (int j = 0; j <= n; ++j) {
     const int left = j * (n + 1);
     loads.pins.push_back({left, state.x.col(left), Eigen::Vector3d::Zero()});
@@ -134,8 +134,8 @@ Hanging hang(const Reference& reference, int segments) {
   material.mass_damping = 4.0;
   const fem::Model model(mesh, material);
   fem::State state;
-  state.x.setZero(3, mesh.num_vertices());
-  state.v.setZero(3, mesh.num_vertices());
+  state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  state.v = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   fem::Loads loads;
   for (int i = 0; i < mesh.num_vertices(); ++i) {
     const double a = mesh.rest_position(i).x() / length;
@@ -150,7 +150,7 @@ Hanging hang(const Reference& reference, int segments) {
   EXPECT_LT(state.v.cwiseAbs().maxCoeff(), 1e-7) << "at rest";
   Hanging result;
   result.line = state.x.leftCols(segments + 1);
-  Eigen::Matrix3Xd f(3, mesh.num_vertices());
+  mesh::VertexField f(mesh.num_vertices());
   model.internal_forces(state.x, f);
   for (const int i : {0, segments + 1}) {
     result.horizontal += f(0, i);

@@ -3,7 +3,9 @@
 #include <cmath>
 #include <cstdint>
 #include <ctime>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -24,15 +26,31 @@ double thread_cpu_s() {
 
 class StageClock : public sheet::StageObserver {
  public:
-  void begin(sheet::Stage /*stage*/, std::int32_t /*command*/) override { started_ = thread_cpu_s(); }
+  void begin(sheet::Stage /*stage*/, std::int32_t /*command*/) override { started_ = entered_ = thread_cpu_s(); }
   void end(sheet::Stage stage, std::int32_t /*command*/) override {
-    spent_[static_cast<std::size_t>(stage)] += thread_cpu_s() - started_;
+    close_phase();
+    spent_[static_cast<std::size_t>(stage)] += entered_ - started_;
+    phase_ = nullptr;
+  }
+  void enter(const char* phase) override {
+    close_phase();
+    phase_ = phase;
   }
   [[nodiscard]] double spent(sheet::Stage stage) const { return spent_[static_cast<std::size_t>(stage)]; }
+  [[nodiscard]] const std::vector<std::pair<const char*, double>>& phases() const { return phases_; }
 
  private:
+  void close_phase() {
+    const double now = thread_cpu_s();
+    if (phase_ != nullptr) phases_.emplace_back(phase_, now - entered_);
+    entered_ = now;
+  }
+
   double started_ = 0.0;
+  double entered_ = 0.0;
+  const char* phase_ = nullptr;
   std::array<double, 4> spent_{};
+  std::vector<std::pair<const char*, double>> phases_;  // in order
 };
 
 // A curve wholly inside a unit square of side x side vertices that crosses about `crossed` triangles: rows of gentle
@@ -70,8 +88,9 @@ sheet::Cut serpentine(int side, int crossed) {
   return cut;
 }
 
-void scaling(benchmark::State& state, const std::string& name, int side, int crossed) {
-  const sheet::Sheet whole = swinging_cloth(side, sheet::IntegratorKind::kExplicitLeapfrog);
+void scaling(benchmark::State& state, const std::string& name, sheet::IntegratorKind integrator, int side,
+             int crossed) {
+  const sheet::Sheet whole = swinging_cloth(side, integrator);
   const sheet::Command command = serpentine(side, crossed);
   // A copy has no room to grow; a sheet that lives has been cut before.
   const double h = 1.0 / (side - 1);
@@ -80,6 +99,7 @@ void scaling(benchmark::State& state, const std::string& name, int side, int cro
   const sheet::Command warm_up = first;
   std::vector<double> cut_s;
   std::vector<double> update_s;
+  std::map<std::string, std::vector<double>> phases_s;
   cut::CutReport report;
   std::uint64_t hash = 0;
   for (auto _ : state) {
@@ -92,6 +112,7 @@ void scaling(benchmark::State& state, const std::string& name, int side, int cro
     hash = done.replies[0]->state_hash;
     cut_s.push_back(clock.spent(sheet::Stage::kCut));
     update_s.push_back(clock.spent(sheet::Stage::kModelUpdate));
+    for (const auto& [phase, spent] : clock.phases()) phases_s[phase].push_back(spent);
     state.SetIterationTime(cut_s.back() + update_s.back());
   }
   const auto median_us = [](std::vector<double>& seconds) {
@@ -104,23 +125,28 @@ void scaling(benchmark::State& state, const std::string& name, int side, int cro
   state.counters["new"] = report.new_triangles;
   state.counters["cut_us"] = cut_us;
   state.counters["update_us"] = update_us;
+  for (auto& [phase, spent] : phases_s) state.counters[phase] = median_us(spent);
   state.counters["us/crossed"] = (cut_us + update_us) / report.crossed_triangles;
   expect_hash(state, name, hash);
 }
 
-void add(int side, int crossed) {
+void add(const std::string& family, sheet::IntegratorKind integrator, int side, int crossed) {
   const int triangles = 2 * (side - 1) * (side - 1);
-  const std::string name = "cut_scaling/" + std::to_string(crossed) + "/" + std::to_string(triangles);
-  benchmark::RegisterBenchmark(name.c_str(),
-                               [name, side, crossed](benchmark::State& state) { scaling(state, name, side, crossed); })
+  const std::string name = family + "/" + std::to_string(crossed) + "/" + std::to_string(triangles);
+  benchmark::RegisterBenchmark(
+      name.c_str(),
+      [name, integrator, side, crossed](benchmark::State& state) { scaling(state, name, integrator, side, crossed); })
       ->Iterations(11)
       ->UseManualTime()
       ->Unit(benchmark::kMicrosecond);
 }
 
 const bool kRegistered = [] {
-  for (const int side : {50, 159, 592}) add(side, 100);
-  for (const int crossed : {10, 30, 300, 1000, 3000, 10000}) add(592, crossed);
+  constexpr auto kExplicit = sheet::IntegratorKind::kExplicitLeapfrog;
+  constexpr auto kImplicit = sheet::IntegratorKind::kImplicitEuler;
+  for (const int side : {50, 159, 592}) add("cut_scaling", kExplicit, side, 100);
+  for (const int crossed : {10, 30, 300, 1000, 3000, 10000}) add("cut_scaling", kExplicit, 592, crossed);
+  for (const int side : {50, 159}) add("cut_scaling_implicit", kImplicit, side, 100);
   return true;
 }();
 

@@ -11,8 +11,8 @@
 namespace kerf::contact {
 namespace {
 
-using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
+using mesh::VertexField;
 
 constexpr double kTight = 1e-12;
 
@@ -127,11 +127,11 @@ TEST(Collider, RefusesBadValuesAndNamesTheField) {
 
 // One free particle under gravity, by symplectic Euler.
 struct Particle {
-  Matrix3Xd x{3, 1};
-  Matrix3Xd v = Matrix3Xd::Zero(3, 1);
+  VertexField x{1};
+  VertexField v = Eigen::Matrix3Xd::Zero(3, 1);
 
   void step(ContactSolver& solver, double dt, double thickness) {
-    const Matrix3Xd before = x;
+    const VertexField before = x;
     v.col(0) += dt * Vector3d(0.0, 0.0, -9.81);
     x += dt * v;
     solver.resolve(thickness, {}, before, x, v);
@@ -179,11 +179,11 @@ TEST(ContactSolver, FrictionlessContactKeepsTheTangentialVelocity) {
   ContactSolver solver;
   const std::vector<Collider> floor{{Plane{}, 0.0}};
   solver.set_colliders(floor);
-  Matrix3Xd x(3, 1);
+  VertexField x(1);
   x << 0.0, 0.0, -0.01;
-  Matrix3Xd v(3, 1);
+  VertexField v(1);
   v << 1.0, -2.0, -3.0;
-  const Matrix3Xd before = Matrix3Xd::Zero(3, 1);
+  const VertexField before = Eigen::Matrix3Xd::Zero(3, 1);
   solver.resolve(0.0, {}, before, x, v);
   EXPECT_EQ(Vector3d(x.col(0)), Vector3d(0, 0, 0));
   EXPECT_EQ(Vector3d(v.col(0)), Vector3d(1, -2, 0));
@@ -197,11 +197,11 @@ TEST(ContactSolver, NeverAddsKineticEnergy) {
   solver.set_colliders(bodies);
   SeededRandom random(3);
   for (int i = 0; i < 1000; ++i) {
-    Matrix3Xd x(3, 1);
-    Matrix3Xd v(3, 1);
+    VertexField x(1);
+    VertexField v(1);
     x.col(0) = random_vector(random, 0.6);
     v.col(0) = random_vector(random, 5.0);
-    const Matrix3Xd before = x - 1e-3 * v;
+    const VertexField before = x - 1e-3 * v;
     const double speed = v.norm();
     solver.resolve(1e-3, {}, before, x, v);
     EXPECT_LE(v.norm(), speed * (1.0 + 1e-14));
@@ -212,13 +212,13 @@ TEST(ContactSolver, LeavesFixedVerticesAndFarOnesAlone) {
   ContactSolver solver;
   const std::vector<Collider> bodies{{Sphere{}, 0.0}};
   solver.set_colliders(bodies);
-  Matrix3Xd x(3, 3);
+  VertexField x(3);
   x << 0.0, 0.5, 3.0,  //
       0.0, 0.0, 0.0,   //
       0.1, 0.0, 0.0;
-  Matrix3Xd v = Matrix3Xd::Constant(3, 3, -1.0);
-  const Matrix3Xd x_before = x;
-  const Matrix3Xd v_before = v;
+  VertexField v = Eigen::Matrix3Xd::Constant(3, 3, -1.0);
+  const VertexField x_before = x;
+  const VertexField v_before = v;
   const std::vector<std::uint8_t> fixed{1, 0, 0};
   solver.resolve(0.0, fixed, x_before, x, v);
   EXPECT_EQ(Vector3d(x.col(0)), Vector3d(x_before.col(0)));
@@ -229,9 +229,9 @@ TEST(ContactSolver, LeavesFixedVerticesAndFarOnesAlone) {
 
 TEST(ContactSolver, DoesNothingAndCountsNothingWithoutColliders) {
   ContactSolver solver;
-  Matrix3Xd x = Matrix3Xd::Constant(3, 4, -1.0);
-  Matrix3Xd v = x;
-  const Matrix3Xd before = x;
+  VertexField x = Eigen::Matrix3Xd::Constant(3, 4, -1.0);
+  VertexField v = x;
+  const VertexField before = x;
   solver.resolve(0.1, {}, before, x, v);
   EXPECT_TRUE(solver.empty());
   EXPECT_EQ(solver.counters().phases, 0);
@@ -300,11 +300,11 @@ TEST(ContactSolver, EndsOutsideASphereAndThePlaneItStandsOn) {
     // In the cusp around the point of contact, which leaves room for the sheet from 4.5 cm on.
     const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
     const double radius = random.uniform(0.01, 0.06);
-    Matrix3Xd x(3, 1);
-    Matrix3Xd v(3, 1);
+    VertexField x(1);
+    VertexField v(1);
     x.col(0) = Vector3d(radius * std::cos(angle), radius * std::sin(angle), random.uniform(-0.001, 0.003));
     v.col(0) = random_vector(random, 1.0);
-    const Matrix3Xd before = x;
+    const VertexField before = x;
     const double speed = v.norm();
     solver.resolve(kThickness, {}, before, x, v);
     EXPECT_GT(least_distance(bodies, x.col(0)), kThickness - 2e-9) << i;

@@ -15,7 +15,6 @@
 namespace kerf::cut {
 namespace {
 
-using Eigen::Matrix3Xd;
 using Eigen::Matrix4d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
@@ -65,13 +64,13 @@ Vector2d pixel(const View& view, const Vector3d& world) {
 // A sheet of 1 m x 1 m with its vertices where `place` puts them.
 struct Scene {
   mesh::TriangleMesh mesh;
-  Matrix3Xd positions;
+  mesh::VertexField positions;
 };
 
 Scene scene(int side, const std::function<Vector3d(const Vector2d&)>& place) {
   Scene made;
   made.mesh = mesh::make_grid({side, side, 1.0, 1.0}).value();
-  made.positions.resize(3, made.mesh.num_vertices());
+  made.positions.resize(made.mesh.num_vertices());
   for (mesh::VertexId v = 0; v < made.mesh.num_vertices(); ++v) {
     made.positions.col(v) = place(made.mesh.rest_position(v));
   }
@@ -251,7 +250,7 @@ TEST(ViewCut, OnePieceLeavesTheOthers) {
   split.curve = Polyline{{{0.5, -0.5}, {0.5, 1.5}}};
   ASSERT_TRUE(apply(s.mesh, plan(s.mesh, split).value()).ok());
   ASSERT_EQ(s.mesh.num_pieces(), 2);
-  s.positions.resize(3, s.mesh.num_vertices());
+  s.positions.resize(s.mesh.num_vertices());
   for (mesh::TriangleId t = 0; t < s.mesh.num_triangle_slots(); ++t) {
     if (!s.mesh.is_solid(t)) continue;
     const bool right = s.mesh.rest_position(s.mesh.vertices(t)[0]).x() +

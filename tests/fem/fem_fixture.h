@@ -24,8 +24,8 @@ inline mesh::TriangleMesh jittered_square(int n, double size = 1.0, std::uint64_
 // Flat in the plane z = 0, at rest.
 inline State rest_state(const mesh::TriangleMesh& mesh) {
   State state;
-  state.x.setZero(3, mesh.num_vertices());
-  state.v.setZero(3, mesh.num_vertices());
+  state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  state.v = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   for (int i = 0; i < mesh.num_vertices(); ++i) state.x.col(i).head<2>() = mesh.rest_position(i);
   return state;
 }
@@ -37,8 +37,8 @@ inline Eigen::Vector3d random_vector(SeededRandom& random, double size) {
   return {a, b, c};
 }
 
-inline Eigen::Matrix3Xd random_field(SeededRandom& random, Eigen::Index n, double size) {
-  Eigen::Matrix3Xd field(3, n);
+inline mesh::VertexField random_field(SeededRandom& random, Eigen::Index n, double size) {
+  mesh::VertexField field(n);
   for (Eigen::Index i = 0; i < n; ++i) field.col(i) = random_vector(random, size);
   return field;
 }

@@ -78,16 +78,16 @@ TEST(StableStep, BoundsTheTrueLargestEigenvalueClosely) {
       const State rest = rest_state(mesh);
       const Eigen::Index n = rest.x.cols();
       SeededRandom random(31);
-      Eigen::Matrix3Xd p = random_field(random, n, 1.0);
-      Eigen::Matrix3Xd up(3, n);
-      Eigen::Matrix3Xd down(3, n);
+      mesh::VertexField p = random_field(random, n, 1.0);
+      mesh::VertexField up(n);
+      mesh::VertexField down(n);
       double largest = 0.0;
       for (int i = 0; i < 2000; ++i) {
         p /= p.norm();
         constexpr double kStep = 1e-7;
         model.internal_forces(rest.x + kStep * p, up);
         model.internal_forces(rest.x - kStep * p, down);
-        Eigen::Matrix3Xd Kp = (down - up) / (2.0 * kStep);
+        mesh::VertexField Kp = (down - up) / (2.0 * kStep);
         double mass = 0.0;
         for (Eigen::Index k = 0; k < n; ++k) mass += model.mass()[static_cast<std::size_t>(k)] * p.col(k).squaredNorm();
         largest = Kp.cwiseProduct(p).sum() / mass;

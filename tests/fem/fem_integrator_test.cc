@@ -30,7 +30,7 @@ TEST_P(IntegratorContract, FreeFallIsTheExactParabolaOfTheScheme) {
   // Implicit Euler: z = v t - g t (t + dt) / 2. The others are of second order: exact.
   const double late = is(IntegratorKind::kImplicitEuler) ? kTick : 0.0;
   const Eigen::Vector3d expected = Eigen::Vector3d(1.0, 0.5, 2.0) * t + 0.5 * t * (t + late) * loads.gravity;
-  const Eigen::Matrix3Xd moved = state.x - start.x;
+  const mesh::VertexField moved = state.x - start.x;
   EXPECT_LT((moved.colwise() - expected).cwiseAbs().maxCoeff(), 1e-11);
   EXPECT_LT((state.v.colwise() - (start.v.col(0) + t * loads.gravity)).cwiseAbs().maxCoeff(), 1e-10);
 }
@@ -96,7 +96,7 @@ TEST_P(IntegratorContract, HangsAtRestWhereForcesBalance) {
   for (int i = 72; i < 81; ++i) loads.pins.push_back({i, state.x.col(i), Eigen::Vector3d::Zero()});
   for (int i = 0; i < 240; ++i) integrator->step(model, loads, kTick, nullptr, state);
   EXPECT_LT(state.v.cwiseAbs().maxCoeff(), 1e-4);
-  Eigen::Matrix3Xd f(3, state.x.cols());
+  mesh::VertexField f(state.x.cols());
   model.internal_forces(state.x, f);
   for (int i = 0; i < 72; ++i) {
     EXPECT_LT((f.col(i) + model.mass()[static_cast<std::size_t>(i)] * loads.gravity).norm(),
@@ -228,7 +228,7 @@ constexpr double kFloor = -0.05;  // m
 
 class CountingContact final : public ContactConstraint {
  public:
-  void begin(const Eigen::Matrix3Xd& x) override { EXPECT_GE(x.row(2).minCoeff(), kFloor); }
+  void begin(const mesh::VertexField& x) override { EXPECT_GE(x.row(2).minCoeff(), kFloor); }
   void enforce(double dt, State& state) override {
     ++calls;
     duration += dt;
@@ -261,7 +261,7 @@ TEST_P(IntegratorContract, EnforcesContactOnceASubstepAndLastOfAll) {
 // Spoils the first attempt at a step.
 class SpoilingContact final : public ContactConstraint {
  public:
-  void begin(const Eigen::Matrix3Xd& x) override {
+  void begin(const mesh::VertexField& x) override {
     ++attempts;
     if (attempts == 1) first = x;
     EXPECT_EQ(x, first) << "every attempt begins where the first one did";
@@ -274,7 +274,7 @@ class SpoilingContact final : public ContactConstraint {
     return 0;
   }
   int attempts = 0;
-  Eigen::Matrix3Xd first;
+  mesh::VertexField first;
 };
 
 TEST_P(IntegratorContract, ContactIsToldWhenAStepBeginsAnew) {

@@ -2,6 +2,8 @@
 // positive definite.
 #include "server/fem/linear_solver.h"
 
+#include <array>
+
 #include <Eigen/Cholesky>
 
 #include "tests/fem/fem_fixture.h"
@@ -28,7 +30,9 @@ System random_system(int side, double scale, std::uint64_t seed) {
     std::sort(row.begin(), row.end());
   }
   System system;
-  system.A.set_pattern(columns);
+  system.A.resize(n);
+  for (int i = 0; i < n; ++i) system.A.set_row(i, columns[static_cast<std::size_t>(i)]);
+  system.A.set_zero();
   SeededRandom random(seed);
   for (int i = 0; i < n; ++i) {
     system.A.block(system.A.diagonal(i)).diagonal().array() += random.uniform(0.5, 2.0);
@@ -44,7 +48,7 @@ System random_system(int side, double scale, std::uint64_t seed) {
   }
   system.dense = Eigen::MatrixXd::Zero(3 * n, 3 * n);
   for (int i = 0; i < n; ++i) {
-    for (int at = system.A.row_begin(i); at < system.A.row_begin(i + 1); ++at) {
+    for (int at = system.A.row_begin(i); at < system.A.row_end(i); ++at) {
       system.dense.block<3, 3>(3 * i, 3 * system.A.column(at)) = system.A.block(at);
     }
   }
@@ -61,10 +65,10 @@ TEST_P(LinearSolverContract, FindsTheSolutionAndReportsTheTrueResidual) {
   for (const double scale : {0.0, 1.0, 1e4}) {
     const System system = random_system(9, scale, 17);
     solver_->analyse(system.A);
-    const Eigen::Matrix3Xd exact = random_field(random, system.A.num_rows(), 1.0);
-    Eigen::Matrix3Xd b(3, exact.cols());
+    const mesh::VertexField exact = random_field(random, system.A.num_rows(), 1.0);
+    mesh::VertexField b(exact.cols());
     b.reshaped() = system.dense * exact.reshaped();
-    Eigen::Matrix3Xd x = Eigen::Matrix3Xd::Zero(3, exact.cols());
+    mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, exact.cols());
     const LinearStats stats = solver_->solve(system.A, b, 1e-12, x);
     EXPECT_TRUE(stats.converged) << scale;
     EXPECT_LT((x - exact).cwiseAbs().maxCoeff(), 1e-7) << scale;
@@ -76,14 +80,15 @@ TEST_P(LinearSolverContract, FindsTheSolutionAndReportsTheTrueResidual) {
 
 TEST_P(LinearSolverContract, SolvesOneBlockAndAZeroRightHandSide) {
   BlockMatrix A;
-  A.set_pattern({{0}});
+  A.resize(1);
+  A.set_row(0, std::array<int, 1>{0});
   A.block(0) = Eigen::Matrix3d{
       {4.0, 1.0, 0.0},
       {1.0, 3.0, 1.0},
       {0.0, 1.0, 2.0},
   };
   solver_->analyse(A);
-  Eigen::Matrix3Xd x = Eigen::Matrix3Xd::Zero(3, 1);
+  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, 1);
   EXPECT_TRUE(solver_->solve(A, Eigen::Vector3d(5.0, 5.0, 3.0), 1e-14, x).converged);
   EXPECT_LT((x - Eigen::Vector3d(1.0, 1.0, 1.0)).norm(), 1e-14);
   EXPECT_TRUE(solver_->solve(A, Eigen::Vector3d::Zero(), 1e-14, x).converged);
@@ -95,18 +100,18 @@ TEST_P(LinearSolverContract, SaysSoWhenTheMatrixIsNotPositiveDefinite) {
   system.A.block(system.A.diagonal(7)) -= 50.0 * Eigen::Matrix3d::Identity();
   solver_->analyse(system.A);
   SeededRandom random(8);
-  const Eigen::Matrix3Xd b = random_field(random, system.A.num_rows(), 1.0);
-  Eigen::Matrix3Xd x = Eigen::Matrix3Xd::Zero(3, b.cols());
+  const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
   EXPECT_FALSE(solver_->solve(system.A, b, 1e-10, x).converged);
 }
 
 TEST_P(LinearSolverContract, RepeatsBitForBit) {
   const System system = random_system(8, 100.0, 5);
   SeededRandom random(6);
-  const Eigen::Matrix3Xd b = random_field(random, system.A.num_rows(), 1.0);
+  const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
   solver_->analyse(system.A);
-  Eigen::Matrix3Xd first = Eigen::Matrix3Xd::Zero(3, b.cols());
-  Eigen::Matrix3Xd second = first;
+  mesh::VertexField first = Eigen::Matrix3Xd::Zero(3, b.cols());
+  mesh::VertexField second = first;
   solver_->solve(system.A, b, 1e-6, first);
   solver_->solve(system.A, b, 1e-6, second);
   EXPECT_EQ(first, second);
@@ -123,8 +128,8 @@ TEST(ConjugateGradient, StopsAtItsIterationLimitAndSaysSo) {
   const std::unique_ptr<LinearSolver> solver = make_linear_solver(LinearSolverKind::kConjugateGradient, 3);
   solver->analyse(system.A);
   SeededRandom random(2);
-  const Eigen::Matrix3Xd b = random_field(random, system.A.num_rows(), 1.0);
-  Eigen::Matrix3Xd x = Eigen::Matrix3Xd::Zero(3, b.cols());
+  const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
   const LinearStats stats = solver->solve(system.A, b, 1e-12, x);
   EXPECT_FALSE(stats.converged);
   EXPECT_EQ(stats.iterations, 3);

@@ -5,6 +5,7 @@
 #include "server/fem/transfer.h"
 #include "server/mesh/mesh_editor.h"
 #include "tests/fem/fem_fixture.h"
+#include "tests/support/meshes.h"
 
 namespace kerf::fem {
 namespace {
@@ -22,6 +23,29 @@ TEST(Material, EveryPresetIsValidAndFoundByName) {
   EXPECT_EQ(wool.poissons_ratio_12, 0.63);
   EXPECT_EQ(wool.density, 1300.0);
   EXPECT_EQ(wool.thickness, 5e-4);
+}
+
+TEST(Model, BendingIsSymmetricAroundAVertexOfThreeTriangles) {
+  // Across two edges of each triangle lies the same vertex, which is in its patch twice.
+  const mesh::TriangleMesh mesh = kerf::test::must(mesh::import_mesh(
+      kerf::test::indexed({{0.0, 0.0}, {1.0, 0.0}, {0.4, 0.9}, {0.45, 0.3}}, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}})));
+  const Model model(mesh, find_preset("demo").value());
+  ASSERT_TRUE(model.has_bending());
+  const auto value = [&](int i, int j) {
+    for (const BendingEntry& entry : model.bending_rows().row(i)) {
+      if (entry.column == j) return entry.value;
+    }
+    return 0.0;
+  };
+  for (int i = 0; i < 4; ++i) {
+    double sum = 0.0;
+    for (int j = 0; j < 4; ++j) {
+      EXPECT_NEAR(value(i, j), value(j, i), 1e-12 * std::abs(value(0, 0))) << i << " " << j;
+      sum += value(i, j);
+    }
+    EXPECT_NEAR(sum, 0.0, 1e-12 * std::abs(value(0, 0))) << i;
+  }
+  EXPECT_GT(std::abs(value(0, 0)), 0.0);
 }
 
 TEST(Material, UnknownPresetIsNotFoundAndListsTheKnownOnes) {
@@ -226,7 +250,7 @@ TEST(Transfer, ConservesLinearMomentumAndCopiesDuplicatesBitForBit) {
     state.x += random_field(random, state.x.cols(), 1e-3);
     state.v = random_field(random, state.v.cols(), 2.0);
     const Momentum before = model.momentum(state);
-    const Eigen::Matrix3Xd x_before = state.x;
+    const mesh::VertexField x_before = state.x;
     const mesh::MeshEdit edit = edits.next(mesh);
     const MassChange change = model.apply(mesh, edit);
     transfer_state(edit, model, change, state);

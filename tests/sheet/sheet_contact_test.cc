@@ -49,7 +49,7 @@ TEST_P(SheetContact, SlidesDownAnInclineAsCoulombSays) {
 
 TEST_P(SheetContact, SticksOnAnInclineWithoutCreeping) {
   Sheet sheet = on_incline(0.5, 0.6);
-  const Eigen::Matrix3Xd before = sheet.state().x;
+  const mesh::VertexField before = sheet.state().x;
   for (int tick = 0; tick < 120; ++tick) sheet.step({});
   EXPECT_LT((sheet.state().x - before).cwiseAbs().maxCoeff(), 1e-7);
 }

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <utility>
+
+#include <Eigen/Core>
+
+namespace kerf::mesh {
+
+// Three numbers a vertex, 3 x V, used like an Eigen::Matrix3Xd, with room to grow: a cut that adds a few vertices to a
+// large sheet must not copy the others. Eigen's own matrices are as large as their contents, so that each resize is a
+// copy.
+class VertexField : public Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16> {
+  using Base = Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16>;
+
+ public:
+  VertexField() : Base(nullptr, 3, 0) {}
+  explicit VertexField(Eigen::Index num_vertices) : VertexField() { resize(num_vertices); }  // of anything
+  template <typename Derived>
+  VertexField(const Eigen::MatrixBase<Derived>& values) : VertexField() {  // NOLINT(*-explicit-*): as of matrices
+    *this = values;
+  }
+  VertexField(const VertexField& other) : VertexField() { *this = other; }
+  VertexField(VertexField&& other) noexcept : VertexField() { swap(other); }
+  VertexField& operator=(const VertexField& other) {
+    if (this == &other) return *this;
+    resize(other.cols());
+    Base::operator=(other);
+    return *this;
+  }
+  VertexField& operator=(VertexField&& other) noexcept {
+    swap(other);
+    return *this;
+  }
+  // As with matrices, `values` may hold this field only coefficient by coefficient.
+  template <typename Derived>
+  VertexField& operator=(const Eigen::MatrixBase<Derived>& values) {
+    resize(values.cols());
+    Base::operator=(values);
+    return *this;
+  }
+  ~VertexField() = default;
+
+  [[nodiscard]] Eigen::Index capacity() const { return capacity_; }  // vertices
+  // Keeps the columns that there are; new ones hold anything. Copies only beyond the capacity, which then grows by
+  // half, and so as often as the logarithm of the size.
+  void resize(Eigen::Index num_vertices) {
+    if (num_vertices > capacity_) {
+      reserve(capacity_ == 0 ? num_vertices : std::max(num_vertices, capacity_ + capacity_ / 2));
+    }
+    view(num_vertices);
+  }
+  void reserve(Eigen::Index num_vertices) {
+    if (num_vertices <= capacity_) return;
+    // malloc aligns to 16 bytes; a large block is not touched, and takes no memory, before it is used.
+    Storage grown(static_cast<double*>(
+        std::malloc(3 * sizeof(double) * static_cast<std::size_t>(num_vertices))));  // NOLINT(*-no-malloc)
+    if (!grown) throw std::bad_alloc();
+    std::copy_n(data(), size(), grown.get());
+    storage_ = std::move(grown);
+    capacity_ = num_vertices;
+    view(cols());
+  }
+
+ private:
+  struct Free {
+    void operator()(double* block) const { std::free(block); }  // NOLINT(*-no-malloc)
+  };
+  using Storage = std::unique_ptr<double, Free>;
+
+  // A map is given another place by making it anew, as Eigen documents.
+  void view(Eigen::Index num_vertices) { new (static_cast<Base*>(this)) Base(storage_.get(), 3, num_vertices); }
+  void swap(VertexField& other) noexcept {
+    const Eigen::Index num_vertices = cols();
+    storage_.swap(other.storage_);
+    std::swap(capacity_, other.capacity_);
+    view(other.cols());
+    other.view(num_vertices);
+  }
+
+  Storage storage_;
+  Eigen::Index capacity_ = 0;
+};
+
+}  // namespace kerf::mesh

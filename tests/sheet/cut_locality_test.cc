@@ -1,0 +1,106 @@
+// A cut costs what it crosses, not what the sheet has: counted, not timed.
+#include <array>
+
+#include <gtest/gtest.h>
+
+#include "server/sheet/sheet.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/scenes.h"
+
+namespace kerf::sheet {
+namespace {
+
+// The same cut with the same number of triangles under it, by edge lengths from the middle of a sheet of so many
+// vertices a side.
+Cut cut_of(int side, double offset) {
+  const double h = 1.0 / (side - 1);
+  const auto at = [&](double x, double y) { return Eigen::Vector2d(0.5 + x * h, 0.5 + (y + offset) * h); };
+  Cut cut;
+  cut.curve = cut::CubicBezier{{at(-8.3, 0.2), at(-3.1, 4.7), at(2.9, -5.2), at(8.4, 0.3)}};
+  return cut;
+}
+
+struct Work {
+  std::size_t cut_bytes = 0;   // allocated by the cut and all that follows from it
+  std::size_t undo_bytes = 0;  // by its undo
+  std::size_t redo_bytes = 0;
+  std::int32_t crossed = 0;
+};
+
+Work work_of(int side, IntegratorKind integrator) {
+  SheetConfig config = scenes::hanging(side);
+  config.integrator.kind = integrator;
+  Sheet sheet = Sheet::create(config).value();
+  // What grows with the sheet grows seldom, by half or more: here, so that it does not below.
+  EXPECT_TRUE(sheet.apply({{Command(cut_of(side, 12.0))}}).replies[0].ok());
+  Work work;
+  const auto bytes_of = [&](const Command& command) {
+    const std::size_t before = test::allocated_bytes();
+    const TickReport report = sheet.apply({&command, 1});
+    const std::size_t bytes = test::allocated_bytes() - before;
+    EXPECT_TRUE(report.replies[0].ok());
+    if (report.replies[0]->cut) work.crossed = report.replies[0]->cut->report.crossed_triangles;
+    return bytes;
+  };
+  work.cut_bytes = bytes_of(cut_of(side, 0.0));
+  work.undo_bytes = bytes_of(UndoCut{});
+  work.redo_bytes = bytes_of(RedoCut{});
+  return work;
+}
+
+class CutLocality : public testing::TestWithParam<IntegratorKind> {};
+
+TEST_P(CutLocality, WhatACutItsUndoAndItsRedoAllocateDoesNotGrowWithTheSheet) {
+  if (!test::kCountsAllocations) GTEST_SKIP() << "the sanitizer has its own malloc";
+  const Work small = work_of(61, GetParam());
+  const Work large = work_of(241, GetParam());  // 16 times the triangles
+  EXPECT_GT(small.crossed, 40);
+  EXPECT_NEAR(large.crossed, small.crossed, 4);
+  EXPECT_GT(small.cut_bytes, 0U);
+  EXPECT_LT(large.cut_bytes, small.cut_bytes + small.cut_bytes / 4);
+  EXPECT_LT(large.undo_bytes, small.undo_bytes + small.undo_bytes / 4);
+  EXPECT_LT(large.redo_bytes, small.redo_bytes + small.redo_bytes / 4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, CutLocality,
+                         testing::Values(IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler));
+
+class FollowedCuts : public testing::TestWithParam<IntegratorSettings> {};
+
+// A copy makes its integrator anew.
+TEST_P(FollowedCuts, StepAsIfTheIntegratorWereNew) {
+  SheetConfig config = scenes::hanging(14);
+  config.integrator = GetParam();
+  Sheet sheet = Sheet::create(config).value();
+  const std::array<Command, 8> commands{scenes::line_cut({0.2, 0.31}, {0.8, 0.37}),
+                                        scenes::bezier_cut({0.1, 0.6}, {0.3, 0.4}, {0.5, 0.7}, {0.9, 0.6}),
+                                        scenes::line_cut({0.52, 0.1}, {0.47, 0.9}),
+                                        UndoCut{},
+                                        UndoCut{},
+                                        RedoCut{},
+                                        scenes::circle_cut({0.3, 0.6}, 0.15),
+                                        UndoCut{}};
+  for (const Command& command : commands) {
+    ASSERT_TRUE(sheet.apply({&command, 1}).replies[0].ok());
+    Sheet copy = sheet;
+    sheet.step({});
+    copy.step({});
+    ASSERT_EQ(sheet.state_hash(), copy.state_hash());
+  }
+}
+
+IntegratorSettings settings(IntegratorKind kind, LinearSolverKind solver) {
+  IntegratorSettings settings;
+  settings.kind = kind;
+  settings.solver = solver;
+  return settings;
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, FollowedCuts,
+                         testing::Values(settings(IntegratorKind::kExplicitLeapfrog, LinearSolverKind::kBlockJacobiCg),
+                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kBlockJacobiCg),
+                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
+                                         settings(IntegratorKind::kAutomatic, LinearSolverKind::kBlockJacobiCg)));
+
+}  // namespace
+}  // namespace kerf::sheet
