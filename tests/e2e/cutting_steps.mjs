@@ -325,6 +325,53 @@ async function stripSteps(steps, browser, url, lastCut) {
     await strip.page.keyboard.press('k');
   });
 
+  await steps.step('one piece is chosen by a tap, and the last drawing is laid again', async () => {
+    const ring = { curve: { circle: { center: { x: 0.6, y: 0.25 }, radiusM: 0.15 } }, widthM: 0.05 };
+    await post(url, 'CutService/CreateCut', { parent: kStrip, cut: ring });
+    await strip.until('k.pieces === 2');
+    await strip.choose('cut');
+    await strip.page.keyboard.press('3');
+    await strip.page.fill('#cut-width', '0');
+    await strip.shows('#cut-piece-shown', 'the one the line meets first');
+    await strip.page.click('#cut-piece-choose');
+    await strip.shows('#cut-prompt', 'Tap the piece that is to be cut');
+    await strip.tap(0.6, 0.28);
+    await strip.shows('#cut-piece-shown', 'the marked one');
+    const line = async () => {
+      await strip.page.keyboard.press('i');
+      await strip.tap(0.2, 0.25);
+      await strip.tap(0.95, 0.25);
+    };
+    await line();
+    await strip.screenshot('piece-chosen');
+    await strip.page.keyboard.press('Enter');
+    await strip.until('k.pieces === 3');
+    const { cut, result } = await lastCut(kStrip);
+    check(cut.view.layers === 'ONE_PIECE' && cut.view.piece !== undefined, `cut ${JSON.stringify(cut.view)}`);
+    check(result.layers.length === 1, `cut in ${result.layers.length} stretches, not through the disc alone`);
+    await strip.page.keyboard.press('Control+z');
+    await strip.until('k.pieces === 2');
+    check((await strip.read('document.querySelectorAll(".handle:not([hidden])").length')) === 0, 'a drawing is left');
+    await strip.page.keyboard.press('n');
+    await strip.page.locator('.handle:not([hidden])').nth(1).waitFor();
+    await strip.screenshot('again');
+    await strip.page.click('#cut-piece-choose');
+    await strip.shows('#cut-piece-shown', 'the one the line meets first');
+    await strip.page.keyboard.press('Enter');
+    await strip.until('k.pieces > 2 || document.querySelectorAll(".handle:not([hidden])").length === 0');
+    const { cut: again, result: other } = await lastCut(kStrip);
+    check(JSON.stringify(again.curve) === JSON.stringify(cut.curve), `again ${JSON.stringify(again.curve)}`);
+    check(again.view.piece === undefined && other.layers.length === 2, `${other.layers.length} stretches beside the disc`);
+    const uncut = await strip.read('k.topologyVersion');
+    await strip.page.keyboard.press('Control+z');
+    await strip.until('k.topologyVersion > given.uncut', { uncut });
+    await strip.page.keyboard.press('Control+z');
+    await strip.until('k.numVertices === 1681');
+    await strip.page.keyboard.press('n');
+    await strip.choose('grab');
+    check((await strip.read('document.querySelectorAll(".handle:not([hidden])").length')) === 0, 'it stays on the canvas');
+  });
+
   await steps.step('a dashed strip on the picture is cut, and one that takes all is refused in words', async () => {
     await strip.choose('cut');
     await strip.page.keyboard.press('1');

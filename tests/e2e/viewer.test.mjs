@@ -228,6 +228,18 @@ await steps.step('a freehand line is cut on a phone, in the dark', async () => {
   const phone = await ViewerPage.open(browser, `${kerfd.url}/?sheet=demo`, kPhone);
   await phone.until(`k.connection === "live" && k.framesDrawn > 0 && k.numVertices === ${kDemoVertices}`);
   await phone.choose('cut');
+  await phone.page.click('#cut-panel [data-mode=lines]');
+  for (const [x, y] of [[0.2, 0.4], [0.7, 0.5]]) {
+    const at = await phone.at(x, y);
+    await phone.page.touchscreen.tap(at.x, at.y);
+  }
+  await phone.touchDrag(await phone.at(0.2, 0.4), await phone.at(0.3, 0.8));
+  const moved = await phone.page.locator('.handle').first().boundingBox();
+  const wanted = await phone.at(0.3, 0.8);
+  const off = Math.hypot(moved.x + 0.5 * moved.width - wanted.x, moved.y + 0.5 * moved.height - wanted.y);
+  check(off < 2, `a point dragged by a finger is ${off} px from where that left it`);
+  await phone.screenshot('phone-touch');
+  await phone.page.click('#cut-cancel');
   await phone.page.click('#cut-panel [data-mode=freehand]');
   await phone.drag(await phone.at(-0.04, 0.7), await phone.at(0.5, 0.75));
   const end = await phone.at(1.04, 0.7);

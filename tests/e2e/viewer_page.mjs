@@ -63,6 +63,20 @@ export class ViewerPage {
     await this.page.mouse.move(to.x, to.y, { steps: 8 });
   }
 
+  /** The same with one finger, which is lifted at the end. */
+  async touchDrag(from, to) {
+    const session = await this.page.context().newCDPSession(this.page);
+    const touch = (type, ...touchPoints) => session.send('Input.dispatchTouchEvent', { type, touchPoints });
+    const kSteps = 8;
+    await touch('touchStart', from);
+    for (let i = 1; i <= kSteps; ++i) {
+      const part = i / kSteps;
+      await touch('touchMove', { x: from.x + part * (to.x - from.x), y: from.y + part * (to.y - from.y) });
+    }
+    await touch('touchEnd');
+    await session.detach();
+  }
+
   async choose(tool) {
     await this.page.click(`#tools [data-tool=${tool}]`);
     await this.until('k.tool === given.tool', { tool });

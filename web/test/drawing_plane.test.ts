@@ -44,6 +44,12 @@ describe('cutView', () => {
     expect(rotation.determinant()).toBeCloseTo(1, 12);
   });
 
+  it('has the piece only where one is cut', () => {
+    const piece = (target: 'seen' | 'piece', label?: number) =>
+      create(ViewSchema, cutView(camera(), kSize, target, { nearestM: 0, farthestM: 0 }, label)).piece;
+    expect([piece('piece', 0), piece('piece', 3), piece('piece'), piece('seen', 3)]).toEqual([0, 3, undefined, undefined]);
+  });
+
   it('has depths only where they choose the layers', () => {
     const depth = { nearestM: 1, farthestM: 2 };
     const layers = (target: 'seen' | 'all' | 'piece' | 'depth') => {

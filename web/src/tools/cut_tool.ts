@@ -60,10 +60,15 @@ export class CutTool implements Tool {
   private drawing: Drawing = kDrawings.curve();
   private chosenHandle = -1;
   private isCutting = false;
+  private isChoosing = false;
+  // Material point of the chosen piece: its label may be another one after each cut.
+  private pieceMark: Point2 | undefined;
+  private last: { drawing: Drawing; mode: CutMode; target: CutTarget; sizePx: Vector2 } | undefined;
   private readonly picture = new PicturePlane();
   private readonly material: MaterialPlane;
   private readonly preview: CutPreview;
   private readonly handles: CutHandles;
+  private readonly marker = document.createElement('div');
   private readonly drawnSizePx = new Vector2();
 
   /** @param changed  called when the prompt or the possible actions may have changed */
@@ -72,6 +77,9 @@ export class CutTool implements Tool {
     private readonly changed: () => void,
   ) {
     this.material = new MaterialPlane(viewer);
+    this.marker.className = 'piece-marker';
+    this.marker.hidden = true;
+    viewer.overlay.append(this.marker);
     this.preview = new CutPreview(viewer.overlay);
     this.handles = new CutHandles(
       viewer.overlay,
@@ -104,10 +112,38 @@ export class CutTool implements Tool {
     return this.currentMode === 'svg' ? 'material' : this.currentTarget;
   }
 
+  /** Whether a piece was chosen by a tap; otherwise that is cut which is seen where the line first meets the sheet. */
+  get hasPiece(): boolean {
+    return this.pieceMark !== undefined;
+  }
+
+  /** The next tap chooses the piece; where one is chosen, it is forgotten. */
+  choosePiece(): void {
+    this.isChoosing = !this.isChoosing && !this.hasPiece;
+    this.pieceMark = undefined;
+    this.refresh();
+  }
+
+  get hasLast(): boolean {
+    return this.last !== undefined && !this.isStarted;
+  }
+
+  /** Lays the drawing that was cut last again: where it was on the picture or on the material. */
+  again(): void {
+    if (!this.hasLast) return;
+    const { drawing, mode, target, sizePx } = this.last!;
+    this.currentMode = mode;
+    this.currentTarget = target;
+    this.drawing = drawing;
+    this.drawnSizePx.copy(sizePx);
+    this.refresh();
+  }
+
   /** A drawing that is started is taken along to where it lies now. */
   setTarget(target: CutTarget): void {
     const from = this.plane;
     this.currentTarget = target;
+    this.isChoosing = false;
     if (target === 'depth') this.frontHalf();
     const to = this.plane;
     const isKept = from === to || this.drawing.map((point) => {
@@ -127,7 +163,7 @@ export class CutTool implements Tool {
   }
 
   get prompt(): string {
-    return this.drawing.prompt;
+    return this.isChoosing ? 'Tap the piece that is to be cut' : this.drawing.prompt;
   }
 
   /** The chosen point that has a weight. */
@@ -167,10 +203,15 @@ export class CutTool implements Tool {
   }
 
   leave(): void {
+    this.isChoosing = false;
+    this.pieceMark = undefined;
     this.cancel();
+    // Nobody else takes it off the canvas.
+    this.update();
   }
 
   press(pointer: Pointer): boolean {
+    if (this.isChoosing) return false;
     const point = this.plane.at(pointer.px);
     const isTaken = point !== undefined && this.drawing.press(point);
     this.refresh();
@@ -189,6 +230,12 @@ export class CutTool implements Tool {
   }
 
   tap(pointer: Pointer): void {
+    if (this.isChoosing) {
+      this.pieceMark = this.viewer.surface?.pick(pointer.ray)?.material;
+      this.isChoosing = !this.pieceMark;
+      this.refresh();
+      return;
+    }
     const point = this.plane.at(pointer.px);
     if (point) this.drawing.tap(point);
     this.refresh();
@@ -196,6 +243,7 @@ export class CutTool implements Tool {
 
   key(key: string): boolean {
     if (key === 'Enter' && this.isReady) void this.cut();
+    else if (key === 'Escape' && this.isChoosing) this.isChoosing = false;
     else if (key === 'Escape' && this.isStarted) this.cancel();
     else if (key === 'Backspace' && this.isStarted) this.drawing.removeLast();
     else if (key === '+' && this.weighted) this.setWeight(this.weighted.weight * kWeightStep);
@@ -214,6 +262,10 @@ export class CutTool implements Tool {
   async cut(): Promise<void> {
     if (!this.isReady) return;
     const { drawing } = this;
+    if (this.target === 'piece' && this.hasPiece && this.piece === undefined) {
+      this.viewer.notify('error', 'Nothing was cut: the chosen piece is gone there; choose another');
+      return;
+    }
     this.isCutting = true;
     this.refresh();
     const { widthM } = this;
@@ -226,13 +278,18 @@ export class CutTool implements Tool {
     if (result) {
       this.viewer.notify(result.status === CutResult_Status.APPLIED ? 'success' : 'info', cutText(result, widthM > 0));
       if (result.warnings.length > 0) this.viewer.notify('warning', warningText(result));
-      if (drawing === this.drawing) this.cancel();
+      if (drawing === this.drawing) {
+        const { mode, target } = this;
+        this.last = { drawing, mode, target, sizePx: this.viewer.stage.sizePx.clone() };
+        this.cancel();
+      }
     }
     this.refresh();
   }
 
   update(): void {
     this.followSize();
+    this.showMarker();
     const { plane, drawing } = this;
     const lines = drawing.lines();
     this.preview.show(
@@ -261,8 +318,24 @@ export class CutTool implements Tool {
       ...this.drawing.cut(),
       dash: isOn ? [cutM, leftM] : [],
       widthM: this.widthM,
-      view: target === 'material' ? undefined : cutView(stage.camera, stage.sizePx, target, this.depth),
+      view: target === 'material' ? undefined : cutView(stage.camera, stage.sizePx, target, this.depth, this.piece),
     };
+  }
+
+  // Label of the chosen piece; undefined if none is, or it has no material at its mark any more.
+  private get piece(): number | undefined {
+    const { surface } = this.viewer;
+    const place = this.pieceMark && surface?.locator.find(this.pieceMark);
+    return place && surface!.mirror.pieces[place.slot];
+  }
+
+  private showMarker(): void {
+    const { surface, stage } = this.viewer;
+    const mark = this.target === 'piece' && this.piece !== undefined ? this.pieceMark : undefined;
+    const world = mark && surface?.toWorld(mark);
+    const px = world && stage.project(world);
+    this.marker.hidden = !px;
+    if (px) this.marker.style.transform = `translate(${px.x.toFixed(1)}px, ${px.y.toFixed(1)}px)`;
   }
 
   // Metres of material.

@@ -22,12 +22,16 @@ const kLayers: Record<Exclude<CutTarget, 'material'>, View_Layers> = {
   depth: View_Layers.DEPTH_RANGE,
 };
 
-/** The view of a cut that is drawn on a picture of this size (CSS pixels) from where the camera is. */
+/**
+ * The view of a cut that is drawn on a picture of this size (CSS pixels) from where the camera is.
+ * @param piece  label of the one piece; undefined: that seen where the curve first meets the sheet
+ */
 export function cutView(
   camera: PerspectiveCamera,
   sizePx: Vector2,
   target: Exclude<CutTarget, 'material'>,
   depth: DepthRange,
+  piece?: number,
 ): MessageInitShape<typeof ViewSchema> {
   camera.updateMatrixWorld();
   return {
@@ -37,6 +41,7 @@ export function cutView(
     heightPx: sizePx.y,
     layers: kLayers[target],
     ...(target === 'depth' ? depth : {}),
+    ...(target === 'piece' ? { piece } : {}),
   };
 }
 

@@ -10,11 +10,14 @@ export class CutPanel {
   private readonly panel = element('cut-panel');
   private readonly prompt = element('cut-prompt');
   private readonly apply = element<HTMLButtonElement>('cut-apply');
+  private readonly again = element<HTMLButtonElement>('cut-again');
   private readonly cancel = element<HTMLButtonElement>('cut-cancel');
   private readonly target = element<HTMLSelectElement>('cut-target');
   private readonly depthOptions = element('cut-depth');
   private readonly nearest = element<HTMLInputElement>('cut-nearest');
   private readonly farthest = element<HTMLInputElement>('cut-farthest');
+  private readonly pieceOptions = element('cut-piece');
+  private readonly piece = element<HTMLButtonElement>('cut-piece-choose');
   private readonly isDashed = element<HTMLInputElement>('cut-dashed');
   private readonly dashOptions = element('cut-dash');
   private readonly dashCut = element<HTMLInputElement>('cut-dash-cut');
@@ -38,7 +41,9 @@ export class CutPanel {
       if (mode === 'svg') chooseFile();
     });
     this.apply.addEventListener('click', () => void tool.cut());
+    this.again.addEventListener('click', () => tool.again());
     this.cancel.addEventListener('click', () => tool.cancel());
+    this.piece.addEventListener('click', () => tool.choosePiece());
     this.target.addEventListener('change', () => {
       tool.setTarget(this.target.value as CutTarget);
       done();
@@ -73,11 +78,15 @@ export class CutPanel {
     this.panel.hidden = !isShown;
     setText(this.prompt, tool.prompt);
     this.apply.disabled = !tool.isReady;
+    this.again.hidden = !tool.hasLast;
     this.cancel.disabled = !tool.isStarted;
     this.mode.show(tool.mode);
     this.target.value = tool.target;
     this.target.disabled = tool.mode === 'svg';
     this.depthOptions.hidden = tool.target !== 'depth';
+    this.pieceOptions.hidden = tool.target !== 'piece';
+    setText(element('cut-piece-shown'), tool.hasPiece ? 'the marked one' : 'the one the line meets first');
+    setText(this.piece, tool.hasPiece ? 'Forget it' : 'Choose');
     setNumber(this.nearest, tool.depth.nearestM);
     setNumber(this.farthest, tool.depth.farthestM);
     this.isDashed.checked = tool.dashes.isOn;

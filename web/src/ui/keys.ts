@@ -27,6 +27,7 @@ export function bindKeys(app: App): void {
       whenCutting(() => app.svgFiles.choose());
     },
     d: () => whenCutting((tool) => tool.setDashes({ isOn: !tool.dashes.isOn })),
+    n: () => whenCutting((tool) => tool.again()),
     t: () => whenCutting(() => app.cutPanel.askWidth()),
     1: () => setCutTarget('seen'),
     2: () => setCutTarget('all'),
