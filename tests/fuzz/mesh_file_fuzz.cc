@@ -1,0 +1,23 @@
+// Bytes -> a mesh file, PLY or OBJ -> mesh. Whatever the bytes, the answer is a value, and the mesh is sound.
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+
+#include "server/base/check.h"
+#include "server/mesh/mesh_import.h"
+#include "server/mesh/obj_import.h"
+#include "server/mesh/ply_import.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace kerf;
+  const std::string_view file(reinterpret_cast<const char*>(data), size);
+  const Result<mesh::ImportedSheet> sheet = file.starts_with("ply") ? mesh::parse_ply(file) : mesh::parse_obj(file);
+  if (!sheet.ok()) {
+    KERF_CHECK(!sheet.error().reason.empty() && !sheet.error().message.empty(), "a refusal says why");
+    return 0;
+  }
+  KERF_CHECK(sheet->sheet.rest.cols() == sheet->world.cols(), "a place for each vertex");
+  const Result<mesh::TriangleMesh> built = mesh::import_mesh(sheet->sheet);
+  if (built.ok()) KERF_CHECK(!built->find_violation(), "the mesh is sound");
+  return 0;
+}
