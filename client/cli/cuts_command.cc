@@ -22,7 +22,13 @@ struct CutsArguments {
   std::string id;
   std::string export_to;
   std::string apply;
+  std::int64_t cancel = 0;
 };
+
+// Of a ScheduledCuts, what --cancel takes: "3" of sheets/demo/scheduledCuts/3.
+std::string number_of(const std::string& name) {
+  return name.substr(name.rfind('/') + 1);
+}
 
 // All pages as one message. `list`: CutService::Stub::ListCuts or ListPieces.
 template <typename Request, typename Response, typename Method, typename Merge>
@@ -44,7 +50,8 @@ void print_scheduled(const v1::ScheduledCuts& scheduled) {
   const auto tick = static_cast<long long>(scheduled.tick());
   const char* plural = scheduled.cuts_size() == 1 ? "cut" : "cuts";
   if (scheduled.state() == v1::ScheduledCuts::WAITING) {
-    std::printf("waiting for tick %lld: %d %s\n", tick, scheduled.cuts_size(), plural);
+    std::printf("%s waiting for tick %lld: %d %s\n", number_of(scheduled.name()).c_str(), tick, scheduled.cuts_size(),
+                plural);
     return;
   }
   std::printf("REFUSED at tick %lld: %d %s: %s (%s)\n", tick, scheduled.cuts_size(), plural,
@@ -61,7 +68,25 @@ int export_cuts(const v1::ListCutsResponse& all, const std::string& path) {
   return kDone;
 }
 
+int cancel_cuts(const Session& session, const CutsArguments& arguments) {
+  v1::CancelScheduledCutsRequest request;
+  request.set_name("sheets/" + arguments.id + "/scheduledCuts/" + std::to_string(arguments.cancel));
+  client::Client client(session.server);
+  v1::ScheduledCuts cancelled;
+  const grpc::Status status =
+      client.call(&v1::CutService::Stub::CancelScheduledCuts, client.cuts(), request, cancelled);
+  if (!status.ok()) return refuse(status, session.server);
+  if (session.json) {
+    std::printf("%s\n", to_script_json(cancelled).c_str());
+    return kDone;
+  }
+  std::printf("CANCELLED: %d %s that waited for tick %lld\n", cancelled.cuts_size(),
+              cancelled.cuts_size() == 1 ? "cut" : "cuts", static_cast<long long>(cancelled.tick()));
+  return kDone;
+}
+
 int list_cuts(const Session& session, const CutsArguments& arguments) {
+  if (arguments.cancel > 0) return cancel_cuts(session, arguments);
   if (!arguments.apply.empty()) return cut_batch(session, arguments.id, arguments.apply, 0);
   client::Client client(session.server);
   v1::ListCutsResponse all;
@@ -161,8 +186,9 @@ int cut_batch(const Session& session, const std::string& id, const std::string& 
   }
   const auto tick = static_cast<long long>(response.tick());
   if (response.status() == v1::CutResult::SCHEDULED) {
-    std::printf("SCHEDULED for tick %lld: %d cuts; `kerf cuts %s` tells what became of them\n", tick,
-                request.cuts_size(), id.c_str());
+    std::printf(
+        "SCHEDULED for tick %lld: %d cuts; `kerf cuts %s` tells what became of them, `--cancel %s` takes them back\n",
+        tick, request.cuts_size(), id.c_str(), number_of(response.scheduled_name()).c_str());
     return kDone;
   }
   std::printf(
@@ -179,13 +205,20 @@ void add_cuts_commands(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<CutsArguments>();
   CLI::App* cuts = app.add_subcommand(
       "cuts",
-      "List a sheet's cuts, those that wait for their tick and those refused then; or carry them to another sheet.\n"
+      "List a sheet's cuts, those that wait for their tick and those refused then; take back one that waits; or carry\n"
+      "them to another sheet.\n"
       "Example: kerf cuts demo --export cuts.json && kerf cuts flag --apply cuts.json");
   cuts->add_option("ID", arguments->id, "Name of the sheet")->required();
   CLI::Option* export_to =
       cuts->add_option("--export", arguments->export_to, "Write the cuts that are not undone to this file (JSON)");
-  cuts->add_option("--apply", arguments->apply, "Make the cuts of this file, all or none (as kerf cut ID --batch FILE)")
-      ->excludes(export_to);
+  CLI::Option* apply = cuts->add_option("--apply", arguments->apply,
+                                        "Make the cuts of this file, all or none (as kerf cut ID --batch FILE)")
+                           ->excludes(export_to);
+  cuts->add_option("--cancel", arguments->cancel,
+                   "Take back the call of this number that waits for its tick (kerf cut ID --at-tick, which tells it)")
+      ->check(CLI::PositiveNumber)
+      ->excludes(export_to)
+      ->excludes(apply);
   cuts->callback(
       [&session, arguments] { session.action = [&session, arguments] { return list_cuts(session, *arguments); }; });
 

@@ -105,8 +105,9 @@ std::string describe(const v1::Sheet& sheet) {
 
 std::string describe(const v1::CutResult& result) {
   if (result.status() == v1::CutResult::SCHEDULED) {
-    return format("SCHEDULED for tick %lld; `kerf cuts` tells what became of it",
-                  static_cast<long long>(result.tick()));
+    const std::string number = result.scheduled_name().substr(result.scheduled_name().rfind('/') + 1);
+    return format("SCHEDULED for tick %lld; `kerf cuts` tells what became of it, `--cancel %s` takes it back",
+                  static_cast<long long>(result.tick()), number.c_str());
   }
   if (result.status() == v1::CutResult::NO_INTERSECTION) {
     return format(

@@ -15,15 +15,20 @@
 namespace kerf::api {
 namespace {
 
-template <typename Request, typename Response>
-Method json_method(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>)) {
-  return {std::move(path), [&api, method](std::string_view json, Reply<std::string> reply) {
+// `stop...`: nothing, or the stop token of a method that takes one.
+template <typename Request, typename Response, typename... Stop>
+Method json_method(std::string path, Api& api, void (Api::*method)(const Request&, Reply<Response>, Stop...)) {
+  return {std::move(path),
+          [&api, method](std::string_view json, Reply<std::string> reply, const std::stop_token& stop) {
             Request request;
             if (const Status status = wire::from_json(json, request); !status.ok()) return reply(status.error());
-            (api.*method)(request, [reply = std::move(reply)](Result<Response> response) {
-              if (!response.ok()) return reply(response.error());
-              reply(wire::to_json(*response));
-            });
+            (api.*method)(
+                request,
+                [reply = std::move(reply)](Result<Response> response) {
+                  if (!response.ok()) return reply(response.error());
+                  reply(wire::to_json(*response));
+                },
+                Stop(stop)...);
           }};
 }
 
@@ -42,6 +47,7 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.CutService/CreateCut", api, &Api::create_cut),
       json_method("/kerf.v1.CutService/CreateCuts", api, &Api::create_cuts),
       json_method("/kerf.v1.CutService/ListCuts", api, &Api::list_cuts),
+      json_method("/kerf.v1.CutService/CancelScheduledCuts", api, &Api::cancel_scheduled_cuts),
       json_method("/kerf.v1.CutService/UndoCut", api, &Api::undo_cut),
       json_method("/kerf.v1.CutService/RedoCut", api, &Api::redo_cut),
       json_method("/kerf.v1.CutService/ListPieces", api, &Api::list_pieces),
@@ -64,8 +70,8 @@ Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host:
     : core_(std::make_shared<ApiCore>(host, renderer, std::move(options), clock)), methods_(json_methods(*this)) {
   host.set_command_listener([core = std::weak_ptr(core_)](const std::string& id, const sheet::Command& command,
                                                           const Result<host::CommandResult>& result,
-                                                          std::int64_t at_tick) {
-    if (const auto alive = core.lock()) keep_in_journal(*alive, id, command, result, at_tick);
+                                                          const host::Appointment& appointment) {
+    if (const auto alive = core.lock()) keep_in_journal(*alive, id, command, result, appointment);
   });
 }
 

@@ -24,6 +24,7 @@ class Empty;
 }  // namespace google::protobuf
 
 namespace kerf::v1 {
+class CancelScheduledCutsRequest;
 class CreateCutRequest;
 class CreateCutsRequest;
 class CreateCutsResponse;
@@ -51,6 +52,7 @@ class RenderImageRequest;
 class RenderImageResponse;
 class ResetSheetRequest;
 class ResumeSheetRequest;
+class ScheduledCuts;
 class ServerInfo;
 class SetSheetGravityRequest;
 class SetSheetPinsRequest;
@@ -94,7 +96,9 @@ struct ApiOptions {
 // (snake_case names, defaults printed).
 struct Method {
   std::string path;  // "/kerf.v1.CutService/CreateCut"
-  std::function<void(std::string_view json, Reply<std::string> reply)> call;
+  // `stop`: asked for when nobody waits for the reply any more. A method that goes on for long may end then, its reply
+  // comes all the same.
+  std::function<void(std::string_view json, Reply<std::string> reply, std::stop_token stop)> call;
 };
 
 // One a server. Safe to call from any thread. `host`, `clock` and `renderer` must outlive it and every WatchSession
@@ -115,8 +119,7 @@ class Api {
   void delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::protobuf::Empty> reply);
   void pause_sheet(const v1::PauseSheetRequest& request, Reply<v1::Sheet> reply);
   void resume_sheet(const v1::ResumeSheetRequest& request, Reply<v1::Sheet> reply);
-  void step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply);
-  // The same; ends after a tick, with what was done, once `stop` asks for it: nobody waits for the answer any more.
+  // Ends after a tick, with what was done, once `stop` asks for it: nobody waits for the answer any more.
   void step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop);
   void reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply);
   void export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSheetResponse> reply);
@@ -125,6 +128,7 @@ class Api {
   void create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> reply);
   void create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCutsResponse> reply);
   void list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsResponse> reply);
+  void cancel_scheduled_cuts(const v1::CancelScheduledCutsRequest& request, Reply<v1::ScheduledCuts> reply);
   void undo_cut(const v1::UndoCutRequest& request, Reply<v1::UndoResult> reply);
   void redo_cut(const v1::RedoCutRequest& request, Reply<v1::UndoResult> reply);
   void list_pieces(const v1::ListPiecesRequest& request, Reply<v1::ListPiecesResponse> reply);

@@ -65,7 +65,7 @@ Status check_request_id(const std::string& request_id);
 // What the host tells of commands: the journal gets the cuts, undos and redos that a sheet has done and the scheduled
 // cuts that it refused, and forgets them with a Reset.
 void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
-                     const Result<host::CommandResult>& result, std::int64_t at_tick);
+                     const Result<host::CommandResult>& result, const host::Appointment& appointment);
 
 // kerf.v1.Sheet.
 v1::Sheet encode_sheet(const host::SheetStatus& status);

@@ -75,10 +75,12 @@ std::vector<v1::Cut> cuts_of(const sheet::Command& command) {
   return cuts;
 }
 
-v1::ScheduledCuts encode_scheduled(const sheet::Command& command, std::int64_t tick) {
+v1::ScheduledCuts encode_scheduled(const std::string& sheet_id, const sheet::Command& command,
+                                   const host::Appointment& appointment) {
   v1::ScheduledCuts message;
   message.set_state(v1::ScheduledCuts::WAITING);
-  message.set_tick(tick);
+  message.set_tick(appointment.at_tick);
+  if (appointment.number > 0) message.set_name(scheduled_name(sheet_id, appointment.number));
   for (v1::Cut& cut : cuts_of(command)) *message.add_cuts() = std::move(cut);
   return message;
 }
@@ -102,9 +104,11 @@ void submit_cut(ApiCore& core, const std::string& id, sheet::Command command, st
   if (at_tick > 0) {
     scheduled.set_status(v1::CutResult::SCHEDULED);
     scheduled.set_tick(at_tick);
-    core.host.schedule(id, std::move(command), at_tick, [answer, scheduled](const Status& status) {
-      if (!status.ok()) return answer(in_request(status.error()));
-      answer(scheduled);
+    core.host.schedule(id, std::move(command), at_tick, [id, answer, scheduled](const Result<std::int64_t>& number) {
+      if (!number.ok()) return answer(in_request(number.error()));
+      Response named = scheduled;
+      named.set_scheduled_name(scheduled_name(id, *number));
+      answer(std::move(named));
     });
     return;
   }
@@ -141,10 +145,10 @@ std::optional<std::int64_t> parse_token(const std::string& token) {
 }  // namespace
 
 void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
-                     const Result<host::CommandResult>& result, std::int64_t at_tick) {
+                     const Result<host::CommandResult>& result, const host::Appointment& appointment) {
   CutJournal& journal = core.journal;
   if (!result.ok()) {
-    v1::ScheduledCuts refused = encode_scheduled(command, at_tick);
+    v1::ScheduledCuts refused = encode_scheduled(sheet_id, command, appointment);
     if (refused.cuts().empty()) return;
     refused.set_state(v1::ScheduledCuts::REFUSED);
     refused.set_reason(result.error().reason);
@@ -163,6 +167,7 @@ void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Co
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (results[i].status() != v1::CutResult::APPLIED) continue;
     const std::int64_t number = reply.cut ? reply.cut->number : reply.batch[i].number;
+    if (appointment.number > 0) results[i].set_scheduled_name(scheduled_name(sheet_id, appointment.number));
     journal.add(sheet_id, number, std::move(cuts[i]), std::move(results[i]));
   }
 }
@@ -196,6 +201,23 @@ void Api::create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCuts
                                });
 }
 
+void Api::cancel_scheduled_cuts(const v1::CancelScheduledCutsRequest& request, Reply<v1::ScheduledCuts> reply) {
+  const Result<ScheduledName> name = parse_scheduled_name(request.name());
+  if (!name.ok()) return reply(name.error());
+  const Result<std::string> id = addressed_sheet(*core_, sheet_name(name->sheet_id), "name");
+  if (!id.ok()) return reply(id.error());
+  once<v1::ScheduledCuts>(
+      core_, "CancelScheduledCuts", request, std::move(reply), [&](Reply<v1::ScheduledCuts> answer) {
+        core_->host.cancel(
+            *id, name->number, [id = *id, answer = std::move(answer)](const Result<host::WaitingCommand>& cancelled) {
+              if (!cancelled.ok()) return answer(at_field(cancelled.error(), "name"));
+              v1::ScheduledCuts message = encode_scheduled(id, cancelled->command, cancelled->appointment);
+              message.set_state(v1::ScheduledCuts::CANCELLED);
+              answer(std::move(message));
+            });
+      });
+}
+
 void Api::undo_cut(const v1::UndoCutRequest& request, Reply<v1::UndoResult> reply) {
   submit_undo(core_, "UndoCut", request, sheet::UndoCut{}, std::move(reply));
 }
@@ -213,13 +235,13 @@ void Api::list_cuts(const v1::ListCutsRequest& request, Reply<v1::ListCutsRespon
   if (!after) return reply(bad_page_token());
   // By way of the sheet: an unknown one is refused, and all cuts done before this call are in the journal.
   core_->host.scheduled(*id, [core = core_, id = *id, size = *size, after = *after,
-                              reply = std::move(reply)](const Result<std::vector<sheet::ScheduledCommand>>& waiting) {
+                              reply = std::move(reply)](const Result<std::vector<host::WaitingCommand>>& waiting) {
     if (!waiting.ok()) return reply(at_field(waiting.error(), "parent"));
     v1::ListCutsResponse response;
     if (after == 0) {
       for (v1::ScheduledCuts& refused : core->journal.refused(id)) *response.add_scheduled() = std::move(refused);
-      for (const sheet::ScheduledCommand& each : *waiting) {
-        *response.add_scheduled() = encode_scheduled(each.command, each.tick);
+      for (const host::WaitingCommand& each : *waiting) {
+        *response.add_scheduled() = encode_scheduled(id, each.command, each.appointment);
       }
     }
     CutJournal::Page page = core->journal.page(id, after, size);

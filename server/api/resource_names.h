@@ -11,6 +11,15 @@ namespace kerf::api {
 Result<std::string> parse_sheet_name(const std::string& name, const char* field);
 std::string sheet_name(const std::string& id);
 
+// `sheets/{sheet}/scheduledCuts/{number}`. See host::Appointment::number.
+std::string scheduled_name(const std::string& sheet_id, std::int64_t number);
+struct ScheduledName {
+  std::string sheet_id;
+  std::int64_t number = 0;  // >= 1
+};
+// kInvalidArgument NAME_MALFORMED with field "name".
+Result<ScheduledName> parse_scheduled_name(const std::string& name);
+
 // `sheets/{sheet}/cuts/{cut}`. See sheet::CutReply::number.
 std::string cut_name(const std::string& sheet_id, std::int64_t number);
 

@@ -82,10 +82,6 @@ void Api::resume_sheet(const v1::ResumeSheetRequest& request, Reply<v1::Sheet> r
   core_->host.resume(*id, sheet_reply(std::move(reply), "name"));
 }
 
-void Api::step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply) {
-  step_sheet(request, std::move(reply), {});
-}
-
 void Api::step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());

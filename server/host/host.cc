@@ -101,7 +101,8 @@ class Host::Impl {
 
   [[nodiscard]] std::vector<SheetStatus> statuses(const std::vector<std::string>& ids) const;
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
-  void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, const Callback<Nothing>& done);
+  void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick,
+                const Callback<std::int64_t>& done);
 
   void release_grab(const std::string& id, std::string grab_id) {
     if (const std::shared_ptr<SheetRunner> runner = find(id)) runner->release_grab(std::move(grab_id));
@@ -221,13 +222,13 @@ void Host::Impl::submit(const std::string& id, sheet::Command command, Callback<
 }
 
 void Host::Impl::schedule(const std::string& id, sheet::Command command, std::int64_t at_tick,
-                          const Callback<Nothing>& done) {
-  const auto answer = [this, done](Status status) {
-    if (!status) board_.update([](HostMetrics& m) { ++m.commands_refused; });
-    done(std::move(status));
+                          const Callback<std::int64_t>& done) {
+  const auto answer = [this, done](Result<std::int64_t> number) {
+    if (!number) board_.update([](HostMetrics& m) { ++m.commands_refused; });
+    done(std::move(number));
   };
-  if (Status valid = sheet::validate(command); !valid) return answer(valid);
-  on_strand<Nothing>(id, answer, [command = std::move(command), at_tick, answer](SheetRunner& r) mutable {
+  if (const Status valid = sheet::validate(command); !valid) return answer(valid.error());
+  on_strand<std::int64_t>(id, answer, [command = std::move(command), at_tick, answer](SheetRunner& r) mutable {
     answer(r.schedule(std::move(command), at_tick));
   });
 }
@@ -263,12 +264,16 @@ void Host::submit(const std::string& id, sheet::Command command, Callback<Comman
   impl_->submit(id, std::move(command), std::move(done));
 }
 
-void Host::schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<Nothing> done) {
+void Host::schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<std::int64_t> done) {
   impl_->schedule(id, std::move(command), at_tick, done);
 }
 
-void Host::scheduled(const std::string& id, Callback<std::vector<sheet::ScheduledCommand>> done) {
+void Host::scheduled(const std::string& id, Callback<std::vector<WaitingCommand>> done) {
   impl_->on_strand(id, done, [done](SheetRunner& r) { done(r.scheduled()); });
+}
+
+void Host::cancel(const std::string& id, std::int64_t number, Callback<WaitingCommand> done) {
+  impl_->on_strand(id, done, [number, done](SheetRunner& r) { done(r.cancel(number)); });
 }
 
 void Host::set_command_listener(CommandListener listener) {

@@ -70,10 +70,20 @@ struct CommandResult {
   CommandTimings timings;
 };
 
-// What became of a command, on the sheet's strand. `at_tick`: of a command that was to be done at a tick of its own, by
-// schedule() or by its scene, that tick; 0 else. Must not block.
+// Of a command that is to be done at a tick of its own.
+struct Appointment {
+  std::int64_t at_tick = 0;  // 0: at the next tick boundary
+  std::int64_t number = 0;   // of schedule(): 1, 2, ... for each sheet; 0 for commands of a scene
+};
+
+struct WaitingCommand {
+  Appointment appointment;
+  sheet::Command command;
+};
+
+// What became of a command, on the sheet's strand. Must not block.
 using CommandListener = std::function<void(const std::string& id, const sheet::Command& command,
-                                           const Result<CommandResult>& result, std::int64_t at_tick)>;
+                                           const Result<CommandResult>& result, const Appointment& appointment)>;
 
 // Called exactly once: on a worker thread, or from within the call for what is refused at once. Must not block.
 template <typename T>
@@ -118,12 +128,16 @@ class Host {
   // sheet says.
   void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
   // The same at the start of tick `at_tick`, ahead of what is queued then; commands of one tick in the order of these
-  // calls. `done` is called as soon as that is settled; of what comes of it the listener is told. A sheet with such a
-  // command does not fall asleep; a Reset does not take it back. validate()'s errors; kFailedPrecondition TICK_PAST,
-  // field "at_tick", for a tick that is not ahead; kResourceExhausted TOO_MANY_SCHEDULED.
-  void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<Nothing> done);
+  // calls. `done` is called as soon as that is settled, with the command's number; of what comes of it the listener is
+  // told. A sheet with such a command does not fall asleep; a Reset does not take it back. validate()'s errors;
+  // kFailedPrecondition TICK_PAST, field "at_tick", for a tick that is not ahead; kResourceExhausted
+  // TOO_MANY_SCHEDULED.
+  void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick, Callback<std::int64_t> done);
   // Those that wait, by tick.
-  void scheduled(const std::string& id, Callback<std::vector<sheet::ScheduledCommand>> done);
+  void scheduled(const std::string& id, Callback<std::vector<WaitingCommand>> done);
+  // Takes one of those back: it is never done, and no listener is told of it. kNotFound SCHEDULED_CUTS_NOT_FOUND for a
+  // number that was never given, kFailedPrecondition SCHEDULED_CUTS_SETTLED for one that does not wait any more.
+  void cancel(const std::string& id, std::int64_t number, Callback<WaitingCommand> done);
   // Is told of every command that is done from now on, in the order in which a sheet does them and before it is
   // answered, and of those with a tick of their own that are refused when it comes, whom nobody else is told of.
   // Replaces the listener before; begin with it, and it misses nothing.

@@ -147,7 +147,7 @@ void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop
   if (!turn_posted_) take_turn();  // else the turn that an ended call left behind serves this one
 }
 
-Status SheetRunner::schedule(sheet::Command command, std::int64_t at_tick) {
+Result<std::int64_t> SheetRunner::schedule(sheet::Command command, std::int64_t at_tick) {
   if (at_tick <= sheet_.tick()) {
     return Error{ErrorCode::kFailedPrecondition, "TICK_PAST",
                  "at_tick is " + std::to_string(at_tick) + "; the sheet has done tick " +
@@ -163,14 +163,33 @@ Status SheetRunner::schedule(sheet::Command command, std::int64_t at_tick) {
   }
   const auto after = std::upper_bound(
       scheduled_.begin(), scheduled_.end(), at_tick,
-      [](std::int64_t tick, const sheet::ScheduledCommand& scheduled) { return tick < scheduled.tick; });
-  scheduled_.insert(after, {at_tick, std::move(command)});
+      [](std::int64_t tick, const WaitingCommand& waiting) { return tick < waiting.appointment.at_tick; });
+  scheduled_.insert(after, {{at_tick, ++num_scheduled_}, std::move(command)});
   if (sleeping_) {
     sleeping_ = false;
     note_state();
     start_clock();
   }
-  return Nothing{};
+  return num_scheduled_;
+}
+
+Result<WaitingCommand> SheetRunner::cancel(std::int64_t number) {
+  if (number < 1 || number > num_scheduled_) {
+    return Error{ErrorCode::kNotFound, "SCHEDULED_CUTS_NOT_FOUND",
+                 "no call of this sheet has the number " + std::to_string(number), ""};
+  }
+  const auto found = std::find_if(scheduled_.begin(), scheduled_.end(), [number](const WaitingCommand& waiting) {
+    return waiting.appointment.number == number;
+  });
+  if (found == scheduled_.end()) {
+    return Error{ErrorCode::kFailedPrecondition, "SCHEDULED_CUTS_SETTLED",
+                 "call " + std::to_string(number) +
+                     " does not wait any more: it was done, refused or cancelled; an undo takes back what was cut",
+                 ""};
+  }
+  WaitingCommand cancelled = std::move(*found);
+  scheduled_.erase(found);
+  return cancelled;
 }
 
 void SheetRunner::add_sink(std::shared_ptr<sheet::SnapshotSink> sink) {

@@ -63,8 +63,9 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void pause();
   Status resume();
   void step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop);
-  Status schedule(sheet::Command command, std::int64_t at_tick);
-  [[nodiscard]] const std::vector<sheet::ScheduledCommand>& scheduled() const { return scheduled_; }
+  Result<std::int64_t> schedule(sheet::Command command, std::int64_t at_tick);
+  [[nodiscard]] const std::vector<WaitingCommand>& scheduled() const { return scheduled_; }
+  Result<WaitingCommand> cancel(std::int64_t number);
   void add_sink(std::shared_ptr<sheet::SnapshotSink> sink);
   void remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   [[nodiscard]] SheetStatus status() const;
@@ -75,7 +76,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     sheet::Command command;
     Callback<CommandResult> done;
     Nanoseconds queued_at{0};
-    std::int64_t at_tick = 0;  // of one that was scheduled
+    Appointment appointment{};
   };
   struct StepCall {
     std::int64_t remaining = 0;
@@ -128,7 +129,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   Pace pace_;
   std::vector<std::shared_ptr<sheet::SnapshotSink>> sinks_;
   std::shared_ptr<sheet::RecordingSink> recording_;
-  std::vector<sheet::ScheduledCommand> scheduled_;  // by tick, equal ticks in the order they came
+  std::vector<WaitingCommand> scheduled_;  // by tick, equal ticks in the order they came
+  std::int64_t num_scheduled_ = 0;         // ever
   std::optional<StepCall> step_call_;
   bool turn_posted_ = false;  // a take_turn() is on its way
   std::optional<TimerId> timer_;

@@ -92,7 +92,7 @@ std::vector<Result<CommandResult>> SheetRunner::results_of(const sheet::TickRepo
   };
   for (const sheet::ScheduledReply& scheduled : report.scheduled) add(scheduled.reply, Nanoseconds{0});
   for (std::size_t i = 0; i < pending.size(); ++i) {
-    add(report.replies[i], pending[i].at_tick > 0 ? Nanoseconds{0} : drained_at - pending[i].queued_at);
+    add(report.replies[i], pending[i].appointment.at_tick > 0 ? Nanoseconds{0} : drained_at - pending[i].queued_at);
   }
   return results;
 }
@@ -100,8 +100,8 @@ std::vector<Result<CommandResult>> SheetRunner::results_of(const sheet::TickRepo
 std::vector<SheetRunner::Pending> SheetRunner::take_due() {
   std::vector<Pending> due;
   auto next = scheduled_.begin();
-  for (; next != scheduled_.end() && next->tick <= sheet_.tick() + 1; ++next) {
-    due.push_back({std::move(next->command), [](const auto&) {}, Nanoseconds{0}, next->tick});
+  for (; next != scheduled_.end() && next->appointment.at_tick <= sheet_.tick() + 1; ++next) {
+    due.push_back({std::move(next->command), [](const auto&) {}, Nanoseconds{0}, next->appointment});
   }
   scheduled_.erase(scheduled_.begin(), next);
   return due;
@@ -115,11 +115,13 @@ void SheetRunner::tell(const std::vector<sheet::Command>& commands, const std::v
   const std::size_t num_scheduled = report.scheduled.size();
   for (std::size_t i = 0; i < num_scheduled; ++i) {
     const sheet::ScheduledCommand& of_scene = sheet_.config().commands[report.scheduled[i].index];
-    (*listener)(id_, of_scene.command, results[i], of_scene.tick);
+    (*listener)(id_, of_scene.command, results[i], {of_scene.tick, 0});
   }
   for (std::size_t i = num_scheduled; i < results.size(); ++i) {
-    const std::int64_t at_tick = pending[i - num_scheduled].at_tick;
-    if (results[i] || at_tick > 0) (*listener)(id_, commands[i - num_scheduled], results[i], at_tick);
+    const Appointment& appointment = pending[i - num_scheduled].appointment;
+    if (results[i] || appointment.at_tick > 0) {
+      (*listener)(id_, commands[i - num_scheduled], results[i], appointment);
+    }
   }
 }
 

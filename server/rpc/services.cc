@@ -125,14 +125,15 @@ class Sheets final : public RawSheets {
 using RawCuts =
     RawService<v1::CutService::Service, v1::CutService::WithRawCallbackMethod_CreateCut,
                v1::CutService::WithRawCallbackMethod_CreateCuts, v1::CutService::WithRawCallbackMethod_ListCuts,
-               v1::CutService::WithRawCallbackMethod_UndoCut, v1::CutService::WithRawCallbackMethod_RedoCut,
-               v1::CutService::WithRawCallbackMethod_ListPieces>::type;
+               v1::CutService::WithRawCallbackMethod_CancelScheduledCuts, v1::CutService::WithRawCallbackMethod_UndoCut,
+               v1::CutService::WithRawCallbackMethod_RedoCut, v1::CutService::WithRawCallbackMethod_ListPieces>::type;
 class Cuts final : public RawCuts {
  public:
   explicit Cuts(api::Api& api) : api_(api) {}
   KERF_UNARY(CreateCut, create_cut)
   KERF_UNARY(CreateCuts, create_cuts)
   KERF_UNARY(ListCuts, list_cuts)
+  KERF_UNARY(CancelScheduledCuts, cancel_scheduled_cuts)
   KERF_UNARY(UndoCut, undo_cut)
   KERF_UNARY(RedoCut, redo_cut)
   KERF_UNARY(ListPieces, list_pieces)

@@ -16,8 +16,12 @@
 #include <boost/beast/http/write.hpp>
 #include <boost/beast/websocket/rfc6455.hpp>
 
+#include <sys/socket.h>
+
+#include <cerrno>
 #include <exception>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 
@@ -182,17 +186,39 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     co_await http::async_write(stream_, invitation, asio::redirect_error(asio::use_awaitable, ignored));
   }
 
-  // The Api may reply on any of its threads: back to this strand.
   asio::awaitable<HttpResponse> answer(const HttpRequest& request) {
     stream_.expires_never();
-    auto initiate = [this, &request](auto handler) {
+    const std::stop_source hung_up;
+    watch_for_hang_up(hung_up);
+    HttpResponse response = co_await respond(request, hung_up.get_token());
+    boost::system::error_code ignored;
+    stream_.socket().cancel(ignored);  // the watch
+    co_return response;
+  }
+
+  // The Api may reply on any of its threads: back to this strand.
+  asio::awaitable<HttpResponse> respond(const HttpRequest& request, std::stop_token stop) {
+    auto initiate = [this, &request, stop = std::move(stop)](auto handler) {
       auto shared = std::make_shared<decltype(handler)>(std::move(handler));
-      context_.router.respond(request, [shared, executor = executor_](HttpResponse response) {
+      const auto done = [shared, executor = executor_](HttpResponse response) {
         asio::post(executor, [shared, response = std::move(response)]() mutable { (*shared)(std::move(response)); });
-      });
+      };
+      context_.router.respond(request, done, stop);
     };
     return asio::async_initiate<const asio::use_awaitable_t<>, void(HttpResponse)>(std::move(initiate),
                                                                                    asio::use_awaitable);
+  }
+
+  // Asks for a stop when the client closes the connection, or its half of it, while its request is under way. A client
+  // that sends its next request already is not watched: the end of the connection is behind that.
+  void watch_for_hang_up(std::stop_source hung_up) {
+    stream_.socket().async_wait(asio::ip::tcp::socket::wait_read, [self = shared_from_this(),
+                                                                   hung_up](boost::system::error_code error) mutable {
+      char next = 0;
+      if (error) return;
+      const ssize_t bytes = ::recv(self->stream_.socket().native_handle(), &next, 1, MSG_PEEK | MSG_DONTWAIT);
+      if (bytes == 0 || (bytes < 0 && errno != EAGAIN)) hung_up.request_stop();
+    });
   }
 
   asio::awaitable<bool> write(const HttpResponse& response, Framing framing) {

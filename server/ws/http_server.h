@@ -42,7 +42,8 @@ struct HttpCounts {
 
 // The browser's transport on one TCP port, HTTP/1.1 without TLS:
 //   GET /...                          the viewer's files
-//   POST /kerf.v1.Service/Method      a unary RPC as JSON; errors as {"code", "message", "details"}
+//   POST /kerf.v1.Service/Method      a unary RPC as JSON; errors as {"code", "message", "details"}. Ends sooner,
+//                                     where it may go on for long (StepSheet), if the client hangs up
 //   GET /watch                        WebSocket, subprotocol kerf.v1: StreamService.Watch, a message a binary message
 //   GET /healthz /readyz /metrics     alive; taking requests (503 while draining); Prometheus text format
 class HttpServer {

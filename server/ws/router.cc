@@ -131,7 +131,7 @@ HttpResponse Router::get(const HttpRequest& request, std::string_view path) cons
   return refusal(no_such_path(path));
 }
 
-void Router::respond(const HttpRequest& request, std::function<void(HttpResponse)> done) const {
+void Router::respond(const HttpRequest& request, std::function<void(HttpResponse)> done, std::stop_token stop) const {
   const std::string_view path = std::string_view(request.target).substr(0, request.target.find('?'));
   const bool reads = request.method == "GET" || request.method == "HEAD";
   if (std::optional<HttpResponse> state = reads ? probe(path) : std::nullopt) {
@@ -160,17 +160,19 @@ void Router::respond(const HttpRequest& request, std::function<void(HttpResponse
     return;
   }
   // An empty body is the message with nothing set, so that `curl -X POST` works for List and Get*Info.
-  method->second->call(request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
-                       [done = std::move(done)](Result<std::string> reply) {
-                         if (!reply) {
-                           done(refusal(reply.error()));
-                           return;
-                         }
-                         done({200,
-                               "application/json",
-                               std::make_shared<const std::string>(std::move(*reply)),
-                               {{"Cache-Control", "no-store"}}});
-                       });
+  method->second->call(
+      request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
+      [done = std::move(done)](Result<std::string> reply) {
+        if (!reply) {
+          done(refusal(reply.error()));
+          return;
+        }
+        done({200,
+              "application/json",
+              std::make_shared<const std::string>(std::move(*reply)),
+              {{"Cache-Control", "no-store"}}});
+      },
+      std::move(stop));
 }
 
 std::optional<HttpResponse> Router::refuse_watch(const HttpRequest& request, std::string_view subprotocols) const {

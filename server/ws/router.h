@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -53,8 +54,8 @@ class Router {
   // /readyz says 503 from now on.
   void drain() { draining_ = true; }
 
-  // `done` is called exactly once: on this thread, or on one of the Api's.
-  void respond(const HttpRequest& request, std::function<void(HttpResponse)> done) const;
+  // `done` is called exactly once: on this thread, or on one of the Api's. `stop`: see api::Method::call.
+  void respond(const HttpRequest& request, std::function<void(HttpResponse)> done, std::stop_token stop = {}) const;
 
   // Nothing if `request` may open a WebSocket that speaks the subprotocols listed in `subprotocols` (the value of
   // Sec-WebSocket-Protocol), else the refusal.

@@ -45,10 +45,10 @@ class ApiTest : public host::HostTest {
   }
 
   // Answers at once or after some ticks.
-  template <typename Request, typename Response>
-  Result<Response> call(void (Api::*method)(const Request&, Reply<Response>), const Request& request) {
+  template <typename Request, typename Response, typename... Stop>
+  Result<Response> call(void (Api::*method)(const Request&, Reply<Response>, Stop...), const Request& request) {
     Answers<Response> answers;
-    ((*api_).*method)(request, answers.callback());
+    ((*api_).*method)(request, answers.callback(), Stop()...);
     host_->wait_idle();
     for (int tick = 0; tick < 200 && answers.count() == 0; ++tick) run_for(kTick);
     EXPECT_EQ(answers.count(), 1U) << "answered once, and in time";
@@ -59,7 +59,7 @@ class ApiTest : public host::HostTest {
     for (const Method& method : api_->methods()) {
       if (method.path != path) continue;
       Answers<std::string> answers;
-      method.call(json, answers.callback());
+      method.call(json, answers.callback(), {});
       host_->wait_idle();
       for (int tick = 0; tick < 200 && answers.count() == 0; ++tick) run_for(kTick);
       EXPECT_EQ(answers.count(), 1U) << "answered once, and in time";

@@ -196,7 +196,7 @@ TEST_F(ApiTest, ALateDeletionLeavesTheNextSheetsCutsAlone) {
   for (const Method& method : api_->methods()) {
     if (method.path == "/kerf.v1.SheetService/CreateSheet") {
       method.call(R"({"sheet_id":"a","scene":{"grid":{"columns":3,"rows":3,"width_m":1,"height_m":1}}})",
-                  created.callback());
+                  created.callback(), {});
     }
   }
   ASSERT_EQ(created.count(), 1U);

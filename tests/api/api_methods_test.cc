@@ -245,7 +245,7 @@ TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {
   int asked = 0;
   for (const Method& method : api_->methods()) {
     Answers<std::string> answers;
-    method.call("{}", answers.callback());
+    method.call("{}", answers.callback(), {});
     host_->wait_idle();
     ASSERT_EQ(answers.count(), 1U) << method.path;
     EXPECT_EQ(answers.at(0).error().code, ErrorCode::kUnavailable) << method.path;

@@ -74,6 +74,8 @@ inline std::vector<BadCall> bad_cuts() {
       {"CutService/CreateCuts",
        R"({"parent":"sheets/a","cuts":[{"curve":{"circle":{"radius_m":0.1}}},{"curve":{"circle":{"radius_m":-1}}}]})",
        invalid, "cuts[1].curve.circle.radius_m"},
+      {"CutService/CancelScheduledCuts", R"({"name":"sheets/a/cuts/1"})", invalid, "name"},
+      {"CutService/CancelScheduledCuts", R"({"name":"sheets/nobody/scheduledCuts/1"})", ErrorCode::kNotFound, "name"},
       {"CutService/CreateCuts", R"({"parent":"sheets/a","cuts":[{"curve":{"circle":{"radius_m":0.1}}}],"at_tick":-1})",
        invalid, "at_tick"},
       {"CutService/UndoCut", R"({"parent":"sheets/nobody"})", ErrorCode::kNotFound, "parent"},

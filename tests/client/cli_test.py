@@ -275,15 +275,29 @@ class Cuts(Case):
         self.refused("cuts", self.id, "--export", file, "--apply", file, code=2)
         self.assertEqual(self.hash(), before)
 
+    def scheduled_and_cancelled(self, tick):
+        reply = self.json_of("cut", self.id, "--circle", "0.5,0.5,0.3", "--at-tick", str(tick))
+        return kerf("cuts", self.id, "--cancel", reply["scheduled_name"].split("/")[-1]).stdout
+
     def test_a_cut_at_a_tick(self):
         tick = self.json_of("sheet", "get", self.id)["tick"]
         self.refused("cut", self.id, "--circle", "0.5,0.5,0.1", "--at-tick", str(tick), says="TICK_PAST")
         reply = self.json_of("cut", self.id, "--circle", "0.5,0.5,0.1", "--at-tick", str(tick + 2))
         self.assertEqual((reply["status"], reply["tick"]), ("SCHEDULED", tick + 2))
-        self.assertIn(f"waiting for tick {tick + 2}", kerf("cuts", self.id).stdout)
+        self.assertIn(f"1 waiting for tick {tick + 2}: 1 cut", kerf("cuts", self.id).stdout)
+        told = kerf("cut", self.id, "--circle", "0.5,0.5,0.3", "--at-tick", str(tick + 2)).stdout
+        self.assertIn("--cancel 2", told)
+        cancelled = self.json_of("cuts", self.id, "--cancel", "2")
+        self.assertEqual((cancelled["state"], cancelled["tick"], cancelled["name"]),
+                         ("CANCELLED", tick + 2, f"sheets/{self.id}/scheduledCuts/2"))
+        self.refused("cuts", self.id, "--cancel", "2", says="SCHEDULED_CUTS_SETTLED")
+        self.refused("cuts", self.id, "--cancel", "3", says="SCHEDULED_CUTS_NOT_FOUND")
+        self.refused("cuts", self.id, "--cancel", "0", code=2, says="--cancel")
+        self.refused("cuts", self.id, "--cancel", "1", "--export", path("no.json"), code=2)
         self.assertEqual(self.json_of("sheet", "step", self.id, "1")["pieces"], 1)
         self.assertEqual(self.json_of("sheet", "step", self.id, "1")["pieces"], 2)
         self.assertEqual(self.json_of("cuts", self.id)["cuts"][0]["result"]["tick"], tick + 2)
+        self.assertIn("CANCELLED: 1 cut", self.scheduled_and_cancelled(tick + 9))
 
     def test_meshing_options(self):
         curve = ("--bezier", "0.2,0.5 0.4,0.8 0.6,0.2 0.8,0.5")

@@ -231,6 +231,10 @@ class Lists(Case):
         self.assertEqual((result.status, result.tick), (kerf.SCHEDULED, tick + 2))
         self.sheet.cut_all([kerf.cut(kerf.circle((0.2, 0.2), 0.1), max_new_triangles=1)], at_tick=tick + 2)
         self.assertEqual([waiting.tick for waiting in self.sheet.waiting()], [tick + 2, tick + 2])
+        other = self.sheet.cut(kerf.circle((0.5, 0.5), 0.3), at_tick=tick + 2).scheduled_name
+        self.assertEqual(self.sheet.waiting()[-1].name, other)
+        self.assertEqual(self.sheet.cancel(other).cuts[0].curve.circle.radius_m, 0.3)
+        self.refused(kerf.FailedPrecondition, "FAILED_PRECONDITION", "SCHEDULED_CUTS_SETTLED", "", self.sheet.cancel, other)
         self.assertEqual([self.sheet.step().pieces, self.sheet.step().pieces], [1, 2])
         self.assertEqual(self.sheet.waiting(), [])
         refused = self.sheet.refused()
@@ -370,6 +374,19 @@ class Package(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("status: APPLIED", done.stdout)
         self.assertIn("pieces: 2", done.stdout)
+
+    def test_sheets_from_mesh_files(self):
+        square = ("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
+        pathlib.Path(path("square.ply")).write_text(square)
+        pathlib.Path(path("square.obj")).write_bytes(b"o T\xfcr\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+        with kerf.connect(ADDRESS) as server:
+            made = [server.create_sheet("py-" + end, mesh_file=path("square." + end), pins=()) for end in ("ply", "obj")]
+            self.assertEqual([sheet.get().num_triangles for sheet in made], [2, 2])
+            for sheet in made:
+                sheet.delete()
+            with self.assertRaisesRegex(ValueError, "ends in .obj or .ply"):
+                server.create_sheet("py-stl", mesh_file=path("square.stl"))
 
     def test_types(self):
         def checked(*what):

@@ -179,7 +179,7 @@ TEST_F(RpcServerTest, BytesThatAreNoMessageAreRefused) {
            {"SheetService",
             {"CreateSheet", "GetSheet", "ListSheets", "DeleteSheet", "PauseSheet", "ResumeSheet", "StepSheet",
              "ResetSheet", "ExportSheet", "GetSheetState"}},
-           {"CutService", {"CreateCut", "CreateCuts", "ListCuts", "UndoCut", "RedoCut", "ListPieces"}},
+           {"CutService", {"CreateCut", "CreateCuts", "ListCuts", "CancelScheduledCuts", "UndoCut", "RedoCut", "ListPieces"}},
            {"InteractionService",
             {"GrabPoint", "DragPoint", "ReleasePoint", "SetSheetPins", "SetSheetGravity", "SetSheetWind"}},
            {"StreamService", {"Watch"}},

@@ -41,6 +41,10 @@ RawClient::~RawClient() {
   hang_up();
 }
 
+void RawClient::end_sending() {
+  ::shutdown(socket_, SHUT_WR);
+}
+
 void RawClient::hang_up() {
   if (socket_ >= 0) ::close(socket_);
   socket_ = -1;

@@ -33,6 +33,8 @@ class RawClient {
   // Waits; true if the peer closes (or resets) and nothing more comes before it.
   bool closed_by_peer();
   void hang_up();
+  // Closes this half of the connection: nothing more is sent, answers still come.
+  void end_sending();
   // Makes the kernel keep no more than about this much that is not read.
   void shrink_receive_buffer(int bytes);
 

@@ -285,6 +285,66 @@ TEST_F(HttpServerTest, CountsWhatItDoes) {
   EXPECT_GT(counted, 60);
 }
 
+// One call as it is sent.
+std::string step_request(std::int32_t ticks) {
+  const std::string body = R"({"name":"sheets/a","ticks":)" + std::to_string(ticks) + "}";
+  return "POST /kerf.v1.SheetService/StepSheet HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
+         std::to_string(body.size()) + "\r\n\r\n" + body;
+}
+
+constexpr std::int32_t kManyTicks = 100'000;
+
+TEST_F(HttpServerTest, AStepWhoseClientHangsUpEnds) {
+  start();
+  ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
+  {
+    RawClient client(port_);
+    ASSERT_TRUE(client.send(step_request(kManyTicks)));
+    while (metric("kerf_ticks_total") == 0.0) {
+    }
+  }
+  Response response;
+  do {  // refused as long as the first goes on
+    response = call("SheetService/StepSheet", R"({"name":"sheets/a","ticks":1})");
+  } while (response.status == 400);
+  ASSERT_EQ(response.status, 200) << response.body;
+  v1::Sheet sheet;
+  ASSERT_TRUE(wire::from_json(response.body, sheet));
+  EXPECT_LT(sheet.tick(), kManyTicks);
+}
+
+TEST_F(HttpServerTest, AStepWhoseClientEndsItsHalfIsAnsweredWithWhatWasDone) {
+  start();
+  ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
+  RawClient client(port_);
+  ASSERT_TRUE(client.send(step_request(kManyTicks)));
+  while (metric("kerf_ticks_total") == 0.0) {
+  }
+  client.end_sending();
+  const Response response = client.read_response();
+  ASSERT_EQ(response.status, 200) << response.body;
+  v1::Sheet sheet;
+  ASSERT_TRUE(wire::from_json(response.body, sheet));
+  EXPECT_GT(sheet.tick(), 0);
+  EXPECT_LT(sheet.tick(), kManyTicks);
+  EXPECT_TRUE(client.closed_by_peer());
+}
+
+TEST_F(HttpServerTest, AStepWhoseClientSendsItsNextRequestGoesOn) {
+  start();
+  ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
+  RawClient client(port_);
+  ASSERT_TRUE(client.send(step_request(200)));
+  ASSERT_TRUE(client.send(step_request(30)));
+  for (const std::int64_t tick : {200, 230}) {
+    const Response response = client.read_response();
+    ASSERT_EQ(response.status, 200) << response.body;
+    v1::Sheet sheet;
+    ASSERT_TRUE(wire::from_json(response.body, sheet));
+    EXPECT_EQ(sheet.tick(), tick);
+  }
+}
+
 TEST_F(HttpServerTest, NeverSharesAPort) {
   start();
   app::Config config = test_config();

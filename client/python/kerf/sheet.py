@@ -88,6 +88,11 @@ class Sheet:
         """The cuts applied since the last reset and not undone, oldest first: `cut` as applied and its `result`."""
         return [entry for page in self._pages_of_cuts() for entry in page.cuts]
 
+    def cancel(self, name: str) -> cuts_pb2.ScheduledCuts:
+        """Takes back cuts that wait for their tick: by `scheduled_name` of the call's answer, or `name` of waiting()."""
+        request = cuts_pb2.CancelScheduledCutsRequest(name=name)
+        return self._server.call(self._server.cut_service.CancelScheduledCuts, request)
+
     def waiting(self) -> List[cuts_pb2.ScheduledCuts]:
         """The cuts that wait for their tick, by tick."""
         return self._scheduled(cuts_pb2.ScheduledCuts.WAITING)
