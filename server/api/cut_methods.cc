@@ -202,6 +202,7 @@ void Api::create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCuts
 }
 
 void Api::cancel_scheduled_cuts(const v1::CancelScheduledCutsRequest& request, Reply<v1::ScheduledCuts> reply) {
+  if (core_->stopping) return reply(server_stopping());
   const Result<ScheduledName> name = parse_scheduled_name(request.name());
   if (!name.ok()) return reply(name.error());
   const Result<std::string> id = addressed_sheet(*core_, sheet_name(name->sheet_id), "name");
