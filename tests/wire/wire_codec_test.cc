@@ -160,7 +160,9 @@ TEST(SceneCodec, MeshFilesAreReadOnlyWithAReader) {
 TEST(SceneCodec, ObjFilesMayHoldAnyBytes) {
   v1::Scene scene = full_scene();
   scene.mutable_obj()->set_file("flag.obj");
-  const FileReader reader = [](const std::string&) -> Result<std::string> { return std::string("o T\xfcr\nv 0 0 0\n"); };
+  const FileReader reader = [](const std::string&) -> Result<std::string> {
+    return std::string("o T\xfcr\nv 0 0 0\n");
+  };
   const Result<sheet::SheetConfig> read = decode_scene(scene, reader);
   ASSERT_TRUE(read.ok());
   EXPECT_EQ(encode_scene(*read).obj().text(), "o T?r\nv 0 0 0\n");
