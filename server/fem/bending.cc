@@ -41,6 +41,34 @@ Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& G) {
   return inverse;
 }
 
+// Rows of the fit, one a neighbour.
+struct Conditions {
+  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();                          // on the curvature
+  Eigen::Matrix<double, 3, 6> W = Eigen::Matrix<double, 3, 6>::Zero();  // w = W x
+
+  Conditions(const std::array<Eigen::Vector2d, 3>& corners, const std::array<Eigen::Vector2d, 3>& opposite,
+             const std::array<bool, 3>& has_opposite) {
+    for (int r = 0; r < 3; ++r) {
+      const auto slot = static_cast<std::size_t>(r);
+      if (!has_opposite[slot]) continue;
+      const Eigen::Vector3d lambda = barycentric(corners, opposite[slot]);
+      Eigen::Vector3d p = quadratic_terms(opposite[slot] - corners[0]);
+      for (int k = 0; k < 3; ++k) {
+        p -= lambda[k] * quadratic_terms(corners[static_cast<std::size_t>(k)] - corners[0]);
+        W(r, k) = -lambda[k];
+      }
+      W(r, 3 + r) = 1.0;
+      P.row(r) = p.transpose();
+    }
+  }
+};
+
+double area_of(const std::array<Eigen::Vector2d, 3>& corners) {
+  const Eigen::Vector2d e1 = corners[1] - corners[0];
+  const Eigen::Vector2d e2 = corners[2] - corners[0];
+  return 0.5 * (e1.x() * e2.y() - e1.y() * e2.x());
+}
+
 }  // namespace
 
 std::array<double, 21> bending_stiffness(const std::array<Eigen::Vector2d, 3>& corners,
@@ -49,32 +77,22 @@ std::array<double, 21> bending_stiffness(const std::array<Eigen::Vector2d, 3>& c
                                          const Eigen::Matrix3d& D_inverse) {
   using Matrix36 = Eigen::Matrix<double, 3, 6>;
   using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();  // row r: condition of neighbour r
-  Matrix36 W = Matrix36::Zero();                // w = W x
-  for (int r = 0; r < 3; ++r) {
-    const auto slot = static_cast<std::size_t>(r);
-    if (!has_opposite[slot]) continue;
-    const Eigen::Vector3d lambda = barycentric(corners, opposite[slot]);
-    Eigen::Vector3d p = quadratic_terms(opposite[slot] - corners[0]);
-    for (int k = 0; k < 3; ++k) {
-      p -= lambda[k] * quadratic_terms(corners[static_cast<std::size_t>(k)] - corners[0]);
-      W(r, k) = -lambda[k];
-    }
-    W(r, 3 + r) = 1.0;
-    P.row(r) = p.transpose();
-  }
-  const Eigen::Matrix3d D_inverse_Pt = D_inverse * P.transpose();
-  const Matrix36 B = D_inverse_Pt * (pseudo_inverse(P * D_inverse_Pt) * W);
-  const Eigen::Vector2d e1 = corners[1] - corners[0];
-  const Eigen::Vector2d e2 = corners[2] - corners[0];
-  const double A = 0.5 * (e1.x() * e2.y() - e1.y() * e2.x());
-  const Matrix6 Q = A * (B.transpose() * (D * B));
+  const Conditions fit(corners, opposite, has_opposite);
+  const Eigen::Matrix3d D_inverse_Pt = D_inverse * fit.P.transpose();
+  const Matrix36 B = D_inverse_Pt * (pseudo_inverse(fit.P * D_inverse_Pt) * fit.W);
+  const Matrix6 Q = area_of(corners) * (B.transpose() * (D * B));
   std::array<double, 21> upper{};
   std::size_t at = 0;
   for (int i = 0; i < 6; ++i) {
     for (int j = i; j < 6; ++j) upper[at++] = 0.5 * (Q(i, j) + Q(j, i));
   }
   return upper;
+}
+
+BendingFit fit_bending(const std::array<Eigen::Vector2d, 3>& corners, const std::array<Eigen::Vector2d, 3>& opposite,
+                       const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D_inverse) {
+  const Conditions fit(corners, opposite, has_opposite);
+  return {fit.W, area_of(corners) * pseudo_inverse(fit.P * (D_inverse * fit.P.transpose()))};
 }
 
 }  // namespace kerf::fem

@@ -23,7 +23,7 @@ struct BendingPatch {
 
   [[nodiscard]] double at(int a, int b) const { return stiffness[kPlace[static_cast<std::size_t>(6 * a + b)]]; }
 
- private:
+  // Of entry (a, b), at 6 a + b, in an upper triangle by rows.
   static constexpr std::array<std::uint8_t, 36> kPlace{0, 1, 2,  3,  4,  5,  1, 6,  7,  8,  9,  10,
                                                        2, 7, 11, 12, 13, 14, 3, 8,  12, 15, 16, 17,
                                                        4, 9, 13, 16, 18, 19, 5, 10, 14, 17, 19, 20};
@@ -36,6 +36,13 @@ struct BendingEntry {
   bool operator==(const BendingEntry&) const = default;
 };
 
+// The fit of a patch: w = conditions x, of which a missing neighbour's row is 0, and E = 1/2 w.law w, so that
+// Q = conditions^T law conditions.
+struct BendingFit {
+  Eigen::Matrix<double, 3, 6> conditions = Eigen::Matrix<double, 3, 6>::Zero();  // -
+  Eigen::Matrix3d law = Eigen::Matrix3d::Zero();                                 // N/m
+};
+
 // corners: rest positions of the triangle, m, material axes, counter-clockwise. opposite[k]: of the vertex across the
 // edge opposite corner k; read only where has_opposite[k]. D: plate law, N m, Voigt (k11, k22, 2 k12), and its inverse.
 // Fit: P_r = phi(X_r) - sum_k lambda_k(X_r) phi(X_k) with phi(d) = (d1^2/2, d2^2/2, d1 d2/2) about corner 0 and
@@ -45,5 +52,9 @@ std::array<double, 21> bending_stiffness(const std::array<Eigen::Vector2d, 3>& c
                                          const std::array<Eigen::Vector2d, 3>& opposite,
                                          const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D,
                                          const Eigen::Matrix3d& D_inverse);
+
+// The fit that bending_stiffness makes its matrix of.
+BendingFit fit_bending(const std::array<Eigen::Vector2d, 3>& corners, const std::array<Eigen::Vector2d, 3>& opposite,
+                       const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D_inverse);
 
 }  // namespace kerf::fem

@@ -33,14 +33,6 @@ Eigen::Matrix2d rotation_into_material_axes(double direction) {
   };
 }
 
-// The corner of `slot` that is not on its edge to `from`.
-VertexId vertex_across(const mesh::TriangleMesh& mesh, TriangleId slot, TriangleId from) {
-  for (int k = 0; k < 3; ++k) {
-    if (mesh.neighbour(slot, k) == from) return mesh.vertices(slot)[static_cast<std::size_t>(k)];
-  }
-  KERF_CHECK(false, "neighbours are not mutual");
-}
-
 }  // namespace
 
 Model::Model(const mesh::TriangleMesh& mesh, const Material& material)
@@ -85,8 +77,9 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
   std::vector<TriangleId> changed = rewritten;
   const auto num_lanes = static_cast<int>(blocks_.size()) * kLanes;
   for (int slot = num_slots_; slot < std::min(num_slots_before, num_lanes); ++slot) changed.push_back(slot);
-  stiffness_bound_.update({blocks_, incident_, bending_rows_, membrane_law_, stiffness_, mass_, inverse_mass_}, changed,
-                          change.vertices, rows_.members());
+  stiffness_bound_.update({blocks_, incident_, rest_bending_.empty() ? bending_rows_ : bound_rows_, membrane_law_,
+                           stiffness_, mass_, inverse_mass_},
+                          changed, change.vertices, rows_.members());
   return change;
 }
 
@@ -123,6 +116,9 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   row_place_.resize(num_vertices, -1);
   patches_.resize(static_cast<std::size_t>(num_slots_));
   bending_rows_.resize(mesh.num_vertices());
+  if (!mesh.is_curved()) return;
+  rest_bending_.resize(static_cast<std::size_t>(num_slots_));
+  bound_rows_.resize(mesh.num_vertices());
 }
 
 bool Model::has_material(TriangleId slot) const {
@@ -187,20 +183,10 @@ void Model::set_incidence(const std::vector<TriangleId>& rewritten) {
 
 void Model::set_element(const mesh::TriangleMesh& mesh, TriangleId slot) {
   if (!mesh.is_solid(slot)) return write_element(slot, {0, 0, 0}, Eigen::Matrix2d::Zero(), 0.0);
-  const std::array<VertexId, 3>& vertices = mesh.vertices(slot);
-  // Lattice differences are exact, those of positions are not where the sheet lies far from the origin.
-  const auto edge = [&](VertexId to) {
-    const mesh::LatticePoint& a = mesh.at(mesh.point(vertices[0]));
-    const mesh::LatticePoint& b = mesh.at(mesh.point(to));
-    const Eigen::Vector2d units(static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y));
-    return Eigen::Vector2d(material_from_rest_ * (mesh.lattice().spacing * units));
-  };
-  Eigen::Matrix2d Dm;
-  Dm.col(0) = edge(vertices[1]);
-  Dm.col(1) = edge(vertices[2]);
+  const Eigen::Matrix2d Dm = material_from_rest_ * mesh.rest_edges(slot);
   const double area = 0.5 * Dm.determinant();
   KERF_CHECK(area > 0.0, "a solid triangle has positive rest area");
-  write_element(slot, vertices, Dm.inverse(), area);
+  write_element(slot, mesh.vertices(slot), Dm.inverse(), area);
 }
 
 void Model::write_element(TriangleId slot, const std::array<VertexId, 3>& vertices, const Eigen::Matrix2d& Dm_inv,
@@ -233,8 +219,10 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
   const auto v = static_cast<std::size_t>(vertex);
   lumped_mass_[v] = material_.density * material_.thickness * area / 3.0;
   stiffness_[v] = stiffness;
-  const double edge_length = mesh.records().lengths.at(mesh.rest_position(vertex));
-  mass_floor_[v] = unit_floor_ * edge_length * edge_length * stiffness;
+  const double edge_length = mesh.edge_lengths().at(mesh.rest_position(vertex));
+  const mesh::Facet* const facet = mesh.has_material(vertex) ? mesh.facet(mesh.triangle_at(vertex)) : nullptr;
+  const double area_ratio = facet != nullptr ? facet->area_ratio() : 1.0;
+  mass_floor_[v] = unit_floor_ * edge_length * edge_length * stiffness * area_ratio;
 }
 
 MassChange Model::set_masses() {
@@ -250,93 +238,6 @@ MassChange Model::set_masses() {
     inverse_mass_[v] = mass_[v] > 0.0 ? 1.0 / mass_[v] : 0.0;
   }
   return change;
-}
-
-void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten,
-                        const std::vector<VertexId>& bereft) {
-  for (const VertexId v : bereft) rows_.insert(v);
-  // Of a neighbour's patch one vertex is a corner of the rewritten slot.
-  patched_.clear();
-  for (const TriangleId slot : rewritten) {
-    patched_.insert(slot);
-    for (int k = 0; k < 3; ++k) {
-      const TriangleId other = mesh.neighbour(slot, k);
-      if (other != mesh::kNone) patched_.insert(other);
-    }
-  }
-  const auto add_rows = [&](const BendingPatch& patch) {
-    for (const VertexId v : patch.vertex) {
-      if (v != mesh::kNone && v < mesh.num_vertices()) rows_.insert(v);
-    }
-  };
-  for (const TriangleId slot : patched_.members()) {
-    BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
-    add_rows(patch);
-    patch = make_patch(mesh, slot);
-    add_rows(patch);
-  }
-  for (const VertexId v : rows_.members()) sum_bending_row(mesh, v);
-}
-
-void Model::sum_bending_row(const mesh::TriangleMesh& mesh, VertexId vertex) {
-  std::vector<TriangleId>& slots = row_slots_;
-  slots.clear();
-  for (const TriangleId slot : incident_.row(vertex)) {
-    slots.push_back(slot);
-    const std::array<VertexId, 3> vertices = corners(slot);
-    const TriangleId across = mesh.neighbour(slot, (vertices[1] == vertex ? 1 : 0) + (vertices[2] == vertex ? 2 : 0));
-    if (across != mesh::kNone) slots.push_back(across);
-  }
-  std::sort(slots.begin(), slots.end());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
-
-  // Hardly any branch below could be predicted, hence few are made.
-  if (row_.size() < 6 * slots.size()) row_.resize(6 * slots.size());
-  std::size_t size = 0;
-  for (const TriangleId slot : slots) {
-    const BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
-    unsigned rows = 0;  // of the patch that are the vertex's: two around a vertex of three triangles
-    for (std::size_t a = 0; a < 6; ++a) rows |= (patch.vertex[a] == vertex ? 1U : 0U) << a;
-    for (; rows != 0; rows &= rows - 1) {
-      const int a = std::countr_zero(rows);
-      for (std::size_t b = 0; b < 6; ++b) {
-        const VertexId column = patch.vertex[b];
-        if (column == mesh::kNone) continue;
-        std::int32_t& place = row_place_[static_cast<std::size_t>(column)];
-        const bool is_new = place < 0;
-        place = is_new ? static_cast<std::int32_t>(size) : place;
-        size += is_new ? 1 : 0;
-        BendingEntry& entry = row_[static_cast<std::size_t>(place)];
-        entry.value = (is_new ? -0.0 : entry.value) + patch.at(a, static_cast<int>(b));  // -0.0 + x is x, of any sign
-        entry.column = column;
-      }
-    }
-  }
-  const std::span<BendingEntry> row(row_.data(), size);
-  for (const BendingEntry& entry : row) row_place_[static_cast<std::size_t>(entry.column)] = -1;
-  std::sort(row.begin(), row.end(), [](const BendingEntry& a, const BendingEntry& b) { return a.column < b.column; });
-  bending_rows_.set_row(vertex, row);
-}
-
-BendingPatch Model::make_patch(const mesh::TriangleMesh& mesh, TriangleId slot) const {
-  BendingPatch patch;
-  if (!has_material(slot)) return patch;
-  const std::array<VertexId, 3> vertices = corners(slot);
-  std::array<Eigen::Vector2d, 3> X;
-  std::array<Eigen::Vector2d, 3> opposite;
-  std::array<bool, 3> has_opposite{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    patch.vertex[k] = vertices[k];
-    X[k] = material_from_rest_ * mesh.rest_position(vertices[k]);
-    opposite[k].setZero();
-    const TriangleId across = mesh.neighbour(slot, static_cast<int>(k));
-    if (across == mesh::kNone) continue;
-    patch.vertex[3 + k] = vertex_across(mesh, across, slot);
-    opposite[k] = material_from_rest_ * mesh.rest_position(patch.vertex[3 + k]);
-    has_opposite[k] = true;
-  }
-  patch.stiffness = bending_stiffness(X, opposite, has_opposite, bending_law_, inverse_bending_law_);
-  return patch;
 }
 
 std::uint64_t Model::hash() const {
@@ -356,6 +257,10 @@ std::uint64_t Model::hash() const {
   for (const BendingPatch& patch : patches_) {
     hash.add_span(std::span<const VertexId>(patch.vertex));
     hash.add_span(std::span<const double>(patch.stiffness));
+  }
+  for (const RestBending& rest : rest_bending_) {
+    for (const Eigen::Vector3d& load : rest.load) hash.add_span(std::span<const double>(load.data(), 3));
+    hash.add(rest.energy);
   }
   for (const std::vector<double>* field : {&lumped_mass_, &stiffness_, &mass_floor_, &mass_, &inverse_mass_}) {
     hash.add_span(std::span<const double>(*field));

@@ -13,6 +13,7 @@
 #include "server/fem/index_set.h"
 #include "server/fem/mass_redistribution.h"
 #include "server/fem/material.h"
+#include "server/fem/rest_bending.h"
 #include "server/fem/row_store.h"
 #include "server/fem/stable_step.h"
 #include "server/fem/state.h"
@@ -47,10 +48,12 @@ struct MassChange {
   std::vector<double> dropped;           // kg, of the last vertices, which are gone
 };
 
-// The discrete elastic sheet: constants of every triangle, lumped masses and the bending matrix, for a flat rest shape
-// (the mesh's rest positions) and one material.
+// The discrete elastic sheet: constants of every triangle, lumped masses and the bending matrix, for the rest shape of
+// the mesh, flat or curved, and one material.
 //   Membrane: co-rotational linear triangles, W = A/2 e.C e with e = U - I, F = R U (Biot strain).
-//   Bending: quadratic patch of a triangle and its up to three neighbours, W = A/2 kappa.D kappa (see bending.h).
+//   Bending: quadratic patch of a triangle and its up to three neighbours, W = A/2 kappa.D kappa (see bending.h); where
+//            the rest shape is curved the patch is unfolded along its edges, and kappa is measured from that of the
+//            rest shape (see rest_bending.h).
 //   Mass: a third of each triangle's to each corner; vertices far too light for their stiffness, as along a cut, are
 //         given some of their neighbours' (see mass_redistribution.h).
 // Derived from mesh and material alone: two models of equal mesh and material are equal bit for bit, however they were
@@ -87,6 +90,8 @@ class Model {
   [[nodiscard]] bool has_bending() const { return material_.bending_scale > 0.0; }
   // Q in N/m, one row a vertex: bending force on vertex i = -sum_j Q_ij x_j. Empty rows without bending.
   [[nodiscard]] const RowStore<BendingEntry>& bending_rows() const { return bending_rows_; }
+  // Empty where the rest shape is flat.
+  [[nodiscard]] RestBendingPatches rest_bending() const { return {patches_, rest_bending_}; }
   // Solid slots around each vertex, ascending.
   [[nodiscard]] const RowStore<mesh::TriangleId>& incident_slots() const { return incident_; }
   // Vertices whose row of the stiffness matrix may have other columns since the last apply() or follow(), or stand for
@@ -129,8 +134,15 @@ class Model {
   void set_bending(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten,
                    const std::vector<mesh::VertexId>& bereft);
   [[nodiscard]] BendingPatch make_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
-  // Row `vertex` of Q: the sum over the patches that the vertex is in, by ascending slot.
+  // The same of a curved rest shape; leaves what that adds in rest_bending_.
+  BendingPatch make_curved_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
+  // Row `vertex` of Q: the sum over the patches that the vertex is in, by ascending slot. Of a curved rest shape also
+  // that of what bounds the stiffness.
   void sum_bending_row(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
+  void find_patches_at(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
+  // entries(slot, a, b): of patch `slot`, all of those in row_slots_.
+  template <typename Entries>
+  void sum_row(mesh::VertexId vertex, const Entries& entries, RowStore<BendingEntry>& rows);
   [[nodiscard]] bool has_material(mesh::TriangleId slot) const;
   [[nodiscard]] std::array<mesh::VertexId, 3> corners(mesh::TriangleId slot) const;
 
@@ -146,9 +158,12 @@ class Model {
   std::vector<BendingPatch> patches_;  // one a slot; empty without bending
   RowStore<mesh::TriangleId> incident_;
   RowStore<BendingEntry> bending_rows_;
-  std::vector<double> lumped_mass_;  // kg, length V; a third of each triangle's
-  std::vector<double> stiffness_;    // N/m, length V; trace of the membrane stiffness at rest
-  std::vector<double> mass_floor_;   // kg, length V; below which a vertex is given mass
+  // Of a curved rest shape; empty else.
+  std::vector<RestBending> rest_bending_;  // one a slot
+  RowStore<BendingEntry> bound_rows_;      // sums of |Q_ij| + RestBending::excess
+  std::vector<double> lumped_mass_;        // kg, length V; a third of each triangle's
+  std::vector<double> stiffness_;          // N/m, length V; trace of the membrane stiffness at rest
+  std::vector<double> mass_floor_;         // kg, length V; below which a vertex is given mass
   std::vector<double> mass_;
   std::vector<double> inverse_mass_;
   MassRedistribution redistribution_;

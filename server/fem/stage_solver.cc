@@ -246,6 +246,7 @@ double StageSolver::evaluate_residual(const Problem& problem, const mesh::Vertex
   if (model.has_bending()) {
     damped_ = x + problem.beta * velocity_;
     add_bending_forces(model.bending_rows(), damped_, force_);
+    add_rest_bending_forces(model.rest_bending(), x, velocity_, problem.beta, force_);
   }
   add_grab_forces(problem, x);
   const double inertia = 1.0 + stage.d * model.material().mass_damping;
@@ -297,7 +298,9 @@ double StageSolver::merit(const Problem& problem, const mesh::VertexField& x) co
   const Model& model = problem.model;
   const double d = stage.d;
   double potential = membrane_energy(model.element_blocks(), model.membrane_law(), x);
-  if (model.has_bending()) potential += bending_energy(model.bending_rows(), x);
+  if (model.has_bending()) {
+    potential += bending_energy(model.bending_rows(), x) + rest_bending_energy(model.rest_bending(), x);
+  }
   const double inertia = 1.0 + d * model.material().mass_damping;
   double kinetic = 0.0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {

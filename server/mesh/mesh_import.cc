@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "server/base/check.h"
+#include "server/mesh/facets.h"
+#include "server/mesh/flattening.h"
 #include "server/mesh/void_fill.h"
 
 namespace kerf::mesh {
@@ -41,7 +43,7 @@ class SheetImport {
   Result<TriangleMesh> run() {
     using Step = Status (SheetImport::*)();
     for (const Step step : {&SheetImport::check_arrays, &SheetImport::quantise, &SheetImport::orient,
-                            &SheetImport::join_triangles, &SheetImport::check_vertices}) {
+                            &SheetImport::join_triangles, &SheetImport::check_vertices, &SheetImport::curve}) {
       if (const Status done = (this->*step)(); !done.ok()) return done.error();
     }
     records_.num_solid_triangles = num_triangles();
@@ -54,6 +56,11 @@ class SheetImport {
     if (const std::optional<std::string> violation = mesh.find_violation()) KERF_CHECK(false, violation->c_str());
 #endif
     return mesh;
+  }
+
+  // Of what the triangulation does not depend on.
+  Status check() {
+    return check_arrays();
   }
 
  private:
@@ -98,6 +105,28 @@ class SheetImport {
     for (std::int32_t v = 0; v < num_vertices(); ++v) {
       if (!is_used[v]) return invalid_argument("MESH_UNUSED_VERTEX", "no triangle has vertex " + id(v), "rest");
     }
+    return check_surface();
+  }
+
+  Status check_surface() {
+    if (input_.surface.cols() == 0) return check_regions();
+    if (input_.surface.cols() != input_.rest.cols()) {
+      return invalid_argument(
+          "MESH_SURFACE",
+          "the rest surface has " + id(input_.surface.cols()) + " positions for " + id(num_vertices()) + " vertices",
+          "surface");
+    }
+    for (std::int32_t v = 0; v < num_vertices(); ++v) {
+      if (!(input_.surface.col(v).cwiseAbs().maxCoeff() <= kMaxRestCoordinate)) {  // false for NaN
+        return invalid_argument("MESH_OUT_OF_RANGE",
+                                "vertex " + id(v) + " of the rest surface is not within 1e4 m of the origin",
+                                "surface");
+      }
+    }
+    return check_regions();
+  }
+
+  Status check_regions() {
     const auto num_regions = static_cast<std::int64_t>(input_.regions.size());
     if (num_regions != 0 && num_regions != num_triangles()) {
       return invalid_argument("MESH_REGIONS", id(num_regions) + " regions for " + id(num_triangles()) + " triangles",
@@ -254,6 +283,10 @@ class SheetImport {
     return Nothing{};
   }
 
+  Status curve() {
+    return input_.surface.cols() == 0 ? Status(Nothing{}) : make_facets(input_.surface, records_);
+  }
+
   void label_pieces() {
     std::vector<TriangleId> stack;
     for (TriangleId first = 0; first < num_triangles(); ++first) {
@@ -293,10 +326,26 @@ class SheetImport {
   std::vector<BorderSide> border_;
 };
 
+// A surface without material coordinates: the first of the ways to make them that gives a sheet.
+Result<TriangleMesh> import_surface(const IndexedMesh& input) {
+  IndexedMesh with_rest = input;
+  with_rest.rest = input.surface.topRows<2>();  // for the checks of what does not depend on it
+  if (const Status valid = SheetImport(with_rest).check(); !valid.ok()) return valid.error();
+  for (const Flattening method : {Flattening::kConformal, Flattening::kConvex}) {
+    Result<Eigen::Matrix2Xd> rest = flatten(input.surface, input.triangles, method);
+    if (!rest) return rest.error();
+    with_rest.rest = std::move(rest).value();
+    Result<TriangleMesh> made = SheetImport(with_rest).run();
+    if (made || method == Flattening::kConvex) return made;
+  }
+  KERF_CHECK(false, "the last way returns");
+}
+
 }  // namespace
 
 Result<TriangleMesh> import_mesh(const IndexedMesh& input) {
-  return SheetImport(input).run();
+  if (input.surface.cols() == 0 || input.rest.cols() > 0) return SheetImport(input).run();
+  return import_surface(input);
 }
 
 }  // namespace kerf::mesh

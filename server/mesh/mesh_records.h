@@ -2,12 +2,14 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "server/mesh/edge_lengths.h"
 #include "server/mesh/ids.h"
 #include "server/mesh/lattice.h"
 #include "server/mesh/predicates.h"
+#include "server/mesh/rest_surface.h"
 
 namespace kerf::mesh {
 
@@ -40,19 +42,22 @@ struct TriangleRecord {
   std::array<TriangleId, 3> neighbours{kNone, kNone, kNone};  // welded, across edge k; kNone at the domain's rim only
   std::array<VertexId, 3> vertices{kNone, kNone, kNone};      // opened; kNone in the void
   std::array<LockBits, 3> locks{0, 0, 0};                     // of edge k
-  std::int32_t region = kNone;                                // label given at import, >= 0; kNone = void
-  std::int32_t piece = kNone;                                 // in [0, num_pieces); kNone in the void
+  // A part of the sheet that flips do not leave: the label given at import, >= 0, or, where the rest shape is curved,
+  // the number of the facet. kNone = void.
+  std::int32_t region = kNone;
+  std::int32_t piece = kNone;  // in [0, num_pieces); kNone in the void
   friend bool operator==(const TriangleRecord&, const TriangleRecord&) = default;
 };
 
 // All that a TriangleMesh holds.
 struct MeshRecords {
   Lattice lattice;
-  Eigen::AlignedBox2d bounds;             // of the sheet as built, m
-  EdgeLengths lengths;                    // of the sheet as built
-  std::vector<PointRecord> points;        // by PointId
-  std::vector<VertexRecord> vertices;     // by VertexId
-  std::vector<TriangleRecord> triangles;  // by TriangleId
+  Eigen::AlignedBox2d bounds;                  // of the sheet as built, m
+  EdgeLengths lengths;                         // of the sheet as built
+  std::shared_ptr<const RestSurface> surface;  // null: the rest shape is flat, the material plane itself
+  std::vector<PointRecord> points;             // by PointId
+  std::vector<VertexRecord> vertices;          // by VertexId
+  std::vector<TriangleRecord> triangles;       // by TriangleId
   std::int32_t num_solid_triangles = 0;
   std::int32_t num_pieces = 0;
 };

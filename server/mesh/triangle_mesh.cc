@@ -60,7 +60,23 @@ void TriangleMesh::fan_around(PointId p, std::vector<TriangleId>& fan) const {
 double TriangleMesh::area(TriangleId t) const {
   const std::array<PointId, 3>& p = points(t);
   const double spacing = records_.lattice.spacing;
-  return 0.5 * spacing * spacing * to_double(doubled_area(at(p[0]), at(p[1]), at(p[2])));
+  const double area = 0.5 * spacing * spacing * to_double(doubled_area(at(p[0]), at(p[1]), at(p[2])));
+  const Facet* const on = facet(t);
+  return on != nullptr ? on->area_ratio() * area : area;
+}
+
+Eigen::Matrix2d TriangleMesh::rest_edges(TriangleId t) const {
+  const std::array<PointId, 3>& p = points(t);
+  const auto edge = [&](PointId to) {
+    const LatticePoint& a = at(p[0]);
+    const LatticePoint& b = at(to);
+    return Eigen::Vector2d(records_.lattice.spacing *
+                           Eigen::Vector2d(static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y)));
+  };
+  Eigen::Matrix2d edges;
+  edges << edge(p[1]), edge(p[2]);
+  const Facet* const on = facet(t);
+  return on != nullptr ? Eigen::Matrix2d(on->stretch() * edges) : edges;
 }
 
 bool TriangleMesh::is_fixed(TriangleId t, int k) const {
@@ -130,6 +146,7 @@ void TriangleMesh::add_to(StateHash& hash) const {
   }
   hash.add(records_.num_solid_triangles);
   hash.add(records_.num_pieces);
+  if (is_curved()) records_.surface->add_to(hash);
 }
 
 std::uint64_t TriangleMesh::state_hash() const {
@@ -143,7 +160,8 @@ bool operator==(const TriangleMesh& a, const TriangleMesh& b) {
   const MeshRecords& y = b.records_;
   return x.lattice == y.lattice && x.bounds.min() == y.bounds.min() && x.bounds.max() == y.bounds.max() &&
          x.lengths == y.lengths && x.points == y.points && x.vertices == y.vertices && x.triangles == y.triangles &&
-         x.num_solid_triangles == y.num_solid_triangles && x.num_pieces == y.num_pieces;
+         x.num_solid_triangles == y.num_solid_triangles && x.num_pieces == y.num_pieces &&
+         (x.surface == y.surface || (x.surface && y.surface && *x.surface == *y.surface));
 }
 
 }  // namespace kerf::mesh

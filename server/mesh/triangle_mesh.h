@@ -94,7 +94,10 @@ class TriangleMesh {
     return r.region == kNone || (r.locks[k] & kLocksThatOpen) != 0 ? kNone : r.neighbours[k];
   }
   // Label given at import, >= 0; kNone in the void.
-  [[nodiscard]] std::int32_t region(TriangleId t) const { return record(t).region; }
+  [[nodiscard]] std::int32_t region(TriangleId t) const {
+    const Facet* const on = facet(t);
+    return on != nullptr ? on->region : record(t).region;
+  }
   // In [0, num_pieces()); kNone in the void. A piece that is cut in two keeps its number on one side.
   [[nodiscard]] std::int32_t piece(TriangleId t) const { return record(t).piece; }
   // Material coordinates, m.
@@ -112,13 +115,24 @@ class TriangleMesh {
   // --- Sizes in rest space.
   // Of the sheet as built, m.
   [[nodiscard]] const Eigen::AlignedBox2d& bounding_box() const { return records_.bounds; }
-  // m^2, > 0.
+  // m^2, > 0; where the rest shape is curved, of solid triangles on the surface.
   [[nodiscard]] double area(TriangleId t) const;
   // Mean over the solid triangles of the mesh as built of sqrt(2 area), the leg of the isosceles right triangle of the
   // same area, m. Cuts do not change it.
   [[nodiscard]] double base_edge_length() const { return records_.lengths.mean; }
   // The same place by place. Cuts do not change it either.
   [[nodiscard]] const EdgeLengths& edge_lengths() const { return records_.lengths; }
+
+  // --- The rest shape, where it is curved: material coordinates are then a chart of it, and lengths of a cut, as in
+  // edge_lengths(), are lengths there.
+  [[nodiscard]] bool is_curved() const { return records_.surface != nullptr; }
+  // What a solid triangle is a part of; null where the rest shape is flat, and in the void.
+  [[nodiscard]] const Facet* facet(TriangleId t) const {
+    return is_curved() && is_solid(t) ? &records_.surface->facets[static_cast<std::size_t>(record(t).region)] : nullptr;
+  }
+  // Columns: from corner 0 of a solid triangle to corners 1 and 2, m, in its plane, whose first axis is along material
+  // x. Differences of the lattice are exact, those of positions are not where the sheet lies far from the origin.
+  [[nodiscard]] Eigen::Matrix2d rest_edges(TriangleId t) const;
 
   // --- The welded mesh (for cutting and checking).
   [[nodiscard]] const Lattice& lattice() const { return records_.lattice; }
