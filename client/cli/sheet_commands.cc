@@ -25,12 +25,18 @@ struct CreateArguments {
   std::string size = "1x1";
   std::string obj;  // a file, instead of a grid
   std::string ply;  // a file, instead of a grid
+  std::string rest = "auto";
   std::string pin = "top";
   std::string material;
 };
 
 void print(const Session& session, const v1::Sheet& sheet) {
   std::printf("%s\n", (session.json ? to_script_json(sheet) : describe(sheet)).c_str());
+}
+
+v1::RestShape rest_shape(const std::string& name) {
+  if (name == "flat") return v1::REST_SHAPE_FLAT;
+  return name == "surface" ? v1::REST_SHAPE_SURFACE : v1::REST_SHAPE_UNSPECIFIED;
 }
 
 // The sheet's mesh; kDone, or the exit code of what is wrong, which has been said.
@@ -41,8 +47,10 @@ int add_mesh(const CreateArguments& arguments, v1::Scene& scene) {
     if (!content) return refuse(content.error());
     if (arguments.obj.empty()) {
       scene.mutable_ply()->set_data(std::move(content).value());
+      scene.mutable_ply()->set_rest_shape(rest_shape(arguments.rest));
     } else {
       scene.mutable_obj()->set_text(wire::obj_text(std::move(content).value()));
+      scene.mutable_obj()->set_rest_shape(rest_shape(arguments.rest));
     }
     return kDone;
   }
@@ -148,11 +156,19 @@ void add_create(CLI::App& sheet, Session& session) {
   CLI::Option* obj =
       create->add_option("--obj", arguments->obj,
                          "Mesh from this Wavefront OBJ file: its positions place the sheet, its texture\n"
-                         "coordinates in metres are the rest shape; without any, it must be flat. A call takes 1 MiB");
+                         "coordinates in metres are material coordinates; see --rest. A call takes 1 MiB");
   CLI::Option* ply = create->add_option("--ply", arguments->ply,
                                         "The same from a PLY file, text or binary; s t, u v or texture_u texture_v");
   for (CLI::Option* file : {obj, ply}) file->excludes(grid)->excludes(size);
   obj->excludes(ply);
+  create
+      ->add_option("--rest", arguments->rest,
+                   "Rest shape of a mesh file: flat (its texture coordinates, or its plane), surface\n"
+                   "(its positions, curved as they are), or auto: flat where the file allows it")
+      ->check(CLI::IsMember({"auto", "flat", "surface"}))
+      ->excludes(grid)
+      ->excludes(size)
+      ->capture_default_str();
   create->add_option("--pin", arguments->pin, "What is held: top (the edge y = height), corners, none")
       ->check(CLI::IsMember({"top", "corners", "none"}))
       ->capture_default_str();

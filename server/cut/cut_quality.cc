@@ -115,7 +115,7 @@ CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const Trian
   double sum_angle = 0.0, sum_aspect = 0.0, sum_ratio = 0.0;
   std::vector<TriangleId> below;
   for (const TriangleId t : triangles) {
-    const TriangleShape shape = shape_of(corners_of(mesh, t));
+    const TriangleShape shape = rest_shape_of(mesh, t);
     const double angle = angle_of(shape.cos_smallest);
     const double aspect = shape.longest / shape.smallest_height;
     const double ratio = shape.longest / shape.shortest;

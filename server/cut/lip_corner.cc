@@ -34,11 +34,14 @@ double LipCorners::sharpest(PointId p) {
   for (std::size_t first = 0; first < size; ++first) {
     const int k = mesh_.corner_of(fan_[first], p);
     if (!mesh_.is_solid(fan_[first]) || !mesh_.is_fixed(fan_[first], previous_corner(k))) continue;
-    const Vector2d start = difference(mesh_.at(p), mesh_.at(mesh_.points(fan_[first])[next_corner(k)]));
+    // Edges between facets are fixed: the sector lies in the facet of its first triangle.
+    const Vector2d start =
+        mesh_.at_rest(fan_[first], difference(mesh_.at(p), mesh_.at(mesh_.points(fan_[first])[next_corner(k)])));
     for (std::size_t step = 0; step < size; ++step) {
       const TriangleId t = fan_[(first + step) % size];
       const int corner = mesh_.corner_of(t, p);
-      const Vector2d end = difference(mesh_.at(p), mesh_.at(mesh_.points(t)[previous_corner(corner)]));
+      const Vector2d end =
+          mesh_.at_rest(fan_[first], difference(mesh_.at(p), mesh_.at(mesh_.points(t)[previous_corner(corner)])));
       const double cos_angle = cos_between(start, end);
       if (cos_angle < kCosSharp || start.x() * end.y() - start.y() * end.x() <= 0.0) break;
       if (!mesh_.is_fixed(t, next_corner(corner))) continue;
@@ -81,7 +84,7 @@ void LipCorners::follow_lips(PointId p, std::vector<Reach>& reached) {
 }
 
 int LipCorners::edges_to_sharp_corner(PointId p, PointId q) {
-  if (mesh_.locks_at_point(p) == 0 || mesh_.locks_at_point(q) == 0) return 0;
+  if (!mesh_.has_fixed_edge(p) || !mesh_.has_fixed_edge(q)) return 0;
   follow_lips(p, from_p_);
   follow_lips(q, from_q_);
   for (const Reach& a : from_p_) {

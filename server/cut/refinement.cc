@@ -8,6 +8,8 @@
 #include <optional>
 #include <queue>
 
+#include <Eigen/LU>
+
 #include "server/cut/lattice_geometry.h"
 #include "server/cut/lip_corner.h"
 #include "server/cut/path_walk.h"
@@ -160,7 +162,7 @@ class Refinement {
 
   void consider(TriangleId t) {
     if (!mesh_.is_solid(t)) return;
-    const TriangleShape shape = shape_of(corners_of(mesh_, t));
+    const TriangleShape shape = rest_shape_of(mesh_, t);
     if (shape.cos_smallest > cos_limit_ || is_too_large(t, shape))
       queue_.push({shape.cos_smallest, order_++, t, mesh_.points(t)});
   }
@@ -174,7 +176,7 @@ class Refinement {
 
   // Inserts one point that removes t or brings its removal nearer. False where t has to stay as it is.
   bool improve(TriangleId t) {
-    const TriangleShape shape = shape_of(corners_of(mesh_, t));
+    const TriangleShape shape = rest_shape_of(mesh_, t);
     const int c = shape.sharpest_corner;
     const double scale = scale_at(mesh_.points(t)[c]);
     if (shape.cos_smallest <= cos_limit_) return insert_against(t, c, shape);  // well shaped, but too large
@@ -214,12 +216,11 @@ class Refinement {
   // Where the place for a new point is taken, t is not Delaunay: a sheet need not have been, and moving points can
   // leave edges at them that are not.
   bool flip_away(TriangleId t) {
-    const std::array<LatticePoint, 3> at = corners_of(mesh_, t);
     for (int k = 0; k < 3; ++k) {
       if (mesh_.is_fixed(t, k)) continue;
       const TriangleId u = mesh_.welded_neighbour(t, k);
       const PointId across = mesh_.points(u)[mesh_.mirror_corner(t, k)];
-      if (mesh::in_circle(at[0], at[1], at[2], mesh_.at(across)) <= 0 || !editor_.flip_edge(t, k)) continue;
+      if (!mesh_.is_in_circle(t, mesh_.at(across)) || !editor_.flip_edge(t, k)) continue;
       ++counts_.insertions;
       consider(u);
       return true;
@@ -232,15 +233,18 @@ class Refinement {
     const LatticePoint& p = mesh_.at(mesh_.points(t)[next_corner(c)]);
     const LatticePoint& q = mesh_.at(mesh_.points(t)[previous_corner(c)]);
     const LatticePoint& apex = mesh_.at(mesh_.points(t)[c]);
-    const Vector2d edge = difference(p, q);
-    const Vector2d to_apex = difference(p, apex);
-    const double doubled_area = mesh::to_double(mesh::doubled_area(p, q, apex));
+    const Vector2d edge = mesh_.at_rest(t, difference(p, q));
+    const Vector2d to_apex = mesh_.at_rest(t, difference(p, apex));
+    const mesh::Facet* const facet = mesh_.facet(t);
+    const double doubled_area = facet != nullptr ? edge.x() * to_apex.y() - edge.y() * to_apex.x()
+                                                 : mesh::to_double(mesh::doubled_area(p, q, apex));
     const Vector2d inward(-edge.y(), edge.x());
     // Circumcentre = middle of pq + height * inward, height = (apex - p) . (apex - q) / (2 * doubled area).
     const double circumcentre = to_apex.dot(to_apex - edge) / (2.0 * doubled_area);
     const double cos_angle = cos_limit_;
     const double nearer = kOffCentreFactor * std::sqrt((1.0 + cos_angle) / (1.0 - cos_angle));
-    return rounded(p, 0.5 * edge + std::min(circumcentre, nearer) * inward);
+    const Vector2d offset = 0.5 * edge + std::min(circumcentre, nearer) * inward;
+    return rounded(p, facet != nullptr ? Vector2d(facet->stretch().inverse() * offset) : offset);
   }
 
   // Walks straight from the middle of t to the target. Returns the first fixed edge on the way, or fills `location`
@@ -298,8 +302,8 @@ class Refinement {
         }
         const LatticePoint& a = mesh_.at(mesh_.points(t)[next_corner(k)]);
         const LatticePoint& b = mesh_.at(mesh_.points(t)[previous_corner(k)]);
-        const Vector2d to_a = difference(at, a);
-        const Vector2d to_b = difference(at, b);
+        const Vector2d to_a = mesh_.at_rest(t, difference(at, a));
+        const Vector2d to_b = mesh_.at_rest(t, difference(at, b));
         const double cos_seen = to_a.dot(to_b) / std::sqrt(to_a.squaredNorm() * to_b.squaredNorm());
         if (cos_seen >= worst_cos || (is_frozen({t, k}) && distance_to_segment(at, a, b) > room)) continue;
         worst_cos = cos_seen;
@@ -311,14 +315,13 @@ class Refinement {
 
   void grow_cavity(TriangleId t, const LatticePoint& at) {
     if (std::find(cavity_.begin(), cavity_.end(), t) != cavity_.end()) return;
-    const std::array<LatticePoint, 3> corners = corners_of(mesh_, t);
-    if (mesh::in_circle(corners[0], corners[1], corners[2], at) > 0) cavity_.push_back(t);
+    if (mesh_.is_in_circle(t, at)) cavity_.push_back(t);
   }
 
-  // Whether the edge opposite corner c joins two different lips.
+  // Whether the edge opposite corner c joins two different lips, or other fixed edges.
   [[nodiscard]] bool spans_gap(TriangleId t, int c) const {
-    return !mesh_.is_fixed(t, c) && mesh_.locks_at_point(mesh_.points(t)[next_corner(c)]) != 0 &&
-           mesh_.locks_at_point(mesh_.points(t)[previous_corner(c)]) != 0;
+    return !mesh_.is_fixed(t, c) && mesh_.has_fixed_edge(mesh_.points(t)[next_corner(c)]) &&
+           mesh_.has_fixed_edge(mesh_.points(t)[previous_corner(c)]);
   }
 
   // Splits a fixed edge at the foot of a point of another lip that faces it across a narrow gap: halving it instead
@@ -329,7 +332,7 @@ class Refinement {
     const LatticePoint& a = mesh_.at(mesh_.points(edge.triangle)[next_corner(edge.corner)]);
     const LatticePoint& b = mesh_.at(mesh_.points(edge.triangle)[previous_corner(edge.corner)]);
     const double narrow_gap = scale_at(facing) * config_.narrow_gap;
-    if (is_frozen(edge) || mesh_.locks_at_point(facing) == 0 || distance_to_segment(at, a, b) >= narrow_gap) {
+    if (is_frozen(edge) || !mesh_.has_fixed_edge(facing) || distance_to_segment(at, a, b) >= narrow_gap) {
       return false;
     }
     const LatticePoint foot = mesh::rounded_projection(a, b, at);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "server/cut/lattice_geometry.h"
 
 namespace kerf::cut {
@@ -12,7 +14,18 @@ TriangleShape shape_of(const std::array<mesh::LatticePoint, 3>& corners) {
   for (int k = 0; k < 3; ++k) {
     squared[k] = squared_distance(corners[mesh::next_corner(k)], corners[mesh::previous_corner(k)]);
   }
-  const double doubled_area = mesh::to_double(mesh::doubled_area(corners[0], corners[1], corners[2]));
+  return shape_of(squared, mesh::to_double(mesh::doubled_area(corners[0], corners[1], corners[2])));
+}
+
+TriangleShape rest_shape_of(const mesh::TriangleMesh& mesh, mesh::TriangleId t) {
+  if (!mesh.is_curved()) return shape_of(corners_of(mesh, t));
+  const Eigen::Matrix2d edges = mesh.rest_edges(t) / mesh.lattice().spacing;
+  const std::array<double, 3> squared{(edges.col(1) - edges.col(0)).squaredNorm(), edges.col(1).squaredNorm(),
+                                      edges.col(0).squaredNorm()};
+  return shape_of(squared, edges.determinant());
+}
+
+TriangleShape shape_of(const std::array<double, 3>& squared, double doubled_area) {
   TriangleShape shape;
   shape.sharpest_corner = static_cast<int>(std::min_element(squared.begin(), squared.end()) - squared.begin());
   const double a = squared[shape.sharpest_corner];

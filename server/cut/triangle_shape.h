@@ -27,6 +27,10 @@ inline double quality_of(double doubled_area, const std::array<double, 3>& squar
 }
 
 TriangleShape shape_of(const std::array<mesh::LatticePoint, 3>& corners);
+// From the squared lengths of the edges opposite each corner.
+TriangleShape shape_of(const std::array<double, 3>& squared, double doubled_area);
+// Of a solid triangle in the rest shape: where that is curved, on the surface.
+TriangleShape rest_shape_of(const mesh::TriangleMesh& mesh, mesh::TriangleId t);
 
 inline std::array<mesh::LatticePoint, 3> corners_of(const mesh::TriangleMesh& mesh, mesh::TriangleId t) {
   const auto& p = mesh.points(t);

@@ -30,7 +30,7 @@ Error too_many_vertices(std::int64_t count, std::int32_t limit) {
 // Vertices that a config asks for, as far as that can be told without building it.
 std::int64_t declared_vertices(const sheet::SheetConfig& config) {
   if (const auto* grid = std::get_if<sheet::GridSource>(&config.mesh)) return std::int64_t{grid->columns} * grid->rows;
-  if (const auto* arrays = std::get_if<sheet::ArraySource>(&config.mesh)) return arrays->material_positions.cols();
+  if (const auto* arrays = std::get_if<sheet::ArraySource>(&config.mesh)) return arrays->num_vertices();
   return 0;
 }
 

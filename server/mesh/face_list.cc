@@ -68,7 +68,7 @@ Status FaceList::add_face(std::span<const Corner> corners) {
 }
 
 // Vertices are the different corners, by position and then by texture coordinate.
-Result<ImportedSheet> FaceList::assemble() const {
+Result<ImportedSheet> FaceList::assemble(RestShape rest_shape) const {
   if (triangles_.empty()) return invalid_argument("EMPTY", "no face");
   std::vector<Corner> vertices;
   vertices.reserve(3 * triangles_.size());
@@ -94,9 +94,13 @@ Result<ImportedSheet> FaceList::assemble() const {
   if (has_texture_) {
     imported.sheet.rest.resize(2, num_vertices);
     for (Eigen::Index v = 0; v < num_vertices; ++v) imported.sheet.rest.col(v) = textures_[vertices[v].second];
+    if (rest_shape == RestShape::kSurface) imported.sheet.surface = imported.world;
     return imported;
   }
-  if (const Status flat = flatten(imported); !flat.ok()) return flat.error();
+  const Status flat = flatten(imported);
+  if (flat.ok()) return imported;
+  if (rest_shape == RestShape::kFlat) return flat.error();
+  imported.sheet.surface = imported.world;
   return imported;
 }
 
@@ -108,16 +112,19 @@ Status FaceList::flatten(ImportedSheet& imported) const {
   const double size = extent.maxCoeff();
   if (!(area.norm() > kFlatness * size * size)) {
     return invalid_argument("NOT_PLANAR",
-                            "the faces have no common plane; give them texture coordinates as rest shape");
+                            "the faces have no common plane; give them texture coordinates as rest shape, or take the "
+                            "curved surface as it");
   }
   const Eigen::Vector3d normal = area.normalized();
   for (Eigen::Index v = 0; v < imported.world.cols(); ++v) {
     const double height = std::abs(normal.dot(imported.world.col(v) - origin));
     if (height > kFlatness * size) {
-      return invalid_argument(
-          "NOT_PLANAR", "position " + std::to_string(imported.file_positions[v] + first_number_) + " is " +
-                            std::to_string(height) + " m out of the plane of the first one, the limit is " +
-                            std::to_string(kFlatness * size) + " m; give the faces texture coordinates as rest shape");
+      return invalid_argument("NOT_PLANAR", "position " + std::to_string(imported.file_positions[v] + first_number_) +
+                                                " is " + std::to_string(height) +
+                                                " m out of the plane of the first one, the limit is " +
+                                                std::to_string(kFlatness * size) +
+                                                " m; give the faces texture coordinates as rest shape, or take "
+                                                "the curved surface as it");
     }
   }
   imported.sheet.rest.resize(2, imported.world.cols());

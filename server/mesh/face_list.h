@@ -16,9 +16,16 @@ namespace kerf::mesh {
 inline constexpr std::size_t kMaxMeshFileBytes = 64u << 20;
 inline constexpr std::size_t kMaxFaceCorners = 64;
 
+// What of a mesh file is the rest shape.
+enum class RestShape {
+  kAutomatic,  // kFlat where there are texture coordinates or the positions lie in one plane, else kSurface
+  kFlat,       // the texture coordinates, metres; without any the positions, which must lie in one plane
+  kSurface,    // the positions, however curved; texture coordinates, where there are some, only say where cuts go
+};
+
 // What a mesh file says, for import_mesh and for the state to start from.
 struct ImportedSheet {
-  IndexedMesh sheet;                         // rest shape, m
+  IndexedMesh sheet;                         // rest shape, m, `rest` empty where material coordinates are to be made
   Eigen::Matrix3Xd world;                    // 3 x V, m, where the vertices start
   std::vector<std::int32_t> file_positions;  // V, the position in the file (from 0) each vertex comes from
 };
@@ -47,11 +54,11 @@ class FaceList {
   [[nodiscard]] std::size_t num_positions() const { return positions_.size(); }
   [[nodiscard]] std::size_t num_textures() const { return textures_.size(); }
 
-  // Texture coordinates, where there are some, are the rest shape, and a position used with two of them becomes two
-  // vertices (a seam). Else the positions must lie in one plane, which gives the rest shape; a plane close to x-y keeps
-  // x, y as they are. Vertices are numbered in the order of their positions, then of their texture coordinates;
-  // positions without a face are dropped. Errors: EMPTY, NOT_PLANAR.
-  [[nodiscard]] Result<ImportedSheet> assemble() const;
+  // Texture coordinates, where there are some, are the material coordinates, and a position used with two of them
+  // becomes two vertices (a seam). Else the plane of the positions gives them; a plane close to x-y keeps x, y as they
+  // are. Vertices are numbered in the order of their positions, then of their texture coordinates; positions without a
+  // face are dropped. Errors: EMPTY, NOT_PLANAR (kFlat only).
+  [[nodiscard]] Result<ImportedSheet> assemble(RestShape rest_shape) const;
 
  private:
   [[nodiscard]] Status flatten(ImportedSheet& imported) const;

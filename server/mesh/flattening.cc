@@ -53,7 +53,7 @@ std::vector<Component> split_components(const Eigen::Matrix3Xd& surface, const E
   };
   for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
     for (int k = 1; k < 3; ++k) {
-      const auto [low, high] = std::minmax(root(triangles(0, t)), root(triangles(k, t)));
+      const auto [low, high] = std::minmax({root(triangles(0, t)), root(triangles(k, t))});
       parent[high] = low;
     }
   }

@@ -10,9 +10,8 @@ namespace {
 
 // Whether edge k of t is not locally Delaunay: the corner across lies strictly inside the circle of t.
 bool is_encroached(const TriangleMesh& mesh, TriangleId t, int k) {
-  const std::array<PointId, 3>& p = mesh.points(t);
   const PointId across = mesh.points(mesh.welded_neighbour(t, k))[mesh.mirror_corner(t, k)];
-  return in_circle(mesh.at(p[0]), mesh.at(p[1]), mesh.at(p[2]), mesh.at(across)) > 0;
+  return mesh.is_in_circle(t, mesh.at(across));
 }
 
 }  // namespace

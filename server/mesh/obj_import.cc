@@ -14,7 +14,7 @@ class ObjReader {
  public:
   explicit ObjReader(std::string_view text) : text_(text) {}
 
-  Result<ImportedSheet> run() {
+  Result<ImportedSheet> run(RestShape rest_shape) {
     if (text_.size() > kMaxMeshFileBytes) {
       return refuse("TOO_LARGE",
                     std::to_string(text_.size()) + " bytes; the limit is " + std::to_string(kMaxMeshFileBytes));
@@ -24,7 +24,7 @@ class ObjReader {
       if (const Status read = read_line(next_line(text_, '\n')); !read.ok()) return read.error();
     }
     line_number_ = 0;
-    Result<ImportedSheet> assembled = faces_.assemble();
+    Result<ImportedSheet> assembled = faces_.assemble(rest_shape);
     if (!assembled.ok()) return here(assembled.error());
     return assembled;
   }
@@ -112,8 +112,8 @@ class ObjReader {
 
 }  // namespace
 
-Result<ImportedSheet> parse_obj(std::string_view text) {
-  return ObjReader(text).run();
+Result<ImportedSheet> parse_obj(std::string_view text, RestShape rest_shape) {
+  return ObjReader(text).run(rest_shape);
 }
 
 }  // namespace kerf::mesh

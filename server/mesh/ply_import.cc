@@ -49,7 +49,7 @@ class PlyReader {
  public:
   explicit PlyReader(std::string_view file) : file_(file) {}
 
-  Result<ImportedSheet> run() {
+  Result<ImportedSheet> run(RestShape rest_shape) {
     if (file_.size() > kMaxMeshFileBytes) {
       return invalid_argument(
           "PLY_TOO_LARGE", std::to_string(file_.size()) + " bytes; the limit is " + std::to_string(kMaxMeshFileBytes),
@@ -71,7 +71,7 @@ class PlyReader {
       return here(invalid_argument(
           "TRAILING", std::to_string(file_.size()) + " bytes follow the last element; the header's counts do not fit"));
     }
-    Result<ImportedSheet> assembled = faces_.assemble();
+    Result<ImportedSheet> assembled = faces_.assemble(rest_shape);
     if (!assembled.ok()) return here(assembled.error());
     return assembled;
   }
@@ -225,8 +225,8 @@ class PlyReader {
 
 }  // namespace
 
-Result<ImportedSheet> parse_ply(std::string_view file) {
-  return PlyReader(file).run();
+Result<ImportedSheet> parse_ply(std::string_view file, RestShape rest_shape) {
+  return PlyReader(file).run(rest_shape);
 }
 
 }  // namespace kerf::mesh

@@ -42,6 +42,13 @@ LockBits TriangleMesh::locks_at_point(PointId p) const {
   return bits;
 }
 
+bool TriangleMesh::has_fixed_edge(PointId p) const {
+  std::vector<TriangleId> fan;
+  fan_around(p, fan);
+  return std::any_of(fan.begin(), fan.end(),
+                     [&](TriangleId t) { return is_fixed(t, previous_corner(corner_of(t, p))); });
+}
+
 void TriangleMesh::fan_around(PointId p, std::vector<TriangleId>& fan) const {
   fan.clear();
   const TriangleId start = records_.points[p].triangle;
@@ -77,6 +84,29 @@ Eigen::Matrix2d TriangleMesh::rest_edges(TriangleId t) const {
   edges << edge(p[1]), edge(p[2]);
   const Facet* const on = facet(t);
   return on != nullptr ? Eigen::Matrix2d(on->stretch() * edges) : edges;
+}
+
+bool TriangleMesh::is_in_circle(TriangleId t, const LatticePoint& p) const {
+  const std::array<PointId, 3>& corners = points(t);
+  const Facet* const on = facet(t);
+  if (on == nullptr) return in_circle(at(corners[0]), at(corners[1]), at(corners[2]), p) > 0;
+  constexpr double kRounding = 1e-10;  // -, of the sum of the terms
+  const Eigen::Matrix2d stretch = on->stretch();
+  std::array<Eigen::Vector2d, 3> offset;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const LatticePoint& corner = at(corners[k]);
+    offset[k] = stretch * Eigen::Vector2d(static_cast<double>(corner.x - p.x), static_cast<double>(corner.y - p.y));
+  }
+  double sum = 0.0;
+  double size = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::Vector2d& a = offset[(k + 1) % 3];
+    const Eigen::Vector2d& b = offset[(k + 2) % 3];
+    const double lifted = offset[k].squaredNorm();
+    sum += lifted * (a.x() * b.y() - a.y() * b.x());
+    size += lifted * (std::abs(a.x() * b.y()) + std::abs(a.y() * b.x()));
+  }
+  return sum > kRounding * size;
 }
 
 bool TriangleMesh::is_fixed(TriangleId t, int k) const {
@@ -155,13 +185,18 @@ std::uint64_t TriangleMesh::state_hash() const {
   return hash.value();
 }
 
+bool TriangleMesh::has_surface_of(const TriangleMesh& other) const {
+  const RestSurface* const ours = records_.surface.get();
+  const RestSurface* const theirs = other.records_.surface.get();
+  return ours == theirs || (ours != nullptr && theirs != nullptr && *ours == *theirs);
+}
+
 bool operator==(const TriangleMesh& a, const TriangleMesh& b) {
   const MeshRecords& x = a.records_;
   const MeshRecords& y = b.records_;
   return x.lattice == y.lattice && x.bounds.min() == y.bounds.min() && x.bounds.max() == y.bounds.max() &&
          x.lengths == y.lengths && x.points == y.points && x.vertices == y.vertices && x.triangles == y.triangles &&
-         x.num_solid_triangles == y.num_solid_triangles && x.num_pieces == y.num_pieces &&
-         (x.surface == y.surface || (x.surface && y.surface && *x.surface == *y.surface));
+         x.num_solid_triangles == y.num_solid_triangles && x.num_pieces == y.num_pieces && a.has_surface_of(b);
 }
 
 }  // namespace kerf::mesh

@@ -126,6 +126,8 @@ class TriangleMesh {
   // --- The rest shape, where it is curved: material coordinates are then a chart of it, and lengths of a cut, as in
   // edge_lengths(), are lengths there.
   [[nodiscard]] bool is_curved() const { return records_.surface != nullptr; }
+  // Whether both are flat, or of equal surfaces.
+  [[nodiscard]] bool has_surface_of(const TriangleMesh& other) const;
   // What a solid triangle is a part of; null where the rest shape is flat, and in the void.
   [[nodiscard]] const Facet* facet(TriangleId t) const {
     return is_curved() && is_solid(t) ? &records_.surface->facets[static_cast<std::size_t>(record(t).region)] : nullptr;
@@ -133,6 +135,14 @@ class TriangleMesh {
   // Columns: from corner 0 of a solid triangle to corners 1 and 2, m, in its plane, whose first axis is along material
   // x. Differences of the lattice are exact, those of positions are not where the sheet lies far from the origin.
   [[nodiscard]] Eigen::Matrix2d rest_edges(TriangleId t) const;
+  // A vector of the material plane (any unit), in the plane of slot t as above; as it is where that is flat or void.
+  [[nodiscard]] Eigen::Vector2d at_rest(TriangleId t, const Eigen::Vector2d& vector) const {
+    const Facet* const on = facet(t);
+    return on != nullptr ? Eigen::Vector2d(on->stretch() * vector) : vector;
+  }
+  // Whether p lies strictly inside the circle of t in the rest shape, its plane continued: exactly where it is flat,
+  // else by more than rounding, so that flips end.
+  [[nodiscard]] bool is_in_circle(TriangleId t, const LatticePoint& p) const;
 
   // --- The welded mesh (for cutting and checking).
   [[nodiscard]] const Lattice& lattice() const { return records_.lattice; }
@@ -156,6 +166,8 @@ class TriangleMesh {
   void fan_around(PointId p, std::vector<TriangleId>& fan) const;
   // The union of the locks of the edges at p. O(degree).
   [[nodiscard]] LockBits locks_at_point(PointId p) const;
+  // Whether any of them is fixed. O(degree).
+  [[nodiscard]] bool has_fixed_edge(PointId p) const;
   // Finds edge {p, q}: its slot and the corner opposite; the slot is the one that has p before q counter-clockwise
   // (kNone if there is no such edge). O(degree of p).
   [[nodiscard]] TriangleId find_edge(PointId p, PointId q, int& corner) const;

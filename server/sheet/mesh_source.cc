@@ -49,23 +49,27 @@ Result<BuiltMesh> build(Result<mesh::ImportedSheet> parsed, const std::string& f
 }
 
 Result<BuiltMesh> build(const ObjSource& obj, const Placement& /*placement*/) {
-  return build(mesh::parse_obj(obj.text), "obj.text");
+  return build(mesh::parse_obj(obj.text, obj.rest_shape), "obj.text");
 }
 
 Result<BuiltMesh> build(const PlySource& ply, const Placement& /*placement*/) {
-  return build(mesh::parse_ply(ply.data), "ply.data");
+  return build(mesh::parse_ply(ply.data, ply.rest_shape), "ply.data");
 }
 
 Result<BuiltMesh> build(const ArraySource& arrays, const Placement& placement) {
   mesh::IndexedMesh indexed;
   indexed.rest = arrays.material_positions;
   indexed.triangles = arrays.triangles;
+  indexed.surface = arrays.rest_positions;
   Result<mesh::TriangleMesh> built = mesh::import_mesh(indexed);
   if (!built) {
-    const bool rest = built.error().field == "rest";
-    return with_field(built.error(), rest ? "inline.material_positions" : "inline.triangles");
+    const std::string& field = built.error().field;
+    return with_field(built.error(), field == "rest"      ? "inline.material_positions"
+                                     : field == "surface" ? "inline.rest_positions"
+                                                          : "inline.triangles");
   }
-  Eigen::Matrix3Xd positions = arrays.positions.cols() > 0 ? arrays.positions : place(*built, placement);
+  const Eigen::Matrix3Xd& given = arrays.positions.cols() > 0 ? arrays.positions : arrays.rest_positions;
+  Eigen::Matrix3Xd positions = given.cols() > 0 ? given : place(*built, placement);
   return BuiltMesh{std::move(built).value(), std::move(positions)};
 }
 

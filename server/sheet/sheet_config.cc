@@ -43,8 +43,16 @@ Status validate_source(const PlySource& ply) {
 }
 
 Status validate_source(const ArraySource& arrays) {
-  const Eigen::Index num_vertices = arrays.material_positions.cols();
-  if (Status s = check_integer(num_vertices, 3, kMaxVertices, "inline.material_positions"); !s) return s;
+  const Eigen::Index num_vertices = arrays.num_vertices();
+  const bool is_curved = arrays.rest_positions.cols() > 0;
+  const std::string field = is_curved ? "inline.rest_positions" : "inline.material_positions";
+  if (Status s = check_integer(num_vertices, 3, kMaxVertices, field); !s) return s;
+  if (const Eigen::Index given = arrays.material_positions.cols(); given != num_vertices && given != 0) {
+    return invalid_argument("LENGTH_MISMATCH",
+                            "inline.material_positions has " + std::to_string(given) + " points; must have none or " +
+                                std::to_string(num_vertices) + ", as many as rest_positions",
+                            "inline.material_positions");
+  }
   if (arrays.triangles.cols() == 0) {
     return invalid_argument("EMPTY", "inline.triangles must not be empty", "inline.triangles");
   }
@@ -55,7 +63,7 @@ Status validate_source(const ArraySource& arrays) {
   if (num_positions != 0 && num_positions != num_vertices) {
     return invalid_argument("LENGTH_MISMATCH",
                             "inline.positions has " + std::to_string(num_positions) + " points; must have none or " +
-                                std::to_string(num_vertices) + ", as many as material_positions",
+                                std::to_string(num_vertices) + ", as many as the sheet has vertices",
                             "inline.positions");
   }
   for (Eigen::Index i = 0; i < num_positions; ++i) {

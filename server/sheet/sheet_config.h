@@ -23,6 +23,7 @@ namespace kerf::sheet {
 // Limits on what a scene may hold (reliability table of the README).
 using mesh::kMaxMeshFileBytes;
 using mesh::kMaxVertices;
+using mesh::RestShape;
 inline constexpr std::size_t kMaxSheetIdBytes = 63;
 inline constexpr std::size_t kMaxColliders = 64;
 inline constexpr std::size_t kMaxScheduledCommands = 10'000;
@@ -42,18 +43,25 @@ struct GridSource {
 // Wavefront OBJ; see mesh/obj_import.h. The positions in the text place the sheet; Placement is ignored.
 struct ObjSource {
   std::string text;  // at most kMaxMeshFileBytes
+  RestShape rest_shape = RestShape::kAutomatic;
 };
 
 // PLY, text or binary; see mesh/ply_import.h. The positions in the file place the sheet; Placement is ignored.
 struct PlySource {
   std::string data;  // at most kMaxMeshFileBytes
+  RestShape rest_shape = RestShape::kAutomatic;
 };
 
 // A mesh given by its arrays.
 struct ArraySource {
-  Eigen::Matrix2Xd material_positions;  // 2 x V, m
+  Eigen::Matrix2Xd material_positions;  // 2 x V, m; or 2 x 0 where there are rest_positions: they are made
   Eigen::Matrix3Xi triangles;           // 3 x T, vertex ids in 0..V-1
-  Eigen::Matrix3Xd positions;           // 3 x V, m, world; or 3 x 0: Placement is used
+  Eigen::Matrix3Xd positions;           // 3 x V, m, world; or 3 x 0: rest_positions, or without those Placement
+  Eigen::Matrix3Xd rest_positions;      // 3 x V, m, the rest shape in space; or 3 x 0: it is flat
+
+  [[nodiscard]] Eigen::Index num_vertices() const {
+    return rest_positions.cols() > 0 ? rest_positions.cols() : material_positions.cols();
+  }
 };
 
 using MeshSource = std::variant<GridSource, ObjSource, PlySource, ArraySource>;

@@ -30,16 +30,45 @@ Result<sheet::MeshSource> decode_grid(const v1::GridMesh& message) {
   return sheet::MeshSource(grid);
 }
 
+Result<sheet::RestShape> decode_rest_shape(v1::RestShape rest_shape, const std::string& path) {
+  switch (rest_shape) {
+    case v1::REST_SHAPE_UNSPECIFIED:
+      return sheet::RestShape::kAutomatic;
+    case v1::REST_SHAPE_FLAT:
+      return sheet::RestShape::kFlat;
+    case v1::REST_SHAPE_SURFACE:
+      return sheet::RestShape::kSurface;
+    default:
+      return unknown_enum(path, static_cast<int>(rest_shape));
+  }
+}
+
+v1::RestShape encode_rest_shape(sheet::RestShape rest_shape) {
+  switch (rest_shape) {
+    case sheet::RestShape::kFlat:
+      return v1::REST_SHAPE_FLAT;
+    case sheet::RestShape::kSurface:
+      return v1::REST_SHAPE_SURFACE;
+    case sheet::RestShape::kAutomatic:
+      break;
+  }
+  return v1::REST_SHAPE_UNSPECIFIED;
+}
+
 Result<sheet::MeshSource> decode_obj(const v1::ObjMesh& message, const FileReader& read_file) {
   Result<std::string> text = read_content({message.text(), message.file()}, read_file, "OBJ", "obj");
   if (!text.ok()) return text.error();
-  return sheet::MeshSource(sheet::ObjSource{obj_text(std::move(*text))});
+  const Result<sheet::RestShape> rest_shape = decode_rest_shape(message.rest_shape(), "obj.rest_shape");
+  if (!rest_shape.ok()) return rest_shape.error();
+  return sheet::MeshSource(sheet::ObjSource{obj_text(std::move(*text)), *rest_shape});
 }
 
 Result<sheet::MeshSource> decode_ply(const v1::PlyMesh& message, const FileReader& read_file) {
   Result<std::string> data = read_content({message.data(), message.file(), "data"}, read_file, "PLY", "ply");
   if (!data.ok()) return data.error();
-  return sheet::MeshSource(sheet::PlySource{std::move(*data)});
+  const Result<sheet::RestShape> rest_shape = decode_rest_shape(message.rest_shape(), "ply.rest_shape");
+  if (!rest_shape.ok()) return rest_shape.error();
+  return sheet::MeshSource(sheet::PlySource{std::move(*data), *rest_shape});
 }
 
 Status check_length(int length, int multiple, const std::string& path) {
@@ -55,11 +84,14 @@ Result<sheet::MeshSource> decode_inline(const v1::InlineMesh& message) {
   }
   if (Status s = check_length(message.triangles_size(), 3, "inline.triangles"); !s.ok()) return s.error();
   if (Status s = check_length(message.positions_size(), 3, "inline.positions"); !s.ok()) return s.error();
+  if (Status s = check_length(message.rest_positions_size(), 3, "inline.rest_positions"); !s.ok()) return s.error();
   sheet::ArraySource arrays;
   arrays.material_positions =
       Eigen::Map<const Eigen::Matrix2Xd>(message.material_positions().data(), 2, message.material_positions_size() / 2);
   arrays.triangles = Eigen::Map<const Eigen::Matrix3Xi>(message.triangles().data(), 3, message.triangles_size() / 3);
   arrays.positions = Eigen::Map<const Eigen::Matrix3Xd>(message.positions().data(), 3, message.positions_size() / 3);
+  arrays.rest_positions =
+      Eigen::Map<const Eigen::Matrix3Xd>(message.rest_positions().data(), 3, message.rest_positions_size() / 3);
   return sheet::MeshSource(std::move(arrays));
 }
 
@@ -76,10 +108,12 @@ void encode_source(const sheet::GridSource& grid, v1::Scene& scene) {
 
 void encode_source(const sheet::ObjSource& obj, v1::Scene& scene) {
   scene.mutable_obj()->set_text(obj.text);
+  scene.mutable_obj()->set_rest_shape(encode_rest_shape(obj.rest_shape));
 }
 
 void encode_source(const sheet::PlySource& ply, v1::Scene& scene) {
   scene.mutable_ply()->set_data(ply.data);
+  scene.mutable_ply()->set_rest_shape(encode_rest_shape(ply.rest_shape));
 }
 
 void encode_source(const sheet::ArraySource& arrays, v1::Scene& scene) {
@@ -88,6 +122,8 @@ void encode_source(const sheet::ArraySource& arrays, v1::Scene& scene) {
                                             arrays.material_positions.data() + arrays.material_positions.size());
   message.mutable_triangles()->Add(arrays.triangles.data(), arrays.triangles.data() + arrays.triangles.size());
   message.mutable_positions()->Add(arrays.positions.data(), arrays.positions.data() + arrays.positions.size());
+  message.mutable_rest_positions()->Add(arrays.rest_positions.data(),
+                                        arrays.rest_positions.data() + arrays.rest_positions.size());
 }
 
 }  // namespace

@@ -456,6 +456,18 @@ class CutAudit {
     return places;
   }
 
+  // Lattice units, in the rest shape: where that is curved, on the facet of r.
+  [[nodiscard]] double length_of(const TriangleRecord& r, const LatticePoint& p, const LatticePoint& q) const {
+    const Eigen::Vector2d flat(static_cast<double>(p.x - q.x), static_cast<double>(p.y - q.y));
+    return now_.surface ? (now_.surface->facets[index(r.region)].axes * flat).norm() : std::hypot(flat.x(), flat.y());
+  }
+
+  [[nodiscard]] double area_ratio_of(const TriangleRecord& r) const {
+    if (!now_.surface) return 1.0;
+    const Eigen::Matrix<double, 3, 2>& axes = now_.surface->facets[index(r.region)].axes;
+    return std::sqrt((axes.transpose() * axes).determinant());
+  }
+
   // Of the triangles that were not there before. Angles from side lengths, heights from the area.
   Finding check_shapes() {
     const cut::CutQuality& quality = outcome_.report.quality;
@@ -466,16 +478,12 @@ class CutAudit {
     for (const mesh::TriangleId t : outcome_.edit.rewritten_triangles) {
       const TriangleRecord& r = now_.triangles[index(t)];
       if (!is_solid(r) || std::binary_search(old_places.begin(), old_places.end(), places_of(now_, r))) continue;
-      std::array<double, 3> side{};
       const LatticePoint& a = now_.points[index(r.points[0])].at;
       const LatticePoint& b = now_.points[index(r.points[1])].at;
       const LatticePoint& c = now_.points[index(r.points[2])].at;
-      const auto length = [](const LatticePoint& p, const LatticePoint& q) {
-        return std::hypot(static_cast<double>(p.x - q.x), static_cast<double>(p.y - q.y));
-      };
-      side = {length(a, b), length(b, c), length(c, a)};
+      std::array<double, 3> side{length_of(r, a, b), length_of(r, b, c), length_of(r, c, a)};
       std::sort(side.begin(), side.end());
-      const auto doubled = static_cast<double>(turn(minus(b, a), minus(c, a)));
+      const double doubled = area_ratio_of(r) * static_cast<double>(turn(minus(b, a), minus(c, a)));
       const double angle = std::asin(std::min(1.0, doubled / (side[1] * side[2]))) * 180.0 / std::numbers::pi;
       const double height = doubled / side[2];
       least_angle = std::min(least_angle, angle);
@@ -524,6 +532,7 @@ Finding find_difference(const mesh::TriangleMesh& a, const mesh::TriangleMesh& b
   if (x.triangles != y.triangles) return "the triangles differ";
   if (x.num_solid_triangles != y.num_solid_triangles) return "the numbers of triangles differ";
   if (x.num_pieces != y.num_pieces) return "the numbers of pieces differ";
+  if (!a.has_surface_of(b)) return "the rest surfaces differ";
   return std::nullopt;
 }
 

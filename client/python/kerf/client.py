@@ -28,6 +28,7 @@ from kerf.v1 import (
 _MAX_RECEIVE_BYTES = 256 << 20  # the exact state of half a million vertices fits
 
 Edge = Literal["top", "bottom", "left", "right", "corners", "top_corners"]
+RestShape = Literal["auto", "flat", "surface"]
 
 
 def connect(address: str = "127.0.0.1:50051", *, timeout_s: Optional[float] = None) -> Server:
@@ -95,12 +96,15 @@ class Server:
         grid: Tuple[int, int] = (50, 50),
         size_m: Tuple[float, float] = (1.0, 1.0),
         mesh_file: "Union[str, os.PathLike[str], None]" = None,
+        rest: RestShape = "auto",
         pins: Iterable[Edge] = ("top",),
         material: str = "",
         paused: bool = False,
     ) -> Sheet:
         """A rectangle of grid[0] x grid[1] vertices, or the mesh of an .obj or .ply file (grid and size_m do not count then).
 
+        rest: what the rest shape of a mesh file is: "flat" (its texture coordinates, or its plane), "surface" (its
+        positions, curved as they are), or "auto", flat where the file allows it.
         material: a preset; info() lists them. For anything else: create_scene(). Raises ValueError where the file's name
         has another ending; a server takes calls of up to 1 MiB.
         """
@@ -112,7 +116,7 @@ class Server:
         if mesh_file is None:
             scene.grid.CopyFrom(scene_pb2.GridMesh(columns=columns, rows=rows, width_m=size_m[0], height_m=size_m[1]))
         else:
-            _add_mesh_file(scene, pathlib.Path(mesh_file))
+            _add_mesh_file(scene, pathlib.Path(mesh_file), rest)
         return self.create_scene(scene, sheet_id, paused=paused)
 
     def create_scene(
@@ -134,12 +138,19 @@ class Server:
         return Sheet(self, made.name.removeprefix("sheets/"))
 
 
-def _add_mesh_file(scene: scene_pb2.Scene, file: pathlib.Path) -> None:
+def _add_mesh_file(scene: scene_pb2.Scene, file: pathlib.Path, rest: RestShape) -> None:
+    rest_shape = {
+        "auto": scene_pb2.REST_SHAPE_UNSPECIFIED,
+        "flat": scene_pb2.REST_SHAPE_FLAT,
+        "surface": scene_pb2.REST_SHAPE_SURFACE,
+    }[rest]
     if file.suffix.lower() == ".ply":
         scene.ply.data = file.read_bytes()
+        scene.ply.rest_shape = rest_shape
     elif file.suffix.lower() == ".obj":
         # All that counts in it is ASCII; names and comments may be in any encoding.
         scene.obj.text = file.read_text(encoding="ascii", errors="replace")
+        scene.obj.rest_shape = rest_shape
     else:
         raise ValueError(f"{file}: the name of a mesh file ends in .obj or .ply")
 
