@@ -30,7 +30,7 @@ class StripGrowth {
   void add(TriangleId t) {
     if (t == kNone || !mesh_.is_solid(t) || !seen_.insert(t).second) return;
     strip_.push_back(t);
-    area_ += mesh_.area(t);
+    area_ += mesh_.material_area(t);
   }
   // False where the area becomes larger than that.  m^2
   bool grow(double max_area) {

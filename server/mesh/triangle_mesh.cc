@@ -65,11 +65,14 @@ void TriangleMesh::fan_around(PointId p, std::vector<TriangleId>& fan) const {
 }
 
 double TriangleMesh::area(TriangleId t) const {
+  const Facet* const on = facet(t);
+  return on != nullptr ? on->area_ratio() * material_area(t) : material_area(t);
+}
+
+double TriangleMesh::material_area(TriangleId t) const {
   const std::array<PointId, 3>& p = points(t);
   const double spacing = records_.lattice.spacing;
-  const double area = 0.5 * spacing * spacing * to_double(doubled_area(at(p[0]), at(p[1]), at(p[2])));
-  const Facet* const on = facet(t);
-  return on != nullptr ? on->area_ratio() * area : area;
+  return 0.5 * spacing * spacing * to_double(doubled_area(at(p[0]), at(p[1]), at(p[2])));
 }
 
 Eigen::Matrix2d TriangleMesh::rest_edges(TriangleId t) const {

@@ -117,6 +117,8 @@ class TriangleMesh {
   [[nodiscard]] const Eigen::AlignedBox2d& bounding_box() const { return records_.bounds; }
   // m^2, > 0; where the rest shape is curved, of solid triangles on the surface.
   [[nodiscard]] double area(TriangleId t) const;
+  // m^2, > 0; in the material plane, void slots too.
+  [[nodiscard]] double material_area(TriangleId t) const;
   // Mean over the solid triangles of the mesh as built of sqrt(2 area), the leg of the isosceles right triangle of the
   // same area, m. Cuts do not change it.
   [[nodiscard]] double base_edge_length() const { return records_.lengths.mean; }

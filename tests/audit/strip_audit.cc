@@ -98,16 +98,22 @@ class Solid {
   BoxGrid grid_;
 };
 
+// m^2; where the rest shape is curved, on the surface.
 double area(const MeshRecords& records) {
-  Wide doubled = 0;
+  std::vector<Wide> doubled(records.surface ? records.surface->facets.size() : 1, 0);  // by facet
   for (const TriangleRecord& r : records.triangles) {
     if (r.region < 0) continue;
     const auto& a = records.points[index(r.points[0])].at;
     const auto& b = records.points[index(r.points[1])].at;
     const auto& c = records.points[index(r.points[2])].at;
-    doubled += Wide{b.x - a.x} * (c.y - a.y) - Wide{b.y - a.y} * (c.x - a.x);
+    doubled[records.surface ? index(r.region) : 0] += Wide{b.x - a.x} * (c.y - a.y) - Wide{b.y - a.y} * (c.x - a.x);
   }
-  return 0.5 * static_cast<double>(doubled) * records.lattice.spacing * records.lattice.spacing;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < doubled.size(); ++i) {
+    const double in_plane = 0.5 * static_cast<double>(doubled[i]) * records.lattice.spacing * records.lattice.spacing;
+    sum += records.surface ? records.surface->facets[i].area_ratio() * in_plane : in_plane;
+  }
+  return sum;
 }
 
 std::vector<std::vector<Vector2d>> lines_of(const std::vector<cut::Stroke>& strokes) {

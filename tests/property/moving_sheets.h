@@ -54,8 +54,8 @@ inline SheetConfig random_config(SeededRandom& random, Frame& frame) {
   RandomArrays made = random_arrays(random);
   frame = made.frame;
   SheetConfig config;
-  config.mesh =
-      sheet::ArraySource{std::move(made.arrays.rest), std::move(made.arrays.triangles), Eigen::Matrix3Xd(3, 0)};
+  config.mesh = sheet::ArraySource{std::move(made.arrays.rest), std::move(made.arrays.triangles),
+                                   Eigen::Matrix3Xd(3, 0), std::move(made.arrays.surface)};
   config.material.youngs_modulus_2 *= random.uniform(0.5, 1.0);
   config.material.direction = random.uniform(0.0, 3.0);
   if (random.below(2) == 0) config.material.bending_scale = 0.0;

@@ -1,7 +1,7 @@
 #pragma once
 
 // Random sheets to cut: grids and irregular Delaunay meshes, with and without holes, lying straight on the unit square
-// or turned, scaled and moved.
+// or turned, scaled and moved, flat or curved.
 
 #include <algorithm>
 #include <array>
@@ -173,13 +173,27 @@ inline mesh::IndexedMesh to_arrays(const std::vector<Eigen::Vector2d>& points, c
   return arrays;
 }
 
+// Waves of a random height and length, stretched along both axes.
+inline Eigen::Matrix3Xd random_surface(const Eigen::Matrix2Xd& rest, const Frame& frame, SeededRandom& random) {
+  const Eigen::Vector2d stretch(random.uniform(0.5, 2.0), random.uniform(0.5, 2.0));
+  const Eigen::Vector2d waves(random.uniform(0.0, 6.0), random.uniform(0.0, 6.0));
+  const double height = random.uniform(0.0, 0.3);
+  Eigen::Matrix3Xd surface(3, rest.cols());
+  for (Eigen::Index v = 0; v < rest.cols(); ++v) {
+    const Eigen::Vector2d unit = frame.turn.transpose() * (rest.col(v) - frame.origin) / frame.scale;
+    const double lift = height * std::sin(waves.x() * unit.x()) * std::cos(waves.y() * unit.y());
+    surface.col(v) = frame.scale * Eigen::Vector3d(stretch.x() * unit.x(), stretch.y() * unit.y(), lift);
+  }
+  return surface;
+}
+
 struct RandomArrays {
   mesh::IndexedMesh arrays;
   Frame frame;
 };
 
-// A sheet that is not just a grid on the unit square: turned, scaled and moved, of scattered points, holed, or several
-// of these.
+// A sheet that is not just a grid on the unit square: turned, scaled and moved, of scattered points, holed, curved, or
+// several of these.
 inline RandomArrays random_arrays(SeededRandom& random) {
   RandomArrays made;
   std::vector<Eigen::Vector2d> points;
@@ -200,6 +214,7 @@ inline RandomArrays random_arrays(SeededRandom& random) {
   if (random.below(4) != 0) made.frame = random_frame(random);
   if (random.below(2) == 0) punch_holes(random, points, triangles);
   made.arrays = to_arrays(points, triangles, made.frame, random.below(4) == 0, random);
+  if (random.below(4) == 0) made.arrays.surface = random_surface(made.arrays.rest, made.frame, random);
   return made;
 }
 

@@ -36,7 +36,7 @@ inline std::string reason(const Result<CommandReply>& reply) {
 // Free, and made of these triangles.
 inline SheetConfig of_arrays(const mesh::IndexedMesh& sheet) {
   SheetConfig config = scenes::hanging(4);
-  config.mesh = ArraySource{sheet.rest, sheet.triangles, {}};
+  config.mesh = ArraySource{sheet.rest, sheet.triangles, {}, sheet.surface};
   config.pins.clear();
   return config;
 }
