@@ -79,19 +79,19 @@ std::array<double, 21> excess_stiffness(const BendingFit& fit, const Frame& fram
       block += turned * spin;
     }
   }
+  const Eigen::Matrix<double, 6, 6> Q = fit.conditions.transpose() * (fit.law * fit.conditions);
   std::array<double, 21> excess{};
   std::size_t at = 0;
-  for (std::size_t i = 0; i < 6; ++i) {
+  // No spin comes from the vertices beyond the corners: there is no excess between two of these.
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::array<Matrix3d, 3> stress;  // law times the gradients by vertex i
+    for (int r = 0; r < 3; ++r) {
+      stress[static_cast<std::size_t>(r)] =
+          fit.law(r, 0) * gradient[0][i] + fit.law(r, 1) * gradient[1][i] + fit.law(r, 2) * gradient[2][i];
+    }
     for (std::size_t j = i; j < 6; ++j) {
-      Matrix3d block = Matrix3d::Zero();
-      for (int r = 0; r < 3; ++r) {
-        for (int s = 0; s < 3; ++s) {
-          block += fit.law(r, s) *
-                   (gradient[static_cast<std::size_t>(r)][i].transpose() * gradient[static_cast<std::size_t>(s)][j]);
-          block -= fit.law(r, s) * fit.conditions(r, static_cast<Eigen::Index>(i)) *
-                   fit.conditions(s, static_cast<Eigen::Index>(j)) * Matrix3d::Identity();
-        }
-      }
+      Matrix3d block = -Q(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) * Matrix3d::Identity();
+      for (std::size_t r = 0; r < 3; ++r) block += stress[r].transpose() * gradient[r][j];
       excess[at++] = block.norm();
     }
   }
