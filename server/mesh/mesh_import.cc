@@ -117,7 +117,8 @@ class SheetImport {
           "surface");
     }
     for (std::int32_t v = 0; v < num_vertices(); ++v) {
-      if (!(input_.surface.col(v).cwiseAbs().maxCoeff() <= kMaxRestCoordinate)) {  // false for NaN
+      const Eigen::Vector3d at = input_.surface.col(v);
+      if (!at.allFinite() || at.cwiseAbs().maxCoeff() > kMaxRestCoordinate) {
         return invalid_argument("MESH_OUT_OF_RANGE",
                                 "vertex " + id(v) + " of the rest surface is not within 1e4 m of the origin",
                                 "surface");
@@ -329,7 +330,7 @@ class SheetImport {
 // A surface without material coordinates: the first of the ways to make them that gives a sheet.
 Result<TriangleMesh> import_surface(const IndexedMesh& input) {
   IndexedMesh with_rest = input;
-  with_rest.rest = input.surface.topRows<2>();  // for the checks of what does not depend on it
+  with_rest.rest = Eigen::Matrix2Xd::Zero(2, input.surface.cols());  // for the checks of what does not depend on it
   if (const Status valid = SheetImport(with_rest).check(); !valid.ok()) return valid.error();
   for (const Flattening method : {Flattening::kConformal, Flattening::kConvex}) {
     Result<Eigen::Matrix2Xd> rest = flatten(input.surface, input.triangles, method);

@@ -116,6 +116,15 @@ class Sheets(Case):
         kerf("export", "panel", "--out", path("panel.obj"))
         made = self.json_of("sheet", "create", "panel-again", "--obj", path("panel.obj"), "--pin", "none")
         self.assertEqual(made["pieces"], 2)
+        bent = path("bent.obj")
+        pathlib.Path(bent).write_text("v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3\nf 1 3 4\n")
+        for rest in ("auto", "surface"):
+            self.json_of("sheet", "create", f"bent-{rest}", "--obj", bent, "--pin", "none", "--rest", rest)
+            piece = self.json_of("pieces", f"bent-{rest}")["pieces"][0]
+            self.assertAlmostEqual(piece["area_m2"], 1.25 ** 0.5, places=12)
+        self.refused("sheet", "create", "none", "--obj", bent, "--rest", "flat", says="OBJ_NOT_PLANAR")
+        self.refused("sheet", "create", "none", "--obj", bent, "--rest", "round", code=2, says="--rest")
+        self.refused("sheet", "create", "none", "--rest", "surface", "--grid", "5x5", code=2, says="--grid")
         self.refused("sheet", "create", "none", "--ply", path("missing.ply"), says="FILE_NOT_FOUND")
         self.refused("sheet", "create", "none", "--ply", path("panel.obj"), says="PLY_HEADER")
         self.refused("sheet", "create", "none", "--ply", path("panel.ply"), "--grid", "5x5", code=2, says="--grid")

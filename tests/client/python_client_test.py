@@ -385,6 +385,13 @@ class Package(unittest.TestCase):
             self.assertEqual([sheet.get().num_triangles for sheet in made], [2, 2])
             for sheet in made:
                 sheet.delete()
+            pathlib.Path(path("bent.obj")).write_text("v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3\nf 1 3 4\n")
+            bent = server.create_sheet("py-bent", mesh_file=path("bent.obj"), rest="surface", pins=())
+            self.assertAlmostEqual(sum(piece.area_m2 for piece in bent.pieces()), 1.25 ** 0.5, places=12)
+            bent.delete()
+            with self.assertRaises(kerf.InvalidArgument) as refused:
+                server.create_sheet("py-bent", mesh_file=path("bent.obj"), rest="flat", pins=())
+            self.assertEqual(refused.exception.reason, "OBJ_NOT_PLANAR")
             with self.assertRaisesRegex(ValueError, "ends in .obj or .ply"):
                 server.create_sheet("py-stl", mesh_file=path("square.stl"))
 

@@ -62,10 +62,9 @@ Eigen::Vector2d middle(const mesh::TriangleMesh& mesh) {
 Curve s_curve_over(const mesh::TriangleMesh& mesh) {
   const Eigen::Vector2d c = middle(mesh);
   const Eigen::Vector2d size = mesh.bounding_box().sizes();
-  return CubicBezier{{c + Eigen::Vector2d(-0.6 * size.x(), -0.2 * size.y()),
-                      c + Eigen::Vector2d(0.3 * size.x(), -0.5 * size.y()),
-                      c + Eigen::Vector2d(-0.3 * size.x(), 0.5 * size.y()),
-                      c + Eigen::Vector2d(0.6 * size.x(), 0.2 * size.y())}};
+  return CubicBezier{
+      {c + Eigen::Vector2d(-0.6 * size.x(), -0.2 * size.y()), c + Eigen::Vector2d(0.3 * size.x(), -0.5 * size.y()),
+       c + Eigen::Vector2d(-0.3 * size.x(), 0.5 * size.y()), c + Eigen::Vector2d(0.6 * size.x(), 0.2 * size.y())}};
 }
 
 TEST(CutShell, KeepsTheSurfaceAndItsArea) {
@@ -82,7 +81,10 @@ TEST(CutShell, KeepsTheSurfaceAndItsArea) {
     EXPECT_EQ(second.report.pieces, 4);
     EXPECT_NEAR(area_of(mesh), area, 1e-12 * area);
     EXPECT_LT(widest_tear(mesh), 1e-11);
-    printf("%-24s crossed %d new %d angle %.2f below %d contract %d min h %.4f\n", shell.name.c_str(), first.report.crossed_triangles, first.report.new_triangles, first.report.quality.min_angle_deg, first.report.quality.triangles_below_angle, first.report.quality.triangles_below_contract, first.report.quality.min_height_m/mesh.base_edge_length());
+    printf("%-24s crossed %d new %d angle %.2f below %d contract %d min h %.4f\n", shell.name.c_str(),
+           first.report.crossed_triangles, first.report.new_triangles, first.report.quality.min_angle_deg,
+           first.report.quality.triangles_below_angle, first.report.quality.triangles_below_contract,
+           first.report.quality.min_height_m / mesh.base_edge_length());
   }
 }
 

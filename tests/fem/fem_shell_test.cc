@@ -98,8 +98,8 @@ TEST(Shell, ForcesHaveNoResultantAndDampingLetsItTurn) {
     for (const bool is_rigid : {true, false}) {
       if (!is_rigid) state.x += random_field(random, state.x.cols(), 0.02);
       for (Eigen::Index i = 0; i < state.x.cols(); ++i) {
-        state.v.col(i) = is_rigid ? Eigen::Vector3d(turn.cross(Eigen::Vector3d(state.x.col(i))))
-                                  : random_vector(random, 1.0);
+        state.v.col(i) =
+            is_rigid ? Eigen::Vector3d(turn.cross(Eigen::Vector3d(state.x.col(i)))) : random_vector(random, 1.0);
       }
       constexpr double kBeta = 0.01;
       mesh::VertexField f(state.x.cols());
@@ -207,8 +207,8 @@ TEST(Shell, BothIntegratorsKeepItsShape) {
     // Turned by about 0.2 rad by now, yet every distance is what it was.
     double change = 0.0;
     for (Eigen::Index i = 1; i < state.x.cols(); ++i) {
-      change = std::max(change, std::abs((state.x.col(i) - state.x.col(0)).norm() -
-                                         (rest.x.col(i) - rest.x.col(0)).norm()));
+      change =
+          std::max(change, std::abs((state.x.col(i) - state.x.col(0)).norm() - (rest.x.col(i) - rest.x.col(0)).norm()));
     }
     EXPECT_LT(change, 0.01);
     EXPECT_GT((state.x.col(0) - rest.x.col(0)).norm(), 0.05);

@@ -11,12 +11,17 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace kerf;
   const std::string_view file(reinterpret_cast<const char*>(data), size);
-  const Result<mesh::ImportedSheet> sheet = file.starts_with("ply") ? mesh::parse_ply(file) : mesh::parse_obj(file);
+  const auto rest_shape = size % 2 == 0 ? mesh::RestShape::kAutomatic : mesh::RestShape::kSurface;
+  const Result<mesh::ImportedSheet> sheet =
+      file.starts_with("ply") ? mesh::parse_ply(file, rest_shape) : mesh::parse_obj(file, rest_shape);
   if (!sheet.ok()) {
     KERF_CHECK(!sheet.error().reason.empty() && !sheet.error().message.empty(), "a refusal says why");
     return 0;
   }
-  KERF_CHECK(sheet->sheet.rest.cols() == sheet->world.cols(), "a place for each vertex");
+  const bool is_curved = sheet->sheet.surface.cols() > 0;
+  KERF_CHECK((is_curved ? sheet->sheet.surface : sheet->world).cols() == sheet->world.cols() &&
+                 (sheet->sheet.rest.cols() == sheet->world.cols() || (is_curved && sheet->sheet.rest.cols() == 0)),
+             "a place for each vertex");
   const Result<mesh::TriangleMesh> built = mesh::import_mesh(sheet->sheet);
   if (built.ok()) KERF_CHECK(!built->find_violation(), "the mesh is sound");
   return 0;

@@ -198,8 +198,8 @@ TEST(Flattening, RefusesWhatHasNoBorderOrAHandleAndWhatIsNoSurface) {
   for (int j = 0; j < kNum; ++j) {
     for (int i = 0; i < kNum; ++i) {
       const double a = 2.0 * std::numbers::pi * i / kNum, b = 2.0 * std::numbers::pi * j / kNum;
-      torus.surface.col(j * kNum + i) = Eigen::Vector3d((2.0 + std::cos(b)) * std::cos(a),
-                                                        (2.0 + std::cos(b)) * std::sin(a), std::sin(b));
+      torus.surface.col(j * kNum + i) =
+          Eigen::Vector3d((2.0 + std::cos(b)) * std::cos(a), (2.0 + std::cos(b)) * std::sin(a), std::sin(b));
     }
   }
   torus.triangles.resize(3, 2 * kNum * kNum - 1);

@@ -98,8 +98,34 @@ TEST(Obj, RefusalsNameTheLine) {
   std::string many = square + "f";
   for (int i = 0; i < 70; ++i) many += " 1";
   expect_obj_refused(many, "OBJ_FACE", "obj:5");
-  expect_obj_refused("v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv 0 1 0\nf 1 2 3 4\n", "OBJ_NOT_PLANAR", "obj");
-  expect_obj_refused("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n", "OBJ_NOT_PLANAR", "obj");
+  for (const char* const bent : {"v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv 0 1 0\nf 1 2 3 4\n",  //
+                                 "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"}) {
+    const Result<ImportedSheet> flat = parse_obj(bent, RestShape::kFlat);
+    ASSERT_FALSE(flat.ok());
+    EXPECT_EQ(flat.error().reason, "OBJ_NOT_PLANAR");
+    EXPECT_EQ(flat.error().field, "obj");
+  }
+}
+
+TEST(Obj, TheSurfaceIsTheRestShapeWhereItIsBentOrAskedFor) {
+  const std::string bent = "v 0 0 0\nv 1 0 0\nv 1 1 0.1\nv 0 1 0\n";
+  const std::string flat = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+  const std::string chart = "vt 0 0\nvt 2 0\nvt 2 3\nvt 0 3\n";
+  const std::string face = "f 1 2 3 4\n";
+  const std::string charted = "f 1/1 2/2 3/3 4/4\n";
+  const auto surface_of = [](const std::string& text, RestShape rest_shape) {
+    return parse_obj(text, rest_shape).value().sheet.surface.cols();
+  };
+  EXPECT_EQ(surface_of(bent + face, RestShape::kAutomatic), 4);
+  EXPECT_EQ(surface_of(flat + face, RestShape::kAutomatic), 0);
+  EXPECT_EQ(surface_of(flat + face, RestShape::kSurface), 0);  // which is flat
+  EXPECT_EQ(surface_of(bent + chart + charted, RestShape::kAutomatic), 0);
+  EXPECT_EQ(surface_of(bent + chart + charted, RestShape::kSurface), 4);
+  const TriangleMesh mesh = import_mesh(parse_obj(bent + chart + charted, RestShape::kSurface).value().sheet).value();
+  EXPECT_TRUE(mesh.is_curved());
+  EXPECT_EQ(mesh.rest_position(2), Eigen::Vector2d(2.0, 3.0));
+  EXPECT_NEAR(mesh.area(0), 0.5 * std::sqrt(1.01), 1e-15);
+  EXPECT_NEAR(mesh.material_area(0), 3.0, 1e-15);
 }
 
 // Whatever bytes come: a typed refusal, or arrays of matching sizes.
@@ -122,7 +148,7 @@ TEST(Obj, DamagedTextIsRefusedOrRead) {
       continue;
     }
     ++num_read;
-    ASSERT_EQ(obj->sheet.rest.cols(), obj->world.cols());
+    ASSERT_EQ(std::max(obj->sheet.rest.cols(), obj->sheet.surface.cols()), obj->world.cols());
     if (const Result<TriangleMesh> built = import_mesh(obj->sheet); built.ok()) {
       ASSERT_EQ(built->find_violation(), std::nullopt);
     }

@@ -258,9 +258,17 @@ TEST(Ply, RefusalsOfTextNameTheLine) {
   expect_refused(square("0\n"), "PLY_FACE", face);
   expect_refused(square("4 0 1 2 3\n3 0 1 2\n"), "PLY_TRAILING", "ply", "8 bytes");
   expect_refused(changed("element face 1", "element face 0").substr(0, square("").size()), "PLY_EMPTY", "ply");
-  expect_refused(changed("1 1 0\n", "1 1 0.1\n"), "PLY_NOT_PLANAR", "ply", "texture coordinates");
-  expect_refused(changed("1 1 0\n", "2 0 0\n").replace(square("").size(), std::string::npos, "3 0 1 2\n"),
-                 "PLY_NOT_PLANAR", "ply");
+}
+
+TEST(Ply, TheSurfaceIsTheRestShapeWhereItIsBent) {
+  const std::string bent = square("4 0 1 2 3\n").replace(square("").find("1 1 0\n"), 6, "1 1 0.1\n");
+  EXPECT_EQ(parse_ply(bent).value().sheet.surface.cols(), 4);
+  EXPECT_EQ(parse_ply(bent, RestShape::kSurface).value().sheet.surface.cols(), 4);
+  const Result<ImportedSheet> flat = parse_ply(bent, RestShape::kFlat);
+  ASSERT_FALSE(flat.ok());
+  EXPECT_EQ(flat.error().reason, "PLY_NOT_PLANAR");
+  EXPECT_EQ(flat.error().field, "ply");
+  EXPECT_NE(flat.error().message.find("texture coordinates"), std::string::npos) << flat.error().message;
 }
 
 TEST(Ply, RefusalsOfBinaryFilesNameTheElement) {
@@ -363,7 +371,7 @@ TEST(Ply, DamagedFilesAreRefusedOrRead) {
       continue;
     }
     ++num_read;
-    ASSERT_EQ(ply->sheet.rest.cols(), ply->world.cols());
+    ASSERT_EQ(std::max(ply->sheet.rest.cols(), ply->sheet.surface.cols()), ply->world.cols());
     if (const Result<TriangleMesh> built = import_mesh(ply->sheet); built.ok()) {
       ASSERT_EQ(built->find_violation(), std::nullopt);
     }

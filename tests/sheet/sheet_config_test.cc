@@ -74,6 +74,47 @@ TEST(SheetConfig, InlineArrays) {
   EXPECT_EQ(with([](ArraySource& a) { a.triangles.resize(3, 0); }), "inline.triangles");
   EXPECT_EQ(with([](ArraySource& a) { a.triangles(0, 1) = 4; }), "inline.triangles");
   EXPECT_EQ(with([](ArraySource& a) { a.triangles(0, 1) = -1; }), "inline.triangles");
+  EXPECT_EQ(with([](ArraySource& a) { a.material_positions.resize(2, 0); }), "inline.material_positions");
+}
+
+TEST(SheetConfig, InlineArraysOfACurvedSheet) {
+  ArraySource bent;
+  bent.rest_positions.resize(3, 4);
+  bent.rest_positions << 0, 1, 1, 0,  //
+      0, 0, 1, 1,                     //
+      0, 0, 0.3, 0;
+  bent.triangles.resize(3, 2);
+  bent.triangles << 0, 0,  //
+      1, 2,                //
+      2, 3;
+  const auto with = [&](const std::function<void(ArraySource&)>& change) {
+    return field_of([&](SheetConfig& c) {
+      ArraySource arrays = bent;
+      change(arrays);
+      c.mesh = arrays;
+      c.pins.clear();
+    });
+  };
+  EXPECT_EQ(with([](ArraySource&) {}), "accepted");
+  EXPECT_EQ(with([](ArraySource& a) { a.material_positions = a.rest_positions.topRows<2>(); }), "accepted");
+  EXPECT_EQ(with([](ArraySource& a) { a.material_positions.resize(2, 3); }), "inline.material_positions");
+  EXPECT_EQ(with([](ArraySource& a) { a.positions = Eigen::Matrix3Xd::Zero(3, 3); }), "inline.positions");
+  EXPECT_EQ(with([](ArraySource& a) { a.rest_positions(0, 0) = kNan; }), "inline.rest_positions");
+  EXPECT_EQ(with([](ArraySource& a) { a.rest_positions.col(0) = a.rest_positions.col(1); }), "inline.rest_positions");
+  // It starts in its rest shape, which stores nothing, or where it is put.
+  SheetConfig config = scenes::hanging(4);
+  config.pins.clear();
+  config.mesh = bent;
+  const Result<Sheet> at_rest = Sheet::create(config);
+  ASSERT_TRUE(at_rest) << at_rest.error().message;
+  EXPECT_TRUE(at_rest->mesh().is_curved());
+  EXPECT_EQ(Vector3d(at_rest->state().x.col(2)), Vector3d(1, 1, 0.3));
+  bent.positions = 2.0 * bent.rest_positions;
+  config.mesh = bent;
+  const Result<Sheet> stretched = Sheet::create(config);
+  ASSERT_TRUE(stretched) << stretched.error().message;
+  EXPECT_EQ(Vector3d(stretched->state().x.col(2)), Vector3d(2, 2, 0.6));
+  EXPECT_EQ(stretched->mesh(), at_rest->mesh());
 }
 
 TEST(SheetConfig, ObjPlacesTheSheetItself) {

@@ -19,6 +19,7 @@
 #include "server/wire/command_codec.h"
 #include "server/wire/error_codec.h"
 #include "server/wire/json.h"
+#include "server/wire/mesh_source_codec.h"
 #include "server/wire/protobuf_log.h"
 #include "server/wire/recording_codec.h"
 #include "server/wire/reply_codec.h"
@@ -154,6 +155,51 @@ TEST(SceneCodec, MeshFilesAreReadOnlyWithAReader) {
   EXPECT_EQ(std::get<sheet::PlySource>(decode_scene(scene, reader)->mesh).data, "v 0 0 0\n");
   scene.mutable_ply()->set_data("ply");
   EXPECT_EQ(decode_scene(scene, reader).error().reason, "PLY_TWICE");
+}
+
+TEST(SceneCodec, RestShapesOfMeshFiles) {
+  const std::vector<std::pair<v1::RestShape, sheet::RestShape>> all{
+      {v1::REST_SHAPE_UNSPECIFIED, sheet::RestShape::kAutomatic},
+      {v1::REST_SHAPE_FLAT, sheet::RestShape::kFlat},
+      {v1::REST_SHAPE_SURFACE, sheet::RestShape::kSurface}};
+  for (const auto& [name, rest_shape] : all) {
+    v1::Scene scene;
+    scene.mutable_obj()->set_text("v 0 0 0\n");
+    scene.mutable_obj()->set_rest_shape(name);
+    const sheet::MeshSource obj = decode_scene(scene).value().mesh;
+    EXPECT_EQ(std::get<sheet::ObjSource>(obj).rest_shape, rest_shape);
+    v1::Scene again;
+    encode_mesh_source(obj, again);
+    EXPECT_EQ(again.obj().rest_shape(), name);
+    scene.mutable_ply()->set_data("ply\n");
+    scene.mutable_ply()->set_rest_shape(name);
+    const sheet::MeshSource ply = decode_scene(scene).value().mesh;
+    EXPECT_EQ(std::get<sheet::PlySource>(ply).rest_shape, rest_shape);
+    encode_mesh_source(ply, again);
+    EXPECT_EQ(again.ply().rest_shape(), name);
+  }
+  v1::Scene scene;
+  scene.mutable_ply()->set_data("ply\n");
+  scene.mutable_ply()->set_rest_shape(static_cast<v1::RestShape>(7));
+  EXPECT_EQ(decode_scene(scene).error().field, "ply.rest_shape");
+  scene.mutable_obj()->set_text("v 0 0 0\n");
+  scene.mutable_obj()->set_rest_shape(static_cast<v1::RestShape>(7));
+  EXPECT_EQ(decode_scene(scene).error().field, "obj.rest_shape");
+}
+
+TEST(SceneCodec, RestPositionsOfArrays) {
+  v1::Scene scene;
+  v1::InlineMesh& message = *scene.mutable_inline_();
+  for (const int id : {0, 1, 2}) message.add_triangles(id);
+  for (const double value : {0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.5}) message.add_rest_positions(value);
+  const sheet::MeshSource source = decode_scene(scene).value().mesh;
+  EXPECT_EQ(std::get<sheet::ArraySource>(source).rest_positions.col(2), Eigen::Vector3d(0.0, 1.0, 0.5));
+  EXPECT_EQ(std::get<sheet::ArraySource>(source).material_positions.cols(), 0);
+  v1::Scene again;
+  encode_mesh_source(source, again);
+  EXPECT_EQ(again.SerializeAsString(), scene.SerializeAsString());
+  message.add_rest_positions(1.0);
+  EXPECT_EQ(decode_scene(scene).error().field, "inline.rest_positions");
 }
 
 // Names and comments in another encoding than UTF-8: a message could not hold them, nor a recording.
