@@ -76,6 +76,7 @@ class Cutter {
     if (has_width() ? strip_.empty() : insertion_.counts().new_lip_edges == 0) {
       editor_.rollback();
       outcome.report.pieces = mesh_.num_pieces();
+      report_snapping(outcome.report);
       return outcome;
     }
     if (deviation_of_tolerance() > 1.0 || deviation_of_width() > 1.0) return tolerance_not_kept();
@@ -258,6 +259,14 @@ class Cutter {
     seeds.insert(seeds.end(), found.begin(), found.end());
   }
 
+  void report_snapping(CutReport& report) const {
+    const InsertionCounts& counts = insertion_.counts();
+    report.snapped_points = counts.snapped_points;
+    report.closed_gaps = counts.closed_gaps;
+    report.widest_gap_m = counts.widest_gap * spacing_;
+    report.merged_segments = counts.merged_segments;
+  }
+
   void fill_report(CutOutcome& outcome) const {
     CutReport& report = outcome.report;
     report.pieces = mesh_.num_pieces();
@@ -271,9 +280,7 @@ class Cutter {
     report.rewritten_triangles = static_cast<std::int32_t>(outcome.edit.rewritten_triangles.size());
     const InsertionCounts& counts = insertion_.counts();
     report.new_lip_edges = counts.new_lip_edges;
-    report.snapped_points = counts.snapped_points;
-    report.closed_gaps = counts.closed_gaps;
-    report.merged_segments = counts.merged_segments;
+    report_snapping(report);
     report.layers = plan_.layers;
     report.view_deviation_m = plan_.view_deviation_m;
     report.deviation_of_tolerance = deviation_of_tolerance();

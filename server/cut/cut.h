@@ -168,9 +168,12 @@ struct CutReport {
   double deviation_of_tolerance = 0.0;   // -, in [0, 1]; the same over the tolerance there, the largest of all places
   bool refinement_stopped = false;       // a guard fired: the mesh is valid, its quality is not as asked for. In gaps
                                          // between lips far narrower than an edge, at the length floor of snap / 4
-  std::int32_t snapped_points = 0;       // path points moved onto an existing point or lip (by <= snap)
-  std::int32_t closed_gaps = 0;          // of those: onto an older lip, the border, or another strand of this path
-  std::int32_t merged_segments = 0;      // path segments shorter than the snap distance that vanished ("dust")
+  // The next four also of a cut that misses.
+  std::int32_t snapped_points = 0;   // path points moved onto an existing point or lip (by <= snap)
+  std::int32_t closed_gaps = 0;      // stretches and points of the path laid on an older lip, the border or another
+                                     // strand of it, which they did not meet exactly
+  double widest_gap_m = 0.0;         // m, <= the snap distance there; how far off the farthest of those lay
+  std::int32_t merged_segments = 0;  // path segments shorter than the snap distance that vanished ("dust")
   CutQuality quality;
   std::vector<ViewLayer> layers;       // of a cut on a picture: its connected stretches
   std::int32_t triangles_behind = 0;   // of a cut on a picture: as of CutPlan

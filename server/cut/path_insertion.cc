@@ -45,11 +45,16 @@ void sort_unique(std::vector<PointId>& points) {
 }  // namespace
 
 PathInsertion::PathInsertion(mesh::MeshEditor& editor, const PathScale& scale, double spacing, LaidOutline* laid)
-    : editor_(editor), mesh_(editor.mesh()), scale_(scale), spacing_(spacing), laid_(laid), walk_(editor.mesh()) {}
+    : editor_(editor),
+      mesh_(editor.mesh()),
+      scale_(scale),
+      spacing_(spacing),
+      laid_(laid),
+      walk_(editor.mesh(), scale),
+      trace_(editor.mesh(), scale) {}
 
 void PathInsertion::use_scale_at(const LatticePoint& at) {
-  snap_ = scale_.snap(mesh_.lattice().position(at)) / mesh_.lattice().spacing;
-  walk_.set_clearance(snap_);
+  snap_ = scale_.snap_units(at);
 }
 
 std::vector<PointId> PathInsertion::path_points() const {
@@ -80,6 +85,7 @@ Status PathInsertion::insert(const Stroke& stroke) {
     if (end == segment_end_) continue;
     segment_start_ = segment_end_;
     segment_end_ = end;
+    walk_.set_line(segment_start_, segment_end_);
     if (Status status = insert_segment(*position); !status.ok()) return status;
   }
   return Nothing{};
@@ -116,9 +122,10 @@ Status PathInsertion::insert_segment(PathPosition& position) {
   for (const double share : scale_.divisions(lattice.position(segment_start_), lattice.spacing * along, spacing_)) {
     const Eigen::Vector2d offset = share * along;
     const LatticePoint at{segment_start_.x + std::llround(offset.x()), segment_start_.y + std::llround(offset.y())};
-    if (runs_along_edge(at)) continue;
+    if (retrace(position, at) || runs_along_edge(at)) continue;
     if (Status status = advance(position, at); !status.ok()) return status;
   }
+  if (retrace(position, segment_end_)) return Nothing{};
   return advance(position, segment_end_);
 }
 
@@ -127,12 +134,98 @@ Status PathInsertion::advance(PathPosition& position, const LatticePoint& at) {
   const Result<PathPosition> target = place(at);
   if (!target.ok()) return target.error();
   if (target->point != kNone && target->point == position.point) {
-    ++counts_.merged_segments;
+    note_dust();
   } else if (Status status = run_segment(position, *target); !status.ok()) {
     return status;
   }
   position = *target;
   return Nothing{};
+}
+
+// Goes along lips that are there to the point nearest to `at` that they lead to, unless there is one at it exactly that
+// they do not.
+bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
+  if (position.point == kNone) return false;
+  const Location location = mesh_.locate(at, hint_);
+  const LipTrace::Leg leg = leg_to(position.at, at);
+  const bool found = location.kind == Location::Kind::kPoint ? trace_.find(position.point, location.point, leg)
+                                                             : trace_.find(position.point, leg);
+  if (!found) return false;
+  run_along_chain(position.point);
+  if (!trace_.chain().empty()) position = {mesh_.at(trace_.chain().back()), trace_.chain().back(), kNone};
+  // What is left of the segment, or all of it, is dust.
+  const LatticePoint reached = mesh::rounded_projection(segment_start_, segment_end_, position.at);
+  if (trace_.chain().empty() || reached != at) note_dust();
+  if (position.at != at) ++counts_.snapped_points;
+  note_deviation(position.point, difference(at, position.at).norm());
+  return true;
+}
+
+// Takes a leg, or as much of it as lies in the sheet, along lips that are there. Where it comes from the void, that is
+// known from its end.
+bool PathInsertion::follow_lips(PathPosition& from, std::vector<PathPosition>& targets) {
+  const PathPosition target = targets.back();
+  if (from.point == kNone) {
+    if (target.point == kNone || !trace_.find_border(target.point, leg_to(target.at, from.at))) return false;
+    const PointId entry = trace_.chain().back();
+    note_met(entry);
+    targets.push_back({mesh_.at(entry), entry, kNone});
+    return false;
+  }
+  const LipTrace::Leg leg = leg_to(from.at, target.at);
+  if (!(target.point == kNone ? trace_.find_border(from.point, leg) : trace_.find(from.point, target.point, leg))) {
+    return false;
+  }
+  run_along_chain(from.point);
+  if (target.point != kNone) {
+    from = target;
+    targets.pop_back();
+  } else {
+    from = {mesh_.at(trace_.chain().back()), trace_.chain().back(), kNone};
+  }
+  return true;
+}
+
+// The stretch of the present segment between the feet of two places: places that have been moved onto lips must not
+// lead on to lips farther away.
+LipTrace::Leg PathInsertion::leg_to(const LatticePoint& from, const LatticePoint& to) const {
+  return {mesh::rounded_projection(segment_start_, segment_end_, from),
+          mesh::rounded_projection(segment_start_, segment_end_, to)};
+}
+
+void PathInsertion::run_along_chain(PointId from) {
+  double widest = 0.0;
+  for (const PointId next : trace_.chain()) {
+    if (laid_ != nullptr) laid_->run(from, next);
+    note_point(next);
+    widest = std::max(widest, distance_to_path(next));
+    from = next;
+  }
+  note_gap(widest);
+}
+
+void PathInsertion::note_met(PointId point) {
+  if (is_on_lip(point)) note_gap(distance_to_path(point));
+  note_point(point);
+}
+
+// From the present segment, lattice units; 0 on its line, but for what lies beyond its ends, exactly then.
+double PathInsertion::distance_to_path(PointId point) const {
+  const LatticePoint& at = mesh_.at(point);
+  const double doubled_area = std::abs(mesh::to_double(mesh::doubled_area(segment_start_, segment_end_, at)));
+  return std::max(distance_to_segment(at, segment_start_, segment_end_),
+                  doubled_area / difference(segment_start_, segment_end_).norm());
+}
+
+void PathInsertion::note_dust() {
+  ++counts_.merged_segments;
+}
+
+// `width`: between the path and the lip or border that it was laid on, lattice units; 0 where it met that exactly.
+void PathInsertion::note_gap(double width) {
+  if (width <= 0.0) return;
+  ++counts_.closed_gaps;
+  counts_.widest_gap = std::max(counts_.widest_gap, width);
 }
 
 // Whether `at`, on the present segment, lies on an edge with both ends on the segment too, all within the snap
@@ -194,20 +287,19 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
   const Snap snap = find_snap(at, location.triangle);
   PointId point = snap.point;
   if (point != kNone) {
-    if (point != last_point_ && (mesh_.locks_at_point(point) & ~mesh::kLockOriginal) != 0) ++counts_.closed_gaps;
+    if (point != last_point_ && is_on_lip(point)) note_gap(difference(at, mesh_.at(point)).norm());
     ++counts_.snapped_points;
   } else if (snap.triangle != kNone) {
     const LatticePoint& a = mesh_.at(mesh_.points(snap.triangle)[next_corner(snap.corner)]);
     const LatticePoint& b = mesh_.at(mesh_.points(snap.triangle)[previous_corner(snap.corner)]);
     const LatticePoint foot = rounded_projection(a, b, at);
     const bool is_element_edge = mesh_.locks(snap.triangle, snap.corner) == mesh::kLockOriginal;
+    const double gap = orient2d(a, b, at) == 0 ? 0.0 : distance_to_segment(at, a, b);
     const Result<PointId> split = split_near(snap.triangle, snap.corner, foot);
     if (!split.ok()) return split.error();
     point = *split;
-    if (foot != at) {
-      ++counts_.snapped_points;
-      counts_.closed_gaps += is_element_edge ? 0 : 1;
-    }
+    if (foot != at) ++counts_.snapped_points;
+    if (!is_element_edge) note_gap(gap);
   } else if (!mesh_.is_solid(location.triangle)) {
     return PathPosition{at, kNone, location.triangle};
   } else {
@@ -260,6 +352,7 @@ Status PathInsertion::run_segment(PathPosition from, const PathPosition& to) {
   std::vector<PathPosition> targets{to};
   while (!targets.empty()) {
     if (++legs_ > kMaxLegs) return budget_error();
+    if (follow_lips(from, targets)) continue;
     const PathPosition target = targets.back();
     const Encounter met = walk_.follow(from, target);
     switch (met.kind) {
@@ -273,10 +366,7 @@ Status PathInsertion::run_segment(PathPosition from, const PathPosition& to) {
         break;
       }
       case Encounter::Kind::kPoint: {
-        if (orient2d(from.at, target.at, mesh_.at(met.point)) != 0 && mesh_.locks_at_point(met.point) != 0) {
-          ++counts_.closed_gaps;
-        }
-        note_point(met.point);
+        note_met(met.point);
         targets.push_back({mesh_.at(met.point), met.point, kNone});
         break;
       }
@@ -317,6 +407,11 @@ Status PathInsertion::secure_edge(PointId p, PointId q) {
   lock_as_cut(recovery.triangle, recovery.corner);
   if (laid_ != nullptr) laid_->run(p, q);
   return Nothing{};
+}
+
+// Whether a lip or the border runs through the point.
+bool PathInsertion::is_on_lip(PointId point) const {
+  return (mesh_.locks_at_point(point) & mesh::kLocksThatOpen) != 0;
 }
 
 void PathInsertion::lock_as_cut(TriangleId t, int corner) {

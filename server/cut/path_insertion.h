@@ -7,6 +7,7 @@
 
 #include "server/base/result.h"
 #include "server/cut/curve.h"
+#include "server/cut/lip_trace.h"
 #include "server/cut/path_scale.h"
 #include "server/cut/path_walk.h"
 #include "server/cut/strip.h"
@@ -20,7 +21,8 @@ struct InsertionCounts {
   std::int32_t snapped_points = 0;
   std::int32_t closed_gaps = 0;
   std::int32_t merged_segments = 0;
-  double deviation = 0.0;  // largest distance between the strokes and the chain of edges that stands for them
+  double widest_gap = 0.0;  // of those closed
+  double deviation = 0.0;   // largest distance between the strokes and the chain of edges that stands for them
   double deviation_of_tolerance = 0.0;  // -; the same over the tolerance there, the largest of all places
 };
 
@@ -60,6 +62,10 @@ class PathInsertion {
 
   Status insert_segment(PathPosition& position);
   Status advance(PathPosition& position, const mesh::LatticePoint& at);
+  bool retrace(PathPosition& position, const mesh::LatticePoint& at);
+  bool follow_lips(PathPosition& from, std::vector<PathPosition>& targets);
+  [[nodiscard]] LipTrace::Leg leg_to(const mesh::LatticePoint& from, const mesh::LatticePoint& to) const;
+  void run_along_chain(mesh::PointId from);
   [[nodiscard]] bool runs_along_edge(const mesh::LatticePoint& at) const;
   Result<PathPosition> place(const mesh::LatticePoint& at);
   [[nodiscard]] Snap find_snap(const mesh::LatticePoint& at, mesh::TriangleId start) const;
@@ -68,7 +74,12 @@ class PathInsertion {
   Status run_segment(PathPosition from, const PathPosition& to);
   [[nodiscard]] bool runs_through_sheet(const Encounter& arrival) const;
   Status secure_edge(mesh::PointId p, mesh::PointId q);
+  [[nodiscard]] bool is_on_lip(mesh::PointId point) const;
+  void note_dust();
+  void note_gap(double width);
+  [[nodiscard]] double distance_to_path(mesh::PointId point) const;
   void lock_as_cut(mesh::TriangleId t, int corner);
+  void note_met(mesh::PointId point);
   void note_point(mesh::PointId point);
   void note_deviation(mesh::PointId point, double distance);
   void use_scale_at(const mesh::LatticePoint& at);
@@ -81,6 +92,7 @@ class PathInsertion {
   LaidOutline* laid_;  // may be null
   double snap_ = 0.0;  // lattice units, where the path is
   PathWalk walk_;
+  LipTrace trace_;
   InsertionCounts counts_;
   mesh::TriangleId hint_ = mesh::kNone;
   mesh::PointId last_point_ = mesh::kNone;          // where the stroke is

@@ -15,7 +15,7 @@ constexpr int kMaxSamples = 4096;   // of the edge length along one segment
 }  // namespace
 
 PathScale::PathScale(const mesh::TriangleMesh& mesh, const CutOptions& options)
-    : lengths_(mesh.edge_lengths()), options_(options), lattice_spacing_(mesh.lattice().spacing) {}
+    : lengths_(mesh.edge_lengths()), options_(options), lattice_(mesh.lattice()) {}
 
 double PathScale::tolerance_for(double edge_length) const {
   return options_.tolerance_m.value_or(options_.tolerance * edge_length);
@@ -24,11 +24,11 @@ double PathScale::tolerance_for(double edge_length) const {
 double PathScale::snap_for(double edge_length) const {
   double wanted = std::min(options_.snap * edge_length, kSnapShare * tolerance_for(edge_length));
   if (options_.width_m) wanted = std::min(wanted, kSnapShare * kToleranceOfWidth * *options_.width_m);
-  return std::max(wanted, kLeastSnapUnits * lattice_spacing_);
+  return std::max(wanted, kLeastSnapUnits * lattice_.spacing);
 }
 
 double PathScale::representable_tolerance() const {
-  return 4.0 * (kLeastSnapUnits + kRoundingUnits) * lattice_spacing_;
+  return 4.0 * (kLeastSnapUnits + kRoundingUnits) * lattice_.spacing;
 }
 
 double PathScale::flattening_for(double edge_length) const {

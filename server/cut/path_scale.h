@@ -33,6 +33,10 @@ class PathScale {
   [[nodiscard]] double representable_tolerance() const;
   // Distance below which the path is laid on points and lips.
   [[nodiscard]] double snap(const Eigen::Vector2d& at) const { return snap_for(lengths_.at(at)); }
+  // The same at a point of the mesh, in lattice units.
+  [[nodiscard]] double snap_units(const mesh::LatticePoint& at) const {
+    return snap(lattice_.position(at)) / lattice_.spacing;
+  }
   [[nodiscard]] double mean_snap() const { return snap_for(lengths_.mean); }
   // What snapping leaves of the tolerance for flattening: the least anywhere, and in a box.
   [[nodiscard]] double least_flattening() const { return flattening_for(lengths_.least()); }
@@ -52,7 +56,7 @@ class PathScale {
 
   const mesh::EdgeLengths& lengths_;
   const CutOptions& options_;
-  double lattice_spacing_;
+  const mesh::Lattice& lattice_;
 };
 
 }  // namespace kerf::cut

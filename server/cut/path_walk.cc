@@ -39,7 +39,9 @@ bool PathWalk::is_met(PointId v) const {
   const double along = difference(from_.at, at).dot(leg);
   if (along <= 0.0 || along >= squared_length) return false;
   if (squared_distance(from_.at, at) >= squared_length || squared_distance(at, to_.at) >= squared_length) return false;
-  return distance_to_segment(at, from_.at, to_.at) < clearance_;
+  const double distance = distance_to_segment(at, from_.at, to_.at);
+  const double snap = scale_.snap_units(at);
+  return distance < snap && (distance < kRoundingUnits || distance_to_segment(at, line_[0], line_[1]) < snap);
 }
 
 bool PathWalk::leave_point(Exit& exit, Encounter& met) {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
+#include "server/cut/path_scale.h"
 #include "server/mesh/triangle_mesh.h"
 
 namespace kerf::cut {
@@ -32,10 +34,10 @@ struct Encounter {
 // Follows legs of the path through the welded mesh by exact predicates. Keeps scratch between legs.
 class PathWalk {
  public:
-  explicit PathWalk(const mesh::TriangleMesh& mesh) : mesh_(mesh) {}
+  PathWalk(const mesh::TriangleMesh& mesh, const PathScale& scale) : mesh_(mesh), scale_(scale) {}
 
-  // `clearance`: lattice units; points closer than this to a leg are met by it.
-  void set_clearance(double clearance) { clearance_ = clearance; }
+  // The straight line that the legs to come stand for. Points closer to both than the snap distance are met by a leg.
+  void set_line(const mesh::LatticePoint& from, const mesh::LatticePoint& to) { line_ = {from, to}; }
 
   // From `from` to `to`, at different places. A position without a point must lie in the void and from.triangle must
   // hold it now.
@@ -56,12 +58,14 @@ class PathWalk {
   bool leave_point(Exit& exit, Encounter& met);
   bool leave_void_triangle(Exit& exit, Encounter& met) const;
   [[nodiscard]] bool holds_end(mesh::TriangleId t) const;
-  // Whether the leg should pass through v: closer than the clearance, and nearer to either end than the ends are to
-  // each other, so that legs only get shorter.
+  // Whether the leg should pass through v: closer than the snap distance, and nearer to either end than the ends are to
+  // each other, so that legs only get shorter. Closer to the line too, or a leg that has been led to a lip would be led
+  // on to the next, ever farther from the path.
   [[nodiscard]] bool is_met(mesh::PointId v) const;
 
   const mesh::TriangleMesh& mesh_;
-  double clearance_ = 0.0;
+  const PathScale& scale_;
+  std::array<mesh::LatticePoint, 2> line_;
   PathPosition from_;
   PathPosition to_;
   std::vector<mesh::TriangleId> fan_;

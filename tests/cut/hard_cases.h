@@ -75,6 +75,8 @@ inline std::vector<Curve> comb_in_cells(int teeth) {
 
 inline std::vector<HardCase> hard_cases() {
   const Curve slit = cells({{3.3, 5.4}, {8.6, 6.3}});
+  const Curve narrow = cells({{3.3, 5.4}, {8.6, 6.3}, {3.3, 5.4004}});
+  const Curve wedge = cells({{3.3, 5.4}, {8.6, 6.3}, {3.3, 5.42}});
   const Curve level = cells({{3.0, 6.0}, {9.0, 6.0}});
   const Curve bezier = CubicBezier{{{3.2, 4.3}, {6.1, 9.2}, {6.2, 2.4}, {8.7, 7.1}}};
   std::vector<HardCase> cases{
@@ -132,6 +134,18 @@ inline std::vector<HardCase> hard_cases() {
        {1, 2, {8, 0, 4, 0}, 72, 72}},
       {"same cut twice", {slit, slit}, {0, 1, {2, 0, 0, 0}, 14, 16}, CutStatus::kNoIntersection},
       {"same bezier twice", {bezier, bezier}, {0, 1, {2, 0, 0, 0}, 45, 46}, CutStatus::kNoIntersection},
+      {"beside a slit, closer than the snap distance",
+       {slit, cells({{3.3, 5.4004}, {8.6, 6.3004}})},
+       {0, 1, {2, 0, 0, 0}, 14, 16},
+       CutStatus::kNoIntersection},
+      {"there and back, closer than the snap distance", {narrow}, {0, 1, {2, 0, 0, 0}, 14, 16}},
+      {"the same twice", {narrow, narrow}, {0, 1, {2, 0, 0, 0}, 14, 16}, CutStatus::kNoIntersection},
+      {"there and back, closer at the turn only", {wedge}, {0, 1, {2, 0, 0, 0}, 28, 30}},
+      {"that twice", {wedge, wedge}, {0, 1, {2, 0, 0, 0}, 28, 30}, CutStatus::kNoIntersection},
+      {"that after a cross cut",
+       {wedge, cells({{6.3, 3.2}, {6.9, 9.1}}), wedge},
+       {1, 2, {4, 0, 2, 0}, 52, 52},
+       CutStatus::kNoIntersection},
       {"part of it again, backwards",
        {slit, cells({{8.6, 6.3}, {3.3, 5.4}})},
        {0, 1, {2, 0, 0, 0}, 14, 16},
