@@ -54,7 +54,8 @@ int compare(const Ratio& a, const Ratio& b) {
 
 class Arrangement {
  public:
-  Arrangement(const mesh::TriangleMesh& sheet, const std::vector<cut::Stroke>& strokes) : records_(sheet.records()) {
+  Arrangement(const mesh::TriangleMesh& sheet, const std::vector<cut::Stroke>& strokes, double clearance)
+      : records_(sheet.records()), search_(clearance), clearance_(clearance) {
     add_locks();
     add_strokes(strokes);
   }
@@ -144,8 +145,8 @@ class Arrangement {
     audit::BoxGrid grid(boxes);
     for (std::size_t i = num_locks_; i < segments_.size(); ++i) {
       Box around = boxes[i];
-      around.min().array() -= kClear;
-      around.max().array() += kClear;
+      around.min().array() -= search_;
+      around.max().array() += search_;
       grid.for_touching(around, [&](std::size_t j) {
         if (j < i) cross(segments_[i], segments_[j]);
       });
@@ -279,17 +280,18 @@ class Arrangement {
   const mesh::MeshRecords& records_;
   std::vector<Segment> segments_;  // locks first
   std::size_t num_locks_ = 0;
-  double clearance_ = kClear;
+  double search_;     // lattice units; things farther from each other are not compared
+  double clearance_;  // lattice units
   std::size_t num_nodes_ = 0;
   std::map<LatticePoint, std::size_t> node_at_;
 };
 
 }  // namespace
 
-Outcome exact_outcome(const mesh::TriangleMesh& sheet, const std::vector<cut::Stroke>& strokes, double* clearance) {
-  Arrangement arrangement(sheet, strokes);
+Outcome exact_outcome(const mesh::TriangleMesh& sheet, const std::vector<cut::Stroke>& strokes, double& clearance) {
+  Arrangement arrangement(sheet, strokes, clearance);
   const Outcome outcome = arrangement.run();
-  if (clearance != nullptr) *clearance = arrangement.clearance();
+  clearance = arrangement.clearance();
   return outcome;
 }
 

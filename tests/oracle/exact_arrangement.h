@@ -23,11 +23,8 @@ struct Outcome {
 // of the planar graph of border, lips and all of the strokes that lies in the sheet S,
 //   pieces = E - V + C + 1 - parts of the void,      chi(opened) = chi(S) - (V - E),
 // the first by Euler's formula, the second because the opened sheet is a surface whose inside is S without the graph.
-// `clearance`, where given, is how near two things that do not touch come to each other, about, where that is less than
-// `kClear` lattice units: a node and a stretch that does not end there, or two nodes of one segment.
-Outcome exact_outcome(const mesh::TriangleMesh& sheet, const std::vector<cut::Stroke>& strokes,
-                      double* clearance = nullptr);
-
-inline constexpr double kClear = 256.0;
+// `clearance`: lattice units; becomes how near two things that do not touch come to each other, about, where that is
+// less than it was: a node and a stretch that does not end there, or two nodes of one segment.
+Outcome exact_outcome(const mesh::TriangleMesh& sheet, const std::vector<cut::Stroke>& strokes, double& clearance);
 
 }  // namespace kerf::oracle
