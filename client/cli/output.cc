@@ -103,6 +103,12 @@ std::string describe(const v1::Sheet& sheet) {
   return sheet.state_hash().empty() ? text : text + "  hash " + sheet.state_hash();
 }
 
+static std::string notes(const v1::CutResult& result) {
+  std::string text;
+  for (const std::string& warning : result.warnings()) text += "\n  note: " + warning;
+  return text;
+}
+
 std::string describe(const v1::CutResult& result) {
   if (result.status() == v1::CutResult::SCHEDULED) {
     const std::string number = result.scheduled_name().substr(result.scheduled_name().rfind('/') + 1);
@@ -111,8 +117,11 @@ std::string describe(const v1::CutResult& result) {
   }
   if (result.status() == v1::CutResult::NO_INTERSECTION) {
     return format(
-        "NO_INTERSECTION at tick %lld: the curve misses the sheet, only retraces an earlier cut or is too small; %d %s",
-        static_cast<long long>(result.tick()), result.pieces(), result.pieces() == 1 ? "piece" : "pieces");
+               "NO_INTERSECTION at tick %lld: the curve misses the sheet, only retraces an earlier cut or is too "
+               "small; "
+               "%d %s",
+               static_cast<long long>(result.tick()), result.pieces(), result.pieces() == 1 ? "piece" : "pieces") +
+           notes(result);
   }
   const v1::CutQuality& quality = result.quality();
   std::string text = format(
@@ -149,8 +158,7 @@ std::string describe(const v1::CutResult& result) {
   if (quality.corners_total() > quality.corners_size()) {
     text += format("\n  and %d more corners", quality.corners_total() - quality.corners_size());
   }
-  for (const std::string& warning : result.warnings()) text += "\n  note: " + warning;
-  return text;
+  return text + notes(result);
 }
 
 std::string describe(const v1::Piece& piece) {

@@ -19,20 +19,28 @@ Error unknown_grab(const std::string& grab_id, const std::string& field) {
   return {ErrorCode::kNotFound, "GRAB_NOT_FOUND", "the sheet has no grab \"" + grab_id + "\"", field};
 }
 
+template <typename... Values>
+std::string text_of(const char* format, Values... values) {
+  std::array<char, 128> text{};
+  std::snprintf(text.data(), text.size(), format, values...);
+  return text.data();
+}
+
 // `remarks` come first.
 std::vector<std::string> warnings_of(const cut::CutReport& report, const std::vector<std::string>& remarks) {
   std::vector<std::string> warnings = remarks;
   const auto add = [&warnings](const char* what, std::int32_t count) {
     if (count > 0) warnings.push_back(std::string(what) + ": " + std::to_string(count));
   };
-  add("gaps to older lips, the border or the path itself, closed", report.closed_gaps);
+  if (report.closed_gaps > 0) {
+    warnings.push_back(text_of("gaps to older lips, the border or the path itself, closed: %d, up to %.3g m wide",
+                               report.closed_gaps, report.widest_gap_m));
+  }
   add("segments shorter than the snap distance, merged", report.merged_segments);
   add("triangles that reach behind the camera, left out", report.triangles_behind);
   if (report.view_deviation_m > 0.0) {
-    std::array<char, 96> text{};
-    std::snprintf(text.data(), text.size(), "seen nearly edge-on: the cut lies up to %.3g m off the sight lines",
-                  report.view_deviation_m);
-    warnings.emplace_back(text.data());
+    warnings.push_back(
+        text_of("seen nearly edge-on: the cut lies up to %.3g m off the sight lines", report.view_deviation_m));
   }
   if (report.refinement_stopped) warnings.emplace_back("refinement stopped early: some new triangles are flat");
   return warnings;

@@ -50,6 +50,9 @@ v1::CutResult encode_cut_result(const sheet::CommandReply& reply, const sheet::C
   result.set_min_angle_deg(report.quality.min_angle_deg);
   encode_quality(report.quality, *result.mutable_quality());
   result.set_refinement_stopped(report.refinement_stopped);
+  result.set_closed_gaps(report.closed_gaps);
+  result.set_widest_gap_m(report.widest_gap_m);
+  result.set_merged_segments(report.merged_segments);
   result.set_state_hash(encode_hash(reply.state_hash));
   for (const std::string& warning : cut.warnings) result.add_warnings(warning);
   for (const cut::ViewLayer& layer : report.layers) {

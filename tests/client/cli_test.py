@@ -340,6 +340,21 @@ class Cuts(Case):
         self.assertEqual((reply["status"], reply["pieces"], reply["new_vertices"]), ("NO_INTERSECTION", 1, 0))
         self.assertEqual(self.hash(), before)
 
+    def test_gaps_closed_and_dust_merged_are_told(self):
+        slit = self.json_of("cut", self.id, "--polyline", "0.2,0.43 0.8,0.43")
+        self.assertEqual((slit["closed_gaps"], slit["widest_gap_m"], slit["merged_segments"]), (0, 0, 0))
+        short = self.json_of("cut", self.id, "--polyline", "0.45,0.81 0.46,0.43002")  # of the slit, by less than snapping
+        self.assertEqual((short["status"], short["closed_gaps"]), ("APPLIED", 1))
+        self.assertAlmostEqual(short["widest_gap_m"], 2e-5, delta=1e-7)
+        beside = self.json_of("cut", self.id, "--polyline", "0.2,0.43001 0.8,0.43001")
+        self.assertEqual(beside["status"], "NO_INTERSECTION")
+        self.assertGreater(beside["closed_gaps"], 0)
+        self.assertAlmostEqual(beside["widest_gap_m"], 1e-5, delta=1e-7)
+        dust = self.json_of("cut", self.id, "--polyline", "0.25,0.17 0.250001,0.170001 0.65,0.24")
+        self.assertEqual((dust["status"], dust["merged_segments"]), ("APPLIED", 1))
+        text = kerf("cut", self.id, "--polyline", "0.2,0.43001 0.8,0.43001").stdout
+        self.assertRegex(text, r"note: gaps to older lips, the border or the path itself, closed: \d+, up to 1e-05 m wide")
+
     def test_options_may_follow_the_command(self):
         done = subprocess.run([OPTIONS.kerf, "cut", self.id, "--circle", "0.5,0.5,0.1", "--json", "--server",
                                SERVER["grpc"]], capture_output=True, text=True)

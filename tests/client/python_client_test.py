@@ -293,6 +293,14 @@ class Refusals(Case):
         result = self.sheet.cut(kerf.circle((7, 7), 1))
         self.assertEqual((result.status, result.pieces, result.name), (kerf.NO_INTERSECTION, 1, ""))
 
+    def test_a_second_cut_beside_a_first_tells_of_the_gap_closed(self):
+        first = self.sheet.cut(kerf.polyline((0.2, 0.43), (0.8, 0.43)))
+        self.assertEqual((first.closed_gaps, first.widest_gap_m, first.merged_segments), (0, 0.0, 0))
+        second = self.sheet.cut(kerf.polyline((0.2, 0.43001), (0.8, 0.43001)))
+        self.assertEqual(second.status, kerf.NO_INTERSECTION)
+        self.assertGreater(second.closed_gaps, 0)
+        self.assertAlmostEqual(second.widest_gap_m, 1e-5, delta=1e-7)
+
     def test_no_server(self):
         with kerf.connect("127.0.0.1:1") as nobody, self.assertRaises(kerf.Unavailable) as caught:
             nobody.info()

@@ -254,11 +254,17 @@ TEST(ReplyCodec, QualityAndCornersOfACutAreAllTold) {
   reply.cut.emplace();
   cut::CutReport& report = reply.cut->report;
   report.refinement_stopped = true;
+  report.closed_gaps = 4;
+  report.widest_gap_m = 2.5e-5;
+  report.merged_segments = 6;
   report.quality = {9, 3.5, 30.25, 6.5, 2.5, 4.5, 1.75, 1e-4, 7, 2, {{{0.25, -0.5}, 12.5, 3}, {{1.0, 2.0}, 33.0, 1}},
                     5};
   const v1::CutResult result = encode_cut_result(reply, *reply.cut);
   EXPECT_EQ(result.min_angle_deg(), 3.5);
   EXPECT_TRUE(result.refinement_stopped());
+  EXPECT_EQ(result.closed_gaps(), 4);
+  EXPECT_EQ(result.widest_gap_m(), 2.5e-5);
+  EXPECT_EQ(result.merged_segments(), 6);
   const v1::CutQuality& quality = result.quality();
   EXPECT_EQ(quality.mean_min_angle_deg(), 30.25);
   EXPECT_EQ(quality.max_aspect(), 6.5);
