@@ -7,7 +7,7 @@
 namespace kerf::mesh {
 
 // Vertices of a surface that flatten() takes: a sparse factorisation of twice as many unknowns.
-inline constexpr Eigen::Index kMaxFlattenedVertices = 100'000;
+inline constexpr Eigen::Index kMaxFlattenedVertices = 50'000;
 
 enum class Flattening {
   // Least-squares conformal maps (Levy, Petitjean, Ray, Maillot 2002): angles are kept as well as can be, the border is
