@@ -170,7 +170,7 @@ class MeshEditor {
   };
   // A maximal run of solid triangles around a point that no lock separates.
   struct Sector {
-    std::vector<TriangleId> triangles;  // counter-clockwise
+    std::size_t begin = 0, end = 0;  // in the fan around the point, counter-clockwise
     TriangleId lowest = kNone;
     Lip lip;
   };
@@ -185,13 +185,15 @@ class MeshEditor {
   void hand_over(TriangleId from, TriangleId to, PointId p, VertexId v);
   [[nodiscard]] bool respects_clearance(TriangleId t, const LatticePoint& p, int skipped_edge) const;
   [[nodiscard]] Lip lip_of_edge(TriangleId t, int k) const;
+  [[nodiscard]] Lip across(const Lip& lip) const;
 
   using Edge = std::array<PointId, 2>;
   bool flip_crossed_edges(PointId p, PointId q, const std::vector<Edge>& crossed, std::vector<Edge>& made);
   void legalise_edges(std::vector<Edge>& edges);
 
   void open_point(PointId p);
-  [[nodiscard]] std::vector<Sector> sectors_around(PointId p) const;
+  // Sorted by `lowest`. Replaces the contents of `fan`.
+  [[nodiscard]] std::vector<Sector> sectors_around(PointId p, std::vector<TriangleId>& fan) const;
   [[nodiscard]] std::vector<bool> left_of_lip(PointId p, const Lip& lip, const std::vector<TriangleId>& fan) const;
   void add_vertex(PointId p, const Sector& sector, VertexId held);
   void drop_bereft_vertices();

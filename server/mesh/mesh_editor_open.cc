@@ -41,46 +41,41 @@ MeshEditor::Lip MeshEditor::old_edge(TriangleId t, int k) const {
   return {};
 }
 
-std::vector<MeshEditor::Sector> MeshEditor::sectors_around(PointId p) const {
-  std::vector<TriangleId> fan;
+std::vector<MeshEditor::Sector> MeshEditor::sectors_around(PointId p, std::vector<TriangleId>& fan) const {
   mesh_.fan_around(p, fan);
-  // separates[i]: between fan[i] and the next one counter-clockwise.
-  const std::size_t n = fan.size();
-  std::vector<bool> separates(n);
-  std::size_t first = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const int k = next_corner(mesh_.corner_of(fan[i], p));
-    separates[i] = (mesh_.locks(fan[i], k) & kLocksThatOpen) != 0;
-    if (separates[i]) first = (i + 1) % n;
-  }
+  const auto ends_sector = [&](TriangleId t) {
+    return (mesh_.locks(t, next_corner(mesh_.corner_of(t, p))) & kLocksThatOpen) != 0;
+  };
+  // Turned so that no sector goes on past the end.
+  const auto last = std::find_if(fan.rbegin(), fan.rend(), ends_sector);
+  if (last != fan.rend()) std::rotate(fan.begin(), last.base(), fan.end());
   const Lip lip = is_new(p) ? lips_[p - log_.num_points] : Lip{};
   const std::vector<bool> is_left = lip.triangle == kNone ? std::vector<bool>() : left_of_lip(p, lip, fan);
   std::vector<Sector> sectors;
-  for (std::size_t offset = 0; offset < n; ++offset) {
-    const std::size_t i = (first + offset) % n;
-    if (!mesh_.is_solid(fan[i])) continue;
-    if (sectors.empty() || separates[(i + n - 1) % n]) {
-      Sector sector;
-      if (lip.triangle != kNone) {
-        const TriangleRecord& record = old_record(lip.triangle);
-        if (is_left[i]) {
-          sector.lip = lip;
-        } else {
-          const TriangleId mirror = record.neighbours[lip.corner];
-          const std::array<PointId, 3>& across = old_record(mirror).points;
-          const PointId end = record.points[previous_corner(lip.corner)];
-          const auto at_end = std::find(across.begin(), across.end(), end);
-          sector.lip = {mirror, previous_corner(static_cast<int>(at_end - across.begin()))};
-        }
+  sectors.reserve(4);
+  bool goes_on = false;
+  for (std::size_t i = 0; i < fan.size(); ++i) {
+    if (mesh_.is_solid(fan[i])) {
+      if (!goes_on) {
+        sectors.push_back({i, i, fan[i], {}});
+        if (lip.triangle != kNone) sectors.back().lip = is_left[i] ? lip : across(lip);
       }
-      sector.lowest = fan[i];
-      sectors.push_back(std::move(sector));
+      sectors.back().end = i + 1;
+      sectors.back().lowest = std::min(sectors.back().lowest, fan[i]);
     }
-    sectors.back().triangles.push_back(fan[i]);
-    sectors.back().lowest = std::min(sectors.back().lowest, fan[i]);
+    goes_on = mesh_.is_solid(fan[i]) && !ends_sector(fan[i]);
   }
   std::sort(sectors.begin(), sectors.end(), [](const Sector& a, const Sector& b) { return a.lowest < b.lowest; });
   return sectors;
+}
+
+// The same edge from its other side.
+MeshEditor::Lip MeshEditor::across(const Lip& lip) const {
+  const TriangleRecord& record = old_record(lip.triangle);
+  const TriangleId mirror = record.neighbours[lip.corner];
+  const std::array<PointId, 3>& points = old_record(mirror).points;
+  const auto at_end = std::find(points.begin(), points.end(), record.points[previous_corner(lip.corner)]);
+  return {mirror, previous_corner(static_cast<int>(at_end - points.begin()))};
 }
 
 // For a new point on an edge that was locked before the edit: which triangles of its fan lie to the left of that edge.
@@ -138,8 +133,9 @@ void MeshEditor::add_vertex(PointId p, const Sector& sector, VertexId held) {
 }
 
 void MeshEditor::open_point(PointId p) {
+  std::vector<TriangleId> fan;
   std::vector<VertexId> kept;
-  for (const Sector& sector : sectors_around(p)) {
+  for (const Sector& sector : sectors_around(p, fan)) {
     const TriangleId lowest = sector.lowest;
     VertexId v = mesh_.record(lowest).vertices[mesh_.corner_of(lowest, p)];
     if (v == kNone || std::find(kept.begin(), kept.end(), v) != kept.end()) {
@@ -150,9 +146,9 @@ void MeshEditor::open_point(PointId p) {
       kept.push_back(v);
       if (mesh_.records_.vertices[v].triangle != lowest) touch_vertex(v).triangle = lowest;
     }
-    for (const TriangleId t : sector.triangles) {
-      const int c = mesh_.corner_of(t, p);
-      if (mesh_.record(t).vertices[c] != v) touch_triangle(t).vertices[c] = v;
+    for (std::size_t i = sector.begin; i < sector.end; ++i) {
+      const int c = mesh_.corner_of(fan[i], p);
+      if (mesh_.record(fan[i]).vertices[c] != v) touch_triangle(fan[i]).vertices[c] = v;
     }
   }
 }

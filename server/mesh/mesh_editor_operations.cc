@@ -223,8 +223,8 @@ bool MeshEditor::move_point(PointId p, const LatticePoint& to) {
     if (!is_positive(to, mesh_.at(corners[next_corner(c)]), mesh_.at(corners[previous_corner(c)]))) return false;
     if (!respects_clearance(t, to, kNone)) return false;
   }
+  if (!is_new(p) && !is_moved(p)) moved_.push_back(p);
   touch_point(p).at = to;
-  if (!is_new(p)) moved_.push_back(p);
   return true;
 }
 

@@ -79,7 +79,8 @@ std::vector<VertexSource> MeshEditor::moved_sources() const {
     mesh_.fan_around(p, fan);
     for (const TriangleId t : fan) {
       const VertexId v = mesh_.vertices(t)[mesh_.corner_of(t, p)];
-      if (v != kNone && v < log_.num_vertices) moved.push_back(v);
+      const bool is_listed = !moved.empty() && moved.back() == v;
+      if (v != kNone && v < log_.num_vertices && !is_listed) moved.push_back(v);
     }
   }
   std::sort(moved.begin(), moved.end());
@@ -104,17 +105,18 @@ std::vector<TriangleId> MeshEditor::rewritten_triangles() const {
     }
     if (differs) rewritten.push_back(t);
   }
-  for (TriangleId t = log_.num_triangle_slots; t < mesh_.num_triangle_slots(); ++t) rewritten.push_back(t);
+  IdTable listed;
+  for (const TriangleId t : rewritten) listed.add(t, 0);
   std::vector<TriangleId> fan;
   for (const PointId p : moved_) {
     if (!is_moved(p)) continue;
     mesh_.fan_around(p, fan);
     for (const TriangleId t : fan) {
-      if (mesh_.is_solid(t)) rewritten.push_back(t);
+      if (t < log_.num_triangle_slots && mesh_.is_solid(t) && listed.add(t, 0)) rewritten.push_back(t);
     }
   }
   std::sort(rewritten.begin(), rewritten.end());
-  rewritten.erase(std::unique(rewritten.begin(), rewritten.end()), rewritten.end());
+  for (TriangleId t = log_.num_triangle_slots; t < mesh_.num_triangle_slots(); ++t) rewritten.push_back(t);
   return rewritten;
 }
 

@@ -112,25 +112,6 @@ bool TriangleMesh::is_in_circle(TriangleId t, const LatticePoint& p) const {
   return sum > kRounding * size;
 }
 
-bool TriangleMesh::is_fixed(TriangleId t, int k) const {
-  const TriangleRecord& r = record(t);
-  if (r.locks[k] != 0 || r.neighbours[k] == kNone) return true;
-  return record(r.neighbours[k]).region != r.region;
-}
-
-int TriangleMesh::corner_of(TriangleId t, PointId p) const {
-  const std::array<PointId, 3>& corners = points(t);
-  for (int k = 0; k < 3; ++k) {
-    if (corners[k] == p) return k;
-  }
-  return kNone;
-}
-
-int TriangleMesh::mirror_corner(TriangleId t, int k) const {
-  const PointId end = points(t)[previous_corner(k)];
-  return previous_corner(corner_of(welded_neighbour(t, k), end));
-}
-
 TriangleId TriangleMesh::find_edge(PointId p, PointId q, int& corner) const {
   const TriangleId start = records_.points[p].triangle;
   for (const bool clockwise :

@@ -153,16 +153,26 @@ class TriangleMesh {
   [[nodiscard]] const std::array<PointId, 3>& points(TriangleId t) const { return record(t).points; }
   [[nodiscard]] const LatticePoint& at(PointId p) const { return records_.points[p].at; }
   [[nodiscard]] Eigen::Vector2d point_position(PointId p) const { return records_.lattice.position(at(p)); }  // m
+  // One slot with a corner at p.
+  [[nodiscard]] TriangleId triangle_at_point(PointId p) const { return records_.points[p].triangle; }
   [[nodiscard]] PointId point(VertexId v) const { return records_.vertices[v].point; }
   // Across edge k whatever its locks; kNone at the rim of the domain only.
   [[nodiscard]] TriangleId welded_neighbour(TriangleId t, int k) const { return record(t).neighbours[k]; }
   [[nodiscard]] LockBits locks(TriangleId t, int k) const { return record(t).locks[k]; }
   // Whether flips may not remove edge k: locked, on the rim of the domain, or between two regions.
-  [[nodiscard]] bool is_fixed(TriangleId t, int k) const;
+  [[nodiscard]] bool is_fixed(TriangleId t, int k) const {
+    const TriangleRecord& r = record(t);
+    return r.locks[k] != 0 || r.neighbours[k] == kNone || record(r.neighbours[k]).region != r.region;
+  }
   // The corner of t at point p, or kNone.
-  [[nodiscard]] int corner_of(TriangleId t, PointId p) const;
+  [[nodiscard]] int corner_of(TriangleId t, PointId p) const {
+    const std::array<PointId, 3>& corners = points(t);  // added up, since branches on which one it is are not predicted
+    return kNone + (corners[0] == p ? 1 : 0) + (corners[1] == p ? 2 : 0) + (corners[2] == p ? 3 : 0);
+  }
   // The corner of welded_neighbour(t, k) that lies across edge k.
-  [[nodiscard]] int mirror_corner(TriangleId t, int k) const;
+  [[nodiscard]] int mirror_corner(TriangleId t, int k) const {
+    return previous_corner(corner_of(welded_neighbour(t, k), points(t)[previous_corner(k)]));
+  }
   // All welded triangles around p in counter-clockwise order, replacing the contents of `fan`; closed for every point
   // but the four corners of the domain. O(degree).
   void fan_around(PointId p, std::vector<TriangleId>& fan) const;
