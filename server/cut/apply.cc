@@ -2,7 +2,6 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <unordered_set>
 
 #include "server/base/check.h"
 #include "server/cut/bisection.h"
@@ -14,6 +13,7 @@
 #include "server/cut/refinement.h"
 #include "server/cut/relaxation.h"
 #include "server/cut/strip.h"
+#include "server/mesh/id_table.h"
 
 namespace kerf::cut {
 
@@ -45,6 +45,19 @@ constexpr double kCloserSnap = 0.01;                   // -; by which each multi
 constexpr double kNarrowGap = 0.03;                    // -; as a fraction of the edge length, see RefinementConfig
 constexpr std::int64_t kGapAllowancePerPathPoint = 4;  // triangles
 constexpr std::int64_t kGapAllowanceBeside = 600;      // triangles
+
+// Ids in the order they are added in, each once.
+class UniqueIds {
+ public:
+  void add(std::int32_t id) {
+    if (seen_.add(id, 0)) ids_.push_back(id);
+  }
+  [[nodiscard]] const std::vector<std::int32_t>& ids() const { return ids_; }
+
+ private:
+  mesh::IdTable seen_;
+  std::vector<std::int32_t> ids_;
+};
 
 class Cutter {
  public:
@@ -156,36 +169,37 @@ class Cutter {
     return on_path(p) || std::binary_search(corridor_.begin(), corridor_.end(), p);
   }
 
-  // Solid triangles that inserting the path has rewritten: those with a corner on it, and those made in a corridor that
-  // was cleared for it.
-  [[nodiscard]] std::vector<TriangleId> touched_triangles() const {
-    std::vector<TriangleId> touched;
+  // Adds the solid triangles that inserting the path has rewritten: those with a corner on it, and those made in a
+  // corridor that was cleared for it.
+  void add_touched(UniqueIds& touched) const {
     std::vector<TriangleId> fan;
-    const auto collect = [&](PointId centre, bool all) {
-      mesh_.fan_around(centre, fan);
+    for (const PointId p : path_) {
+      mesh_.fan_around(p, fan);
       for (const TriangleId t : fan) {
-        const auto& p = mesh_.points(t);
-        if (!mesh_.is_solid(t)) continue;
-        if (all || (in_corridor(p[0]) && in_corridor(p[1]) && in_corridor(p[2]))) touched.push_back(t);
+        if (mesh_.is_solid(t)) touched.add(t);
       }
-    };
-    for (const PointId p : path_) collect(p, true);
-    for (const PointId p : corridor_) collect(p, false);
-    std::sort(touched.begin(), touched.end());
-    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-    return touched;
+    }
+    for (const PointId p : corridor_) {
+      mesh_.fan_around(p, fan);
+      for (const TriangleId t : fan) {
+        const auto& points = mesh_.points(t);
+        if (mesh_.is_solid(t) && in_corridor(points[0]) && in_corridor(points[1]) && in_corridor(points[2])) {
+          touched.add(t);
+        }
+      }
+    }
   }
 
   void relax_ring() {
-    std::vector<PointId> candidates;
-    for (const TriangleId t : touched_triangles()) {
+    UniqueIds touched;
+    add_touched(touched);
+    UniqueIds candidates;
+    for (const TriangleId t : touched.ids()) {
       for (const PointId p : mesh_.points(t)) {
-        if (!editor_.is_new(p) && !on_path(p)) candidates.push_back(p);
+        if (!editor_.is_new(p) && !on_path(p)) candidates.add(p);
       }
     }
-    std::sort(candidates.begin(), candidates.end());
-    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-    moved_ = relax(editor_, candidates, plan_.fixed_vertices);
+    moved_ = relax(editor_, candidates.ids(), plan_.fixed_vertices);
   }
 
   [[nodiscard]] bool is_by_element() const { return plan_.options.method == Method::kElement; }
@@ -196,8 +210,9 @@ class Cutter {
 
   Result<RefinementCounts> bisect() {
     enter_phase(observer_, "refine");
-    return bisect_ill_shaped(editor_, touched_triangles(), scale_,
-                             {kLengthFloor * plan_.snap_m / spacing_, max_insertions()});
+    UniqueIds seeds;
+    add_touched(seeds);
+    return bisect_ill_shaped(editor_, seeds.ids(), scale_, {kLengthFloor * plan_.snap_m / spacing_, max_insertions()});
   }
 
   Result<RefinementCounts> relax_and_refine() {
@@ -205,17 +220,16 @@ class Cutter {
     if (plan_.options.relax) relax_ring();
     enter_phase(observer_, "refine");
     if (plan_.options.min_angle_deg == 0.0 && !plan_.options.tip_edge_length_m) return RefinementCounts{};
-    std::vector<TriangleId> seeds = touched_triangles();
+    UniqueIds seeds;
+    add_touched(seeds);
     std::vector<TriangleId> fan;
     for (const PointId p : moved_) {
       mesh_.fan_around(p, fan);
-      seeds.insert(seeds.end(), fan.begin(), fan.end());
+      for (const TriangleId t : fan) seeds.add(t);
     }
     RefinementConfig config;
     if (plan_.options.tip_edge_length_m) config.grading = grading();
     add_graded(config.grading, seeds);
-    std::sort(seeds.begin(), seeds.end());
-    seeds.erase(std::unique(seeds.begin(), seeds.end()), seeds.end());
     config.min_angle_deg = plan_.options.min_angle_deg;
     config.length_floor = kLengthFloor * plan_.snap_m / spacing_;
     config.lengths = &mesh_.edge_lengths();
@@ -223,7 +237,7 @@ class Cutter {
     config.narrow_gap = kNarrowGap * plan_.edge_length_m / spacing_;
     config.gap_allowance = kGapAllowanceBeside + kGapAllowancePerPathPoint * path_size;
     config.max_insertions = max_insertions() + insertions_around(config.grading);
-    return refine(editor_, seeds, config);
+    return refine(editor_, seeds.ids(), config);
   }
 
   [[nodiscard]] TipGrading grading() const {
@@ -242,21 +256,21 @@ class Cutter {
   }
 
   // Adds the solid triangles around tips to where edges as long as those of the sheet there are short enough.
-  void add_graded(const TipGrading& grading, std::vector<TriangleId>& seeds) const {
+  void add_graded(const TipGrading& grading, UniqueIds& seeds) const {
     std::vector<TriangleId> found;
-    std::unordered_set<TriangleId> seen;
+    mesh::IdTable seen;
     for (const LatticePoint& tip : grading.tips) found.push_back(mesh_.locate(tip).triangle);
     for (std::size_t i = 0; i < found.size(); ++i) {
+      seeds.add(found[i]);
       for (int k = 0; k < 3; ++k) {
         const TriangleId t = mesh_.welded_neighbour(found[i], k);
         if (t == kNone || !mesh_.is_solid(t)) continue;
         const LatticePoint& at = mesh_.at(mesh_.points(t)[0]);
         const double length = scale_.edge_length(mesh_.lattice().position(at)) / spacing_;
-        if (grading.length_at(at) > kGradedReach * length || !seen.insert(t).second) continue;
+        if (grading.length_at(at) > kGradedReach * length || !seen.add(t, 0)) continue;
         found.push_back(t);
       }
     }
-    seeds.insert(seeds.end(), found.begin(), found.end());
   }
 
   void report_snapping(CutReport& report) const {

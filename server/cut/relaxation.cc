@@ -10,11 +10,9 @@
 namespace kerf::cut {
 
 using Eigen::Vector2d;
-using mesh::kNone;
 using mesh::LatticePoint;
 using mesh::next_corner;
 using mesh::PointId;
-using mesh::previous_corner;
 using mesh::TriangleId;
 
 namespace {
@@ -24,52 +22,55 @@ constexpr double kFirstStep = 0.35;  // -; reach of the first sweep, as a fracti
 constexpr double kWellShaped = 0.8;  // -; stars whose worst quality is above this are left alone
 constexpr double kLeastImprovement = 0.02;  // -; in quality; smaller gains are not worth a changed rest position
 
-// The ring around a free point, counter-clockwise, and the point itself.
+// The ring around a free point, counter-clockwise, seen from the point. Lattice units.
 struct Star {
-  PointId centre = kNone;
-  LatticePoint at;
-  std::vector<LatticePoint> ring;
-  std::vector<double> rim;     // squared lengths of the ring's edges, from each of its points to the next
-  std::vector<double> spokes;  // squared distances of the ring's points from where the centre is tried
+  std::vector<Vector2d> ring;
+  std::vector<double> rim;       // squared lengths of the ring's edges, from each of its points to the next
+  std::vector<Vector2d> spokes;  // the ring, and again its first point, from where the point is tried
+  std::size_t critical = 0;      // the triangle that ended the last comparison, and is likely to end the next one
 
-  // Quality of the worst triangle with the centre at p; at most 0 where one is not strictly positive. Of places that
-  // are no better than `enough`, any value up to it.
-  [[nodiscard]] double worst_quality(const LatticePoint& p, double enough) {
+  // Quality of the worst triangle with the point at p; at most 0 where one is not positive. Of places that are no
+  // better than `enough`, any value up to it.
+  [[nodiscard]] double worst_quality(const Vector2d& p, double enough) {
     const std::size_t size = ring.size();
-    spokes.resize(size);
-    for (std::size_t i = 0; i < size; ++i) spokes[i] = squared_distance(p, ring[i]);
+    spokes.resize(size + 1);
+    for (std::size_t i = 0; i < size; ++i) spokes[i] = ring[i] - p;
+    spokes[size] = spokes[0];
     double worst = 1.0;
-    for (std::size_t i = 0; i < size && worst > enough; ++i) {
-      const std::size_t next = i + 1 == size ? 0 : i + 1;
-      const double doubled_area = mesh::to_double(mesh::doubled_area(p, ring[i], ring[next]));
-      if (doubled_area <= 0.0) return 0.0;
-      worst = std::min(worst, quality_of(doubled_area, {rim[i], spokes[next], spokes[i]}));
+    std::size_t i = critical;
+    for (std::size_t n = 0; n < size; ++n) {
+      const Vector2d& a = spokes[i];
+      const Vector2d& b = spokes[i + 1];
+      const double doubled_area = a.x() * b.y() - a.y() * b.x();
+      worst = std::min(worst, quality_of(doubled_area, rim[i] + a.squaredNorm() + b.squaredNorm()));
+      if (worst <= enough) {
+        critical = i;
+        break;
+      }
+      i = i + 1 == size ? 0 : i + 1;
     }
     return worst;
   }
 };
 
-LatticePoint moved(const LatticePoint& from, const Vector2d& by) {
-  return {from.x + std::llround(by.x()), from.y + std::llround(by.y())};
+Vector2d rounded(const Vector2d& p) {
+  return {std::nearbyint(p.x()), std::nearbyint(p.y())};
 }
 
 // Places worth trying: the centre of the ring, and eight directions around where the point is.
-std::array<LatticePoint, 9> trial_places(const Star& star, double reach) {
+std::array<Vector2d, 9> trial_places(const Star& star, double reach) {
   Vector2d centre(0.0, 0.0);
   double radius = 0.0;
-  for (const LatticePoint& p : star.ring) {
-    const Vector2d offset = difference(star.at, p);
-    centre += offset;
-    radius += offset.norm();
+  for (const Vector2d& p : star.ring) {
+    centre += p;
+    radius += p.norm();
   }
   const double count = static_cast<double>(star.ring.size());
-  const double step = reach * radius / count;
-  const double diagonal = step * std::sqrt(0.5);
-  return {moved(star.at, centre / count),         moved(star.at, {step, 0.0}),
-          moved(star.at, {diagonal, diagonal}),   moved(star.at, {0.0, step}),
-          moved(star.at, {-diagonal, diagonal}),  moved(star.at, {-step, 0.0}),
-          moved(star.at, {-diagonal, -diagonal}), moved(star.at, {0.0, -step}),
-          moved(star.at, {diagonal, -diagonal})};
+  const double step = std::nearbyint(reach * radius / count);
+  const double diagonal = std::nearbyint(step * std::sqrt(0.5));
+  return {rounded(centre / count),       Vector2d(step, 0.0),  Vector2d(diagonal, diagonal),   Vector2d(0.0, step),
+          Vector2d(-diagonal, diagonal), Vector2d(-step, 0.0), Vector2d(-diagonal, -diagonal), Vector2d(0.0, -step),
+          Vector2d(diagonal, -diagonal)};
 }
 
 class Relaxation {
@@ -80,17 +81,20 @@ class Relaxation {
   // Whether p was moved.
   bool improve(PointId p, double reach) {
     if (!gather(p)) return false;
-    double best_quality = star_.worst_quality(star_.at, 0.0);
+    const Vector2d here = Vector2d::Zero();
+    double best_quality = star_.worst_quality(here, 0.0);
     if (best_quality >= kWellShaped) return false;
     best_quality += kLeastImprovement;
-    LatticePoint best = star_.at;
-    for (const LatticePoint& place : trial_places(star_, reach)) {
+    Vector2d best = here;
+    for (const Vector2d& place : trial_places(star_, reach)) {
       const double quality = star_.worst_quality(place, best_quality);
       if (quality <= best_quality) continue;
       best_quality = quality;
       best = place;
     }
-    if (best == star_.at || !editor_.move_point(p, best)) return false;
+    if (best == here) return false;
+    const LatticePoint& at = mesh_.at(p);
+    if (!editor_.move_point(p, {at.x + std::llround(best.x()), at.y + std::llround(best.y())})) return false;
     editor_.legalise(p);
     return true;
   }
@@ -99,21 +103,23 @@ class Relaxation {
   // Fills star_; false where p must stay.
   bool gather(PointId p) {
     if (editor_.is_new(p)) return false;
-    star_.centre = p;
-    star_.at = mesh_.at(p);
+    const LatticePoint& at = mesh_.at(p);
     star_.ring.clear();
     star_.rim.clear();
-    mesh_.fan_around(p, fan_);
-    for (const TriangleId t : fan_) {
+    star_.critical = 0;
+    const TriangleId first = mesh_.triangle_at_point(p);
+    for (TriangleId t = first;;) {
       const int k = mesh_.corner_of(t, p);
-      if (!mesh_.is_solid(t) || mesh_.is_fixed(t, next_corner(k)) || mesh_.is_fixed(t, previous_corner(k))) {
-        return false;
-      }
-      const LatticePoint& from = mesh_.at(mesh_.points(t)[next_corner(k)]);
-      star_.ring.push_back(from);
-      star_.rim.push_back(squared_distance(from, mesh_.at(mesh_.points(t)[previous_corner(k)])));
+      const TriangleId next = mesh_.welded_neighbour(t, next_corner(k));
+      if (!mesh_.is_solid(t) || mesh_.is_fixed(t, next_corner(k))) return false;
+      star_.ring.push_back(difference(at, mesh_.at(mesh_.points(t)[next_corner(k)])));
+      t = next;
+      if (t == first) break;
     }
-    const TriangleId first = fan_.front();
+    for (std::size_t i = 0; i < star_.ring.size(); ++i) {
+      const std::size_t next = i + 1 == star_.ring.size() ? 0 : i + 1;
+      star_.rim.push_back((star_.ring[next] - star_.ring[i]).squaredNorm());
+    }
     const mesh::VertexId vertex = mesh_.vertices(first)[mesh_.corner_of(first, p)];
     return !std::binary_search(fixed_vertices_.begin(), fixed_vertices_.end(), vertex);
   }
@@ -122,7 +128,6 @@ class Relaxation {
   const mesh::TriangleMesh& mesh_;
   std::span<const mesh::VertexId> fixed_vertices_;
   Star star_;
-  std::vector<TriangleId> fan_;
 };
 
 }  // namespace

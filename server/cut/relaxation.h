@@ -12,7 +12,7 @@ namespace kerf::cut {
 // the mesh down to the smallest of them; moved away, the elements stay large, and with them the explicit time step.
 //
 // Points on a locked edge or on a border between regions, and those of `fixed_vertices` (sorted), stay. Each of
-// `candidates` (sorted) is tried once in each of three sweeps, at the centre of its ring and in eight directions; a
+// `candidates` (unique) is tried once in each of three sweeps, at the centre of its ring and in eight directions; a
 // move is kept only if the quality of the worst triangle of the star (TriangleShape::quality) improves. Returns the
 // points moved, sorted, unique.
 std::vector<mesh::PointId> relax(mesh::MeshEditor& editor, std::span<const mesh::PointId> candidates,

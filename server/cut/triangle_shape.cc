@@ -35,7 +35,7 @@ TriangleShape shape_of(const std::array<double, 3>& squared, double doubled_area
   shape.shortest = std::sqrt(a);
   shape.longest = std::sqrt(std::max(b, c));
   shape.smallest_height = doubled_area / shape.longest;
-  shape.quality = quality_of(doubled_area, squared);
+  shape.quality = quality_of(doubled_area, a + b + c);
   return shape;
 }
 

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <cmath>
+#include <numbers>
 
 #include "server/mesh/triangle_mesh.h"
 
@@ -18,12 +17,9 @@ struct TriangleShape {
   double quality = 0.0;  // -; 4 sqrt(3) area / sum of squared edges, 1 for the equilateral triangle, 0 for a flat one
 };
 
-// The quality of a triangle by twice its area and the squared lengths of its edges.
-inline double quality_of(double doubled_area, const std::array<double, 3>& squared) {
-  // Added from the shortest on, so that the sum is that of shape_of whichever corner is named first.
-  const auto& [a, b, c] = squared;
-  const double sum = b < a ? (c < b ? c + a + b : b + c + a) : (c < a ? c + a + b : a + b + c);
-  return 2.0 * std::sqrt(3.0) * doubled_area / sum;
+// The quality of a triangle by twice its area and the sum of the squared lengths of its edges.
+inline double quality_of(double doubled_area, double squared_edges) {
+  return 2.0 * std::numbers::sqrt3 * doubled_area / squared_edges;
 }
 
 TriangleShape shape_of(const std::array<mesh::LatticePoint, 3>& corners);
