@@ -1,5 +1,8 @@
 #include "server/fem/bending.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
@@ -12,87 +15,124 @@ Eigen::Vector3d quadratic_terms(const Eigen::Vector2d& d) {
   return {0.5 * d.x() * d.x(), 0.5 * d.y() * d.y(), 0.5 * d.x() * d.y()};
 }
 
-// Barycentric coordinates of X in the triangle.
-Eigen::Vector3d barycentric(const std::array<Eigen::Vector2d, 3>& corners, const Eigen::Vector2d& X) {
-  const Eigen::Vector2d e1 = corners[1] - corners[0];
-  const Eigen::Vector2d e2 = corners[2] - corners[0];
-  const Eigen::Vector2d d = X - corners[0];
-  const double det = e1.x() * e2.y() - e1.y() * e2.x();
-  const double l1 = (d.x() * e2.y() - d.y() * e2.x()) / det;
-  const double l2 = (e1.x() * d.y() - e1.y() * d.x()) / det;
-  return {1.0 - l1 - l2, l1, l2};
+// Inverse of a symmetric matrix by its cofactors.
+Eigen::Matrix3d symmetric_inverse(const Eigen::Matrix3d& G) {
+  const double scale = 1.0 / G.determinant();
+  const double i00 = scale * (G(1, 1) * G(2, 2) - G(1, 2) * G(1, 2));
+  const double i01 = scale * (G(0, 2) * G(1, 2) - G(0, 1) * G(2, 2));
+  const double i02 = scale * (G(0, 1) * G(1, 2) - G(0, 2) * G(1, 1));
+  const double i11 = scale * (G(0, 0) * G(2, 2) - G(0, 2) * G(0, 2));
+  const double i12 = scale * (G(0, 1) * G(0, 2) - G(0, 0) * G(1, 2));
+  const double i22 = scale * (G(0, 0) * G(1, 1) - G(0, 1) * G(0, 1));
+  return Eigen::Matrix3d{
+      {i00, i01, i02},
+      {i01, i11, i12},
+      {i02, i12, i22},
+  };
+}
+
+// Of a symmetric matrix; at most a third above it where all eigenvalues are positive (Wolkowicz and Styan 1980, "Bounds
+// for eigenvalues using traces": mean + sqrt(2) standard deviations).
+double largest_eigenvalue_bound(const Eigen::Matrix3d& G) {
+  const double mean = G.trace() / 3.0;
+  return mean + std::sqrt(2.0 * std::max(0.0, G.squaredNorm() / 3.0 - mean * mean));
+}
+
+bool is_positive_definite(const Eigen::Matrix3d& G) {
+  return G(0, 0) > 0.0 && G(0, 0) * G(1, 1) > G(0, 1) * G(0, 1) && G.determinant() > 0.0;
 }
 
 // Pseudo-inverse of a symmetric positive semidefinite matrix whose rows and columns of missing neighbours are zero.
-Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& G) {
-  // The common case without its eigenvalues: det = l1 l2 l3 and l2 + l3 <= trace give l1 >= 4 det / trace^2, and l3 is
-  // no larger than the trace, so that none of them is cut off here.
-  const double trace = G.trace();
-  const double determinant = G.determinant();
-  if (4.0 * determinant > kEigenvalueCutOff * trace * trace * trace) return G.inverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(G);
-  const Eigen::Vector3d& values = eigen.eigenvalues();  // ascending
+Eigen::Matrix3d pseudo_inverse(Eigen::Matrix3d G, const std::array<bool, 3>& has_neighbour) {
+  // The mean of the other eigenvalues in place of a missing neighbour's decides nothing, and goes again.
+  const int num_neighbours = (has_neighbour[0] ? 1 : 0) + (has_neighbour[1] ? 1 : 0) + (has_neighbour[2] ? 1 : 0);
+  if (num_neighbours == 0) return Eigen::Matrix3d::Zero();
+  const double mean = G.trace() / num_neighbours;
+  for (int r = 0; r < 3; ++r) {
+    if (!has_neighbour[static_cast<std::size_t>(r)]) G(r, r) = mean;
+  }
   Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
-  for (int i = 0; i < 3; ++i) {
-    if (values[i] <= kEigenvalueCutOff * values[2] || values[i] <= 0.0) continue;
-    const Eigen::Vector3d q = eigen.eigenvectors().col(i);
-    inverse += (1.0 / values[i]) * (q * q.transpose());
+  if (is_positive_definite(G - kEigenvalueCutOff * largest_eigenvalue_bound(G) * Eigen::Matrix3d::Identity())) {
+    inverse = symmetric_inverse(G);
+  } else {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(G);
+    const Eigen::Vector3d& values = eigen.eigenvalues();  // ascending
+    for (int i = 0; i < 3; ++i) {
+      if (values[i] <= kEigenvalueCutOff * values[2] || values[i] <= 0.0) continue;
+      const Eigen::Vector3d q = eigen.eigenvectors().col(i);
+      inverse += (1.0 / values[i]) * (q * q.transpose());
+    }
+  }
+  for (int r = 0; r < 3; ++r) {
+    if (has_neighbour[static_cast<std::size_t>(r)]) continue;
+    inverse.row(r).setZero();
+    inverse.col(r).setZero();
   }
   return inverse;
 }
 
-// Rows of the fit, one a neighbour.
-struct Conditions {
-  Eigen::Matrix3d P = Eigen::Matrix3d::Zero();                          // on the curvature
-  Eigen::Matrix<double, 3, 6> W = Eigen::Matrix<double, 3, 6>::Zero();  // w = W x
+// BendingFit without the part of its conditions that is the identity.
+struct Fit {
+  Eigen::Matrix3d L =
+      Eigen::Matrix3d::Zero();  // row r: barycentrics of neighbour r's vertex; w = x_opposite - L x_corners
+  Eigen::Matrix3d M;            // N/m; the law
 
-  Conditions(const std::array<Eigen::Vector2d, 3>& corners, const std::array<Eigen::Vector2d, 3>& opposite,
-             const std::array<bool, 3>& has_opposite) {
+  Fit(const std::array<Eigen::Vector2d, 3>& corners, const std::array<Eigen::Vector2d, 3>& opposite,
+      const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D_inverse) {
+    const Eigen::Vector2d e1 = corners[1] - corners[0];
+    const Eigen::Vector2d e2 = corners[2] - corners[0];
+    const double doubled_area = e1.x() * e2.y() - e1.y() * e2.x();
+    const double scale = 1.0 / doubled_area;
+    const Eigen::Vector3d quadratic_1 = quadratic_terms(e1);
+    const Eigen::Vector3d quadratic_2 = quadratic_terms(e2);
+    Eigen::Matrix3d Pt = Eigen::Matrix3d::Zero();  // column r: condition of neighbour r on the curvature
     for (int r = 0; r < 3; ++r) {
       const auto slot = static_cast<std::size_t>(r);
       if (!has_opposite[slot]) continue;
-      const Eigen::Vector3d lambda = barycentric(corners, opposite[slot]);
-      Eigen::Vector3d p = quadratic_terms(opposite[slot] - corners[0]);
-      for (int k = 0; k < 3; ++k) {
-        p -= lambda[k] * quadratic_terms(corners[static_cast<std::size_t>(k)] - corners[0]);
-        W(r, k) = -lambda[k];
-      }
-      W(r, 3 + r) = 1.0;
-      P.row(r) = p.transpose();
+      const Eigen::Vector2d d = opposite[slot] - corners[0];
+      const double lambda_1 = scale * (d.x() * e2.y() - d.y() * e2.x());
+      const double lambda_2 = scale * (e1.x() * d.y() - e1.y() * d.x());
+      L(r, 0) = 1.0 - lambda_1 - lambda_2;
+      L(r, 1) = lambda_1;
+      L(r, 2) = lambda_2;
+      Pt.col(r) = quadratic_terms(d) - lambda_1 * quadratic_1 - lambda_2 * quadratic_2;
     }
+    const Eigen::Matrix3d D_inverse_Pt = D_inverse * Pt;
+    Eigen::Matrix3d G;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = i; j < 3; ++j) G(i, j) = G(j, i) = Pt.col(i).dot(D_inverse_Pt.col(j));
+    }
+    M = 0.5 * doubled_area * pseudo_inverse(G, has_opposite);
   }
 };
-
-double area_of(const std::array<Eigen::Vector2d, 3>& corners) {
-  const Eigen::Vector2d e1 = corners[1] - corners[0];
-  const Eigen::Vector2d e2 = corners[2] - corners[0];
-  return 0.5 * (e1.x() * e2.y() - e1.y() * e2.x());
-}
 
 }  // namespace
 
 std::array<double, 21> bending_stiffness(const std::array<Eigen::Vector2d, 3>& corners,
                                          const std::array<Eigen::Vector2d, 3>& opposite,
-                                         const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D,
-                                         const Eigen::Matrix3d& D_inverse) {
-  using Matrix36 = Eigen::Matrix<double, 3, 6>;
-  using Matrix6 = Eigen::Matrix<double, 6, 6>;
-  const Conditions fit(corners, opposite, has_opposite);
-  const Eigen::Matrix3d D_inverse_Pt = D_inverse * fit.P.transpose();
-  const Matrix36 B = D_inverse_Pt * (pseudo_inverse(fit.P * D_inverse_Pt) * fit.W);
-  const Matrix6 Q = area_of(corners) * (B.transpose() * (D * B));
+                                         const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D_inverse) {
+  const Fit fit(corners, opposite, has_opposite, D_inverse);
+  const Eigen::Matrix3d ML = fit.M * fit.L;
+  const auto entry = [&](int i, int j) {  // i <= j
+    if (i >= 3) return fit.M(i - 3, j - 3);
+    return j >= 3 ? -ML(j - 3, i) : fit.L.col(i).dot(ML.col(j));
+  };
   std::array<double, 21> upper{};
   std::size_t at = 0;
   for (int i = 0; i < 6; ++i) {
-    for (int j = i; j < 6; ++j) upper[at++] = 0.5 * (Q(i, j) + Q(j, i));
+    for (int j = i; j < 6; ++j) upper[at++] = entry(i, j);
   }
   return upper;
 }
 
 BendingFit fit_bending(const std::array<Eigen::Vector2d, 3>& corners, const std::array<Eigen::Vector2d, 3>& opposite,
                        const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D_inverse) {
-  const Conditions fit(corners, opposite, has_opposite);
-  return {fit.W, area_of(corners) * pseudo_inverse(fit.P * (D_inverse * fit.P.transpose()))};
+  const Fit fit(corners, opposite, has_opposite, D_inverse);
+  BendingFit made;
+  made.law = fit.M;
+  made.conditions.leftCols<3>() = -fit.L;
+  for (int r = 0; r < 3; ++r) made.conditions(r, 3 + r) = has_opposite[static_cast<std::size_t>(r)] ? 1.0 : 0.0;
+  return made;
 }
 
 }  // namespace kerf::fem

@@ -44,14 +44,14 @@ struct BendingFit {
 };
 
 // corners: rest positions of the triangle, m, material axes, counter-clockwise. opposite[k]: of the vertex across the
-// edge opposite corner k; read only where has_opposite[k]. D: plate law, N m, Voigt (k11, k22, 2 k12), and its inverse.
-// Fit: P_r = phi(X_r) - sum_k lambda_k(X_r) phi(X_k) with phi(d) = (d1^2/2, d2^2/2, d1 d2/2) about corner 0 and
-// barycentrics lambda; kappa = D^-1 P^T (P D^-1 P^T)^+ w, w_r = x_r - sum_k lambda_k x_k. Eigenvalues below 0.02 of the
-// largest are cut from the pseudo-inverse: the six points may lie on a conic, where the fit is not unique.
+// edge opposite corner k; read only where has_opposite[k]. D: plate law, N m, Voigt (k11, k22, 2 k12); its inverse is
+// enough. Fit: P_r = phi(X_r) - sum_k lambda_k(X_r) phi(X_k) with phi(d) = (d1^2/2, d2^2/2, d1 d2/2) about corner 0 and
+// barycentrics lambda; kappa = D^-1 P^T G^+ w, G = P D^-1 P^T, w_r = x_r - sum_k lambda_k x_k, so that
+// kappa.D kappa = w.G^+ w. Eigenvalues below 0.02 of the largest are cut from the pseudo-inverse G^+: the six points
+// may lie on a conic, where the fit is not unique.
 std::array<double, 21> bending_stiffness(const std::array<Eigen::Vector2d, 3>& corners,
                                          const std::array<Eigen::Vector2d, 3>& opposite,
-                                         const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D,
-                                         const Eigen::Matrix3d& D_inverse);
+                                         const std::array<bool, 3>& has_opposite, const Eigen::Matrix3d& D_inverse);
 
 // The fit that bending_stiffness makes its matrix of.
 BendingFit fit_bending(const std::array<Eigen::Vector2d, 3>& corners, const std::array<Eigen::Vector2d, 3>& opposite,

@@ -1,6 +1,7 @@
 #include "server/fem/mass_redistribution.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 
@@ -19,14 +20,25 @@ std::size_t index(VertexId vertex) {
   return static_cast<std::size_t>(vertex);
 }
 
-// Calls visit(n) for the corners n of the triangles around `vertex`; every neighbour comes at least once, as may the
-// vertex itself.
+// Calls visit(n, again) for each neighbour n of `vertex` at least once; `again` is false where it is the first time.
 template <typename Visit>
-void visit_around(const MassProblem& problem, VertexId vertex, const Visit& visit) {
-  for (const TriangleId slot : problem.incident_slots.row(vertex)) {
+void visit_neighbours(const MassProblem& problem, VertexId vertex, const Visit& visit) {
+  const auto neighbours = [&](TriangleId slot) {  // counter-clockwise
     const ElementBlock& block = problem.blocks[static_cast<std::size_t>(slot / kLanes)];
-    for (std::size_t k = 0; k < 3; ++k) visit(block.vertex[k][static_cast<std::size_t>(slot % kLanes)]);
+    const auto l = static_cast<std::size_t>(slot % kLanes);
+    const std::size_t k = (block.vertex[1][l] == vertex ? 1U : 0U) + (block.vertex[2][l] == vertex ? 2U : 0U);
+    return std::array<VertexId, 2>{block.vertex[k == 2 ? 0 : k + 1][l], block.vertex[k == 0 ? 2 : k - 1][l]};
+  };
+  // The triangles around a vertex are one run: each neighbour comes first in one of them and second in another, but for
+  // those at the two ends of an open run.
+  VertexId ends = 0;
+  for (const TriangleId slot : problem.incident_slots.row(vertex)) {
+    const auto [first, second] = neighbours(slot);
+    visit(first, false);
+    ends ^= first ^ second;
   }
+  if (ends == 0) return;
+  for (const TriangleId slot : problem.incident_slots.row(vertex)) visit(neighbours(slot)[1], true);
 }
 
 // The diffusion within one domain. Vertices are numbered as in `members`.
@@ -40,12 +52,11 @@ class Diffusion {
       // At least the number of edges: a fan on the border has one more than triangles.
       degree_.push_back(static_cast<double>(problem.incident_slots.row(v).size() + 1));
       first_edge_.push_back(edges_.size());
-      visit_around(problem, v, [&](VertexId n) {
-        if (n == v) return;
+      visit_neighbours(problem, v, [&](VertexId n, bool again) {
         if (!members.contains(n)) return;
         const auto edge = static_cast<std::size_t>(members.place(n));
         const auto first = edges_.begin() + static_cast<std::ptrdiff_t>(first_edge_.back());
-        if (std::find(first, edges_.end(), edge) == edges_.end()) edges_.push_back(edge);
+        if (!again || std::find(first, edges_.end(), edge) == edges_.end()) edges_.push_back(edge);
       });
     }
     first_edge_.push_back(edges_.size());
@@ -144,7 +155,7 @@ bool MassRedistribution::gather_reach(const MassProblem& problem) {
   for (int depth = 0; depth <= kReach; ++depth) {
     const std::size_t end = reach_.size();
     for (; begin < end; ++begin) {
-      visit_around(problem, reach_.members()[begin], [&](VertexId n) {
+      visit_neighbours(problem, reach_.members()[begin], [&](VertexId n, bool /*again*/) {
         dissolve(domain_of_[index(n)]);
         if (depth < kReach) reach_.insert(n);
       });
@@ -191,7 +202,7 @@ std::span<const VertexId> MassRedistribution::update(const MassProblem& problem,
     if (!parted_.insert(first)) continue;
     std::vector<VertexId> members{first};
     for (std::size_t i = 0; i < members.size(); ++i) {
-      visit_around(problem, members[i], [&](VertexId n) {
+      visit_neighbours(problem, members[i], [&](VertexId n, bool /*again*/) {
         if (reach_.contains(n) && parted_.insert(n)) members.push_back(n);
       });
     }

@@ -1,7 +1,6 @@
 #include "server/fem/model.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <iterator>
 
@@ -72,13 +71,13 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
   change.dropped = dropped;
   enter_phase(observer, "bending");
   rows_.clear();
-  if (has_bending()) set_bending(mesh, rewritten, bereft);
+  if (has_bending()) set_bending(mesh, rewritten);
   enter_phase(observer, "stability bound");
   std::vector<TriangleId> changed = rewritten;
   const auto num_lanes = static_cast<int>(blocks_.size()) * kLanes;
   for (int slot = num_slots_; slot < std::min(num_slots_before, num_lanes); ++slot) changed.push_back(slot);
   stiffness_bound_.update({blocks_, incident_, rest_bending_.empty() ? bending_rows_ : bound_rows_, membrane_law_,
-                           stiffness_, mass_, inverse_mass_},
+                           stiffness_, inverse_mass_},
                           changed, change.vertices, rows_.members());
   return change;
 }
@@ -88,13 +87,9 @@ std::vector<VertexId> Model::drop_slots(const mesh::TriangleMesh& mesh) {
   for (TriangleId slot = mesh.num_triangle_slots(); slot < num_slots_; ++slot) {
     if (!has_material(slot)) continue;
     for (const VertexId v : corners(slot)) bereft.push_back(v);
-    if (has_bending()) {
-      const BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
-      bereft.insert(bereft.end(), patch.vertex.begin(), patch.vertex.end());
-    }
     write_element(slot, {0, 0, 0}, Eigen::Matrix2d::Zero(), 0.0);  // a lane of the last block may stay
   }
-  std::erase_if(bereft, [&](VertexId v) { return v == mesh::kNone || v >= mesh.num_vertices(); });
+  std::erase_if(bereft, [&](VertexId v) { return v >= mesh.num_vertices(); });
   return bereft;
 }
 
@@ -113,7 +108,8 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   if (!has_bending()) return;
   patched_.resize(static_cast<std::size_t>(num_slots_));
   rows_.resize(num_vertices);
-  row_place_.resize(num_vertices, -1);
+  row_place_.resize(num_vertices + 1, -1);
+  row_place_[0] = 0;
   patches_.resize(static_cast<std::size_t>(num_slots_));
   bending_rows_.resize(mesh.num_vertices());
   if (!mesh.is_curved()) return;

@@ -129,18 +129,18 @@ class Model {
   void set_lumped_mass(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
   // Takes the lumped masses over into mass_, redistributed.
   MassChange set_masses();
-  // Makes the patches of the rewritten slots and of their neighbours, and sums the rows they are in and those of
-  // `bereft`, left in rows_.
-  void set_bending(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten,
-                   const std::vector<mesh::VertexId>& bereft);
+  // Makes the patches of the rewritten slots and of their neighbours, and sums the rows they are in or were, left in
+  // rows_.
+  void set_bending(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten);
   [[nodiscard]] BendingPatch make_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
   // The same of a curved rest shape; leaves what that adds in rest_bending_.
   BendingPatch make_curved_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
   // Row `vertex` of Q: the sum over the patches that the vertex is in, by ascending slot. Of a curved rest shape also
   // that of what bounds the stiffness.
   void sum_bending_row(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
+  // Into row_sorted_: the patches that the vertex is in and its row there, 8 * slot + row, ascending.
   void find_patches_at(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
-  // entries(slot, a, b): of patch `slot`, all of those in row_slots_.
+  // entries(slot, a, b): of patch `slot`, all of those in row_sorted_.
   template <typename Entries>
   void sum_row(mesh::VertexId vertex, const Entries& entries, RowStore<BendingEntry>& rows);
   [[nodiscard]] bool has_material(mesh::TriangleId slot) const;
@@ -170,13 +170,16 @@ class Model {
   StiffnessBound stiffness_bound_;
 
   // Scratch of apply().
-  IndexSet touched_;                         // vertices of rewritten slots, before and after
-  IndexSet rewritten_;                       // slots
-  IndexSet patched_;                         // slots whose patch is made anew
-  IndexSet rows_;                            // rows of Q that are summed anew
-  std::vector<mesh::TriangleId> row_slots_;  // of one row: its patches
-  std::vector<BendingEntry> row_;            // of one row
-  std::vector<std::int32_t> row_place_;      // column -> its place in row_, or -1
+  IndexSet touched_;                                    // vertices of rewritten slots, before and after
+  IndexSet rewritten_;                                  // slots
+  IndexSet patched_;                                    // slots whose patch is made anew
+  IndexSet rows_;                                       // rows of Q that are summed anew
+  std::vector<std::int32_t> row_patches_, row_sorted_;  // of one row: see find_patches_at
+  std::vector<mesh::VertexId> row_columns_;             // of one row, in the order they are met
+  std::vector<double> row_values_;                      // of one row, by place in row_columns_
+  std::vector<std::uint32_t> row_order_;                // of one row
+  std::vector<BendingEntry> row_;                       // of one row
+  std::vector<std::int32_t> row_place_;                 // column + 1 -> its place in row_columns_, or -1
 };
 
 }  // namespace kerf::fem

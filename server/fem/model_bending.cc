@@ -1,10 +1,8 @@
 // The bending part of Model.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
-#include "server/base/check.h"
 #include "server/fem/model.h"
 #include "server/mesh/triangle_mesh.h"
 
@@ -14,12 +12,29 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
-// The corner of `slot` that is not on its edge to `from`.
-VertexId vertex_across(const mesh::TriangleMesh& mesh, TriangleId slot, TriangleId from) {
-  for (int k = 0; k < 3; ++k) {
-    if (mesh.neighbour(slot, k) == from) return mesh.vertices(slot)[static_cast<std::size_t>(k)];
+// The corner of `slot` that is not on its edge to its neighbour `from`.
+std::size_t corner_across(const mesh::TriangleMesh& mesh, TriangleId slot, TriangleId from) {
+  const std::array<TriangleId, 3>& neighbours = mesh.record(slot).neighbours;
+  return (neighbours[1] == from ? 1U : 0U) + (neighbours[2] == from ? 2U : 0U);
+}
+
+// The place of each of some different keys in ascending order. Of few it is counted as the number of keys below:
+// without a branch that could not be predicted.
+void place_in_order(std::span<const std::int32_t> keys, std::vector<std::uint32_t>& places) {
+  constexpr std::size_t kFew = 64;
+  const std::size_t size = keys.size();
+  places.assign(size, 0);
+  if (size <= kFew) {
+    for (const std::int32_t key : keys) {
+      for (std::size_t i = 0; i < size; ++i) places[i] += key < keys[i] ? 1U : 0U;
+    }
+    return;
   }
-  KERF_CHECK(false, "neighbours are not mutual");
+  std::vector<std::int32_t> sorted(keys.begin(), keys.end());
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t i = 0; i < size; ++i) {
+    places[i] = static_cast<std::uint32_t>(std::lower_bound(sorted.begin(), sorted.end(), keys[i]) - sorted.begin());
+  }
 }
 
 // Turned about the edge into the plane, where the edge is at `edge` and the triangle on its left: on its right.
@@ -35,28 +50,24 @@ Eigen::Vector2d unfolded(const std::array<Eigen::Vector2d, 2>& edge, const std::
 
 }  // namespace
 
-void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten,
-                        const std::vector<VertexId>& bereft) {
-  for (const VertexId v : bereft) rows_.insert(v);
-  // Of a neighbour's patch one vertex is a corner of the rewritten slot.
+void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
+  // A vertex that a patch has lost was a corner of a rewritten slot: a triangle is rewritten with its neighbours.
+  for (const VertexId v : touched_.members()) rows_.insert(v);
   patched_.clear();
-  for (const TriangleId slot : rewritten) {
-    patched_.insert(slot);
-    for (int k = 0; k < 3; ++k) {
-      const TriangleId other = mesh.neighbour(slot, k);
-      if (other != mesh::kNone) patched_.insert(other);
-    }
-  }
-  const auto add_rows = [&](const BendingPatch& patch) {
+  const auto set_patch = [&](TriangleId slot) {
+    if (!patched_.insert(slot)) return;
+    BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
+    patch = mesh.is_curved() ? make_curved_patch(mesh, slot) : make_patch(mesh, slot);
     for (const VertexId v : patch.vertex) {
-      if (v != mesh::kNone && v < mesh.num_vertices()) rows_.insert(v);
+      if (v != mesh::kNone) rows_.insert(v);
     }
   };
-  for (const TriangleId slot : patched_.members()) {
-    BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
-    add_rows(patch);
-    patch = mesh.is_curved() ? make_curved_patch(mesh, slot) : make_patch(mesh, slot);
-    add_rows(patch);
+  for (const TriangleId slot : rewritten) {
+    set_patch(slot);
+    for (int k = 0; k < 3; ++k) {
+      const TriangleId other = mesh.neighbour(slot, k);
+      if (other != mesh::kNone) set_patch(other);
+    }
   }
   for (const VertexId v : rows_.members()) sum_bending_row(mesh, v);
 }
@@ -73,48 +84,49 @@ void Model::sum_bending_row(const mesh::TriangleMesh& mesh, VertexId vertex) {
 }
 
 void Model::find_patches_at(const mesh::TriangleMesh& mesh, VertexId vertex) {
-  std::vector<TriangleId>& slots = row_slots_;
-  slots.clear();
+  row_patches_.clear();
   for (const TriangleId slot : incident_.row(vertex)) {
-    slots.push_back(slot);
     const std::array<VertexId, 3> vertices = corners(slot);
-    const TriangleId across = mesh.neighbour(slot, (vertices[1] == vertex ? 1 : 0) + (vertices[2] == vertex ? 2 : 0));
-    if (across != mesh::kNone) slots.push_back(across);
+    const int corner = (vertices[1] == vertex ? 1 : 0) + (vertices[2] == vertex ? 2 : 0);
+    row_patches_.push_back(8 * slot + corner);
+    const TriangleId across = mesh.neighbour(slot, corner);
+    if (across == mesh::kNone) continue;
+    row_patches_.push_back(8 * across + 3 + static_cast<std::int32_t>(corner_across(mesh, across, slot)));
   }
-  std::sort(slots.begin(), slots.end());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  place_in_order(row_patches_, row_order_);
+  row_sorted_.resize(row_patches_.size());
+  for (std::size_t i = 0; i < row_patches_.size(); ++i) row_sorted_[row_order_[i]] = row_patches_[i];
 }
 
 template <typename Entries>
 void Model::sum_row(VertexId vertex, const Entries& entries, RowStore<BendingEntry>& rows) {
-  const std::vector<TriangleId>& slots = row_slots_;
-  // Hardly any branch below could be predicted, hence few are made.
-  if (row_.size() < 6 * slots.size()) row_.resize(6 * slots.size());
-  std::size_t size = 0;
-  for (const TriangleId slot : slots) {
-    const BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
-    unsigned corners = 0;  // of the patch that are the vertex's: two around a vertex of three triangles
-    for (std::size_t a = 0; a < 6; ++a) corners |= (patch.vertex[a] == vertex ? 1U : 0U) << a;
-    for (; corners != 0; corners &= corners - 1) {
-      const int a = std::countr_zero(corners);
-      for (std::size_t b = 0; b < 6; ++b) {
-        const VertexId column = patch.vertex[b];
-        if (column == mesh::kNone) continue;
-        std::int32_t& place = row_place_[static_cast<std::size_t>(column)];
-        const bool is_new = place < 0;
-        place = is_new ? static_cast<std::int32_t>(size) : place;
-        size += is_new ? 1 : 0;
-        BendingEntry& entry = row_[static_cast<std::size_t>(place)];
-        entry.value = (is_new ? -0.0 : entry.value) +
-                      entries(static_cast<std::size_t>(slot), a, static_cast<int>(b));  // -0.0 + x is x, of any sign
-        entry.column = column;
-      }
+  // Hardly any branch below could be predicted, hence few are made: what a missing vertex has goes to place 0.
+  const std::size_t most = 1 + 6 * row_sorted_.size();
+  if (row_values_.size() < most) row_values_.resize(most), row_columns_.resize(most);
+  std::int32_t* const place_of = row_place_.data() + 1;
+  std::int32_t size = 1;
+  for (const std::int32_t patch_row : row_sorted_) {
+    const auto slot = static_cast<std::size_t>(patch_row / 8);
+    const BendingPatch& patch = patches_[slot];
+    for (int b = 0; b < 6; ++b) {
+      const VertexId column = patch.vertex[static_cast<std::size_t>(b)];
+      const bool is_new = place_of[column] < 0;
+      const std::int32_t place = is_new ? size : place_of[column];
+      size += is_new ? 1 : 0;
+      place_of[column] = place;
+      row_columns_[static_cast<std::size_t>(place)] = column;
+      double& value = row_values_[static_cast<std::size_t>(place)];
+      value = (is_new ? -0.0 : value) + entries(slot, patch_row % 8, b);  // -0.0 + x is x, of any sign
     }
   }
-  const std::span<BendingEntry> row(row_.data(), size);
-  for (const BendingEntry& entry : row) row_place_[static_cast<std::size_t>(entry.column)] = -1;
-  std::sort(row.begin(), row.end(), [](const BendingEntry& a, const BendingEntry& b) { return a.column < b.column; });
-  rows.set_row(vertex, row);
+  const std::span<const VertexId> columns(row_columns_.data() + 1, static_cast<std::size_t>(size - 1));
+  place_in_order(columns, row_order_);
+  row_.resize(columns.size());
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    row_[row_order_[i]] = {row_values_[1 + i], columns[i]};
+    place_of[columns[i]] = -1;
+  }
+  rows.set_row(vertex, row_);
 }
 
 BendingPatch Model::make_patch(const mesh::TriangleMesh& mesh, TriangleId slot) const {
@@ -130,11 +142,11 @@ BendingPatch Model::make_patch(const mesh::TriangleMesh& mesh, TriangleId slot) 
     opposite[k].setZero();
     const TriangleId across = mesh.neighbour(slot, static_cast<int>(k));
     if (across == mesh::kNone) continue;
-    patch.vertex[3 + k] = vertex_across(mesh, across, slot);
+    patch.vertex[3 + k] = mesh.vertices(across)[corner_across(mesh, across, slot)];
     opposite[k] = material_from_rest_ * mesh.rest_position(patch.vertex[3 + k]);
     has_opposite[k] = true;
   }
-  patch.stiffness = bending_stiffness(X, opposite, has_opposite, bending_law_, inverse_bending_law_);
+  patch.stiffness = bending_stiffness(X, opposite, has_opposite, inverse_bending_law_);
   return patch;
 }
 
@@ -160,14 +172,14 @@ BendingPatch Model::make_curved_patch(const mesh::TriangleMesh& mesh, TriangleId
     surface[3 + k] = surface[0];
     const TriangleId across = mesh.neighbour(slot, static_cast<int>(k));
     if (across == mesh::kNone) continue;
-    patch.vertex[3 + k] = vertex_across(mesh, across, slot);
+    patch.vertex[3 + k] = mesh.vertices(across)[corner_across(mesh, across, slot)];
     has_opposite[k] = true;
     is_bent = is_bent || mesh.facet(across) != facet;
     surface[3 + k] = mesh.facet(across)->at(mesh.rest_position(patch.vertex[3 + k]));
     opposite[k] =
         unfolded({X[(k + 1) % 3], X[(k + 2) % 3]}, {surface[(k + 1) % 3], surface[(k + 2) % 3]}, surface[3 + k]);
   }
-  patch.stiffness = bending_stiffness(X, opposite, has_opposite, bending_law_, inverse_bending_law_);
+  patch.stiffness = bending_stiffness(X, opposite, has_opposite, inverse_bending_law_);
   if (is_bent) rest = make_rest_bending(surface, fit_bending(X, opposite, has_opposite, inverse_bending_law_));
   return patch;
 }

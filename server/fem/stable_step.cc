@@ -4,67 +4,57 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "server/fem/mass_redistribution.h"
 
 namespace kerf::fem {
 namespace {
 
-using Matrix32 = Eigen::Matrix<double, 3, 2>;
-
-// Strain-displacement matrix of one corner at rest, rows (e11, e22, 2 e12).
-Matrix32 strain_displacement(double gx, double gy) {
-  return Matrix32{
-      {gx, 0.0},
-      {0.0, gy},
-      {gy, gx},
-  };
-}
-
-struct Corner {
-  Matrix32 B;
-  double stiffness = 0.0;  // trace of A B^T C B, N/m
-};
-
-std::array<Corner, 3> corners_of(const ElementBlock& block, std::size_t l, const Eigen::Matrix3d& C) {
-  const double g1x = block.g1[0][l];
-  const double g1y = block.g1[1][l];
-  const double g2x = block.g2[0][l];
-  const double g2y = block.g2[1][l];
-  std::array<Corner, 3> corners;
-  corners[0].B = strain_displacement(-g1x - g2x, -g1y - g2y);
-  corners[1].B = strain_displacement(g1x, g1y);
-  corners[2].B = strain_displacement(g2x, g2y);
-  for (Corner& corner : corners) {
-    corner.stiffness = corner_stiffness(corner.B(0, 0), corner.B(1, 1), block.area[l], C);
+// >= the largest eigenvalue of a 3x3 matrix with real eigenvalues that are not negative, by at most 15 %: (tr
+// M^8)^(1/8), from the elementary symmetric functions of the eigenvalues, which go over into those of their squares
+// (Graeffe 1837).
+double largest_eigenvalue_bound(double trace, double minors, double determinant) {
+  if (!(trace > 0.0)) return 0.0;
+  double e1 = 1.0;
+  double e2 = minors / (trace * trace);
+  double e3 = determinant / (trace * trace * trace);
+  for (int squaring = 0; squaring < 3; ++squaring) {
+    const double next_e2 = e2 * e2 - 2.0 * e1 * e3;
+    e1 = e1 * e1 - 2.0 * e2;
+    e2 = next_e2;
+    e3 = e3 * e3;
   }
-  return corners;
+  return trace * std::sqrt(std::sqrt(std::sqrt(e1)));
 }
 
-// >= the largest eigenvalue of a symmetric positive semidefinite H, by at most 15 %.
-double largest_eigenvalue_bound(const Eigen::Matrix3d& H) {
-  const double scale = H.trace();
-  if (!(scale > 0.0)) return 0.0;
-  Eigen::Matrix3d power = H / scale;
-  power = (power * power).eval();
-  power = (power * power).eval();
-  power = (power * power).eval();
-  return scale * std::sqrt(std::sqrt(std::sqrt(power.trace())));
-}
-
-double membrane_bound(const StiffnessProblem& problem, const Eigen::Matrix3d& L, mesh::TriangleId slot) {
+double membrane_bound(const StiffnessProblem& problem, double law_determinant, mesh::TriangleId slot) {
   const ElementBlock& block = problem.blocks[static_cast<std::size_t>(slot / kLanes)];
   const auto l = static_cast<std::size_t>(slot % kLanes);
-  if (block.area[l] == 0.0) return 0.0;
-  const std::array<Corner, 3> corners = corners_of(block, l, problem.membrane_law);
-  Eigen::Matrix3d G = Eigen::Matrix3d::Zero();  // sum over corners of A B B^T / (mass share)
+  const double area = block.area[l];
+  if (area == 0.0) return 0.0;
+  const std::array<double, 3> gx{-block.g1[0][l] - block.g2[0][l], block.g1[0][l], block.g2[0][l]};
+  const std::array<double, 3> gy{-block.g1[1][l] - block.g2[1][l], block.g1[1][l], block.g2[1][l]};
+  // G = sum over corners of A B B^T / (mass share), with strain-displacement matrices B, rows (gx, 0), (0, gy), (gy,
+  // gx): {xx, 0, xy}, {0, yy, xy}, {xy, xy, xx + yy}.
+  double xx = 0.0, xy = 0.0, yy = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto v = static_cast<std::size_t>(block.vertex[k][l]);
-    const double mass_share = problem.mass[v] * corners[k].stiffness / problem.stiffness[v];
-    G += (block.area[l] / mass_share) * (corners[k].B * corners[k].B.transpose());
+    const double stiffness = corner_stiffness(gx[k], gy[k], area, problem.membrane_law);
+    const double weight = area * problem.stiffness[v] * problem.inverse_mass[v] / stiffness;
+    xx += weight * gx[k] * gx[k];
+    xy += weight * gx[k] * gy[k];
+    yy += weight * gy[k] * gy[k];
   }
-  return largest_eigenvalue_bound(L.transpose() * (G * L));
+  const Eigen::Matrix3d G{
+      {xx, 0.0, xy},
+      {0.0, yy, xy},
+      {xy, xy, xx + yy},
+  };
+  const Eigen::Matrix3d H = problem.membrane_law * G;  // its eigenvalues are those of L^T G L, L L^T the law
+  const double minors = H(0, 0) * H(1, 1) - H(0, 1) * H(1, 0) + H(0, 0) * H(2, 2) - H(0, 2) * H(2, 0) +
+                        H(1, 1) * H(2, 2) - H(1, 2) * H(2, 1);
+  return largest_eigenvalue_bound(H.trace(), minors, law_determinant * (xx + yy) * (xx * yy - xy * xy));
 }
 
 double bending_bound(const StiffnessProblem& problem, mesh::VertexId row) {
@@ -113,7 +103,7 @@ void RunningMaximum::update(std::span<const std::int32_t> changed) {
 
 void StiffnessBound::update(const StiffnessProblem& problem, std::span<const mesh::TriangleId> slots,
                             std::span<const mesh::VertexId> vertices, std::span<const mesh::VertexId> rows) {
-  const Eigen::Matrix3d L = problem.membrane_law.llt().matrixL();
+  const double law_determinant = problem.membrane_law.determinant();
   membrane_.resize(problem.blocks.size() * kLanes);
   changed_slots_.clear();
   changed_slots_.resize(problem.blocks.size() * kLanes);
@@ -125,7 +115,7 @@ void StiffnessBound::update(const StiffnessProblem& problem, std::span<const mes
     for (const mesh::TriangleId slot : problem.incident_slots.row(v)) changed_slots_.insert(slot);
   }
   for (const mesh::TriangleId slot : changed_slots_.members()) {
-    membrane_.set(static_cast<std::size_t>(slot), membrane_bound(problem, L, slot));
+    membrane_.set(static_cast<std::size_t>(slot), membrane_bound(problem, law_determinant, slot));
   }
   membrane_.update(changed_slots_.members());
 

@@ -40,7 +40,6 @@ struct StiffnessProblem {
   const RowStore<BendingEntry>& bending_rows;  // without rows where there is no bending
   const Eigen::Matrix3d& membrane_law;         // N/m
   std::span<const double> stiffness;           // N/m, length V; corner_stiffness summed around each vertex
-  std::span<const double> mass;                // kg, length V
   std::span<const double> inverse_mass;        // 1/kg, length V
 };
 
