@@ -72,7 +72,9 @@ EdgeLengths EdgeLengths::of(std::span<const TriangleRecord> triangles, std::span
   if (std::all_of(lengths.exponents.begin(), lengths.exponents.end(), [](std::int8_t e) { return e == 0; })) {
     lengths.exponents.clear();
     lengths.columns = lengths.rows = 0;
+    return lengths;
   }
+  lengths.least_exponent = *std::min_element(lengths.exponents.begin(), lengths.exponents.end());
   return lengths;
 }
 
@@ -83,7 +85,7 @@ double EdgeLengths::at(const Eigen::Vector2d& position) const {
 }
 
 double EdgeLengths::least() const {
-  return is_uniform() ? mean : std::ldexp(mean, *std::min_element(exponents.begin(), exponents.end()));
+  return std::ldexp(mean, least_exponent);
 }
 
 double EdgeLengths::least_in(const Eigen::AlignedBox2d& box) const {

@@ -21,6 +21,7 @@ struct EdgeLengths {
   double mean = 0.0;                   // m, > 0; of the whole sheet
   std::int32_t columns = 0, rows = 0;  // 0 where `mean` holds everywhere
   std::vector<std::int8_t> exponents;  // rows x columns, row by row from the lower left: length = mean * 2^exponent
+  std::int8_t least_exponent = 0;      // of them
 
   // Of the triangles of a mesh as built, with the sheet's bounding box.
   static EdgeLengths of(std::span<const TriangleRecord> triangles, std::span<const PointRecord> points,

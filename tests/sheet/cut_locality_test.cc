@@ -20,10 +20,20 @@ Cut cut_of(int side, double offset) {
   return cut;
 }
 
+// A piece of the same number of triangles, cut out beside.
+Cut hole_of(int side) {
+  const double h = 1.0 / (side - 1);
+  Cut cut;
+  cut.curve = cut::Circle{{0.5 + 0.3 * h, 0.5 - 16.2 * h}, 5.1 * h};
+  return cut;
+}
+
 struct Work {
   std::size_t cut_bytes = 0;   // allocated by the cut and all that follows from it
   std::size_t undo_bytes = 0;  // by its undo
   std::size_t redo_bytes = 0;
+  std::size_t split_bytes = 0;  // by a cut that a piece falls out by
+  std::size_t pieces = 0;       // there are then
   std::int32_t crossed = 0;
 };
 
@@ -45,6 +55,8 @@ Work work_of(int side, IntegratorKind integrator) {
   work.cut_bytes = bytes_of(cut_of(side, 0.0));
   work.undo_bytes = bytes_of(UndoCut{});
   work.redo_bytes = bytes_of(RedoCut{});
+  work.split_bytes = bytes_of(hole_of(side));
+  work.pieces = sheet.pieces().size();
   return work;
 }
 
@@ -60,6 +72,9 @@ TEST_P(CutLocality, WhatACutItsUndoAndItsRedoAllocateDoesNotGrowWithTheSheet) {
   EXPECT_LT(large.cut_bytes, small.cut_bytes + small.cut_bytes / 4);
   EXPECT_LT(large.undo_bytes, small.undo_bytes + small.undo_bytes / 4);
   EXPECT_LT(large.redo_bytes, small.redo_bytes + small.redo_bytes / 4);
+  EXPECT_EQ(small.pieces, 2U);
+  EXPECT_EQ(large.pieces, 2U);
+  EXPECT_LT(large.split_bytes, small.split_bytes + small.split_bytes / 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, CutLocality,
