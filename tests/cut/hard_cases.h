@@ -33,6 +33,10 @@ struct HardCase {
   std::vector<Curve> curves;  // cut one after the other
   Counts counts;
   CutStatus last = CutStatus::kApplied;
+  // Of the last cut, or of those after `first_strip`.  cells
+  double width = 0.0;
+  std::size_t first_strip = 0;
+  DashPattern dash = {};
 };
 
 inline Curve cells(std::vector<Eigen::Vector2d> points) {
@@ -194,6 +198,73 @@ inline std::vector<HardCase> hard_cases() {
     cases.push_back({kNames[static_cast<std::size_t>(count - 2)], {across_one_edge(count)}, counts});
   }
   return cases;
+}
+
+// Cuts with a width. A lip that ends in the side of a strip meets two border edges there.
+inline std::vector<HardCase> strip_cases() {
+  constexpr CutStatus kApplied = CutStatus::kApplied;
+  constexpr CutStatus kMissed = CutStatus::kNoIntersection;
+  const Curve slit = cells({{3.3, 5.4}, {8.6, 6.3}});
+  const Curve level = cells({{3.0, 6.0}, {9.0, 6.0}});
+  const Curve cross = cells({{6.3, 3.2}, {6.9, 9.1}});
+  const Curve square = cells({{4.2, 4.3}, {7.8, 4.4}, {7.7, 7.6}, {4.3, 7.7}, {4.2, 4.3}});
+  return {
+      {"strip inside", {slit}, {0, 1, {0, 0, 0, 0}, 32, 32}, kApplied, 0.3},
+      {"strip narrower than an element", {slit}, {0, 1, {0, 0, 0, 0}, 28, 30}, kApplied, 0.02},
+      {"strip inside one element", {cells({{4.55, 5.2}, {4.75, 5.3}})}, {0, 1, {0, 0, 0, 0}, 16, 18}, kApplied, 0.05},
+      {"strip as wide as three elements", {slit}, {0, 1, {0, 0, 0, 0}, 55, 32}, kApplied, 3.0},
+      {"strip along edges", {cells({{3, 5}, {8, 5}})}, {0, 1, {0, 0, 0, 0}, 28, 24}, kApplied, 0.3},
+      {"strip whose sides run along edges", {cells({{3, 5.5}, {8, 5.5}})}, {0, 1, {0, 0, 0, 0}, 36, 26}, kApplied, 1.0},
+      {"strip over the border", {cells({{-1, 5.5}, {5, 5.7}})}, {0, 0, {0, 0, 0, 0}, 25, 25}, kApplied, 0.3},
+      {"strip along the border", {cells({{0, 2}, {0, 9}})}, {0, 0, {0, 0, 0, 0}, 13, 13}, kApplied, 0.3},
+      {"strip from border to border", {cells({{-1, 5.5}, {13, 6.7}})}, {1, 1, {0, 0, 0, 0}, 31, 26}, kApplied, 0.3},
+      {"strip that clips a corner", {cells({{-1, 2}, {2, -1}})}, {1, 1, {0, 0, 0, 0}, 7, 5}, kApplied, 0.3},
+      {"strip across an older lip", {level, cross}, {0, 1, {2, 2, 0, 0}, 44, 38}, kApplied, 0.3, 1},
+      {"strip along an older lip", {level, level}, {0, 1, {0, 0, 0, 0}, 29, 24}, kApplied, 0.3, 1},
+      {"strip along half of an older lip",
+       {level, cells({{6, 6}, {9, 6}})},
+       {0, 1, {1, 1, 0, 0}, 28, 23},
+       kApplied,
+       0.3,
+       1},
+      {"strip that ends at an older lip",
+       {level, cells({{6.3, 6}, {6.9, 9.1}})},
+       {0, 1, {2, 2, 0, 0}, 36, 30},
+       kApplied,
+       0.3,
+       1},
+      {"ring strip", {Circle{{6.1, 5.9}, 2.3}}, {1, 2, {0, 0, 0, 0}, 70, 60}, kApplied, 0.4},
+      {"ring strip without an inside", {Circle{{6.1, 5.9}, 0.4}}, {0, 1, {0, 0, 0, 0}, 32, 33}, kApplied, 1.0},
+      {"square strip", {square}, {1, 2, {0, 0, 0, 0}, 57, 57}, kApplied, 0.3},
+      {"strip that crosses itself",
+       {cells({{3.6, 3.6}, {7.2, 7.3}, {4.8, 7.8}, {7.7, 4.2}})},
+       {1, 2, {0, 0, 0, 0}, 63, 58},
+       kApplied,
+       0.3},
+      {"strips that leave an island",
+       {cells({{5.2, 3.3}, {5.3, 8.7}}), cells({{6.8, 3.3}, {6.9, 8.7}}), cells({{3.3, 5.2}, {8.7, 5.1}}),
+        cells({{3.3, 6.7}, {8.7, 6.9}})},
+       {1, 2, {0, 0, 0, 0}, 147, 140},
+       kApplied,
+       0.3},
+      {"strips that cross", {slit, cross}, {0, 1, {0, 0, 0, 0}, 70, 69}, kApplied, 0.3},
+      {"strip twice", {slit, slit}, {0, 1, {0, 0, 0, 0}, 32, 32}, kMissed, 0.3},
+      {"ring strip twice",
+       {Circle{{6.1, 5.9}, 2.3}, Circle{{6.1, 5.9}, 2.3}},
+       {1, 2, {0, 0, 0, 0}, 70, 60},
+       kMissed,
+       0.4},
+      {"dashes with a width", {level}, {0, 3, {0, 0, 0, 0}, 66, 66}, kApplied, 0.3, 0, {{1.0, 1.0}, 0.0}},
+      {"dashes that run into each other", {level}, {0, 1, {0, 0, 0, 0}, 70, 65}, kApplied, 0.4, 0, {{1.0, 0.2}, 0.0}},
+      {"dashes over the border",
+       {cells({{-0.5, 5.6}, {12.5, 5.7}})},
+       {0, 5, {0, 0, 0, 0}, 148, 158},
+       kApplied,
+       0.3,
+       0,
+       {{1.0, 1.0}, 0.0}},
+      {"strip outside", {Circle{{60.0, 20.0}, 3.0}}, {}, kMissed, 0.3},
+  };
 }
 
 }  // namespace kerf::cut
