@@ -480,7 +480,11 @@ class CutAudit {
     double least_angle = 180.0, most_aspect = 0.0, least_height = std::numeric_limits<double>::infinity();
     for (const mesh::TriangleId t : outcome_.edit.rewritten_triangles) {
       const TriangleRecord& r = now_.triangles[index(t)];
-      if (!is_solid(r) || std::binary_search(old_places.begin(), old_places.end(), places_of(now_, r))) continue;
+      if (!is_solid(r)) continue;
+      // A new point may lie where relaxing took an old one away.
+      const bool has_new_point = std::any_of(r.points.begin(), r.points.end(),
+                                             [&](mesh::PointId p) { return index(p) >= old_.points.size(); });
+      if (!has_new_point && std::binary_search(old_places.begin(), old_places.end(), places_of(now_, r))) continue;
       const LatticePoint& a = now_.points[index(r.points[0])].at;
       const LatticePoint& b = now_.points[index(r.points[1])].at;
       const LatticePoint& c = now_.points[index(r.points[2])].at;
