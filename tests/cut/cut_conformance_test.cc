@@ -53,8 +53,8 @@ Motion random_motion(SeededRandom& random) {
 }
 
 // Sheets in cells.
-enum class Kind { kGrid, kJittered, kHoled, kComponents };
-constexpr std::array<Kind, 4> kKinds{Kind::kGrid, Kind::kJittered, Kind::kHoled, Kind::kComponents};
+enum class Kind { kGrid, kJittered, kHoled, kComponents, kCurved };
+constexpr std::array<Kind, 5> kKinds{Kind::kGrid, Kind::kJittered, Kind::kHoled, Kind::kComponents, Kind::kCurved};
 
 void append_grid(mesh::IndexedMesh& arrays, const Vector2d& corner, int width, int height) {
   const Eigen::Index first = arrays.rest.cols();
@@ -112,6 +112,13 @@ mesh::IndexedMesh arrays_of(Kind kind) {
 
 mesh::TriangleMesh sheet(Kind kind, const Motion& motion) {
   mesh::IndexedMesh arrays = arrays_of(kind);
+  if (kind == Kind::kCurved) {  // a saddle, stretched along x
+    arrays.surface.resize(3, arrays.rest.cols());
+    for (Eigen::Index v = 0; v < arrays.rest.cols(); ++v) {
+      const Vector2d p = arrays.rest.col(v);
+      arrays.surface.col(v) = motion.scale * Eigen::Vector3d(1.3 * p.x(), p.y(), 0.05 * (p.x() - 6.0) * (p.y() - 5.0));
+    }
+  }
   for (Eigen::Index v = 0; v < arrays.rest.cols(); ++v) arrays.rest.col(v) = motion(Vector2d(arrays.rest.col(v)));
   return test::must(mesh::import_mesh(arrays));
 }
@@ -212,7 +219,8 @@ TEST(CutConformance, CountsHoldUnderRigidMotionsAndScalesOnEverySheet) {
       const Counts& expected = in_place[static_cast<std::size_t>(kind)];
       const bool is_plain = trial % 8 < 4;
       const Counts counts = run(item, kind, random_motion(random), is_plain ? plain() : CutOptions{});
-      if (is_plain && !leaves_sheet(item)) {
+      // On a curved sheet chords of circles, which do not turn with it, meet edges that no flip takes out of their way.
+      if (is_plain && !leaves_sheet(item) && kind != Kind::kCurved) {
         EXPECT_EQ(in_words(counts), in_words(expected));
       } else {
         EXPECT_TRUE(same_topology(counts, expected)) << in_words(counts) << " for " << in_words(expected);
