@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -13,7 +14,6 @@ using mesh::TriangleId;
 using mesh::VertexId;
 
 constexpr int kMaxRounds = 200;
-constexpr double kReached = 0.9;      // of the floor
 constexpr double kLeastGain = 1.001;  // of the worst mass / floor, in a round, as a factor
 
 std::size_t index(VertexId vertex) {
@@ -65,7 +65,7 @@ class Diffusion {
 
   [[nodiscard]] const std::vector<double>& run() {
     double worst = worst_fullness();
-    for (int round = 0; round < kMaxRounds && worst < kReached; ++round) {
+    for (int round = 0; round < kMaxRounds && worst < kMassReached; ++round) {
       pull();
       const double better = worst_fullness();
       if (better < worst * kLeastGain) break;
@@ -125,13 +125,30 @@ class Diffusion {
 
 }  // namespace
 
+MassTile mass_tile(const mesh::EdgeLengths& lengths, const Eigen::Vector2d& at) {
+  const double length = lengths.at(at);
+  const double side = kMassTileEdges * length;
+  // Edge lengths are the mean times a power of two: its exponent tells tiles of different widths apart.
+  const auto width = static_cast<std::uint64_t>(std::ilogb(length / lengths.mean * std::sqrt(2.0)) & 0xff);
+  const Eigen::Vector2d place = (at - lengths.bounds.min()) / side;
+  MassTile tile;
+  for (std::size_t grid = 0; grid < tile.size(); ++grid) {
+    constexpr std::uint64_t kMask = (std::uint64_t{1} << 28) - 1;
+    const double shift = grid == 0 ? 0.0 : 0.5;
+    const auto column = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(place.x() + shift))) & kMask;
+    const auto row = static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(place.y() + shift))) & kMask;
+    tile[grid] = width << 56 | column << 28 | row;
+  }
+  return tile;
+}
+
 double corner_stiffness(double gx, double gy, double area, const Eigen::Matrix3d& C) {
   return area *
          (C(0, 0) * gx * gx + C(1, 1) * gy * gy + C(2, 2) * (gx * gx + gy * gy) + 2.0 * (C(0, 2) + C(1, 2)) * gx * gy);
 }
 
 // Frees a domain, if it is one and not free already, and adds its members to the region.
-void MassRedistribution::dissolve(std::int32_t domain) {
+void MassPass::dissolve(std::int32_t domain) {
   if (domain == kNone || domains_[static_cast<std::size_t>(domain)].empty()) return;
   std::vector<VertexId>& members = domains_[static_cast<std::size_t>(domain)];
   for (const VertexId member : members) {
@@ -143,19 +160,21 @@ void MassRedistribution::dissolve(std::int32_t domain) {
   free_domains_.push_back(domain);
 }
 
-// Fills reach_ with what lies within kReach edges of the region's light vertices. A domain met on the way is dissolved
-// and joins the region: then the answer is false, and the search is to be done again.
-bool MassRedistribution::gather_reach(const MassProblem& problem) {
+// Fills reach_ with what lies within kReach edges, in its tile, of the region's light vertices. A domain met on the way
+// is dissolved and joins the region: then the answer is false, and the search is to be done again.
+bool MassPass::gather_reach(const MassProblem& problem) {
   reach_.clear();
   const std::size_t region_size = region_.size();
   for (const VertexId v : region_.members()) {
-    if (problem.lumped[index(v)] < problem.floor[index(v)]) reach_.insert(v);
+    if (problem.lumped[index(v)] < light_below_ * problem.floor[index(v)]) reach_.insert(v);
   }
   std::size_t begin = 0;
   for (int depth = 0; depth <= kReach; ++depth) {
     const std::size_t end = reach_.size();
     for (; begin < end; ++begin) {
-      visit_neighbours(problem, reach_.members()[begin], [&](VertexId n, bool /*again*/) {
+      const VertexId v = reach_.members()[begin];
+      visit_neighbours(problem, v, [&](VertexId n, bool /*again*/) {
+        if (!share_tile(problem, v, n)) return;
         dissolve(domain_of_[index(n)]);
         if (depth < kReach) reach_.insert(n);
       });
@@ -164,7 +183,11 @@ bool MassRedistribution::gather_reach(const MassProblem& problem) {
   return region_.size() == region_size;
 }
 
-void MassRedistribution::store_domain(std::vector<VertexId> members) {
+bool MassPass::share_tile(const MassProblem& problem, VertexId a, VertexId b) const {
+  return problem.tiles[index(a)][grid_] == problem.tiles[index(b)][grid_];
+}
+
+void MassPass::store_domain(std::vector<VertexId> members) {
   auto domain = static_cast<std::int32_t>(domains_.size());
   if (free_domains_.empty()) {
     domains_.emplace_back();
@@ -176,8 +199,8 @@ void MassRedistribution::store_domain(std::vector<VertexId> members) {
   domains_[static_cast<std::size_t>(domain)] = std::move(members);
 }
 
-std::span<const VertexId> MassRedistribution::update(const MassProblem& problem, std::span<const VertexId> touched,
-                                                     std::span<double> mass) {
+std::span<const VertexId> MassPass::update(const MassProblem& problem, std::span<const VertexId> touched,
+                                           std::span<double> mass) {
   for (IndexSet* set : {&region_, &reach_, &parted_, &domain_}) {
     set->clear();
     set->resize(mass.size());
@@ -203,7 +226,7 @@ std::span<const VertexId> MassRedistribution::update(const MassProblem& problem,
     std::vector<VertexId> members{first};
     for (std::size_t i = 0; i < members.size(); ++i) {
       visit_neighbours(problem, members[i], [&](VertexId n, bool /*again*/) {
-        if (reach_.contains(n) && parted_.insert(n)) members.push_back(n);
+        if (reach_.contains(n) && share_tile(problem, first, n) && parted_.insert(n)) members.push_back(n);
       });
     }
     std::sort(members.begin(), members.end());
@@ -215,6 +238,18 @@ std::span<const VertexId> MassRedistribution::update(const MassProblem& problem,
     store_domain(std::move(members));
   }
   return region_.members();
+}
+
+std::span<const VertexId> MassRedistribution::update(const MassProblem& problem, std::span<const VertexId> touched,
+                                                     std::span<double> mass) {
+  between_.resize(mass.size(), 0.0);
+  const std::span<const VertexId> looked_at = first_.update(problem, touched, between_);
+  touched_again_.assign(touched.begin(), touched.end());
+  for (std::size_t i = touched.size(); i < looked_at.size(); ++i) {
+    if (between_[index(looked_at[i])] != first_.mass_before()[i]) touched_again_.push_back(looked_at[i]);
+  }
+  const MassProblem left{problem.incident_slots, problem.blocks, between_, problem.floor, problem.tiles};
+  return second_.update(left, touched_again_, mass);
 }
 
 }  // namespace kerf::fem

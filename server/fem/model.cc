@@ -100,6 +100,7 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   lumped_mass_.resize(num_vertices, 0.0);
   stiffness_.resize(num_vertices, 0.0);
   mass_floor_.resize(num_vertices, 0.0);
+  mass_tile_.resize(num_vertices);
   mass_.resize(num_vertices, 0.0);
   inverse_mass_.resize(num_vertices, 0.0);
   incident_.resize(mesh.num_vertices());
@@ -215,6 +216,7 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
   const auto v = static_cast<std::size_t>(vertex);
   lumped_mass_[v] = material_.density * material_.thickness * area / 3.0;
   stiffness_[v] = stiffness;
+  mass_tile_[v] = mass_tile(mesh.edge_lengths(), mesh.rest_position(vertex));
   const double edge_length = mesh.edge_lengths().at(mesh.rest_position(vertex));
   const mesh::Facet* const facet = mesh.has_material(vertex) ? mesh.facet(mesh.triangle_at(vertex)) : nullptr;
   const double area_ratio = facet != nullptr ? facet->area_ratio() : 1.0;
@@ -224,7 +226,8 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
 MassChange Model::set_masses() {
   MassChange change;
   const std::span<const VertexId> updated =
-      redistribution_.update({incident_, blocks_, lumped_mass_, mass_floor_}, touched_.members(), mass_);
+      redistribution_.update({incident_, blocks_, lumped_mass_, mass_floor_, mass_tile_}, touched_.members(), mass_);
+  change.num_examined = updated.size();
   const std::span<const double> before = redistribution_.mass_before();
   for (std::size_t i = 0; i < updated.size(); ++i) {
     const auto v = static_cast<std::size_t>(updated[i]);

@@ -46,6 +46,7 @@ struct MassChange {
   std::vector<mesh::VertexId> vertices;  // unique
   std::vector<double> mass_before;       // kg, same length; 0 for an added vertex
   std::vector<double> dropped;           // kg, of the last vertices, which are gone
+  std::size_t num_examined = 0;          // vertices whose mass was worked out anew, changed or not
 };
 
 // The discrete elastic sheet: constants of every triangle, lumped masses and the bending matrix, for the rest shape of
@@ -164,6 +165,7 @@ class Model {
   std::vector<double> lumped_mass_;        // kg, length V; a third of each triangle's
   std::vector<double> stiffness_;          // N/m, length V; trace of the membrane stiffness at rest
   std::vector<double> mass_floor_;         // kg, length V; below which a vertex is given mass
+  std::vector<MassTile> mass_tile_;        // length V
   std::vector<double> mass_;
   std::vector<double> inverse_mass_;
   MassRedistribution redistribution_;

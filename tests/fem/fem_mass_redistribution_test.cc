@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/base/random.h"
 #include "server/cut/cut.h"
 #include "server/fem/mass_redistribution.h"
 #include "server/fem/model.h"
@@ -72,6 +73,29 @@ TEST(MassRedistribution, AnOrdinaryCutAtMostTriplesTheSubsteps) {
   EXPECT_LT(cut, 3.0 * whole);
 }
 
+// Cuts all over the sheet: what a vertex gets comes from its tile, and an edit concerns the tiles around it, however
+// far the light vertices hang together.
+TEST(MassRedistribution, CostsWhatACutTouchesAmongManyOthers) {
+  mesh::TriangleMesh mesh = mesh::make_grid({60, 60, 1.0, 1.0}).value();
+  Model model(mesh, kCloth);
+  SeededRandom random(4);
+  std::size_t most = 0;
+  for (int i = 0; i < 400; ++i) {
+    const Eigen::Vector2d from(random.uniform(0.05, 0.95), random.uniform(0.05, 0.95));
+    const Eigen::Vector2d along(random.uniform(-0.04, 0.04), random.uniform(-0.04, 0.04));
+    cut::CutRequest request;
+    request.curve = cut::Polyline{{from, from + along}};
+    const Result<cut::CutOutcome> outcome = cut::apply(mesh, cut::plan(mesh, request).value());
+    ASSERT_TRUE(outcome.ok());
+    const MassChange change = model.apply(mesh, outcome->edit);
+    if (i >= 300) most = std::max(most, change.num_examined);
+  }
+  EXPECT_GT(mesh.num_vertices(), 6000);
+  EXPECT_LT(most, 800U);
+  EXPECT_EQ(model.hash(), Model(mesh, kCloth).hash());
+  EXPECT_NEAR(model.total_mass(), kCloth.density * kCloth.thickness, 1e-12 * model.total_mass());
+}
+
 TEST(MassRedistribution, StopsWhereThereIsNotEnoughMass) {
   // One triangle: nobody to take from, and no vertex above its floor.
   RowStore<mesh::TriangleId> incident;
@@ -85,7 +109,8 @@ TEST(MassRedistribution, StopsWhereThereIsNotEnoughMass) {
   MassRedistribution redistribution;
   const std::vector<mesh::VertexId> all{0, 1, 2};
   std::vector<double> mass(3, 0.0);
-  redistribution.update({incident, blocks, lumped, floor}, all, mass);
+  const std::vector<MassTile> tiles(3, MassTile{0, 0});
+  redistribution.update({incident, blocks, lumped, floor, tiles}, all, mass);
   EXPECT_NEAR(mass[0] + mass[1] + mass[2], 1.2, 1e-15);
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(mass[i] / floor[i], 0.15, 0.01);
 }
