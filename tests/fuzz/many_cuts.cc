@@ -199,7 +199,7 @@ class LiveSheet {
   static sheet::Sheet make(std::uint64_t seed) {
     const mesh::TriangleMesh grid = test::jittered_grid(120, seed);
     sheet::ArraySource arrays{Eigen::Matrix2Xd(2, grid.num_vertices()), Eigen::Matrix3Xi(3, grid.num_solid_triangles()),
-                              Eigen::Matrix3Xd(3, 0)};
+                              Eigen::Matrix3Xd(3, 0), Eigen::Matrix3Xd(3, 0)};
     for (mesh::VertexId v = 0; v < grid.num_vertices(); ++v) arrays.material_positions.col(v) = grid.rest_position(v);
     Eigen::Index next = 0;
     for (const std::array<int, 3>& t : triangles_of(grid)) arrays.triangles.col(next++) << t[0], t[1], t[2];
