@@ -245,7 +245,7 @@ std::span<const VertexId> MassRedistribution::update(const MassProblem& problem,
   between_.resize(mass.size(), 0.0);
   const std::span<const VertexId> looked_at = first_.update(problem, touched, between_);
   touched_again_.assign(touched.begin(), touched.end());
-  for (std::size_t i = touched.size(); i < looked_at.size(); ++i) {
+  for (std::size_t i = 0; i < looked_at.size(); ++i) {
     if (between_[index(looked_at[i])] != first_.mass_before()[i]) touched_again_.push_back(looked_at[i]);
   }
   const MassProblem left{problem.incident_slots, problem.blocks, between_, problem.floor, problem.tiles};
