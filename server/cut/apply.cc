@@ -259,7 +259,11 @@ class Cutter {
   void add_graded(const TipGrading& grading, UniqueIds& seeds) const {
     std::vector<TriangleId> found;
     mesh::IdTable seen;
-    for (const LatticePoint& tip : grading.tips) found.push_back(mesh_.locate(tip).triangle);
+    for (const LatticePoint& tip : grading.tips) {
+      // Of the triangles at a point, not the one that the search happened on.
+      const mesh::Location location = mesh_.locate(tip);
+      found.push_back(location.point != kNone ? mesh_.triangle_at_point(location.point) : location.triangle);
+    }
     for (std::size_t i = 0; i < found.size(); ++i) {
       seeds.add(found[i]);
       for (int k = 0; k < 3; ++k) {

@@ -175,6 +175,18 @@ Finding find_strip_flaw(const mesh::TriangleMesh& before, const mesh::TriangleMe
     if (inside && is.holds(centre, 0.0)) return "slot " + std::to_string(t) + " is left inside the strip";
     if (!inside && !is.holds(centre, -margin)) return "material of slot " + std::to_string(t) + " is gone";
   }
+  // No piece is left inside, touched or not.
+  std::vector<bool> seen(index(after.records().num_pieces), false);
+  for (const TriangleRecord& r : after.records().triangles) {
+    if (r.region < 0 || seen[index(r.piece)]) continue;
+    seen[index(r.piece)] = true;
+    const MeshRecords& records = after.records();
+    const Vector2d centre =
+        (position(records, r.points[0]) + position(records, r.points[1]) + position(records, r.points[2])) / 3.0;
+    if (distance_to(outline, centre) > margin && winding(outline, centre) > 0.5) {
+      return "piece " + std::to_string(r.piece) + " is left inside the strip";
+    }
+  }
   return std::nullopt;
 }
 

@@ -56,6 +56,12 @@ Finding run_hard_cases(int fault) {
       if (done.flaw) return item.name + (": " + *done.flaw);
     }
   }
+  // A strip that runs out over a small piece apart, which its sides do not touch.
+  mesh::TriangleMesh parts = test::must(mesh::import_mesh(test::indexed(
+      {{0, 0}, {4, 0}, {4, 4}, {0, 4}, {5, 1.9}, {5.2, 2}, {5, 2.1}}, {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}})));
+  cut::CutRequest strip{cut::Polyline{{{3, 2}, {6, 2}}}, {}, {}};
+  strip.options.width_m = 1.0;
+  if (Finding flaw = cut(fault, parts, strip).flaw) return "strip over a piece: " + *flaw;
   mesh::TriangleMesh mesh = sheet;
   const cut::Curve dusty = cut::cells({{3.3, 5.4}, {6.3, 5.6}, {6.3001, 5.6}, {8.6, 6.3}});
   if (cut(fault, mesh, {on_unit_square(dusty), {}, {}}).outcome.report.merged_segments == 0) return "dust not reported";

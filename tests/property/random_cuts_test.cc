@@ -45,5 +45,14 @@ TEST(RandomCuts, KeepEveryInvariant) {
   EXPECT_LE(tally.invalid, tally.cuts / 100);
 }
 
+// Where the search for a tip that is a point of the mesh ended, graded refinement began: it depended on what walks
+// start from.
+TEST(RandomCuts, SeedsThatFoundBugs) {
+  for (const std::uint64_t seed : {4561U, 6649U}) {
+    Tally tally;
+    EXPECT_EQ(run_trial(seed, tally).value_or(""), "") << "KERF_CUT_SEED=" << seed;
+  }
+}
+
 }  // namespace
 }  // namespace kerf::property
