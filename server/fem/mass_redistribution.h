@@ -93,12 +93,10 @@ class MassPass {
 // another over tiles shifted by half of one, for the few vertices that the borders of tiles have cut off from mass.
 class MassRedistribution {
  public:
-  // `touched`: vertices whose lumped mass, floor, tile or neighbours changed since the last call, new ones included; all
-  // of them still there; may repeat.
-  // `mass` (kg, length V) holds the result of the last call, 0 for new vertices, and is brought up to date; V may be
-  // less than before, where the last vertices are gone.
-  // Returns the vertices that were looked at, `touched` among them, unique, valid until the next call, as is
-  // mass_before(): what they had, kg.
+  // `touched`: vertices whose lumped mass, floor, tile or neighbours changed since the last call, new ones included;
+  // all of them still there; may repeat. `mass` (kg, length V) holds the result of the last call, 0 for new vertices,
+  // and is brought up to date; V may be less than before, where the last vertices are gone. Returns the vertices that
+  // were looked at, `touched` among them, unique, valid until the next call, as is mass_before(): what they had, kg.
   std::span<const mesh::VertexId> update(const MassProblem& problem, std::span<const mesh::VertexId> touched,
                                          std::span<double> mass);
   [[nodiscard]] std::span<const double> mass_before() const { return second_.mass_before(); }
