@@ -48,7 +48,7 @@ TEST(RandomCuts, KeepEveryInvariant) {
 // Where the search for a tip that is a point of the mesh ended, graded refinement began: it depended on what walks
 // start from.
 TEST(RandomCuts, SeedsThatFoundBugs) {
-  for (const std::uint64_t seed : {4561U, 6649U}) {
+  for (const std::uint64_t seed : {4561U, 6649U, 20185U}) {
     Tally tally;
     EXPECT_EQ(run_trial(seed, tally).value_or(""), "") << "KERF_CUT_SEED=" << seed;
   }
