@@ -332,14 +332,14 @@ Result<TriangleMesh> import_surface(const IndexedMesh& input) {
   IndexedMesh with_rest = input;
   with_rest.rest = Eigen::Matrix2Xd::Zero(2, input.surface.cols());  // for the checks of what does not depend on it
   if (const Status valid = SheetImport(with_rest).check(); !valid.ok()) return valid.error();
-  for (const Flattening method : {Flattening::kConformal, Flattening::kConvex}) {
+  const auto import_flattened = [&](Flattening method) -> Result<TriangleMesh> {
     Result<Eigen::Matrix2Xd> rest = flatten(input.surface, input.triangles, method);
     if (!rest) return rest.error();
     with_rest.rest = std::move(rest).value();
-    Result<TriangleMesh> made = SheetImport(with_rest).run();
-    if (made || method == Flattening::kConvex) return made;
-  }
-  KERF_CHECK(false, "the last way returns");
+    return SheetImport(with_rest).run();
+  };
+  Result<TriangleMesh> conformal = import_flattened(Flattening::kConformal);
+  return conformal ? std::move(conformal) : import_flattened(Flattening::kConvex);
 }
 
 }  // namespace
