@@ -259,7 +259,9 @@ std::uint64_t Model::hash() const {
   }
   for (const RestBending& rest : rest_bending_) {
     for (const Eigen::Vector3d& load : rest.load) hash.add_span(std::span<const double>(load.data(), 3));
+    hash.add_span(std::span<const double>(rest.inertia.data(), 9));
     hash.add(rest.energy);
+    hash.add_span(std::span<const double>(rest.excess));
   }
   for (const std::vector<double>* field : {&lumped_mass_, &stiffness_, &mass_floor_, &mass_, &inverse_mass_}) {
     hash.add_span(std::span<const double>(*field));

@@ -43,6 +43,29 @@ inline mesh::VertexField random_field(SeededRandom& random, Eigen::Index n, doub
   return field;
 }
 
+// Of M^-1 K at `rest`, by power iteration on differences of forces, 1/s^2.
+inline double largest_eigenvalue(const Model& model, const mesh::VertexField& rest, int iterations) {
+  const Eigen::Index n = rest.cols();
+  SeededRandom random(31);
+  mesh::VertexField p = random_field(random, n, 1.0);
+  mesh::VertexField up(n);
+  mesh::VertexField down(n);
+  double largest = 0.0;
+  for (int i = 0; i < iterations; ++i) {
+    p /= p.norm();
+    constexpr double kStep = 1e-7;
+    model.internal_forces(rest + kStep * p, up);
+    model.internal_forces(rest - kStep * p, down);
+    mesh::VertexField Kp = (down - up) / (2.0 * kStep);
+    double mass = 0.0;
+    for (Eigen::Index k = 0; k < n; ++k) mass += model.mass()[static_cast<std::size_t>(k)] * p.col(k).squaredNorm();
+    largest = Kp.cwiseProduct(p).sum() / mass;
+    for (Eigen::Index k = 0; k < n; ++k) Kp.col(k) *= model.inverse_mass()[static_cast<std::size_t>(k)];
+    p = Kp;
+  }
+  return largest;
+}
+
 inline Eigen::Matrix3d random_rotation(SeededRandom& random) {
   const Eigen::Vector3d axis = random_vector(random, 1.0).normalized();
   return Eigen::AngleAxisd(random.uniform(0.5, 3.0), axis).toRotationMatrix();

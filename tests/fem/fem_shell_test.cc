@@ -162,23 +162,7 @@ TEST(Shell, StiffnessBoundHolds) {
     Material material = shell_material();
     material.bending_scale = 50.0;  // so that bending decides
     const Model model(mesh, material);
-    const State rest = at_rest(mesh);
-    const Eigen::Index n = rest.x.cols();
-    SeededRandom random(31);
-    mesh::VertexField p = random_field(random, n, 1.0), up(n), down(n);
-    double largest = 0.0;
-    for (int i = 0; i < 1000; ++i) {
-      p /= p.norm();
-      constexpr double kStep = 1e-7;
-      model.internal_forces(rest.x + kStep * p, up);
-      model.internal_forces(rest.x - kStep * p, down);
-      mesh::VertexField Kp = (down - up) / (2.0 * kStep);
-      double mass = 0.0;
-      for (Eigen::Index k = 0; k < n; ++k) mass += model.mass()[static_cast<std::size_t>(k)] * p.col(k).squaredNorm();
-      largest = Kp.cwiseProduct(p).sum() / mass;
-      for (Eigen::Index k = 0; k < n; ++k) Kp.col(k) *= model.inverse_mass()[static_cast<std::size_t>(k)];
-      p = Kp;
-    }
+    const double largest = largest_eigenvalue(model, at_rest(mesh).x, 1000);
     EXPECT_GE(model.stiffness_bound(), largest * (1.0 - 1e-6));
     EXPECT_LE(model.stiffness_bound(), 4.0 * largest);
   }
