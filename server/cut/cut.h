@@ -114,7 +114,7 @@ struct CutPlan {
   double snap_m = 0.0;  // m; distance below which the path is laid on points and lips where edges are so
                         // long; elsewhere in proportion
   CutOptions options;
-  std::vector<mesh::VertexId> fixed_vertices;  // sorted, unique
+  std::vector<mesh::VertexId> fixed_vertices;  // sorted
   std::vector<ViewLayer> layers;               // of a cut on a picture
   std::int32_t triangles_behind = 0;           // of a cut on a picture: left out, since they reach behind the camera
   double view_deviation_m = 0.0;               // m; of a cut on a picture that shows the sheet nearly edge-on: beyond

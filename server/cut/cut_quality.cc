@@ -8,6 +8,7 @@
 
 #include "server/cut/lip_corner.h"
 #include "server/cut/triangle_shape.h"
+#include "server/mesh/id_table.h"
 
 namespace kerf::cut {
 
@@ -92,16 +93,27 @@ std::int32_t list_corners(const mesh::TriangleMesh& mesh, std::span<const Triang
 
 std::vector<TriangleId> new_triangles(const mesh::TriangleMesh& mesh, const mesh::UndoLog& undo,
                                       std::span<const TriangleId> rewritten, std::span<const PointId> moved) {
+  // Most have a corner that is new or was moved. What the others are looked up in leaves out what stayed in its slot.
+  const auto is_made = [&](PointId p) {
+    return p >= undo.num_points || std::binary_search(moved.begin(), moved.end(), p);
+  };
   std::vector<std::array<PointId, 3>> old;
-  for (const auto& [t, record] : undo.triangles) old.push_back(sorted(record.points));
+  mesh::IdTable kept;
+  for (const auto& [t, record] : undo.triangles) {
+    if (mesh.points(t) == record.points && mesh.is_solid(t)) {
+      kept.add(t, 0);
+    } else {
+      old.push_back(sorted(record.points));
+    }
+  }
   std::sort(old.begin(), old.end());
   std::vector<TriangleId> made;
   for (const TriangleId t : rewritten) {
     if (!mesh.is_solid(t)) continue;
     const std::array<PointId, 3>& p = mesh.points(t);
-    const bool has_moved =
-        std::any_of(p.begin(), p.end(), [&](PointId q) { return std::binary_search(moved.begin(), moved.end(), q); });
-    if (has_moved || !std::binary_search(old.begin(), old.end(), sorted(p))) made.push_back(t);
+    const bool is_old = std::none_of(p.begin(), p.end(), is_made) &&
+                        (kept.has(t) || std::binary_search(old.begin(), old.end(), sorted(p)));
+    if (!is_old) made.push_back(t);
   }
   return made;
 }

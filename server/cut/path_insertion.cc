@@ -134,7 +134,7 @@ Status PathInsertion::advance(PathPosition& position, const LatticePoint& at) {
   const Result<PathPosition> target = place(at);
   if (!target.ok()) return target.error();
   if (target->point != kNone && target->point == position.point) {
-    ++counts_.merged_segments;
+    note_dust();
   } else if (Status status = run_segment(position, *target); !status.ok()) {
     return status;
   }
@@ -155,7 +155,7 @@ bool PathInsertion::retrace(PathPosition& position, const LatticePoint& at) {
   if (!trace_.chain().empty()) position = {mesh_.at(trace_.chain().back()), trace_.chain().back(), kNone};
   // What is left of the segment, or all of it, is dust.
   const LatticePoint reached = mesh::rounded_projection(segment_start_, segment_end_, position.at);
-  if (trace_.chain().empty() || reached != at) ++counts_.merged_segments;
+  if (trace_.chain().empty() || reached != at) note_dust();
   if (position.at != at) ++counts_.snapped_points;
   note_deviation(position.point, difference(at, position.at).norm());
   return true;
@@ -215,6 +215,10 @@ double PathInsertion::distance_to_path(PointId point) const {
   const double doubled_area = std::abs(mesh::to_double(mesh::doubled_area(segment_start_, segment_end_, at)));
   return std::max(distance_to_segment(at, segment_start_, segment_end_),
                   doubled_area / difference(segment_start_, segment_end_).norm());
+}
+
+void PathInsertion::note_dust() {
+  ++counts_.merged_segments;
 }
 
 // `width`: between the path and the lip or border that it was laid on, lattice units; 0 where it met that exactly.

@@ -75,6 +75,7 @@ class PathInsertion {
   [[nodiscard]] bool runs_through_sheet(const Encounter& arrival) const;
   Status secure_edge(mesh::PointId p, mesh::PointId q);
   [[nodiscard]] bool is_on_lip(mesh::PointId point) const;
+  void note_dust();
   void note_gap(double width);
   [[nodiscard]] double distance_to_path(mesh::PointId point) const;
   void lock_as_cut(mesh::TriangleId t, int corner);

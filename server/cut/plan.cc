@@ -165,9 +165,9 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   CutPlan plan;
   plan.options = request.options;
   plan.fixed_vertices = request.fixed_vertices;
-  std::sort(plan.fixed_vertices.begin(), plan.fixed_vertices.end());
-  plan.fixed_vertices.erase(std::unique(plan.fixed_vertices.begin(), plan.fixed_vertices.end()),
-                            plan.fixed_vertices.end());
+  if (!std::is_sorted(plan.fixed_vertices.begin(), plan.fixed_vertices.end())) {
+    std::sort(plan.fixed_vertices.begin(), plan.fixed_vertices.end());
+  }
   plan.edge_length_m = mesh.base_edge_length();
   const PathScale scale(mesh, plan.options);
   plan.snap_m = scale.mean_snap();

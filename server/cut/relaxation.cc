@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kSweeps = 3;
 constexpr double kFirstStep = 0.35;  // -; reach of the first sweep, as a fraction of the mean ring radius; halves
-constexpr double kWellShaped = 0.8;  // -; stars whose worst quality is above this are left alone
+constexpr double kWellShaped = 0.6;  // -; stars whose worst quality is above this are left alone
 constexpr double kLeastImprovement = 0.02;  // -; in quality; smaller gains are not worth a changed rest position
 
 // The ring around a free point, counter-clockwise, seen from the point. Lattice units.

@@ -201,7 +201,8 @@ void MassPass::store_domain(std::vector<VertexId> members) {
 
 std::span<const VertexId> MassPass::update(const MassProblem& problem, std::span<const VertexId> touched,
                                            std::span<double> mass) {
-  for (IndexSet* set : {&region_, &reach_, &parted_, &domain_}) {
+  domain_.resize(mass.size());
+  for (IdSet* set : {&region_, &reach_, &parted_}) {
     set->clear();
     set->resize(mass.size());
   }

@@ -59,7 +59,7 @@ struct MassProblem {
 // close together all over the sheet.
 class MassPass {
  public:
-  static constexpr int kReach = 4;  // edges
+  static constexpr int kReach = 3;  // edges
 
   // grid: of MassTile that tiles are taken from. Vertices below light_below times their floor are light.
   MassPass(int grid, double light_below) : grid_(static_cast<std::size_t>(grid)), light_below_(light_below) {}
@@ -82,9 +82,9 @@ class MassPass {
   std::vector<std::vector<mesh::VertexId>> domains_;  // members, sorted; empty: free
   std::vector<std::int32_t> free_domains_;
   // Scratch of update().
-  IndexSet region_;  // touched vertices, dissolved domains, and in the end what was reached
-  IndexSet reach_;   // light vertices of the region and what is near them
-  IndexSet parted_;  // of those, what is in a domain already
+  IdSet region_;     // touched vertices, dissolved domains, and in the end what was reached
+  IdSet reach_;      // light vertices of the region and what is near them
+  IdSet parted_;     // of those, what is in a domain already
   IndexSet domain_;  // one domain, in ascending order
   std::vector<double> mass_before_;
 };

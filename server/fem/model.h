@@ -173,9 +173,9 @@ class Model {
 
   // Scratch of apply().
   IndexSet touched_;                                    // vertices of rewritten slots, before and after
-  IndexSet rewritten_;                                  // slots
-  IndexSet patched_;                                    // slots whose patch is made anew
-  IndexSet rows_;                                       // rows of Q that are summed anew
+  IdSet rewritten_;                                     // slots
+  IdSet patched_;                                       // slots whose patch is made anew
+  IdSet rows_;                                          // rows of Q that are summed anew
   std::vector<std::int32_t> row_patches_, row_sorted_;  // of one row: see find_patches_at
   std::vector<mesh::VertexId> row_columns_;             // of one row, in the order they are met
   std::vector<double> row_values_;                      // of one row, by place in row_columns_

@@ -64,8 +64,8 @@ class StiffnessBound {
  private:
   RunningMaximum membrane_;  // of the slots
   RunningMaximum bending_;   // of the rows
-  IndexSet changed_slots_;   // scratch
-  IndexSet changed_rows_;    // scratch
+  IdSet changed_slots_;      // scratch
+  IdSet changed_rows_;       // scratch
 };
 
 }  // namespace kerf::fem

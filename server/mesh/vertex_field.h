@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
 #include <memory>
 #include <new>
 #include <utility>
@@ -56,10 +55,8 @@ class VertexField : public Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16> {
   }
   void reserve(Eigen::Index num_vertices) {
     if (num_vertices <= capacity_) return;
-    // malloc aligns to 16 bytes; a large block is not touched, and takes no memory, before it is used.
-    Storage grown(static_cast<double*>(
-        std::malloc(3 * sizeof(double) * static_cast<std::size_t>(num_vertices))));  // NOLINT(*-no-malloc)
-    if (!grown) throw std::bad_alloc();
+    // Aligned to 16 bytes; a large block is not touched, and takes no memory, before it is used.
+    Storage grown(static_cast<double*>(::operator new(3 * sizeof(double) * static_cast<std::size_t>(num_vertices))));
     std::copy_n(data(), size(), grown.get());
     storage_ = std::move(grown);
     capacity_ = num_vertices;
@@ -68,7 +65,7 @@ class VertexField : public Eigen::Map<Eigen::Matrix3Xd, Eigen::Aligned16> {
 
  private:
   struct Free {
-    void operator()(double* block) const { std::free(block); }  // NOLINT(*-no-malloc)
+    void operator()(double* block) const { ::operator delete(block); }
   };
   using Storage = std::unique_ptr<double, Free>;
 

@@ -169,7 +169,9 @@ Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, b
     request.positions = is_batch ? &positions : &state.x;
     request.fixed_vertices = pins;
     for (const GrabState& held : grabs) {
-      if (!held.material) request.fixed_vertices.push_back(held.vertices[0]);
+      auto& fixed = request.fixed_vertices;  // stays sorted: plan() need not
+      const mesh::VertexId vertex = held.vertices[0];
+      if (!held.material) fixed.insert(std::upper_bound(fixed.begin(), fixed.end(), vertex), vertex);
     }
     const Result<cut::CutPlan> plan = cut::plan(mesh, request);
     Result<cut::CutOutcome> outcome = plan ? cut::apply(mesh, *plan, observer) : Result<cut::CutOutcome>(plan.error());

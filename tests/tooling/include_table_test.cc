@@ -53,7 +53,7 @@ const std::vector<Group>& groups() {
 
 const std::vector<Row>& table() {
   static const std::vector<Row> rows = {
-      {"server/base", {}, {}},
+      {"server/base", {}, {"posix"}},
       {"server/mesh", {"server/base"}, {"eigen"}},
       {"server/cut", {"server/mesh", "server/base"}, {"clipper", "eigen"}},
       {"server/contact", {"server/mesh", "server/base"}, {"eigen"}},

@@ -1,0 +1,65 @@
+// The global allocation functions of the programs that link this: large blocks lie on large pages.
+//
+// A cut touches a few hundred places of a sheet. On a sheet of hundreds of megabytes, in pages of 4 KiB, finding out
+// where each of them lies costs about as much as reading it; in pages of 2 MiB hardly anything. Systems with
+// transparent large pages "always" do this by themselves where alignment allows it, those with "madvise" must be asked.
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+constexpr std::size_t kLargePage = std::size_t{2} << 20;  // bytes
+constexpr std::size_t kLargeBlock = 2 * kLargePage;       // bytes; less is left where it falls: rounding up would waste
+
+constexpr std::size_t rounded_up(std::size_t bytes, std::size_t unit) {
+  return (bytes + unit - 1) / unit * unit;
+}
+
+void* try_to_allocate(std::size_t bytes, std::size_t alignment) {
+  if (bytes >= kLargeBlock && bytes <= SIZE_MAX - kLargePage) {
+    const std::size_t rounded = rounded_up(bytes, kLargePage);
+    void* const block = std::aligned_alloc(std::max(kLargePage, alignment), rounded);
+    if (block != nullptr) madvise(block, rounded, MADV_HUGEPAGE);  // a wish: small pages do as well
+    return block;
+  }
+  if (alignment <= alignof(std::max_align_t)) return std::malloc(bytes);
+  return std::aligned_alloc(alignment, rounded_up(bytes, alignment));
+}
+
+void* allocate(std::size_t bytes, std::size_t alignment) {
+  bytes = std::max<std::size_t>(bytes, 1);
+  for (;;) {
+    if (void* const block = try_to_allocate(bytes, alignment); block != nullptr) return block;
+    const std::new_handler handler = std::get_new_handler();
+    if (handler == nullptr) throw std::bad_alloc();
+    handler();
+  }
+}
+
+}  // namespace
+
+// The other forms, of arrays, without exceptions and with a size, call these.
+void* operator new(std::size_t bytes) {
+  return allocate(bytes, alignof(std::max_align_t));
+}
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+  return allocate(bytes, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* block) noexcept {
+  std::free(block);
+}
+void operator delete(void* block, std::align_val_t /*alignment*/) noexcept {
+  std::free(block);
+}
+void operator delete(void* block, std::size_t /*bytes*/) noexcept {
+  std::free(block);
+}
+void operator delete(void* block, std::size_t /*bytes*/, std::align_val_t /*alignment*/) noexcept {
+  std::free(block);
+}
