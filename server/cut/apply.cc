@@ -29,6 +29,11 @@ constexpr double kSpacing = 0.8;  // -; longest stretch of path without a point,
 constexpr double kNoSpacing =
     std::numeric_limits<double>::infinity();  // edges of elements space the path by themselves
 
+// Quality (TriangleShape::quality) from which a triangle is not worth moving an old vertex for, which costs time: that
+// of a right triangle with equal legs is 0.87, with one half as long 0.69. Larger angles take more room.
+constexpr double kWellShaped = 0.6;
+constexpr double kWellShapedFine = 0.8;
+
 // Refinement steps a cut may take, beyond which the quality is given up, not the cut: per point of the path, and a rest
 // for the tips, corners and loops of small cuts. About ten times what was seen.
 constexpr std::int64_t kInsertionsPerPathPoint = 60;
@@ -199,7 +204,8 @@ class Cutter {
         if (!editor_.is_new(p) && !on_path(p)) candidates.add(p);
       }
     }
-    moved_ = relax(editor_, candidates.ids(), plan_.fixed_vertices);
+    const bool is_fine = plan_.options.min_angle_deg > CutOptions{}.min_angle_deg;
+    moved_ = relax(editor_, candidates.ids(), plan_.fixed_vertices, is_fine ? kWellShapedFine : kWellShaped);
   }
 
   [[nodiscard]] bool is_by_element() const { return plan_.options.method == Method::kElement; }

@@ -19,7 +19,6 @@ namespace {
 
 constexpr int kSweeps = 3;
 constexpr double kFirstStep = 0.35;  // -; reach of the first sweep, as a fraction of the mean ring radius; halves
-constexpr double kWellShaped = 0.6;  // -; stars whose worst quality is above this are left alone
 constexpr double kLeastImprovement = 0.02;  // -; in quality; smaller gains are not worth a changed rest position
 
 // The ring around a free point, counter-clockwise, seen from the point. Lattice units.
@@ -75,15 +74,15 @@ std::array<Vector2d, 9> trial_places(const Star& star, double reach) {
 
 class Relaxation {
  public:
-  Relaxation(mesh::MeshEditor& editor, std::span<const mesh::VertexId> fixed_vertices)
-      : editor_(editor), mesh_(editor.mesh()), fixed_vertices_(fixed_vertices) {}
+  Relaxation(mesh::MeshEditor& editor, std::span<const mesh::VertexId> fixed_vertices, double well_shaped)
+      : editor_(editor), mesh_(editor.mesh()), fixed_vertices_(fixed_vertices), well_shaped_(well_shaped) {}
 
   // Whether p was moved.
   bool improve(PointId p, double reach) {
     if (!gather(p)) return false;
     const Vector2d here = Vector2d::Zero();
     double best_quality = star_.worst_quality(here, 0.0);
-    if (best_quality >= kWellShaped) return false;
+    if (best_quality >= well_shaped_) return false;
     best_quality += kLeastImprovement;
     Vector2d best = here;
     for (const Vector2d& place : trial_places(star_, reach)) {
@@ -127,14 +126,15 @@ class Relaxation {
   mesh::MeshEditor& editor_;
   const mesh::TriangleMesh& mesh_;
   std::span<const mesh::VertexId> fixed_vertices_;
+  double well_shaped_;
   Star star_;
 };
 
 }  // namespace
 
 std::vector<PointId> relax(mesh::MeshEditor& editor, std::span<const PointId> candidates,
-                           std::span<const mesh::VertexId> fixed_vertices) {
-  Relaxation relaxation(editor, fixed_vertices);
+                           std::span<const mesh::VertexId> fixed_vertices, double well_shaped) {
+  Relaxation relaxation(editor, fixed_vertices, well_shaped);
   std::vector<PointId> changed;
   double reach = kFirstStep;
   for (int sweep = 0; sweep < kSweeps; ++sweep, reach *= 0.5) {

@@ -13,9 +13,9 @@ namespace kerf::cut {
 //
 // Points on a locked edge or on a border between regions, and those of `fixed_vertices` (sorted), stay. Each of
 // `candidates` (unique) is tried once in each of three sweeps, at the centre of its ring and in eight directions; a
-// move is kept only if the quality of the worst triangle of the star (TriangleShape::quality) improves. Returns the
-// points moved, sorted, unique.
+// move is kept only if the quality of the worst triangle of the star (TriangleShape::quality) improves; stars where it
+// is `well_shaped` (-) are left alone. Returns the points moved, sorted, unique.
 std::vector<mesh::PointId> relax(mesh::MeshEditor& editor, std::span<const mesh::PointId> candidates,
-                                 std::span<const mesh::VertexId> fixed_vertices);
+                                 std::span<const mesh::VertexId> fixed_vertices, double well_shaped);
 
 }  // namespace kerf::cut
