@@ -276,7 +276,6 @@ TEST(CutConformance, CountsOfCutsAcrossHolesAndComponents) {
 // Pins are on the path and beside it: on it they are doubled, beside it they stay while others are relaxed.
 TEST(CutConformance, FixedVerticesOnThePathStayWhereTheyAre) {
   SeededRandom random(33);
-  std::size_t moved = 0;
   for (int trial = 0; trial < kPlacements && !testing::Test::HasFailure(); ++trial) {
     SCOPED_TRACE("placement " + std::to_string(trial));
     const Motion motion = random_motion(random);
@@ -287,16 +286,17 @@ TEST(CutConformance, FixedVerticesOnThePathStayWhereTheyAre) {
     const mesh::VertexId middle = fixed[fixed.size() / 2];
     const Vector2d at = mesh.rest_position(middle);
     const Vector2d along = motion.scale * Vector2d(2.3, 1.9);
-    const audit::AuditedCut done = audit::cut_and_audit(mesh, {Polyline{{at - along, at, at + along}}, {}, fixed});
+    CutOptions options;
+    options.min_angle_deg = 25.0;  // moves more of what is free
+    const audit::AuditedCut done = audit::cut_and_audit(mesh, {Polyline{{at - along, at, at + along}}, options, fixed});
     EXPECT_EQ(done.flaw.value_or(""), "");
-    moved += done.outcome.edit.moved_vertices.size();
+    EXPECT_GT(done.outcome.edit.moved_vertices.size(), 0U);
     const auto& added = done.outcome.edit.added_vertices;
     EXPECT_EQ(
         std::count_if(added.begin(), added.end(),
                       [middle](const mesh::VertexSource& s) { return s.sources[0] == middle && s.weights[0] == 1; }),
         1);
   }
-  EXPECT_GT(moved, static_cast<std::size_t>(kPlacements));  // beside those that are fixed
 }
 
 // Loops smaller than the snap distance vanish, and the reply says so; larger ones are pieces.
