@@ -16,11 +16,13 @@ namespace {
 constexpr int kMaxRetries = 3;  // of a step that ended not finite, each with twice the substeps
 
 void set_pin_velocities(const Loads& loads, State& state) {
-  for (const Pin& pin : loads.pins) state.v.col(pin.vertex) = pin.velocity;
+  for (const Pin& pin : loads.pins) state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
 }
 
 void set_pin_positions(const Loads& loads, double time_left, State& state) {
-  for (const Pin& pin : loads.pins) state.x.col(pin.vertex) = pin.target - time_left * pin.velocity;
+  for (const Pin& pin : loads.pins) {
+    state.x.col(pin.vertex) = pin.held(pin.target - time_left * pin.velocity, state.x.col(pin.vertex));
+  }
 }
 
 }  // namespace
@@ -52,7 +54,9 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
              "rebuild() was called for this model");
   StepStats stats;
   std::copy(model.inverse_mass().begin(), model.inverse_mass().end(), scratch_.mobility.begin());
-  for (const Pin& pin : loads.pins) scratch_.mobility[static_cast<std::size_t>(pin.vertex)] = 0.0;
+  for (const Pin& pin : loads.pins) {
+    if (pin.is_whole()) scratch_.mobility[static_cast<std::size_t>(pin.vertex)] = 0.0;
+  }
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
 
@@ -93,6 +97,7 @@ void ExplicitIntegrator::advance(const Model& model, const Loads& loads, double 
   evaluate_forces(model, loads, 0.5 * h, state);
   kick(model, loads, 0.5 * h, state);
   kick_grabs(loads, 0.5 * h, h, duration - h, state);
+  set_pin_velocities(loads, state);
   for (int i = 1; i <= substeps; ++i) {
     const double time_left = i == substeps ? 0.0 : duration - h * i;
     state.x += h * state.v;
@@ -103,6 +108,7 @@ void ExplicitIntegrator::advance(const Model& model, const Loads& loads, double 
     evaluate_forces(model, loads, kick_duration, state);
     kick(model, loads, kick_duration, state);
     kick_grabs(loads, kick_duration, h, std::max(time_left - h, 0.0), state);
+    set_pin_velocities(loads, state);
     if (contact != nullptr && last) contact->enforce(h, state);
   }
 }

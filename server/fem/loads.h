@@ -20,12 +20,19 @@ struct Wind {
   double tangential_drag = 0.02;                       // -, >= 0; skin friction
 };
 
-// Dirichlet condition: the vertex is at `target` with `velocity` when the step ends, and on the straight line
-// target - velocity * (time left) within it. A pin at rest has velocity 0.
+// Dirichlet condition: the `fixed` components of the vertex are at `target` with `velocity` when the step ends, and on
+// the straight line target - velocity * (time left) within it; the others are free. A pin at rest has velocity 0.
 struct Pin {
   mesh::VertexId vertex = mesh::kNone;
   Eigen::Vector3d target = Eigen::Vector3d::Zero();    // m, where the vertex is when the step ends
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  // m/s
+  std::array<bool, 3> fixed{true, true, true};         // x, y, z
+
+  [[nodiscard]] bool is_whole() const { return fixed[0] && fixed[1] && fixed[2]; }
+  // `value` in the fixed components, the others of `free`.
+  [[nodiscard]] Eigen::Vector3d held(const Eigen::Vector3d& value, const Eigen::Vector3d& free) const {
+    return {fixed[0] ? value.x() : free.x(), fixed[1] ? value.y() : free.y(), fixed[2] ? value.z() : free.z()};
+  }
 };
 
 // A stiff spring from the point sum_k weights[k] x(vertices[k]) to a moving target, treated implicitly by every
@@ -47,7 +54,7 @@ struct Loads {
   Wind wind;
   mesh::VertexField external_forces;  // N, 3 x V, or 3 x 0 for none
   std::vector<Pin> pins;              // each vertex at most once
-  std::vector<Grab> grabs;            // a grab that touches a pinned vertex moves only the others
+  std::vector<Grab> grabs;            // a grab that touches a wholly pinned vertex moves only the others
 };
 
 }  // namespace kerf::fem

@@ -82,23 +82,28 @@ void StageSolver::predict_stress(const Problem& problem, const mesh::VertexField
 
 void StageSolver::constrain(const Problem& problem, const mesh::VertexField& x) {
   for (const Pin& pin : problem.loads.pins) {
-    const Eigen::Vector3d displacement = pin.target - problem.stage.time_left * pin.velocity - x.col(pin.vertex);
+    const Eigen::Vector3d displacement =
+        pin.held(pin.target - problem.stage.time_left * pin.velocity - x.col(pin.vertex), Eigen::Vector3d::Zero());
+    const Eigen::Vector3d free = pin.held(Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones());
     for (int at = matrix_.row_begin(pin.vertex); at < matrix_.row_end(pin.vertex); ++at) {
       const int j = matrix_.column(at);
       if (j == pin.vertex) continue;
       rhs_.col(j) -= matrix_.block(at).transpose() * displacement;
-      matrix_.block(at).setZero();
-      matrix_.block(matrix_.find(j, pin.vertex)).setZero();
+      matrix_.block(at) = free.asDiagonal() * matrix_.block(at);
+      matrix_.block(matrix_.find(j, pin.vertex)) = matrix_.block(at).transpose();
     }
-    // Any positive multiple of the identity decouples the row; the mass keeps it of the size of the others.
+    Eigen::Matrix3d& diagonal = matrix_.block(matrix_.diagonal(pin.vertex));
+    rhs_.col(pin.vertex) -= diagonal * displacement;
+    // Any positive multiple of the identity decouples components; the mass keeps it of the size of the others.
     const double m = problem.model.mass()[static_cast<std::size_t>(pin.vertex)];
     const double scale = m > 0.0 ? m : 1.0;
-    matrix_.block(matrix_.diagonal(pin.vertex)) = scale * Eigen::Matrix3d::Identity();
-    step_.col(pin.vertex) = displacement;
+    diagonal = free.asDiagonal() * diagonal * free.asDiagonal();
+    diagonal.diagonal() += scale * (Eigen::Vector3d::Ones() - free);
+    step_.col(pin.vertex) = pin.held(displacement, step_.col(pin.vertex));
   }
   for (const Pin& pin : problem.loads.pins) {
-    const double scale = matrix_.block(matrix_.diagonal(pin.vertex))(0, 0);
-    rhs_.col(pin.vertex) = scale * step_.col(pin.vertex);
+    const Eigen::Matrix3d& diagonal = matrix_.block(matrix_.diagonal(pin.vertex));
+    rhs_.col(pin.vertex) = pin.held(diagonal.diagonal().cwiseProduct(step_.col(pin.vertex)), rhs_.col(pin.vertex));
   }
 }
 

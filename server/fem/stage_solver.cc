@@ -87,7 +87,9 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
   const Problem problem{model, loads, constant_force, stage, model.material().stiffness_damping};
   contact_.begin(stage.contact, model, stage.d, stage.start != nullptr ? *stage.start : state.x);
   start_ = state.x;
-  for (const Pin& pin : loads.pins) start_.col(pin.vertex) = pin.target - stage.time_left * pin.velocity;
+  for (const Pin& pin : loads.pins) {
+    start_.col(pin.vertex) = pin.held(pin.target - stage.time_left * pin.velocity, start_.col(pin.vertex));
+  }
   bool found = iterate(problem, state.x, stats);
   if (!found) {
     Problem undamped = problem;
@@ -97,7 +99,7 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
   if (!found || !state.x.allFinite()) return false;
   if (loads.pins.empty() && loads.grabs.empty() && !contact_.touches()) restore_momentum(problem, state.x);
   state.v = (state.x - stage.base.x) / stage.d;
-  for (const Pin& pin : loads.pins) state.v.col(pin.vertex) = pin.velocity;
+  for (const Pin& pin : loads.pins) state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
   return true;
 }
 
@@ -258,7 +260,9 @@ double StageSolver::evaluate_residual(const Problem& problem, const mesh::Vertex
     if (m == 0.0) residual_.col(i).setZero();
   }
   double sum = 0.0;
-  for (const Pin& pin : problem.loads.pins) residual_.col(pin.vertex).setZero();
+  for (const Pin& pin : problem.loads.pins) {
+    residual_.col(pin.vertex) = pin.held(Eigen::Vector3d::Zero(), residual_.col(pin.vertex));
+  }
   for (Eigen::Index i = 0; i < x.cols(); ++i) sum += residual_.col(i).squaredNorm();
   return std::sqrt(sum);
 }
