@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include "server/fem/bending_forces.h"
 #include "server/fem/grab_point.h"
@@ -12,7 +11,6 @@
 namespace kerf::fem {
 namespace {
 
-constexpr std::size_t kRoom = 2;  // -; places for blocks beside those there are, so that cuts need not copy them
 constexpr int kRepairIterations = 30;
 constexpr int kMaxBacktracks = 30;
 constexpr int kContactIterations = 8;  // at least, where vertices touch
@@ -27,59 +25,54 @@ StageSolver::StageSolver(const IntegratorOptions& options)
     : options_(options), solver_(make_linear_solver(options.linear_solver, options.max_linear_iterations)) {}
 
 void StageSolver::rebuild(const Model& model) {
-  std::vector<mesh::VertexId> all(static_cast<std::size_t>(model.num_vertices()));
-  std::iota(all.begin(), all.end(), 0);
-  matrix_ = {};
-  constexpr std::size_t kBlocksPerRow = 19;  // of an inner vertex of a grid with bending
-  matrix_.reserve(kRoom * kBlocksPerRow * all.size());
-  set_rows(model, all);
+  matrix_.rebuild(model);
+  resize(model);
 }
 
 void StageSolver::follow(const Model& model) {
-  set_rows(model, model.changed_rows());
+  matrix_.follow(model);
+  resize(model);
 }
 
-// Into columns_: what row v of the stiffness matrix reaches.
-void StageSolver::find_columns(const Model& model, mesh::VertexId v) {
-  columns_.clear();
-  // Patches reach beyond the triangles that they are of: with bending its rows have every column, and in order.
-  if (model.has_bending()) {
-    for (const BendingEntry& entry : model.bending_rows().row(v)) columns_.push_back(entry.column);
-    if (!columns_.empty()) return;
-  }
-  columns_.push_back(v);
-  for (const mesh::TriangleId slot : model.incident_slots().row(v)) {
-    const ElementBlock& block = model.element_blocks()[static_cast<std::size_t>(slot / kLanes)];
-    for (std::size_t k = 0; k < 3; ++k) columns_.push_back(block.vertex[k][static_cast<std::size_t>(slot % kLanes)]);
-  }
-  std::sort(columns_.begin(), columns_.end());
-  columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
-}
-
-void StageSolver::set_rows(const Model& model, std::span<const mesh::VertexId> vertices) {
-  const std::span<const ElementBlock> blocks = model.element_blocks();
+void StageSolver::resize(const Model& model) {
   contact_.resize(model.num_vertices());
-  matrix_.resize(model.num_vertices());
-  places_.resize(blocks.size() * kLanes);
-  stress_.resize(blocks.size() * kLanes, Eigen::Vector3d::Zero());
+  stress_.resize(model.element_blocks().size() * kLanes, Eigen::Vector3d::Zero());
   for (mesh::VertexField* field :
        {&force_, &residual_, &rhs_, &step_, &increment_, &velocity_, &damped_, &trial_, &start_, &best_}) {
     field->resize(model.num_vertices());
   }
-  for (const mesh::VertexId v : vertices) {
-    find_columns(model, v);
-    matrix_.set_row(v, columns_);
-    for (const mesh::TriangleId slot : model.incident_slots().row(v)) {
-      const auto lane = static_cast<std::size_t>(slot % kLanes);
-      const ElementBlock& block = blocks[static_cast<std::size_t>(slot / kLanes)];
-      const std::size_t i = (block.vertex[1][lane] == v ? 1U : 0U) + (block.vertex[2][lane] == v ? 2U : 0U);
-      for (std::size_t j = 0; j < 3; ++j) {
-        const auto at = std::lower_bound(columns_.begin(), columns_.end(), block.vertex[j][lane]);
-        places_[static_cast<std::size_t>(slot)][3 * i + j] = static_cast<int>(at - columns_.begin());
+  solver_->analyse(matrix_.blocks());
+}
+
+void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, bool predicted) {
+  const double d = problem.stage.d;
+  const double material_scale = d * d + d * problem.beta;
+  const std::span<const Eigen::Vector3d> stress(stress_);
+  matrix_.set_mass(problem.model, 1.0 + d * problem.model.material().mass_damping);
+  matrix_.add_membrane(problem.model, x, predicted ? stress : stress.first(0), material_scale, d * d, true);
+  matrix_.add_bending(problem.model, material_scale);
+  matrix_.add_grabs(problem.loads.grabs, d);
+}
+
+void StageSolver::predict_stress(const Problem& problem, const mesh::VertexField& x) {
+  const std::span<const ElementBlock> blocks = problem.model.element_blocks();
+  LaneFrames frames;
+  ElementVector dx;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    frames_at(blocks[b], x, frames);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (blocks[b].area[l] == 0.0) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        dx.segment<3>(static_cast<Eigen::Index>(3 * k)) = step_.col(blocks[b].vertex[k][l]);
       }
+      const MembraneTangent tangent(blocks[b], l, frames, problem.model.membrane_law());
+      stress_[b * kLanes + l] = tangent.predicted_stress(dx);
     }
   }
-  solver_->analyse(matrix_);
+}
+
+void StageSolver::constrain(const Problem& problem, const mesh::VertexField& x) {
+  matrix_.constrain(problem.model, problem.loads.pins, problem.stage.time_left, x, rhs_, step_);
 }
 
 bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
@@ -134,7 +127,7 @@ bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStat
       rhs_ = residual_;
       step_.setZero();
       constrain(problem, x);
-      contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_);
+      contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_.blocks());
       solve_linear(stats, step_);
     }
     ++stats.newton_iterations;
@@ -169,11 +162,11 @@ double StageSolver::solve_first(const Problem& problem, const mesh::VertexField&
   contact_.predict(x, residual_, step_);
   constrain(problem, x);
   const double whole = rhs_.norm();
-  matrix_.multiply(step_, increment_);
+  matrix_.blocks().multiply(step_, increment_);
   rhs_ -= increment_;
   contact_.add_forces(d * d, rhs_);
   const double departure = rhs_.norm();
-  contact_.add_stiffness(d * d, matrix_);
+  contact_.add_stiffness(d * d, matrix_.blocks());
   increment_.setZero();
   solve_linear(stats, increment_);
   step_ += increment_;
@@ -201,7 +194,7 @@ bool StageSolver::repair(const Problem& problem, const mesh::VertexField& start,
     rhs_ = residual_;
     step_.setZero();
     constrain(problem, x);
-    contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_);
+    contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_.blocks());
     solve_linear(stats, step_);
     ++stats.newton_iterations;
     if (!step_.allFinite() || !search_line(problem, value, x)) break;
@@ -324,7 +317,7 @@ double StageSolver::merit(const Problem& problem, const mesh::VertexField& x) co
 }
 
 void StageSolver::solve_linear(StepStats& stats, mesh::VertexField& x) {
-  const LinearStats linear = solver_->solve(matrix_, rhs_, options_.linear_tolerance, x);
+  const LinearStats linear = solver_->solve(matrix_.blocks(), rhs_, options_.linear_tolerance, x);
   stats.linear_iterations += linear.iterations;
   if (!linear.converged) stats.flags |= kNotConverged;
 }

@@ -1,15 +1,14 @@
 #pragma once
 
-#include <array>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "server/fem/block_matrix.h"
 #include "server/fem/integrator.h"
 #include "server/fem/linear_solver.h"
 #include "server/fem/membrane_tangent.h"
 #include "server/fem/stage_contact.h"
+#include "server/fem/tangent_matrix.h"
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
@@ -53,11 +52,8 @@ class StageSolver {
     const Stage& stage;
     double beta;  // s, stiffness damping; 0 in a repair
   };
-  using BlockPlaces = std::array<int, 9>;  // of corner pair (i, j): entry 3 i + j, from the beginning of row i
-
-  void find_columns(const Model& model, mesh::VertexId v);
-  // Makes room for the model, and the rows of these vertices, and what depends on them.
-  void set_rows(const Model& model, std::span<const mesh::VertexId> vertices);
+  // Makes room for the model, once its matrix is there.
+  void resize(const Model& model);
 
   bool iterate(const Problem& problem, mesh::VertexField& x, StepStats& stats);
   // Whether `x`, where the iteration did not converge, is no higher in the potential than where it began.
@@ -83,10 +79,8 @@ class StageSolver {
 
   // Into matrix_. With stress_ where `predicted`, else with the stress at x.
   void assemble(const Problem& problem, const mesh::VertexField& x, bool predicted);
-  void add_membrane(const Problem& problem, const mesh::VertexField& x, bool predicted);
-  void add_bending_and_grabs(const Problem& problem);
   void predict_stress(const Problem& problem, const mesh::VertexField& x);  // from step_, into stress_
-  // Puts the pins' displacement into step_ and rhs_ and decouples their rows: matrix_ stays symmetric.
+  // See TangentMatrix::constrain; into step_ and rhs_.
   void constrain(const Problem& problem, const mesh::VertexField& x);
   // matrix_ x = rhs_, x holding the guess.
   void solve_linear(StepStats& stats, mesh::VertexField& x);
@@ -94,9 +88,7 @@ class StageSolver {
   IntegratorOptions options_;
   std::unique_ptr<LinearSolver> solver_;
   StageContact contact_;
-  BlockMatrix matrix_;
-  std::vector<BlockPlaces> places_;                              // one a lane of the model's blocks
-  std::vector<int> columns_;                                     // scratch, of a row
+  TangentMatrix matrix_;
   std::vector<Eigen::Vector3d> stress_;                          // one a lane, N/m, for the tangent
   mesh::VertexField force_, residual_, rhs_, step_, increment_;  // 3 x V
   mesh::VertexField velocity_, damped_, trial_, start_, best_;

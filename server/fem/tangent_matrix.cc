@@ -1,0 +1,150 @@
+#include "server/fem/tangent_matrix.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "server/fem/membrane_tangent.h"
+
+namespace kerf::fem {
+namespace {
+
+constexpr std::size_t kRoom = 2;  // -; places for blocks beside those there are, so that cuts need not copy them
+
+}  // namespace
+
+void TangentMatrix::rebuild(const Model& model) {
+  std::vector<mesh::VertexId> all(static_cast<std::size_t>(model.num_vertices()));
+  std::iota(all.begin(), all.end(), 0);
+  matrix_ = {};
+  constexpr std::size_t kBlocksPerRow = 19;  // of an inner vertex of a grid with bending
+  matrix_.reserve(kRoom * kBlocksPerRow * all.size());
+  set_rows(model, all);
+}
+
+void TangentMatrix::follow(const Model& model) {
+  set_rows(model, model.changed_rows());
+}
+
+// Into columns_: what row v of the stiffness matrix reaches.
+void TangentMatrix::find_columns(const Model& model, mesh::VertexId v) {
+  columns_.clear();
+  // Patches reach beyond the triangles that they are of: with bending its rows have every column, and in order.
+  if (model.has_bending()) {
+    for (const BendingEntry& entry : model.bending_rows().row(v)) columns_.push_back(entry.column);
+    if (!columns_.empty()) return;
+  }
+  columns_.push_back(v);
+  for (const mesh::TriangleId slot : model.incident_slots().row(v)) {
+    const ElementBlock& block = model.element_blocks()[static_cast<std::size_t>(slot / kLanes)];
+    for (std::size_t k = 0; k < 3; ++k) columns_.push_back(block.vertex[k][static_cast<std::size_t>(slot % kLanes)]);
+  }
+  std::sort(columns_.begin(), columns_.end());
+  columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
+}
+
+void TangentMatrix::set_rows(const Model& model, std::span<const mesh::VertexId> vertices) {
+  const std::span<const ElementBlock> blocks = model.element_blocks();
+  matrix_.resize(model.num_vertices());
+  places_.resize(blocks.size() * kLanes);
+  for (const mesh::VertexId v : vertices) {
+    find_columns(model, v);
+    matrix_.set_row(v, columns_);
+    for (const mesh::TriangleId slot : model.incident_slots().row(v)) {
+      const auto lane = static_cast<std::size_t>(slot % kLanes);
+      const ElementBlock& block = blocks[static_cast<std::size_t>(slot / kLanes)];
+      const std::size_t i = (block.vertex[1][lane] == v ? 1U : 0U) + (block.vertex[2][lane] == v ? 2U : 0U);
+      for (std::size_t j = 0; j < 3; ++j) {
+        const auto at = std::lower_bound(columns_.begin(), columns_.end(), block.vertex[j][lane]);
+        places_[static_cast<std::size_t>(slot)][3 * i + j] = static_cast<int>(at - columns_.begin());
+      }
+    }
+  }
+}
+
+void TangentMatrix::set_mass(const Model& model, double inertia) {
+  matrix_.set_zero();
+  for (int i = 0; i < matrix_.num_rows(); ++i) {
+    const double m = model.mass()[static_cast<std::size_t>(i)];
+    matrix_.block(matrix_.diagonal(i)).diagonal().setConstant(m > 0.0 ? inertia * m : 1.0);
+  }
+}
+
+void TangentMatrix::add_membrane(const Model& model, const mesh::VertexField& x,
+                                 std::span<const Eigen::Vector3d> stress, double material_scale, double geometric_scale,
+                                 bool project) {
+  const std::span<const ElementBlock> blocks = model.element_blocks();
+  LaneFrames frames;
+  ElementMatrix K;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    frames_at(blocks[b], x, frames);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (blocks[b].area[l] == 0.0) continue;
+      const MembraneTangent tangent(blocks[b], l, frames, model.membrane_law());
+      const Eigen::Vector3d sigma = stress.empty() ? tangent.stress() : stress[b * kLanes + l];
+      tangent.stiffness(sigma, material_scale, geometric_scale, project, K);
+      const BlockPlaces& places = places_[b * kLanes + l];
+      for (std::size_t i = 0; i < 3; ++i) {
+        const int row = matrix_.row_begin(blocks[b].vertex[i][l]);
+        for (std::size_t j = 0; j < 3; ++j) {
+          matrix_.block(row + places[3 * i + j]) +=
+              K.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * j));
+        }
+      }
+    }
+  }
+}
+
+void TangentMatrix::add_bending(const Model& model, double scale) {
+  const RowStore<BendingEntry>& rows = model.bending_rows();
+  for (int i = 0; i < rows.num_rows(); ++i) {
+    int at = matrix_.row_begin(i);
+    for (const BendingEntry& entry : rows.row(i)) {
+      while (matrix_.column(at) < entry.column) ++at;
+      matrix_.block(at).diagonal().array() += scale * entry.value;
+    }
+  }
+}
+
+void TangentMatrix::add_grabs(std::span<const Grab> grabs, double d) {
+  for (const Grab& grab : grabs) {
+    const double stiffness = d * d * grab.stiffness + d * grab.damping;
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 0; j < 3; ++j) {
+        if (grab.vertices[i] == mesh::kNone || grab.vertices[j] == mesh::kNone) continue;
+        const double weight = grab.weights[static_cast<Eigen::Index>(i)] * grab.weights[static_cast<Eigen::Index>(j)];
+        const int at = matrix_.find(grab.vertices[i], grab.vertices[j]);
+        if (at >= 0) matrix_.block(at).diagonal().array() += stiffness * weight;
+      }
+    }
+  }
+}
+
+void TangentMatrix::constrain(const Model& model, std::span<const Pin> pins, double time_left,
+                              const mesh::VertexField& x, mesh::VertexField& rhs, mesh::VertexField& step) {
+  for (const Pin& pin : pins) {
+    const Eigen::Vector3d displacement =
+        pin.held(pin.target - time_left * pin.velocity - x.col(pin.vertex), Eigen::Vector3d::Zero());
+    const Eigen::Vector3d free = pin.held(Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones());
+    for (int at = matrix_.row_begin(pin.vertex); at < matrix_.row_end(pin.vertex); ++at) {
+      const int j = matrix_.column(at);
+      if (j == pin.vertex) continue;
+      rhs.col(j) -= matrix_.block(at).transpose() * displacement;
+      matrix_.block(at) = free.asDiagonal() * matrix_.block(at);
+      matrix_.block(matrix_.find(j, pin.vertex)) = matrix_.block(at).transpose();
+    }
+    Eigen::Matrix3d& diagonal = matrix_.block(matrix_.diagonal(pin.vertex));
+    rhs.col(pin.vertex) -= diagonal * displacement;
+    // Any positive multiple of the identity decouples components; the mass keeps it of the size of the others.
+    const double m = model.mass()[static_cast<std::size_t>(pin.vertex)];
+    const double scale = m > 0.0 ? m : 1.0;
+    diagonal = free.asDiagonal() * diagonal * free.asDiagonal();
+    diagonal.diagonal() += scale * (Eigen::Vector3d::Ones() - free);
+    step.col(pin.vertex) = pin.held(displacement, step.col(pin.vertex));
+  }
+  for (const Pin& pin : pins) {
+    const Eigen::Matrix3d& diagonal = matrix_.block(matrix_.diagonal(pin.vertex));
+    rhs.col(pin.vertex) = pin.held(diagonal.diagonal().cwiseProduct(step.col(pin.vertex)), rhs.col(pin.vertex));
+  }
+}
+
+}  // namespace kerf::fem

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "server/fem/block_matrix.h"
+#include "server/fem/loads.h"
+#include "server/fem/model.h"
+#include "server/mesh/vertex_field.h"
+
+namespace kerf::fem {
+
+// The symmetric matrix of an implicit step, an equilibrium or a vibration: masses and stiffness of a model, put
+// together from parts in a pattern that is kept from one assembly to the next and follows cuts row by row.
+class TangentMatrix {
+ public:
+  // Of the model, from nothing, or after one Model::follow: only the rows that changed.
+  void rebuild(const Model& model);
+  void follow(const Model& model);
+
+  [[nodiscard]] BlockMatrix& blocks() { return matrix_; }
+  [[nodiscard]] const BlockMatrix& blocks() const { return matrix_; }
+
+  // Everything 0 but the diagonal: inertia (-) times the masses, kg; 1 for vertices without material, which nothing
+  // moves.
+  void set_mass(const Model& model, double inertia);
+  // Adds material_scale times the material and geometric_scale times the geometric stiffness of the membrane at x (3 x
+  // V, m); see MembraneTangent::stiffness, also for `project`. `stress`: N/m, one a lane of the model's blocks, in
+  // place of that at x; or empty.
+  void add_membrane(const Model& model, const mesh::VertexField& x, std::span<const Eigen::Vector3d> stress,
+                    double material_scale, double geometric_scale, bool project);
+  void add_bending(const Model& model, double scale);
+  // Of springs and dampers, d^2 stiffness + d damping.
+  void add_grabs(std::span<const Grab> grabs, double d);
+
+  // Puts the displacement that the pins demand, `time_left` (s) before they are at their targets, from x on into `step`
+  // and `rhs` (3 x V) and decouples what they hold: the matrix stays symmetric, and positive definite where it was.
+  void constrain(const Model& model, std::span<const Pin> pins, double time_left, const mesh::VertexField& x,
+                 mesh::VertexField& rhs, mesh::VertexField& step);
+
+ private:
+  using BlockPlaces = std::array<int, 9>;  // of corner pair (i, j): entry 3 i + j, from the beginning of row i
+
+  void find_columns(const Model& model, mesh::VertexId v);
+  void set_rows(const Model& model, std::span<const mesh::VertexId> vertices);
+
+  BlockMatrix matrix_;
+  std::vector<BlockPlaces> places_;  // one a lane of the model's blocks
+  std::vector<int> columns_;         // scratch, of a row
+};
+
+}  // namespace kerf::fem
