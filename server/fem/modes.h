@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/fem/loads.h"
+#include "server/fem/model.h"
+#include "server/fem/tangent_matrix.h"
+#include "server/mesh/vertex_field.h"
+
+namespace kerf::fem {
+
+inline constexpr int kMaxModes = 200;
+
+struct Modes {
+  // rad^2/s^2, ascending: eigenvalues of K u = omega^2 M u. Negative: the sheet would leave this state by itself
+  // (buckling); about 0, within 1e-9 of the largest of the whole model: it moves as a mechanism or a rigid body.
+  Eigen::VectorXd eigenvalues;
+  Eigen::MatrixXd shapes;  // 3 V x count, column i of x, y, z of all vertices in turn; shape.M shape = 1
+  bool converged = false;  // all of them
+};
+
+// The lowest `count` (1..kMaxModes, at most the free components less one) vibrations about a state x (3 x V, m), most
+// often an equilibrium: of the exact tangent stiffness there, with what the pins hold held. The masses are lumped
+// within the sheet and half consistent across it: of second order like those that steps are taken with, but nearer. By
+// the Lanczos method on the shifted inverse (Spectra).
+Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count);
+
+}  // namespace kerf::fem
