@@ -32,4 +32,14 @@ double bending_energy(const RowStore<BendingEntry>& rows, const mesh::VertexFiel
   return -0.25 * sum;
 }
 
+void add_clamp_forces(const ClampForces& clamps, mesh::VertexField& f) {
+  for (const ClampForces::Force& each : clamps.forces) f.col(each.vertex) += each.force;
+}
+
+double clamp_energy(const ClampForces& clamps, const mesh::VertexField& x) {
+  double energy = clamps.energy;
+  for (const ClampForces::Force& each : clamps.forces) energy -= each.force.dot(x.col(each.vertex));
+  return energy;
+}
+
 }  // namespace kerf::fem

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 #include "server/fem/bending.h"
@@ -7,6 +9,28 @@
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
+
+// The derivative of positions by the material coordinates (rest axes, not those of the material) that a clamp holds at
+// a vertex.
+struct Clamp {
+  mesh::VertexId vertex = mesh::kNone;
+  Eigen::Matrix<double, 3, 2> gradient = Eigen::Matrix<double, 3, 2>::Zero();  // -
+};
+
+// With clamped edges E = 1/2 x.Q x - sum over `forces` of x.force + energy.
+struct ClampForces {
+  struct Force {
+    mesh::VertexId vertex = mesh::kNone;              // may repeat
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N
+  };
+  std::vector<Force> forces;
+  double energy = 0.0;  // J
+};
+
+// f (3 x V, N) += what is to be added to add_bending_forces.
+void add_clamp_forces(const ClampForces& clamps, mesh::VertexField& f);
+// J; to be added to bending_energy.
+double clamp_energy(const ClampForces& clamps, const mesh::VertexField& x);
 
 // f (3 x V, N) += -Q x for x (3 x V, m), as f_i = sum_j Q_ij (x_i - x_j): equal since the rows of Q sum to zero, but
 // exactly invariant under translation and, pair by pair, exactly without resultant force. For damping beta pass

@@ -83,7 +83,8 @@ double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const
 double EquilibriumSolver::energy(const Model& model, const Loads& loads, const mesh::VertexField& x,
                                  const mesh::VertexField& origin) const {
   double sum = membrane_energy(model.element_blocks(), model.membrane_law(), x) +
-               bending_energy(model.bending_rows(), x) + rest_bending_energy(model.rest_bending(), x);
+               bending_energy(model.bending_rows(), x) + clamp_energy(model.clamp_forces(), x) +
+               rest_bending_energy(model.rest_bending(), x);
   const bool has_external = loads.external_forces.cols() > 0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];

@@ -124,6 +124,7 @@ void ExplicitIntegrator::evaluate_forces(const Model& model, const Loads& loads,
   if (model.has_bending()) {
     scratch_.damped = state.x + bending_beta_ * state.v;
     add_bending_forces(model.bending_rows(), scratch_.damped, f);
+    add_clamp_forces(model.clamp_forces(), f);
     add_rest_bending_forces(model.rest_bending(), state.x, state.v, bending_beta_, f);
   }
   const Material& material = model.material();

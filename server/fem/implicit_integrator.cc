@@ -134,6 +134,7 @@ void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& 
   if (model.has_bending()) {
     scratch_.damped = state.x + material.stiffness_damping * state.v;
     add_bending_forces(model.bending_rows(), scratch_.damped, f);
+    add_clamp_forces(model.clamp_forces(), f);
     add_rest_bending_forces(model.rest_bending(), state.x, state.v, material.stiffness_damping, f);
   }
   for (const Grab& grab : loads.grabs) {

@@ -9,6 +9,7 @@
 
 #include "server/base/phase_observer.h"
 #include "server/fem/bending.h"
+#include "server/fem/bending_forces.h"
 #include "server/fem/element_block.h"
 #include "server/fem/index_set.h"
 #include "server/fem/mass_redistribution.h"
@@ -74,6 +75,10 @@ class Model {
   MassChange follow(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten,
                     PhaseObserver* observer = nullptr);
 
+  // Holds the slope of the sheet at border edges both ends of which are among these; sorted by vertex, unique; replaces
+  // those before. Bending only, and where the rest shape is flat.
+  void set_clamps(const mesh::TriangleMesh& mesh, std::vector<Clamp> clamps);
+
   [[nodiscard]] int num_vertices() const { return static_cast<int>(mass_.size()); }
   [[nodiscard]] int num_slots() const { return num_slots_; }
   [[nodiscard]] const Material& material() const { return material_; }
@@ -91,6 +96,8 @@ class Model {
   [[nodiscard]] bool has_bending() const { return material_.bending_scale > 0.0; }
   // Q in N/m, one row a vertex: bending force on vertex i = -sum_j Q_ij x_j. Empty rows without bending.
   [[nodiscard]] const RowStore<BendingEntry>& bending_rows() const { return bending_rows_; }
+  // What clamps add to the bending force -Q x.
+  [[nodiscard]] const ClampForces& clamp_forces() const { return clamp_forces_; }
   // Empty where the rest shape is flat.
   [[nodiscard]] RestBendingPatches rest_bending() const { return {patches_, rest_bending_}; }
   // Solid slots around each vertex, ascending.
@@ -133,6 +140,14 @@ class Model {
   // Makes the patches of the rewritten slots and of their neighbours, and sums the rows they are in or were, left in
   // rows_.
   void set_bending(const mesh::TriangleMesh& mesh, const std::vector<mesh::TriangleId>& rewritten);
+  // Of the rewritten slots and their neighbours, and of all rows they are in.
+  void make_patches(const mesh::TriangleMesh& mesh, std::span<const mesh::TriangleId> rewritten);
+  [[nodiscard]] const Clamp* find_clamp(mesh::VertexId vertex) const;
+  // Whether edge k of a solid slot is clamped; then the derivative of x by the material coordinates there.
+  bool find_clamped_edge(const mesh::TriangleMesh& mesh, mesh::TriangleId slot, std::size_t k,
+                         Eigen::Matrix<double, 3, 2>& gradient) const;
+  // Into clamp_forces_.
+  void sum_clamp_forces(const mesh::TriangleMesh& mesh);
   [[nodiscard]] BendingPatch make_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
   // The same of a curved rest shape; leaves what that adds in rest_bending_.
   BendingPatch make_curved_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
@@ -159,6 +174,8 @@ class Model {
   std::vector<BendingPatch> patches_;  // one a slot; empty without bending
   RowStore<mesh::TriangleId> incident_;
   RowStore<BendingEntry> bending_rows_;
+  std::vector<Clamp> clamps_;  // sorted by vertex
+  ClampForces clamp_forces_;
   // Of a curved rest shape; empty else.
   std::vector<RestBending> rest_bending_;  // one a slot
   RowStore<BendingEntry> bound_rows_;      // sums of |Q_ij| + RestBending::excess

@@ -53,6 +53,10 @@ Eigen::Vector2d unfolded(const std::array<Eigen::Vector2d, 2>& edge, const std::
 void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
   // A vertex that a patch has lost was a corner of a rewritten slot: a triangle is rewritten with its neighbours.
   for (const VertexId v : touched_.members()) rows_.insert(v);
+  make_patches(mesh, rewritten);
+}
+
+void Model::make_patches(const mesh::TriangleMesh& mesh, std::span<const TriangleId> rewritten) {
   patched_.clear();
   const auto set_patch = [&](TriangleId slot) {
     if (!patched_.insert(slot)) return;
@@ -70,6 +74,79 @@ void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<Triang
     }
   }
   for (const VertexId v : rows_.members()) sum_bending_row(mesh, v);
+  if (!clamps_.empty() || !clamp_forces_.forces.empty()) sum_clamp_forces(mesh);
+}
+
+void Model::set_clamps(const mesh::TriangleMesh& mesh, std::vector<Clamp> clamps) {
+  if (!has_bending() || mesh.is_curved()) return;
+  std::vector<TriangleId> slots;
+  const auto note = [&] {
+    for (const Clamp& clamp : clamps_) {
+      if (clamp.vertex >= num_vertices()) continue;
+      const std::span<const TriangleId> around = incident_.row(clamp.vertex);
+      slots.insert(slots.end(), around.begin(), around.end());
+    }
+  };
+  note();
+  clamps_ = std::move(clamps);
+  note();
+  std::sort(slots.begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  rows_.clear();
+  make_patches(mesh, slots);
+  stiffness_bound_.update({blocks_, incident_, bending_rows_, membrane_law_, stiffness_, inverse_mass_}, {}, {},
+                          rows_.members());
+}
+
+const Clamp* Model::find_clamp(VertexId vertex) const {
+  const auto at = std::lower_bound(clamps_.begin(), clamps_.end(), vertex,
+                                   [](const Clamp& clamp, VertexId v) { return clamp.vertex < v; });
+  return at != clamps_.end() && at->vertex == vertex ? &*at : nullptr;
+}
+
+bool Model::find_clamped_edge(const mesh::TriangleMesh& mesh, TriangleId slot, std::size_t k,
+                              Eigen::Matrix<double, 3, 2>& gradient) const {
+  if (clamps_.empty() || mesh.neighbour(slot, static_cast<int>(k)) != mesh::kNone) return false;
+  const std::array<VertexId, 3> vertices = corners(slot);
+  const Clamp* const a = find_clamp(vertices[(k + 1) % 3]);
+  const Clamp* const b = find_clamp(vertices[(k + 2) % 3]);
+  if (a == nullptr || b == nullptr) return false;
+  gradient = 0.5 * (a->gradient + b->gradient);
+  return true;
+}
+
+void Model::sum_clamp_forces(const mesh::TriangleMesh& mesh) {
+  clamp_forces_ = {};
+  std::vector<TriangleId> slots;
+  for (const Clamp& clamp : clamps_) {
+    const std::span<const TriangleId> around = incident_.row(clamp.vertex);
+    slots.insert(slots.end(), around.begin(), around.end());
+  }
+  std::sort(slots.begin(), slots.end());
+  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  for (const TriangleId slot : slots) {
+    const BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
+    const std::array<VertexId, 3> vertices = corners(slot);
+    std::array<Eigen::Vector2d, 3> X;
+    for (std::size_t k = 0; k < 3; ++k) X[k] = mesh.rest_position(vertices[k]);
+    // What the clamps hold, h x_nu, in place of the vertices across.
+    std::array<Eigen::Vector3d, 3> held;
+    held.fill(Eigen::Vector3d::Zero());
+    for (std::size_t k = 0; k < 3; ++k) {
+      Eigen::Matrix<double, 3, 2> gradient;
+      if (find_clamped_edge(mesh, slot, k, gradient)) held[k] = gradient * clamp_arm(X, k);
+    }
+    for (int a = 0; a < 6; ++a) {
+      Eigen::Vector3d pull = Eigen::Vector3d::Zero();
+      for (int k = 0; k < 3; ++k) pull -= patch.at(a, 3 + k) * held[static_cast<std::size_t>(k)];
+      const VertexId vertex = patch.vertex[static_cast<std::size_t>(a)];
+      if (vertex != mesh::kNone) {
+        if (!pull.isZero(0.0)) clamp_forces_.forces.push_back({vertex, pull});
+      } else if (a >= 3) {
+        clamp_forces_.energy -= 0.5 * pull.dot(held[static_cast<std::size_t>(a - 3)]);
+      }
+    }
+  }
 }
 
 void Model::sum_bending_row(const mesh::TriangleMesh& mesh, VertexId vertex) {
@@ -135,18 +212,22 @@ BendingPatch Model::make_patch(const mesh::TriangleMesh& mesh, TriangleId slot) 
   const std::array<VertexId, 3> vertices = corners(slot);
   std::array<Eigen::Vector2d, 3> X;
   std::array<Eigen::Vector2d, 3> opposite;
-  std::array<bool, 3> has_opposite{};
+  std::array<PatchEdge, 3> edges{};
   for (std::size_t k = 0; k < 3; ++k) {
     patch.vertex[k] = vertices[k];
     X[k] = material_from_rest_ * mesh.rest_position(vertices[k]);
     opposite[k].setZero();
     const TriangleId across = mesh.neighbour(slot, static_cast<int>(k));
-    if (across == mesh::kNone) continue;
+    if (across == mesh::kNone) {
+      Eigen::Matrix<double, 3, 2> gradient;
+      if (find_clamped_edge(mesh, slot, k, gradient)) edges[k] = PatchEdge::kClamped;
+      continue;
+    }
     patch.vertex[3 + k] = mesh.vertices(across)[corner_across(mesh, across, slot)];
     opposite[k] = material_from_rest_ * mesh.rest_position(patch.vertex[3 + k]);
-    has_opposite[k] = true;
+    edges[k] = PatchEdge::kNeighbour;
   }
-  patch.stiffness = bending_stiffness(X, opposite, has_opposite, inverse_bending_law_);
+  patch.stiffness = bending_stiffness(X, opposite, edges, inverse_bending_law_);
   return patch;
 }
 
@@ -160,7 +241,7 @@ BendingPatch Model::make_curved_patch(const mesh::TriangleMesh& mesh, TriangleId
   const Eigen::Matrix2d edges = material_from_rest_ * mesh.rest_edges(slot);
   const std::array<Eigen::Vector2d, 3> X{Eigen::Vector2d::Zero(), edges.col(0), edges.col(1)};
   std::array<Eigen::Vector2d, 3> opposite;
-  std::array<bool, 3> has_opposite{};
+  std::array<PatchEdge, 3> across_edge{};
   std::array<Eigen::Vector3d, 6> surface;  // m
   bool is_bent = false;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -173,14 +254,14 @@ BendingPatch Model::make_curved_patch(const mesh::TriangleMesh& mesh, TriangleId
     const TriangleId across = mesh.neighbour(slot, static_cast<int>(k));
     if (across == mesh::kNone) continue;
     patch.vertex[3 + k] = mesh.vertices(across)[corner_across(mesh, across, slot)];
-    has_opposite[k] = true;
+    across_edge[k] = PatchEdge::kNeighbour;
     is_bent = is_bent || mesh.facet(across) != facet;
     surface[3 + k] = mesh.facet(across)->at(mesh.rest_position(patch.vertex[3 + k]));
     opposite[k] =
         unfolded({X[(k + 1) % 3], X[(k + 2) % 3]}, {surface[(k + 1) % 3], surface[(k + 2) % 3]}, surface[3 + k]);
   }
-  patch.stiffness = bending_stiffness(X, opposite, has_opposite, inverse_bending_law_);
-  if (is_bent) rest = make_rest_bending(surface, fit_bending(X, opposite, has_opposite, inverse_bending_law_));
+  patch.stiffness = bending_stiffness(X, opposite, across_edge, inverse_bending_law_);
+  if (is_bent) rest = make_rest_bending(surface, fit_bending(X, opposite, across_edge, inverse_bending_law_));
   return patch;
 }
 

@@ -16,13 +16,15 @@ void Model::internal_forces(const mesh::VertexField& x, mesh::VertexField& f) co
   f.setZero();
   add_membrane_forces(blocks_, membrane_law_, 0.0, x, x, f);
   add_bending_forces(bending_rows_, x, f);
+  add_clamp_forces(clamp_forces_, f);
   add_rest_bending_forces(rest_bending(), x, x, 0.0, f);
 }
 
 Energies Model::energies(const State& state, const Eigen::Vector3d& gravity) const {
   Energies energies;
   energies.membrane = membrane_energy(blocks_, membrane_law_, state.x);
-  energies.bending = bending_energy(bending_rows_, state.x) + rest_bending_energy(rest_bending(), state.x);
+  energies.bending = bending_energy(bending_rows_, state.x) + clamp_energy(clamp_forces_, state.x) +
+                     rest_bending_energy(rest_bending(), state.x);
   for (int i = 0; i < num_vertices(); ++i) {
     const double m = mass_[static_cast<std::size_t>(i)];
     energies.gravity -= m * gravity.dot(state.x.col(i));

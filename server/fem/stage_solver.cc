@@ -241,6 +241,7 @@ double StageSolver::evaluate_residual(const Problem& problem, const mesh::Vertex
   if (model.has_bending()) {
     damped_ = x + problem.beta * velocity_;
     add_bending_forces(model.bending_rows(), damped_, force_);
+    add_clamp_forces(model.clamp_forces(), force_);
     add_rest_bending_forces(model.rest_bending(), x, velocity_, problem.beta, force_);
   }
   add_grab_forces(problem, x);
@@ -296,7 +297,8 @@ double StageSolver::merit(const Problem& problem, const mesh::VertexField& x) co
   const double d = stage.d;
   double potential = membrane_energy(model.element_blocks(), model.membrane_law(), x);
   if (model.has_bending()) {
-    potential += bending_energy(model.bending_rows(), x) + rest_bending_energy(model.rest_bending(), x);
+    potential += bending_energy(model.bending_rows(), x) + clamp_energy(model.clamp_forces(), x) +
+                 rest_bending_energy(model.rest_bending(), x);
   }
   const double inertia = 1.0 + d * model.material().mass_damping;
   double kinetic = 0.0;

@@ -15,6 +15,7 @@ struct Case {
   bool planar = false;
   int rigid = 0;            // modes that are none
   double prestretch = 0.0;  // of a sheet held along its whole border
+  bool is_clamped = false;  // at x = 0
 };
 void PrintTo(const Case& tested, std::ostream* out) {
   *out << tested.id;
@@ -31,7 +32,8 @@ TEST_P(Vibration, HasTheFrequenciesOfTheReference) {
   int cells = 8;
   for (const char* const fineness : {"coarse", "medium", "fine"}) {
     const mesh::TriangleMesh mesh = mesh::make_grid({cells + 1, cells + 1, width, height}).value();
-    const fem::Model model(mesh, reference.material());
+    fem::Model model(mesh, reference.material());
+    std::vector<fem::Clamp> clamps;
     fem::Loads loads;
     loads.gravity.setZero();
     mesh::VertexField x(mesh.num_vertices());
@@ -41,8 +43,13 @@ TEST_P(Vibration, HasTheFrequenciesOfTheReference) {
       const int j = v / (cells + 1);
       const bool on_border = i == 0 || j == 0 || i == cells || j == cells;
       if (tested.planar) loads.pins.push_back({v, x.col(v), Eigen::Vector3d::Zero(), {false, false, true}});
+      if (tested.is_clamped && i == 0) {
+        loads.pins.push_back({v, x.col(v), Eigen::Vector3d::Zero()});
+        clamps.push_back({v, Eigen::Matrix<double, 3, 2>::Identity()});
+      }
       if (tested.prestretch > 0.0 && on_border) loads.pins.push_back({v, x.col(v), Eigen::Vector3d::Zero()});
     }
+    model.set_clamps(mesh, clamps);
     const fem::Modes modes = fem::find_modes(model, loads, x, tested.rigid + static_cast<int>(rows.size()));
     EXPECT_TRUE(modes.converged);
     for (int i = 0; i < tested.rigid; ++i) EXPECT_LT(std::abs(modes.eigenvalues[i]), 1e-9 * model.stiffness_bound());
@@ -61,7 +68,9 @@ TEST_P(Vibration, HasTheFrequenciesOfTheReference) {
 INSTANTIATE_TEST_SUITE_P(References, Vibration,
                          testing::Values(Case{"08a_membrane_square", false, 0, 0.01},
                                          Case{"08b_inplane_free_square", true, 3},
-                                         Case{"08c_free_square_plate", false, 6}),
+                                         Case{"08c_free_square_plate", false, 6},
+                                         Case{"08d_cantilever_square_plate", false, 0, 0.0, true},
+                                         Case{"08h_cantilever_plate_2_1", false, 0, 0.0, true}),
                          [](const testing::TestParamInfo<Case>& tested) { return tested.param.id.substr(4); });
 
 }  // namespace

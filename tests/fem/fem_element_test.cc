@@ -335,8 +335,9 @@ TEST(BendingElement, SixPointsOnAConicGiveAFiniteStiffness) {
     hexagon[static_cast<std::size_t>(i)] = {std::cos(angle), std::sin(angle)};
   }
   const Eigen::Matrix3d D = bending_law(isotropic(1.0e6, 0.3, 1.0e-3, 300.0));
-  const std::array<double, 21> Q = bending_stiffness(
-      {hexagon[0], hexagon[2], hexagon[4]}, {hexagon[3], hexagon[5], hexagon[1]}, {true, true, true}, D.inverse());
+  const std::array<double, 21> Q =
+      bending_stiffness({hexagon[0], hexagon[2], hexagon[4]}, {hexagon[3], hexagon[5], hexagon[1]},
+                        {PatchEdge::kNeighbour, PatchEdge::kNeighbour, PatchEdge::kNeighbour}, D.inverse());
   for (const double q : Q) {
     EXPECT_TRUE(std::isfinite(q));
     EXPECT_LT(std::abs(q), 1e3 * D(0, 0));
@@ -358,13 +359,13 @@ TEST(BendingElement, StiffnessIsThatOfTheFitWhicheverNeighboursThereAre) {
   for (int k = 0; k < 3; ++k) corners.col(k) << 1.0, X[static_cast<std::size_t>(k)];
   const double area = 0.5 * corners.determinant();
   for (int present = 0; present < 8; ++present) {
-    std::array<bool, 3> has_opposite{};
+    std::array<PatchEdge, 3> edges{};
     Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
     Eigen::Matrix<double, 3, 6> W = Eigen::Matrix<double, 3, 6>::Zero();
     for (int r = 0; r < 3; ++r) {
       const auto slot = static_cast<std::size_t>(r);
-      has_opposite[slot] = (present >> r & 1) != 0;
-      if (!has_opposite[slot]) continue;
+      if ((present >> r & 1) != 0) edges[slot] = PatchEdge::kNeighbour;
+      if (edges[slot] == PatchEdge::kFree) continue;
       const Eigen::Vector3d lambda = corners.inverse() * Eigen::Vector3d(1.0, opposite[slot].x(), opposite[slot].y());
       Eigen::Vector3d p = quadratic(opposite[slot]);
       for (int k = 0; k < 3; ++k) p -= lambda[k] * quadratic(X[static_cast<std::size_t>(k)]);
@@ -376,7 +377,7 @@ TEST(BendingElement, StiffnessIsThatOfTheFitWhicheverNeighboursThereAre) {
     const Eigen::Matrix<double, 3, 6> B =
         D.inverse() * P.transpose() * G.completeOrthogonalDecomposition().pseudoInverse() * W;
     const Eigen::Matrix<double, 6, 6> expected = area * B.transpose() * D * B;
-    const std::array<double, 21> Q = bending_stiffness(X, opposite, has_opposite, D.inverse());
+    const std::array<double, 21> Q = bending_stiffness(X, opposite, edges, D.inverse());
     std::size_t at = 0;
     for (int i = 0; i < 6; ++i) {
       for (int j = i; j < 6; ++j) EXPECT_NEAR(Q[at++], expected(i, j), 1e-11 * D(0, 0)) << present;
