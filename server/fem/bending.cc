@@ -15,11 +15,6 @@ Eigen::Vector3d quadratic_terms(const Eigen::Vector2d& d) {
   return {0.5 * d.x() * d.x(), 0.5 * d.y() * d.y(), 0.5 * d.x() * d.y()};
 }
 
-// The derivative of quadratic_terms at d along `arm`.
-Eigen::Vector3d quadratic_slopes(const Eigen::Vector2d& d, const Eigen::Vector2d& arm) {
-  return {d.x() * arm.x(), d.y() * arm.y(), 0.5 * (d.x() * arm.y() + d.y() * arm.x())};
-}
-
 // Inverse of a symmetric matrix by its cofactors.
 Eigen::Matrix3d symmetric_inverse(const Eigen::Matrix3d& G) {
   const double scale = 1.0 / G.determinant();
@@ -47,26 +42,23 @@ bool is_positive_definite(const Eigen::Matrix3d& G) {
   return G(0, 0) > 0.0 && G(0, 0) * G(1, 1) > G(0, 1) * G(0, 1) && G.determinant() > 0.0;
 }
 
-// Pseudo-inverse of a symmetric positive semidefinite matrix whose rows and columns of missing conditions are zero.
-Eigen::Matrix3d pseudo_inverse(Eigen::Matrix3d G, const std::array<bool, 3>& has_condition) {
-  // The mean of the other eigenvalues in place of a missing condition's decides nothing, and goes again.
-  const int num_conditions = (has_condition[0] ? 1 : 0) + (has_condition[1] ? 1 : 0) + (has_condition[2] ? 1 : 0);
-  if (num_conditions == 0) return Eigen::Matrix3d::Zero();
-  const double mean = G.trace() / num_conditions;
+// The inverse of G on what the conditions that are nearly dependent on others leave: those whose Gram matrix `gram`, of
+// unit rows, has eigenvalues below the cut-off. Rows and columns of missing conditions are 0 in both, and in the
+// result.
+Eigen::Matrix3d pseudo_inverse(Eigen::Matrix3d G, Eigen::Matrix3d gram, const std::array<bool, 3>& has_condition) {
   for (int r = 0; r < 3; ++r) {
-    if (!has_condition[static_cast<std::size_t>(r)]) G(r, r) = mean;
+    if (!has_condition[static_cast<std::size_t>(r)]) G(r, r) = gram(r, r) = 1.0;  // decides nothing, and goes again
   }
   Eigen::Matrix3d inverse = Eigen::Matrix3d::Zero();
-  if (is_positive_definite(G - kEigenvalueCutOff * largest_eigenvalue_bound(G) * Eigen::Matrix3d::Identity())) {
+  if (is_positive_definite(gram - kEigenvalueCutOff * largest_eigenvalue_bound(gram) * Eigen::Matrix3d::Identity())) {
     inverse = symmetric_inverse(G);
   } else {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(G);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(gram);
     const Eigen::Vector3d& values = eigen.eigenvalues();  // ascending
-    for (int i = 0; i < 3; ++i) {
-      if (values[i] <= kEigenvalueCutOff * values[2] || values[i] <= 0.0) continue;
-      const Eigen::Vector3d q = eigen.eigenvectors().col(i);
-      inverse += (1.0 / values[i]) * (q * q.transpose());
-    }
+    const int first = values[0] > kEigenvalueCutOff * values[2] ? 0 : values[1] > kEigenvalueCutOff * values[2] ? 1 : 2;
+    const Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> kept = eigen.eigenvectors().rightCols(3 - first);
+    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3> projected = kept.transpose() * G * kept;
+    inverse = kept * projected.inverse() * kept.transpose();
   }
   for (int r = 0; r < 3; ++r) {
     if (has_condition[static_cast<std::size_t>(r)]) continue;
@@ -76,7 +68,10 @@ Eigen::Matrix3d pseudo_inverse(Eigen::Matrix3d G, const std::array<bool, 3>& has
   return inverse;
 }
 
-// BendingFit without the part of its conditions that is the identity.
+// BendingFit without the part of its conditions that is the identity. A quadratic form q and barycentrics lambda of a
+// point X obey q(X) - sum_k lambda_k q(X_k) = -sum_{j<k} lambda_j lambda_k q(X_j - X_k): so P is C, products of
+// barycentrics, times the quadratic terms of the edges. Whether conditions depend on each other is a matter of C alone
+// and stays the same when the patch is stretched.
 struct Fit {
   Eigen::Matrix3d L =
       Eigen::Matrix3d::Zero();  // row r: barycentrics of neighbour r's vertex; w = x_opposite - L x_corners
@@ -88,32 +83,36 @@ struct Fit {
     const Eigen::Vector2d e2 = corners[2] - corners[0];
     const double doubled_area = e1.x() * e2.y() - e1.y() * e2.x();
     const double scale = 1.0 / doubled_area;
-    const Eigen::Vector3d quadratic_1 = quadratic_terms(e1);
-    const Eigen::Vector3d quadratic_2 = quadratic_terms(e2);
-    Eigen::Matrix3d Pt = Eigen::Matrix3d::Zero();  // column r: condition of neighbour r on the curvature
+    Eigen::Matrix3d C = Eigen::Matrix3d::Zero();     // unit rows
+    Eigen::Vector3d size = Eigen::Vector3d::Ones();  // by which they were divided
+    std::array<bool, 3> has_condition{};
     for (int r = 0; r < 3; ++r) {
       const auto slot = static_cast<std::size_t>(r);
       if (edges[slot] == PatchEdge::kFree) continue;
+      has_condition[slot] = true;
+      // Of a clamped edge everything is the derivative along its arm, in its middle.
       const bool is_clamped = edges[slot] == PatchEdge::kClamped;
-      // Of a clamped edge everything is the derivative along this.
       const Eigen::Vector2d d = is_clamped ? clamp_arm(corners, slot) : Eigen::Vector2d(opposite[slot] - corners[0]);
       const double lambda_1 = scale * (d.x() * e2.y() - d.y() * e2.x());
       const double lambda_2 = scale * (e1.x() * d.y() - e1.y() * d.x());
-      L(r, 0) = (is_clamped ? 0.0 : 1.0) - lambda_1 - lambda_2;
-      L(r, 1) = lambda_1;
-      L(r, 2) = lambda_2;
-      const Eigen::Vector2d middle = 0.5 * (corners[(slot + 1) % 3] + corners[(slot + 2) % 3]) - corners[0];
-      const Eigen::Vector3d terms = is_clamped ? quadratic_slopes(middle, d) : quadratic_terms(d);
-      Pt.col(r) = terms - lambda_1 * quadratic_1 - lambda_2 * quadratic_2;
+      const Eigen::Vector3d lambda((is_clamped ? 0.0 : 1.0) - lambda_1 - lambda_2, lambda_1, lambda_2);
+      L.row(r) = lambda;
+      const Eigen::Vector3d at = is_clamped
+                                     ? Eigen::Vector3d(0.5 * (Eigen::Vector3d::Ones() - Eigen::Vector3d::Unit(r)))
+                                     : Eigen::Vector3d(0.5 * lambda);
+      const Eigen::Vector3d products(lambda[1] * at[2] + at[1] * lambda[2], lambda[2] * at[0] + at[2] * lambda[0],
+                                     lambda[0] * at[1] + at[0] * lambda[1]);
+      size[r] = products.norm();
+      C.row(r) = products / size[r];
     }
-    const std::array<bool, 3> has_condition{edges[0] != PatchEdge::kFree, edges[1] != PatchEdge::kFree,
-                                            edges[2] != PatchEdge::kFree};
-    const Eigen::Matrix3d D_inverse_Pt = D_inverse * Pt;
-    Eigen::Matrix3d G;
+    Eigen::Matrix3d Phi;
+    Phi << quadratic_terms(e2 - e1), quadratic_terms(e2), quadratic_terms(e1);
+    const Eigen::Matrix3d CPhi = C * Phi.transpose();
+    const Eigen::Matrix3d G = CPhi * D_inverse * CPhi.transpose();
+    const Eigen::Matrix3d inverse = pseudo_inverse(G, C * C.transpose(), has_condition);
     for (int i = 0; i < 3; ++i) {
-      for (int j = i; j < 3; ++j) G(i, j) = G(j, i) = Pt.col(i).dot(D_inverse_Pt.col(j));
+      for (int j = i; j < 3; ++j) M(i, j) = M(j, i) = 0.5 * doubled_area / (size[i] * size[j]) * inverse(i, j);
     }
-    M = 0.5 * doubled_area * pseudo_inverse(G, has_condition);
   }
 };
 
