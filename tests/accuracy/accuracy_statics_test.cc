@@ -335,5 +335,83 @@ TEST(OffAxisStretch, OfTheSourcesMaterialHasTheForceOfTheRotatedCompliance) {
   }
 }
 
+// A strip along x in the plane z = 0, clamped at x = 0, in its undeformed state.
+struct Cantilever {
+  Cantilever(const Reference& reference, const char* breadth, int segments, int across)
+      : length(reference.geometry("L")),
+        mesh(mapped_grid(
+            segments, across,
+            [&](double a, double b) { return Eigen::Vector2d(a * length, b * reference.geometry(breadth)); })),
+        model(mesh, reference.material()),
+        x(mesh.num_vertices()) {
+    loads.gravity.setZero();
+    loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+    std::vector<fem::Clamp> clamps;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+      x.col(v) << mesh.rest_position(v), 0.0;
+      if (v % (segments + 1) == segments) end.push_back(v);
+      if (v % (segments + 1) != 0) continue;
+      loads.pins.push_back({v, x.col(v), Eigen::Vector3d::Zero()});
+      clamps.push_back({v, Eigen::Matrix<double, 3, 2>::Identity()});
+    }
+    model.set_clamps(mesh, clamps);
+    rest = x;
+  }
+  // Of the end, m: mean over its vertices.
+  [[nodiscard]] Eigen::Vector3d tip() const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const int v : end) sum += x.col(v) - rest.col(v);
+    return sum / static_cast<double>(end.size());
+  }
+
+  double length;  // m
+  mesh::TriangleMesh mesh;
+  fem::Model model;
+  mesh::VertexField x, rest;
+  fem::Loads loads;
+  std::vector<int> end;  // vertices at x = L, in order
+};
+
+TEST(HeavyElastica, SagsAsTheClosedForm) {
+  const Reference reference("07f_heavy_elastica");
+  int segments = 10;
+  for (const char* const fineness : kMeshes) {
+    Cantilever strip(reference, "b", segments, std::max(1, segments / 8));
+    for (const std::vector<double>& row : reference.rows("heavy elastica")) {
+      strip.loads.gravity = {0.0, 0.0, -row[1]};
+      settle(strip.model, strip.loads, strip.x);
+      const Eigen::Vector3d tip = strip.tip();
+      std::printf("elastica, %d segments, gravity %.2f: U %+.2f %%, sag %+.2f %%\n", segments, row[1],
+                  100.0 * (-tip.x() / row[2] - 1.0), 100.0 * (-tip.z() / row[3] - 1.0));
+      EXPECT_NEAR(-tip.x(), row[2], reference.tolerance(fineness) * row[2]) << fineness;
+      EXPECT_NEAR(-tip.z(), row[3], reference.tolerance(fineness) * row[3]) << fineness;
+    }
+    segments *= 2;
+  }
+}
+
+TEST(CantileverUnderEndShear, FollowsTheElastica) {
+  const Reference reference("07a_cantilever_end_shear");
+  constexpr double kForce = 4.0;  // N
+  int segments = 10;
+  for (const char* const fineness : kMeshes) {
+    Cantilever strip(reference, "b", segments, std::max(1, segments / 10));
+    double worst = 0.0;
+    for (const std::vector<double>& row : reference.rows("elastica (inextensible)")) {
+      const double share = kForce * row[0] / static_cast<double>(strip.end.size() - 1);
+      for (const int v : strip.end) {
+        strip.loads.external_forces(2, v) = v == strip.end.front() || v == strip.end.back() ? 0.5 * share : share;
+      }
+      settle(strip.model, strip.loads, strip.x);
+      const Eigen::Vector3d tip = strip.tip();
+      worst = std::max({worst, std::abs(-tip.x() / row[1] - 1.0), std::abs(tip.z() / row[2] - 1.0)});
+      EXPECT_NEAR(-tip.x(), row[1], reference.tolerance(fineness) * row[1]) << fineness;
+      EXPECT_NEAR(tip.z(), row[2], reference.tolerance(fineness) * row[2]) << fineness;
+    }
+    std::printf("end shear, %d segments: within %.2f %%\n", segments, 100.0 * worst);
+    segments *= 2;
+  }
+}
+
 }  // namespace
 }  // namespace kerf::accuracy
