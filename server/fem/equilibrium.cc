@@ -19,6 +19,8 @@ constexpr double kLeastShift = 1e-13;
 constexpr double kLargestShift = 1e3;
 constexpr int kMaxBacktracks = 40;
 constexpr double kSufficientDecrease = 1e-4;
+constexpr double kDiscernible = 100.0;  // decrease of the energy, over what rounding leaves of it
+constexpr int kMaxBlindSteps = 10;      // without a better residual
 
 }  // namespace
 
@@ -28,7 +30,8 @@ EquilibriumSolver::EquilibriumSolver(const EquilibriumOptions& options)
 void EquilibriumSolver::rebuild(const Model& model) {
   matrix_.rebuild(model);
   solver_->analyse(matrix_.blocks());
-  for (mesh::VertexField* field : {&force_, &residual_, &rhs_, &step_, &trial_}) field->resize(model.num_vertices());
+  for (mesh::VertexField* field : {&force_, &residual_, &rhs_, &step_, &trial_, &best_})
+    field->resize(model.num_vertices());
 }
 
 EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads, const Watch& watch,
@@ -36,11 +39,26 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   EquilibriumStats stats;
   for (const Pin& pin : loads.pins) x.col(pin.vertex) = pin.held(pin.target, x.col(pin.vertex));
   stats.residual = evaluate(model, loads, x);
+  best_ = x;
+  double best = stats.residual;
+  int since_best = 0;
   while (!(stats.residual <= options_.tolerance) && stats.iterations < options_.max_iterations) {
     if (!std::isfinite(stats.residual) || !find_step(model, loads, x, stats)) break;
     ++stats.iterations;
-    if (!search_line(model, loads, stats, x)) break;
+    const Progress progress = search_line(model, loads, stats, x);
+    if (progress == Progress::kNone) break;
+    if (stats.residual < best) {
+      best = stats.residual;
+      best_ = x;
+      since_best = 0;
+    } else if (progress == Progress::kBlind && ++since_best == kMaxBlindSteps) {
+      break;
+    }
     if (watch && !watch(stats)) break;
+  }
+  if (!(stats.residual <= best)) {
+    x = best_;
+    stats.residual = evaluate(model, loads, x);
   }
   stats.converged = stats.residual <= options_.tolerance;
   return stats;
@@ -120,23 +138,31 @@ bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const 
   }
 }
 
-bool EquilibriumSolver::search_line(const Model& model, const Loads& loads, EquilibriumStats& stats,
-                                    mesh::VertexField& x) {
+EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, const Loads& loads,
+                                                           EquilibriumStats& stats, mesh::VertexField& x) {
   double slope = 0.0;
   for (Eigen::Index i = 0; i < step_.cols(); ++i) slope += residual_.col(i).dot(step_.col(i));
   const double largest = model.stiffness_bound();
   const double before = energy(model, loads, x, x);
-  // Below this, differences of energies are rounding: then the residual has to fall.
-  const double rounding = 1e-13 * std::abs(before);
+  // What rounding leaves of it: strains are differences of numbers near 1.
+  const double area = model.total_mass() / (model.material().density * model.material().thickness);
+  const double membrane = membrane_energy(model.element_blocks(), model.membrane_law(), x);
+  const double rounding = std::numeric_limits<double>::epsilon() *
+                          (8.0 * std::sqrt(2.0 * membrane * model.membrane_law().trace() * area) + std::abs(before));
+  // Where no difference of energies can tell, Newton's step is as good as any.
+  if (slope <= kDiscernible * rounding) {
+    x += step_;
+    stats.residual = evaluate(model, loads, x);
+    stats.shift = 0.0;
+    return Progress::kBlind;
+  }
   double scale = 1.0;
   for (int i = 0; i < kMaxBacktracks; ++i, scale *= 0.5) {
     trial_ = x + scale * step_;
     const double after = energy(model, loads, trial_, x);
     if (!(after <= before - kSufficientDecrease * scale * slope + rounding)) continue;
-    const double residual = evaluate(model, loads, trial_);
-    if (scale * slope <= rounding && !(residual < stats.residual)) continue;
     x = trial_;
-    stats.residual = residual;
+    stats.residual = evaluate(model, loads, x);
     // A full step says that the quadratic model holds this far.
     if (i == 0) {
       stats.shift *= kShiftDecay;
@@ -144,10 +170,9 @@ bool EquilibriumSolver::search_line(const Model& model, const Loads& loads, Equi
     } else if (i > 2) {
       stats.shift = std::max(kFirstShift * largest, kShiftGrowth * stats.shift);
     }
-    return true;
+    return Progress::kDescended;
   }
-  stats.residual = evaluate(model, loads, x);
-  return false;
+  return Progress::kNone;
 }
 
 }  // namespace kerf::fem

@@ -49,13 +49,14 @@ class EquilibriumSolver {
                               const mesh::VertexField& origin) const;
   // Into step_, with more and more masses until the matrix is positive definite. False: it never was.
   bool find_step(const Model& model, const Loads& loads, const mesh::VertexField& x, EquilibriumStats& stats);
-  // Moves x along step_; false where nothing is gained that way.
-  bool search_line(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
+  enum class Progress { kNone, kBlind, kDescended };
+  // Moves x along step_, if anything is gained that way.
+  Progress search_line(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
 
   EquilibriumOptions options_;
   std::unique_ptr<LinearSolver> solver_;
   TangentMatrix matrix_;
-  mesh::VertexField force_, residual_, rhs_, step_, trial_;  // 3 x V
+  mesh::VertexField force_, residual_, rhs_, step_, trial_, best_;  // 3 x V
 };
 
 }  // namespace kerf::fem
