@@ -143,8 +143,8 @@ TEST_P(SlitUnderTension, OpensAsTheReferenceWithEdgesGradedTowardItsTips) {
   grid.triangles.conservativeResize(3, count);
   mesh::TriangleMesh mesh = mesh::import_mesh(grid).value();
   cut::CutRequest request{slit.curve, {}, {}};
-  request.options.tip_edge_length_m = (std::getenv("TE") ? std::atof(std::getenv("TE")) : 0.01) * slit.half_length;
-  request.options.tip_grading = std::getenv("TG") ? std::atof(std::getenv("TG")) : 1.1;
+  request.options.tip_edge_length_m = 0.01 * slit.half_length;
+  request.options.tip_grading = 1.1;
   request.options.tolerance_m = 1e-4 * slit.half_length;
   const auto plan = cut::plan(mesh, request);
   ASSERT_TRUE(plan.ok()) << plan.error().message;
@@ -183,7 +183,6 @@ TEST_P(SlitUnderTension, OpensAsTheReferenceWithEdgesGradedTowardItsTips) {
   EXPECT_TRUE(stats.converged) << stats.residual;
 
   const std::vector<Opening> line = openings(mesh, slit, x);
-  if (std::getenv("DBG")) { for (const Opening& o : line) std::printf(" (%.5f %.3g)", o.s, o.normal); std::printf("\n"); }
   double largest = 0.0;
   double worst = 0.0;
   for (const std::vector<double>& row : reference.rows("slit opening profile")) {
@@ -191,7 +190,6 @@ TEST_P(SlitUnderTension, OpensAsTheReferenceWithEdgesGradedTowardItsTips) {
   }
   for (const std::vector<double>& row : reference.rows("slit opening profile")) {
     const Opening found = at(line, row[0]);
-    if (std::getenv("DBG")) std::printf("s %g: %g for %g, %g for %g\n", row[0], found.normal, row[1], found.tangential, row[2]);
     worst = std::max({worst, std::abs(found.normal - row[1]), std::abs(found.tangential - row[2])});
   }
   double mean = 0.0;
