@@ -1,8 +1,11 @@
 // Static equilibria against independent references.
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <span>
 
+#include "server/cut/cut.h"
 #include "server/fem/equilibrium.h"
 #include "server/mesh/mesh_import.h"
 #include "tests/accuracy/reference.h"
@@ -410,6 +413,79 @@ TEST(CantileverUnderEndShear, FollowsTheElastica) {
     }
     std::printf("end shear, %d segments: within %.2f %%\n", segments, 100.0 * worst);
     segments *= 2;
+  }
+}
+
+// A sheet clamped at one edge, slit by Kerf's cutter from the middle to the free edge, one flap lifted.
+TEST(HalfSlitFlap, LiftedOpensAsTheReference) {
+  const Reference reference("14a_half_slit_flap");
+  const double length = reference.geometry("L");
+  const double width = reference.geometry("W");
+  int across = 8;
+  for (const char* const fineness : kMeshes) {
+    const int along = across * 3 / 2;
+    mesh::TriangleMesh mesh =
+        mapped_grid(along, across, [=](double a, double b) { return Eigen::Vector2d(a * length, (b - 0.5) * width); });
+    const double slit_y = reference.geometry("slit_y");
+    const auto plan = cut::plan(
+        mesh, {cut::Polyline{{{reference.geometry("slit_start_x"), slit_y}, {1.1 * length, slit_y}}}, {}, {}});
+    ASSERT_TRUE(plan.ok());
+    ASSERT_TRUE(cut::apply(mesh, *plan).ok());
+    fem::Model model(mesh, reference.material());
+    fem::Loads loads;
+    loads.gravity.setZero();
+    mesh::VertexField x(mesh.num_vertices());
+    std::vector<fem::Clamp> clamps;
+    std::vector<int> flap_end;
+    std::map<std::string, int> points;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+      const Eigen::Vector2d X = mesh.rest_position(v);
+      x.col(v) << X, 0.0;
+      if (X.x() < 1e-9) {
+        loads.pins.push_back({v, x.col(v), Eigen::Vector3d::Zero()});
+        clamps.push_back({v, Eigen::Matrix<double, 3, 2>::Identity()});
+      }
+      if (X.x() < length - 1e-9) continue;
+      std::vector<mesh::TriangleId> fan;
+      mesh.triangles_around(v, fan);
+      const auto& corners = mesh.vertices(fan.front());
+      const double middle =
+          (mesh.rest_position(corners[0]) + mesh.rest_position(corners[1]) + mesh.rest_position(corners[2])).y() / 3.0;
+      if (middle > slit_y) flap_end.push_back(v);
+      const std::string side = middle > slit_y ? "upper_" : "lower_";
+      if (std::abs(X.y() - slit_y) < 1e-9) points[side + "slit_lip"] = v;
+      if (std::abs(X.y()) > 0.5 * width - 1e-9) points[side + "outer_corner"] = v;
+    }
+    model.set_clamps(mesh, clamps);
+    std::sort(flap_end.begin(), flap_end.end(),
+              [&](int a, int b) { return mesh.rest_position(a).y() < mesh.rest_position(b).y(); });
+    const mesh::VertexField rest = x;
+    constexpr double kForce = 0.4;  // N
+    double worst = 0.0;
+    double largest = 0.0;
+    double share = 0.0;
+    const nlohmann::json& table = reference.json().at("quantities").at(0).at("table").at("rows");
+    for (const nlohmann::json& row : table) {
+      if (row[0].get<double>() != share) {
+        share = row[0].get<double>();
+        loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+        const double end = mesh.rest_position(flap_end.back()).y() - slit_y;
+        for (std::size_t i = 0; i + 1 < flap_end.size(); ++i) {
+          const double part =
+              (mesh.rest_position(flap_end[i + 1]).y() - mesh.rest_position(flap_end[i]).y()) / end * share * kForce;
+          loads.external_forces(2, flap_end[i]) += 0.5 * part;
+          loads.external_forces(2, flap_end[i + 1]) += 0.5 * part;
+        }
+        settle(model, loads, x);
+      }
+      const int v = points.at(row[1].get<std::string>());
+      const Eigen::Vector3d expected(row[2].get<double>(), row[3].get<double>(), row[4].get<double>());
+      largest = std::max(largest, expected.norm());
+      worst = std::max(worst, (x.col(v) - rest.col(v) - expected).norm());
+    }
+    std::printf("flap, %d across: displacements within %.2f %% of the largest\n", across, 100.0 * worst / largest);
+    EXPECT_LE(worst, reference.tolerance(fineness) * largest) << fineness;
+    across *= 2;
   }
 }
 
