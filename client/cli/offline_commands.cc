@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <variant>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -30,20 +31,23 @@ struct RunArguments {
   std::int64_t ticks = 0;
   std::string out;
   std::string record;
+  std::string csv;
   std::string integrator;
 };
 
-// A bar on stderr while a person looks on, redrawn when the percentage changes.
+// A bar on stderr while a person looks on, redrawn when the percentage changes, or `always`.
 class ProgressBar {
  public:
-  void show(std::int64_t done, std::int64_t of) {
-    const auto percent = static_cast<int>(100 * done / of);
-    if (!live_ || percent == shown_) return;
+  ~ProgressBar() {
+    if (shown_ >= 0) std::fprintf(stderr, "\n");
+  }
+  void show(const analysis::Progress& progress, bool always) {
+    const auto percent = static_cast<int>(100.0 * progress.done);
+    if (!live_ || (percent == shown_ && !always)) return;
     shown_ = percent;
     const auto filled = static_cast<std::size_t>(percent * 4 / 10);
     const std::string bar = std::string(filled, '#') + std::string(40 - filled, '.');
-    std::fprintf(stderr, "\r[%s] %3d %%  tick %lld of %lld%s", bar.c_str(), percent, static_cast<long long>(done),
-                 static_cast<long long>(of), done == of ? "\n" : "");
+    std::fprintf(stderr, "\r[%s] %3d %%  %-40s", bar.c_str(), percent, progress.what.c_str());
     std::fflush(stderr);
   }
 
@@ -61,21 +65,82 @@ Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path)
   });
 }
 
+std::string to_csv(const v1::Table& table) {
+  std::string text;
+  for (int i = 0; i < table.columns_size(); ++i) text += (i > 0 ? "," : "") + table.columns(i);
+  text += "\n";
+  for (const v1::Table::Row& row : table.rows()) {
+    for (int i = 0; i < row.values_size(); ++i) {
+      char number[32];
+      std::snprintf(number, sizeof number, "%s%.17g", i > 0 ? "," : "", row.values(i));
+      text += number;
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+// The first rows and the last of a table, for people.
+std::string excerpt(const v1::Table& table) {
+  constexpr int kShown = 12;
+  std::string text = "\n  " + table.name() + ":";
+  const int columns = std::min(table.columns_size(), 6);
+  const auto line = [&](const auto& cell) {
+    text += "\n   ";
+    for (int i = 0; i < columns; ++i) text += " " + cell(i);
+    if (columns < table.columns_size()) text += " ...";
+  };
+  line([&](int i) {
+    std::string name = table.columns(i);
+    if (name.size() < 14) name.insert(0, 14 - name.size(), ' ');
+    return name;
+  });
+  for (int r = 0; r < table.rows_size(); ++r) {
+    if (r == kShown && r + 1 < table.rows_size()) {
+      text += "\n    ... " + std::to_string(table.rows_size() - kShown - 1) + " more, all of them with --csv or --out";
+      r = table.rows_size() - 1;
+    }
+    line([&](int i) {
+      char number[32];
+      const auto width = static_cast<int>(std::max<std::size_t>(14, table.columns(i).size()));
+      std::snprintf(number, sizeof number, "%*.6g", width, table.rows(r).values(i));
+      return std::string(number);
+    });
+  }
+  return text;
+}
+
 std::string summary(const v1::RunResult& result) {
   char text[512];
+  if (result.has_static_() || result.ticks() == 0) {
+    std::snprintf(text, sizeof text, "%lld %s in %.3f s of CPU time\n", static_cast<long long>(result.ticks()),
+                  result.ticks() == 1 ? "load" : "loads", result.cpu_s());
+  } else {
+    std::snprintf(text, sizeof text, "%lld ticks (%.3f s simulated) in %.3f s of CPU time, %.0f us a tick\n",
+                  static_cast<long long>(result.ticks()), result.simulated_s(), result.cpu_s(),
+                  result.cpu_per_tick_us());
+  }
+  std::string all = text;
   std::snprintf(text, sizeof text,
-                "%lld ticks (%.3f s simulated) in %.3f s of CPU time, %.0f us a tick\n"
                 "  %d vertices, %d triangles, %d %s, %d %s\n"
                 "  kinetic %.4g J, membrane %.4g J, bending %.4g J\n"
                 "  state hash %s\n",
-                static_cast<long long>(result.ticks()), result.simulated_s(), result.cpu_s(), result.cpu_per_tick_us(),
                 result.num_vertices(), result.num_triangles(), result.pieces(),
                 result.pieces() == 1 ? "piece" : "pieces", result.cuts_size(), result.cuts_size() == 1 ? "cut" : "cuts",
                 result.energies().kinetic_j(), result.energies().membrane_j(), result.energies().bending_j(),
                 result.state_hash().c_str());
-  std::string all = text;
-  all += "  " + result.integrator();
+  all += text;
+  if (result.simulated_s() > 0.0) all += "  " + result.integrator() + "\n";
+  all.pop_back();
   const std::map<std::string, std::int64_t> flagged(result.flagged_ticks().begin(), result.flagged_ticks().end());
+  if (result.has_static_()) {
+    const v1::StaticResult& statics = result.static_();
+    std::snprintf(text, sizeof text, "\n  equilibrium at load %.6g%s, residual %.1e, %lld Newton steps in %lld solves",
+                  statics.load(), statics.stable() ? "" : " (unstable)", statics.residual(),
+                  static_cast<long long>(statics.newton_iterations()), static_cast<long long>(statics.solves()));
+    all += text;
+  }
+  for (const v1::Table& table : result.tables()) all += excerpt(table);
   for (const auto& [flag, ticks] : flagged) all += "\n  " + flag + " in " + std::to_string(ticks) + " ticks";
   return all;
 }
@@ -88,10 +153,15 @@ int run(const Session& session, const RunArguments& arguments) {
   if (arguments.integrator == "implicit") config->integrator.kind = sheet::IntegratorKind::kImplicitEuler;
   if (arguments.integrator == "auto") config->integrator.kind = sheet::IntegratorKind::kAutomatic;
 
-  ProgressBar bar;
-  SceneRunOptions options{arguments.ticks, !arguments.record.empty(), wire::build_name(),
-                          [&bar](std::int64_t tick, std::int64_t of) { bar.show(tick, of); }};
-  const Result<SceneRun> done = run_scene(*config, options);
+  const Result<SceneRun> done = [&] {
+    ProgressBar bar;
+    const bool is_dynamic = std::holds_alternative<sheet::DynamicAnalysis>(config->analysis);
+    return run_scene(*config, {arguments.ticks, !arguments.record.empty(), wire::build_name(),
+                               [&bar, is_dynamic](const analysis::Progress& progress) {
+                                 bar.show(progress, !is_dynamic);
+                                 return true;
+                               }});
+  }();
   if (!done) return refuse(done.error());
 
   const std::string json = to_script_json(done->result);
@@ -103,8 +173,19 @@ int run(const Session& session, const RunArguments& arguments) {
     const Status written = disk.write_file(arguments.record, done->recording);
     if (!written) return refuse(written.error());
   }
+  for (const v1::Table& table : done->result.tables()) {
+    if (arguments.csv.empty()) break;
+    const std::string file = (std::filesystem::path(arguments.csv) / (table.name() + ".csv")).string();
+    const Status written = disk.write_file(file, to_csv(table));
+    if (!written) return refuse(written.error());
+  }
   std::printf("%s\n", (session.json ? json : summary(done->result)).c_str());
-  return kDone;
+  if (!done->result.has_static_() || done->result.static_().converged()) return kDone;
+  std::fprintf(stderr,
+               "kerf: no equilibrium was found beyond load %.6g; what was found up to there is in the results. More "
+               "steps, more max_iterations, or an imperfection where a sheet buckles may help\n",
+               done->result.static_().load());
+  return kRefused;
 }
 
 int replay(const Session& session, const std::string& path) {
@@ -143,13 +224,18 @@ int replay(const Session& session, const std::string& path) {
 
 void add_offline_commands(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<RunArguments>();
-  CLI::App* running = app.add_subcommand("run",
-                                         "Run a scene file as fast as this machine can, with no server.\n"
-                                         "Example: kerf run deploy/scenes/demo.json --ticks 300 --out result.json");
+  CLI::App* running =
+      app.add_subcommand("run",
+                         "Run a scene file as fast as this machine can, with no server: in time, to an\n"
+                         "equilibrium, or for its vibrations, as its analysis says.\n"
+                         "Example: kerf run deploy/scenes/demo.json --ticks 300 --out result.json");
   running->add_option("SCENE", arguments->scene, "Scene file: the JSON form of kerf.v1.Scene")->required();
   running->add_option("--ticks", arguments->ticks, "How many ticks (default: the scene's, else 600)")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}));
   running->add_option("--out", arguments->out, "Write the results to this file (kerf.v1.RunResult as JSON)");
+  running
+      ->add_option("--csv", arguments->csv, "Write the tables of the scene's probes and modes to this folder, as CSV")
+      ->check(CLI::ExistingDirectory);
   running->add_option("--record", arguments->record, "Write a recording for `kerf replay`");
   running->add_option("--integrator", arguments->integrator, "Instead of the scene's: explicit, implicit or auto")
       ->check(CLI::IsMember({"explicit", "implicit", "auto"}));

@@ -4,7 +4,9 @@
 #include <ctime>
 #include <string>
 #include <utility>
+#include <variant>
 
+#include "server/analysis/analysis.h"
 #include "server/sheet/recording.h"
 #include "server/sheet/sheet.h"
 #include "server/wire/recording_codec.h"
@@ -60,15 +62,28 @@ void add_cuts(const sheet::CommandReply& reply, const StageTimer::CutTime& time,
   }
 }
 
-Error refused_command(const sheet::ScheduledReply& scheduled) {
-  Error error = scheduled.reply.error();
-  error.message = "scheduled command " + std::to_string(scheduled.index) + ": " + error.message;
-  const std::string path = "commands[" + std::to_string(scheduled.index) + "].command";
-  error.field = error.field.empty() ? path : path + "." + error.field;
-  return error;
+v1::Table encode_table(const analysis::Table& table) {
+  v1::Table message;
+  message.set_name(table.name);
+  for (const std::string& column : table.columns) message.add_columns(column);
+  for (const std::vector<double>& row : table.rows) {
+    message.add_rows()->mutable_values()->Assign(row.begin(), row.end());
+  }
+  return message;
 }
 
-void describe_end(const sheet::Sheet& sheet, std::int64_t ticks, v1::RunResult& result) {
+v1::StaticResult encode_statics(const analysis::StaticStats& stats) {
+  v1::StaticResult message;
+  message.set_load(stats.load);
+  message.set_converged(stats.converged);
+  message.set_residual(stats.residual);
+  message.set_newton_iterations(stats.iterations);
+  message.set_solves(stats.solves);
+  message.set_stable(stats.is_stable);
+  return message;
+}
+
+void describe_end(const sheet::Sheet& sheet, v1::RunResult& result) {
   result.set_scene(sheet.config().sheet_id);
   result.set_ticks(sheet.tick());
   result.set_num_vertices(sheet.mesh().num_vertices());
@@ -76,40 +91,61 @@ void describe_end(const sheet::Sheet& sheet, std::int64_t ticks, v1::RunResult& 
   result.set_pieces(sheet.mesh().num_pieces());
   *result.mutable_energies() = wire::encode_energies(sheet.energies());
   result.set_state_hash(wire::encode_hash(sheet.state_hash()));
-  result.set_cpu_per_tick_us(1e6 * result.cpu_s() / static_cast<double>(ticks));
+  if (sheet.tick() > 0) result.set_cpu_per_tick_us(1e6 * result.cpu_s() / static_cast<double>(sheet.tick()));
   result.set_integrator(sheet.integrator_description());
 }
 
-}  // namespace
-
-Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptions& options) {
-  Result<sheet::Sheet> created = sheet::Sheet::create(config);
-  if (!created) return created.error();
-  sheet::Sheet& sheet = *created;
-  const std::int64_t scene_ticks = config.ticks > 0 ? config.ticks : kDefaultTicks;
+// Steps a dynamic scene, and records it where asked to.
+Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions& options, SceneRun& run) {
+  const std::int64_t scene_ticks = sheet.config().ticks > 0 ? sheet.config().ticks : kDefaultTicks;
   const std::int64_t ticks = options.ticks > 0 ? options.ticks : scene_ticks;
-
-  SceneRun run;
-  if (options.record) run.recording = wire::encode_recording_header(config, options.build);
+  if (options.record) run.recording = wire::encode_recording_header(sheet.config(), options.build);
   StageTimer timer;
-  const double cpu_before = process_cpu_s();
-  for (std::int64_t tick = 1; tick <= ticks; ++tick) {
-    timer.clear();
-    const sheet::TickReport report = sheet.step({}, &timer);
+  const auto after = [&](const sheet::TickReport& report) {
     run.result.set_simulated_s(run.result.simulated_s() + report.stats.simulated);
     for (std::size_t i = 0; i < report.scheduled.size(); ++i) {
-      if (!report.scheduled[i].reply) return refused_command(report.scheduled[i]);
-      add_cuts(*report.scheduled[i].reply, timer.time(i), run.result);
+      if (report.scheduled[i].reply) add_cuts(*report.scheduled[i].reply, timer.time(i), run.result);
     }
+    timer.clear();
     for (std::size_t bit = 0; bit < fem::kStepFlagNames.size(); ++bit) {
       if ((report.stats.flags >> bit & 1U) == 0) continue;
       ++(*run.result.mutable_flagged_ticks())[std::string(fem::kStepFlagNames[bit])];
     }
     if (options.record) run.recording += wire::encode_recorded_tick({report.tick, {}, sheet.state_hash()});
-    if (options.on_tick) options.on_tick(tick, ticks);
+  };
+  return analysis::run_dynamic(sheet, ticks, options.watch, after, &timer);
+}
+
+}  // namespace
+
+Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptions& options) {
+  const bool is_dynamic = std::holds_alternative<sheet::DynamicAnalysis>(config.analysis);
+  if (options.record && !is_dynamic) {
+    return invalid_argument("RECORDING_DYNAMIC_ONLY", "a recording can be made of a dynamic analysis only", "analysis");
   }
+  Result<sheet::Sheet> created = sheet::Sheet::create(config);
+  if (!created) return created.error();
+  sheet::Sheet& sheet = *created;
+
+  SceneRun run;
+  const double cpu_before = process_cpu_s();
+  Result<analysis::Outcome> outcome = [&]() -> Result<analysis::Outcome> {
+    if (const auto* of_loads = std::get_if<sheet::StaticAnalysis>(&config.analysis)) {
+      return analysis::run_static(sheet, *of_loads, options.watch);
+    }
+    if (const auto* modes = std::get_if<sheet::ModalAnalysis>(&config.analysis)) {
+      return analysis::run_modes(sheet, *modes, options.watch);
+    }
+    return step_scene(sheet, options, run);
+  }();
+  if (!outcome) return outcome.error();
   run.result.set_cpu_s(process_cpu_s() - cpu_before);
-  describe_end(sheet, ticks, run.result);
+  for (const sheet::ScheduledReply& scheduled : outcome->scheduled) {
+    if (!is_dynamic) add_cuts(*scheduled.reply, {}, run.result);
+  }
+  for (const analysis::Table& table : outcome->tables) *run.result.add_tables() = encode_table(table);
+  if (outcome->statics) *run.result.mutable_static_() = encode_statics(*outcome->statics);
+  describe_end(sheet, run.result);
   return run;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "kerf/v1/run.pb.h"
+#include "server/analysis/analysis.h"
 #include "server/base/result.h"
 #include "server/sheet/sheet_config.h"
 
@@ -18,13 +19,13 @@ struct SceneRun {
 struct SceneRunOptions {
   std::int64_t ticks = 0;  // 0: the scene's own
   bool record = false;
-  std::string build;  // written into the recording
-  // Called after each tick; may be empty.
-  std::function<void(std::int64_t tick, std::int64_t of)> on_tick;
+  std::string build;      // written into the recording
+  analysis::Watch watch;  // told of the progress; may be empty
 };
 
-// Steps the scene from its start, as fast as this machine can, with no clock and no server. Equal scenes give equal
-// state hashes. Errors: those of Sheet::create, and of a scheduled command that is refused.
+// Does what the scene's analysis says, from its start, as fast as this machine can, with no clock and no server. Equal
+// scenes give equal state hashes. Errors: those of Sheet::create and of the analysis; a recording can be made of a
+// dynamic one only (RECORDING_DYNAMIC_ONLY).
 Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptions& options);
 
 }  // namespace kerf::cli

@@ -71,8 +71,8 @@ int create_sheet(const Session& session, const CreateArguments& arguments) {
   v1::Scene& scene = *request.mutable_scene();
   if (const int code = add_mesh(arguments, scene); code != kDone) return code;
   if (!arguments.material.empty()) scene.mutable_material()->set_preset(arguments.material);
-  if (arguments.pin == "top") scene.add_pins()->set_edge(v1::PinRegion::TOP);
-  if (arguments.pin == "corners") scene.add_pins()->set_edge(v1::PinRegion::CORNERS);
+  if (arguments.pin == "top") scene.add_pins()->set_edge(v1::Region::TOP);
+  if (arguments.pin == "corners") scene.add_pins()->set_edge(v1::Region::CORNERS);
 
   client::Client client(session.server);
   v1::Sheet sheet;

@@ -111,6 +111,12 @@ Matrix mass_matrix(const Model& model, const mesh::VertexField& x, const std::ve
 
 }  // namespace
 
+int num_free_components(const Model& model, const Loads& loads) {
+  int count = 0;
+  number_free(model, loads, count);
+  return count;
+}
+
 Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count) {
   int num_free = 0;
   const std::vector<int> numbers = number_free(model, loads, num_free);

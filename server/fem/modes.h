@@ -21,6 +21,9 @@ struct Modes {
   bool converged = false;  // all of them
 };
 
+// Components of vertices with material that no pin holds.
+int num_free_components(const Model& model, const Loads& loads);
+
 // The lowest `count` (1..kMaxModes, at most the free components less one) vibrations about a state x (3 x V, m), most
 // often an equilibrium: of the exact tangent stiffness there, with what the pins hold held. The masses are lumped
 // within the sheet and half consistent across it: of second order like those that steps are taken with, but nearer. By

@@ -16,18 +16,6 @@ Status check_grab_id(const std::string& grab_id, const std::string& field) {
   return check_count(grab_id.size(), kMaxGrabIdBytes, "bytes", field);
 }
 
-Status check_vertex_id(mesh::VertexId vertex, const std::string& field) {
-  if (vertex >= 0) return Nothing{};
-  return invalid_argument("UNKNOWN_VERTEX", field + " is " + std::to_string(vertex) + "; vertex ids start at 0", field);
-}
-
-Status validate_box(const MaterialBox& box, const std::string& field) {
-  if (Status s = check_vector(box.min, kMaxMaterialCoordinate, field + ".min"); !s) return s;
-  if (Status s = check_vector(box.max, kMaxMaterialCoordinate, field + ".max"); !s) return s;
-  if (box.min.x() <= box.max.x() && box.min.y() <= box.max.y()) return Nothing{};
-  return invalid_argument("BOX_INVERTED", field + ".max must not be less than min", field + ".max");
-}
-
 Status validate_command(const Cut& cut) {
   if (Status s = cut::validate(cut.curve); !s) return s;
   if (Status s = check_number(cut.tolerance, cut::kMinTolerance, cut::kMaxTolerance, "cut.tolerance"); !s) return s;
@@ -131,26 +119,6 @@ Error in_batch(Error error, std::size_t index) {
   error.field = is_path ? path + error.field.substr(kCut.size()) : path;
   error.message = "cut " + std::to_string(index) + " of the batch: " + error.message;
   return error;
-}
-
-Status validate(const std::vector<PinRegion>& pins, const std::string& field) {
-  if (Status s = check_count(pins.size(), kMaxPinRegions, "pin regions", field); !s) return s;
-  std::size_t num_ids = 0;
-  for (std::size_t i = 0; i < pins.size(); ++i) {
-    const std::string path = field + "[" + std::to_string(i) + "]";
-    if (const auto* box = std::get_if<MaterialBox>(&pins[i])) {
-      if (Status s = validate_box(*box, path + ".box"); !s) return s;
-    } else if (const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&pins[i])) {
-      num_ids += ids->size();
-      if (Status s = check_count(num_ids, kMaxPinnedVertexIds, "vertex ids", field); !s) return s;
-      for (std::size_t k = 0; k < ids->size(); ++k) {
-        const mesh::VertexId id = (*ids)[k];
-        if (id >= 0) continue;
-        return check_vertex_id(id, path + ".vertices.vertices[" + std::to_string(k) + "]");
-      }
-    }
-  }
-  return Nothing{};
 }
 
 Status validate(const Wind& wind, const std::string& field) {

@@ -12,42 +12,20 @@
 #include "server/cut/cut.h"
 #include "server/mesh/ids.h"
 #include "server/sheet/lineage.h"
+#include "server/sheet/region.h"
 
 // What can be asked of a running sheet, and the answers: kerf.v1.Command without Protocol Buffers. Each takes effect
 // whole at a tick boundary, or is refused and changes nothing.
 namespace kerf::sheet {
 
-inline constexpr std::size_t kMaxPinRegions = 64;
-inline constexpr std::size_t kMaxPinnedVertexIds = 1'000'000;  // in all vertex lists of one request together
 inline constexpr std::size_t kMaxGrabs = 64;
 inline constexpr std::size_t kMaxBatchCuts = 4096;  // of one CutBatch
 inline constexpr std::size_t kMaxGrabIdBytes = 63;
-inline constexpr double kMaxMaterialCoordinate = 1.0e4;  // m
-inline constexpr double kMaxWorldCoordinate = 1.0e6;     // m, a component of any world vector
-inline constexpr double kMaxGravity = 1.0e4;             // m/s^2, length
-inline constexpr double kMaxWindSpeed = 1.0e3;           // m/s, length
-inline constexpr double kMaxAirDensity = 100.0;          // kg/m^3
-inline constexpr double kMaxDragCoefficient = 10.0;      // -
-inline constexpr double kMaxGrabStiffness = 1.0e6;       // N/m
-
-// Edges of the material bounding box.
-enum class PinEdge {
-  kTop,         // y = maximum
-  kBottom,      // y = minimum
-  kLeft,        // x = minimum
-  kRight,       // x = maximum
-  kCorners,     // the vertex nearest to each corner of the bounding box; the smallest id of several
-  kTopCorners,  // of those, the two at y = maximum
-};
-
-// Closed box in material coordinates.
-struct MaterialBox {
-  Eigen::Vector2d min{0.0, 0.0};  // m
-  Eigen::Vector2d max{0.0, 0.0};  // m, each >= min's
-};
-
-// Vertices held in place.
-using PinRegion = std::variant<PinEdge, MaterialBox, std::vector<mesh::VertexId>>;
+inline constexpr double kMaxGravity = 1.0e4;         // m/s^2, length
+inline constexpr double kMaxWindSpeed = 1.0e3;       // m/s, length
+inline constexpr double kMaxAirDensity = 100.0;      // kg/m^3
+inline constexpr double kMaxDragCoefficient = 10.0;  // -
+inline constexpr double kMaxGrabStiffness = 1.0e6;   // N/m
 
 // Moving air. Force on a triangle: see fem/loads.h.
 struct Wind {
@@ -111,7 +89,7 @@ struct Release {
 
 // Replaces all pins; pinned vertices stay where they are at that moment.
 struct SetPins {
-  std::vector<PinRegion> pins;  // at most kMaxPinRegions; empty releases the sheet
+  std::vector<Region> pins;  // at most kMaxRegions; empty releases the sheet
 };
 
 struct SetGravity {
@@ -129,8 +107,6 @@ struct Reset {};
 // The error of a Cut as that of number `index` of a CutBatch.
 Error in_batch(Error error, std::size_t index);
 
-// Ranges only; whether a listed vertex exists is the sheet's to say. `field`: the path of the list ("pins").
-Status validate(const std::vector<PinRegion>& pins, const std::string& field);
 Status validate(const Wind& wind, const std::string& field);
 
 using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetWind, Reset, CutBatch, UndoCut, RedoCut>;

@@ -60,4 +60,9 @@ Status check_length(const Eigen::Vector3d& value, double limit, const std::strin
                           field);
 }
 
+Status check_vertex_id(mesh::VertexId vertex, const std::string& field) {
+  if (vertex >= 0) return Nothing{};
+  return invalid_argument("UNKNOWN_VERTEX", field + " is " + std::to_string(vertex) + "; vertex ids start at 0", field);
+}
+
 }  // namespace kerf::sheet

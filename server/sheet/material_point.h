@@ -20,4 +20,9 @@ struct MaterialPoint {
 // side of the lower slot is taken.
 std::optional<MaterialPoint> find_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at);
 
+// Where `at` is held when a cut has left it in the void: a border edge that a cut splits is rounded to the lattice and
+// may bow inwards by half a unit, so material that lay exactly on it is then outside. Of equally near points, that of
+// the lowest slot.
+MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at);
+
 }  // namespace kerf::sheet

@@ -4,8 +4,9 @@
 #include <numeric>
 #include <utility>
 
+#include "server/sheet/material_point.h"
 #include "server/sheet/mesh_source.h"
-#include "server/sheet/pins.h"
+#include "server/sheet/region.h"
 #include "server/sheet/sheet_impl.h"
 
 namespace kerf::sheet {
@@ -43,6 +44,17 @@ std::vector<std::size_t> order_schedule(const std::vector<ScheduledCommand>& com
   return order;
 }
 
+Eigen::Matrix3Xd initial_velocities(const SheetConfig& config, const BuiltMesh& built) {
+  const Eigen::Matrix3Xd& x = built.positions;
+  Eigen::Matrix3Xd v = Eigen::Matrix3Xd::Zero(3, x.cols());
+  if (!config.initial_velocity) return v;
+  const InitialVelocity& given = *config.initial_velocity;
+  const Eigen::Vector3d centre =
+      given.centre ? *given.centre : fem::Model(built.mesh, config.material).centre_of_mass(mesh::VertexField(x));
+  for (Eigen::Index i = 0; i < x.cols(); ++i) v.col(i) = given.linear + given.angular.cross(x.col(i) - centre);
+  return v;
+}
+
 }  // namespace
 
 Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,
@@ -52,15 +64,18 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       schedule(order_schedule(config->commands)),
       dt(1.0 / config->tick_rate_hz),
       mesh(initial->mesh),
-      state{initial->positions, Eigen::Matrix3Xd::Zero(3, initial->positions.cols())},
+      state{initial->positions, initial->velocities},
+      held_vertices(initial->held_vertices),
+      applied_forces(initial->applied_forces),
+      full_gravity(config->gravity),
       lineage(mesh.num_pieces()),
       model(mesh, config->material),
       integrator(std::move(make_integrator), integrator_options(*config)) {
   contact.set_colliders(config->colliders, 0.5 * config->material.thickness);
-  loads.gravity = config->gravity;
   set_wind(config->wind);
   loads.grabs.reserve(kMaxGrabs);
   pin(initial->pinned);
+  set_conditions(now, 0.0);
   rebuild();
 }
 
@@ -81,24 +96,43 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
     ++tick;
     report.advanced = true;
     watch_rest();
+  } else if (conditions_changed) {
+    set_conditions(now, 0.0);
   }
+  report.topology_changed = topology_version != version_before;
+  stamp(report);
+  return report;
+}
+
+// A static analysis counts loads as it would ticks.
+TickReport Sheet::Impl::begin_load_step() {
+  TickReport report;
+  const std::int32_t version_before = topology_version;
+  drain_commands({}, nullptr, true, report);
+  if (conditions_changed) set_conditions(now, 0.0);
+  ++tick;
+  report.topology_changed = topology_version != version_before;
+  stamp(report);
+  return report;
+}
+
+// What a report says of the sheet as it is at its end.
+void Sheet::Impl::stamp(TickReport& report) const {
   report.tick = tick;
   report.frozen = frozen;
   report.at_rest = is_at_rest();
-  report.topology_changed = topology_version != version_before;
-  if (report.replies.empty() && report.scheduled.empty()) return report;
+  if (report.replies.empty() && report.scheduled.empty()) return;
 
   StateHash hash;
   add_shape_to(hash);
   hash.add(tick);
-  const auto stamp = [&](Result<CommandReply>& reply) {
+  const auto stamp_reply = [&](Result<CommandReply>& reply) {
     if (!reply) return;
     reply->tick = tick;
     reply->state_hash = hash.value();
   };
-  for (Result<CommandReply>& reply : report.replies) stamp(reply);
-  for (ScheduledReply& scheduled : report.scheduled) stamp(scheduled.reply);
-  return report;
+  for (Result<CommandReply>& reply : report.replies) stamp_reply(reply);
+  for (ScheduledReply& scheduled : report.scheduled) stamp_reply(scheduled.reply);
 }
 
 void Sheet::Impl::drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled,
@@ -115,6 +149,7 @@ void Sheet::Impl::drain_commands(std::span<const Command> commands, StageObserve
 }
 
 void Sheet::Impl::set_loads() {
+  set_conditions({static_cast<double>(tick + 1 - start_tick) * dt, 1.0}, dt);
   loads.grabs.resize(grabs.size());
   for (std::size_t i = 0; i < grabs.size(); ++i) {
     const GrabState& from = grabs[i];
@@ -133,6 +168,52 @@ void Sheet::Impl::set_loads() {
     }
     to.damping = mobility > 0.0 ? 2.0 * std::sqrt(from.stiffness / mobility) : 0.0;
   }
+}
+
+void Sheet::Impl::set_conditions(const Instant& end, double duration) {
+  const bool varies = held_vertices.varies() || applied_forces.varies() || !config->gravity_history.times.empty();
+  if (!conditions_changed && !varies && end.absent == now.absent) return;
+  loads.gravity = config->gravity_history.at(end.time, 1.0) * full_gravity;
+  if (held_vertices.empty()) {
+    loads.pins = holds;
+  } else {
+    held_vertices.set(holds, {end.time - duration, end.absent}, end, duration, mesh, loads.pins);
+  }
+  if (held_vertices.has_slopes()) set_slopes(end);
+  if (!applied_forces.empty()) applied_forces.set(end, mesh, loads.external_forces);
+  now = end;
+  conditions_changed = false;
+}
+
+void Sheet::Impl::set_slopes(const Instant& at) {
+  std::vector<fem::Clamp> clamps = held_vertices.clamps(at);
+  std::vector<mesh::VertexId> vertices;
+  for (const fem::Clamp& clamp : clamps) vertices.push_back(clamp.vertex);
+  model.set_clamps(mesh, std::move(clamps));
+  // Other vertices make for another matrix; other slopes for other forces only.
+  if (vertices == clamped) return;
+  clamped = std::move(vertices);
+  integrator->rebuild(model);
+}
+
+void Sheet::Impl::follow_conditions(std::span<const mesh::MeshEdit* const> edits) {
+  if (!held_vertices.empty()) held_vertices.follow(mesh, edits, now, state.x);
+  if (!applied_forces.empty()) applied_forces.follow(mesh);
+  conditions_changed = true;
+}
+
+fem::EquilibriumStats Sheet::Impl::settle(double load, const fem::EquilibriumOptions& options,
+                                          const fem::EquilibriumSolver::Watch& watch) {
+  set_conditions({load, load}, 0.0);
+  loads.grabs.clear();
+  fem::EquilibriumSolver solver(options);
+  solver.rebuild(model);
+  mesh::VertexField x = state.x;
+  const fem::EquilibriumStats stats = solver.solve(model, loads, watch, x);
+  if (!stats.converged) return stats;
+  state.x = x;
+  state.v.setZero();
+  return stats;
 }
 
 void Sheet::Impl::integrate(TickReport& report) {
@@ -170,7 +251,8 @@ void Sheet::Impl::watch_rest() {
 }
 
 bool Sheet::Impl::is_at_rest() const {
-  return is_quiet && grabs.empty() && next_scheduled == schedule.size() && !frozen;
+  const bool to_come = now.time < std::max(held_vertices.last_change(), applied_forces.last_change());
+  return is_quiet && grabs.empty() && next_scheduled == schedule.size() && !frozen && !to_come;
 }
 
 void Sheet::Impl::add_shape_to(StateHash& hash) const {
@@ -222,18 +304,34 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
                      std::to_string(config.max_vertices),
                  ""};
   }
-  Result<std::vector<mesh::VertexId>> pinned = find_pinned(built->mesh, config.pins, "pins");
+  Result<std::vector<mesh::VertexId>> pinned = find_vertices(built->mesh, config.pins, "pins");
   if (!pinned) return pinned.error();
-  auto initial = std::make_shared<InitialState>();
+  if (config.planar) config.material.bending_scale = 0.0;
+  auto shared = std::make_shared<const SheetConfig>(std::move(config));
+  Result<HeldVertices> held = HeldVertices::create(shared, built->mesh, built->positions);
+  if (!held) return held.error();
+  Result<AppliedForces> applied = AppliedForces::create(shared, built->mesh);
+  if (!applied) return applied.error();
+  auto initial =
+      std::make_shared<InitialState>(InitialState{{}, {}, {}, {}, std::move(held).value(), std::move(applied).value()});
+  initial->velocities = initial_velocities(*shared, *built);
   initial->mesh = std::move(built->mesh);
   initial->positions = std::move(built->positions);
   initial->pinned = std::move(pinned).value();
-  return Sheet(std::make_unique<Impl>(std::make_shared<const SheetConfig>(std::move(config)), std::move(initial),
-                                      std::move(make_integrator)));
+  return Sheet(std::make_unique<Impl>(std::move(shared), std::move(initial), std::move(make_integrator)));
 }
 
 TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer) {
   return impl_->run(commands, observer, true);
+}
+
+fem::EquilibriumStats Sheet::settle(double load, const fem::EquilibriumOptions& options,
+                                    const fem::EquilibriumSolver::Watch& watch) {
+  return impl_->settle(load, options, watch);
+}
+
+TickReport Sheet::begin_load_step() {
+  return impl_->begin_load_step();
 }
 
 TickReport Sheet::apply(std::span<const Command> commands, StageObserver* observer) {
@@ -267,8 +365,22 @@ const fem::Model& Sheet::model() const {
 const fem::State& Sheet::state() const {
   return impl_->state;
 }
+const fem::Loads& Sheet::loads() const {
+  return impl_->loads;
+}
+Eigen::Vector3d Sheet::start_of(const Eigen::Vector2d& material) const {
+  const InitialState& initial = *impl_->initial;
+  const std::optional<MaterialPoint> found = find_material_point(initial.mesh, material);
+  const MaterialPoint point = found ? *found : nearest_material_point(initial.mesh, material);
+  Eigen::Vector3d start = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (point.vertices[k] == mesh::kNone) continue;
+    start += point.weights[static_cast<Eigen::Index>(k)] * initial.positions.col(point.vertices[k]);
+  }
+  return start;
+}
 const Eigen::Vector3d& Sheet::gravity() const {
-  return impl_->loads.gravity;
+  return impl_->full_gravity;
 }
 const Wind& Sheet::wind() const {
   return impl_->wind;

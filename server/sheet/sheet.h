@@ -13,7 +13,9 @@
 
 #include "server/base/phase_observer.h"
 #include "server/base/result.h"
+#include "server/fem/equilibrium.h"
 #include "server/fem/integrator.h"
+#include "server/fem/loads.h"
 #include "server/fem/model.h"
 #include "server/fem/state.h"
 #include "server/mesh/mesh_edit.h"
@@ -117,6 +119,14 @@ class Sheet {
   // not advance.
   TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr);
 
+  // Puts the sheet into equilibrium, at rest, under `load` (-, 0..1): what has no history follows the load, histories
+  // are read at it. From where it is now; where none is found the state is left as it is. Time does not advance; wind,
+  // contact and grabs are left out. `watch`: see fem::EquilibriumSolver.
+  fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options,
+                               const fem::EquilibriumSolver::Watch& watch);
+  // ++tick with the scheduled commands that are due, and nothing else: a step of a static analysis.
+  TickReport begin_load_step();
+
   // Does commands without advancing time: a paused sheet is cut at once. Scheduled commands stay where they are.
   TickReport apply(std::span<const Command> commands, StageObserver* observer = nullptr);
 
@@ -128,8 +138,12 @@ class Sheet {
                                                         // and reset
   [[nodiscard]] std::int32_t settings_version() const;  // + 1 with each change of pins, gravity or wind
   [[nodiscard]] const mesh::TriangleMesh& mesh() const;
-  [[nodiscard]] const fem::Model& model() const;                             // of mesh() and the config's material
-  [[nodiscard]] const fem::State& state() const;                             // x: 3 x V, m; v: 3 x V, m/s
+  [[nodiscard]] const fem::Model& model() const;  // of mesh() and the config's material
+  [[nodiscard]] const fem::State& state() const;  // x: 3 x V, m; v: 3 x V, m/s
+  [[nodiscard]] const fem::Loads& loads() const;  // of the last step, or settle()
+  // Where the material point started (m, world; material in m): of a point of the sheet as it was made, else of the
+  // nearest one.
+  [[nodiscard]] Eigen::Vector3d start_of(const Eigen::Vector2d& material) const;
   [[nodiscard]] const Eigen::Vector3d& gravity() const;                      // m/s^2, in force
   [[nodiscard]] const Wind& wind() const;                                    // in force
   [[nodiscard]] const std::vector<mesh::VertexId>& pinned_vertices() const;  // sorted, unique

@@ -5,7 +5,7 @@
 
 #include "server/cut/cut.h"
 #include "server/sheet/material_point.h"
-#include "server/sheet/pins.h"
+#include "server/sheet/region.h"
 #include "server/sheet/sheet_impl.h"
 
 namespace kerf::sheet {
@@ -66,7 +66,8 @@ Result<CommandReply> Sheet::Impl::do_command(const Command& command, const Comma
   } else if (const auto* p = std::get_if<SetPins>(&command)) {
     done = set_pins(*p);
   } else if (const auto* gravity = std::get_if<SetGravity>(&command)) {
-    loads.gravity = gravity->gravity;
+    full_gravity = gravity->gravity;
+    conditions_changed = true;
     ++settings_version;
   } else if (const auto* w = std::get_if<SetWind>(&command)) {
     set_wind(w->wind);
@@ -169,7 +170,7 @@ Status Sheet::Impl::release(const Release& release) {
 }
 
 Status Sheet::Impl::set_pins(const SetPins& pins) {
-  Result<std::vector<mesh::VertexId>> found = find_pinned(mesh, pins.pins, "set_pins.pins");
+  Result<std::vector<mesh::VertexId>> found = find_vertices(mesh, pins.pins, "set_pins.pins");
   if (!found) return found.error();
   pin(std::move(found).value());
   ++pins_version;
@@ -188,10 +189,14 @@ void Sheet::Impl::set_wind(const Wind& value) {
 void Sheet::Impl::reset() {
   mesh = initial->mesh;
   state.x = initial->positions;
-  state.v = Eigen::Matrix3Xd::Zero(3, initial->positions.cols());
+  state.v = initial->velocities;
   model = fem::Model(mesh, config->material);
   grabs.clear();
-  loads.gravity = config->gravity;
+  full_gravity = config->gravity;
+  held_vertices = initial->held_vertices;
+  applied_forces = initial->applied_forces;
+  now = {};
+  start_tick = tick;
   set_wind(config->wind);
   removed.clear();
   pin(initial->pinned);
@@ -209,12 +214,13 @@ void Sheet::Impl::reset() {
 // Holds `vertices` (sorted, unique) where they are now.
 void Sheet::Impl::pin(std::vector<mesh::VertexId> vertices) {
   pinned = std::move(vertices);
-  loads.pins.clear();
-  loads.pins.reserve(pinned.size());
+  holds.clear();
+  holds.reserve(pinned.size());
   for (const mesh::VertexId v : pinned) {
     state.v.col(v).setZero();
-    loads.pins.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
+    holds.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
   }
+  conditions_changed = true;
   contact.set_vertices(mesh.num_vertices(), pinned, removed);
 }
 

@@ -142,6 +142,14 @@ Status validate(const SheetConfig& config) {
   for (std::size_t i = 0; i < config.colliders.size(); ++i) {
     if (Status s = contact::validate(config.colliders[i], indexed("colliders", i)); !s) return s;
   }
+  if (Status s = validate(config.constraints); !s) return s;
+  if (Status s = validate(config.loads); !s) return s;
+  if (Status s = validate(config.gravity_history, "gravity_history"); !s) return s;
+  if (config.initial_velocity) {
+    if (Status s = validate(*config.initial_velocity); !s) return s;
+  }
+  if (Status s = validate(config.analysis); !s) return s;
+  if (Status s = validate(config.probes); !s) return s;
   if (Status s = check_number(config.tick_rate_hz, 1.0, 1000.0, "tick_rate_hz"); !s) return s;
   if (Status s = validate_integrator(config.integrator); !s) return s;
   if (Status s = check_integer(config.max_vertices, 3, kMaxVertices, "max_vertices"); !s) return s;

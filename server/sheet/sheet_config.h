@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -14,7 +15,9 @@
 #include "server/mesh/face_list.h"
 #include "server/mesh/ids.h"
 #include "server/mesh/triangle_mesh.h"
+#include "server/sheet/analysis_request.h"
 #include "server/sheet/command.h"
+#include "server/sheet/conditions.h"
 
 // Everything that is needed to start one sheet and to run it again, bit for bit: kerf.v1.Scene without Protocol
 // Buffers. SI units throughout; right-handed world, +z up. Nothing changes a SheetConfig after Sheet::create.
@@ -99,16 +102,24 @@ struct SheetConfig {
   MeshSource mesh;
   fem::Material material;
   Placement placement;
-  std::vector<PinRegion> pins;               // at most kMaxPinRegions
+  std::vector<Region> pins;                  // at most kMaxRegions
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= 1e4
   Wind wind;                                 // default: no air at all
   std::vector<contact::Collider> colliders;  // at most kMaxColliders
   double tick_rate_hz = 60.0;                // 1..1000; a tick is 1 / tick_rate_hz seconds
   IntegratorSettings integrator;
   std::int32_t max_vertices = kMaxVertices;  // 3..kMaxVertices; a cut that would lead beyond it is refused
-  std::vector<ScheduledCommand> commands;    // at most kMaxScheduledCommands; equal ticks are done in the given order
-  std::int64_t ticks = 0;                    // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation
-  std::string description;                   // for people; at most 1000 bytes; no effect on the simulation
+  std::vector<Constraint> constraints;       // at most kMaxConstraints; over the pins
+  std::vector<Load> loads;                   // at most kMaxLoads
+  History gravity_history;                   // factor on gravity; default 1
+  bool planar = false;                       // keeps to the plane it starts in, perpendicular to x, y or z, and does
+                                             // not bend: bending_scale is set to 0
+  std::optional<InitialVelocity> initial_velocity;  // default: at rest
+  std::vector<ScheduledCommand> commands;  // at most kMaxScheduledCommands; equal ticks are done in the given order
+  std::int64_t ticks = 0;                  // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation
+  Analysis analysis;                       // what `kerf run` does; no effect on the simulation
+  std::vector<Probe> probes;               // what it measures; at most kMaxProbes
+  std::string description;                 // for people; at most 1000 bytes; no effect on the simulation
 };
 
 // Whether `id` matches [a-z][a-z0-9-]{0,62}.

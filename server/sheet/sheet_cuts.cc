@@ -9,45 +9,12 @@
 #include "server/fem/transfer.h"
 #include "server/mesh/mesh_revert.h"
 #include "server/sheet/material_point.h"
-#include "server/sheet/pins.h"
+#include "server/sheet/region.h"
 #include "server/sheet/sheet_impl.h"
 
 namespace kerf::sheet {
 
 namespace {
-
-// The point of edge k of t nearest to `at`.
-MaterialPoint nearest_on_edge(const mesh::TriangleMesh& mesh, mesh::TriangleId t, int k, const Eigen::Vector2d& at) {
-  MaterialPoint point;
-  point.vertices = {mesh.vertices(t)[mesh::next_corner(k)], mesh.vertices(t)[mesh::previous_corner(k)],
-                    mesh.vertices(t)[static_cast<std::size_t>(k)]};
-  const Eigen::Vector2d a = mesh.rest_position(point.vertices[0]);
-  const Eigen::Vector2d along = mesh.rest_position(point.vertices[1]) - a;
-  const double share = std::clamp((at - a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  point.weights = {1.0 - share, share, 0.0};
-  return point;
-}
-
-// Where `at` is held when a cut has left it in the void: a border edge that a cut splits is rounded to the lattice and
-// may bow inwards by half a unit, so material that lay exactly on it is then outside. Of equally near points, that of
-// the lowest slot.
-MaterialPoint nearest_material_point(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& at) {
-  MaterialPoint nearest;
-  double least = std::numeric_limits<double>::infinity();
-  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      if (!mesh.is_solid(t) || mesh.neighbour(t, k) != mesh::kNone) continue;
-      const MaterialPoint point = nearest_on_edge(mesh, t, k, at);
-      const double distance = (point.weights[0] * mesh.rest_position(point.vertices[0]) +
-                               point.weights[1] * mesh.rest_position(point.vertices[1]) - at)
-                                  .squaredNorm();
-      if (!(distance < least)) continue;  // also where the ends of a tiny edge round to one position, and it is NaN
-      least = distance;
-      nearest = point;
-    }
-  }
-  return nearest;
-}
 
 std::vector<const mesh::MeshEdit*> edits_of(const std::vector<DoneCut>& cuts) {
   std::vector<const mesh::MeshEdit*> edits;
@@ -206,10 +173,10 @@ void Sheet::Impl::follow(const std::vector<DoneCut>& cuts, PhaseObserver* observ
   std::vector<mesh::VertexId> inherited = pinned;
   for (const mesh::MeshEdit* edit : edits) inherit_pins(*edit, inherited);
   // Old pins keep their targets: nothing may have moved them. The new ones are held where they are.
-  for (const fem::Pin& p : loads.pins) {
+  for (const fem::Pin& p : holds) {
     if (mesh.has_material(p.vertex)) state.x.col(p.vertex) = p.target;
   }
-  finish_edit(std::move(inherited), observer);
+  finish_edit(std::move(inherited), edits, observer);
   topology.note(edits);
 }
 
@@ -264,7 +231,7 @@ void Sheet::Impl::take_back(const std::vector<DoneCut>& cuts, const CommandConte
   fem::revert_state(reverted, model, change, state);
   // A vertex that a pinned one joins is held where that was; one that was pinned itself, where it was.
   std::vector<mesh::VertexId> still_pinned;
-  for (auto p = loads.pins.rbegin(); p != loads.pins.rend(); ++p) {  // the ids that remain last
+  for (auto p = holds.rbegin(); p != holds.rend(); ++p) {  // the ids that remain last
     const mesh::VertexId vertex = origins.of(p->vertex);
     if (vertex == mesh::kNone) continue;
     state.x.col(vertex) = p->target;
@@ -280,22 +247,24 @@ void Sheet::Impl::take_back(const std::vector<DoneCut>& cuts, const CommandConte
   }
   std::sort(still_pinned.begin(), still_pinned.end());
   still_pinned.erase(std::unique(still_pinned.begin(), still_pinned.end()), still_pinned.end());
-  finish_edit(std::move(still_pinned), context.observer);
+  finish_edit(std::move(still_pinned), {}, context.observer);
   topology.replace();
 }
 
 std::vector<fem::Pin> Sheet::Impl::pins_lost_by(const mesh::MeshEdit& edit) const {
   std::vector<fem::Pin> lost;
-  for (const fem::Pin& p : loads.pins) {
+  for (const fem::Pin& p : holds) {
     if (std::binary_search(edit.removed_vertices.begin(), edit.removed_vertices.end(), p.vertex)) lost.push_back(p);
   }
   return lost;
 }
 
 // What follows once mesh, model and state are of one topology again.
-void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned, PhaseObserver* observer) {
+void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<const mesh::MeshEdit* const> edits,
+                              PhaseObserver* observer) {
   if (now_pinned != pinned) ++settings_version;
   pin(std::move(now_pinned));
+  follow_conditions(edits);
   for (GrabState& held : grabs) {
     if (!held.material && !mesh.has_material(held.vertices[0])) held.material = mesh.rest_position(held.vertices[0]);
     if (!held.material) continue;
@@ -305,7 +274,12 @@ void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned, PhaseObser
     held.weights = point.weights;
   }
   enter_phase(observer, "integrator");
-  integrator->follow(model);
+  if (held_vertices.has_slopes()) {
+    set_slopes(now);
+    integrator->rebuild(model);
+  } else {
+    integrator->follow(model);
+  }
   make_room();
   ++topology_version;
 }

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "server/fem/model.h"
+#include "server/sheet/applied_forces.h"
 #include "server/sheet/contact_bridge.h"
+#include "server/sheet/held_vertices.h"
 #include "server/sheet/lineage.h"
 #include "server/sheet/sheet.h"
 #include "server/sheet/topology.h"
@@ -19,8 +21,11 @@ namespace kerf::sheet {
 // What a Reset goes back to.
 struct InitialState {
   mesh::TriangleMesh mesh;
-  Eigen::Matrix3Xd positions;  // 3 x V, m
+  Eigen::Matrix3Xd positions;   // 3 x V, m
+  Eigen::Matrix3Xd velocities;  // 3 x V, m/s
   std::vector<mesh::VertexId> pinned;
+  HeldVertices held_vertices;
+  AppliedForces applied_forces;
 };
 
 // An integrator that is copied by making a new one of the same kind, to be rebuilt before its first step. Nothing is
@@ -77,6 +82,15 @@ struct Sheet::Impl {
   // Stages of a tick (sheet.cc).
   void drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled, TickReport& report);
   void set_loads();
+  // Makes constraints, loads and slopes those of a step of dt (s, 0: at once) that ends at `end`; nothing where none
+  // changed.
+  void set_conditions(const Instant& end, double dt);
+  void follow_conditions(std::span<const mesh::MeshEdit* const> edits);
+  void set_slopes(const Instant& at);
+  fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options,
+                               const fem::EquilibriumSolver::Watch& watch);
+  TickReport begin_load_step();
+  void stamp(TickReport& report) const;
   void integrate(TickReport& report);
   void watch_rest();
   [[nodiscard]] bool is_at_rest() const;
@@ -106,7 +120,8 @@ struct Sheet::Impl {
   void take_back(const std::vector<DoneCut>& cuts, const CommandContext& context);
   // Of vertices that the edit leaves without material.
   [[nodiscard]] std::vector<fem::Pin> pins_lost_by(const mesh::MeshEdit& edit) const;
-  void finish_edit(std::vector<mesh::VertexId> now_pinned, PhaseObserver* observer);
+  void finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<const mesh::MeshEdit* const> edits,
+                   PhaseObserver* observer);
   [[nodiscard]] CommandReply undo_reply(const UndoStep& step) const;
 
   void pin(std::vector<mesh::VertexId> vertices);
@@ -130,8 +145,16 @@ struct Sheet::Impl {
   std::int32_t pins_version = 0;       // grows where a client sets them
   std::vector<GrabState> grabs;
   Wind wind;
-  fem::Loads loads;  // its pins hold the vertices in `pinned`, in order; its grabs are set anew each tick
+  std::vector<fem::Pin> holds;  // of the vertices in `pinned`, in order
+  HeldVertices held_vertices;
+  AppliedForces applied_forces;
+  Eigen::Vector3d full_gravity;         // m/s^2, at factor 1
+  Instant now;                          // when the conditions were set last
+  std::vector<mesh::VertexId> clamped;  // whose slope the model holds; sorted
+  bool conditions_changed = true;       // since then, other than by time
+  fem::Loads loads;                     // holds, over them what constraints hold; its grabs are set anew each tick
   std::int64_t tick = 0;
+  std::int64_t start_tick = 0;     // from which histories count: of the last reset
   std::size_t next_scheduled = 0;  // into `schedule`
   std::int32_t failed_steps = 0;   // in a row
   bool frozen = false;

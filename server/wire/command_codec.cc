@@ -4,7 +4,7 @@
 #include <variant>
 
 #include "server/wire/geometry_codec.h"
-#include "server/wire/pin_codec.h"
+#include "server/wire/region_codec.h"
 #include "server/wire/view_codec.h"
 
 namespace kerf::wire {
@@ -207,7 +207,7 @@ Result<sheet::Command> decode_release(const v1::Release& message) {
 }
 
 Result<sheet::Command> decode_set_pins(const v1::SetPins& message) {
-  Result<std::vector<sheet::PinRegion>> pins = decode_pins(message.pins(), "set_pins.pins");
+  Result<std::vector<sheet::Region>> pins = decode_pins(message.pins(), "set_pins.pins");
   if (!pins.ok()) return pins.error();
   return checked(sheet::SetPins{std::move(*pins)});
 }

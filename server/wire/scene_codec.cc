@@ -4,12 +4,14 @@
 #include <utility>
 #include <variant>
 
+#include "server/wire/analysis_codec.h"
 #include "server/wire/command_codec.h"
+#include "server/wire/conditions_codec.h"
 #include "server/wire/geometry_codec.h"
 #include "server/wire/json.h"
 #include "server/wire/material_codec.h"
 #include "server/wire/mesh_source_codec.h"
-#include "server/wire/pin_codec.h"
+#include "server/wire/region_codec.h"
 
 namespace kerf::wire {
 namespace {
@@ -126,7 +128,7 @@ Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const FileReader
   if (!material.ok()) return material.error();
   config.material = *material;
   decode_placement(scene.placement(), config.placement);
-  Result<std::vector<sheet::PinRegion>> pins = decode_pins(scene.pins(), "pins");
+  Result<std::vector<sheet::Region>> pins = decode_pins(scene.pins(), "pins");
   if (!pins.ok()) return pins.error();
   config.pins = std::move(*pins);
   if (scene.has_gravity_mps2()) config.gravity = decode_vector(scene.gravity_mps2());
@@ -136,6 +138,8 @@ Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const FileReader
     return status.error();
   }
   if (const Status status = decode_lists(scene, read_file, config); !status.ok()) return status.error();
+  if (const Status status = decode_conditions(scene, config); !status.ok()) return status.error();
+  if (const Status status = decode_analysis(scene, config); !status.ok()) return status.error();
   if (scene.max_vertices() != 0) config.max_vertices = scene.max_vertices();
   config.ticks = scene.ticks();
   config.description = scene.description();
@@ -190,6 +194,8 @@ v1::Scene encode_scene(const sheet::SheetConfig& config) {
   v1::Scene scene = encode_settings({config, config.gravity, config.wind});
   encode_mesh_source(config.mesh, scene);
   encode_pins(config.pins, *scene.mutable_pins());
+  encode_conditions(config, scene);
+  encode_analysis(config, scene);
   for (const sheet::ScheduledCommand& scheduled : config.commands) {
     v1::ScheduledCommand& message = *scene.add_commands();
     message.set_tick(scheduled.tick);

@@ -78,7 +78,7 @@ class ApiTest : public host::HostTest {
     grid.set_rows(7);
     grid.set_width_m(1.0);
     grid.set_height_m(1.0);
-    request.mutable_scene()->add_pins()->set_edge(v1::PinRegion::TOP);
+    request.mutable_scene()->add_pins()->set_edge(v1::Region::TOP);
     request.mutable_scene()->set_tick_rate_hz(50.0);
     return call(&Api::create_sheet, request);
   }

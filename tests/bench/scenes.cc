@@ -31,7 +31,7 @@ sheet::Sheet create(sheet::SheetConfig config) {
 
 sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator) {
   sheet::SheetConfig config = horizontal_cloth(side, integrator);
-  config.pins.emplace_back(sheet::PinEdge::kTopCorners);
+  config.pins.emplace_back(sheet::RegionEdge::kTopCorners);
   return create(std::move(config));
 }
 

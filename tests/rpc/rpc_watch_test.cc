@@ -79,7 +79,7 @@ class RpcWatchTest : public ::testing::Test {
     request.set_sheet_id(id);
     request.set_paused(paused);
     request.mutable_scene()->set_tick_rate_hz(tick_rate_hz);
-    request.mutable_scene()->add_pins()->set_edge(v1::PinRegion::TOP_CORNERS);
+    request.mutable_scene()->add_pins()->set_edge(v1::Region::TOP_CORNERS);
     v1::GridMesh& grid = *request.mutable_scene()->mutable_grid();
     grid.set_columns(10);
     grid.set_rows(10);

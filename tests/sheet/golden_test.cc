@@ -36,7 +36,7 @@ SheetConfig pulled_in_the_wind() {
   SheetConfig config = scenes::hanging(16);
   std::get<GridSource>(config.mesh).pattern = GridPattern::kJitteredDelaunay;
   std::get<GridSource>(config.mesh).seed = 7;
-  config.pins = {PinEdge::kTopCorners};
+  config.pins = {RegionEdge::kTopCorners};
   config.wind = {Vector3d(2.0, 5.0, 0.0), 1.2, 1.0};
   config.commands = {{1, Grab{"hand", Vector2d(0.52, 0.33), std::nullopt, 0.0}},
                      {5, Drag{"hand", Vector3d(0.5, 0.4, 0.5)}},
@@ -120,7 +120,7 @@ Recording record() {
   note({scenes::circle_cut({0.3, 0.6}, 0.1)}, false);
   for (int i = 0; i < 12; ++i) note({}, true);
   note({SetGravity{Vector3d(0, 0, -3)}, Drag{"nobody", Vector3d(0, 0, 0)}}, true);
-  note({SetPins{{PinEdge::kLeft}}, scenes::line_cut({0.2, -0.1}, {0.25, 1.1})}, false);
+  note({SetPins{{RegionEdge::kLeft}}, scenes::line_cut({0.2, -0.1}, {0.25, 1.1})}, false);
   for (int i = 0; i < 12; ++i) note({}, true);
   note({SetWind{{Vector3d(0, -3, 0), 1.2, 1.0}}, Grab{"second", 20, std::nullopt, 30.0}}, true);
   for (int i = 0; i < 5; ++i) note({}, true);

@@ -163,11 +163,11 @@ TEST(SheetConfig, MaterialMustBeValid) {
 TEST(SheetConfig, PinsNameWhatExists) {
   using Ids = std::vector<mesh::VertexId>;
   EXPECT_EQ(field_of([](SheetConfig& c) { c.pins = {Ids{0, 16}}; }), "pins[0].vertices.vertices[1]");
-  EXPECT_EQ(field_of([](SheetConfig& c) { c.pins = {PinEdge::kTop, Ids{-1}}; }), "pins[1].vertices.vertices[0]");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.pins = {RegionEdge::kTop, Ids{-1}}; }), "pins[1].vertices.vertices[0]");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.pins = {MaterialBox{{0, kNan}, {1, 1}}}; }), "pins[0].box.min.y");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.pins = {MaterialBox{{0, 2}, {1, 1}}}; }), "pins[0].box.max");
-  EXPECT_EQ(field_of([](SheetConfig& c) { c.pins.resize(65, PinEdge::kTop); }), "pins");
-  EXPECT_EQ(field_of([](SheetConfig& c) { c.pins.resize(64, PinEdge::kTop); }), "accepted");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.pins.resize(65, RegionEdge::kTop); }), "pins");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.pins.resize(64, RegionEdge::kTop); }), "accepted");
 }
 
 TEST(SheetConfig, LoadsAndColliders) {

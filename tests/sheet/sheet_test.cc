@@ -69,15 +69,15 @@ TEST(Sheet, SetPinsHoldsVerticesWhereTheyAre) {
   EXPECT_TRUE(sheet.pinned_vertices().empty());
 }
 
-TEST(Sheet, PinRegionsNameTheRightVertices) {
+TEST(Sheet, RegionsNameTheRightVertices) {
   SheetConfig config = scenes::hanging(5);
-  config.pins = {PinEdge::kCorners};
+  config.pins = {RegionEdge::kCorners};
   EXPECT_EQ(make(config).pinned_vertices(), (std::vector<mesh::VertexId>{0, 4, 20, 24}));
-  config.pins = {PinEdge::kTopCorners};
+  config.pins = {RegionEdge::kTopCorners};
   EXPECT_EQ(make(config).pinned_vertices(), (std::vector<mesh::VertexId>{20, 24}));
-  config.pins = {PinEdge::kLeft, PinEdge::kBottom};
+  config.pins = {RegionEdge::kLeft, RegionEdge::kBottom};
   EXPECT_EQ(make(config).pinned_vertices(), (std::vector<mesh::VertexId>{0, 1, 2, 3, 4, 5, 10, 15, 20}));
-  config.pins = {PinEdge::kRight};
+  config.pins = {RegionEdge::kRight};
   EXPECT_EQ(make(config).pinned_vertices(), (std::vector<mesh::VertexId>{4, 9, 14, 19, 24}));
   config.pins = {MaterialBox{{0.2, 0.2}, {0.5, 0.3}}};
   EXPECT_EQ(make(config).pinned_vertices(), (std::vector<mesh::VertexId>{6, 7}));
@@ -141,7 +141,7 @@ TEST(Sheet, ARefusedCommandChangesNothing) {
   EXPECT_EQ(reason(apply(sheet, Release{"b"})), "GRAB_NOT_FOUND");
   EXPECT_EQ(reason(apply(sheet, SetPins{{std::vector<mesh::VertexId>{0, 100}}})), "UNKNOWN_VERTEX");
   EXPECT_EQ(reason(apply(sheet, SetPins{{MaterialBox{{0, 0}, {-1, 1}}}})), "BOX_INVERTED");
-  EXPECT_EQ(reason(apply(sheet, SetPins{std::vector<PinRegion>(65, PinEdge::kTop)})), "TOO_MANY");
+  EXPECT_EQ(reason(apply(sheet, SetPins{std::vector<Region>(65, RegionEdge::kTop)})), "TOO_MANY");
   EXPECT_EQ(reason(apply(sheet, SetGravity{Vector3d(0, 0, nan)})), "NOT_FINITE");
   EXPECT_EQ(reason(apply(sheet, SetGravity{Vector3d(0, 9e3, 9e3)})), "OUT_OF_RANGE");
   EXPECT_EQ(reason(apply(sheet, SetWind{{Vector3d(0, 0, 1001), 1.2, 1.0}})), "OUT_OF_RANGE");
@@ -153,7 +153,7 @@ TEST(Sheet, ARefusedCommandChangesNothing) {
 TEST(Sheet, RefusalsNameTheField) {
   Sheet sheet = make(scenes::hanging(5));
   EXPECT_EQ(apply(sheet, Grab{"b", Vector2d(1.5, 0.5), std::nullopt, 0.0}).error().field, "grab.material");
-  EXPECT_EQ(apply(sheet, SetPins{{PinEdge::kTop, std::vector<mesh::VertexId>{0, 25}}}).error().field,
+  EXPECT_EQ(apply(sheet, SetPins{{RegionEdge::kTop, std::vector<mesh::VertexId>{0, 25}}}).error().field,
             "set_pins.pins[1].vertices.vertices[1]");
   Cut cut = scenes::line_cut({0, 0}, {1, 1});
   cut.tolerance = 0.6;

@@ -19,7 +19,7 @@ inline sheet::SheetConfig hanging(std::int32_t n) {
   sheet::SheetConfig config;
   config.mesh = sheet::GridSource{n, n, 1.0, 1.0, sheet::GridPattern::kUniformDiagonals, 0};
   config.material = demo_material();
-  config.pins = {sheet::PinEdge::kTop};
+  config.pins = {sheet::RegionEdge::kTop};
   return config;
 }
 

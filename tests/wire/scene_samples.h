@@ -116,7 +116,7 @@ inline void add_commands(v1::Scene& scene) {
   drag->set_grab_id("hand");
   set(drag->mutable_target(), 0.0, 1.0, 0.0);
   add_command(scene, 6).mutable_release()->set_grab_id("hand");
-  add_command(scene, 7).mutable_set_pins()->add_pins()->set_edge(v1::PinRegion::BOTTOM);
+  add_command(scene, 7).mutable_set_pins()->add_pins()->set_edge(v1::Region::BOTTOM);
   set(add_command(scene, 8).mutable_set_gravity()->mutable_gravity_mps2(), 0.0, 0.0, -1.62);
   v1::Wind* wind = add_command(scene, 9).mutable_set_wind()->mutable_wind();
   set(wind->mutable_velocity_mps(), 3.0, 0.0, 0.0);
@@ -156,8 +156,8 @@ inline v1::Scene full_scene() {
   set(scene.mutable_placement()->mutable_origin(), 0.1, 0.2, 0.3);
   set(scene.mutable_placement()->mutable_x_axis(), 0.0, 1.0, 0.0);
   set(scene.mutable_placement()->mutable_y_axis(), 1.0, 0.0, 0.0);
-  for (const auto edge : {v1::PinRegion::TOP, v1::PinRegion::BOTTOM, v1::PinRegion::LEFT, v1::PinRegion::RIGHT,
-                          v1::PinRegion::CORNERS, v1::PinRegion::TOP_CORNERS}) {
+  for (const auto edge : {v1::Region::TOP, v1::Region::BOTTOM, v1::Region::LEFT, v1::Region::RIGHT,
+                          v1::Region::CORNERS, v1::Region::TOP_CORNERS}) {
     scene.add_pins()->set_edge(edge);
   }
   v1::MaterialBox* box = scene.add_pins()->mutable_box();
@@ -274,14 +274,14 @@ inline std::vector<BadScene> bad_numbers() {
       {"material.mass_damping_per_s", [](v1::Scene& s) { s.mutable_material()->set_mass_damping_per_s(1001.0); }},
       {"material.stiffness_damping_s", [](v1::Scene& s) { s.mutable_material()->set_stiffness_damping_s(1.1); }},
       {"pins[0].region", [](v1::Scene& s) { s.mutable_pins(0)->clear_region(); }},
-      {"pins[1].edge", [](v1::Scene& s) { s.mutable_pins(1)->set_edge(v1::PinRegion::EDGE_UNSPECIFIED); }},
+      {"pins[1].edge", [](v1::Scene& s) { s.mutable_pins(1)->set_edge(v1::Region::EDGE_UNSPECIFIED); }},
       {"pins[6].box.min.x", [=](v1::Scene& s) { s.mutable_pins(6)->mutable_box()->mutable_min()->set_x(nan); }},
       {"pins[6].box.max", [](v1::Scene& s) { s.mutable_pins(6)->mutable_box()->mutable_max()->set_y(0.0); }},
       {"pins[7].vertices.vertices[0]",
        [](v1::Scene& s) { s.mutable_pins(7)->mutable_vertices()->set_vertices(0, -1); }},
       {"pins",
        [](v1::Scene& s) {
-         for (int i = 0; i < 57; ++i) s.add_pins()->set_edge(v1::PinRegion::TOP);
+         for (int i = 0; i < 57; ++i) s.add_pins()->set_edge(v1::Region::TOP);
        }},
       {"gravity_mps2.x", [=](v1::Scene& s) { s.mutable_gravity_mps2()->set_x(nan); }},
       {"gravity_mps2", [](v1::Scene& s) { set(s.mutable_gravity_mps2(), 9e3, 9e3, 0.0); }},

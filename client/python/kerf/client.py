@@ -110,7 +110,7 @@ class Server:
         """
         columns, rows = grid
         scene = scene_pb2.Scene(
-            pins=[scene_pb2.PinRegion(edge=scene_pb2.PinRegion.Edge.Value(each.upper())) for each in pins],
+            pins=[scene_pb2.Region(edge=scene_pb2.Region.Edge.Value(each.upper())) for each in pins],
             material=scene_pb2.Material(preset=material),
         )
         if mesh_file is None:

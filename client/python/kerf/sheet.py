@@ -170,7 +170,7 @@ class Sheet:
         release = scene_pb2.Release(grab_id=grab_id)
         return self._interact("ReleasePoint", interaction_pb2.ReleasePointRequest(name=self.name, release=release))
 
-    def set_pins(self, pins: Iterable[scene_pb2.PinRegion]) -> int:
+    def set_pins(self, pins: Iterable[scene_pb2.Region]) -> int:
         """Replaces all pins; none releases the sheet."""
         request = interaction_pb2.SetSheetPinsRequest(name=self.name, set_pins=scene_pb2.SetPins(pins=pins))
         return self._interact("SetSheetPins", request)

@@ -2,7 +2,7 @@ import { create } from '@bufbuild/protobuf';
 import type { Vector2 } from 'three';
 import { call } from '../api';
 import { InteractionService } from '../gen/kerf/v1/interaction_pb';
-import { PinRegionSchema } from '../gen/kerf/v1/scene_pb';
+import { RegionSchema } from '../gen/kerf/v1/conditions_pb';
 import type { Pointer, Tool, Viewer } from './tool';
 
 // A tap this near to a pin, in CSS pixels, is meant for it.
@@ -51,7 +51,7 @@ export class PinTool implements Tool {
     if (!isPinned) pinned.add(vertex);
     const vertices = [...pinned].sort((a, b) => a - b);
     const pins =
-      vertices.length === 0 ? [] : [create(PinRegionSchema, { region: { case: 'vertices', value: { vertices } } })];
+      vertices.length === 0 ? [] : [create(RegionSchema, { region: { case: 'vertices', value: { vertices } } })];
     const done = await this.viewer.attempt(() =>
       call(InteractionService.method.setSheetPins, { name: this.viewer.sheetName, setPins: { pins } }),
     );

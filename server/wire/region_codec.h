@@ -11,11 +11,15 @@
 
 namespace kerf::wire {
 
-using PinRegionMessages = google::protobuf::RepeatedPtrField<v1::PinRegion>;
+using RegionMessages = google::protobuf::RepeatedPtrField<v1::Region>;
 
 // Unchecked, but for what only the message can get wrong; `path` names the repeated field ("pins").
-Result<std::vector<sheet::PinRegion>> decode_pins(const PinRegionMessages& pins, const std::string& path);
-void encode_pins(const std::vector<sheet::PinRegion>& pins, PinRegionMessages& messages);
+Result<std::vector<sheet::Region>> decode_pins(const RegionMessages& pins, const std::string& path);
+void encode_pins(const std::vector<sheet::Region>& pins, RegionMessages& messages);
+
+// Of one region; `path` names it ("constraints[2].region").
+Result<sheet::Region> decode_region(const v1::Region& region, const std::string& path);
+void encode_region(const sheet::Region& region, v1::Region& message);
 
 // Wind with the defaults that scene.proto documents for zeros; unchecked.
 sheet::Wind decode_wind(const v1::Wind& wind);

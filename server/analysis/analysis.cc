@@ -1,0 +1,196 @@
+#include "server/analysis/analysis.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "server/analysis/probe.h"
+#include "server/fem/equilibrium.h"
+#include "server/fem/modes.h"
+
+namespace kerf::analysis {
+
+namespace {
+
+// Of the distance between two loads that were asked for; below it a load is given up.
+constexpr double kSmallestStep = 1.0 / 4096.0;
+
+std::string text(const char* format, double a, double b) {
+  std::array<char, 96> line{};
+  std::snprintf(line.data(), line.size(), format, a, b);
+  return line.data();
+}
+
+Table table_of(const Probes& probes, const std::string& first) {
+  Table table{"probes", {first}, {}};
+  table.columns.insert(table.columns.end(), probes.columns().begin(), probes.columns().end());
+  return table;
+}
+
+// Keeps the answers; the error of the first that is one.
+Status keep(std::vector<sheet::ScheduledReply> scheduled, std::vector<sheet::ScheduledReply>& kept) {
+  for (sheet::ScheduledReply& answer : scheduled) {
+    if (!answer.reply) {
+      Error error = answer.reply.error();
+      error.message = "scheduled command " + std::to_string(answer.index) + ": " + error.message;
+      const std::string path = "commands[" + std::to_string(answer.index) + "].command";
+      error.field = error.field.empty() ? path : path + "." + error.field;
+      return error;
+    }
+    kept.push_back(std::move(answer));
+  }
+  return Nothing{};
+}
+
+// From one load to the next, in smaller steps where need be. False: not to the end, or stopped.
+class LoadPath {
+ public:
+  LoadPath(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis, const Watch& watch, StaticStats& stats)
+      : sheet_(sheet), watch_(watch), stats_(stats) {
+    options_.tolerance = analysis.tolerance;
+    options_.max_iterations = analysis.max_iterations;
+  }
+
+  bool advance(double to) {
+    const double from = stats_.load;
+    double step = to - from;
+    while (stats_.load < to && !stopped_) {
+      // The last step ends exactly where it should.
+      const double target = stats_.load + 1.0001 * step >= to ? to : stats_.load + step;
+      if (solve(target)) {
+        step *= 2.0;
+        continue;
+      }
+      step *= 0.5;
+      if (step < kSmallestStep * (to - from)) return false;
+    }
+    return !stopped_;
+  }
+  [[nodiscard]] bool stopped() const { return stopped_; }
+
+ private:
+  bool solve(double load) {
+    const auto report = [&](const fem::EquilibriumStats& stats) {
+      if (watch_ && !watch_({stats_.load, text("load %.4g, residual %.1e", load, stats.residual)})) stopped_ = true;
+      return !stopped_;
+    };
+    const fem::EquilibriumStats found = sheet_.settle(load, options_, report);
+    ++stats_.solves;
+    stats_.iterations += found.iterations;
+    if (!found.converged) return false;
+    stats_.load = load;
+    stats_.residual = found.residual;
+    stats_.is_stable = found.shift == 0.0;
+    return true;
+  }
+
+  sheet::Sheet& sheet_;
+  const Watch& watch_;
+  StaticStats& stats_;
+  fem::EquilibriumOptions options_;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+Result<Outcome> run_dynamic(sheet::Sheet& sheet, std::int64_t ticks, const Watch& watch,
+                            const std::function<void(const sheet::TickReport&)>& after,
+                            sheet::StageObserver* observer) {
+  Result<Probes> probes = Probes::create(sheet.config().probes, sheet);
+  if (!probes) return probes.error();
+  const bool measures = !probes->columns().empty();
+  Outcome outcome;
+  Table table = table_of(*probes, "time_s");
+  double time = 0.0;
+  const auto measure = [&](const mesh::VertexField& v_before, double dt) {
+    std::vector<double> row{time};
+    probes->measure(sheet, v_before, dt, row);
+    table.rows.push_back(std::move(row));
+  };
+  if (measures) measure({}, 0.0);
+  mesh::VertexField v_before;
+  for (std::int64_t i = 1; i <= ticks; ++i) {
+    const std::int32_t version = sheet.topology_version();
+    if (measures) v_before = sheet.state().v;
+    sheet::TickReport report = sheet.step({}, observer);
+    if (after) after(report);
+    if (Status s = keep(std::move(report.scheduled), outcome.scheduled); !s) return s.error();
+    time += report.stats.simulated;
+    // Velocities of other vertices say nothing of the acceleration of these.
+    const bool is_same = version == sheet.topology_version();
+    if (measures) measure(v_before, is_same ? report.stats.simulated : 0.0);
+    const Progress progress{static_cast<double>(i) / static_cast<double>(ticks),
+                            "tick " + std::to_string(i) + " of " + std::to_string(ticks)};
+    if (watch && !watch(progress)) {
+      outcome.stopped = true;
+      break;
+    }
+  }
+  if (measures) outcome.tables.push_back(std::move(table));
+  return outcome;
+}
+
+Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis, const Watch& watch) {
+  Result<Probes> probes = Probes::create(sheet.config().probes, sheet);
+  if (!probes) return probes.error();
+  Outcome outcome;
+  StaticStats stats;
+  Table table = table_of(*probes, "load");
+  LoadPath path(sheet, analysis, watch, stats);
+  for (const double load : analysis.loads) {
+    sheet::TickReport report = sheet.begin_load_step();
+    if (Status s = keep(std::move(report.scheduled), outcome.scheduled); !s) return s.error();
+    if (!path.advance(load)) {
+      stats.converged = false;
+      break;
+    }
+    std::vector<double> row{load};
+    probes->measure(sheet, {}, 0.0, row);
+    table.rows.push_back(std::move(row));
+  }
+  outcome.stopped = path.stopped();
+  outcome.statics = stats;
+  if (!probes->columns().empty()) outcome.tables.push_back(std::move(table));
+  return outcome;
+}
+
+Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analysis, const Watch& watch) {
+  Outcome outcome;
+  if (analysis.about) {
+    Result<Outcome> about = run_static(sheet, *analysis.about, watch);
+    if (!about) return about.error();
+    outcome = std::move(about).value();
+    if (outcome.stopped || !outcome.statics->converged) return outcome;
+  }
+  if (watch && !watch({0.5, "factorising"})) {
+    outcome.stopped = true;
+    return outcome;
+  }
+  const int num_free = fem::num_free_components(sheet.model(), sheet.loads());
+  if (analysis.count >= num_free) {
+    return invalid_argument("TOO_MANY_MODES",
+                            "analysis.modes.count is " + std::to_string(analysis.count) + "; the sheet has " +
+                                std::to_string(num_free) + " components that nothing holds, and as many modes",
+                            "analysis.modes.count");
+  }
+  const fem::Modes modes = fem::find_modes(sheet.model(), sheet.loads(), sheet.state().x, analysis.count);
+  if (!modes.converged) {
+    return Error{ErrorCode::kInternal, "MODES_NOT_CONVERGED",
+                 "the lowest vibrations did not converge; ask for fewer, or for a finer state to find them about",
+                 "analysis.modes"};
+  }
+  Table table{"modes", {"mode", "eigenvalue_per_s2", "frequency_hz"}, {}};
+  for (Eigen::Index i = 0; i < modes.eigenvalues.size(); ++i) {
+    const double value = modes.eigenvalues[i];
+    const double frequency = std::copysign(std::sqrt(std::abs(value)), value) / (2.0 * std::numbers::pi);
+    table.rows.push_back({static_cast<double>(i + 1), value, frequency});
+  }
+  outcome.tables.push_back(std::move(table));
+  return outcome;
+}
+
+}  // namespace kerf::analysis

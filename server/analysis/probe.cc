@@ -1,0 +1,332 @@
+#include "server/analysis/probe.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include <Eigen/Geometry>
+
+#include "server/analysis/fields.h"
+
+namespace kerf::analysis {
+
+namespace {
+
+using sheet::Probe;
+using sheet::Quantity;
+using sheet::Reduce;
+using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 5, 1>;  // of the components of a quantity
+
+// How far a point that names the side of a cut draws the place that is looked up towards itself.
+constexpr double kNudge = 1.0e-7;  // -, of the larger side of the material bounding box
+// A point this near to a vertex, in barycentric coordinates, is there.
+constexpr double kAtVertex = 1.0e-6;
+
+std::vector<std::string> components_of(Quantity quantity) {
+  switch (quantity) {
+    case Quantity::kStrain:
+    case Quantity::kStress:
+      return {"xx", "yy", "xy"};
+    case Quantity::kEnergy:
+      return {"kinetic", "membrane", "bending", "gravity", "total"};
+    case Quantity::kOpening:
+      return {"normal", "sliding", "lateral"};
+    default:
+      return {"x", "y", "z"};
+  }
+}
+
+bool is_in_plane(Quantity quantity) {
+  return quantity == Quantity::kStrain || quantity == Quantity::kStress;
+}
+
+bool has(const std::vector<mesh::VertexId>& sorted, mesh::VertexId v) {
+  return std::binary_search(sorted.begin(), sorted.end(), v);
+}
+
+// The solid slot with these corners.
+mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
+  for (const mesh::TriangleId slot : model.incident_slots().row(point.vertices[0])) {
+    const auto& corner = mesh.vertices(slot);
+    const auto is_corner = [&](mesh::VertexId v) { return std::find(corner.begin(), corner.end(), v) != corner.end(); };
+    if (is_corner(point.vertices[1]) && is_corner(point.vertices[2])) return slot;
+  }
+  return mesh::kNone;
+}
+
+Vector at_point(const sheet::MaterialPoint& point, const mesh::VertexField& field) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (point.vertices[k] != mesh::kNone) {
+      sum += point.weights[static_cast<Eigen::Index>(k)] * field.col(point.vertices[k]);
+    }
+  }
+  return sum;
+}
+
+// Length of border around each vertex of the region between two of its vertices, m.
+std::vector<double> border_lengths(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
+  std::vector<double> lengths(region.size(), 0.0);
+  const auto add = [&](mesh::VertexId v, double length) {
+    lengths[static_cast<std::size_t>(std::lower_bound(region.begin(), region.end(), v) - region.begin())] += length;
+  };
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (!mesh.is_solid(t)) continue;
+    const auto& corner = mesh.vertices(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const mesh::VertexId a = corner[(k + 1) % 3];
+      const mesh::VertexId b = corner[(k + 2) % 3];
+      if (mesh.neighbour(t, static_cast<int>(k)) != mesh::kNone || !has(region, a) || !has(region, b)) continue;
+      const double length = (mesh.rest_position(a) - mesh.rest_position(b)).norm();
+      add(a, 0.5 * length);
+      add(b, 0.5 * length);
+    }
+  }
+  return lengths;
+}
+
+// Of sums, means and extremes of rows of equal length.
+class Reduction {
+ public:
+  Reduction(Reduce how, Eigen::Index size) : how_(how), sum_(Vector::Zero(size)) {
+    if (how == Reduce::kMin) sum_.setConstant(std::numeric_limits<double>::infinity());
+    if (how == Reduce::kMax) sum_.setConstant(-std::numeric_limits<double>::infinity());
+  }
+  void add(const Vector& value, double weight) {
+    if (how_ == Reduce::kMin) {
+      sum_ = sum_.cwiseMin(value);
+    } else if (how_ == Reduce::kMax) {
+      sum_ = sum_.cwiseMax(value);
+    } else {
+      sum_ += how_ == Reduce::kMean ? weight * value : value;
+    }
+    weight_ += weight;
+    ++count_;
+  }
+  [[nodiscard]] Vector result() const {
+    if (count_ == 0) return Vector::Constant(sum_.size(), std::numeric_limits<double>::quiet_NaN());
+    return how_ == Reduce::kMean ? Vector(sum_ / weight_) : sum_;
+  }
+
+ private:
+  Reduce how_;
+  Vector sum_;
+  double weight_ = 0.0;
+  int count_ = 0;
+};
+
+// N, 3 x V: what holds the vertices, of the components that are held; 0 elsewhere.
+mesh::VertexField reactions(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt) {
+  const fem::Model& model = sheet.model();
+  const fem::Loads& loads = sheet.loads();
+  mesh::VertexField f(model.num_vertices());
+  model.internal_forces(sheet.state().x, f);
+  mesh::VertexField reaction(model.num_vertices());
+  reaction.setZero();
+  for (const fem::Pin& pin : loads.pins) {
+    const double m = model.mass()[static_cast<std::size_t>(pin.vertex)];
+    Eigen::Vector3d force = -f.col(pin.vertex) - m * loads.gravity;
+    if (loads.external_forces.cols() > 0) force -= loads.external_forces.col(pin.vertex);
+    if (dt > 0.0) force += m * (sheet.state().v.col(pin.vertex) - v_before.col(pin.vertex)) / dt;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto component = static_cast<Eigen::Index>(k);
+      if (pin.fixed[k]) reaction(component, pin.vertex) = force[component];
+    }
+  }
+  return reaction;
+}
+
+Vector of_whole_sheet(const sheet::Sheet& sheet, Quantity quantity) {
+  const fem::Model& model = sheet.model();
+  const fem::State& state = sheet.state();
+  if (quantity == Quantity::kEnergy) {
+    const fem::Energies e = model.energies(state, sheet.loads().gravity);
+    Vector energies(5);
+    energies << e.kinetic, e.membrane, e.bending, e.gravity, e.total();
+    return energies;
+  }
+  if (quantity == Quantity::kMomentum) return model.momentum(state).linear;
+  if (quantity == Quantity::kCentreOfMass) return model.centre_of_mass(state.x);
+  if (quantity == Quantity::kAngularMomentum) {
+    const fem::Momentum momentum = model.momentum(state);
+    return Eigen::Vector3d(momentum.angular - model.centre_of_mass(state.x).cross(momentum.linear));
+  }
+  Eigen::AlignedBox3d box;
+  for (Eigen::Index v = 0; v < state.x.cols(); ++v) {
+    if (sheet.mesh().has_material(static_cast<mesh::VertexId>(v))) box.extend(Eigen::Vector3d(state.x.col(v)));
+  }
+  return Eigen::Vector3d(box.sizes());
+}
+
+bool is_global(const Probe& probe) {
+  return probe.points.empty() && !probe.region;
+}
+
+}  // namespace
+
+// What measuring one row needs, once for all probes.
+struct Probes::Context {
+  const sheet::Sheet& sheet;
+  const mesh::VertexField& v_before;
+  double dt;
+  mesh::VertexField reaction;  // empty before it is asked for
+
+  [[nodiscard]] Vector value(const Probe& probe, const Place& place) const {
+    const fem::State& state = sheet.state();
+    if (probe.quantity == Quantity::kOpening) return opening(*place.lips, state.x);
+    if (probe.quantity == Quantity::kPosition) return at_point(place.point, state.x);
+    if (probe.quantity == Quantity::kVelocity) return at_point(place.point, state.v);
+    if (probe.quantity == Quantity::kDisplacement) return at_point(place.point, state.x) - place.start;
+    const InPlane field = place.vertex != mesh::kNone ? in_plane_at(sheet.model(), place.vertex, state.x)
+                                                      : in_plane(sheet.model(), place.slot, state.x);
+    return probe.quantity == Quantity::kStress ? field.stress : field.strain;
+  }
+  [[nodiscard]] Vector value(const Probe& probe, const Member& member) {
+    const fem::State& state = sheet.state();
+    switch (probe.quantity) {
+      case Quantity::kPosition:
+        return state.x.col(member.id);
+      case Quantity::kVelocity:
+        return state.v.col(member.id);
+      case Quantity::kDisplacement:
+        return state.x.col(member.id) - member.start;
+      case Quantity::kStrain:
+        return in_plane(sheet.model(), member.id, state.x).strain;
+      case Quantity::kStress:
+        return in_plane(sheet.model(), member.id, state.x).stress;
+      default:
+        if (reaction.cols() == 0) reaction = reactions(sheet, v_before, dt);
+        return reaction.col(member.id);
+    }
+  }
+};
+
+Result<Probes> Probes::create(std::vector<Probe> requests, const sheet::Sheet& sheet) {
+  Probes probes;
+  probes.requests_ = std::move(requests);
+  for (std::size_t i = 0; i < probes.requests_.size(); ++i) {
+    const Probe& probe = probes.requests_[i];
+    const std::string path = "probes[" + std::to_string(i) + "]";
+    for (std::size_t p = 0; p < probe.points.size(); ++p) {
+      if (probe.quantity == Quantity::kOpening || place_at(sheet, probe, probe.points[p]).exists) continue;
+      const std::string field = path + ".points[" + std::to_string(p) + "]";
+      return invalid_argument("POINT_OUTSIDE", field + " is not a point of the sheet", field);
+    }
+    if (probe.region) {
+      const std::string field = path + ".region";
+      if (const auto found = find_vertices(sheet.mesh(), *probe.region, field); !found) return found.error();
+      if (members_of(sheet, probe).empty()) {
+        return invalid_argument("REGION_EMPTY", field + " has nothing of the sheet in it", field);
+      }
+    }
+    const bool is_each = !probe.points.empty() && probe.reduce == Reduce::kEach;
+    for (std::size_t p = 0; p < (is_each ? probe.points.size() : 1); ++p) {
+      const std::string number = is_each && probe.points.size() > 1 ? "[" + std::to_string(p) + "]" : "";
+      for (const std::string& component : components_of(probe.quantity)) {
+        probes.columns_.push_back(probe.name + number + "." + component);
+      }
+    }
+  }
+  probes.locate(sheet);
+  return probes;
+}
+
+Probes::Place Probes::place_at(const sheet::Sheet& sheet, const Probe& probe, const Eigen::Vector2d& at) {
+  const mesh::TriangleMesh& mesh = sheet.mesh();
+  Place place;
+  if (probe.quantity == Quantity::kOpening) {
+    place.lips = find_lips(mesh, at);
+    place.exists = place.lips.has_value();
+    return place;
+  }
+  Eigen::Vector2d lookup = at;
+  if (probe.side && *probe.side != at) {
+    lookup += kNudge * mesh.bounding_box().sizes().maxCoeff() * (*probe.side - at).normalized();
+  }
+  const std::optional<sheet::MaterialPoint> found = sheet::find_material_point(mesh, lookup);
+  if (!found) {
+    // A point of the border may lie outside by rounding alone.
+    const sheet::MaterialPoint nearest = sheet::nearest_material_point(mesh, lookup);
+    Eigen::Vector2d there = Eigen::Vector2d::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      there += nearest.weights[static_cast<Eigen::Index>(k)] * mesh.rest_position(nearest.vertices[k]);
+    }
+    if ((there - at).norm() > 2.0 * kNudge * mesh.bounding_box().sizes().maxCoeff()) return place;
+    place.point = nearest;
+  } else {
+    place.point = *found;
+  }
+  place.exists = true;
+  place.start = sheet.start_of(at);
+  place.slot = slot_of(sheet.model(), mesh, place.point);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (place.point.weights[static_cast<Eigen::Index>(k)] > 1.0 - kAtVertex) place.vertex = place.point.vertices[k];
+  }
+  return place;
+}
+
+std::vector<Probes::Member> Probes::members_of(const sheet::Sheet& sheet, const Probe& probe) {
+  const mesh::TriangleMesh& mesh = sheet.mesh();
+  sheet::Region region = *probe.region;
+  if (auto* listed = std::get_if<std::vector<mesh::VertexId>>(&region)) {
+    std::erase_if(*listed, [&](mesh::VertexId v) { return v >= mesh.num_vertices() || !mesh.has_material(v); });
+  }
+  const std::vector<mesh::VertexId> vertices = find_vertices(mesh, region, "").value();
+  std::vector<Member> members;
+  if (is_in_plane(probe.quantity)) {
+    for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+      if (!mesh.is_solid(t)) continue;
+      const auto& corner = mesh.vertices(t);
+      if (!has(vertices, corner[0]) || !has(vertices, corner[1]) || !has(vertices, corner[2])) continue;
+      members.push_back({t, in_plane(sheet.model(), t, sheet.state().x).area, Eigen::Vector3d::Zero()});
+    }
+    return members;
+  }
+  const std::vector<double> lengths = border_lengths(mesh, vertices);
+  const bool is_border = std::any_of(lengths.begin(), lengths.end(), [](double length) { return length > 0.0; });
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    members.push_back({vertices[i], is_border ? lengths[i] : 1.0, sheet.start_of(mesh.rest_position(vertices[i]))});
+  }
+  return members;
+}
+
+void Probes::locate(const sheet::Sheet& sheet) {
+  located_.assign(requests_.size(), {});
+  for (std::size_t i = 0; i < requests_.size(); ++i) {
+    for (const Eigen::Vector2d& at : requests_[i].points) {
+      located_[i].places.push_back(place_at(sheet, requests_[i], at));
+    }
+    if (requests_[i].region) located_[i].members = members_of(sheet, requests_[i]);
+  }
+  topology_version_ = sheet.topology_version();
+}
+
+void Probes::measure(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt,
+                     std::vector<double>& row) {
+  if (sheet.topology_version() != topology_version_) locate(sheet);
+  Context context{sheet, v_before, dt, {}};
+  const auto append = [&row](const Vector& value) { row.insert(row.end(), value.begin(), value.end()); };
+  for (std::size_t i = 0; i < requests_.size(); ++i) {
+    const Probe& probe = requests_[i];
+    if (is_global(probe)) {
+      append(of_whole_sheet(sheet, probe.quantity));
+      continue;
+    }
+    const auto size = static_cast<Eigen::Index>(components_of(probe.quantity).size());
+    Reduction reduction(probe.reduce, size);
+    for (const Place& place : located_[i].places) {
+      if (probe.reduce == Reduce::kEach) {
+        append(place.exists ? context.value(probe, place)
+                            : Vector(Vector::Constant(size, std::numeric_limits<double>::quiet_NaN())));
+      } else if (place.exists) {
+        reduction.add(context.value(probe, place), 1.0);
+      }
+    }
+    for (const Member& member : located_[i].members) reduction.add(context.value(probe, member), member.weight);
+    if (probe.reduce != Reduce::kEach) append(reduction.result());
+  }
+}
+
+}  // namespace kerf::analysis

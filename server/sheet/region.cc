@@ -1,0 +1,217 @@
+#include "server/sheet/region.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+#include "server/sheet/field_checks.h"
+
+namespace kerf::sheet {
+
+namespace {
+
+Status validate_box(const MaterialBox& box, const std::string& field) {
+  if (Status s = check_vector(box.min, kMaxMaterialCoordinate, field + ".min"); !s) return s;
+  if (Status s = check_vector(box.max, kMaxMaterialCoordinate, field + ".max"); !s) return s;
+  if (box.min.x() <= box.max.x() && box.min.y() <= box.max.y()) return Nothing{};
+  return invalid_argument("BOX_INVERTED", field + ".max must not be less than min", field + ".max");
+}
+
+Status validate_line(const MaterialLine& line, const std::string& field) {
+  if (Status s = check_vector(line.a, kMaxMaterialCoordinate, field + ".a"); !s) return s;
+  if (Status s = check_vector(line.b, kMaxMaterialCoordinate, field + ".b"); !s) return s;
+  if (line.side != MaterialLine::Side::kBoth && line.a == line.b) {
+    return invalid_argument("LINE_EMPTY", field + ".b must not be a: a point has no sides", field + ".b");
+  }
+  return check_number(line.within, 0.0, kMaxMaterialCoordinate, field + ".within_m");
+}
+
+double size_of(const mesh::TriangleMesh& mesh) {
+  return mesh.bounding_box().sizes().maxCoeff();
+}
+
+mesh::VertexId nearest_vertex(const mesh::TriangleMesh& mesh, const Eigen::Vector2d& corner) {
+  mesh::VertexId nearest = mesh::kNone;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+    if (!mesh.has_material(v)) continue;
+    const double distance = (mesh.rest_position(v) - corner).squaredNorm();
+    if (distance < smallest) {
+      smallest = distance;
+      nearest = v;
+    }
+  }
+  return nearest;
+}
+
+void add_in_box(const mesh::TriangleMesh& mesh, const Eigen::AlignedBox2d& box, std::vector<mesh::VertexId>& found) {
+  for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+    if (mesh.has_material(v) && box.contains(mesh.rest_position(v))) found.push_back(v);
+  }
+}
+
+void add_edge(const mesh::TriangleMesh& mesh, RegionEdge edge, std::vector<mesh::VertexId>& found) {
+  const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
+  if (edge == RegionEdge::kCorners || edge == RegionEdge::kTopCorners) {
+    using Corner = Eigen::AlignedBox2d::CornerType;
+    found.push_back(nearest_vertex(mesh, bounds.corner(Corner::TopLeft)));
+    found.push_back(nearest_vertex(mesh, bounds.corner(Corner::TopRight)));
+    if (edge == RegionEdge::kTopCorners) return;
+    found.push_back(nearest_vertex(mesh, bounds.corner(Corner::BottomLeft)));
+    found.push_back(nearest_vertex(mesh, bounds.corner(Corner::BottomRight)));
+    return;
+  }
+  const double slack = kRegionTolerance * size_of(mesh);
+  Eigen::AlignedBox2d strip(bounds.min().array() - slack, bounds.max().array() + slack);
+  if (edge == RegionEdge::kTop) strip.min().y() = bounds.max().y() - slack;
+  if (edge == RegionEdge::kBottom) strip.max().y() = bounds.min().y() + slack;
+  if (edge == RegionEdge::kLeft) strip.max().x() = bounds.min().x() + slack;
+  if (edge == RegionEdge::kRight) strip.min().x() = bounds.max().x() - slack;
+  add_in_box(mesh, strip, found);
+}
+
+Status add_listed(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& ids, const std::string& field,
+                  std::vector<mesh::VertexId>& found) {
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    if (ids[k] < 0 || ids[k] >= mesh.num_vertices()) {
+      const std::string path = field + ".vertices.vertices[" + std::to_string(k) + "]";
+      return invalid_argument("UNKNOWN_VERTEX",
+                              path + " is " + std::to_string(ids[k]) + "; the sheet has vertices 0.." +
+                                  std::to_string(mesh.num_vertices() - 1),
+                              path);
+    }
+    if (!mesh.has_material(ids[k])) {
+      const std::string path = field + ".vertices.vertices[" + std::to_string(k) + "]";
+      return invalid_argument("UNKNOWN_VERTEX",
+                              path + " is " + std::to_string(ids[k]) + ", whose material a cut took away", path);
+    }
+    found.push_back(ids[k]);
+  }
+  return Nothing{};
+}
+
+// Whether the material around v, which lies on the line, is on its left.
+bool is_on_left(const mesh::TriangleMesh& mesh, mesh::VertexId v, const MaterialLine& line,
+                std::vector<mesh::TriangleId>& fan) {
+  const Eigen::Vector2d along = line.b - line.a;
+  const Eigen::Vector2d left(-along.y(), along.x());
+  double sum = 0.0;
+  mesh.triangles_around(v, fan);
+  for (const mesh::TriangleId t : fan) {
+    for (const mesh::VertexId w : mesh.vertices(t)) {
+      sum += left.dot(mesh.rest_position(w) - mesh.rest_position(v));
+    }
+  }
+  return sum > 0.0;
+}
+
+void add_along(const mesh::TriangleMesh& mesh, const MaterialLine& line, std::vector<mesh::VertexId>& found) {
+  const double within = line.within > 0.0 ? line.within : kRegionTolerance * size_of(mesh);
+  const Eigen::Vector2d along = line.b - line.a;
+  const double squared = along.squaredNorm();
+  std::vector<mesh::TriangleId> fan;
+  for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+    if (!mesh.has_material(v)) continue;
+    const Eigen::Vector2d from_a = mesh.rest_position(v) - line.a;
+    const double t = squared > 0.0 ? std::clamp(along.dot(from_a) / squared, 0.0, 1.0) : 0.0;
+    if ((from_a - t * along).norm() > within) continue;
+    const bool wants_left = line.side == MaterialLine::Side::kLeft;
+    if (line.side != MaterialLine::Side::kBoth && is_on_left(mesh, v, line, fan) != wants_left) continue;
+    found.push_back(v);
+  }
+}
+
+// `path`: of the region.
+Status add_region(const mesh::TriangleMesh& mesh, const Region& region, const std::string& path,
+                  std::vector<mesh::VertexId>& found) {
+  if (const auto* edge = std::get_if<RegionEdge>(&region)) {
+    add_edge(mesh, *edge, found);
+  } else if (const auto* box = std::get_if<MaterialBox>(&region)) {
+    add_in_box(mesh, Eigen::AlignedBox2d(box->min, box->max), found);
+  } else if (const auto* line = std::get_if<MaterialLine>(&region)) {
+    add_along(mesh, *line, found);
+  } else if (const auto* nearest = std::get_if<NearestVertex>(&region)) {
+    found.push_back(nearest_vertex(mesh, nearest->point));
+  } else if (const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&region)) {
+    return add_listed(mesh, *ids, path, found);
+  } else {
+    for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+      if (mesh.has_material(v)) found.push_back(v);
+    }
+  }
+  return Nothing{};
+}
+
+void sort_unique(std::vector<mesh::VertexId>& vertices) {
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+}
+
+}  // namespace
+
+Status validate(const Region& region, const std::string& field) {
+  if (const auto* box = std::get_if<MaterialBox>(&region)) return validate_box(*box, field + ".box");
+  if (const auto* line = std::get_if<MaterialLine>(&region)) return validate_line(*line, field + ".line");
+  if (const auto* nearest = std::get_if<NearestVertex>(&region)) {
+    return check_vector(nearest->point, kMaxMaterialCoordinate, field + ".nearest");
+  }
+  const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&region);
+  if (ids == nullptr) return Nothing{};
+  const std::string path = field + ".vertices.vertices";
+  if (Status s = check_count(ids->size(), kMaxListedVertices, "vertex ids", path); !s) return s;
+  for (std::size_t k = 0; k < ids->size(); ++k) {
+    const mesh::VertexId id = (*ids)[k];
+    if (id < 0) return check_vertex_id(id, path + "[" + std::to_string(k) + "]");
+  }
+  return Nothing{};
+}
+
+Status validate(const std::vector<Region>& regions, const std::string& field) {
+  if (Status s = check_count(regions.size(), kMaxRegions, "regions", field); !s) return s;
+  std::size_t num_ids = 0;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    if (Status s = validate(regions[i], field + "[" + std::to_string(i) + "]"); !s) return s;
+    const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&regions[i]);
+    if (ids != nullptr) num_ids += ids->size();
+  }
+  return check_count(num_ids, kMaxListedVertices, "vertex ids", field);
+}
+
+Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const Region& region,
+                                                  const std::string& field) {
+  std::vector<mesh::VertexId> found;
+  if (Status s = add_region(mesh, region, field, found); !s) return s.error();
+  sort_unique(found);
+  return found;
+}
+
+Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const std::vector<Region>& regions,
+                                                  const std::string& field) {
+  std::vector<mesh::VertexId> found;
+  for (std::size_t i = 0; i < regions.size(); ++i) {
+    if (Status s = add_region(mesh, regions[i], field + "[" + std::to_string(i) + "]", found); !s) return s.error();
+  }
+  sort_unique(found);
+  return found;
+}
+
+void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinned) {
+  const std::size_t num_before = pinned.size();
+  const auto was_pinned = [&](mesh::VertexId v) {
+    return std::binary_search(pinned.begin(), pinned.begin() + static_cast<std::ptrdiff_t>(num_before), v);
+  };
+  for (const mesh::VertexSource& added : edit.added_vertices) {
+    bool all = true;
+    for (int k = 0; k < 3; ++k) {
+      if (added.weights[k] > 0.0 && !was_pinned(added.sources[static_cast<std::size_t>(k)])) all = false;
+    }
+    if (all) pinned.push_back(added.vertex);  // ids are consecutive beyond all old ones, so the order holds
+  }
+  std::erase_if(pinned, [&](mesh::VertexId v) {
+    return std::binary_search(edit.removed_vertices.begin(), edit.removed_vertices.end(), v);
+  });
+}
+
+}  // namespace kerf::sheet

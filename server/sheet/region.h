@@ -1,0 +1,78 @@
+#pragma once
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/base/result.h"
+#include "server/mesh/ids.h"
+#include "server/mesh/mesh_edit.h"
+#include "server/mesh/triangle_mesh.h"
+
+namespace kerf::sheet {
+
+inline constexpr std::size_t kMaxRegions = 64;                // in one list
+inline constexpr std::size_t kMaxListedVertices = 1'000'000;  // in all vertex lists of one list of regions together
+inline constexpr double kMaxMaterialCoordinate = 1.0e4;       // m
+inline constexpr double kMaxWorldCoordinate = 1.0e6;          // m, a component of any world vector
+
+// Edges of the material bounding box.
+enum class RegionEdge {
+  kTop,         // y = maximum
+  kBottom,      // y = minimum
+  kLeft,        // x = minimum
+  kRight,       // x = maximum
+  kCorners,     // the vertex nearest to each corner of the bounding box; the smallest id of several
+  kTopCorners,  // of those, the two at y = maximum
+};
+
+// Closed box in material coordinates.
+struct MaterialBox {
+  Eigen::Vector2d min{0.0, 0.0};  // m
+  Eigen::Vector2d max{0.0, 0.0};  // m, each >= min's
+};
+
+// All closer to the segment from a to b than `within`, in material coordinates.
+struct MaterialLine {
+  enum class Side { kBoth, kLeft, kRight };  // of the two lips of a cut along the line, looking from a to b
+
+  Eigen::Vector2d a{0.0, 0.0};  // m
+  Eigen::Vector2d b{0.0, 0.0};  // m; may be a
+  double within = 0.0;          // m, 0..kMaxMaterialCoordinate; 0: kRegionTolerance of the sheet's size
+  Side side = Side::kBoth;
+};
+
+// The one vertex that is nearest to a material point; of several the smallest id.
+struct NearestVertex {
+  Eigen::Vector2d point{0.0, 0.0};  // m
+};
+
+struct WholeSheet {};
+
+// Vertices of the sheet.
+using Region =
+    std::variant<RegionEdge, MaterialBox, std::vector<mesh::VertexId>, MaterialLine, NearestVertex, WholeSheet>;
+
+// A vertex counts as on an edge or a line within this.
+inline constexpr double kRegionTolerance = 1.0e-9;  // -, of the larger side of the material bounding box
+
+// Ranges only; whether a listed vertex exists is the sheet's to say. `field`: the path of the list ("pins"), or of the
+// region.
+Status validate(const std::vector<Region>& regions, const std::string& field);
+Status validate(const Region& region, const std::string& field);
+
+// Vertices that the regions name on the mesh as it is now: sorted, unique. `regions` must be valid. Errors:
+// kInvalidArgument UNKNOWN_VERTEX with the path below `field`.
+Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const std::vector<Region>& regions,
+                                                  const std::string& field);
+Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const Region& region,
+                                                  const std::string& field);
+
+// Pins after an edit: a new vertex is pinned where everything that it comes from is, so both copies of a split vertex
+// and a new vertex on an edge between two pinned ones. Those left without material are not. `pinned`: sorted, unique;
+// stays so.
+void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinned);
+
+}  // namespace kerf::sheet

@@ -1,0 +1,157 @@
+#include "server/wire/analysis_codec.h"
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "server/wire/geometry_codec.h"
+#include "server/wire/region_codec.h"
+
+namespace kerf::wire {
+namespace {
+
+using sheet::Quantity;
+using sheet::Reduce;
+
+constexpr std::array<std::pair<v1::Probe::Quantity, Quantity>, 12> kQuantities{{
+    {v1::Probe::DISPLACEMENT, Quantity::kDisplacement},
+    {v1::Probe::POSITION, Quantity::kPosition},
+    {v1::Probe::VELOCITY, Quantity::kVelocity},
+    {v1::Probe::REACTION, Quantity::kReaction},
+    {v1::Probe::STRAIN, Quantity::kStrain},
+    {v1::Probe::STRESS, Quantity::kStress},
+    {v1::Probe::ENERGY, Quantity::kEnergy},
+    {v1::Probe::MOMENTUM, Quantity::kMomentum},
+    {v1::Probe::ANGULAR_MOMENTUM, Quantity::kAngularMomentum},
+    {v1::Probe::CENTRE_OF_MASS, Quantity::kCentreOfMass},
+    {v1::Probe::OPENING, Quantity::kOpening},
+    {v1::Probe::EXTENT, Quantity::kExtent},
+}};
+
+constexpr std::array<std::pair<v1::Probe::Reduce, Reduce>, 5> kReductions{{
+    {v1::Probe::EACH, Reduce::kEach},
+    {v1::Probe::MEAN, Reduce::kMean},
+    {v1::Probe::SUM, Reduce::kSum},
+    {v1::Probe::MIN, Reduce::kMin},
+    {v1::Probe::MAX, Reduce::kMax},
+}};
+
+template <typename Message, typename Value, std::size_t count>
+std::optional<Value> find_value(const std::array<std::pair<Message, Value>, count>& table, Message message) {
+  for (const auto& [from, to] : table) {
+    if (from == message) return to;
+  }
+  return std::nullopt;
+}
+
+template <typename Message, typename Value, std::size_t count>
+Message find_message(const std::array<std::pair<Message, Value>, count>& table, Value value) {
+  for (const auto& [from, to] : table) {
+    if (to == value) return from;
+  }
+  return table.front().first;
+}
+
+Result<sheet::StaticAnalysis> decode_static(const v1::StaticAnalysis& message, const std::string& path) {
+  sheet::StaticAnalysis analysis;
+  if (message.loads_size() > 0) {
+    if (message.steps() != 0) {
+      return invalid_argument("LOADS_TWICE", path + " has both loads and steps; leave one out", path + ".steps");
+    }
+    analysis.loads.assign(message.loads().begin(), message.loads().end());
+  } else if (message.steps() != 0) {
+    if (message.steps() < 1 || message.steps() > static_cast<int>(sheet::kMaxLoadSteps)) {
+      return invalid_argument("OUT_OF_RANGE",
+                              path + ".steps is " + std::to_string(message.steps()) + "; must be in 1.." +
+                                  std::to_string(sheet::kMaxLoadSteps),
+                              path + ".steps");
+    }
+    analysis.loads.clear();
+    for (int i = 1; i <= message.steps(); ++i) analysis.loads.push_back(static_cast<double>(i) / message.steps());
+  }
+  if (message.tolerance() != 0.0) analysis.tolerance = message.tolerance();
+  if (message.max_iterations() != 0) analysis.max_iterations = message.max_iterations();
+  return analysis;
+}
+
+void encode_static(const sheet::StaticAnalysis& analysis, v1::StaticAnalysis& message) {
+  message.mutable_loads()->Assign(analysis.loads.begin(), analysis.loads.end());
+  message.set_tolerance(analysis.tolerance);
+  message.set_max_iterations(analysis.max_iterations);
+}
+
+Result<sheet::Probe> decode_probe(const v1::Probe& message, const std::string& path) {
+  sheet::Probe probe;
+  probe.name = message.name();
+  const std::optional<Quantity> quantity = find_value(kQuantities, message.quantity());
+  if (!quantity) return unknown_enum(path + ".quantity", static_cast<int>(message.quantity()));
+  probe.quantity = *quantity;
+  for (const v1::Vec2& point : message.points()) probe.points.push_back(decode_vector(point));
+  if (message.has_region()) {
+    Result<sheet::Region> region = decode_region(message.region(), path + ".region");
+    if (!region) return region.error();
+    probe.region = std::move(region).value();
+  }
+  if (message.reduce() == v1::Probe::REDUCE_UNSPECIFIED) {
+    const Reduce of_region = *quantity == Quantity::kReaction ? Reduce::kSum : Reduce::kMean;
+    probe.reduce = message.has_region() ? of_region : Reduce::kEach;
+  } else {
+    const std::optional<Reduce> reduce = find_value(kReductions, message.reduce());
+    if (!reduce) return unknown_enum(path + ".reduce", static_cast<int>(message.reduce()));
+    probe.reduce = *reduce;
+  }
+  if (message.has_side()) probe.side = decode_vector(message.side());
+  return probe;
+}
+
+void encode_probe(const sheet::Probe& probe, v1::Probe& message) {
+  message.set_name(probe.name);
+  message.set_quantity(find_message(kQuantities, probe.quantity));
+  for (const Eigen::Vector2d& point : probe.points) encode_vector(point, *message.add_points());
+  if (probe.region) encode_region(*probe.region, *message.mutable_region());
+  message.set_reduce(find_message(kReductions, probe.reduce));
+  if (probe.side) encode_vector(*probe.side, *message.mutable_side());
+}
+
+}  // namespace
+
+Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config) {
+  const v1::Analysis& message = scene.analysis();
+  if (message.has_static_()) {
+    Result<sheet::StaticAnalysis> analysis = decode_static(message.static_(), "analysis.static");
+    if (!analysis) return analysis.error();
+    config.analysis = std::move(analysis).value();
+  } else if (message.has_modes()) {
+    sheet::ModalAnalysis modes;
+    if (message.modes().count() != 0) modes.count = message.modes().count();
+    if (message.modes().has_about()) {
+      Result<sheet::StaticAnalysis> about = decode_static(message.modes().about(), "analysis.modes.about");
+      if (!about) return about.error();
+      modes.about = std::move(about).value();
+    }
+    config.analysis = std::move(modes);
+  }
+  for (int i = 0; i < scene.probes_size(); ++i) {
+    Result<sheet::Probe> probe = decode_probe(scene.probes(i), "probes[" + std::to_string(i) + "]");
+    if (!probe) return probe.error();
+    config.probes.push_back(std::move(probe).value());
+  }
+  return Nothing{};
+}
+
+void encode_analysis(const sheet::SheetConfig& config, v1::Scene& scene) {
+  if (const auto* of_loads = std::get_if<sheet::StaticAnalysis>(&config.analysis)) {
+    encode_static(*of_loads, *scene.mutable_analysis()->mutable_static_());
+  } else if (const auto* modes = std::get_if<sheet::ModalAnalysis>(&config.analysis)) {
+    v1::ModalAnalysis& message = *scene.mutable_analysis()->mutable_modes();
+    message.set_count(modes->count);
+    if (modes->about) encode_static(*modes->about, *message.mutable_about());
+  } else {
+    scene.mutable_analysis()->mutable_dynamic();
+  }
+  for (const sheet::Probe& probe : config.probes) encode_probe(probe, *scene.add_probes());
+}
+
+}  // namespace kerf::wire

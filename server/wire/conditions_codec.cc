@@ -1,0 +1,174 @@
+#include "server/wire/conditions_codec.h"
+
+#include <utility>
+#include <variant>
+
+#include "server/wire/geometry_codec.h"
+#include "server/wire/region_codec.h"
+
+namespace kerf::wire {
+namespace {
+
+sheet::History decode_history(const v1::History& message) {
+  return {{message.times().begin(), message.times().end()}, {message.factors().begin(), message.factors().end()}};
+}
+
+void encode_history(const sheet::History& history, v1::History& message) {
+  message.mutable_times()->Assign(history.times.begin(), history.times.end());
+  message.mutable_factors()->Assign(history.factors.begin(), history.factors.end());
+}
+
+Result<sheet::Constraint> decode_constraint(const v1::Constraint& message, const std::string& path) {
+  sheet::Constraint constraint;
+  Result<sheet::Region> region = decode_region(message.region(), path + ".region");
+  if (!region) return region.error();
+  constraint.region = std::move(region).value();
+  if (message.x() || message.y() || message.z()) constraint.held = {message.x(), message.y(), message.z()};
+  constraint.displacement = decode_vector(message.displacement_m());
+  constraint.stretch.col(0) = decode_vector(message.stretch_x());
+  constraint.stretch.col(1) = decode_vector(message.stretch_y());
+  constraint.displacements.resize(3, message.displacements_m_size());
+  for (int i = 0; i < message.displacements_m_size(); ++i) {
+    constraint.displacements.col(i) = decode_vector(message.displacements_m(i));
+  }
+  if (message.has_axis()) {
+    constraint.rotation =
+        sheet::Rotation{decode_vector(message.axis()), decode_vector(message.center()), message.angle_rad()};
+  } else if (message.has_center() || message.angle_rad() != 0.0) {
+    return missing(path + ".axis");
+  }
+  constraint.history = decode_history(message.history());
+  if (message.has_until()) constraint.until = message.until();
+  constraint.slope = message.slope();
+  return constraint;
+}
+
+void encode_constraint(const sheet::Constraint& constraint, v1::Constraint& message) {
+  encode_region(constraint.region, *message.mutable_region());
+  message.set_x(constraint.held[0]);
+  message.set_y(constraint.held[1]);
+  message.set_z(constraint.held[2]);
+  encode_vector(constraint.displacement, *message.mutable_displacement_m());
+  encode_vector(Eigen::Vector3d(constraint.stretch.col(0)), *message.mutable_stretch_x());
+  encode_vector(Eigen::Vector3d(constraint.stretch.col(1)), *message.mutable_stretch_y());
+  for (Eigen::Index i = 0; i < constraint.displacements.cols(); ++i) {
+    encode_vector(Eigen::Vector3d(constraint.displacements.col(i)), *message.add_displacements_m());
+  }
+  if (constraint.rotation) {
+    encode_vector(constraint.rotation->axis, *message.mutable_axis());
+    encode_vector(constraint.rotation->centre, *message.mutable_center());
+    message.set_angle_rad(constraint.rotation->angle);
+  }
+  if (!constraint.history.times.empty()) encode_history(constraint.history, *message.mutable_history());
+  if (constraint.until) message.set_until(*constraint.until);
+  message.set_slope(constraint.slope);
+}
+
+Result<sheet::Load> decode_load(const v1::Load& message, const std::string& path) {
+  sheet::Load load;
+  load.history = decode_history(message.history());
+  switch (message.kind_case()) {
+    case v1::Load::kPoint: {
+      sheet::PointForce force;
+      if (message.point().has_vertex()) {
+        force.point = message.point().vertex();
+      } else if (message.point().has_material()) {
+        force.point = decode_vector(message.point().material());
+      } else {
+        return choice_missing(path + ".point.point", "vertex or material");
+      }
+      force.force = decode_vector(message.point().force_n());
+      load.kind = std::move(force);
+      return load;
+    }
+    case v1::Load::kEdge: {
+      Result<sheet::Region> region = decode_region(message.edge().region(), path + ".edge.region");
+      if (!region) return region.error();
+      if (message.edge().amount_case() == v1::EdgeForce::AMOUNT_NOT_SET) {
+        return choice_missing(path + ".edge.amount", "force_n or force_npm");
+      }
+      const bool is_total = !message.edge().has_force_npm();
+      load.kind =
+          sheet::EdgeForce{std::move(region).value(),
+                           decode_vector(is_total ? message.edge().force_n() : message.edge().force_npm()), is_total};
+      return load;
+    }
+    case v1::Load::kArea: {
+      Result<sheet::Region> region = decode_region(message.area().region(), path + ".area.region");
+      if (!region) return region.error();
+      if (message.area().amount_case() == v1::AreaForce::AMOUNT_NOT_SET) {
+        return choice_missing(path + ".area.amount", "force_n or traction_pa");
+      }
+      const bool is_total = !message.area().has_traction_pa();
+      load.kind =
+          sheet::AreaForce{std::move(region).value(),
+                           decode_vector(is_total ? message.area().force_n() : message.area().traction_pa()), is_total};
+      return load;
+    }
+    case v1::Load::KIND_NOT_SET:
+      break;
+  }
+  return choice_missing(path + ".kind", "point, edge or area");
+}
+
+void encode_load(const sheet::Load& load, v1::Load& message) {
+  if (!load.history.times.empty()) encode_history(load.history, *message.mutable_history());
+  if (const auto* point = std::get_if<sheet::PointForce>(&load.kind)) {
+    if (const auto* vertex = std::get_if<mesh::VertexId>(&point->point)) {
+      message.mutable_point()->set_vertex(*vertex);
+    } else {
+      encode_vector(std::get<Eigen::Vector2d>(point->point), *message.mutable_point()->mutable_material());
+    }
+    encode_vector(point->force, *message.mutable_point()->mutable_force_n());
+  } else if (const auto* edge = std::get_if<sheet::EdgeForce>(&load.kind)) {
+    v1::EdgeForce& to = *message.mutable_edge();
+    encode_region(edge->region, *to.mutable_region());
+    encode_vector(edge->force, edge->is_total ? *to.mutable_force_n() : *to.mutable_force_npm());
+  } else {
+    const auto& area = std::get<sheet::AreaForce>(load.kind);
+    v1::AreaForce& to = *message.mutable_area();
+    encode_region(area.region, *to.mutable_region());
+    encode_vector(area.force, area.is_total ? *to.mutable_force_n() : *to.mutable_traction_pa());
+  }
+}
+
+}  // namespace
+
+Status decode_conditions(const v1::Scene& scene, sheet::SheetConfig& config) {
+  for (int i = 0; i < scene.constraints_size(); ++i) {
+    Result<sheet::Constraint> constraint =
+        decode_constraint(scene.constraints(i), "constraints[" + std::to_string(i) + "]");
+    if (!constraint) return constraint.error();
+    config.constraints.push_back(std::move(constraint).value());
+  }
+  for (int i = 0; i < scene.loads_size(); ++i) {
+    Result<sheet::Load> load = decode_load(scene.loads(i), "loads[" + std::to_string(i) + "]");
+    if (!load) return load.error();
+    config.loads.push_back(std::move(load).value());
+  }
+  config.gravity_history = decode_history(scene.gravity_history());
+  config.planar = scene.planar();
+  if (scene.has_initial_velocity()) {
+    const v1::InitialVelocity& given = scene.initial_velocity();
+    sheet::InitialVelocity velocity{decode_vector(given.linear_mps()), decode_vector(given.angular_radps()), {}};
+    if (given.has_center()) velocity.centre = decode_vector(given.center());
+    config.initial_velocity = velocity;
+  }
+  return Nothing{};
+}
+
+void encode_conditions(const sheet::SheetConfig& config, v1::Scene& scene) {
+  for (const sheet::Constraint& constraint : config.constraints) {
+    encode_constraint(constraint, *scene.add_constraints());
+  }
+  for (const sheet::Load& load : config.loads) encode_load(load, *scene.add_loads());
+  if (!config.gravity_history.times.empty()) encode_history(config.gravity_history, *scene.mutable_gravity_history());
+  scene.set_planar(config.planar);
+  if (!config.initial_velocity) return;
+  v1::InitialVelocity& velocity = *scene.mutable_initial_velocity();
+  encode_vector(config.initial_velocity->linear, *velocity.mutable_linear_mps());
+  encode_vector(config.initial_velocity->angular, *velocity.mutable_angular_radps());
+  if (config.initial_velocity->centre) encode_vector(*config.initial_velocity->centre, *velocity.mutable_center());
+}
+
+}  // namespace kerf::wire

@@ -1,0 +1,146 @@
+#include "server/wire/region_codec.h"
+
+#include <utility>
+#include <variant>
+
+#include "server/wire/geometry_codec.h"
+
+namespace kerf::wire {
+namespace {
+
+constexpr double kDefaultAirDensity = 1.2;       // kg/m^3
+constexpr double kDefaultDragCoefficient = 1.0;  // -
+
+Result<sheet::Region> decode_edge(v1::Region::Edge edge, const std::string& path) {
+  switch (edge) {
+    case v1::Region::TOP:
+      return sheet::Region(sheet::RegionEdge::kTop);
+    case v1::Region::BOTTOM:
+      return sheet::Region(sheet::RegionEdge::kBottom);
+    case v1::Region::LEFT:
+      return sheet::Region(sheet::RegionEdge::kLeft);
+    case v1::Region::RIGHT:
+      return sheet::Region(sheet::RegionEdge::kRight);
+    case v1::Region::CORNERS:
+      return sheet::Region(sheet::RegionEdge::kCorners);
+    case v1::Region::TOP_CORNERS:
+      return sheet::Region(sheet::RegionEdge::kTopCorners);
+    default:
+      return unknown_enum(path, static_cast<int>(edge));
+  }
+}
+
+v1::Region::Edge encode_edge(sheet::RegionEdge edge) {
+  switch (edge) {
+    case sheet::RegionEdge::kTop:
+      return v1::Region::TOP;
+    case sheet::RegionEdge::kBottom:
+      return v1::Region::BOTTOM;
+    case sheet::RegionEdge::kLeft:
+      return v1::Region::LEFT;
+    case sheet::RegionEdge::kRight:
+      return v1::Region::RIGHT;
+    case sheet::RegionEdge::kCorners:
+      return v1::Region::CORNERS;
+    case sheet::RegionEdge::kTopCorners:
+      return v1::Region::TOP_CORNERS;
+  }
+  return v1::Region::EDGE_UNSPECIFIED;
+}
+
+Result<sheet::Region> decode_line(const v1::MaterialLine& message, const std::string& path) {
+  sheet::MaterialLine line{decode_vector(message.a()), decode_vector(message.b()), message.within_m(),
+                           sheet::MaterialLine::Side::kBoth};
+  switch (message.side()) {
+    case v1::MaterialLine::SIDE_UNSPECIFIED:
+    case v1::MaterialLine::BOTH:
+      return sheet::Region(line);
+    case v1::MaterialLine::LEFT_OF_LINE:
+      line.side = sheet::MaterialLine::Side::kLeft;
+      return sheet::Region(line);
+    case v1::MaterialLine::RIGHT_OF_LINE:
+      line.side = sheet::MaterialLine::Side::kRight;
+      return sheet::Region(line);
+    default:
+      return unknown_enum(path + ".side", static_cast<int>(message.side()));
+  }
+}
+
+void encode_line(const sheet::MaterialLine& line, v1::MaterialLine& message) {
+  encode_vector(line.a, *message.mutable_a());
+  encode_vector(line.b, *message.mutable_b());
+  message.set_within_m(line.within);
+  if (line.side == sheet::MaterialLine::Side::kLeft) message.set_side(v1::MaterialLine::LEFT_OF_LINE);
+  if (line.side == sheet::MaterialLine::Side::kRight) message.set_side(v1::MaterialLine::RIGHT_OF_LINE);
+}
+
+}  // namespace
+
+Result<sheet::Region> decode_region(const v1::Region& region, const std::string& path) {
+  switch (region.region_case()) {
+    case v1::Region::kEdge:
+      return decode_edge(region.edge(), path + ".edge");
+    case v1::Region::kBox:
+      return sheet::Region(sheet::MaterialBox{decode_vector(region.box().min()), decode_vector(region.box().max())});
+    case v1::Region::kVertices:
+      return sheet::Region(
+          std::vector<mesh::VertexId>(region.vertices().vertices().begin(), region.vertices().vertices().end()));
+    case v1::Region::kLine:
+      return decode_line(region.line(), path + ".line");
+    case v1::Region::kNearest:
+      return sheet::Region(sheet::NearestVertex{decode_vector(region.nearest())});
+    case v1::Region::kAll:
+      if (region.all()) return sheet::Region(sheet::WholeSheet{});
+      break;
+    case v1::Region::REGION_NOT_SET:
+      break;
+  }
+  return choice_missing(path + ".region", "edge, box, vertices, line, nearest or all");
+}
+
+Result<std::vector<sheet::Region>> decode_pins(const RegionMessages& pins, const std::string& path) {
+  std::vector<sheet::Region> decoded;
+  for (int i = 0; i < pins.size(); ++i) {
+    Result<sheet::Region> pin = decode_region(pins[i], path + "[" + std::to_string(i) + "]");
+    if (!pin.ok()) return pin.error();
+    decoded.push_back(std::move(*pin));
+  }
+  return decoded;
+}
+
+void encode_region(const sheet::Region& region, v1::Region& message) {
+  if (const auto* edge = std::get_if<sheet::RegionEdge>(&region)) {
+    message.set_edge(encode_edge(*edge));
+  } else if (const auto* box = std::get_if<sheet::MaterialBox>(&region)) {
+    encode_vector(box->min, *message.mutable_box()->mutable_min());
+    encode_vector(box->max, *message.mutable_box()->mutable_max());
+  } else if (const auto* line = std::get_if<sheet::MaterialLine>(&region)) {
+    encode_line(*line, *message.mutable_line());
+  } else if (const auto* nearest = std::get_if<sheet::NearestVertex>(&region)) {
+    encode_vector(nearest->point, *message.mutable_nearest());
+  } else if (const auto* vertices = std::get_if<std::vector<mesh::VertexId>>(&region)) {
+    message.mutable_vertices()->mutable_vertices()->Assign(vertices->begin(), vertices->end());
+  } else {
+    message.set_all(true);
+  }
+}
+
+void encode_pins(const std::vector<sheet::Region>& pins, RegionMessages& messages) {
+  for (const sheet::Region& pin : pins) encode_region(pin, *messages.Add());
+}
+
+sheet::Wind decode_wind(const v1::Wind& wind) {
+  sheet::Wind decoded;
+  decoded.velocity = decode_vector(wind.velocity_mps());
+  decoded.air_density = wind.air_density_kgpm3() == 0.0 ? kDefaultAirDensity : wind.air_density_kgpm3();
+  decoded.drag_coefficient = wind.drag_coefficient() == 0.0 ? kDefaultDragCoefficient : wind.drag_coefficient();
+  return decoded;
+}
+
+void encode_wind(const sheet::Wind& wind, v1::Wind& message) {
+  encode_vector(wind.velocity, *message.mutable_velocity_mps());
+  message.set_air_density_kgpm3(wind.air_density);
+  message.set_drag_coefficient(wind.drag_coefficient);
+}
+
+}  // namespace kerf::wire
