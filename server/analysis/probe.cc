@@ -56,16 +56,6 @@ mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh
   return mesh::kNone;
 }
 
-Vector at_point(const sheet::MaterialPoint& point, const mesh::VertexField& field) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (point.vertices[k] != mesh::kNone) {
-      sum += point.weights[static_cast<Eigen::Index>(k)] * field.col(point.vertices[k]);
-    }
-  }
-  return sum;
-}
-
 // Length of border around each vertex of the region between two of its vertices, m.
 std::vector<double> border_lengths(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
   std::vector<double> lengths(region.size(), 0.0);
@@ -176,9 +166,9 @@ struct Probes::Context {
   [[nodiscard]] Vector value(const Probe& probe, const Place& place) const {
     const fem::State& state = sheet.state();
     if (probe.quantity == Quantity::kOpening) return opening(*place.lips, state.x);
-    if (probe.quantity == Quantity::kPosition) return at_point(place.point, state.x);
-    if (probe.quantity == Quantity::kVelocity) return at_point(place.point, state.v);
-    if (probe.quantity == Quantity::kDisplacement) return at_point(place.point, state.x) - place.start;
+    if (probe.quantity == Quantity::kPosition) return place.point.of(state.x);
+    if (probe.quantity == Quantity::kVelocity) return place.point.of(state.v);
+    if (probe.quantity == Quantity::kDisplacement) return Eigen::Vector3d(place.point.of(state.x) - place.start);
     const InPlane field = place.vertex != mesh::kNone ? in_plane_at(sheet.model(), place.vertex, state.x)
                                                       : in_plane(sheet.model(), place.slot, state.x);
     return probe.quantity == Quantity::kStress ? field.stress : field.strain;

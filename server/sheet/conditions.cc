@@ -25,8 +25,7 @@ Status validate_displacements(const Constraint& constraint, const std::string& p
   }
   for (std::size_t i = 0; i < count; ++i) {
     const Eigen::Vector3d value = constraint.displacements.col(static_cast<Eigen::Index>(i));
-    if (value.cwiseAbs().maxCoeff() <= kMaxWorldCoordinate) continue;  // false for NaN
-    return check_vector(value, kMaxWorldCoordinate, indexed(field, i));
+    if (Status s = check_vector(value, kMaxWorldCoordinate, indexed(field, i)); !s) return s;
   }
   return Nothing{};
 }

@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "server/sheet/material_point.h"
+
 namespace kerf::sheet {
 
 namespace {
@@ -19,25 +21,20 @@ bool is_over(const Constraint& constraint, const Instant& now) {
   return constraint.until && now.time >= *constraint.until;
 }
 
-// Of x by the material coordinates, the mean over the triangles around v.
-Eigen::Matrix<double, 3, 2> gradient_at(const mesh::TriangleMesh& mesh, VertexId v, const mesh::VertexField& x,
-                                        std::vector<mesh::TriangleId>& fan) {
-  Eigen::Matrix<double, 3, 2> sum = Eigen::Matrix<double, 3, 2>::Zero();
-  mesh.triangles_around(v, fan);
-  for (const mesh::TriangleId t : fan) {
-    const std::array<VertexId, 3> corner = mesh.vertices(t);
-    Eigen::Matrix2d rest;
-    rest << mesh.rest_position(corner[1]) - mesh.rest_position(corner[0]),
-        mesh.rest_position(corner[2]) - mesh.rest_position(corner[0]);
-    Eigen::Matrix<double, 3, 2> edges;
-    edges << x.col(corner[1]) - x.col(corner[0]), x.col(corner[2]) - x.col(corner[0]);
-    sum += edges * rest.inverse();
-  }
-  return sum / static_cast<double>(fan.size());
+// -, of where the sheet starts by material coordinates, in the triangle that the point is in.
+Eigen::Matrix<double, 3, 2> gradient_at(const BuiltMesh& initial, const MaterialPoint& point) {
+  const std::array<VertexId, 3>& corner = point.vertices;
+  Eigen::Matrix2d rest;
+  rest << initial.mesh.rest_position(corner[1]) - initial.mesh.rest_position(corner[0]),
+      initial.mesh.rest_position(corner[2]) - initial.mesh.rest_position(corner[0]);
+  Eigen::Matrix<double, 3, 2> edges;
+  edges << initial.positions.col(corner[1]) - initial.positions.col(corner[0]),
+      initial.positions.col(corner[2]) - initial.positions.col(corner[0]);
+  return edges * rest.inverse();
 }
 
 // In the plane x[component] = const that all vertices start in.
-int find_plane(const mesh::TriangleMesh& mesh, const mesh::VertexField& x) {
+int find_plane(const mesh::TriangleMesh& mesh, const Eigen::Matrix3Xd& x) {
   const double slack = kRegionTolerance * mesh.bounding_box().sizes().maxCoeff();
   for (int k = 2; k >= 0; --k) {
     if (x.row(k).maxCoeff() - x.row(k).minCoeff() <= slack) return k;
@@ -47,23 +44,27 @@ int find_plane(const mesh::TriangleMesh& mesh, const mesh::VertexField& x) {
 
 }  // namespace
 
-Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> config, const mesh::TriangleMesh& mesh,
-                                          const mesh::VertexField& x) {
+void HeldVertices::place(const Constraint& constraint, const BuiltMesh& initial, Start& start) {
+  const std::optional<MaterialPoint> found = find_material_point(initial.mesh, start.material);
+  const MaterialPoint point = found ? *found : nearest_material_point(initial.mesh, start.material);
+  start.x = point.of(initial.positions);
+  if (constraint.slope) start.gradient = gradient_at(initial, point);
+}
+
+Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> config, const BuiltMesh& initial) {
   HeldVertices held(std::move(config));
-  std::vector<mesh::TriangleId> fan;
   for (std::size_t c = 0; c < held.constraints().size(); ++c) {
     const Constraint& constraint = held.constraints()[c];
     const std::string field = "constraints[" + std::to_string(c) + "].region";
-    const Result<std::vector<VertexId>> found = find_vertices(mesh, constraint.region, field);
+    const Result<std::vector<VertexId>> found = find_vertices(initial.mesh, constraint.region, field);
     if (!found) return found.error();
     Group group(found->size());
     for (std::size_t i = 0; i < group.size(); ++i) {
-      Start& start = group[i];
-      start.vertex = (*found)[i];
-      start.material = mesh.rest_position(start.vertex);
-      start.x = x.col(start.vertex);
-      start.displacement = constraint.displacement;
-      if (constraint.slope) start.gradient = gradient_at(mesh, start.vertex, x, fan);
+      group[i].vertex = (*found)[i];
+      group[i].material = initial.mesh.rest_position(group[i].vertex);
+      group[i].displacement = constraint.displacement;
+      place(constraint, initial, group[i]);
+      group[i].x = initial.positions.col(group[i].vertex);  // to the last bit
     }
     if (constraint.displacements.cols() > 0) {
       const auto& listed = std::get<std::vector<VertexId>>(constraint.region);
@@ -72,20 +73,21 @@ Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> con
         group[static_cast<std::size_t>(at)].displacement = constraint.displacements.col(static_cast<Eigen::Index>(k));
       }
     }
-    if (!constraint.history.times.empty())
+    if (!constraint.history.times.empty()) {
       held.last_change_ = std::max(held.last_change_, constraint.history.times.back());
+    }
     if (constraint.until) held.last_change_ = std::max(held.last_change_, *constraint.until);
     held.groups_.push_back(std::move(group));
   }
   if (held.config_->planar) {
-    const int component = find_plane(mesh, x);
+    const int component = find_plane(initial.mesh, initial.positions);
     if (component < 0) {
       return invalid_argument("NOT_PLANAR",
                               "planar asks for a sheet that starts in a plane perpendicular to x, y or z; turn its "
                               "placement",
                               "planar");
     }
-    held.plane_ = Plane{component, x(component, 0)};
+    held.plane_ = Plane{component, initial.positions(component, 0)};
   }
   return held;
 }
@@ -94,6 +96,7 @@ bool HeldVertices::has_slopes() const {
   return std::any_of(constraints().begin(), constraints().end(), [](const Constraint& c) { return c.slope; });
 }
 
+// Adds vertices everything that they come from is held of.
 void HeldVertices::inherit(const mesh::MeshEdit& edit, Group& group) {
   const std::size_t num_before = group.size();
   const auto find = [&](VertexId v) -> const Start* {
@@ -106,57 +109,44 @@ void HeldVertices::inherit(const mesh::MeshEdit& edit, Group& group) {
     start.vertex = added.vertex;
     bool all = true;
     for (int k = 0; k < 3 && all; ++k) {
-      const double weight = added.weights[k];
-      if (weight <= 0.0) continue;
+      if (added.weights[k] <= 0.0) continue;
       const Start* const source = find(added.sources[static_cast<std::size_t>(k)]);
       all = source != nullptr;
-      if (!all) continue;
-      start.x += weight * source->x;
-      start.displacement += weight * source->displacement;
-      start.gradient += weight * source->gradient;
+      if (all) start.displacement += added.weights[k] * source->displacement;
     }
     if (all) group.push_back(start);  // ids are consecutive beyond all old ones, so the order holds
   }
 }
 
 void HeldVertices::follow(const mesh::TriangleMesh& mesh, std::span<const mesh::MeshEdit* const> edits,
-                          const Instant& now, const mesh::VertexField& x) {
-  std::vector<mesh::TriangleId> fan;
+                          const BuiltMesh& initial) {
   for (std::size_t c = 0; c < groups_.size(); ++c) {
     const Constraint& constraint = constraints()[c];
     Group& group = groups_[c];
-    for (const mesh::MeshEdit* const edit : edits) inherit(*edit, group);
-    const bool is_list = std::holds_alternative<std::vector<VertexId>>(constraint.region);
-    if (is_list) {
+    if (std::holds_alternative<std::vector<VertexId>>(constraint.region)) {
+      for (const mesh::MeshEdit* const edit : edits) inherit(*edit, group);
       std::erase_if(group,
                     [&](const Start& s) { return s.vertex >= mesh.num_vertices() || !mesh.has_material(s.vertex); });
     } else {
       // Regions of places name no vertex that might be missing.
+      Group known;
+      known.swap(group);
+      auto at = known.begin();
       const std::vector<VertexId> found = find_vertices(mesh, constraint.region, "").value();
-      Group looked_up(found.size());
-      auto known = group.begin();
-      for (std::size_t i = 0; i < found.size(); ++i) {
-        Start& start = looked_up[i];
-        while (known != group.end() && known->vertex < found[i]) ++known;
-        if (known != group.end() && known->vertex == found[i]) {
-          start = *known;
-          continue;
-        }
-        const double factor = constraint.history.at(now.time, now.absent);
-        start.vertex = found[i];
-        start.displacement = constraint.displacement;
-        if (constraint.slope) start.gradient = gradient_at(mesh, start.vertex, x, fan);
-        start.x = x.col(start.vertex) -
-                  factor * (constraint.displacement + constraint.stretch * mesh.rest_position(start.vertex));
-        if (constraint.rotation) {
-          const Eigen::Matrix3d back = turn(*constraint.rotation, -factor);
-          start.x = constraint.rotation->centre + back * (start.x - constraint.rotation->centre);
-          start.gradient = back * start.gradient;
-        }
+      for (const VertexId v : found) {
+        while (at != known.end() && at->vertex < v) ++at;
+        const bool is_known = at != known.end() && at->vertex == v;
+        group.push_back(is_known ? *at : Start{});
+        group.back().vertex = v;
+        group.back().displacement = constraint.displacement;
       }
-      group = std::move(looked_up);
     }
-    for (Start& start : group) start.material = mesh.rest_position(start.vertex);
+    for (Start& start : group) {
+      const Eigen::Vector2d material = mesh.rest_position(start.vertex);
+      if (start.material == material && start.vertex < initial.mesh.num_vertices()) continue;  // as it was at first
+      start.material = material;
+      place(constraint, initial, start);
+    }
   }
 }
 
@@ -188,7 +178,7 @@ void HeldVertices::set(std::span<const fem::Pin> pins, const Instant& begin, con
     const double factor = constraint.history.at(end.time, end.absent);
     const double before = dt > 0.0 ? constraint.history.at(begin.time, begin.absent) : factor;
     const bool moves = before != factor;
-    const auto place = [&](const Start& start, double f, const Eigen::Matrix3d& R) -> Eigen::Vector3d {
+    const auto path = [&](const Start& start, double f, const Eigen::Matrix3d& R) -> Eigen::Vector3d {
       const Eigen::Vector3d shift = f * (start.displacement + constraint.stretch * start.material);
       if (!constraint.rotation) return start.x + shift;
       return constraint.rotation->centre + R * (start.x - constraint.rotation->centre) + shift;
@@ -212,8 +202,8 @@ void HeldVertices::set(std::span<const fem::Pin> pins, const Instant& begin, con
         pin.fixed = {false, false, false};
       }
       pin.vertex = start.vertex;
-      const Eigen::Vector3d target = place(start, factor, R_end);
-      const Eigen::Vector3d velocity = moves ? Eigen::Vector3d((target - place(start, before, R_begin)) / dt)
+      const Eigen::Vector3d target = path(start, factor, R_end);
+      const Eigen::Vector3d velocity = moves ? Eigen::Vector3d((target - path(start, before, R_begin)) / dt)
                                              : Eigen::Vector3d(Eigen::Vector3d::Zero());
       for (std::size_t k = 0; k < 3; ++k) {
         if (!constraint.held[k]) continue;

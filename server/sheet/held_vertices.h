@@ -13,7 +13,7 @@
 #include "server/fem/loads.h"
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/triangle_mesh.h"
-#include "server/mesh/vertex_field.h"
+#include "server/sheet/mesh_source.h"
 #include "server/sheet/sheet_config.h"
 
 namespace kerf::sheet {
@@ -29,9 +29,8 @@ struct Instant {
 // The vertices that a sheet's constraints hold, and where; follows its cuts. Without constraints it does nothing.
 class HeldVertices {
  public:
-  // x: where the vertices start, 3 x V, m. Errors: kInvalidArgument UNKNOWN_VERTEX; NOT_PLANAR.
-  static Result<HeldVertices> create(std::shared_ptr<const SheetConfig> config, const mesh::TriangleMesh& mesh,
-                                     const mesh::VertexField& x);
+  // Errors: kInvalidArgument UNKNOWN_VERTEX; NOT_PLANAR.
+  static Result<HeldVertices> create(std::shared_ptr<const SheetConfig> config, const BuiltMesh& initial);
 
   [[nodiscard]] bool empty() const { return groups_.empty() && !plane_; }
   [[nodiscard]] bool has_slopes() const;
@@ -39,10 +38,9 @@ class HeldVertices {
   [[nodiscard]] bool varies() const { return last_change_ > -kForever; }
   [[nodiscard]] double last_change() const { return last_change_; }
 
-  // After cuts, or after some were taken back (without edits then): regions are looked up again. A new vertex started
-  // where what it comes from did; where that is not known, so that it is where it is, at x (3 x V, m).
-  void follow(const mesh::TriangleMesh& mesh, std::span<const mesh::MeshEdit* const> edits, const Instant& now,
-              const mesh::VertexField& x);
+  // After cuts, or after some were taken back (without edits then): regions are looked up again; of listed vertices,
+  // those that a cut makes of them count as listed.
+  void follow(const mesh::TriangleMesh& mesh, std::span<const mesh::MeshEdit* const> edits, const BuiltMesh& initial);
 
   // Into `held`, which is sorted by vertex: the `pins` (whole, sorted), and over them what is held at `end`, dt (s)
   // after `begin`; 0: at once, without velocity.
@@ -56,14 +54,15 @@ class HeldVertices {
   struct Start {
     mesh::VertexId vertex = mesh::kNone;
     Eigen::Vector2d material = Eigen::Vector2d::Zero();                          // m
-    Eigen::Vector3d x = Eigen::Vector3d::Zero();                                 // m
     Eigen::Vector3d displacement = Eigen::Vector3d::Zero();                      // m, at factor 1
-    Eigen::Matrix<double, 3, 2> gradient = Eigen::Matrix<double, 3, 2>::Zero();  // -, of x by material coordinates
+    Eigen::Vector3d x = Eigen::Vector3d::Zero();                                 // m, where its material point started
+    Eigen::Matrix<double, 3, 2> gradient = Eigen::Matrix<double, 3, 2>::Zero();  // -, of x by material there
   };
   using Group = std::vector<Start>;  // of one constraint, sorted by vertex
 
   explicit HeldVertices(std::shared_ptr<const SheetConfig> config) : config_(std::move(config)) {}
   [[nodiscard]] const std::vector<Constraint>& constraints() const { return config_->constraints; }
+  static void place(const Constraint& constraint, const BuiltMesh& initial, Start& start);
   static void inherit(const mesh::MeshEdit& edit, Group& group);
 
   struct Plane {

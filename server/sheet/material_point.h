@@ -14,6 +14,16 @@ namespace kerf::sheet {
 struct MaterialPoint {
   std::array<mesh::VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};
   Eigen::Vector3d weights{1.0, 0.0, 0.0};  // -, >= 0, sum 1
+
+  // Of a field of 3 x V.
+  template <typename Field>
+  [[nodiscard]] Eigen::Vector3d of(const Field& field) const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (vertices[k] != mesh::kNone) sum += weights[static_cast<Eigen::Index>(k)] * field.col(vertices[k]);
+    }
+    return sum;
+  }
 };
 
 // Where `at` (m, material coordinates) lies; nothing where there is no material. On a lip both sides are there: the

@@ -63,8 +63,8 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       initial(std::move(initial_state)),
       schedule(order_schedule(config->commands)),
       dt(1.0 / config->tick_rate_hz),
-      mesh(initial->mesh),
-      state{initial->positions, initial->velocities},
+      mesh(initial->built.mesh),
+      state{initial->built.positions, initial->velocities},
       held_vertices(initial->held_vertices),
       applied_forces(initial->applied_forces),
       full_gravity(config->gravity),
@@ -197,7 +197,7 @@ void Sheet::Impl::set_slopes(const Instant& at) {
 }
 
 void Sheet::Impl::follow_conditions(std::span<const mesh::MeshEdit* const> edits) {
-  if (!held_vertices.empty()) held_vertices.follow(mesh, edits, now, state.x);
+  if (!held_vertices.empty()) held_vertices.follow(mesh, edits, initial->built);
   if (!applied_forces.empty()) applied_forces.follow(mesh);
   conditions_changed = true;
 }
@@ -308,16 +308,14 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   if (!pinned) return pinned.error();
   if (config.planar) config.material.bending_scale = 0.0;
   auto shared = std::make_shared<const SheetConfig>(std::move(config));
-  Result<HeldVertices> held = HeldVertices::create(shared, built->mesh, built->positions);
+  Result<HeldVertices> held = HeldVertices::create(shared, *built);
   if (!held) return held.error();
   Result<AppliedForces> applied = AppliedForces::create(shared, built->mesh);
   if (!applied) return applied.error();
-  auto initial =
-      std::make_shared<InitialState>(InitialState{{}, {}, {}, {}, std::move(held).value(), std::move(applied).value()});
-  initial->velocities = initial_velocities(*shared, *built);
-  initial->mesh = std::move(built->mesh);
-  initial->positions = std::move(built->positions);
-  initial->pinned = std::move(pinned).value();
+  Eigen::Matrix3Xd velocities = initial_velocities(*shared, *built);
+  auto initial = std::make_shared<const InitialState>(
+      InitialState{std::move(built).value(), std::move(velocities), std::move(pinned).value(), std::move(held).value(),
+                   std::move(applied).value()});
   return Sheet(std::make_unique<Impl>(std::move(shared), std::move(initial), std::move(make_integrator)));
 }
 
@@ -369,15 +367,9 @@ const fem::Loads& Sheet::loads() const {
   return impl_->loads;
 }
 Eigen::Vector3d Sheet::start_of(const Eigen::Vector2d& material) const {
-  const InitialState& initial = *impl_->initial;
-  const std::optional<MaterialPoint> found = find_material_point(initial.mesh, material);
-  const MaterialPoint point = found ? *found : nearest_material_point(initial.mesh, material);
-  Eigen::Vector3d start = Eigen::Vector3d::Zero();
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (point.vertices[k] == mesh::kNone) continue;
-    start += point.weights[static_cast<Eigen::Index>(k)] * initial.positions.col(point.vertices[k]);
-  }
-  return start;
+  const BuiltMesh& built = impl_->initial->built;
+  const std::optional<MaterialPoint> found = find_material_point(built.mesh, material);
+  return (found ? *found : nearest_material_point(built.mesh, material)).of(built.positions);
 }
 const Eigen::Vector3d& Sheet::gravity() const {
   return impl_->full_gravity;

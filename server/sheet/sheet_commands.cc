@@ -187,8 +187,8 @@ void Sheet::Impl::set_wind(const Wind& value) {
 }
 
 void Sheet::Impl::reset() {
-  mesh = initial->mesh;
-  state.x = initial->positions;
+  mesh = initial->built.mesh;
+  state.x = initial->built.positions;
   state.v = initial->velocities;
   model = fem::Model(mesh, config->material);
   grabs.clear();

@@ -12,6 +12,7 @@
 #include "server/sheet/contact_bridge.h"
 #include "server/sheet/held_vertices.h"
 #include "server/sheet/lineage.h"
+#include "server/sheet/mesh_source.h"
 #include "server/sheet/sheet.h"
 #include "server/sheet/topology.h"
 #include "server/sheet/undo_history.h"
@@ -20,8 +21,7 @@ namespace kerf::sheet {
 
 // What a Reset goes back to.
 struct InitialState {
-  mesh::TriangleMesh mesh;
-  Eigen::Matrix3Xd positions;   // 3 x V, m
+  BuiltMesh built;
   Eigen::Matrix3Xd velocities;  // 3 x V, m/s
   std::vector<mesh::VertexId> pinned;
   HeldVertices held_vertices;

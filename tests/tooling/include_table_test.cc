@@ -34,6 +34,7 @@ const std::vector<Group>& groups() {
   static const std::vector<Group> all = {
       {"clipper", {"polyclipping/"}},
       {"eigen", {"Eigen/"}},
+      {"spectra", {"Spectra/"}},
       {"asio", {"boost/asio", "boost/system"}},
       {"boost", {"boost/"}},
       {"protobuf", {"google/protobuf/"}},
@@ -57,8 +58,9 @@ const std::vector<Row>& table() {
       {"server/mesh", {"server/base"}, {"eigen"}},
       {"server/cut", {"server/mesh", "server/base"}, {"clipper", "eigen"}},
       {"server/contact", {"server/mesh", "server/base"}, {"eigen"}},
-      {"server/fem", {"server/mesh", "server/base"}, {"eigen"}},
+      {"server/fem", {"server/mesh", "server/base"}, {"eigen", "spectra"}},
       {"server/sheet", {"server/cut", "server/contact", "server/fem", "server/mesh", "server/base"}, {"eigen"}},
+      {"server/analysis", {"server/sheet", "server/fem", "server/mesh", "server/base"}, {"eigen"}},
       {"server/host", {"server/sheet", "server/base"}, {"asio", "eigen", "posix"}},
       {"server/svg", {"server/cut", "server/base"}, {"eigen", "xml"}},
       {"server/wire", {"server/svg", "server/sheet", "server/mesh", "server/base"}, {"eigen", "proto", "protobuf"}},
@@ -83,7 +85,7 @@ const std::vector<Row>& table() {
       {"client/cpp", {}, {"proto", "grpc_stubs", "grpc"}},
       // `kerf run` and `kerf replay` need no server: they step the sheet themselves.
       {"client/cli",
-       {"client/cpp", "server/sheet", "server/svg", "server/wire", "server/base", "server/host/disk.h"},
+       {"client/cpp", "server/analysis", "server/sheet", "server/svg", "server/wire", "server/base", "server/host/disk.h"},
        {"proto", "protobuf", "grpc_stubs", "grpc", "cli", "json", "posix"}},
   };
   return rows;

@@ -6,18 +6,10 @@
 #include <vector>
 
 #include "kerf/v1/scene.pb.h"
+#include "tests/wire/bad_conditions.h"
+#include "tests/wire/condition_samples.h"
 
 namespace kerf::testing {
-
-inline void set(v1::Vec3* vector, double x, double y, double z) {
-  vector->set_x(x);
-  vector->set_y(y);
-  vector->set_z(z);
-}
-inline void set(v1::Vec2* vector, double x, double y) {
-  vector->set_x(x);
-  vector->set_y(y);
-}
 
 inline v1::Command& add_command(v1::Scene& scene, std::int64_t tick) {
   v1::ScheduledCommand& scheduled = *scene.add_commands();
@@ -156,8 +148,8 @@ inline v1::Scene full_scene() {
   set(scene.mutable_placement()->mutable_origin(), 0.1, 0.2, 0.3);
   set(scene.mutable_placement()->mutable_x_axis(), 0.0, 1.0, 0.0);
   set(scene.mutable_placement()->mutable_y_axis(), 1.0, 0.0, 0.0);
-  for (const auto edge : {v1::Region::TOP, v1::Region::BOTTOM, v1::Region::LEFT, v1::Region::RIGHT,
-                          v1::Region::CORNERS, v1::Region::TOP_CORNERS}) {
+  for (const auto edge : {v1::Region::TOP, v1::Region::BOTTOM, v1::Region::LEFT, v1::Region::RIGHT, v1::Region::CORNERS,
+                          v1::Region::TOP_CORNERS}) {
     scene.add_pins()->set_edge(edge);
   }
   v1::MaterialBox* box = scene.add_pins()->mutable_box();
@@ -192,16 +184,11 @@ inline v1::Scene full_scene() {
   integrator->set_newton_iterations(3);
   integrator->set_solver_tolerance(1e-6);
   add_commands(scene);
+  add_conditions(scene);
   scene.set_ticks(900);
   scene.set_description("a flag");
   return scene;
 }
-
-// A change to full_scene() that must be refused, and the field that the refusal names.
-struct BadScene {
-  std::string field;
-  std::function<void(v1::Scene&)> spoil;
-};
 
 inline std::vector<BadScene> bad_shapes() {
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -424,6 +411,8 @@ inline std::vector<BadScene> bad_commands() {
 
 inline std::vector<BadScene> bad_scenes() {
   std::vector<BadScene> all = bad_shapes();
+  for (BadScene& each : bad_conditions()) all.push_back(std::move(each));
+  for (BadScene& each : bad_analyses()) all.push_back(std::move(each));
   for (BadScene& each : bad_numbers()) all.push_back(std::move(each));
   for (BadScene& each : bad_commands()) all.push_back(std::move(each));
   return all;

@@ -1,0 +1,172 @@
+// Analyses of whole scenes: their tables, their order, how they end.
+#include "server/analysis/analysis.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/sheet/sheet_calls.h"
+
+namespace kerf::analysis {
+namespace {
+
+using Eigen::Vector2d;
+using sheet::SheetConfig;
+
+// A strip along x, held at its left end, pulled at the right one, in the plane z = 0.
+SheetConfig pulled_strip() {
+  SheetConfig config = scenes::hanging(4);
+  config.mesh = sheet::GridSource{11, 3, 1.0, 0.1, sheet::GridPattern::kUniformDiagonals, 0};
+  config.placement.y_axis = {0.0, 1.0, 0.0};
+  config.pins.clear();
+  config.gravity.setZero();
+  config.planar = true;
+  config.material = fem::isotropic(1.0e6, 0.0, 1.0e-3, 1000.0);
+  sheet::Constraint left;
+  left.region = sheet::RegionEdge::kLeft;
+  config.constraints = {left};
+  config.loads = {{sheet::EdgeForce{sheet::RegionEdge::kRight, {20.0, 0.0, 0.0}, true}, {}}};
+  config.probes = {{"end", sheet::Quantity::kDisplacement, {}, sheet::RegionEdge::kRight, sheet::Reduce::kMean, {}}};
+  return config;
+}
+
+TEST(StaticAnalysis, TablesTheProbesAtEveryLoad) {
+  SheetConfig config = pulled_strip();
+  sheet::Sheet sheet = sheet::make(config);
+  sheet::StaticAnalysis analysis;
+  analysis.loads = {0.25, 0.5, 1.0};
+  double last = -1.0;
+  const Result<Outcome> outcome = run_static(sheet, analysis, [&](const Progress& progress) {
+    EXPECT_GE(progress.done, last);
+    EXPECT_FALSE(progress.what.empty());
+    last = progress.done;
+    return true;
+  });
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_TRUE(outcome->statics->converged);
+  EXPECT_TRUE(outcome->statics->is_stable);
+  EXPECT_EQ(outcome->statics->load, 1.0);
+  EXPECT_EQ(outcome->statics->solves, 3);
+  EXPECT_LE(outcome->statics->residual, analysis.tolerance);
+  ASSERT_EQ(outcome->tables.size(), 1U);
+  const Table& table = outcome->tables[0];
+  EXPECT_EQ(table.columns, (std::vector<std::string>{"load", "end.x", "end.y", "end.z"}));
+  ASSERT_EQ(table.rows.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(table.rows[i][0], analysis.loads[i]);
+    EXPECT_NEAR(table.rows[i][1], 0.2 * analysis.loads[i], 1e-9);
+  }
+}
+
+TEST(StaticAnalysis, CutsBeforeTheLoadOfTheirNumber) {
+  SheetConfig config = pulled_strip();
+  config.commands = {{2, scenes::line_cut({0.5, -0.1}, {0.5, 0.05})}};
+  sheet::Sheet sheet = sheet::make(config);
+  sheet::StaticAnalysis analysis;
+  analysis.loads = {0.25, 0.5};
+  const Result<Outcome> outcome = run_static(sheet, analysis, {});
+  ASSERT_TRUE(outcome.ok());
+  ASSERT_EQ(outcome->scheduled.size(), 1U);
+  const auto& rows = outcome->tables[0].rows;
+  EXPECT_NEAR(rows[0][1], 0.05, 1e-9);
+  EXPECT_GT(rows[1][1], 0.102) << "weaker by the cut";
+}
+
+TEST(StaticAnalysis, SaysHowFarItCameAndKeepsWhatItFound) {
+  SheetConfig config = pulled_strip();
+  config.constraints.clear();
+  config.loads.push_back({sheet::EdgeForce{sheet::RegionEdge::kLeft, {-20.0, 0.0, 0.0}, true}, {}});
+  // Balanced up to half of the load; nothing holds the strip against what comes then.
+  config.loads.push_back(
+      {sheet::EdgeForce{sheet::RegionEdge::kRight, {1.0, 0.0, 0.0}, true}, {{0.5, 1.0}, {0.0, 1.0}}});
+  sheet::Sheet sheet = sheet::make(config);
+  sheet::StaticAnalysis analysis;
+  analysis.loads = {0.25, 0.5, 0.75, 1.0};
+  analysis.max_iterations = 8;
+  const Result<Outcome> outcome = run_static(sheet, analysis, {});
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_FALSE(outcome->statics->converged);
+  EXPECT_NEAR(outcome->statics->load, 0.5, 0.01);
+  EXPECT_EQ(outcome->tables[0].rows.size(), 2U);
+  EXPECT_FALSE(outcome->stopped);
+}
+
+TEST(StaticAnalysis, StopsWhenToldTo) {
+  sheet::Sheet sheet = sheet::make(pulled_strip());
+  const Result<Outcome> outcome = run_static(sheet, {}, [](const Progress&) { return false; });
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_TRUE(outcome->stopped);
+  EXPECT_FALSE(outcome->statics->converged);
+}
+
+TEST(StaticAnalysis, RefusesAScheduledCommandThatCannotBeDone) {
+  SheetConfig config = pulled_strip();
+  config.commands = {{1, sheet::Drag{"nobody", {0.0, 0.0, 0.0}}}};
+  sheet::Sheet sheet = sheet::make(config);
+  const Result<Outcome> outcome = run_static(sheet, {}, {});
+  ASSERT_FALSE(outcome.ok());
+  EXPECT_EQ(outcome.error().field, "commands[0].command.drag.grab_id");
+}
+
+// A string: strip without width effects under tension T, f = n / (2 L) sqrt(T / (rho A)) about the loaded state.
+TEST(ModalAnalysis, IsAboutTheLoadedState) {
+  SheetConfig config = pulled_strip();
+  config.planar = false;
+  config.material.bending_scale = 0.0;
+  config.mesh = sheet::GridSource{81, 2, 1.0, 0.0125, sheet::GridPattern::kUniformDiagonals, 0};
+  sheet::Constraint right;
+  right.region = sheet::RegionEdge::kRight;
+  right.displacement = {0.01, 0.0, 0.0};
+  config.constraints.push_back(right);
+  sheet::Constraint flat;  // across the strip, which is not what this is about
+  flat.region = sheet::WholeSheet{};
+  flat.held = {false, true, false};
+  config.constraints.push_back(flat);
+  config.loads.clear();
+  sheet::Sheet sheet = sheet::make(config);
+  const Result<Outcome> outcome = run_modes(sheet, {8, sheet::StaticAnalysis{}}, {});
+  ASSERT_TRUE(outcome.ok()) << outcome.error().message;
+  ASSERT_EQ(outcome->tables.size(), 2U);
+  const Table& modes = outcome->tables[1];
+  EXPECT_EQ(modes.columns, (std::vector<std::string>{"mode", "eigenvalue_per_s2", "frequency_hz"}));
+  ASSERT_EQ(modes.rows.size(), 8U);
+  for (int n = 1; n <= 3; ++n) {
+    const double tension = 1.0e6 * 0.01;                                // Pa
+    const double exact = 0.5 * n * std::sqrt(tension / 1000.0 / 1.01);  // Hz; mass and length of the stretched string
+    double nearest = 0.0;                                               // among those that twist the strip
+    for (const std::vector<double>& mode : modes.rows) {
+      if (std::abs(mode[2] - exact) < std::abs(nearest - exact)) nearest = mode[2];
+    }
+    EXPECT_NEAR(nearest, exact, 2e-3 * exact) << n;
+  }
+}
+
+TEST(ModalAnalysis, RefusesMoreModesThanThereAre) {
+  SheetConfig config = scenes::hanging(2);
+  sheet::Sheet sheet = sheet::make(config);
+  const Result<Outcome> outcome = run_modes(sheet, {6, {}}, {});
+  ASSERT_FALSE(outcome.ok());
+  EXPECT_EQ(outcome.error().reason, "TOO_MANY_MODES");
+}
+
+TEST(DynamicAnalysis, TablesTheProbesFromTheStartAndAfterEachTick) {
+  SheetConfig config = scenes::hanging(5);
+  config.pins.clear();
+  config.probes = {{"fall", sheet::Quantity::kCentreOfMass, {}, {}, sheet::Reduce::kEach, {}}};
+  config.integrator.kind = sheet::IntegratorKind::kExplicitLeapfrog;
+  config.material.mass_damping = 0.0;
+  sheet::Sheet sheet = sheet::make(config);
+  int reports = 0;
+  const Result<Outcome> outcome = run_dynamic(
+      sheet, 30, {}, [&](const sheet::TickReport&) { ++reports; }, nullptr);
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_EQ(reports, 30);
+  const Table& table = outcome->tables.at(0);
+  EXPECT_EQ(table.columns.front(), "time_s");
+  ASSERT_EQ(table.rows.size(), 31U);
+  for (const std::vector<double>& row : table.rows) {
+    EXPECT_NEAR(row[3], 0.5 - 0.5 * 9.81 * row[0] * row[0], 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace kerf::analysis

@@ -1,0 +1,229 @@
+// What probes measure, against what is known of simple states.
+#include "server/analysis/probe.h"
+
+#include <cmath>
+#include <map>
+
+#include "tests/sheet/sheet_calls.h"
+
+namespace kerf::analysis {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using sheet::Probe;
+using sheet::Quantity;
+using sheet::Reduce;
+using sheet::SheetConfig;
+
+Probe at_points(const std::string& name, Quantity quantity, std::vector<Vector2d> points) {
+  return {name, quantity, std::move(points), {}, Reduce::kEach, {}};
+}
+
+Probe over(const std::string& name, Quantity quantity, sheet::Region region, Reduce reduce) {
+  return {name, quantity, {}, std::move(region), reduce, {}};
+}
+
+// Held everywhere: x = X + gradient X in the plane z = 0, of an isotropic material.
+SheetConfig stretched(const Eigen::Matrix<double, 3, 2>& gradient) {
+  SheetConfig config = scenes::hanging(5);
+  config.placement.y_axis = {0.0, 1.0, 0.0};
+  config.pins.clear();
+  config.gravity.setZero();
+  config.material = fem::isotropic(2.0e6, 0.25, 1.0e-3, 1000.0);
+  sheet::Constraint all;
+  all.region = sheet::WholeSheet{};
+  all.stretch = gradient;
+  config.constraints = {all};
+  return config;
+}
+
+std::map<std::string, double> measure(const sheet::Sheet& sheet, const std::vector<Probe>& requests) {
+  Result<Probes> probes = Probes::create(requests, sheet);
+  if (!probes) {
+    ADD_FAILURE() << probes.error().message;
+    return {};
+  }
+  std::vector<double> row;
+  probes->measure(sheet, {}, 0.0, row);
+  EXPECT_EQ(row.size(), probes->columns().size());
+  std::map<std::string, double> found;
+  for (std::size_t i = 0; i < row.size(); ++i) found[probes->columns()[i]] = row[i];
+  return found;
+}
+
+TEST(Probes, GiveDisplacementsPositionsAndTheirReductions) {
+  Eigen::Matrix<double, 3, 2> gradient;
+  gradient << 0.1, 0.2, 0.0, -0.1, 0.0, 0.0;
+  sheet::Sheet sheet = sheet::make(stretched(gradient));
+  ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
+  auto found = measure(sheet, {at_points("u", Quantity::kDisplacement, {{0.3, 0.7}}),
+                               at_points("p", Quantity::kPosition, {{1.0, 1.0}, {0.0, 0.5}}),
+                               over("top", Quantity::kDisplacement, sheet::RegionEdge::kTop, Reduce::kMean),
+                               over("least", Quantity::kPosition, sheet::WholeSheet{}, Reduce::kMin),
+                               over("most", Quantity::kPosition, sheet::WholeSheet{}, Reduce::kMax),
+                               over("sum", Quantity::kDisplacement, sheet::RegionEdge::kRight, Reduce::kSum)});
+  EXPECT_NEAR(found.at("u.x"), 0.1 * 0.3 + 0.2 * 0.7, 1e-9);
+  EXPECT_NEAR(found.at("u.y"), -0.1 * 0.7, 1e-9);
+  EXPECT_NEAR(found.at("p[0].x"), 1.3, 1e-12);
+  EXPECT_NEAR(found.at("p[1].y"), 0.45, 1e-9);
+  EXPECT_NEAR(found.at("top.x"), 0.05 + 0.2, 1e-12);
+  EXPECT_NEAR(found.at("least.y"), 0.0, 1e-12);
+  EXPECT_NEAR(found.at("most.x"), 1.3, 1e-12);
+  EXPECT_NEAR(found.at("sum.x"), 5 * 0.1 + 0.2 * 2.5, 1e-12);
+}
+
+TEST(Probes, GiveStrainAndStressInMaterialAxesHoweverTheFibresRun) {
+  Eigen::Matrix<double, 3, 2> gradient;
+  gradient << 2e-3, 1e-3, 1e-3, -1e-3, 0.0, 0.0;  // symmetric: no rotation
+  for (const double direction : {0.0, 0.6}) {
+    SheetConfig config = stretched(gradient);
+    config.material.direction = direction;
+    sheet::Sheet sheet = sheet::make(config);
+    ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
+    auto found = measure(
+        sheet, {at_points("e", Quantity::kStrain, {{0.31, 0.72}}), at_points("s", Quantity::kStress, {{0.5, 0.5}}),
+                over("all", Quantity::kStress, sheet::WholeSheet{}, Reduce::kMax)});
+    EXPECT_NEAR(found.at("e.xx"), 2e-3, 1e-12);
+    EXPECT_NEAR(found.at("e.yy"), -1e-3, 1e-12);
+    EXPECT_NEAR(found.at("e.xy"), 1e-3, 1e-12);
+    const double q = 2.0e6 / (1.0 - 0.25 * 0.25);
+    EXPECT_NEAR(found.at("s.xx"), q * (2e-3 - 0.25e-3), 1e-5);
+    EXPECT_NEAR(found.at("s.yy"), q * (0.5e-3 - 1e-3), 1e-5);
+    EXPECT_NEAR(found.at("s.xy"), 2.0 * 0.8e6 * 1e-3, 1e-5);
+    EXPECT_NEAR(found.at("all.xx"), found.at("s.xx"), 1e-5);
+  }
+}
+
+TEST(Probes, ReactionsBalanceTheLoads) {
+  SheetConfig config = stretched(Eigen::Matrix<double, 3, 2>::Zero());
+  config.constraints[0].region = sheet::RegionEdge::kBottom;
+  config.gravity = {0.0, -2.0, 0.0};
+  config.planar = true;
+  config.loads = {{sheet::EdgeForce{sheet::RegionEdge::kTop, {0.3, 0.5, 0.0}, true}, {}},
+                  {sheet::EdgeForce{sheet::RegionEdge::kBottom, {0.1, 0.0, 0.0}, true}, {}}};
+  sheet::Sheet sheet = sheet::make(config);
+  ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
+  auto found = measure(sheet, {over("r", Quantity::kReaction, sheet::RegionEdge::kBottom, Reduce::kSum)});
+  EXPECT_NEAR(found.at("r.x"), -0.4, 1e-8);
+  EXPECT_NEAR(found.at("r.y"), -0.5 + 2.0 * sheet.model().total_mass(), 1e-8);
+  EXPECT_NEAR(found.at("r.z"), 0.0, 1e-8);
+}
+
+TEST(Probes, ReactionsInTimeIncludeWhatTheMotionOfWhatIsHeldTakes) {
+  SheetConfig config = stretched(Eigen::Matrix<double, 3, 2>::Zero());
+  config.constraints[0].displacement = {0.0, 0.0, 1.0};
+  // Speeds up evenly by a polygon: 1 m/s in the first half second, 2 m/s in the second.
+  config.constraints[0].history = {{0.0, 0.5, 1.0}, {0.0, 0.5, 1.5}};
+  sheet::Sheet sheet = sheet::make(config);
+  Result<Probes> probes = Probes::create({over("r", Quantity::kReaction, sheet::WholeSheet{}, Reduce::kSum)}, sheet);
+  ASSERT_TRUE(probes.ok());
+  double impulse = 0.0;  // N s
+  for (int i = 0; i < 60; ++i) {
+    const mesh::VertexField before = sheet.state().v;
+    sheet.step({});
+    std::vector<double> row;
+    probes->measure(sheet, before, sheet.dt(), row);
+    impulse += row[2] * sheet.dt();
+  }
+  EXPECT_NEAR(impulse, 2.0 * sheet.model().total_mass(), 1e-6);
+}
+
+TEST(Probes, MeasureTheWholeSheet) {
+  SheetConfig config = scenes::hanging(5);
+  config.pins.clear();
+  config.gravity = {0.0, 0.0, -10.0};
+  config.initial_velocity = sheet::InitialVelocity{{0.5, 0.0, 0.0}, {0.0, 3.0, 0.0}, {}};
+  const sheet::Sheet sheet = sheet::make(config);
+  const double m = sheet.model().total_mass();
+  auto found = measure(sheet, {at_points("e", Quantity::kEnergy, {}), at_points("p", Quantity::kMomentum, {}),
+                               at_points("l", Quantity::kAngularMomentum, {}),
+                               at_points("c", Quantity::kCentreOfMass, {}), at_points("size", Quantity::kExtent, {})});
+  EXPECT_NEAR(found.at("c.x"), 0.5, 1e-12);
+  EXPECT_NEAR(found.at("c.z"), 0.5, 1e-12);
+  EXPECT_NEAR(found.at("e.gravity"), 10.0 * m * 0.5, 1e-12);
+  EXPECT_NEAR(found.at("e.total"), found.at("e.gravity") + found.at("e.kinetic"), 1e-12);
+  EXPECT_NEAR(found.at("p.x"), 0.5 * m, 1e-12);
+  EXPECT_GT(found.at("l.y"), 3.0 * m / 6.0);
+  EXPECT_NEAR(found.at("l.x"), 0.0, 1e-12);
+  EXPECT_NEAR(found.at("size.x"), 1.0, 1e-12);
+  EXPECT_NEAR(found.at("size.y"), 0.0, 1e-12);
+}
+
+// A slit across the middle whose lips are moved apart by hand.
+TEST(Probes, OpeningIsSignedInTheFrameOfTheLips) {
+  SheetConfig config = scenes::hanging(9);
+  config.placement.y_axis = {0.0, 1.0, 0.0};
+  config.pins.clear();
+  config.gravity.setZero();
+  const auto hold = [](sheet::Region region, const Vector3d& displacement) {
+    sheet::Constraint constraint;
+    constraint.region = std::move(region);
+    constraint.displacement = displacement;
+    return constraint;
+  };
+  sheet::Sheet sheet = sheet::make(config);
+  const std::vector<Probe> probes{at_points("gap", Quantity::kOpening, {{0.5, 0.5}, {0.5, 0.9}})};
+  EXPECT_TRUE(std::isnan(measure(sheet, probes).at("gap[0].normal"))) << "no cut yet";
+  config.commands = {{1, scenes::line_cut({-0.2, 0.5}, {1.2, 0.5})}};
+  // All of the upper half, and of the line both share the lower lip alone.
+  config.constraints = {
+      hold(sheet::MaterialBox{{0.0, 0.5}, {1.0, 1.0}}, {0.02, 0.03, 0.004}),
+      hold(sheet::MaterialBox{{0.0, 0.0}, {1.0, 0.49}}, Vector3d::Zero()),
+      hold(sheet::MaterialLine{{0.0, 0.5}, {1.0, 0.5}, 0.0, sheet::MaterialLine::Side::kRight}, Vector3d::Zero())};
+  sheet = sheet::make(config);
+  sheet.begin_load_step();
+  const fem::EquilibriumStats stats = sheet.settle(1.0, {}, {});
+  ASSERT_TRUE(stats.converged);
+  auto found = measure(sheet, probes);
+  EXPECT_NEAR(found.at("gap[0].normal"), 0.03, 1e-9);
+  EXPECT_NEAR(found.at("gap[0].sliding"), 0.02, 1e-9);
+  EXPECT_NEAR(found.at("gap[0].lateral"), 0.004, 1e-9);
+  EXPECT_TRUE(std::isnan(found.at("gap[1].normal"))) << "not on the cut";
+}
+
+TEST(Probes, ASideChoosesTheLip) {
+  SheetConfig config = scenes::hanging(9);
+  config.placement.y_axis = {0.0, 1.0, 0.0};
+  config.pins.clear();
+  config.gravity.setZero();
+  sheet::Sheet sheet = sheet::make(config);
+  ASSERT_TRUE(sheet::apply(sheet, scenes::line_cut({-0.2, 0.5}, {1.2, 0.5})));
+  Probe upper = at_points("upper", Quantity::kVelocity, {{0.33, 0.5}});
+  upper.side = Vector2d(0.33, 1.0);
+  Probe lower = upper;
+  lower.name = "lower";
+  lower.side = Vector2d(0.33, 0.0);
+  // Whatever happens above stays above.
+  sheet::Grab grab{"up", Vector2d(0.4, 0.9), Vector3d(0.4, 3.0, 0.0), 0.0};
+  ASSERT_TRUE(sheet::apply(sheet, grab));
+  sheet::run(sheet, 20);
+  auto found = measure(sheet, {upper, lower});
+  EXPECT_GT(std::abs(found.at("upper.y")), 1e-3);
+  EXPECT_LT(std::abs(found.at("lower.y")), 1e-12);
+}
+
+TEST(Probes, RefuseWhatIsNotThereAndSayNaNOfWhatIsCutAway) {
+  SheetConfig config = scenes::hanging(9);
+  sheet::Sheet sheet = sheet::make(config);
+  const auto refusal = [&](const Probe& probe) {
+    const Result<Probes> probes = Probes::create({probe}, sheet);
+    return probes ? "made" : probes.error().reason + " " + probes.error().field;
+  };
+  EXPECT_EQ(refusal(at_points("a", Quantity::kPosition, {{0.5, 0.5}, {1.5, 0.5}})),
+            "POINT_OUTSIDE probes[0].points[1]");
+  EXPECT_EQ(refusal(over("a", Quantity::kStress, sheet::RegionEdge::kTop, Reduce::kMax)),
+            "REGION_EMPTY probes[0].region");
+  EXPECT_EQ(refusal(over("a", Quantity::kReaction, std::vector<mesh::VertexId>{99}, Reduce::kSum)),
+            "UNKNOWN_VERTEX probes[0].region.vertices.vertices[0]");
+  Result<Probes> probes = Probes::create({at_points("a", Quantity::kPosition, {{0.5, 0.5}})}, sheet);
+  sheet::Cut wide = scenes::line_cut({0.4, 0.5}, {0.6, 0.5});
+  wide.width = 0.1;
+  ASSERT_TRUE(sheet::apply(sheet, wide));
+  std::vector<double> row;
+  probes->measure(sheet, {}, 0.0, row);
+  EXPECT_TRUE(std::isnan(row.at(0)));
+}
+
+}  // namespace
+}  // namespace kerf::analysis

@@ -1,0 +1,347 @@
+// Constraints, loads and initial velocities of a scene, through cuts and undos.
+#include <cmath>
+#include <numbers>
+
+#include "tests/sheet/sheet_calls.h"
+
+namespace kerf::sheet {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// 1 m x 1 m in the plane z = 0, free, without gravity.
+SheetConfig flat(std::int32_t n) {
+  SheetConfig config = scenes::hanging(n);
+  config.placement.y_axis = {0.0, 1.0, 0.0};
+  config.pins.clear();
+  config.gravity.setZero();
+  return config;
+}
+
+Constraint hold(Region region) {
+  Constraint constraint;
+  constraint.region = std::move(region);
+  return constraint;
+}
+
+Vector3d total_force(const Sheet& sheet) {
+  return sheet.loads().external_forces.rowwise().sum();
+}
+
+const fem::Pin* find_pin(const Sheet& sheet, mesh::VertexId v) {
+  for (const fem::Pin& pin : sheet.loads().pins) {
+    if (pin.vertex == v) return &pin;
+  }
+  return nullptr;
+}
+
+std::string refused(const SheetConfig& config) {
+  const Result<Sheet> sheet = Sheet::create(config);
+  return sheet ? "made" : sheet.error().reason + " " + sheet.error().field;
+}
+
+TEST(Regions, OfLinesNearestVerticesAndTheWholeSheet) {
+  const mesh::TriangleMesh mesh = make(flat(5)).mesh();
+  const auto found = [&](const Region& region) { return find_vertices(mesh, region, "pins[0]").value(); };
+  using Vertices = std::vector<mesh::VertexId>;
+  EXPECT_EQ(found(MaterialLine{{0.0, 0.5}, {0.5, 0.5}}), (Vertices{10, 11, 12}));
+  EXPECT_EQ(found(MaterialLine{{0.0, 0.0}, {1.0, 1.0}}), (Vertices{0, 6, 12, 18, 24}));
+  EXPECT_EQ(found(MaterialLine{{0.5, 0.5}, {0.5, 0.5}, 0.26}), (Vertices{7, 11, 12, 13, 17}));  // a disc
+  EXPECT_EQ(found(NearestVertex{{0.3, 0.3}}), (Vertices{6}));
+  EXPECT_EQ(found(NearestVertex{{0.125, 0.0}}), (Vertices{0}));  // of two
+  EXPECT_EQ(found(WholeSheet{}).size(), 25U);
+}
+
+TEST(Regions, TellTheTwoLipsOfACutApart) {
+  Sheet sheet = make(flat(9));
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.25, 0.5}, {0.75, 0.5})));
+  MaterialLine line{{0.25, 0.5}, {0.75, 0.5}};
+  const auto found = [&] { return find_vertices(sheet.mesh(), Region(line), "").value(); };
+  const std::size_t both = found().size();
+  line.side = MaterialLine::Side::kLeft;
+  const std::vector<mesh::VertexId> upper = found();
+  line.side = MaterialLine::Side::kRight;
+  const std::vector<mesh::VertexId> lower = found();
+  EXPECT_EQ(upper.size() + lower.size(), both);
+  EXPECT_GE(std::min(upper.size(), lower.size()), 3U);
+  const auto rise_around = [&](mesh::VertexId v) {
+    std::vector<mesh::TriangleId> fan;
+    sheet.mesh().triangles_around(v, fan);
+    double sum = 0.0;
+    for (const mesh::TriangleId t : fan) {
+      for (const mesh::VertexId w : sheet.mesh().vertices(t)) sum += sheet.mesh().rest_position(w).y() - 0.5;
+    }
+    return sum;
+  };
+  // Tips belong to both sides; every other vertex has its material on one.
+  for (const mesh::VertexId v : upper) EXPECT_GT(rise_around(v), -1e-9);
+  for (const mesh::VertexId v : lower) EXPECT_LT(rise_around(v), 1e-9);
+}
+
+TEST(Constraints, HoldTheChosenComponentsAndNoOthers) {
+  SheetConfig config = flat(5);
+  config.gravity = {1.0, 2.0, -3.0};
+  config.constraints = {hold(RegionEdge::kTop)};
+  config.constraints[0].held = {false, true, false};
+  Sheet sheet = make(config);
+  run(sheet, 30);
+  const double t = 0.5;
+  for (int v = 20; v < 25; ++v) {
+    EXPECT_EQ(sheet.state().x(1, v), 1.0);
+    EXPECT_GT(sheet.state().x(0, v) - 0.25 * (v - 20), 0.2 * 0.5 * t * t);
+    EXPECT_LT(sheet.state().x(2, v), -0.2 * 1.5 * t * t);
+  }
+}
+
+TEST(Constraints, FollowTheirHistoriesStretchesAndRotations) {
+  SheetConfig config = flat(5);
+  Constraint moved = hold(WholeSheet{});
+  moved.displacement = {0.0, 0.0, 0.5};
+  moved.stretch.col(0) = Vector3d(0.1, 0.0, 0.0);
+  moved.rotation = Rotation{{0.0, 0.0, 2.0}, {1.0, 0.0, 0.0}, std::numbers::pi};
+  moved.history = {{0.0, 1.0}, {0.0, 1.0}};
+  config.constraints = {moved};
+  Sheet sheet = make(config);
+  run(sheet, 30);  // half way: a quarter turn about (1, 0)
+  for (int v = 0; v < 25; ++v) {
+    const Vector2d X = sheet.mesh().rest_position(v);
+    const Vector3d expected(1.0 - X.y() + 0.05 * X.x(), X.x() - 1.0, 0.25);
+    EXPECT_LT((sheet.state().x.col(v) - expected).norm(), 1e-12);
+  }
+  EXPECT_FALSE(sheet.at_rest());
+  run(sheet, 30);
+  const Vector3d there = sheet.state().x.col(24);
+  EXPECT_LT((there - Vector3d(1.1, -1.0, 0.5)).norm(), 1e-12);
+  run(sheet, 90);
+  EXPECT_LT((sheet.state().x.col(24) - there).norm(), 1e-12);
+  EXPECT_TRUE(sheet.at_rest());
+}
+
+TEST(Constraints, EndWhenTheirTimeIsOver) {
+  SheetConfig config = flat(5);
+  config.gravity = {0.0, 0.0, -9.81};
+  config.constraints = {hold(WholeSheet{})};
+  config.constraints[0].until = 0.5;
+  Sheet sheet = make(config);
+  run(sheet, 29);
+  EXPECT_EQ(sheet.state().x(2, 7), 0.0);
+  EXPECT_FALSE(sheet.at_rest()) << "it will fall";
+  run(sheet, 31);
+  EXPECT_LT(sheet.state().x(2, 7), -1.0);
+}
+
+TEST(Constraints, TheLastOfSeveralAndAConstraintOverAPinHold) {
+  SheetConfig config = flat(5);
+  config.pins = {RegionEdge::kTop};
+  Constraint first = hold(RegionEdge::kTop);
+  first.displacement = {1.0, 1.0, 1.0};
+  first.held = {true, true, false};
+  Constraint second = hold(NearestVertex{{1.0, 1.0}});
+  second.displacement = {2.0, 0.0, 0.0};
+  second.held = {true, false, false};
+  config.constraints = {first, second};
+  const Sheet sheet = make(config);
+  EXPECT_EQ(find_pin(sheet, 20)->target, Vector3d(1.0, 2.0, 0.0));
+  EXPECT_EQ(find_pin(sheet, 24)->target, Vector3d(3.0, 2.0, 0.0));
+  EXPECT_TRUE(find_pin(sheet, 24)->is_whole());
+  EXPECT_EQ(sheet.loads().pins.size(), 5U);
+  EXPECT_EQ(sheet.pinned_vertices().size(), 5U);
+}
+
+TEST(Constraints, ListedVerticesMayEachGoTheirOwnWay) {
+  SheetConfig config = flat(5);
+  config.constraints = {hold(std::vector<mesh::VertexId>{7, 2})};
+  config.constraints[0].displacements.resize(3, 2);
+  config.constraints[0].displacements << 0.7, 0.2, 0.0, 0.0, 0.0, 0.0;
+  const Sheet sheet = make(config);
+  EXPECT_EQ(find_pin(sheet, 7)->target, Vector3d(0.5 + 0.7, 0.25, 0.0));
+  EXPECT_EQ(find_pin(sheet, 2)->target, Vector3d(0.5 + 0.2, 0.0, 0.0));
+}
+
+TEST(Constraints, ReachNewVerticesOnTheirPlaceAndLeaveWithAnUndo) {
+  for (const bool listed : {false, true}) {
+    SheetConfig config = flat(5);
+    Region top = RegionEdge::kTop;
+    if (listed) top = std::vector<mesh::VertexId>{20, 21, 22, 23, 24};
+    config.constraints = {hold(top)};
+    config.constraints[0].stretch.col(0) = Vector3d(0.0, 1.0, 0.0);
+    Sheet sheet = make(config);
+    const std::uint64_t before = sheet.shape_hash();
+    ASSERT_TRUE(apply(sheet, scenes::line_cut({0.6, 0.4}, {0.6, 1.2})));
+    ASSERT_GT(sheet.mesh().num_vertices(), 25);
+    int new_on_top = 0;
+    for (mesh::VertexId v = 0; v < sheet.mesh().num_vertices(); ++v) {
+      const Vector2d X = sheet.mesh().rest_position(v);
+      const fem::Pin* const pin = find_pin(sheet, v);
+      EXPECT_EQ(pin != nullptr, X.y() > 1.0 - 1e-6) << listed << " " << v;
+      if (pin == nullptr) continue;
+      EXPECT_LT((pin->target - Vector3d(X.x(), X.y() + X.x(), 0.0)).norm(), 1e-9) << listed << " " << v;
+      new_on_top += v >= 25 ? 1 : 0;
+    }
+    EXPECT_GE(new_on_top, 2) << "a vertex for each lip";
+    ASSERT_TRUE(apply(sheet, UndoCut{}));
+    EXPECT_EQ(sheet.loads().pins.size(), 5U);
+    EXPECT_EQ(sheet.shape_hash(), before);
+    ASSERT_TRUE(apply(sheet, RedoCut{}));
+    EXPECT_EQ(sheet.loads().pins.size(), static_cast<std::size_t>(5 + new_on_top));
+  }
+}
+
+TEST(Constraints, AResetBeginsTheirHistoriesAnew) {
+  SheetConfig config = flat(5);
+  config.constraints = {hold(WholeSheet{})};
+  config.constraints[0].displacement = {1.0, 0.0, 0.0};
+  config.constraints[0].history = {{0.0, 1.0}, {0.0, 1.0}};
+  Sheet sheet = make(config);
+  run(sheet, 20);
+  const Vector3d there = sheet.state().x.col(3);
+  ASSERT_TRUE(apply(sheet, Reset{}));
+  EXPECT_EQ(Vector3d(sheet.state().x.col(3)), Vector3d(0.75, 0.0, 0.0));
+  run(sheet, 20);
+  EXPECT_EQ(Vector3d(sheet.state().x.col(3)), there);
+}
+
+TEST(Constraints, CopiesGoOnAlike) {
+  SheetConfig config = flat(9);
+  config.gravity = {0.0, 0.0, -9.81};
+  config.constraints = {hold(RegionEdge::kTop), hold(RegionEdge::kBottom)};
+  config.constraints[0].slope = true;
+  config.constraints[0].rotation = Rotation{{1.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, 1.0};
+  config.constraints[0].history = {{0.0, 0.5}, {0.0, 1.0}};
+  config.constraints[1].until = 0.4;
+  config.loads = {{PointForce{Vector2d(0.4, 0.4), Vector3d(0.0, 0.0, 0.01)}, {{0.0, 0.3}, {0.0, 1.0}}}};
+  Sheet sheet = make(config);
+  run(sheet, 11);
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.3, 0.2}, {0.7, 1.2})));
+  Sheet copy = sheet;
+  run(sheet, 25);
+  run(copy, 25);
+  EXPECT_EQ(sheet.state_hash(), copy.state_hash());
+}
+
+TEST(PlanarSheets, StayInTheirPlaneAndDoNotBend) {
+  SheetConfig config = flat(6);
+  config.planar = true;
+  config.gravity = {0.0, -1.0, -9.81};
+  Sheet sheet = make(config);
+  EXPECT_FALSE(sheet.model().has_bending());
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({-0.2, 0.4}, {0.6, 0.55})));
+  run(sheet, 30);
+  EXPECT_EQ(sheet.state().x.row(2).cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_LT(sheet.state().x(1, 0), -0.1);
+  config.placement.y_axis = Vector3d(0.0, 1.0, 1.0).normalized();
+  EXPECT_EQ(refused(config), "NOT_PLANAR planar");
+}
+
+TEST(Forces, AddUpToWhatWasAskedForThroughCuts) {
+  SheetConfig config = flat(9);
+  const Vector3d force(1.0, -2.0, 0.5);
+  config.loads = {{EdgeForce{RegionEdge::kRight, force, true}, {}},
+                  {EdgeForce{RegionEdge::kTop, force, false}, {}},
+                  {AreaForce{WholeSheet{}, force, true}, {}},
+                  {AreaForce{MaterialBox{{0.0, 0.0}, {0.5, 0.5}}, force, false}, {}},
+                  {PointForce{Vector2d(0.3, 0.3), force}, {}},
+                  {PointForce{mesh::VertexId{44}, force}, {}}};
+  Sheet sheet = make(config);
+  const Vector3d all = (1.0 + 1.0 + 1.0 + 0.25 + 1.0 + 1.0) * force;
+  EXPECT_LT((total_force(sheet) - all).norm(), 1e-12);
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.5, 0.7}, {1.2, 0.8})));
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.72, 0.6}, {0.7, 1.2})));
+  EXPECT_LT((total_force(sheet) - all).norm(), 1e-9);
+  ASSERT_TRUE(apply(sheet, UndoCut{}));
+  EXPECT_LT((total_force(sheet) - all).norm(), 1e-9);
+  // Corners of an edge carry half of what its other vertices do.
+  config.loads = {{EdgeForce{RegionEdge::kRight, force, true}, {}}};
+  sheet = make(config);
+  EXPECT_LT((Vector3d(sheet.loads().external_forces.col(8)) - force / 16.0).norm(), 1e-15);
+  EXPECT_LT((Vector3d(sheet.loads().external_forces.col(17)) - force / 8.0).norm(), 1e-15);
+}
+
+TEST(Forces, FollowTheirHistories) {
+  SheetConfig config = flat(5);
+  config.gravity = {0.0, 0.0, -1.0};
+  config.gravity_history = {{0.0, 1.0}, {0.0, 1.0}};
+  config.loads = {{AreaForce{WholeSheet{}, {0.0, 0.0, 2.0}, true}, {{0.0, 0.5}, {1.0, 0.0}}}};
+  Sheet sheet = make(config);
+  run(sheet, 15);
+  EXPECT_NEAR(total_force(sheet).z(), 1.0, 1e-12);
+  EXPECT_NEAR(sheet.loads().gravity.z(), -0.25, 1e-12);
+  EXPECT_EQ(sheet.gravity(), Vector3d(0.0, 0.0, -1.0));
+  run(sheet, 45);
+  EXPECT_EQ(total_force(sheet).z(), 0.0);
+}
+
+TEST(Forces, WithoutAnythingToActOnAreRefused) {
+  SheetConfig config = flat(5);
+  config.loads = {{EdgeForce{NearestVertex{{0.0, 0.0}}, {1.0, 0.0, 0.0}, true}, {}}};
+  EXPECT_EQ(refused(config), "NOTHING_LOADED loads[0].edge.region");
+  config.loads = {{AreaForce{RegionEdge::kTop, {1.0, 0.0, 0.0}, true}, {}}};
+  EXPECT_EQ(refused(config), "NOTHING_LOADED loads[0].area.region");
+  config.loads = {{PointForce{Vector2d(1.5, 0.0), {1.0, 0.0, 0.0}}, {}}};
+  EXPECT_EQ(refused(config), "POINT_OUTSIDE loads[0].point.material");
+  config.loads = {{PointForce{mesh::VertexId{25}, {1.0, 0.0, 0.0}}, {}}};
+  EXPECT_EQ(refused(config), "UNKNOWN_VERTEX loads[0].point.vertex");
+  config.loads.clear();
+  config.constraints = {hold(std::vector<mesh::VertexId>{3, 25})};
+  EXPECT_EQ(refused(config), "UNKNOWN_VERTEX constraints[0].region.vertices.vertices[1]");
+}
+
+TEST(InitialVelocities, TurnAboutTheCentreOfMassUnlessToldOtherwise) {
+  SheetConfig config = flat(5);
+  config.initial_velocity = InitialVelocity{{1.0, 0.0, 0.0}, {0.0, 0.0, 2.0}, {}};
+  Sheet sheet = make(config);
+  EXPECT_LT(
+      (sheet.model().momentum(sheet.state()).linear - sheet.model().total_mass() * Vector3d(1.0, 0.0, 0.0)).norm(),
+      1e-12);
+  EXPECT_LT((Vector3d(sheet.state().v.col(24)) - Vector3d(1.0 - 1.0, 1.0, 0.0)).norm(), 1e-12);
+  config.initial_velocity->centre = Vector3d(1.0, 1.0, 0.0);
+  EXPECT_LT((Vector3d(make(config).state().v.col(24)) - Vector3d(1.0, 0.0, 0.0)).norm(), 1e-12);
+  run(sheet, 5);
+  ASSERT_TRUE(apply(sheet, Reset{}));
+  EXPECT_LT((Vector3d(sheet.state().v.col(24)) - Vector3d(0.0, 1.0, 0.0)).norm(), 1e-12);
+}
+
+TEST(Settling, FindsTheEquilibriumOfTheLoadAndLeavesTheTickAlone) {
+  SheetConfig config = flat(9);
+  config.planar = true;
+  config.constraints = {hold(RegionEdge::kBottom), hold(NearestVertex{{0.5, 0.0}})};
+  config.constraints[0].held = {false, true, false};
+  config.loads = {{EdgeForce{RegionEdge::kTop, {0.0, 2.0, 0.0}, true}, {}}};
+  Sheet sheet = make(config);
+  const fem::Material& material = sheet.model().material();
+  for (const double load : {0.5, 1.0}) {
+    const fem::EquilibriumStats stats = sheet.settle(load, {}, {});
+    EXPECT_TRUE(stats.converged);
+    const double strain = 2.0 * load / (material.youngs_modulus_1 * material.thickness);
+    EXPECT_NEAR(sheet.state().x(1, 76), 1.0 + strain, 1e-9 * strain);
+    EXPECT_NEAR(sheet.state().x(0, 80) - sheet.state().x(0, 72), 1.0 - material.poissons_ratio_12 * strain, 1e-9);
+  }
+  EXPECT_EQ(sheet.tick(), 0);
+  EXPECT_EQ(sheet.state().v.cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST(Settling, LeavesTheStateAloneWhereNoEquilibriumIsFound) {
+  SheetConfig config = flat(9);  // nothing holds it
+  config.loads = {{EdgeForce{RegionEdge::kTop, {0.0, 2.0, 0.0}, true}, {}}};
+  Sheet sheet = make(config);
+  fem::EquilibriumOptions options;
+  options.max_iterations = 5;
+  const std::uint64_t before = sheet.shape_hash();
+  EXPECT_FALSE(sheet.settle(1.0, options, {}).converged);
+  EXPECT_EQ(sheet.shape_hash(), before);
+}
+
+TEST(Settling, StopsWhenTheWatchSaysSo) {
+  SheetConfig config = flat(9);
+  config.pins = {RegionEdge::kTop};
+  config.gravity = {0.0, 0.0, -9.81};
+  Sheet sheet = make(config);
+  int calls = 0;
+  const fem::EquilibriumStats stats = sheet.settle(1.0, {}, [&](const fem::EquilibriumStats&) { return ++calls < 3; });
+  EXPECT_EQ(calls, 3);
+  EXPECT_FALSE(stats.converged);
+}
+
+}  // namespace
+}  // namespace kerf::sheet
