@@ -31,6 +31,7 @@ int run(int argc, char** argv) {
   kerf::cli::add_cuts_commands(app, session);
   kerf::cli::add_view_commands(app, session);
   kerf::cli::add_offline_commands(app, session);
+  kerf::cli::add_analyze_command(app, session);
 
   try {
     app.parse(argc, argv);

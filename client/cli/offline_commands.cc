@@ -15,6 +15,7 @@
 
 #include "client/cli/commands.h"
 #include "client/cli/scene_run.h"
+#include "client/cli/tables.h"
 #include "server/host/disk.h"
 #include "server/sheet/recording.h"
 #include "server/wire/recording_codec.h"
@@ -65,51 +66,6 @@ Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path)
   });
 }
 
-std::string to_csv(const v1::Table& table) {
-  std::string text;
-  for (int i = 0; i < table.columns_size(); ++i) text += (i > 0 ? "," : "") + table.columns(i);
-  text += "\n";
-  for (const v1::Table::Row& row : table.rows()) {
-    for (int i = 0; i < row.values_size(); ++i) {
-      char number[32];
-      std::snprintf(number, sizeof number, "%s%.17g", i > 0 ? "," : "", row.values(i));
-      text += number;
-    }
-    text += "\n";
-  }
-  return text;
-}
-
-// The first rows and the last of a table, for people.
-std::string excerpt(const v1::Table& table) {
-  constexpr int kShown = 12;
-  std::string text = "\n  " + table.name() + ":";
-  const int columns = std::min(table.columns_size(), 6);
-  const auto line = [&](const auto& cell) {
-    text += "\n   ";
-    for (int i = 0; i < columns; ++i) text += " " + cell(i);
-    if (columns < table.columns_size()) text += " ...";
-  };
-  line([&](int i) {
-    std::string name = table.columns(i);
-    if (name.size() < 14) name.insert(0, 14 - name.size(), ' ');
-    return name;
-  });
-  for (int r = 0; r < table.rows_size(); ++r) {
-    if (r == kShown && r + 1 < table.rows_size()) {
-      text += "\n    ... " + std::to_string(table.rows_size() - kShown - 1) + " more, all of them with --csv or --out";
-      r = table.rows_size() - 1;
-    }
-    line([&](int i) {
-      char number[32];
-      const auto width = static_cast<int>(std::max<std::size_t>(14, table.columns(i).size()));
-      std::snprintf(number, sizeof number, "%*.6g", width, table.rows(r).values(i));
-      return std::string(number);
-    });
-  }
-  return text;
-}
-
 std::string summary(const v1::RunResult& result) {
   char text[512];
   if (result.has_static_() || result.ticks() == 0) {
@@ -133,13 +89,7 @@ std::string summary(const v1::RunResult& result) {
   if (result.simulated_s() > 0.0) all += "  " + result.integrator() + "\n";
   all.pop_back();
   const std::map<std::string, std::int64_t> flagged(result.flagged_ticks().begin(), result.flagged_ticks().end());
-  if (result.has_static_()) {
-    const v1::StaticResult& statics = result.static_();
-    std::snprintf(text, sizeof text, "\n  equilibrium at load %.6g%s, residual %.1e, %lld Newton steps in %lld solves",
-                  statics.load(), statics.stable() ? "" : " (unstable)", statics.residual(),
-                  static_cast<long long>(statics.newton_iterations()), static_cast<long long>(statics.solves()));
-    all += text;
-  }
+  if (result.has_static_()) all += "\n  " + describe(result.static_());
   for (const v1::Table& table : result.tables()) all += excerpt(table);
   for (const auto& [flag, ticks] : flagged) all += "\n  " + flag + " in " + std::to_string(ticks) + " ticks";
   return all;
@@ -173,19 +123,11 @@ int run(const Session& session, const RunArguments& arguments) {
     const Status written = disk.write_file(arguments.record, done->recording);
     if (!written) return refuse(written.error());
   }
-  for (const v1::Table& table : done->result.tables()) {
-    if (arguments.csv.empty()) break;
-    const std::string file = (std::filesystem::path(arguments.csv) / (table.name() + ".csv")).string();
-    const Status written = disk.write_file(file, to_csv(table));
-    if (!written) return refuse(written.error());
+  if (const Status written = write_csv(disk, arguments.csv, done->result.tables()); !written) {
+    return refuse(written.error());
   }
   std::printf("%s\n", (session.json ? json : summary(done->result)).c_str());
-  if (!done->result.has_static_() || done->result.static_().converged()) return kDone;
-  std::fprintf(stderr,
-               "kerf: no equilibrium was found beyond load %.6g; what was found up to there is in the results. More "
-               "steps, more max_iterations, or an imperfection where a sheet buckles may help\n",
-               done->result.static_().load());
-  return kRefused;
+  return done->result.has_static_() ? check_converged(done->result.static_()) : kDone;
 }
 
 int replay(const Session& session, const std::string& path) {

@@ -9,6 +9,7 @@
 #include "server/analysis/analysis.h"
 #include "server/sheet/recording.h"
 #include "server/sheet/sheet.h"
+#include "server/wire/analysis_codec.h"
 #include "server/wire/recording_codec.h"
 #include "server/wire/reply_codec.h"
 
@@ -62,27 +63,6 @@ void add_cuts(const sheet::CommandReply& reply, const StageTimer::CutTime& time,
   }
 }
 
-v1::Table encode_table(const analysis::Table& table) {
-  v1::Table message;
-  message.set_name(table.name);
-  for (const std::string& column : table.columns) message.add_columns(column);
-  for (const std::vector<double>& row : table.rows) {
-    message.add_rows()->mutable_values()->Assign(row.begin(), row.end());
-  }
-  return message;
-}
-
-v1::StaticResult encode_statics(const analysis::StaticStats& stats) {
-  v1::StaticResult message;
-  message.set_load(stats.load);
-  message.set_converged(stats.converged);
-  message.set_residual(stats.residual);
-  message.set_newton_iterations(stats.iterations);
-  message.set_solves(stats.solves);
-  message.set_stable(stats.is_stable);
-  return message;
-}
-
 void describe_end(const sheet::Sheet& sheet, v1::RunResult& result) {
   result.set_scene(sheet.config().sheet_id);
   result.set_ticks(sheet.tick());
@@ -113,7 +93,7 @@ Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions&
     }
     if (options.record) run.recording += wire::encode_recorded_tick({report.tick, {}, sheet.state_hash()});
   };
-  return analysis::run_dynamic(sheet, ticks, options.watch, after, &timer);
+  return analysis::run_dynamic(sheet, ticks, sheet.config().probes, options.watch, after, &timer);
 }
 
 }  // namespace
@@ -131,10 +111,10 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
   const double cpu_before = process_cpu_s();
   Result<analysis::Outcome> outcome = [&]() -> Result<analysis::Outcome> {
     if (const auto* of_loads = std::get_if<sheet::StaticAnalysis>(&config.analysis)) {
-      return analysis::run_static(sheet, *of_loads, options.watch);
+      return analysis::run_static(sheet, *of_loads, config.probes, options.watch);
     }
     if (const auto* modes = std::get_if<sheet::ModalAnalysis>(&config.analysis)) {
-      return analysis::run_modes(sheet, *modes, options.watch);
+      return analysis::run_modes(sheet, *modes, config.probes, options.watch);
     }
     return step_scene(sheet, options, run);
   }();
@@ -143,8 +123,8 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
   for (const sheet::ScheduledReply& scheduled : outcome->scheduled) {
     if (!is_dynamic) add_cuts(*scheduled.reply, {}, run.result);
   }
-  for (const analysis::Table& table : outcome->tables) *run.result.add_tables() = encode_table(table);
-  if (outcome->statics) *run.result.mutable_static_() = encode_statics(*outcome->statics);
+  for (const analysis::Table& table : outcome->tables) *run.result.add_tables() = wire::encode_table(table);
+  if (outcome->statics) *run.result.mutable_static_() = wire::encode_statics(*outcome->statics);
   describe_end(sheet, run.result);
   return run;
 }

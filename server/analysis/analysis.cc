@@ -97,10 +97,10 @@ class LoadPath {
 
 }  // namespace
 
-Result<Outcome> run_dynamic(sheet::Sheet& sheet, std::int64_t ticks, const Watch& watch,
-                            const std::function<void(const sheet::TickReport&)>& after,
+Result<Outcome> run_dynamic(sheet::Sheet& sheet, std::int64_t ticks, const std::vector<sheet::Probe>& requests,
+                            const Watch& watch, const std::function<void(const sheet::TickReport&)>& after,
                             sheet::StageObserver* observer) {
-  Result<Probes> probes = Probes::create(sheet.config().probes, sheet);
+  Result<Probes> probes = Probes::create(requests, sheet);
   if (!probes) return probes.error();
   const bool measures = !probes->columns().empty();
   Outcome outcome;
@@ -134,8 +134,9 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, std::int64_t ticks, const Watch
   return outcome;
 }
 
-Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis, const Watch& watch) {
-  Result<Probes> probes = Probes::create(sheet.config().probes, sheet);
+Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis,
+                           const std::vector<sheet::Probe>& requests, const Watch& watch) {
+  Result<Probes> probes = Probes::create(requests, sheet);
   if (!probes) return probes.error();
   Outcome outcome;
   StaticStats stats;
@@ -158,10 +159,11 @@ Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& ana
   return outcome;
 }
 
-Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analysis, const Watch& watch) {
+Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analysis,
+                          const std::vector<sheet::Probe>& probes, const Watch& watch) {
   Outcome outcome;
   if (analysis.about) {
-    Result<Outcome> about = run_static(sheet, *analysis.about, watch);
+    Result<Outcome> about = run_static(sheet, *analysis.about, probes, watch);
     if (!about) return about.error();
     outcome = std::move(about).value();
     if (outcome.stopped || !outcome.statics->converged) return outcome;

@@ -43,12 +43,15 @@ struct Outcome {
 };
 
 // Steps `ticks` in time. `after`: called with each report, may be empty.
-Result<Outcome> run_dynamic(sheet::Sheet& sheet, std::int64_t ticks, const Watch& watch,
-                            const std::function<void(const sheet::TickReport&)>& after, sheet::StageObserver* observer);
+Result<Outcome> run_dynamic(sheet::Sheet& sheet, std::int64_t ticks, const std::vector<sheet::Probe>& probes,
+                            const Watch& watch, const std::function<void(const sheet::TickReport&)>& after,
+                            sheet::StageObserver* observer);
 
 // Errors of all: those of Probes::create, and that of a scheduled command which is refused, with its path
 // ("commands[2].command.cut.curve").
-Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis, const Watch& watch);
-Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analysis, const Watch& watch);
+Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis,
+                           const std::vector<sheet::Probe>& probes, const Watch& watch);
+Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analysis,
+                          const std::vector<sheet::Probe>& probes, const Watch& watch);
 
 }  // namespace kerf::analysis

@@ -44,6 +44,7 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.SheetService/ResetSheet", api, &Api::reset_sheet),
       json_method("/kerf.v1.SheetService/ExportSheet", api, &Api::export_sheet),
       json_method("/kerf.v1.SheetService/GetSheetState", api, &Api::get_sheet_state),
+      json_method("/kerf.v1.SheetService/AnalyzeSheet", api, &Api::analyze_sheet),
       json_method("/kerf.v1.CutService/CreateCut", api, &Api::create_cut),
       json_method("/kerf.v1.CutService/CreateCuts", api, &Api::create_cuts),
       json_method("/kerf.v1.CutService/ListCuts", api, &Api::list_cuts),
@@ -78,6 +79,7 @@ Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host:
 Api::~Api() {
   stop();
   core_->worker.stop();
+  core_->analyst.stop();
 }
 
 void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1::ServerInfo> reply) {
@@ -120,7 +122,8 @@ const Limits& Api::limits() const {
 void Api::stop() {
   core_->stopping = true;
   core_->hub.stop();
-  core_->worker.close();  // the transports wait for every answer: pictures in a row would take longer than a stop may
+  core_->analyst.close();  // the analysis under way sees `stopping`
+  core_->worker.close();   // the transports wait for every answer: pictures in a row would take longer than a stop may
   refuse_unstarted_sessions(*core_);
 }
 

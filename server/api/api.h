@@ -24,6 +24,8 @@ class Empty;
 }  // namespace google::protobuf
 
 namespace kerf::v1 {
+class AnalyzeSheetRequest;
+class AnalyzeSheetResponse;
 class CancelScheduledCutsRequest;
 class CreateCutRequest;
 class CreateCutsRequest;
@@ -83,6 +85,8 @@ struct Limits {
   std::chrono::milliseconds watch_ack_timeout{10'000};     // a stream that owes an acknowledgement for longer is ended
   std::size_t max_remembered_requests = 4096;              // request_ids, oldest forgotten first
   std::size_t max_remembered_bytes = std::size_t{16} << 20;  // of those and their answers
+  std::size_t max_waiting_analyses = 8;                      // AnalyzeSheet calls behind the one being done
+  std::int32_t max_analyzed_vertices = 100'000;              // of a sheet that is analysed
   std::size_t max_waiting_pictures = 16;  // RenderImage and ExportSheet calls behind the one being done
 };
 
@@ -124,6 +128,9 @@ class Api {
   void reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply);
   void export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSheetResponse> reply);
   void get_sheet_state(const v1::GetSheetStateRequest& request, Reply<v1::SheetState> reply);
+  // Ends after an iteration, with what was found, once `stop` asks for it.
+  void analyze_sheet(const v1::AnalyzeSheetRequest& request, Reply<v1::AnalyzeSheetResponse> reply,
+                     std::stop_token stop);
 
   void create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> reply);
   void create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCutsResponse> reply);

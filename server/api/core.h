@@ -32,7 +32,8 @@ struct ApiCore {
         started_at(the_clock.now()),
         requests(options.limits.max_remembered_requests, options.limits.max_remembered_bytes),
         hub(the_host, options.limits.max_subscribers_per_sheet),
-        worker(options.limits.max_waiting_pictures) {}
+        worker(options.limits.max_waiting_pictures),
+        analyst(options.limits.max_waiting_analyses) {}
 
   host::Host& host;
   render::Renderer* const renderer;  // may be null
@@ -44,7 +45,8 @@ struct ApiCore {
   RequestLog requests;
   CutJournal journal;
   StreamHub hub;
-  BackgroundWorker worker;  // stopped by ~Api, so that it never ends on its own thread
+  BackgroundWorker worker;   // of pictures and files; stopped by ~Api, so that it never ends on its own thread
+  BackgroundWorker analyst;  // of analyses; likewise
 
   std::mutex sessions_mutex;
   std::map<const WatchSession*, std::weak_ptr<WatchSession>> sessions;  // open ones; guarded by sessions_mutex

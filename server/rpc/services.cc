@@ -83,6 +83,17 @@ class CancellableReactor final : public Reactor {
   std::stop_source source_;
 };
 
+// As answer(), for a method that goes on for long and may be told to stop.
+template <typename Request, typename Response>
+Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Reply<Response>, std::stop_token),
+                Context* /*context*/, const ByteBuffer* bytes, ByteBuffer* response) {
+  auto* reactor = new CancellableReactor;  // deletes itself in OnDone
+  if (const std::optional<Request> request = parse<Request>(bytes, reactor)) {
+    (api.*method)(*request, finisher<Response>(reactor, response), reactor->token());
+  }
+  return reactor;
+}
+
 // One override of a generated service: it does nothing but name the Api's method.
 // NOLINTBEGIN(bugprone-macro-parentheses)
 #define KERF_UNARY(Rpc, method)                                                                               \
@@ -97,7 +108,8 @@ using RawSheets =
                v1::SheetService::WithRawCallbackMethod_DeleteSheet, v1::SheetService::WithRawCallbackMethod_PauseSheet,
                v1::SheetService::WithRawCallbackMethod_ResumeSheet, v1::SheetService::WithRawCallbackMethod_StepSheet,
                v1::SheetService::WithRawCallbackMethod_ResetSheet, v1::SheetService::WithRawCallbackMethod_ExportSheet,
-               v1::SheetService::WithRawCallbackMethod_GetSheetState>::type;
+               v1::SheetService::WithRawCallbackMethod_GetSheetState,
+               v1::SheetService::WithRawCallbackMethod_AnalyzeSheet>::type;
 class Sheets final : public RawSheets {
  public:
   explicit Sheets(api::Api& api) : api_(api) {}
@@ -107,16 +119,11 @@ class Sheets final : public RawSheets {
   KERF_UNARY(DeleteSheet, delete_sheet)
   KERF_UNARY(PauseSheet, pause_sheet)
   KERF_UNARY(ResumeSheet, resume_sheet)
-  Reactor* StepSheet(Context* /*context*/, const ByteBuffer* request, ByteBuffer* response) override {
-    auto* reactor = new CancellableReactor;  // deletes itself in OnDone
-    if (const auto step = parse<v1::StepSheetRequest>(request, reactor)) {
-      api_.step_sheet(*step, finisher<v1::Sheet>(reactor, response), reactor->token());
-    }
-    return reactor;
-  }
+  KERF_UNARY(StepSheet, step_sheet)
   KERF_UNARY(ResetSheet, reset_sheet)
   KERF_UNARY(ExportSheet, export_sheet)
   KERF_UNARY(GetSheetState, get_sheet_state)
+  KERF_UNARY(AnalyzeSheet, analyze_sheet)
 
  private:
   api::Api& api_;

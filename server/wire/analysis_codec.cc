@@ -117,27 +117,61 @@ void encode_probe(const sheet::Probe& probe, v1::Probe& message) {
 
 }  // namespace
 
-Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config) {
-  const v1::Analysis& message = scene.analysis();
+Result<sheet::Analysis> decode_analysis(const v1::Analysis& message) {
   if (message.has_static_()) {
     Result<sheet::StaticAnalysis> analysis = decode_static(message.static_(), "analysis.static");
     if (!analysis) return analysis.error();
-    config.analysis = std::move(analysis).value();
-  } else if (message.has_modes()) {
-    sheet::ModalAnalysis modes;
-    if (message.modes().count() != 0) modes.count = message.modes().count();
-    if (message.modes().has_about()) {
-      Result<sheet::StaticAnalysis> about = decode_static(message.modes().about(), "analysis.modes.about");
-      if (!about) return about.error();
-      modes.about = std::move(about).value();
-    }
-    config.analysis = std::move(modes);
+    return sheet::Analysis(std::move(analysis).value());
   }
-  for (int i = 0; i < scene.probes_size(); ++i) {
-    Result<sheet::Probe> probe = decode_probe(scene.probes(i), "probes[" + std::to_string(i) + "]");
+  if (!message.has_modes()) return sheet::Analysis(sheet::DynamicAnalysis{});
+  sheet::ModalAnalysis modes;
+  if (message.modes().count() != 0) modes.count = message.modes().count();
+  if (message.modes().has_about()) {
+    Result<sheet::StaticAnalysis> about = decode_static(message.modes().about(), "analysis.modes.about");
+    if (!about) return about.error();
+    modes.about = std::move(about).value();
+  }
+  return sheet::Analysis(std::move(modes));
+}
+
+Result<std::vector<sheet::Probe>> decode_probes(const google::protobuf::RepeatedPtrField<v1::Probe>& messages) {
+  std::vector<sheet::Probe> probes;
+  for (int i = 0; i < messages.size(); ++i) {
+    Result<sheet::Probe> probe = decode_probe(messages[i], "probes[" + std::to_string(i) + "]");
     if (!probe) return probe.error();
-    config.probes.push_back(std::move(probe).value());
+    probes.push_back(std::move(probe).value());
   }
+  return probes;
+}
+
+v1::Table encode_table(const analysis::Table& table) {
+  v1::Table message;
+  message.set_name(table.name);
+  for (const std::string& column : table.columns) message.add_columns(column);
+  for (const std::vector<double>& row : table.rows) {
+    message.add_rows()->mutable_values()->Assign(row.begin(), row.end());
+  }
+  return message;
+}
+
+v1::StaticResult encode_statics(const analysis::StaticStats& stats) {
+  v1::StaticResult message;
+  message.set_load(stats.load);
+  message.set_converged(stats.converged);
+  message.set_residual(stats.residual);
+  message.set_newton_iterations(stats.iterations);
+  message.set_solves(stats.solves);
+  message.set_stable(stats.is_stable);
+  return message;
+}
+
+Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config) {
+  Result<sheet::Analysis> analysis = decode_analysis(scene.analysis());
+  if (!analysis) return analysis.error();
+  config.analysis = std::move(analysis).value();
+  Result<std::vector<sheet::Probe>> probes = decode_probes(scene.probes());
+  if (!probes) return probes.error();
+  config.probes = std::move(probes).value();
   return Nothing{};
 }
 

@@ -35,7 +35,7 @@ TEST(StaticAnalysis, TablesTheProbesAtEveryLoad) {
   sheet::StaticAnalysis analysis;
   analysis.loads = {0.25, 0.5, 1.0};
   double last = -1.0;
-  const Result<Outcome> outcome = run_static(sheet, analysis, [&](const Progress& progress) {
+  const Result<Outcome> outcome = run_static(sheet, analysis, sheet.config().probes, [&](const Progress& progress) {
     EXPECT_GE(progress.done, last);
     EXPECT_FALSE(progress.what.empty());
     last = progress.done;
@@ -63,7 +63,7 @@ TEST(StaticAnalysis, CutsBeforeTheLoadOfTheirNumber) {
   sheet::Sheet sheet = sheet::make(config);
   sheet::StaticAnalysis analysis;
   analysis.loads = {0.25, 0.5};
-  const Result<Outcome> outcome = run_static(sheet, analysis, {});
+  const Result<Outcome> outcome = run_static(sheet, analysis, sheet.config().probes, {});
   ASSERT_TRUE(outcome.ok());
   ASSERT_EQ(outcome->scheduled.size(), 1U);
   const auto& rows = outcome->tables[0].rows;
@@ -82,7 +82,7 @@ TEST(StaticAnalysis, SaysHowFarItCameAndKeepsWhatItFound) {
   sheet::StaticAnalysis analysis;
   analysis.loads = {0.25, 0.5, 0.75, 1.0};
   analysis.max_iterations = 8;
-  const Result<Outcome> outcome = run_static(sheet, analysis, {});
+  const Result<Outcome> outcome = run_static(sheet, analysis, sheet.config().probes, {});
   ASSERT_TRUE(outcome.ok());
   EXPECT_FALSE(outcome->statics->converged);
   EXPECT_NEAR(outcome->statics->load, 0.5, 0.01);
@@ -92,7 +92,7 @@ TEST(StaticAnalysis, SaysHowFarItCameAndKeepsWhatItFound) {
 
 TEST(StaticAnalysis, StopsWhenToldTo) {
   sheet::Sheet sheet = sheet::make(pulled_strip());
-  const Result<Outcome> outcome = run_static(sheet, {}, [](const Progress&) { return false; });
+  const Result<Outcome> outcome = run_static(sheet, {}, sheet.config().probes, [](const Progress&) { return false; });
   ASSERT_TRUE(outcome.ok());
   EXPECT_TRUE(outcome->stopped);
   EXPECT_FALSE(outcome->statics->converged);
@@ -102,7 +102,7 @@ TEST(StaticAnalysis, RefusesAScheduledCommandThatCannotBeDone) {
   SheetConfig config = pulled_strip();
   config.commands = {{1, sheet::Drag{"nobody", {0.0, 0.0, 0.0}}}};
   sheet::Sheet sheet = sheet::make(config);
-  const Result<Outcome> outcome = run_static(sheet, {}, {});
+  const Result<Outcome> outcome = run_static(sheet, {}, sheet.config().probes, {});
   ASSERT_FALSE(outcome.ok());
   EXPECT_EQ(outcome.error().field, "commands[0].command.drag.grab_id");
 }
@@ -123,7 +123,7 @@ TEST(ModalAnalysis, IsAboutTheLoadedState) {
   config.constraints.push_back(flat);
   config.loads.clear();
   sheet::Sheet sheet = sheet::make(config);
-  const Result<Outcome> outcome = run_modes(sheet, {8, sheet::StaticAnalysis{}}, {});
+  const Result<Outcome> outcome = run_modes(sheet, {8, sheet::StaticAnalysis{}}, sheet.config().probes, {});
   ASSERT_TRUE(outcome.ok()) << outcome.error().message;
   ASSERT_EQ(outcome->tables.size(), 2U);
   const Table& modes = outcome->tables[1];
@@ -143,7 +143,7 @@ TEST(ModalAnalysis, IsAboutTheLoadedState) {
 TEST(ModalAnalysis, RefusesMoreModesThanThereAre) {
   SheetConfig config = scenes::hanging(2);
   sheet::Sheet sheet = sheet::make(config);
-  const Result<Outcome> outcome = run_modes(sheet, {6, {}}, {});
+  const Result<Outcome> outcome = run_modes(sheet, {6, {}}, {}, {});
   ASSERT_FALSE(outcome.ok());
   EXPECT_EQ(outcome.error().reason, "TOO_MANY_MODES");
 }
@@ -157,7 +157,7 @@ TEST(DynamicAnalysis, TablesTheProbesFromTheStartAndAfterEachTick) {
   sheet::Sheet sheet = sheet::make(config);
   int reports = 0;
   const Result<Outcome> outcome = run_dynamic(
-      sheet, 30, {}, [&](const sheet::TickReport&) { ++reports; }, nullptr);
+      sheet, 30, config.probes, {}, [&](const sheet::TickReport&) { ++reports; }, nullptr);
   ASSERT_TRUE(outcome.ok());
   EXPECT_EQ(reports, 30);
   const Table& table = outcome->tables.at(0);

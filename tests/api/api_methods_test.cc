@@ -251,7 +251,7 @@ TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {
     EXPECT_EQ(answers.at(0).error().code, ErrorCode::kUnavailable) << method.path;
     ++asked;
   }
-  EXPECT_EQ(asked, 25);
+  EXPECT_EQ(asked, 26);
 }
 
 // Draws nothing, and not before it is told to.

@@ -134,6 +134,7 @@ inline std::vector<BadCall> bad_sheet_calls() {
       {"SheetService/ResetSheet", R"({"name":"sheets/nobody"})", not_found, "name"},
       {"SheetService/GetSheetState", R"({"name":"sheets/nobody"})", not_found, "name"},
       {"SheetService/ExportSheet", R"({"name":"sheets/nobody"})", not_found, "name"},
+      {"SheetService/AnalyzeSheet", R"({"name":"sheets/a"})", invalid, "analysis.kind"},
       {"SheetService/ExportSheet", R"({"name":"sheets/a","format":7})", invalid, "format"},
       {"SheetService/StepSheet", R"({"name":"sheets/a","ticks":0})", invalid, "ticks"},
       {"SheetService/StepSheet", R"({"name":"sheets/a","ticks":100001})", invalid, "ticks"},

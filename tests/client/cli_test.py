@@ -479,6 +479,62 @@ class Offline(Case):
         self.assertEqual((replayed["identical"], replayed["ticks"]), (True, 20))
         self.assertEqual(replayed["state_hash"], first["state_hash"])
 
+    def test_an_equilibrium_by_loads_with_its_tables(self):
+        pulled = {"commands": [{"tick": 2, "command": {"cut": {"curve": {"polyline": {"points": [
+                      {"x": -0.1, "y": 0.5}, {"x": 0.5, "y": 0.5}]}}}}}],
+                  "pins": [{"edge": "BOTTOM"}], "planar": True, "gravity_mps2": {},
+                  "placement": {"y_axis": {"y": 1}},
+                  "loads": [{"edge": {"region": {"edge": "TOP"}, "force_n": {"y": 1.0}}}],
+                  "analysis": {"static": {"steps": 2}},
+                  "probes": [{"name": "top", "quantity": "DISPLACEMENT", "region": {"edge": "TOP"}},
+                             {"name": "held", "quantity": "REACTION", "region": {"edge": "BOTTOM"}}]}
+        folder = path("tables")
+        os.makedirs(folder, exist_ok=True)
+        result = self.json_of("run", self.scene("pulled.json", **pulled), "--csv", folder)
+        self.assertEqual((result["ticks"], result["static"]["load"], result["static"]["converged"]), (2, 1.0, True))
+        table = result["tables"][0]
+        self.assertEqual(table["columns"], ["load", "top.x", "top.y", "top.z", "held.x", "held.y", "held.z"])
+        half, whole = (row["values"] for row in table["rows"])
+        self.assertAlmostEqual(half[5], -0.5, 9)
+        self.assertAlmostEqual(whole[5], -1.0, 9)
+        self.assertGreater(whole[2], 2.1 * half[2])  # the cut came in between
+        lines = pathlib.Path(folder, "probes.csv").read_text().splitlines()
+        self.assertEqual(lines[0], ",".join(table["columns"]))
+        self.assertEqual([float(cell) for cell in lines[2].split(",")], whole)
+        people = kerf("run", self.scene("pulled.json", **pulled)).stdout
+        self.assertIn("equilibrium at load 1,", people)
+        self.assertIn("top.y", people)
+        # Nothing holds it: what there is comes with a status of its own.
+        free = self.scene("free.json", **{**pulled, "pins": [], "analysis": {"static": {"max_iterations": 3}}})
+        done = kerf("--json", "run", free)
+        self.assertEqual((done.returncode, json.loads(done.stdout)["static"]["converged"]), (1, False))
+        self.assertIn("no equilibrium was found beyond load 0", done.stderr)
+        self.refused("run", self.scene("pulled.json", **pulled), "--record", path("no.rec"), says="dynamic")
+        self.refused("run", self.scene("odd.json", probes=[{"name": "a", "quantity": "POSITION", "points": [{"x": 9}]}]),
+                     says="probes[0].points[0]")
+
+    def test_vibrations_by_scene_and_of_a_live_sheet(self):
+        modes = self.json_of("run", self.scene("modes.json", commands=[], analysis={"modes": {"count": 3, "about": {}}}))
+        self.assertEqual([table["name"] for table in modes["tables"]], ["modes"])
+        frequencies = [row["values"][2] for row in modes["tables"][0]["rows"]]
+        self.assertEqual(frequencies, sorted(frequencies))
+        self.assertGreater(frequencies[0], 0.1)
+        self.json_of("sheet", "create", "rests", "--grid", "12x12")
+        live = self.json_of("analyze", "rests", "--modes", "3")
+        self.assertEqual((live["name"], len(live["tables"][0]["rows"])), ("sheets/rests", 3))
+        hanging = self.json_of("analyze", "rests", "--modes", "2", "--resting")
+        self.assertTrue(hanging["static"]["converged"])
+        pathlib.Path(path("request.json")).write_text(json.dumps({"analysis": {"static": {}}, "probes": [
+            {"name": "top", "quantity": "REACTION", "region": {"edge": "TOP"}}]}))
+        asked = self.json_of("analyze", "rests", "--request", path("request.json"))
+        self.assertEqual(asked["tables"][0]["columns"][3], "top.z")
+        self.assertGreater(asked["tables"][0]["rows"][0]["values"][3], 0.0)
+        self.assertIn("equilibrium at load 1", kerf("analyze", "rests").stdout)
+        self.refused("analyze", "nobody", says="nobody")
+        self.refused("analyze", "rests", "--modes", "0", code=2)
+        self.refused("analyze", "rests", "--resting", code=2)
+        self.json_of("sheet", "delete", "rests")
+
     def test_energies_and_cpu_time_are_told(self):
         # Nothing moves and nothing is stretched: all there is is weight at a height.
         still = self.json_of("run", self.scene("still.json", commands=[], pins=[{"box": {"min": {"x": 0, "y": 0},
@@ -537,7 +593,7 @@ class Offline(Case):
 
 class Usage(Case):
     def test_help_and_version(self):
-        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["cuts"], ["undo"], ["redo"], ["pieces"], ["render"], ["watch"], ["export"], ["run"], ["replay"]):
+        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["cuts"], ["undo"], ["redo"], ["pieces"], ["render"], ["watch"], ["export"], ["run"], ["replay"], ["analyze"]):
             done = kerf(*command, "--help", server=False)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("Usage", done.stdout)

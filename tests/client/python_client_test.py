@@ -347,6 +347,22 @@ class Sheets(Case):
         self.assertEqual([state.positions[380, axis] for axis in range(3)], [0.0, 0.0, 1.0])
         self.assertTrue(any(state.velocities[i, 2] < 0 for i in range(told.num_vertices)))
 
+    def test_equilibria_and_vibrations(self):
+        sheet = self.server.create_sheet("rests", grid=(8, 8), pins=["top"], paused=True)
+        try:
+            modes = sheet.analyze(modes=3)
+            self.assertEqual([table.name for table in modes.tables], ["modes"])
+            self.assertEqual(len(modes.tables[0].rows), 3)
+            self.assertTrue(sheet.analyze(modes=2, about_equilibrium=True).static.converged)
+            probes = [{"name": "top", "quantity": "REACTION", "region": {"edge": "TOP"}}]
+            rest = sheet.analyze(request={"analysis": {"static": {"steps": 2}}, "probes": probes})
+            self.assertEqual(rest.tables[0].columns[3], "top.z")
+            self.assertEqual(len(rest.tables[0].rows), 2)
+            with self.assertRaises(ValueError):
+                sheet.analyze(modes=1, request={})
+        finally:
+            sheet.delete()
+
     def test_hands(self):
         self.sheet.set_pins([])
         self.sheet.grab("corner", 399, (1.2, 0.0, 1.2))

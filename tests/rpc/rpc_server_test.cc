@@ -178,7 +178,7 @@ TEST_F(RpcServerTest, BytesThatAreNoMessageAreRefused) {
   for (const auto& [service, methods] : std::map<std::string, std::vector<std::string>>{
            {"SheetService",
             {"CreateSheet", "GetSheet", "ListSheets", "DeleteSheet", "PauseSheet", "ResumeSheet", "StepSheet",
-             "ResetSheet", "ExportSheet", "GetSheetState"}},
+             "ResetSheet", "ExportSheet", "GetSheetState", "AnalyzeSheet"}},
            {"CutService",
             {"CreateCut", "CreateCuts", "ListCuts", "CancelScheduledCuts", "UndoCut", "RedoCut", "ListPieces"}},
            {"InteractionService",

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, List, Literal, Optional, Tuple, Union
+
+from google.protobuf import json_format
 
 from kerf.curves import Point, vec2
 from kerf.cuts import CutOptions, Vector, cut as make_cut, load_cuts, save_cuts, vec3
@@ -121,6 +123,30 @@ class Sheet:
             if not page.next_page_token:
                 return pieces
             request.page_token = page.next_page_token
+
+    def analyze(
+        self, *, modes: int = 0, about_equilibrium: bool = False, request: Optional[Mapping[str, Any]] = None
+    ) -> sheets_pb2.AnalyzeSheetResponse:
+        """The equilibrium of the sheet as it is now, or with `modes` so many of its lowest vibrations: on a copy.
+
+        request: kerf.v1.AnalyzeSheetRequest as a mapping, for load steps and probes; then nothing else may be given.
+        `tables` of the answer holds what the probes measured ("probes") and the vibrations ("modes"): `columns`, and `rows`
+        of `values`, one a column.
+        """
+        if request is not None:
+            if modes or about_equilibrium:
+                raise ValueError("give either a request, or modes")
+            message = json_format.ParseDict(dict(request), sheets_pb2.AnalyzeSheetRequest())
+        else:
+            message = sheets_pb2.AnalyzeSheetRequest()
+            if modes:
+                message.analysis.modes.count = modes
+                if about_equilibrium:
+                    message.analysis.modes.about.SetInParent()
+            else:
+                message.analysis.static.SetInParent()
+        message.name = self.name
+        return self._server.call(self._server.sheet_service.AnalyzeSheet, message)
 
     # Time ---------------------------------------------------------------------------------------------------------------
 

@@ -1,0 +1,106 @@
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+#include "client/cli/commands.h"
+#include "client/cli/tables.h"
+#include "client/cpp/client.h"
+#include "kerf/v1/sheets.grpc.pb.h"
+#include "server/host/disk.h"
+#include "server/wire/json.h"
+
+namespace kerf::cli {
+namespace {
+
+constexpr std::size_t kMaxRequestBytes = std::size_t{1} << 20;
+
+struct AnalyzeArguments {
+  std::string id;
+  std::string file;
+  std::int32_t modes = 0;
+  bool resting = false;
+  std::int32_t steps = 0;
+  double tolerance = 0.0;
+  std::string csv;
+};
+
+// The equilibrium asked for by options.
+void set_static(const AnalyzeArguments& arguments, v1::StaticAnalysis& message) {
+  message.set_steps(arguments.steps);
+  message.set_tolerance(arguments.tolerance);
+}
+
+int analyze(const Session& session, const AnalyzeArguments& arguments) {
+  host::RealDisk disk;
+  v1::AnalyzeSheetRequest request;
+  if (!arguments.file.empty()) {
+    const Result<std::string> json = disk.read_file(arguments.file, kMaxRequestBytes);
+    if (!json) return refuse(json.error());
+    if (const Status read = wire::from_json(*json, request); !read) return refuse(read.error());
+  } else if (arguments.modes > 0) {
+    request.mutable_analysis()->mutable_modes()->set_count(arguments.modes);
+    if (arguments.resting) set_static(arguments, *request.mutable_analysis()->mutable_modes()->mutable_about());
+  } else {
+    set_static(arguments, *request.mutable_analysis()->mutable_static_());
+  }
+  request.set_name("sheets/" + arguments.id);
+  client::Client client(session.server);
+  v1::AnalyzeSheetResponse response;
+  const grpc::Status status =
+      client.call(&v1::SheetService::Stub::AnalyzeSheet, client.sheets(), request, response, std::chrono::hours(24));
+  if (!status.ok()) return refuse(status, session.server);
+  if (const Status written = write_csv(disk, arguments.csv, response.tables()); !written) {
+    return refuse(written.error());
+  }
+  if (session.json) {
+    std::printf("%s\n", to_script_json(response).c_str());
+  } else {
+    std::string text = response.name() + " as it was at tick " + std::to_string(response.tick());
+    if (response.has_static_()) text += "\n  " + describe(response.static_());
+    for (const v1::Table& table : response.tables()) text += excerpt(table);
+    std::printf("%s\n", text.c_str());
+  }
+  return response.has_static_() ? check_converged(response.static_()) : kDone;
+}
+
+}  // namespace
+
+void add_analyze_command(CLI::App& app, Session& session) {
+  const auto arguments = std::make_shared<AnalyzeArguments>();
+  CLI::App* analyzing =
+      app.add_subcommand("analyze",
+                         "Equilibrium or vibrations of a sheet as it is now, on a copy: the sheet itself goes on.\n"
+                         "Examples: kerf analyze cloth\n"
+                         "          kerf analyze cloth --modes 6\n"
+                         "          kerf analyze cloth --request probes.json --csv tables/");
+  analyzing->add_option("SHEET", arguments->id, "Its id")->required();
+  auto* modes =
+      analyzing->add_option("--modes", arguments->modes, "So many of the lowest vibrations, about the sheet as it is")
+          ->check(CLI::Range(1, 200));
+  analyzing->add_flag("--resting", arguments->resting, "Vibrations about its equilibrium instead")->needs(modes);
+  auto* steps =
+      analyzing->add_option("--steps", arguments->steps, "Approach the load in so many equal steps (default: 1)")
+          ->check(CLI::Range(1, 10'000));
+  auto* tolerance = analyzing
+                        ->add_option("--tolerance", arguments->tolerance,
+                                     "Forces out of balance over loads and reactions at an equilibrium (default: 1e-9)")
+                        ->check(CLI::Range(1e-13, 0.1));
+  analyzing
+      ->add_option("--request", arguments->file,
+                   "A file with the whole request: kerf.v1.AnalyzeSheetRequest as JSON, probes included")
+      ->excludes(modes)
+      ->excludes(steps)
+      ->excludes(tolerance);
+  analyzing->add_option("--csv", arguments->csv, "Write the tables to this folder, as CSV")
+      ->check(CLI::ExistingDirectory);
+  analyzing->callback(
+      [&session, arguments] { session.action = [&session, arguments] { return analyze(session, *arguments); }; });
+}
+
+}  // namespace kerf::cli

@@ -1,0 +1,85 @@
+#include "client/cli/tables.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+#include "client/cli/output.h"
+
+namespace kerf::cli {
+namespace {
+
+std::string to_csv(const v1::Table& table) {
+  std::string text;
+  for (int i = 0; i < table.columns_size(); ++i) text += (i > 0 ? "," : "") + table.columns(i);
+  text += "\n";
+  for (const v1::Table::Row& row : table.rows()) {
+    for (int i = 0; i < row.values_size(); ++i) {
+      char number[32];
+      std::snprintf(number, sizeof number, "%s%.17g", i > 0 ? "," : "", row.values(i));
+      text += number;
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string excerpt(const v1::Table& table) {
+  constexpr int kShown = 12;
+  std::string text = "\n  " + table.name() + ":";
+  const int columns = std::min(table.columns_size(), 6);
+  const auto line = [&](const auto& cell) {
+    text += "\n   ";
+    for (int i = 0; i < columns; ++i) text += " " + cell(i);
+    if (columns < table.columns_size()) text += " ...";
+  };
+  line([&](int i) {
+    std::string name = table.columns(i);
+    if (name.size() < 14) name.insert(0, 14 - name.size(), ' ');
+    return name;
+  });
+  for (int r = 0; r < table.rows_size(); ++r) {
+    if (r == kShown && r + 1 < table.rows_size()) {
+      text += "\n    ... " + std::to_string(table.rows_size() - kShown - 1) + " more, all of them with --csv or --out";
+      r = table.rows_size() - 1;
+    }
+    line([&](int i) {
+      char number[32];
+      const auto width = static_cast<int>(std::max<std::size_t>(14, table.columns(i).size()));
+      std::snprintf(number, sizeof number, "%*.6g", width, table.rows(r).values(i));
+      return std::string(number);
+    });
+  }
+  return text;
+}
+
+Status write_csv(host::Disk& disk, const std::string& folder,
+                 const google::protobuf::RepeatedPtrField<v1::Table>& tables) {
+  if (folder.empty()) return Nothing{};
+  for (const v1::Table& table : tables) {
+    const std::string file = (std::filesystem::path(folder) / (table.name() + ".csv")).string();
+    if (Status written = disk.write_file(file, to_csv(table)); !written) return written;
+  }
+  return Nothing{};
+}
+
+std::string describe(const v1::StaticResult& statics) {
+  char text[256];
+  std::snprintf(text, sizeof text, "equilibrium at load %.6g%s, residual %.1e, %lld Newton steps in %lld solves",
+                statics.load(), statics.stable() ? "" : " (unstable)", statics.residual(),
+                static_cast<long long>(statics.newton_iterations()), static_cast<long long>(statics.solves()));
+  return text;
+}
+
+int check_converged(const v1::StaticResult& statics) {
+  if (statics.converged()) return kDone;
+  std::fprintf(stderr,
+               "kerf: no equilibrium was found beyond load %.6g; what was found up to there is in the results. More "
+               "steps, more max_iterations, or an imperfection where a sheet buckles may help\n",
+               statics.load());
+  return kRefused;
+}
+
+}  // namespace kerf::cli

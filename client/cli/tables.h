@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+
+#include <google/protobuf/repeated_ptr_field.h>
+
+#include "kerf/v1/analysis.pb.h"
+#include "server/base/result.h"
+#include "server/host/disk.h"
+
+// Tables of probes and vibrations, for people and for other programs.
+namespace kerf::cli {
+
+// Each as `folder`/NAME.csv, numbers to the last bit; nothing where `folder` is empty.
+Status write_csv(host::Disk& disk, const std::string& folder,
+                 const google::protobuf::RepeatedPtrField<v1::Table>& tables);
+
+// The first rows and the last of a table, each line begun with a newline.
+std::string excerpt(const v1::Table& table);
+std::string describe(const v1::StaticResult& statics);
+
+// An exit code; says how far it came where that is not to the end.
+int check_converged(const v1::StaticResult& statics);
+
+}  // namespace kerf::cli
