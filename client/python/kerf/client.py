@@ -15,6 +15,7 @@ from google.protobuf import json_format
 from kerf.errors import error_of
 from kerf.sheet import Sheet
 from kerf.v1 import (
+    conditions_pb2,
     cuts_pb2_grpc,
     interaction_pb2_grpc,
     render_pb2_grpc,
@@ -110,7 +111,7 @@ class Server:
         """
         columns, rows = grid
         scene = scene_pb2.Scene(
-            pins=[scene_pb2.Region(edge=scene_pb2.Region.Edge.Value(each.upper())) for each in pins],
+            pins=[conditions_pb2.Region(edge=conditions_pb2.Region.Edge.Value(each.upper())) for each in pins],
             material=scene_pb2.Material(preset=material),
         )
         if mesh_file is None:

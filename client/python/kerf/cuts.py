@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict, List, Literal, Optional, Tuple, Typ
 from google.protobuf import json_format
 
 from kerf.curves import vec2
-from kerf.v1 import cuts_pb2, geometry_pb2, scene_pb2
+from kerf.v1 import conditions_pb2, cuts_pb2, geometry_pb2, scene_pb2
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -119,13 +119,13 @@ def load_cuts(path: "str | os.PathLike[str]") -> List[scene_pb2.Cut]:
     return list(batch.cuts)
 
 
-def _as_box(fit: Fit) -> scene_pb2.MaterialBox:
+def _as_box(fit: Fit) -> conditions_pb2.MaterialBox:
     if isinstance(fit, str):
         if fit != "sheet":
             raise ValueError(f"fit is {fit!r}; must be low x, low y, high x, high y, or 'sheet'")
-        return scene_pb2.MaterialBox()
+        return conditions_pb2.MaterialBox()
     low_x, low_y, high_x, high_y = fit
-    return scene_pb2.MaterialBox(min=vec2((low_x, low_y)), max=vec2((high_x, high_y)))
+    return conditions_pb2.MaterialBox(min=vec2((low_x, low_y)), max=vec2((high_x, high_y)))
 
 
 def _with_layers(

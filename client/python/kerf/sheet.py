@@ -12,7 +12,7 @@ from google.protobuf import json_format
 
 from kerf.curves import Point, vec2
 from kerf.cuts import CutOptions, Vector, cut as make_cut, load_cuts, save_cuts, vec3
-from kerf.v1 import cuts_pb2, geometry_pb2, interaction_pb2, render_pb2, scene_pb2, sheets_pb2
+from kerf.v1 import conditions_pb2, cuts_pb2, geometry_pb2, interaction_pb2, render_pb2, scene_pb2, sheets_pb2
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -196,7 +196,7 @@ class Sheet:
         release = scene_pb2.Release(grab_id=grab_id)
         return self._interact("ReleasePoint", interaction_pb2.ReleasePointRequest(name=self.name, release=release))
 
-    def set_pins(self, pins: Iterable[scene_pb2.Region]) -> int:
+    def set_pins(self, pins: Iterable[conditions_pb2.Region]) -> int:
         """Replaces all pins; none releases the sheet."""
         request = interaction_pb2.SetSheetPinsRequest(name=self.name, set_pins=scene_pb2.SetPins(pins=pins))
         return self._interact("SetSheetPins", request)
