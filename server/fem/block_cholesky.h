@@ -14,6 +14,8 @@ class BlockCholesky final : public LinearSolver {
  public:
   void analyse(const BlockMatrix& A) override;
   LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
+  // With the matrix of the last solve(), which must have found it positive definite.
+  void solve_again(const mesh::VertexField& b, mesh::VertexField& x) { substitute(b, x); }
 
  private:
   // Block L_jk, k < j, as the columns to its left are gone through for column j.

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "server/fem/bending_forces.h"
+#include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
 #include "server/fem/membrane.h"
 
@@ -17,6 +18,7 @@ constexpr double kShiftGrowth = 10.0;
 constexpr double kShiftDecay = 0.1;
 constexpr double kLeastShift = 1e-13;
 constexpr double kLargestShift = 1e3;
+constexpr double kLinearTolerance = 1e-6;
 constexpr int kMaxBacktracks = 40;
 constexpr double kSufficientDecrease = 1e-4;
 constexpr double kDiscernible = 100.0;  // decrease of the energy, over what rounding leaves of it
@@ -24,12 +26,12 @@ constexpr int kMaxBlindSteps = 10;      // without a better residual
 
 }  // namespace
 
-EquilibriumSolver::EquilibriumSolver(const EquilibriumOptions& options)
-    : options_(options), solver_(make_linear_solver(LinearSolverKind::kDirect, 1)) {}
+EquilibriumSolver::EquilibriumSolver(const EquilibriumOptions& options) : options_(options) {}
 
 void EquilibriumSolver::rebuild(const Model& model) {
   matrix_.rebuild(model);
-  solver_->analyse(matrix_.blocks());
+  skew_ = {};
+  solver_.analyse(matrix_.blocks());
   for (mesh::VertexField* field : {&force_, &residual_, &rhs_, &step_, &trial_, &best_})
     field->resize(model.num_vertices());
 }
@@ -74,11 +76,14 @@ double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const
     }
   }
   const bool has_external = loads.external_forces.cols() > 0;
+  residual_.setZero();
+  add_follower_forces(model.element_blocks(), loads, x, residual_);
   double applied = 0.0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
     Eigen::Vector3d load = m * loads.gravity;
     if (has_external) load += loads.external_forces.col(i);
+    load += residual_.col(i);
     applied += load.squaredNorm();
     residual_.col(i) = force_.col(i) + load;
     if (m == 0.0) residual_.col(i).setZero();
@@ -113,7 +118,7 @@ double EquilibriumSolver::energy(const Model& model, const Loads& loads, const m
   for (const Grab& grab : loads.grabs) {
     sum += 0.5 * grab.stiffness * (grab_point(grab, x) - grab.target).squaredNorm();
   }
-  return sum;
+  return sum - follower_work(model.element_blocks(), loads, origin, x);
 }
 
 bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const mesh::VertexField& x,
@@ -128,14 +133,27 @@ bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const 
       spring.damping = 0.0;
       matrix_.add_grabs({&spring, 1}, 1.0);
     }
+    matrix_.add_follower_loads(model, loads, x, 1.0, MatrixPart::kSymmetric);
     rhs_ = residual_;
     step_.setZero();
     matrix_.constrain(model, loads.pins, 0.0, x, rhs_, step_);
     step_.setZero();
-    if (solver_->solve(matrix_.blocks(), rhs_, 1e-6, step_).converged && step_.allFinite()) return true;
+    if (solver_.solve(matrix_.blocks(), rhs_, kLinearTolerance, step_).converged && step_.allFinite()) {
+      if (has_follower_loads(loads)) correct_step(model, loads, x);
+      return true;
+    }
     if (stats.shift > kLargestShift * largest) return false;
     stats.shift = std::max(kFirstShift * largest, kShiftGrowth * stats.shift);
   }
+}
+
+// A step with the skew part has as good a slope as one without: it adds nothing to step.(K + N) step.
+void EquilibriumSolver::correct_step(const Model& model, const Loads& loads, const mesh::VertexField& x) {
+  if (skew_.blocks().num_rows() != model.num_vertices()) skew_.rebuild(model);
+  skew_.blocks().set_zero();
+  skew_.add_follower_loads(model, loads, x, 1.0, MatrixPart::kSkew);
+  skew_.clear_pinned(loads.pins);
+  correction_.solve(solver_, matrix_.blocks(), skew_.blocks(), rhs_, kLinearTolerance, step_);
 }
 
 EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, const Loads& loads,

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 
-#include "server/fem/linear_solver.h"
+#include "server/fem/block_cholesky.h"
 #include "server/fem/loads.h"
 #include "server/fem/model.h"
+#include "server/fem/skew_correction.h"
 #include "server/fem/tangent_matrix.h"
 #include "server/mesh/vertex_field.h"
 
@@ -49,13 +49,17 @@ class EquilibriumSolver {
                               const mesh::VertexField& origin) const;
   // Into step_, with more and more masses until the matrix is positive definite. False: it never was.
   bool find_step(const Model& model, const Loads& loads, const mesh::VertexField& x, EquilibriumStats& stats);
+  // The same with what of the tangent is not symmetric.
+  void correct_step(const Model& model, const Loads& loads, const mesh::VertexField& x);
   enum class Progress { kNone, kBlind, kDescended };
   // Moves x along step_, if anything is gained that way.
   Progress search_line(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
 
   EquilibriumOptions options_;
-  std::unique_ptr<LinearSolver> solver_;
+  BlockCholesky solver_;
+  SkewCorrection correction_;
   TangentMatrix matrix_;
+  TangentMatrix skew_;                                              // where there are follower loads
   mesh::VertexField force_, residual_, rhs_, step_, trial_, best_;  // 3 x V
 };
 

@@ -7,6 +7,7 @@
 
 #include "server/base/check.h"
 #include "server/fem/bending_forces.h"
+#include "server/fem/follower_loads.h"
 #include "server/fem/membrane.h"
 #include "server/fem/wind_drag.h"
 
@@ -127,6 +128,7 @@ void ExplicitIntegrator::evaluate_forces(const Model& model, const Loads& loads,
     add_clamp_forces(model.clamp_forces(), f);
     add_rest_bending_forces(model.rest_bending(), state.x, state.v, bending_beta_, f);
   }
+  add_follower_forces(model.element_blocks(), loads, state.x, f);
   const Material& material = model.material();
   add_wind_drag(model.element_blocks(), loads.wind, material.density * material.thickness, kick, state, f);
 }

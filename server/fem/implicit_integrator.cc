@@ -2,6 +2,7 @@
 
 #include "server/base/check.h"
 #include "server/fem/bending_forces.h"
+#include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
 #include "server/fem/membrane.h"
 #include "server/fem/wind_drag.h"
@@ -137,6 +138,7 @@ void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& 
     add_clamp_forces(model.clamp_forces(), f);
     add_rest_bending_forces(model.rest_bending(), state.x, state.v, material.stiffness_damping, f);
   }
+  add_follower_forces(model.element_blocks(), loads, state.x, f);
   for (const Grab& grab : loads.grabs) {
     const Eigen::Vector3d target = grab.target - time_left * grab.velocity;
     const Eigen::Vector3d pull = grab.stiffness * (target - grab_point(grab, state.x)) +

@@ -48,13 +48,30 @@ struct Grab {
   double damping = 0.0;                                // N s/m, >= 0, against the target's velocity
 };
 
+// A moment along a border edge that turns with it: Model::edge_moment makes it, for the triangles there are. It does
+// the work M dphi on the slope of the sheet across the edge, the slope that a clamp would hold and that a free edge
+// takes as its bending patch wants: forces of no resultant on the vertices of the patch, whose moment about the edge is
+// M however the sheet lies. Where what is left of the arm has shrunk to less than a twentieth, they grow no further.
+struct EdgeMoment {
+  std::array<mesh::VertexId, 6> vertex{mesh::kNone, mesh::kNone, mesh::kNone,
+                                       mesh::kNone, mesh::kNone, mesh::kNone};  // of the patch: see BendingPatch
+  std::array<double, 6> weight{};  // -, sum 0: sum_a weight[a] x(vertex[a]) is the slope across the edge times `arm`
+  std::size_t edge = 0;            // 0..2, opposite that corner
+  double arm = 0.0;                // m, > 0, height of the triangle over the edge at rest
+  double moment = 0.0;             // N m; > 0 turns the outside of the edge toward the triangle's normal
+};
+
 // Everything that acts on the sheet from outside during one step.
 struct Loads {
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2
   Wind wind;
   mesh::VertexField external_forces;  // N, 3 x V, or 3 x 0 for none
-  std::vector<Pin> pins;              // each vertex at most once
-  std::vector<Grab> grabs;            // a grab that touches a wholly pinned vertex moves only the others
+  // Pa, one a triangle slot or none at all: pushes along the normal (x1 - x0) x (x2 - x0) of the triangle as it is now,
+  // with the force p (x1 - x0) x (x2 - x0) / 2, a third to each corner.
+  std::vector<double> pressure;
+  std::vector<EdgeMoment> edge_moments;
+  std::vector<Pin> pins;    // each vertex at most once
+  std::vector<Grab> grabs;  // a grab that touches a wholly pinned vertex moves only the others
 };
 
 }  // namespace kerf::fem

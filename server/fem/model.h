@@ -12,6 +12,7 @@
 #include "server/fem/bending_forces.h"
 #include "server/fem/element_block.h"
 #include "server/fem/index_set.h"
+#include "server/fem/loads.h"
 #include "server/fem/mass_redistribution.h"
 #include "server/fem/material.h"
 #include "server/fem/rest_bending.h"
@@ -78,6 +79,12 @@ class Model {
   // Holds the slope of the sheet at border edges both ends of which are among these; sorted by vertex, unique; replaces
   // those before. Bending only, and where the rest shape is flat.
   void set_clamps(const mesh::TriangleMesh& mesh, std::vector<Clamp> clamps);
+
+  // A moment along the border edge opposite corner `edge` of a solid slot, in N m per m of the edge at rest; see
+  // EdgeMoment. Until the mesh or the clamps change. None at a clamped edge, which takes it. Where the rest shape is
+  // curved, or without bending, the slope is that of the triangle alone.
+  [[nodiscard]] EdgeMoment edge_moment(const mesh::TriangleMesh& mesh, mesh::TriangleId slot, int edge,
+                                       double moment_per_length) const;
 
   [[nodiscard]] int num_vertices() const { return static_cast<int>(mass_.size()); }
   [[nodiscard]] int num_slots() const { return num_slots_; }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/base/check.h"
 #include "server/fem/model.h"
 #include "server/mesh/triangle_mesh.h"
 
@@ -229,6 +230,50 @@ BendingPatch Model::make_patch(const mesh::TriangleMesh& mesh, TriangleId slot) 
   }
   patch.stiffness = bending_stiffness(X, opposite, edges, inverse_bending_law_);
   return patch;
+}
+
+EdgeMoment Model::edge_moment(const mesh::TriangleMesh& mesh, TriangleId slot, int edge,
+                              double moment_per_length) const {
+  KERF_CHECK(has_material(slot) && mesh.neighbour(slot, edge) == mesh::kNone, "a border edge of a solid triangle");
+  const auto k = static_cast<std::size_t>(edge);
+  const Eigen::Matrix2d sides = material_from_rest_ * mesh.rest_edges(slot);
+  const std::array<Eigen::Vector2d, 3> X{Eigen::Vector2d::Zero(), sides.col(0), sides.col(1)};
+  const bool is_flat = has_bending() && !mesh.is_curved();
+  EdgeMoment made;
+  made.edge = k;
+  made.arm = clamp_arm(X, k).norm();
+  made.moment = moment_per_length * (X[(k + 2) % 3] - X[(k + 1) % 3]).norm();
+  const std::array<VertexId, 3> vertices = corners(slot);
+  std::array<Eigen::Vector2d, 3> opposite;
+  std::array<PatchEdge, 3> edges{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    made.vertex[i] = vertices[i];
+    opposite[i].setZero();
+    const TriangleId across = mesh.neighbour(slot, static_cast<int>(i));
+    if (!is_flat || across == mesh::kNone) continue;
+    made.vertex[3 + i] = mesh.vertices(across)[corner_across(mesh, across, slot)];
+    opposite[i] = material_from_rest_ * (mesh.rest_position(made.vertex[3 + i]) - mesh.rest_position(vertices[0]));
+    edges[i] = PatchEdge::kNeighbour;
+  }
+  Eigen::Matrix<double, 3, 2> held;
+  if (find_clamped_edge(mesh, slot, k, held)) return made;
+  edges[k] = PatchEdge::kClamped;
+  const BendingFit fit =
+      fit_bending(X, opposite, edges, has_bending() ? inverse_bending_law_ : Eigen::Matrix3d::Identity());
+  // Of the conditions w = W x the one of the edge has the slope in it, arm x_nu - L x, and takes the value at which
+  // the energy w.law w / 2 is least, the others being what they are.
+  const auto row = static_cast<Eigen::Index>(k);
+  constexpr double kLeastLaw = 1e-3;  // -; below it the others leave the slope open
+  const bool is_coupled = fit.law(row, row) > kLeastLaw * fit.law.trace();
+  for (Eigen::Index a = 0; a < 6; ++a) {
+    if (a == 3 + row) continue;
+    double weight = -fit.conditions(row, a);
+    for (Eigen::Index r = 0; is_coupled && r < 3; ++r) {
+      if (r != row) weight -= fit.law(row, r) / fit.law(row, row) * fit.conditions(r, a);
+    }
+    made.weight[static_cast<std::size_t>(a)] = weight;
+  }
+  return made;
 }
 
 BendingPatch Model::make_curved_patch(const mesh::TriangleMesh& mesh, TriangleId slot) {

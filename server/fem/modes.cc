@@ -56,6 +56,7 @@ Matrix stiffness_matrix(const Model& model, const Loads& loads, const mesh::Vert
     spring.damping = 0.0;
     tangent.add_grabs({&spring, 1}, 1.0);
   }
+  tangent.add_follower_loads(model, loads, x, 1.0, MatrixPart::kSymmetric);
   const BlockMatrix& blocks = tangent.blocks();
   Entries entries;
   for (int i = 0; i < blocks.num_rows(); ++i) {

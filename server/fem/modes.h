@@ -25,7 +25,8 @@ struct Modes {
 int num_free_components(const Model& model, const Loads& loads);
 
 // The lowest `count` (1..kMaxModes, at most the free components less one) vibrations about a state x (3 x V, m), most
-// often an equilibrium: of the exact tangent stiffness there, with what the pins hold held. The masses are lumped
+// often an equilibrium: of the exact tangent stiffness there, with what the pins hold held; of pressure and moments the
+// symmetric part. The masses are lumped
 // within the sheet and half consistent across it: of second order like those that steps are taken with, but nearer. By
 // the Lanczos method on the shifted inverse (Spectra).
 Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "server/fem/bending_forces.h"
+#include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
 #include "server/fem/membrane.h"
 
@@ -52,6 +53,7 @@ void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, b
   matrix_.add_membrane(problem.model, x, predicted ? stress : stress.first(0), material_scale, d * d, true);
   matrix_.add_bending(problem.model, material_scale);
   matrix_.add_grabs(problem.loads.grabs, d);
+  if (follows_loads_) matrix_.add_follower_loads(problem.model, problem.loads, x, d * d, MatrixPart::kSymmetric);
 }
 
 void StageSolver::predict_stress(const Problem& problem, const mesh::VertexField& x) {
@@ -79,6 +81,7 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
                         const Stage& stage, State& state, StepStats& stats) {
   const Problem problem{model, loads, constant_force, stage, model.material().stiffness_damping};
   contact_.begin(stage.contact, model, stage.d, stage.start != nullptr ? *stage.start : state.x);
+  follows_loads_ = has_follower_loads(loads);
   start_ = state.x;
   for (const Pin& pin : loads.pins) {
     start_.col(pin.vertex) = pin.held(pin.target - stage.time_left * pin.velocity, start_.col(pin.vertex));
@@ -119,16 +122,16 @@ bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStat
       }
       if (i == last || !std::isfinite(relative)) break;
     }
-    assemble(problem, x, true);
     if (i == 0) {
+      assemble(problem, x, true);
       scale = solve_first(problem, x, stats);
+      if (leave_out_loads()) {
+        assemble(problem, x, true);
+        scale = solve_first(problem, x, stats);
+      }
       if (contact_.touches()) last = std::max(last, kContactIterations);
     } else {
-      rhs_ = residual_;
-      step_.setZero();
-      constrain(problem, x);
-      contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_.blocks());
-      solve_linear(stats, step_);
+      solve_next(problem, x, true, stats);
     }
     ++stats.newton_iterations;
     predict_stress(problem, x);
@@ -142,10 +145,27 @@ bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStat
 bool StageSolver::accept(const Problem& problem, const mesh::VertexField& x, double residual, StepStats& stats) const {
   Problem undamped = problem;
   undamped.beta = 0.0;
-  const double reached = merit(undamped, x);
-  if (!std::isfinite(reached) || !(reached <= merit(undamped, start_))) return false;
+  const double reached = merit(undamped, x, start_);
+  if (!std::isfinite(reached) || !(reached <= merit(undamped, start_, start_))) return false;
   stats.flags |= kNotConverged;
   stats.residual = std::max(stats.residual, residual);
+  return true;
+}
+
+void StageSolver::solve_next(const Problem& problem, const mesh::VertexField& x, bool predicted, StepStats& stats) {
+  do {
+    assemble(problem, x, predicted);
+    rhs_ = residual_;
+    step_.setZero();
+    constrain(problem, x);
+    contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_.blocks());
+    solve_linear(stats, step_);
+  } while (leave_out_loads());
+}
+
+bool StageSolver::leave_out_loads() {
+  if (is_solved_ || !follows_loads_) return false;
+  follows_loads_ = false;
   return true;
 }
 
@@ -185,17 +205,12 @@ bool StageSolver::repair(const Problem& problem, const mesh::VertexField& start,
   double relative = 0.0;
   for (int i = 0; i < kRepairIterations; ++i) {
     const double residual = evaluate_residual(problem, x, Update::kAll);
-    const double value = merit(problem, x);
+    const double value = merit(problem, x, x);
     if (!std::isfinite(value)) return false;
     reference = std::max(reference, residual);
     relative = reference > 0.0 ? residual / reference : 0.0;
     if (relative <= options_.newton_tolerance) break;
-    assemble(problem, x, false);
-    rhs_ = residual_;
-    step_.setZero();
-    constrain(problem, x);
-    contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_.blocks());
-    solve_linear(stats, step_);
+    solve_next(problem, x, false, stats);
     ++stats.newton_iterations;
     if (!step_.allFinite() || !search_line(problem, value, x)) break;
   }
@@ -212,7 +227,7 @@ bool StageSolver::search_line(const Problem& problem, double value, mesh::Vertex
   double scale = 1.0;
   for (int i = 0; i < kMaxBacktracks; ++i, scale *= 0.5) {
     trial_ = x + scale * step_;
-    if (!(merit(problem, trial_) < value - kSufficientDecrease * scale * slope)) continue;
+    if (!(merit(problem, trial_, x) < value - kSufficientDecrease * scale * slope)) continue;
     x = trial_;
     return true;
   }
@@ -244,6 +259,7 @@ double StageSolver::evaluate_residual(const Problem& problem, const mesh::Vertex
     add_clamp_forces(model.clamp_forces(), force_);
     add_rest_bending_forces(model.rest_bending(), x, velocity_, problem.beta, force_);
   }
+  add_follower_forces(model.element_blocks(), problem.loads, x, force_);
   add_grab_forces(problem, x);
   const double inertia = 1.0 + stage.d * model.material().mass_damping;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
@@ -264,7 +280,7 @@ double StageSolver::evaluate_residual(const Problem& problem, const mesh::Vertex
 void StageSolver::restore_momentum(const Problem& problem, mesh::VertexField& x) const {
   const Stage& stage = problem.stage;
   const double inertia = 1.0 + stage.d * problem.model.material().mass_damping;
-  Eigen::Vector3d missing = Eigen::Vector3d::Zero();
+  Eigen::Vector3d missing = stage.d * stage.d * follower_resultant(problem.model.element_blocks(), problem.loads, x);
   double mass = 0.0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = problem.model.mass()[static_cast<std::size_t>(i)];
@@ -291,7 +307,7 @@ void StageSolver::add_grab_forces(const Problem& problem, const mesh::VertexFiel
   }
 }
 
-double StageSolver::merit(const Problem& problem, const mesh::VertexField& x) const {
+double StageSolver::merit(const Problem& problem, const mesh::VertexField& x, const mesh::VertexField& origin) const {
   const Stage& stage = problem.stage;
   const Model& model = problem.model;
   const double d = stage.d;
@@ -315,13 +331,17 @@ double StageSolver::merit(const Problem& problem, const mesh::VertexField& x) co
     potential += 0.5 * grab.stiffness * (p - target).squaredNorm() + 0.5 * grab.damping * d * slip.squaredNorm();
   }
   potential += contact_.potential(x);
+  if (has_follower_loads(problem.loads)) {
+    potential -= follower_work(model.element_blocks(), problem.loads, origin, x);
+  }
   return kinetic + d * d * potential;
 }
 
 void StageSolver::solve_linear(StepStats& stats, mesh::VertexField& x) {
   const LinearStats linear = solver_->solve(matrix_.blocks(), rhs_, options_.linear_tolerance, x);
   stats.linear_iterations += linear.iterations;
-  if (!linear.converged) stats.flags |= kNotConverged;
+  is_solved_ = linear.converged;
+  if (!is_solved_ && !follows_loads_) stats.flags |= kNotConverged;
 }
 
 }  // namespace kerf::fem

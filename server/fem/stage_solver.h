@@ -74,21 +74,29 @@ class StageSolver {
   // The same over `scale`; what would pull lets go once it has settled.
   double evaluate_relative(const Problem& problem, const mesh::VertexField& x, double scale);
   void add_grab_forces(const Problem& problem, const mesh::VertexField& x);
-  // The incremental potential whose negative gradient the residual is where beta is 0, kg m^2.
-  [[nodiscard]] double merit(const Problem& problem, const mesh::VertexField& x) const;
+  // The incremental potential whose negative gradient the residual is where beta is 0, kg m^2. Follower loads have
+  // none: their work from `origin` to `x` stands for it, so that only values of the same origin can be compared.
+  [[nodiscard]] double merit(const Problem& problem, const mesh::VertexField& x, const mesh::VertexField& origin) const;
 
   // Into matrix_. With stress_ where `predicted`, else with the stress at x.
   void assemble(const Problem& problem, const mesh::VertexField& x, bool predicted);
   void predict_stress(const Problem& problem, const mesh::VertexField& x);  // from step_, into stress_
   // See TangentMatrix::constrain; into step_ and rhs_.
   void constrain(const Problem& problem, const mesh::VertexField& x);
-  // matrix_ x = rhs_, x holding the guess.
+  // A Newton step that is not the first, into step_.
+  void solve_next(const Problem& problem, const mesh::VertexField& x, bool predicted, StepStats& stats);
+  // After solve_linear(): whether it is worth trying without the tangent of follower loads, which alone can keep the
+  // matrix from being positive definite. They stay in the residual; it is left out until the stage is solved.
+  bool leave_out_loads();
+  // matrix_ x = rhs_, x holding the guess; leaves in is_solved_ whether it was found.
   void solve_linear(StepStats& stats, mesh::VertexField& x);
 
   IntegratorOptions options_;
   std::unique_ptr<LinearSolver> solver_;
   StageContact contact_;
   TangentMatrix matrix_;
+  bool follows_loads_ = false;  // whether matrix_ has the tangent of follower loads
+  bool is_solved_ = true;
   std::vector<Eigen::Vector3d> stress_;                          // one a lane, N/m, for the tangent
   mesh::VertexField force_, residual_, rhs_, step_, increment_;  // 3 x V
   mesh::VertexField velocity_, damped_, trial_, start_, best_;

@@ -119,6 +119,47 @@ void TangentMatrix::add_grabs(std::span<const Grab> grabs, double d) {
   }
 }
 
+void TangentMatrix::add_follower_loads(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale,
+                                       MatrixPart part) {
+  const std::span<const ElementBlock> blocks = model.element_blocks();
+  const std::size_t num_pressed = std::min(loads.pressure.size(), blocks.size() * kLanes);
+  for (std::size_t slot = 0; slot < num_pressed; ++slot) {
+    const ElementBlock& block = blocks[slot / kLanes];
+    const std::size_t lane = slot % kLanes;
+    if (loads.pressure[slot] == 0.0 || block.area[lane] == 0.0) continue;
+    std::array<Eigen::Vector3d, 3> corner;
+    for (std::size_t k = 0; k < 3; ++k) corner[k] = x.col(block.vertex[k][lane]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int row = matrix_.row_begin(block.vertex[i][lane]);
+      for (std::size_t j = 0; j < 3; ++j) {
+        matrix_.block(row + places_[slot][3 * i + j]) +=
+            pressure_stiffness(scale * loads.pressure[slot], corner, i, j, part);
+      }
+    }
+  }
+  for (const EdgeMoment& moment : loads.edge_moments) {
+    const EdgeMomentTangent tangent(moment, x);
+    for (std::size_t a = 0; a < moment.vertex.size(); ++a) {
+      for (std::size_t b = 0; b < moment.vertex.size(); ++b) {
+        if (moment.vertex[a] == mesh::kNone || moment.vertex[b] == mesh::kNone) continue;
+        const int at = matrix_.find(moment.vertex[a], moment.vertex[b]);
+        if (at >= 0) matrix_.block(at) += scale * tangent.stiffness(a, b, part);
+      }
+    }
+  }
+}
+
+void TangentMatrix::clear_pinned(std::span<const Pin> pins) {
+  for (const Pin& pin : pins) {
+    const Eigen::Vector3d free = pin.held(Eigen::Vector3d::Zero(), Eigen::Vector3d::Ones());
+    for (int at = matrix_.row_begin(pin.vertex); at < matrix_.row_end(pin.vertex); ++at) {
+      matrix_.block(at) = free.asDiagonal() * matrix_.block(at);
+      const int mirrored = matrix_.find(matrix_.column(at), pin.vertex);
+      matrix_.block(mirrored) = matrix_.block(mirrored) * free.asDiagonal();
+    }
+  }
+}
+
 void TangentMatrix::constrain(const Model& model, std::span<const Pin> pins, double time_left,
                               const mesh::VertexField& x, mesh::VertexField& rhs, mesh::VertexField& step) {
   for (const Pin& pin : pins) {

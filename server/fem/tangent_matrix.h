@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/fem/block_matrix.h"
+#include "server/fem/follower_loads.h"
 #include "server/fem/loads.h"
 #include "server/fem/model.h"
 #include "server/mesh/vertex_field.h"
@@ -33,6 +34,13 @@ class TangentMatrix {
   void add_bending(const Model& model, double scale);
   // Of springs and dampers, d^2 stiffness + d damping.
   void add_grabs(std::span<const Grab> grabs, double d);
+
+  // scale times a part of the stiffness of pressure and moments at x (3 x V, m); none is positive semidefinite, and
+  // with the skew one the matrix is not symmetric any more.
+  void add_follower_loads(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale,
+                          MatrixPart part);
+  // Rows and columns of what pins hold become 0.
+  void clear_pinned(std::span<const Pin> pins);
 
   // Puts the displacement that the pins demand, `time_left` (s) before they are at their targets, from x on into `step`
   // and `rhs` (3 x V) and decouples what they hold: the matrix stays symmetric, and positive definite where it was.

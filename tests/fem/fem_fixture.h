@@ -30,6 +30,17 @@ inline State rest_state(const mesh::TriangleMesh& mesh) {
   return state;
 }
 
+// Along all border edges, N m/m.
+inline std::vector<EdgeMoment> border_moments(const Model& model, const mesh::TriangleMesh& mesh, double per_length) {
+  std::vector<EdgeMoment> moments;
+  for (mesh::TriangleId slot = 0; slot < mesh.num_triangle_slots(); ++slot) {
+    for (int k = 0; mesh.is_solid(slot) && k < 3; ++k) {
+      if (mesh.neighbour(slot, k) == mesh::kNone) moments.push_back(model.edge_moment(mesh, slot, k, per_length));
+    }
+  }
+  return moments;
+}
+
 inline Eigen::Vector3d random_vector(SeededRandom& random, double size) {
   const double a = random.uniform(-size, size);
   const double b = random.uniform(-size, size);

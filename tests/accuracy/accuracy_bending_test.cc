@@ -1,0 +1,173 @@
+// Sheets bent far by forces, moments and their own weight, against independent references.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "server/cut/cut.h"
+#include "tests/accuracy/statics.h"
+
+namespace kerf::accuracy {
+namespace {
+
+TEST(HeavyElastica, SagsAsTheClosedForm) {
+  const Reference reference("07f_heavy_elastica");
+  int segments = 10;
+  for (const char* const fineness : kMeshes) {
+    Cantilever strip(reference, "b", segments, std::max(1, segments / 8));
+    for (const std::vector<double>& row : reference.rows("heavy elastica")) {
+      strip.loads.gravity = {0.0, 0.0, -row[1]};
+      settle(strip.model, strip.loads, strip.x);
+      const Eigen::Vector3d tip = strip.tip();
+      std::printf("elastica, %d segments, gravity %.2f: U %+.2f %%, sag %+.2f %%\n", segments, row[1],
+                  100.0 * (-tip.x() / row[2] - 1.0), 100.0 * (-tip.z() / row[3] - 1.0));
+      EXPECT_NEAR(-tip.x(), row[2], reference.tolerance(fineness) * row[2]) << fineness;
+      EXPECT_NEAR(-tip.z(), row[3], reference.tolerance(fineness) * row[3]) << fineness;
+    }
+    segments *= 2;
+  }
+}
+
+TEST(CantileverUnderEndShear, FollowsTheElastica) {
+  const Reference reference("07a_cantilever_end_shear");
+  constexpr double kForce = 4.0;  // N
+  int segments = 10;
+  for (const char* const fineness : kMeshes) {
+    Cantilever strip(reference, "b", segments, std::max(1, segments / 10));
+    double worst = 0.0;
+    for (const std::vector<double>& row : reference.rows("elastica (inextensible)")) {
+      const double share = kForce * row[0] / static_cast<double>(strip.end.size() - 1);
+      for (const int v : strip.end) {
+        strip.loads.external_forces(2, v) = v == strip.end.front() || v == strip.end.back() ? 0.5 * share : share;
+      }
+      settle(strip.model, strip.loads, strip.x);
+      const Eigen::Vector3d tip = strip.tip();
+      worst = std::max({worst, std::abs(-tip.x() / row[1] - 1.0), std::abs(tip.z() / row[2] - 1.0)});
+      EXPECT_NEAR(-tip.x(), row[1], reference.tolerance(fineness) * row[1]) << fineness;
+      EXPECT_NEAR(tip.z(), row[2], reference.tolerance(fineness) * row[2]) << fineness;
+    }
+    std::printf("end shear, %d segments: within %.2f %%\n", segments, 100.0 * worst);
+    segments *= 2;
+  }
+}
+
+// A sheet clamped at one edge, slit by Kerf's cutter from the middle to the free edge, one flap lifted.
+TEST(HalfSlitFlap, LiftedOpensAsTheReference) {
+  const Reference reference("14a_half_slit_flap");
+  const double length = reference.geometry("L");
+  const double width = reference.geometry("W");
+  int across = 8;
+  for (const char* const fineness : kMeshes) {
+    const int along = across * 3 / 2;
+    mesh::TriangleMesh mesh =
+        mapped_grid(along, across, [=](double a, double b) { return Eigen::Vector2d(a * length, (b - 0.5) * width); });
+    const double slit_y = reference.geometry("slit_y");
+    const auto plan = cut::plan(
+        mesh, {cut::Polyline{{{reference.geometry("slit_start_x"), slit_y}, {1.1 * length, slit_y}}}, {}, {}});
+    ASSERT_TRUE(plan.ok());
+    ASSERT_TRUE(cut::apply(mesh, *plan).ok());
+    fem::Model model(mesh, reference.material());
+    fem::Loads loads;
+    loads.gravity.setZero();
+    mesh::VertexField x(mesh.num_vertices());
+    std::vector<fem::Clamp> clamps;
+    std::vector<int> flap_end;
+    std::map<std::string, int> points;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+      const Eigen::Vector2d X = mesh.rest_position(v);
+      x.col(v) << X, 0.0;
+      if (X.x() < 1e-9) {
+        loads.pins.push_back({v, x.col(v), Eigen::Vector3d::Zero()});
+        clamps.push_back({v, Eigen::Matrix<double, 3, 2>::Identity()});
+      }
+      if (X.x() < length - 1e-9) continue;
+      std::vector<mesh::TriangleId> fan;
+      mesh.triangles_around(v, fan);
+      const auto& corners = mesh.vertices(fan.front());
+      const double middle =
+          (mesh.rest_position(corners[0]) + mesh.rest_position(corners[1]) + mesh.rest_position(corners[2])).y() / 3.0;
+      if (middle > slit_y) flap_end.push_back(v);
+      const std::string side = middle > slit_y ? "upper_" : "lower_";
+      if (std::abs(X.y() - slit_y) < 1e-9) points[side + "slit_lip"] = v;
+      if (std::abs(X.y()) > 0.5 * width - 1e-9) points[side + "outer_corner"] = v;
+    }
+    model.set_clamps(mesh, clamps);
+    std::sort(flap_end.begin(), flap_end.end(),
+              [&](int a, int b) { return mesh.rest_position(a).y() < mesh.rest_position(b).y(); });
+    const mesh::VertexField rest = x;
+    constexpr double kForce = 0.4;  // N
+    double worst = 0.0;
+    double largest = 0.0;
+    double share = 0.0;
+    const nlohmann::json& table = reference.json().at("quantities").at(0).at("table").at("rows");
+    for (const nlohmann::json& row : table) {
+      if (row[0].get<double>() != share) {
+        share = row[0].get<double>();
+        loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+        const double end = mesh.rest_position(flap_end.back()).y() - slit_y;
+        for (std::size_t i = 0; i + 1 < flap_end.size(); ++i) {
+          const double part =
+              (mesh.rest_position(flap_end[i + 1]).y() - mesh.rest_position(flap_end[i]).y()) / end * share * kForce;
+          loads.external_forces(2, flap_end[i]) += 0.5 * part;
+          loads.external_forces(2, flap_end[i + 1]) += 0.5 * part;
+        }
+        settle(model, loads, x);
+      }
+      const int v = points.at(row[1].get<std::string>());
+      const Eigen::Vector3d expected(row[2].get<double>(), row[3].get<double>(), row[4].get<double>());
+      largest = std::max(largest, expected.norm());
+      worst = std::max(worst, (x.col(v) - rest.col(v) - expected).norm());
+    }
+    std::printf("flap, %d across: displacements within %.2f %% of the largest\n", across, 100.0 * worst / largest);
+    EXPECT_LE(worst, reference.tolerance(fineness) * largest) << fineness;
+    across *= 2;
+  }
+}
+
+// Moments along the end of a cantilever, N m/m.
+std::vector<fem::EdgeMoment> end_moments(const Cantilever& strip, double per_length) {
+  std::vector<fem::EdgeMoment> moments;
+  for (mesh::TriangleId slot = 0; slot < strip.mesh.num_triangle_slots(); ++slot) {
+    for (int k = 0; strip.mesh.is_solid(slot) && k < 3; ++k) {
+      const auto& corners = strip.mesh.vertices(slot);
+      const auto is_at_end = [&](int i) {
+        const mesh::VertexId v = corners[static_cast<std::size_t>(i % 3)];
+        return std::binary_search(strip.end.begin(), strip.end.end(), v);
+      };
+      if (is_at_end(k + 1) && is_at_end(k + 2)) {
+        moments.push_back(strip.model.edge_moment(strip.mesh, slot, k, per_length));
+      }
+    }
+  }
+  return moments;
+}
+
+TEST(CantileverUnderEndMoment, RollsUpToAFullCircle) {
+  const Reference reference("07b_cantilever_end_moment");
+  constexpr double kMoment = 50.0 * std::numbers::pi / 3.0;  // N m, over a width of 1 m
+  const double length = reference.geometry("L");
+  int segments = 12;
+  for (const char* const fineness : kMeshes) {
+    Cantilever strip(reference, "b", segments, std::max(1, segments / 12));
+    double worst = 0.0;
+    int iterations = 0;
+    for (const std::vector<double>& row : reference.rows("exact circle")) {
+      strip.loads.edge_moments = end_moments(strip, row[0] * kMoment);
+      ASSERT_FALSE(strip.loads.edge_moments.empty());
+      iterations += settle(strip.model, strip.loads, strip.x).iterations;
+      const Eigen::Vector3d tip = strip.tip();
+      worst = std::max({worst, std::abs(-tip.x() - row[1]) / length, std::abs(tip.z() - row[2]) / length});
+      EXPECT_NEAR(-tip.x(), row[1], reference.tolerance(fineness) * length) << fineness;
+      EXPECT_NEAR(tip.z(), row[2], reference.tolerance(fineness) * length) << fineness;
+    }
+    const double energy = strip.model.energies({strip.x, strip.x}, strip.loads.gravity).bending;
+    const double expected = reference.value("bending energy at full circle");
+    std::printf("end moment, %d segments: tip within %.2f %% of the length, energy %+.2f %%, %d iterations\n", segments,
+                100.0 * worst, 100.0 * (energy / expected - 1.0), iterations);
+    EXPECT_NEAR(energy, expected, reference.tolerance(fineness) * expected) << fineness;
+    segments *= 2;
+  }
+}
+
+}  // namespace
+}  // namespace kerf::accuracy
