@@ -10,13 +10,21 @@
 namespace kerf::fem {
 
 ImplicitIntegrator::ImplicitIntegrator(const IntegratorOptions& options) : options_(options), solver_(options) {
-  KERF_CHECK(options.kind == IntegratorKind::kImplicitEuler || options.kind == IntegratorKind::kTrBdf2,
+  KERF_CHECK(options.kind != IntegratorKind::kAutomatic && options.kind != IntegratorKind::kExplicit,
              "an implicit kind");
 }
 
 std::string_view ImplicitIntegrator::explanation() const {
-  return options_.kind == IntegratorKind::kTrBdf2 ? "implicit: TR-BDF2, one step a tick"
-                                                  : "implicit: Euler, one step a tick";
+  switch (options_.kind) {
+    case IntegratorKind::kTrBdf2:
+      return "implicit: TR-BDF2, one step a tick";
+    case IntegratorKind::kTrapezoidal:
+      return "implicit: trapezoidal rule, one step a tick";
+    case IntegratorKind::kBdf2:
+      return "implicit: BDF2, four steps a tick, the first of the trapezoidal rule";
+    default:
+      return "implicit: Euler, one step a tick";
+  }
 }
 
 void ImplicitIntegrator::rebuild(const Model& model) {
@@ -31,8 +39,9 @@ void ImplicitIntegrator::follow(const Model& model) {
 
 void ImplicitIntegrator::resize(const Model& model) {
   for (mesh::VertexField* field :
-       {&scratch_.start.x, &scratch_.start.v, &scratch_.substep_start.x, &scratch_.substep_start.v, &scratch_.force,
-        &scratch_.constant, &scratch_.damped, &scratch_.stage.base.x, &scratch_.stage.base.v}) {
+       {&scratch_.start.x, &scratch_.start.v, &scratch_.substep_start.x, &scratch_.substep_start.v, &scratch_.before.x,
+        &scratch_.before.v, &scratch_.force, &scratch_.constant, &scratch_.damped, &scratch_.stage.base.x,
+        &scratch_.stage.base.v}) {
     field->resize(model.num_vertices());
   }
 }
@@ -48,13 +57,13 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   bool done = false;
   for (int halving = 0; halving <= options_.max_halvings && !done; ++halving) {
     if (halving > 0) stats.flags |= kSubstepped;
-    const int substeps = 1 << halving;
+    const int substeps = (options_.kind == IntegratorKind::kBdf2 ? kBdf2Substeps : 1) << halving;
     const double h = dt / substeps;
     stats.residual = 0.0;
     done = true;
     if (contact != nullptr) contact->begin(state.x);
     for (int i = 1; i <= substeps && done; ++i) {
-      done = advance(model, loads, h, i == substeps ? 0.0 : dt - h * i, state, stats);
+      done = advance(model, loads, i - 1, h, i == substeps ? 0.0 : dt - h * i, state, stats);
       if (done && contact != nullptr) contact->enforce(h, state);
       done = done && is_finite(state);
     }
@@ -74,11 +83,19 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   return stats;
 }
 
-bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, double h, double time_left, State& state,
-                                 StepStats& stats) {
+bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, int index, double h, double time_left,
+                                 State& state, StepStats& stats) {
   evaluate_constant_force(model, loads, h, state);
-  if (options_.kind == IntegratorKind::kTrBdf2) return advance_tr_bdf2(model, loads, h, time_left, state, stats);
-  return advance_euler(model, loads, h, time_left, state, stats);
+  switch (options_.kind) {
+    case IntegratorKind::kTrBdf2:
+      return advance_tr_bdf2(model, loads, h, time_left, state, stats);
+    case IntegratorKind::kTrapezoidal:
+      return advance_trapezoidal(model, loads, h, time_left, state, stats);
+    case IntegratorKind::kBdf2:
+      return advance_bdf2(model, loads, index, h, time_left, state, stats);
+    default:
+      return advance_euler(model, loads, h, time_left, state, stats);
+  }
 }
 
 bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, double h, double time_left, State& state,
@@ -114,6 +131,44 @@ bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads,
   stage.base.v = kNew * state.v - kOld * start.v;
   stage.time_left = time_left;
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
+}
+
+bool ImplicitIntegrator::advance_trapezoidal(const Model& model, const Loads& loads, double h, double time_left,
+                                             State& state, StepStats& stats) {
+  Stage& stage = scratch_.stage;
+  State& start = scratch_.substep_start;
+  start.x = state.x;
+  start.v = state.v;
+  stage.start = &start.x;
+  stage.d = 0.5 * h;
+  evaluate_acceleration(model, loads, time_left + h, state);
+  stage.base.x = start.x + stage.d * start.v;
+  stage.base.v = start.v + stage.d * scratch_.force;
+  stage.time_left = time_left;
+  return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
+}
+
+bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, int index, double h, double time_left,
+                                      State& state, StepStats& stats) {
+  Stage& stage = scratch_.stage;
+  State& start = scratch_.substep_start;
+  State& before = scratch_.before;
+  if (index == 0) {
+    if (!advance_trapezoidal(model, loads, h, time_left, state, stats)) return false;
+  } else {
+    start.x = state.x;
+    start.v = state.v;
+    stage.start = &start.x;
+    stage.d = 2.0 * h / 3.0;
+    stage.base.x = (4.0 * start.x - before.x) / 3.0;
+    stage.base.v = (4.0 * start.v - before.v) / 3.0;
+    stage.time_left = time_left;
+    evaluate_constant_force(model, loads, stage.d, stage.base);  // drag is limited by what it acts on
+    if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
+  }
+  before.x = start.x;
+  before.v = start.v;
+  return true;
 }
 
 void ImplicitIntegrator::evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state) {

@@ -6,12 +6,12 @@
 
 namespace kerf::fem {
 
-// Implicit Euler, or TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2). One substep
-// a step; a substep that finds no finite solution is thrown away and the step divided. Wind drag is taken at the start
-// of each substep, everything else at its end.
+// Implicit Euler, TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2), the
+// trapezoidal rule, all of one substep a step, or BDF2 of kBdf2Substeps. A substep that finds no finite solution is
+// thrown away and the step divided. Wind drag is taken at the start of each substep, everything else at its end.
 class ImplicitIntegrator final : public Integrator {
  public:
-  // options.kind: kImplicitEuler or kTrBdf2.
+  // options.kind: neither kAutomatic nor kExplicit.
   explicit ImplicitIntegrator(const IntegratorOptions& options);
 
   void rebuild(const Model& model) override;
@@ -24,6 +24,7 @@ class ImplicitIntegrator final : public Integrator {
   struct Scratch {
     State start;  // of the step
     State substep_start;
+    State before;                // where the substep before began; BDF2 alone
     mesh::VertexField force;     // 3 x V, N
     mesh::VertexField constant;  // 3 x V, N: external forces and wind
     mesh::VertexField damped;    // 3 x V, m
@@ -31,11 +32,17 @@ class ImplicitIntegrator final : public Integrator {
   };
 
   void resize(const Model& model);
-  bool advance(const Model& model, const Loads& loads, double h, double time_left, State& state, StepStats& stats);
+  // Substep `index` (from 0) of a step, of h (s).
+  bool advance(const Model& model, const Loads& loads, int index, double h, double time_left, State& state,
+               StepStats& stats);
   bool advance_euler(const Model& model, const Loads& loads, double h, double time_left, State& state,
                      StepStats& stats);
   bool advance_tr_bdf2(const Model& model, const Loads& loads, double h, double time_left, State& state,
                        StepStats& stats);
+  bool advance_trapezoidal(const Model& model, const Loads& loads, double h, double time_left, State& state,
+                           StepStats& stats);
+  bool advance_bdf2(const Model& model, const Loads& loads, int index, double h, double time_left, State& state,
+                    StepStats& stats);
   void evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state);
   // Into scratch_.force: acceleration at `state`, m/s^2, 0 where the mass is 0.
   void evaluate_acceleration(const Model& model, const Loads& loads, double time_left, const State& state);

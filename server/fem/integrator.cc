@@ -11,6 +11,8 @@ std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options) {
       return std::make_unique<ExplicitIntegrator>(options);
     case IntegratorKind::kImplicitEuler:
     case IntegratorKind::kTrBdf2:
+    case IntegratorKind::kTrapezoidal:
+    case IntegratorKind::kBdf2:
       return std::make_unique<ImplicitIntegrator>(options);
     case IntegratorKind::kAutomatic:
       break;

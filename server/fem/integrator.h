@@ -43,7 +43,12 @@ enum class IntegratorKind {
   kExplicit,       // velocity Verlet (leapfrog) with stable substeps: second order, symplectic, hardly any damping
   kImplicitEuler,  // first order, strongly damped, robust
   kTrBdf2,         // trapezoidal rule + BDF2, second order, L-stable; two solves a step
+  kTrapezoidal,  // second order, conserves the energy of a linear sheet, damps nothing: what it does not resolve rings
+  kBdf2,         // second order, L-stable; kBdf2Substeps solves a step. Begins anew each step, no state having history:
+                 // the first substep is of the trapezoidal rule
 };
+
+inline constexpr int kBdf2Substeps = 4;  // a step
 
 enum class LinearSolverKind {
   kConjugateGradient,  // preconditioned with the inverse 3x3 diagonal blocks

@@ -31,7 +31,13 @@ inline std::vector<IntegratorCase> all_integrators() {
       integrator_case("ImplicitEulerCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kConjugateGradient),
       integrator_case("ImplicitEulerDirect", IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
       integrator_case("TrBdf2Direct", IntegratorKind::kTrBdf2, LinearSolverKind::kDirect),
+      integrator_case("Bdf2Direct", IntegratorKind::kBdf2, LinearSolverKind::kDirect),
   };
+}
+
+// For steps that resolve what happens.
+inline std::vector<IntegratorCase> undamped_integrators() {
+  return {integrator_case("TrapezoidalDirect", IntegratorKind::kTrapezoidal, LinearSolverKind::kDirect)};
 }
 
 class IntegratorTest : public testing::TestWithParam<IntegratorCase> {
