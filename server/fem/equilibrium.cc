@@ -8,6 +8,7 @@
 #include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
 #include "server/fem/membrane.h"
+#include "server/fem/membrane_tangent.h"
 
 namespace kerf::fem {
 namespace {
@@ -15,10 +16,16 @@ namespace {
 // Shifts, over the largest eigenvalue of M^-1 K: the first that is tried, how they grow, and below which there is none.
 constexpr double kFirstShift = 1e-9;
 constexpr double kShiftGrowth = 10.0;
+constexpr double kLargestExactShift = 1e-5;
 constexpr double kShiftDecay = 0.1;
 constexpr double kLeastShift = 1e-13;
 constexpr double kLargestShift = 1e3;
 constexpr double kLinearTolerance = 1e-6;
+constexpr int kMaxVenture = 6;         // steps
+constexpr double kVentureDecay = 0.5;  // of the energy above that where it began, from step to step, at least
+constexpr double kLinearDecrease =
+    0.9;  // of the energy, over that of the slope: where it is convex a full step has 0.5
+constexpr int kMaxLengthenings = 20;
 constexpr int kMaxBacktracks = 40;
 constexpr double kSufficientDecrease = 1e-4;
 constexpr double kDiscernible = 100.0;  // decrease of the energy, over what rounding leaves of it
@@ -32,7 +39,8 @@ void EquilibriumSolver::rebuild(const Model& model) {
   matrix_.rebuild(model);
   skew_ = {};
   solver_.analyse(matrix_.blocks());
-  for (mesh::VertexField* field : {&force_, &residual_, &rhs_, &step_, &trial_, &best_})
+  stress_.resize(model.element_blocks().size() * kLanes);
+  for (mesh::VertexField* field : {&force_, &residual_, &rhs_, &step_, &trial_, &venture_, &best_})
     field->resize(model.num_vertices());
 }
 
@@ -44,12 +52,22 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   best_ = x;
   double best = stats.residual;
   int since_best = 0;
+  step_.setZero();
+  predict_stress(model, x);
+  const double first_shift = kFirstShift * model.stiffness_bound();
+  used_shift_ = 0.0;
+  projects_ = false;
   while (!(stats.residual <= options_.tolerance) && stats.iterations < options_.max_iterations) {
-    if (!std::isfinite(stats.residual) || !find_step(model, loads, x, stats)) break;
-    ++stats.iterations;
-    const Progress progress = search_line(model, loads, stats, x);
+    if (!std::isfinite(stats.residual)) break;
+    Progress progress = venture(model, loads, stats, x);
+    if (progress == Progress::kNone) {
+      if (stats.iterations == options_.max_iterations || !find_step(model, loads, x, false, stats)) break;
+      ++stats.iterations;
+      progress = search_line(model, loads, stats, x);
+      predict_stress(model, x);
+    }
     if (progress == Progress::kNone) break;
-    if (stats.residual < best) {
+    if (stats.residual < best || progress == Progress::kDescended) {
       best = stats.residual;
       best_ = x;
       since_best = 0;
@@ -63,6 +81,9 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
     stats.residual = evaluate(model, loads, x);
   }
   stats.converged = stats.residual <= options_.tolerance;
+  stats.shift = used_shift_;
+  // The last step says whether the place that it began at was stable.
+  if (stats.converged) stats.shift = is_stable(model, loads, x) ? 0.0 : std::max(used_shift_, first_shift);
   return stats;
 }
 
@@ -121,30 +142,65 @@ double EquilibriumSolver::energy(const Model& model, const Loads& loads, const m
   return sum - follower_work(model.element_blocks(), loads, origin, x);
 }
 
-bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const mesh::VertexField& x,
+double EquilibriumSolver::rounding(const Model& model, const mesh::VertexField& x, double energy) {
+  // Strains are differences of numbers near 1.
+  const double area = model.total_mass() / (model.material().density * model.material().thickness);
+  const double membrane = membrane_energy(model.element_blocks(), model.membrane_law(), x);
+  return std::numeric_limits<double>::epsilon() *
+         (8.0 * std::sqrt(2.0 * membrane * model.membrane_law().trace() * area) + std::abs(energy));
+}
+
+void EquilibriumSolver::assemble(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted,
+                                 bool project, double shift) {
+  const std::span<const Eigen::Vector3d> stress(stress_);
+  matrix_.set_mass(model, shift);
+  matrix_.add_membrane(model, x, predicted ? stress : stress.first(0), 1.0, 1.0, project);
+  matrix_.add_bending(model, 1.0);
+  for (const Grab& grab : loads.grabs) {
+    Grab spring = grab;
+    spring.damping = 0.0;
+    matrix_.add_grabs({&spring, 1}, 1.0);
+  }
+  if (!project) matrix_.add_follower_loads(model, loads, x, 1.0, MatrixPart::kSymmetric);
+  rhs_ = residual_;
+  step_.setZero();
+  matrix_.constrain(model, loads.pins, 0.0, x, rhs_, step_);
+  step_.setZero();
+}
+
+bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted,
                                   EquilibriumStats& stats) {
   const double largest = std::max(model.stiffness_bound(), std::numeric_limits<double>::min());
+  const double start = stats.shift;
+  const auto solve = [&] {
+    return solver_.solve(matrix_.blocks(), rhs_, kLinearTolerance, step_).converged && step_.allFinite();
+  };
+  // As many masses as buckling asks for; what is slack, or far too short, would ask for more than it is worth.
   for (;;) {
-    matrix_.set_mass(model, stats.shift);
-    matrix_.add_membrane(model, x, {}, 1.0, 1.0, false);
-    matrix_.add_bending(model, 1.0);
-    for (const Grab& grab : loads.grabs) {
-      Grab spring = grab;
-      spring.damping = 0.0;
-      matrix_.add_grabs({&spring, 1}, 1.0);
-    }
-    matrix_.add_follower_loads(model, loads, x, 1.0, MatrixPart::kSymmetric);
-    rhs_ = residual_;
-    step_.setZero();
-    matrix_.constrain(model, loads.pins, 0.0, x, rhs_, step_);
-    step_.setZero();
-    if (solver_.solve(matrix_.blocks(), rhs_, kLinearTolerance, step_).converged && step_.allFinite()) {
+    assemble(model, loads, x, predicted, false, stats.shift);
+    used_shift_ = stats.shift;
+    if (solve()) {
       if (has_follower_loads(loads)) correct_step(model, loads, x);
+      projects_ = false;
       return true;
     }
-    if (stats.shift > kLargestShift * largest) return false;
-    stats.shift = std::max(kFirstShift * largest, kShiftGrowth * stats.shift);
+    const double next = std::max(kFirstShift * largest, kShiftGrowth * stats.shift);
+    if (projects_ || next > kLargestExactShift * largest) break;
+    stats.shift = next;
   }
+  projects_ = true;
+  stats.shift = std::max(start, kFirstShift * largest);
+  for (; stats.shift <= kLargestShift * largest; stats.shift *= kShiftGrowth) {
+    assemble(model, loads, x, predicted, true, stats.shift);
+    used_shift_ = stats.shift;
+    if (solve()) return true;
+  }
+  return false;
+}
+
+bool EquilibriumSolver::is_stable(const Model& model, const Loads& loads, const mesh::VertexField& x) {
+  assemble(model, loads, x, false, false, 0.0);
+  return solver_.solve(matrix_.blocks(), rhs_, kLinearTolerance, step_).iterations > 0;
 }
 
 // A step with the skew part has as good a slope as one without: it adds nothing to step.(K + N) step.
@@ -156,19 +212,94 @@ void EquilibriumSolver::correct_step(const Model& model, const Loads& loads, con
   correction_.solve(solver_, matrix_.blocks(), skew_.blocks(), rhs_, kLinearTolerance, step_);
 }
 
+void EquilibriumSolver::predict_stress(const Model& model, const mesh::VertexField& x) {
+  const std::span<const ElementBlock> blocks = model.element_blocks();
+  LaneFrames frames;
+  ElementVector dx;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    frames_at(blocks[b], x, frames);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (blocks[b].area[l] == 0.0) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        dx.segment<3>(static_cast<Eigen::Index>(3 * k)) = step_.col(blocks[b].vertex[k][l]);
+      }
+      stress_[b * kLanes + l] = MembraneTangent(blocks[b], l, frames, model.membrane_law()).predicted_stress(dx);
+    }
+  }
+}
+
+EquilibriumSolver::Progress EquilibriumSolver::venture(const Model& model, const Loads& loads, EquilibriumStats& stats,
+                                                       mesh::VertexField& x) {
+  const double shift = stats.shift;
+  const double residual = stats.residual;
+  const double before = energy(model, loads, x, x);
+  venture_ = x;
+  double slope = 0.0;
+  double last_rise = 0.0;
+  for (int i = 0; i < kMaxVenture && stats.iterations < options_.max_iterations; ++i) {
+    // What is sought is the least of the energy and used_shift_ / 2 |y - x|^2, in the measure of masses.
+    if (i > 0) {
+      for (Eigen::Index v = 0; v < x.cols(); ++v) {
+        residual_.col(v) -= used_shift_ * model.mass()[static_cast<std::size_t>(v)] * (venture_.col(v) - x.col(v));
+      }
+    }
+    if (!find_step(model, loads, venture_, true, stats)) break;
+    ++stats.iterations;
+    if (i == 0) {
+      slope = residual_.cwiseProduct(step_).sum();
+      if (slope <= kDiscernible * rounding(model, x, before)) {
+        predict_stress(model, x);
+        x += step_;
+        stats.residual = evaluate(model, loads, x);
+        stats.shift = 0.0;
+        return Progress::kBlind;
+      }
+    }
+    predict_stress(model, venture_);
+    venture_ += step_;
+    stats.residual = evaluate(model, loads, venture_);
+    if (!std::isfinite(stats.residual)) break;
+    const double rise = energy(model, loads, venture_, x) - before;
+    if (rise <= -kSufficientDecrease * slope) {
+      if (i == 0 && rise <= -kLinearDecrease * slope) lengthen_step(model, loads, before + rise, x, stats);
+      x = venture_;
+      stats.shift *= kShiftDecay;
+      if (stats.shift < kLeastShift * model.stiffness_bound()) stats.shift = 0.0;
+      return Progress::kDescended;
+    }
+    // Where it leads somewhere, each step takes away nearly all the false stretch of the one before.
+    if (i > 0 && !(rise <= kVentureDecay * last_rise)) break;
+    last_rise = rise;
+  }
+  stats.shift = shift;
+  stats.residual = residual;
+  evaluate(model, loads, x);
+  return Progress::kNone;
+}
+
+void EquilibriumSolver::lengthen_step(const Model& model, const Loads& loads, double reached,
+                                      const mesh::VertexField& x, EquilibriumStats& stats) {
+  for (int i = 0; i < kMaxLengthenings; ++i) {
+    trial_ = x + 2.0 * step_;
+    const double after = energy(model, loads, trial_, x);
+    if (!(after < reached)) break;
+    reached = after;
+    step_ *= 2.0;
+    venture_ = trial_;
+  }
+  predict_stress(model, x);
+  stats.residual = evaluate(model, loads, venture_);
+}
+
 EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, const Loads& loads,
                                                            EquilibriumStats& stats, mesh::VertexField& x) {
   double slope = 0.0;
   for (Eigen::Index i = 0; i < step_.cols(); ++i) slope += residual_.col(i).dot(step_.col(i));
   const double largest = model.stiffness_bound();
   const double before = energy(model, loads, x, x);
-  // What rounding leaves of it: strains are differences of numbers near 1.
-  const double area = model.total_mass() / (model.material().density * model.material().thickness);
-  const double membrane = membrane_energy(model.element_blocks(), model.membrane_law(), x);
-  const double rounding = std::numeric_limits<double>::epsilon() *
-                          (8.0 * std::sqrt(2.0 * membrane * model.membrane_law().trace() * area) + std::abs(before));
+  const double noise = rounding(model, x, before);
   // Where no difference of energies can tell, Newton's step is as good as any.
-  if (slope <= kDiscernible * rounding) {
+  if (slope <= kDiscernible * noise) {
     x += step_;
     stats.residual = evaluate(model, loads, x);
     stats.shift = 0.0;
@@ -178,7 +309,7 @@ EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, c
   for (int i = 0; i < kMaxBacktracks; ++i, scale *= 0.5) {
     trial_ = x + scale * step_;
     const double after = energy(model, loads, trial_, x);
-    if (!(after <= before - kSufficientDecrease * scale * slope + rounding)) continue;
+    if (!(after <= before - kSufficientDecrease * scale * slope + noise)) continue;
     x = trial_;
     stats.residual = evaluate(model, loads, x);
     // A full step says that the quadratic model holds this far.
@@ -186,7 +317,7 @@ EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, c
       stats.shift *= kShiftDecay;
       if (stats.shift < kLeastShift * largest) stats.shift = 0.0;
     } else if (i > 2) {
-      stats.shift = std::max(kFirstShift * largest, kShiftGrowth * stats.shift);
+      stats.shift = std::max(kFirstShift * largest, stats.shift / scale);
     }
     return Progress::kDescended;
   }

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "server/fem/block_cholesky.h"
 #include "server/fem/loads.h"
@@ -22,14 +25,26 @@ struct EquilibriumStats {
   // neither, over what rounding leaves.
   double residual = 0.0;
   int iterations = 0;  // Newton steps
-  double shift = 0.0;  // 1/s^2, times the masses, added to the stiffness in the last step; 0: it was positive definite
-                       // by itself, so that the equilibrium is stable
+  double shift = 0.0;  // 1/s^2, times the masses, added to the stiffness in the last step; 0: it is positive definite
+                       // by itself there, so that an equilibrium is stable. Where the whole sheet, or a part, is free
+                       // to move, rounding decides
 };
 
 // Where a sheet is at rest under constant loads: a local minimum of elastic energy minus the work of the loads, by
-// Newton's method with the exact tangent. Where that is not positive definite (a free or slack sheet, buckling) masses
-// are added until it is, as many as needed: a step of a body that slides downhill without inertia. Steps are cut back
-// until the energy falls, so that it never rises. Wind and the velocities of pins and grabs are left out.
+// Newton's method with the exact tangent, that of follower loads with its skew part included. Where it is not positive
+// definite (a free sheet, buckling) masses are added, as many as needed, so that each step is one of a body that slides
+// downhill without inertia, implicitly in time (the proximal point method); where that takes too many, as of a slack or
+// crushed sheet, a projected tangent (see MembraneTangent::stiffness) takes its place.
+//
+// A linear step of a sheet that hardly stretches turns it, and a turn made linearly stretches it, so that its energy
+// rises however good the step is, and steps cut back until it falls are tiny. Hence the watchdog technique
+// (Chamberlain, Powell, Lemarechal, Pedersen 1982): up to six full steps, in which the tangent has the stress that the
+// linear step before predicted (mixed integration points; see StageSolver), are taken as one as soon as the energy is
+// below that at its beginning; else they are forgotten, for one step with the true stress, cut back until the energy
+// falls. So it never rises, up to rounding, from one call of `watch` to the next. Bending by any angle takes some five
+// steps.
+//
+// Wind and the velocities of pins and grabs are left out.
 class EquilibriumSolver {
  public:
   explicit EquilibriumSolver(const EquilibriumOptions& options);
@@ -38,7 +53,7 @@ class EquilibriumSolver {
   void rebuild(const Model& model);
 
   // x (3 x V, m): where to start, but for pins, which are put at their targets first; becomes the equilibrium, or the
-  // best that was found. `watch`, where given, is called after each iteration and ends the search by returning false.
+  // best that was found. `watch`, where given, is called whenever x has moved and ends the search by returning false.
   using Watch = std::function<bool(const EquilibriumStats&)>;
   EquilibriumStats solve(const Model& model, const Loads& loads, const Watch& watch, mesh::VertexField& x);
 
@@ -47,11 +62,26 @@ class EquilibriumSolver {
   double evaluate(const Model& model, const Loads& loads, const mesh::VertexField& x);
   [[nodiscard]] double energy(const Model& model, const Loads& loads, const mesh::VertexField& x,
                               const mesh::VertexField& origin) const;
-  // Into step_, with more and more masses until the matrix is positive definite. False: it never was.
-  bool find_step(const Model& model, const Loads& loads, const mesh::VertexField& x, EquilibriumStats& stats);
+  // J, what it leaves of a difference between `energy`, that at x, and another.
+  [[nodiscard]] static double rounding(const Model& model, const mesh::VertexField& x, double energy);
+  // The linear system of a step: matrix_, rhs_.
+  void assemble(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted, bool project,
+                double shift);
+  // Into step_, with more and more masses until the matrix is positive definite, and with stress_ where `predicted`,
+  // else the stress at x. False: it never was.
+  bool find_step(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted,
+                 EquilibriumStats& stats);
+  [[nodiscard]] bool is_stable(const Model& model, const Loads& loads, const mesh::VertexField& x);
   // The same with what of the tangent is not symmetric.
   void correct_step(const Model& model, const Loads& loads, const mesh::VertexField& x);
   enum class Progress { kNone, kBlind, kDescended };
+  // Full steps with predicted stress from x on, until the energy is below that at x, or not at all.
+  Progress venture(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
+  // Doubles step_ from x on as long as the energy, which was `reached`, falls: where it is not convex along the step.
+  void lengthen_step(const Model& model, const Loads& loads, double reached, const mesh::VertexField& x,
+                     EquilibriumStats& stats);
+  // What the stress becomes at x by step_ to first order, into stress_.
+  void predict_stress(const Model& model, const mesh::VertexField& x);
   // Moves x along step_, if anything is gained that way.
   Progress search_line(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
 
@@ -59,8 +89,11 @@ class EquilibriumSolver {
   BlockCholesky solver_;
   SkewCorrection correction_;
   TangentMatrix matrix_;
-  TangentMatrix skew_;                                              // where there are follower loads
-  mesh::VertexField force_, residual_, rhs_, step_, trial_, best_;  // 3 x V
+  bool projects_ = false;                // the last step needed the projected tangent
+  double used_shift_ = 0.0;              // 1/s^2, in the last step
+  TangentMatrix skew_;                   // where there are follower loads
+  std::vector<Eigen::Vector3d> stress_;  // one a lane, N/m, for the tangent
+  mesh::VertexField force_, residual_, rhs_, step_, trial_, venture_, best_;  // 3 x V
 };
 
 }  // namespace kerf::fem

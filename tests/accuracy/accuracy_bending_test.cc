@@ -10,16 +10,46 @@
 namespace kerf::accuracy {
 namespace {
 
-TEST(HeavyElastica, SagsAsTheClosedForm) {
-  const Reference reference("07f_heavy_elastica");
+// Rest position of the middle of one of the triangles of a vertex.
+Eigen::Vector2d middle_of_a_triangle_at(const mesh::TriangleMesh& mesh, int v) {
+  const auto& corners = mesh.vertices(mesh.triangle_at(v));
+  return (mesh.rest_position(corners[0]) + mesh.rest_position(corners[1]) + mesh.rest_position(corners[2])) / 3.0;
+}
+
+mesh::TriangleMesh polar_grid(int radial, int around, double inner, double outer) {
+  mesh::IndexedMesh grid;
+  grid.rest.resize(2, (radial + 1) * around);
+  grid.triangles.resize(3, 2 * radial * around);
+  int t = 0;
+  for (int j = 0; j < around; ++j) {
+    const double angle = 2.0 * std::numbers::pi * j / around;
+    for (int i = 0; i <= radial; ++i) {
+      const double r = inner + (outer - inner) * i / radial;
+      // Exactly on the axis where the cut goes.
+      grid.rest.col(j * (radial + 1) + i) << r * std::cos(angle), j == 0 ? 0.0 : r * std::sin(angle);
+      if (i == radial) continue;
+      const int a = j * (radial + 1) + i;
+      const int d = (j + 1) % around * (radial + 1) + i;
+      grid.triangles.col(t++) = Eigen::Vector3i(a, a + 1, d + 1);
+      grid.triangles.col(t++) = Eigen::Vector3i(a, d + 1, d);
+    }
+  }
+  return mesh::import_mesh(grid).value();
+}
+
+class HeavyElastica : public testing::TestWithParam<const char*> {};
+
+TEST_P(HeavyElastica, SagsAsTheClosedForm) {
+  const Reference reference(GetParam());
   int segments = 10;
   for (const char* const fineness : kMeshes) {
     Cantilever strip(reference, "b", segments, std::max(1, segments / 8));
     for (const std::vector<double>& row : reference.rows("heavy elastica")) {
       strip.loads.gravity = {0.0, 0.0, -row[1]};
-      settle(strip.model, strip.loads, strip.x);
+      const int iterations = settle(strip.model, strip.loads, strip.x).iterations;
+      EXPECT_LE(iterations, 15) << "from flat";
       const Eigen::Vector3d tip = strip.tip();
-      std::printf("elastica, %d segments, gravity %.2f: U %+.2f %%, sag %+.2f %%\n", segments, row[1],
+      std::printf("%s, %d segments, gravity %.2f: U %+.2f %%, sag %+.2f %%\n", GetParam(), segments, row[1],
                   100.0 * (-tip.x() / row[2] - 1.0), 100.0 * (-tip.z() / row[3] - 1.0));
       EXPECT_NEAR(-tip.x(), row[2], reference.tolerance(fineness) * row[2]) << fineness;
       EXPECT_NEAR(-tip.z(), row[3], reference.tolerance(fineness) * row[3]) << fineness;
@@ -27,6 +57,11 @@ TEST(HeavyElastica, SagsAsTheClosedForm) {
     segments *= 2;
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(References, HeavyElastica, testing::Values("07f_heavy_elastica", "07g_heavy_elastica"),
+                         [](const testing::TestParamInfo<const char*>& tested) {
+                           return std::string(tested.param).substr(0, 3);
+                         });
 
 TEST(CantileverUnderEndShear, FollowsTheElastica) {
   const Reference reference("07a_cantilever_end_shear");
@@ -48,6 +83,60 @@ TEST(CantileverUnderEndShear, FollowsTheElastica) {
     }
     std::printf("end shear, %d segments: within %.2f %%\n", segments, 100.0 * worst);
     segments *= 2;
+  }
+}
+
+// A ring of radial x around cells, its grid polar, slit along theta = 0 by Kerf's cutter, one lip clamped, the other
+// lifted.
+TEST(SlitAnnularPlate, LiftedAtOneLipOpensAsTheReference) {
+  const Reference reference("07c_slit_annular_plate");
+  const double inner = reference.geometry("Ri");
+  const double outer = reference.geometry("Ro");
+  constexpr double kForce = 0.8;  // N/m
+  const std::array<std::array<int, 2>, 3> cells{{{6, 40}, {10, 80}, {20, 160}}};
+  for (std::size_t m = 0; m < kMeshes.size(); ++m) {
+    const auto [radial, around] = cells[m];
+    mesh::TriangleMesh mesh = polar_grid(radial, around, inner, outer);
+    const auto plan = cut::plan(mesh, {cut::Polyline{{{inner - 1.0, 0.0}, {outer + 1.0, 0.0}}}, {}, {}});
+    ASSERT_TRUE(plan.ok());
+    ASSERT_TRUE(cut::apply(mesh, *plan).ok());
+    fem::Model model(mesh, reference.material());
+    fem::Loads loads;
+    loads.gravity.setZero();
+    loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+    mesh::VertexField x(mesh.num_vertices());
+    std::vector<fem::Clamp> clamps;
+    std::vector<int> lip;  // the free one
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+      const Eigen::Vector2d X = mesh.rest_position(v);
+      x.col(v) << X, 0.0;
+      if (X.x() < 0.0 || std::abs(X.y()) > 1e-9) continue;
+      if (middle_of_a_triangle_at(mesh, v).y() < 0.0) {
+        lip.push_back(v);
+        continue;
+      }
+      loads.pins.push_back({v, x.col(v), Eigen::Vector3d::Zero()});
+      clamps.push_back({v, Eigen::Matrix<double, 3, 2>::Identity()});
+    }
+    model.set_clamps(mesh, clamps);
+    std::sort(lip.begin(), lip.end(),
+              [&](int a, int b) { return mesh.rest_position(a).x() < mesh.rest_position(b).x(); });
+    double worst = 0.0;
+    for (const std::vector<double>& row : reference.rows("Sze-Liu-Lo table 4 (subset)")) {
+      loads.external_forces.setZero();
+      for (std::size_t i = 0; i + 1 < lip.size(); ++i) {
+        const double length = mesh.rest_position(lip[i + 1]).x() - mesh.rest_position(lip[i]).x();
+        loads.external_forces(2, lip[i]) += 0.5 * row[0] * kForce * length;
+        loads.external_forces(2, lip[i + 1]) += 0.5 * row[0] * kForce * length;
+      }
+      settle(model, loads, x);
+      const double w_inner = x(2, lip.front());
+      const double w_outer = x(2, lip.back());
+      worst = std::max({worst, std::abs(w_inner / row[1] - 1.0), std::abs(w_outer / row[2] - 1.0)});
+      EXPECT_NEAR(w_inner, row[1], reference.tolerance(kMeshes[m]) * row[1]) << kMeshes[m];
+      EXPECT_NEAR(w_outer, row[2], reference.tolerance(kMeshes[m]) * row[2]) << kMeshes[m];
+    }
+    std::printf("slit ring, %d x %d: within %.2f %%\n", radial, around, 100.0 * worst);
   }
 }
 
