@@ -120,6 +120,7 @@ bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads,
   start.v = state.v;
   stage.start = &start.x;
   stage.d = 0.5 * kGamma * h;
+  stage.continues = false;
 
   evaluate_acceleration(model, loads, time_left + h, state);
   stage.base.x = start.x + stage.d * start.v;
@@ -129,6 +130,7 @@ bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads,
 
   stage.base.x = kNew * state.x - kOld * start.x;
   stage.base.v = kNew * state.v - kOld * start.v;
+  stage.continues = true;
   stage.time_left = time_left;
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
 }
@@ -141,6 +143,7 @@ bool ImplicitIntegrator::advance_trapezoidal(const Model& model, const Loads& lo
   start.v = state.v;
   stage.start = &start.x;
   stage.d = 0.5 * h;
+  stage.continues = false;
   evaluate_acceleration(model, loads, time_left + h, state);
   stage.base.x = start.x + stage.d * start.v;
   stage.base.v = start.v + stage.d * scratch_.force;
@@ -160,6 +163,7 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, in
     start.v = state.v;
     stage.start = &start.x;
     stage.d = 2.0 * h / 3.0;
+    stage.continues = true;
     stage.base.x = (4.0 * start.x - before.x) / 3.0;
     stage.base.v = (4.0 * start.v - before.v) / 3.0;
     stage.time_left = time_left;

@@ -87,6 +87,7 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
     start_.col(pin.vertex) = pin.held(pin.target - stage.time_left * pin.velocity, start_.col(pin.vertex));
   }
   bool found = iterate(problem, state.x, stats);
+  is_predicted_ = found;
   if (!found) {
     Problem undamped = problem;
     undamped.beta = 0.0;
@@ -101,8 +102,10 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
 
 // True where it converged, or ended below the potential it began at.
 bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStats& stats) {
-  step_.setZero();
-  predict_stress(problem, x);
+  if (!problem.stage.continues || !is_predicted_) {
+    step_.setZero();
+    predict_stress(problem, x);
+  }
   double scale = 0.0;
   double relative = 0.0;
   double best = std::numeric_limits<double>::infinity();

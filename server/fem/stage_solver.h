@@ -20,6 +20,9 @@ struct Stage {
   State base;
   double d = 0.0;          // s, > 0
   double time_left = 0.0;  // s, from the end of the stage to the end of the step, for moving pins and grabs
+  // Whether the last solve() was of the stage before, in the same step: what it predicted of the stress then serves the
+  // first iteration, where that at its end, being of a few linear steps, may have false stretch.
+  bool continues = false;
   const ContactConstraint* contact = nullptr;
   const mesh::VertexField* start = nullptr;  // m, positions when the substep began; needed where there is contact
 };
@@ -97,6 +100,7 @@ class StageSolver {
   TangentMatrix matrix_;
   bool follows_loads_ = false;  // whether matrix_ has the tangent of follower loads
   bool is_solved_ = true;
+  bool is_predicted_ = false;  // stress_ belongs to the solution of the last stage
   std::vector<Eigen::Vector3d> stress_;                          // one a lane, N/m, for the tangent
   mesh::VertexField force_, residual_, rhs_, step_, increment_;  // 3 x V
   mesh::VertexField velocity_, damped_, trial_, start_, best_;

@@ -140,6 +140,53 @@ TEST(SlitAnnularPlate, LiftedAtOneLipOpensAsTheReference) {
   }
 }
 
+// Hung from two corners that are nearer to each other than the sheet is wide; it bulges to +z.
+TEST(Curtain, HangsInTheReferenceShape) {
+  const Reference reference("11a_curtain");
+  const double width = reference.geometry("W");
+  const double height = reference.geometry("H");
+  const double chord = width - reference.geometry("close");
+  // An arc of that chord to begin with, the same all the way down.
+  double phi = 1.0;
+  for (int i = 0; i < 50; ++i) phi -= (std::sin(phi) - phi * chord / width) / (std::cos(phi) - chord / width);
+  const double radius = 0.5 * width / phi;
+  int cells = 12;
+  for (const char* const fineness : kMeshes) {
+    const mesh::TriangleMesh mesh = mapped_grid(
+        cells, cells, [=](double a, double b) { return Eigen::Vector2d((a - 0.5) * width, (b - 1.0) * height); });
+    const fem::Model model(mesh, reference.material());
+    fem::Loads loads;
+    loads.gravity = {0.0, -9.81, 0.0};
+    mesh::VertexField x(mesh.num_vertices());
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+      const Eigen::Vector2d X = mesh.rest_position(v);
+      const double angle = X.x() / radius;
+      x.col(v) << radius * std::sin(angle), X.y(), radius * (std::cos(angle) - std::cos(phi));
+    }
+    for (const int v : {cells * (cells + 1), cells * (cells + 1) + cells}) {
+      const Eigen::Vector3d corner(std::copysign(0.5 * chord, mesh.rest_position(v).x()), 0.0, 0.0);
+      loads.pins.push_back({v, corner, Eigen::Vector3d::Zero()});
+    }
+    const fem::EquilibriumStats stats = settle(model, loads, x);
+    EXPECT_EQ(stats.shift, 0.0) << "stable";
+    double worst = 0.0;
+    double largest = 0.0;
+    for (const nlohmann::json& row : reference.json().at("quantities").at(0).at("table").at("rows")) {
+      const Eigen::Vector2d X(row[1].get<double>(), row[2].get<double>());
+      const Eigen::Vector3d expected(row[3].get<double>(), row[4].get<double>(), row[5].get<double>());
+      int at = 0;
+      while ((mesh.rest_position(at) - X).norm() > 1e-9) ++at;
+      const Eigen::Vector3d moved = x.col(at) - Eigen::Vector3d(X.x(), X.y(), 0.0);
+      largest = std::max(largest, expected.norm());
+      worst = std::max(worst, (moved - expected).norm());
+    }
+    std::printf("curtain, %d cells a side: displacements within %.2f %% of the largest\n", cells,
+                100.0 * worst / largest);
+    EXPECT_LE(worst, reference.tolerance(fineness) * largest) << fineness;
+    cells *= 2;
+  }
+}
+
 // A sheet clamped at one edge, slit by Kerf's cutter from the middle to the free edge, one flap lifted.
 TEST(HalfSlitFlap, LiftedOpensAsTheReference) {
   const Reference reference("14a_half_slit_flap");
