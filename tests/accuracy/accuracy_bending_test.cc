@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "server/cut/cut.h"
+#include "server/fem/bending_forces.h"
+#include "server/fem/reactions.h"
 #include "tests/accuracy/statics.h"
 
 namespace kerf::accuracy {
@@ -183,6 +185,82 @@ TEST(Curtain, HangsInTheReferenceShape) {
     std::printf("curtain, %d cells a side: displacements within %.2f %% of the largest\n", cells,
                 100.0 * worst / largest);
     EXPECT_LE(worst, reference.tolerance(fineness) * largest) << fineness;
+    cells *= 2;
+  }
+}
+
+// A strip with rows of slits made by Kerf's cutter, pulled: stiff while it is flat, soft once it opens out of the
+// plane.
+TEST(Kirigami, PulledFollowsTheReferenceThroughItsTransition) {
+  const Reference reference("13a_kirigami_ECE");
+  const double width = reference.geometry("W");
+  const double length = reference.geometry("L");
+  const double spacing = reference.geometry("row_spacing");
+  const double end = reference.geometry("end");
+  const double thickness = reference.material().thickness;
+  int cells = 4;                                             // a row
+  for (const char* const fineness : {"coarse", "medium"}) {  // 16 cells a row take half a minute, and are within 6 %
+    const int across = cells * static_cast<int>(std::lround(width / spacing));
+    mesh::TriangleMesh mesh =
+        mapped_grid(across, across, [=](double a, double b) { return Eigen::Vector2d((a - 0.5) * width, b * length); });
+    std::vector<cut::Polyline> slits;
+    const double half = 0.5 * reference.geometry("centre_slit");
+    const double inner = 0.5 * width - reference.geometry("edge_slit");
+    for (const double y : {end, end + 2.0 * spacing}) {
+      slits.push_back({{{-width, y}, {-inner, y}}});
+      slits.push_back({{{inner, y}, {width, y}}});
+    }
+    slits.push_back({{{-half, end + spacing}, {half, end + spacing}}});
+    for (const cut::Polyline& slit : slits) {
+      cut::CutRequest request{slit, {}, {}};
+      request.options.tip_edge_length_m = spacing / cells / 8.0;
+      request.options.tip_grading = 1.5;
+      const auto plan = cut::plan(mesh, request);
+      ASSERT_TRUE(plan.ok());
+      ASSERT_TRUE(cut::apply(mesh, *plan).ok());
+    }
+    fem::Model model(mesh, reference.material());
+    fem::Loads loads;
+    loads.gravity.setZero();
+    mesh::VertexField x(mesh.num_vertices());
+    std::vector<fem::Clamp> clamps;
+    std::vector<std::size_t> top;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+      const Eigen::Vector2d X = mesh.rest_position(v);
+      const double row = (X.y() - end) / spacing;
+      const double bump = row > 0.0 && row < 2.0 ? std::sin(std::numbers::pi * row) : 0.0;
+      x.col(v) << X, 0.1 * thickness * bump * (1.0 + 0.3 * X.x() / width);
+      if (X.y() > 1e-9 && X.y() < length - 1e-9) continue;
+      if (X.y() > 1e-9) top.push_back(loads.pins.size());
+      loads.pins.push_back({v, x.col(v), Eigen::Vector3d::Zero()});
+      clamps.push_back({v, Eigen::Matrix<double, 3, 2>::Identity()});
+    }
+    model.set_clamps(mesh, clamps);
+    mesh::VertexField rest = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+    rest.row(2) = x.row(2);
+    mesh::VertexField bend = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+    fem::add_bending_forces(model.bending_rows(), rest, bend);
+    loads.external_forces = -bend;
+    std::vector<std::vector<double>> rows = reference.rows("force-displacement");
+    std::reverse(rows.begin(), rows.end());
+    const auto pull = [&](double by) {
+      for (const std::size_t pin : top) loads.pins[pin].target.y() = length + by;
+      settle(model, loads, x);
+      mesh::VertexField reactions;
+      fem::find_reactions(model, loads, x, reactions);
+      double force = 0.0;
+      for (const std::size_t pin : top) force += reactions(1, loads.pins[pin].vertex);
+      return force;
+    };
+    const double unpulled = pull(0.0);  // what the load alone makes the ends hold
+    x.row(2) = 200.0 * rest.row(2);
+    double worst = 0.0;
+    for (const std::vector<double>& row : rows) {
+      const double force = pull(row[0]) - unpulled;
+      worst = std::max(worst, std::abs(force / row[1] - 1.0));
+      EXPECT_NEAR(force, row[1], reference.tolerance(fineness) * row[1]) << fineness << ' ' << row[0];
+    }
+    std::printf("kirigami, %d vertices: force within %.2f %%\n", mesh.num_vertices(), 100.0 * worst);
     cells *= 2;
   }
 }
