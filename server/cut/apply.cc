@@ -10,10 +10,10 @@
 #include "server/cut/cut_quality.h"
 #include "server/cut/path_insertion.h"
 #include "server/cut/path_scale.h"
-#include "server/cut/refinement.h"
-#include "server/cut/relaxation.h"
 #include "server/cut/strip.h"
 #include "server/mesh/id_table.h"
+#include "server/mesh/refinement.h"
+#include "server/mesh/relaxation.h"
 
 namespace kerf::cut {
 
@@ -29,8 +29,8 @@ constexpr double kSpacing = 0.8;  // -; longest stretch of path without a point,
 constexpr double kNoSpacing =
     std::numeric_limits<double>::infinity();  // edges of elements space the path by themselves
 
-// Quality (TriangleShape::quality) from which a triangle is not worth moving an old vertex for, which costs time: that
-// of a right triangle with equal legs is 0.87, with one half as long 0.69. Larger angles take more room.
+// Quality (mesh::TriangleShape::quality) from which a triangle is not worth moving an old vertex for, which costs time:
+// that of a right triangle with equal legs is 0.87, with one half as long 0.69. Larger angles take more room.
 constexpr double kWellShaped = 0.6;
 constexpr double kWellShapedFine = 0.8;
 
@@ -101,7 +101,7 @@ class Cutter {
     if (has_width()) remove_strip(outcome.report);
     path_ = insertion_.path_points();
     corridor_ = insertion_.corridor_points();
-    const Result<RefinementCounts> refined = is_by_element() ? bisect() : relax_and_refine();
+    const Result<mesh::RefinementCounts> refined = is_by_element() ? bisect() : relax_and_refine();
     if (!refined.ok()) return refined.error();
     outcome.report.refinement_stopped = refined->stopped;
     enter_phase(observer_, "open lips");
@@ -214,18 +214,18 @@ class Cutter {
     return kInsertionsBeside + kInsertionsPerPathPoint * static_cast<std::int64_t>(path_.size());
   }
 
-  Result<RefinementCounts> bisect() {
+  Result<mesh::RefinementCounts> bisect() {
     enter_phase(observer_, "refine");
     UniqueIds seeds;
     add_touched(seeds);
     return bisect_ill_shaped(editor_, seeds.ids(), scale_, {kLengthFloor * plan_.snap_m / spacing_, max_insertions()});
   }
 
-  Result<RefinementCounts> relax_and_refine() {
+  Result<mesh::RefinementCounts> relax_and_refine() {
     enter_phase(observer_, "relax");
     if (plan_.options.relax) relax_ring();
     enter_phase(observer_, "refine");
-    if (plan_.options.min_angle_deg == 0.0 && !plan_.options.tip_edge_length_m) return RefinementCounts{};
+    if (plan_.options.min_angle_deg == 0.0 && !plan_.options.tip_edge_length_m) return mesh::RefinementCounts{};
     UniqueIds seeds;
     add_touched(seeds);
     std::vector<TriangleId> fan;
@@ -233,7 +233,7 @@ class Cutter {
       mesh_.fan_around(p, fan);
       for (const TriangleId t : fan) seeds.add(t);
     }
-    RefinementConfig config;
+    mesh::RefinementConfig config;
     if (plan_.options.tip_edge_length_m) config.grading = grading();
     add_graded(config.grading, seeds);
     config.min_angle_deg = plan_.options.min_angle_deg;
@@ -243,11 +243,17 @@ class Cutter {
     config.narrow_gap = kNarrowGap * plan_.edge_length_m / spacing_;
     config.gap_allowance = kGapAllowanceBeside + kGapAllowancePerPathPoint * path_size;
     config.max_insertions = max_insertions() + insertions_around(config.grading);
-    return refine(editor_, seeds.ids(), config);
+    const mesh::RefinementCounts counts = refine(editor_, seeds.ids(), config);
+    if (editor_.budget_exhausted()) {
+      return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
+                   "refining the cut needs more new triangles than allowed; shorten it, or raise max_new_triangles",
+                   "cut.max_new_triangles"};
+    }
+    return counts;
   }
 
-  [[nodiscard]] TipGrading grading() const {
-    TipGrading grading;
+  [[nodiscard]] mesh::TipGrading grading() const {
+    mesh::TipGrading grading;
     for (const PointId p : insertion_.tips()) grading.tips.push_back(mesh_.at(p));
     grading.length = *plan_.options.tip_edge_length_m / spacing_;
     grading.gradient = plan_.options.tip_grading - 1.0;
@@ -255,14 +261,14 @@ class Cutter {
   }
 
   // About ten times what the area around the tips takes in triangles of the lengths there.
-  [[nodiscard]] std::int64_t insertions_around(const TipGrading& grading) const {
+  [[nodiscard]] std::int64_t insertions_around(const mesh::TipGrading& grading) const {
     const double growth = std::log(std::max(plan_.edge_length_m / spacing_ / grading.length, 1.0));
     const double per_tip = kInsertionsPerTip * (1.0 + growth) / (grading.gradient * grading.gradient);
     return grading.tips.empty() ? 0 : std::llround(static_cast<double>(grading.tips.size()) * per_tip);
   }
 
   // Adds the solid triangles around tips to where edges as long as those of the sheet there are short enough.
-  void add_graded(const TipGrading& grading, UniqueIds& seeds) const {
+  void add_graded(const mesh::TipGrading& grading, UniqueIds& seeds) const {
     std::vector<TriangleId> found;
     mesh::IdTable seen;
     for (const LatticePoint& tip : grading.tips) {

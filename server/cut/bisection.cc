@@ -4,8 +4,8 @@
 #include <deque>
 #include <vector>
 
-#include "server/cut/lattice_geometry.h"
-#include "server/cut/triangle_shape.h"
+#include "server/mesh/lattice_geometry.h"
+#include "server/mesh/triangle_shape.h"
 
 namespace kerf::cut {
 
@@ -36,7 +36,7 @@ class Bisection {
   Bisection(mesh::MeshEditor& editor, const PathScale& scale, const BisectionConfig& config)
       : editor_(editor), mesh_(editor.mesh()), scale_(scale), config_(config) {}
 
-  Result<RefinementCounts> run(std::span<const TriangleId> seeds) {
+  Result<mesh::RefinementCounts> run(std::span<const TriangleId> seeds) {
     for (const TriangleId t : seeds) consider(t);
     while (!container_.empty()) {
       const Waiting next = container_.front();
@@ -63,7 +63,7 @@ class Bisection {
   }
 
   [[nodiscard]] bool is_ill_shaped(TriangleId t) const {
-    const TriangleShape shape = shape_of(corners_of(mesh_, t));
+    const mesh::TriangleShape shape = shape_of(corners_of(mesh_, t));
     if (shape.longest <= kMaxEdgeRatio * shape.shortest || shape.longest <= 2.0 * config_.length_floor) return false;
     const double length = scale_.edge_length(mesh_.point_position(mesh_.points(t)[0])) / mesh_.lattice().spacing;
     return shape.longest * shape.smallest_height > kMinAreaRatio * length * length;  // both twice an area
@@ -104,7 +104,7 @@ class Bisection {
   const mesh::TriangleMesh& mesh_;
   const PathScale& scale_;
   BisectionConfig config_;
-  RefinementCounts counts_;
+  mesh::RefinementCounts counts_;
   std::deque<Waiting> container_;
   std::vector<TriangleId> fan_;
 };
@@ -123,8 +123,8 @@ void lock_elements(mesh::MeshEditor& editor, std::span<const TriangleId> crossed
   }
 }
 
-Result<RefinementCounts> bisect_ill_shaped(mesh::MeshEditor& editor, std::span<const TriangleId> seeds,
-                                           const PathScale& scale, const BisectionConfig& config) {
+Result<mesh::RefinementCounts> bisect_ill_shaped(mesh::MeshEditor& editor, std::span<const TriangleId> seeds,
+                                                 const PathScale& scale, const BisectionConfig& config) {
   return Bisection(editor, scale, config).run(seeds);
 }
 

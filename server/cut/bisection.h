@@ -4,8 +4,8 @@
 
 #include "server/base/result.h"
 #include "server/cut/path_scale.h"
-#include "server/cut/refinement.h"
 #include "server/mesh/mesh_editor.h"
+#include "server/mesh/refinement.h"
 
 // The source's remeshing: element by element.
 namespace kerf::cut {
@@ -25,7 +25,7 @@ struct BisectionConfig {
 // edge above 3, and area above 3 % of that of the sheet's elements there. The second makes it end: each bisection
 // halves an area. Flat caps, whose edges are alike, are not seen. Elements must have been locked. Error: as of
 // cut::apply(), where the editor's budget is exhausted.
-Result<RefinementCounts> bisect_ill_shaped(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> seeds,
-                                           const PathScale& scale, const BisectionConfig& config);
+Result<mesh::RefinementCounts> bisect_ill_shaped(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> seeds,
+                                                 const PathScale& scale, const BisectionConfig& config);
 
 }  // namespace kerf::cut

@@ -6,9 +6,9 @@
 #include <limits>
 #include <numbers>
 
-#include "server/cut/lip_corner.h"
-#include "server/cut/triangle_shape.h"
 #include "server/mesh/id_table.h"
+#include "server/mesh/lip_corner.h"
+#include "server/mesh/triangle_shape.h"
 
 namespace kerf::cut {
 
@@ -67,11 +67,11 @@ std::int32_t list_corners(const mesh::TriangleMesh& mesh, std::span<const Triang
     }
   }
   sort_unique(candidates);
-  LipCorners corners(mesh);
+  mesh::LipCorners corners(mesh);
   std::vector<TriangleId> excused;
   for (const PointId p : candidates) {
     const double cos_corner = corners.sharpest(p);
-    if (cos_corner <= LipCorners::kCosSharp) continue;
+    if (cos_corner <= mesh::LipCorners::kCosSharp) continue;
     SharpCorner corner{mesh.point_position(p), angle_of(cos_corner), 0};
     for (const TriangleId t : two_rings(mesh, p)) {
       if (!std::binary_search(below.begin(), below.end(), t)) continue;
@@ -127,7 +127,7 @@ CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const Trian
   double sum_angle = 0.0, sum_aspect = 0.0, sum_ratio = 0.0;
   std::vector<TriangleId> below;
   for (const TriangleId t : triangles) {
-    const TriangleShape shape = rest_shape_of(mesh, t);
+    const mesh::TriangleShape shape = rest_shape_of(mesh, t);
     const double angle = angle_of(shape.cos_smallest);
     const double aspect = shape.longest / shape.smallest_height;
     const double ratio = shape.longest / shape.shortest;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "server/cut/lattice_geometry.h"
+#include "server/mesh/lattice_geometry.h"
 
 namespace kerf::cut {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "server/cut/lattice_geometry.h"
+#include "server/mesh/lattice_geometry.h"
 
 namespace kerf::cut {
 

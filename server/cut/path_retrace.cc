@@ -1,8 +1,8 @@
 // The part of PathInsertion that lays the path along lips that are there already, instead of cutting beside them.
 #include <algorithm>
 
-#include "server/cut/lattice_geometry.h"
 #include "server/cut/path_insertion.h"
+#include "server/mesh/lattice_geometry.h"
 
 namespace kerf::cut {
 

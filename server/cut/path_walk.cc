@@ -1,7 +1,7 @@
 #include "server/cut/path_walk.h"
 
 #include "server/base/check.h"
-#include "server/cut/lattice_geometry.h"
+#include "server/mesh/lattice_geometry.h"
 
 namespace kerf::cut {
 

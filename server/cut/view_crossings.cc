@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "server/base/check.h"
-#include "server/cut/lattice_geometry.h"
+#include "server/mesh/lattice_geometry.h"
 
 namespace kerf::cut {
 

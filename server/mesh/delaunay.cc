@@ -8,9 +8,7 @@
 #include "server/base/random.h"
 
 namespace kerf::mesh {
-namespace {
 
-// Position along a Hilbert curve of 2^20 x 2^20 cells over the domain.
 std::uint64_t hilbert_index(const LatticePoint& p) {
   constexpr int kBits = 20;
   auto x = static_cast<std::uint64_t>((p.x + kMaxCoordinate) >> (53 - kBits));
@@ -31,6 +29,8 @@ std::uint64_t hilbert_index(const LatticePoint& p) {
   }
   return index;
 }
+
+namespace {
 
 // Random rounds of doubling size, each along the Hilbert curve.
 std::vector<std::size_t> insertion_order(std::span<const LatticePoint> points) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -9,6 +10,9 @@ namespace kerf::mesh {
 
 // The domain of a lattice without a sheet in it: points 0..3 are its corners, slots 0 and 1 void.
 TriangleMesh make_empty_domain(const Lattice& lattice);
+
+// Position along a Hilbert curve of 2^20 x 2^20 cells over the domain: points near each other mostly have near ones.
+std::uint64_t hilbert_index(const LatticePoint& p);
 
 // Inserts points, all different and strictly inside the domain, and keeps the triangulation (constrained) Delaunay. In
 // biased randomised order (Amenta, Choi, Rote 2003, "Incremental constructions con BRIO"), so in O(n log n) expected

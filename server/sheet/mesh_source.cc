@@ -7,6 +7,7 @@
 #include "server/mesh/mesh_import.h"
 #include "server/mesh/obj_import.h"
 #include "server/mesh/ply_import.h"
+#include "server/sheet/outline_source.h"
 
 namespace kerf::sheet {
 
@@ -26,7 +27,7 @@ Error with_field(Error error, std::string field) {
   return error;
 }
 
-Result<BuiltMesh> build(const GridSource& grid, const Placement& placement) {
+Result<BuiltMesh> build(const GridSource& grid, const Placement& placement, std::int32_t /*max_vertices*/) {
   mesh::GridConfig config;
   config.num_x = grid.columns;
   config.num_y = grid.rows;
@@ -48,15 +49,15 @@ Result<BuiltMesh> build(Result<mesh::ImportedSheet> parsed, const std::string& f
   return BuiltMesh{std::move(built).value(), std::move(parsed->world)};
 }
 
-Result<BuiltMesh> build(const ObjSource& obj, const Placement& /*placement*/) {
+Result<BuiltMesh> build(const ObjSource& obj, const Placement& /*placement*/, std::int32_t /*max_vertices*/) {
   return build(mesh::parse_obj(obj.text, obj.rest_shape), "obj.text");
 }
 
-Result<BuiltMesh> build(const PlySource& ply, const Placement& /*placement*/) {
+Result<BuiltMesh> build(const PlySource& ply, const Placement& /*placement*/, std::int32_t /*max_vertices*/) {
   return build(mesh::parse_ply(ply.data, ply.rest_shape), "ply.data");
 }
 
-Result<BuiltMesh> build(const ArraySource& arrays, const Placement& placement) {
+Result<BuiltMesh> build(const ArraySource& arrays, const Placement& placement, std::int32_t /*max_vertices*/) {
   mesh::IndexedMesh indexed;
   indexed.rest = arrays.material_positions;
   indexed.triangles = arrays.triangles;
@@ -73,10 +74,17 @@ Result<BuiltMesh> build(const ArraySource& arrays, const Placement& placement) {
   return BuiltMesh{std::move(built).value(), std::move(positions)};
 }
 
+Result<BuiltMesh> build(const OutlineSource& outline, const Placement& placement, std::int32_t max_vertices) {
+  Result<mesh::TriangleMesh> built = mesh_outline(outline, max_vertices);
+  if (!built) return built.error();
+  Eigen::Matrix3Xd positions = place(*built, placement);
+  return BuiltMesh{std::move(built).value(), std::move(positions)};
+}
+
 }  // namespace
 
-Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement) {
-  Result<BuiltMesh> built = std::visit([&](const auto& s) { return build(s, placement); }, source);
+Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement, std::int32_t max_vertices) {
+  Result<BuiltMesh> built = std::visit([&](const auto& s) { return build(s, placement, max_vertices); }, source);
   if (built) {
     KERF_CHECK(built->positions.cols() == built->mesh.num_vertices(), "importer lost or added vertices");
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include <Eigen/Core>
 
 #include "server/base/result.h"
@@ -14,7 +16,9 @@ struct BuiltMesh {
   Eigen::Matrix3Xd positions;  // 3 x V, m
 };
 
-// Builds what a valid source describes. Errors: those of the mesh importers, the field named as in kerf.v1.Scene.
-Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement);
+// Builds what a valid source describes. Errors: those of the mesh importers and of outline_source.h, the field named as
+// in kerf.v1.Scene. An outline is not meshed beyond `max_vertices`; of other sources that many were given, and the
+// caller counts them.
+Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement, std::int32_t max_vertices);
 
 }  // namespace kerf::sheet

@@ -296,7 +296,7 @@ Sheet::~Sheet() = default;
 
 Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrator) {
   if (Status s = validate(config); !s) return s.error();
-  Result<BuiltMesh> built = build_mesh(config.mesh, config.placement);
+  Result<BuiltMesh> built = build_mesh(config.mesh, config.placement, config.max_vertices);
   if (!built) return built.error();
   if (built->mesh.num_vertices() > config.max_vertices) {
     return Error{ErrorCode::kResourceExhausted, "TOO_MANY_VERTICES",

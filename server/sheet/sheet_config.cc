@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "server/sheet/field_checks.h"
+#include "server/sheet/outline_source.h"
 
 namespace kerf::sheet {
 
@@ -75,6 +76,10 @@ Status validate_source(const ArraySource& arrays) {
     }
   }
   return Nothing{};
+}
+
+Status validate_source(const OutlineSource& outline) {
+  return validate(outline);
 }
 
 Status check_unit(const Eigen::Vector3d& axis, const std::string& field) {

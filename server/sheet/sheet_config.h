@@ -27,6 +27,9 @@ namespace kerf::sheet {
 using mesh::kMaxMeshFileBytes;
 using mesh::kMaxVertices;
 using mesh::RestShape;
+inline constexpr std::size_t kMaxOutlineHoles = 1024;  // curves
+inline constexpr std::size_t kMaxOutlineSizes = 1024;
+inline constexpr std::size_t kMaxOutlineChords = 1'000'000;  // of all curves of an outline, flattened
 inline constexpr std::size_t kMaxSheetIdBytes = 63;
 inline constexpr std::size_t kMaxColliders = 64;
 inline constexpr std::size_t kMaxScheduledCommands = 10'000;
@@ -67,7 +70,23 @@ struct ArraySource {
   }
 };
 
-using MeshSource = std::variant<GridSource, ObjSource, PlySource, ArraySource>;
+// An edge length wanted at a place: edge_length there, and edge_length + growth * distance around it.
+struct OutlineSizing {
+  std::variant<Eigen::Vector2d, cut::Curve> place = Eigen::Vector2d(0.0, 0.0);  // m; a point, or all along a curve
+  double edge_length = 0.0;                                                     // m, 1e-9..1e4
+  double growth = 0.25;                                                         // -, 0.01..10
+};
+
+// A flat sheet of any outline; see mesh/outline_mesh.h.
+struct OutlineSource {
+  cut::Curve boundary;               // one closed line
+  std::vector<cut::Curve> holes;     // of closed lines; at most kMaxOutlineHoles
+  double edge_length = 0.0;          // m, 1e-9..1e4; 0: 1/32 of the larger side
+  std::vector<OutlineSizing> sizes;  // at most kMaxOutlineSizes
+  double min_angle_deg = 25.0;       // degrees, 5..28
+};
+
+using MeshSource = std::variant<GridSource, ObjSource, PlySource, ArraySource, OutlineSource>;
 
 // World position of material point (x, y): origin + x * x_axis + y * y_axis.
 struct Placement {

@@ -95,6 +95,49 @@ Result<sheet::MeshSource> decode_inline(const v1::InlineMesh& message) {
   return sheet::MeshSource(std::move(arrays));
 }
 
+Result<sheet::OutlineSizing> decode_sizing(const v1::EdgeLength& message, const std::string& path,
+                                           const FileReader& read_file) {
+  sheet::OutlineSizing sizing;
+  switch (message.place_case()) {
+    case v1::EdgeLength::kPoint:
+      sizing.place = decode_vector(message.point());
+      break;
+    case v1::EdgeLength::kCurve: {
+      Result<DecodedCurve> curve = decode_curve(message.curve(), path + ".curve", read_file);
+      if (!curve.ok()) return curve.error();
+      sizing.place = std::move(curve->curve);
+      break;
+    }
+    case v1::EdgeLength::PLACE_NOT_SET:
+      return choice_missing(path + ".place", "point or curve");
+  }
+  sizing.edge_length = message.edge_length_m();
+  if (message.growth() != 0.0) sizing.growth = message.growth();
+  return sizing;
+}
+
+Result<sheet::MeshSource> decode_outline(const v1::OutlineMesh& message, const FileReader& read_file) {
+  sheet::OutlineSource outline;
+  if (!message.has_boundary()) return missing("outline.boundary");
+  Result<DecodedCurve> boundary = decode_curve(message.boundary(), "outline.boundary", read_file);
+  if (!boundary.ok()) return boundary.error();
+  outline.boundary = std::move(boundary->curve);
+  for (int i = 0; i < message.holes_size(); ++i) {
+    Result<DecodedCurve> hole = decode_curve(message.holes(i), "outline.holes[" + std::to_string(i) + "]", read_file);
+    if (!hole.ok()) return hole.error();
+    outline.holes.push_back(std::move(hole->curve));
+  }
+  outline.edge_length = message.edge_length_m();
+  for (int i = 0; i < message.sizes_size(); ++i) {
+    Result<sheet::OutlineSizing> sizing =
+        decode_sizing(message.sizes(i), "outline.sizes[" + std::to_string(i) + "]", read_file);
+    if (!sizing.ok()) return sizing.error();
+    outline.sizes.push_back(std::move(*sizing));
+  }
+  if (message.min_angle_deg() != 0.0) outline.min_angle_deg = message.min_angle_deg();
+  return sheet::MeshSource(std::move(outline));
+}
+
 void encode_source(const sheet::GridSource& grid, v1::Scene& scene) {
   v1::GridMesh& message = *scene.mutable_grid();
   message.set_columns(grid.columns);
@@ -126,6 +169,24 @@ void encode_source(const sheet::ArraySource& arrays, v1::Scene& scene) {
                                         arrays.rest_positions.data() + arrays.rest_positions.size());
 }
 
+void encode_source(const sheet::OutlineSource& outline, v1::Scene& scene) {
+  v1::OutlineMesh& message = *scene.mutable_outline();
+  encode_curve(outline.boundary, *message.mutable_boundary());
+  for (const cut::Curve& hole : outline.holes) encode_curve(hole, *message.add_holes());
+  message.set_edge_length_m(outline.edge_length);
+  for (const sheet::OutlineSizing& sizing : outline.sizes) {
+    v1::EdgeLength& to = *message.add_sizes();
+    if (const auto* point = std::get_if<Eigen::Vector2d>(&sizing.place)) {
+      encode_vector(*point, *to.mutable_point());
+    } else {
+      encode_curve(std::get<cut::Curve>(sizing.place), *to.mutable_curve());
+    }
+    to.set_edge_length_m(sizing.edge_length);
+    to.set_growth(sizing.growth);
+  }
+  message.set_min_angle_deg(outline.min_angle_deg);
+}
+
 }  // namespace
 
 Result<sheet::MeshSource> decode_mesh_source(const v1::Scene& scene, const FileReader& read_file) {
@@ -138,10 +199,12 @@ Result<sheet::MeshSource> decode_mesh_source(const v1::Scene& scene, const FileR
       return decode_ply(scene.ply(), read_file);
     case v1::Scene::kInline:
       return decode_inline(scene.inline_());
+    case v1::Scene::kOutline:
+      return decode_outline(scene.outline(), read_file);
     case v1::Scene::MESH_NOT_SET:
       break;
   }
-  return choice_missing("mesh", "grid, obj, ply or inline");
+  return choice_missing("mesh", "grid, obj, ply, inline or outline");
 }
 
 std::string obj_text(std::string file) {

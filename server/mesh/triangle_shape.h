@@ -5,7 +5,7 @@
 
 #include "server/mesh/triangle_mesh.h"
 
-namespace kerf::cut {
+namespace kerf::mesh {
 
 // The shape of one triangle in rest space. Lengths in lattice units.
 struct TriangleShape {
@@ -22,15 +22,15 @@ inline double quality_of(double doubled_area, double squared_edges) {
   return 2.0 * std::numbers::sqrt3 * doubled_area / squared_edges;
 }
 
-TriangleShape shape_of(const std::array<mesh::LatticePoint, 3>& corners);
+TriangleShape shape_of(const std::array<LatticePoint, 3>& corners);
 // From the squared lengths of the edges opposite each corner.
 TriangleShape shape_of(const std::array<double, 3>& squared, double doubled_area);
 // Of a solid triangle in the rest shape: where that is curved, on the surface.
-TriangleShape rest_shape_of(const mesh::TriangleMesh& mesh, mesh::TriangleId t);
+TriangleShape rest_shape_of(const TriangleMesh& mesh, TriangleId t);
 
-inline std::array<mesh::LatticePoint, 3> corners_of(const mesh::TriangleMesh& mesh, mesh::TriangleId t) {
+inline std::array<LatticePoint, 3> corners_of(const TriangleMesh& mesh, TriangleId t) {
   const auto& p = mesh.points(t);
   return {mesh.at(p[0]), mesh.at(p[1]), mesh.at(p[2])};
 }
 
-}  // namespace kerf::cut
+}  // namespace kerf::mesh

@@ -4,19 +4,31 @@
 #include <span>
 #include <vector>
 
-#include "server/base/result.h"
 #include "server/mesh/mesh_editor.h"
 
-namespace kerf::cut {
+namespace kerf::mesh {
 
 // Edge lengths wanted around the tips of a cut: `length` at each, growing by `gradient` a unit of distance.
 struct TipGrading {
-  std::vector<mesh::LatticePoint> tips;
+  std::vector<LatticePoint> tips;
   double length = 0.0;    // lattice units, > 0
   double gradient = 0.5;  // -, > 0
 
   // Lattice units; infinite without tips.
-  [[nodiscard]] double length_at(const mesh::LatticePoint& at) const;
+  [[nodiscard]] double length_at(const LatticePoint& at) const;
+};
+
+// The curves that the fixed edges of a mesh stand for.
+class BorderCurves {
+ public:
+  virtual ~BorderCurves() = default;
+  // The place on the curve between p and q, joined by a fixed edge, at this distance from p (lattice units, less than
+  // that of q).
+  [[nodiscard]] virtual LatticePoint between(PointId p, PointId q, double distance) = 0;
+  // Told what became of the place last asked for: it is a point, or it cannot be, since the mesh is too fine there for
+  // the edge to give way to the curve.
+  virtual void add(PointId p, PointId q, PointId added) = 0;
+  virtual void miss(PointId p, PointId q) = 0;
 };
 
 struct RefinementConfig {
@@ -26,8 +38,9 @@ struct RefinementConfig {
   std::int64_t gap_allowance = 0;  // this many triangles go, by an estimate made before
   std::int64_t max_insertions = 0;
   // Where edges are `lengths->mean` long the lengths above are as given, elsewhere in proportion. Not null.
-  const mesh::EdgeLengths* lengths = nullptr;
+  const EdgeLengths* lengths = nullptr;
   TipGrading grading;
+  BorderCurves* border = nullptr;  // null: fixed edges are what they stand for
 };
 
 struct RefinementCounts {
@@ -43,8 +56,7 @@ struct RefinementCounts {
 // triangles whose shortest edge joins two lips of such a corner (Miller, Pav, Walkington 2003, "When and why Ruppert's
 // algorithm works"). A long narrow gap between two lips would have to be filled with triangles of its own width, none
 // of which is any higher than the needles that span it: there lips are only split opposite each other. The void is
-// never refined. Error: as of cut::apply(), where the editor's budget is exhausted.
-Result<RefinementCounts> refine(mesh::MeshEditor& editor, std::span<const mesh::TriangleId> seeds,
-                                const RefinementConfig& config);
+// never refined. Ends early where the editor's budget is exhausted.
+RefinementCounts refine(MeshEditor& editor, std::span<const TriangleId> seeds, const RefinementConfig& config);
 
-}  // namespace kerf::cut
+}  // namespace kerf::mesh

@@ -9,19 +9,23 @@
 
 // Measures in lattice units, in double: for choices that may be a little off (what is near, what is ill-shaped). What
 // decides topology goes through the exact predicates.
-namespace kerf::cut {
+namespace kerf::mesh {
 
 // b - a, exact.
-inline Eigen::Vector2d difference(const mesh::LatticePoint& a, const mesh::LatticePoint& b) {
+inline Eigen::Vector2d difference(const LatticePoint& a, const LatticePoint& b) {
   return {static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y)};
 }
 
-inline double squared_distance(const mesh::LatticePoint& a, const mesh::LatticePoint& b) {
+// The lattice point nearest to from + offset.
+inline LatticePoint rounded(const LatticePoint& from, const Eigen::Vector2d& offset) {
+  return {from.x + std::llround(offset.x()), from.y + std::llround(offset.y())};
+}
+
+inline double squared_distance(const LatticePoint& a, const LatticePoint& b) {
   return difference(a, b).squaredNorm();
 }
 
-inline double distance_to_segment(const mesh::LatticePoint& p, const mesh::LatticePoint& a,
-                                  const mesh::LatticePoint& b) {
+inline double distance_to_segment(const LatticePoint& p, const LatticePoint& a, const LatticePoint& b) {
   const Eigen::Vector2d along = difference(a, b);
   const Eigen::Vector2d offset = difference(a, p);
   const double squared_length = along.squaredNorm();
@@ -30,4 +34,4 @@ inline double distance_to_segment(const mesh::LatticePoint& p, const mesh::Latti
   return (offset - t * along).norm();
 }
 
-}  // namespace kerf::cut
+}  // namespace kerf::mesh

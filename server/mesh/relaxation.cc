@@ -1,19 +1,15 @@
-#include "server/cut/relaxation.h"
+#include "server/mesh/relaxation.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "server/cut/lattice_geometry.h"
-#include "server/cut/triangle_shape.h"
+#include "server/mesh/lattice_geometry.h"
+#include "server/mesh/triangle_shape.h"
 
-namespace kerf::cut {
+namespace kerf::mesh {
 
 using Eigen::Vector2d;
-using mesh::LatticePoint;
-using mesh::next_corner;
-using mesh::PointId;
-using mesh::TriangleId;
 
 namespace {
 
@@ -74,7 +70,7 @@ std::array<Vector2d, 9> trial_places(const Star& star, double reach) {
 
 class Relaxation {
  public:
-  Relaxation(mesh::MeshEditor& editor, std::span<const mesh::VertexId> fixed_vertices, double well_shaped)
+  Relaxation(MeshEditor& editor, std::span<const VertexId> fixed_vertices, double well_shaped)
       : editor_(editor), mesh_(editor.mesh()), fixed_vertices_(fixed_vertices), well_shaped_(well_shaped) {}
 
   // Whether p was moved.
@@ -101,7 +97,6 @@ class Relaxation {
  private:
   // Fills star_; false where p must stay.
   bool gather(PointId p) {
-    if (editor_.is_new(p)) return false;
     const LatticePoint& at = mesh_.at(p);
     star_.ring.clear();
     star_.rim.clear();
@@ -119,21 +114,21 @@ class Relaxation {
       const std::size_t next = i + 1 == star_.ring.size() ? 0 : i + 1;
       star_.rim.push_back((star_.ring[next] - star_.ring[i]).squaredNorm());
     }
-    const mesh::VertexId vertex = mesh_.vertices(first)[mesh_.corner_of(first, p)];
+    const VertexId vertex = mesh_.vertices(first)[mesh_.corner_of(first, p)];
     return !std::binary_search(fixed_vertices_.begin(), fixed_vertices_.end(), vertex);
   }
 
-  mesh::MeshEditor& editor_;
-  const mesh::TriangleMesh& mesh_;
-  std::span<const mesh::VertexId> fixed_vertices_;
+  MeshEditor& editor_;
+  const TriangleMesh& mesh_;
+  std::span<const VertexId> fixed_vertices_;
   double well_shaped_;
   Star star_;
 };
 
 }  // namespace
 
-std::vector<PointId> relax(mesh::MeshEditor& editor, std::span<const PointId> candidates,
-                           std::span<const mesh::VertexId> fixed_vertices, double well_shaped) {
+std::vector<PointId> relax(MeshEditor& editor, std::span<const PointId> candidates,
+                           std::span<const VertexId> fixed_vertices, double well_shaped) {
   Relaxation relaxation(editor, fixed_vertices, well_shaped);
   std::vector<PointId> changed;
   double reach = kFirstStep;
@@ -147,4 +142,4 @@ std::vector<PointId> relax(mesh::MeshEditor& editor, std::span<const PointId> ca
   return changed;
 }
 
-}  // namespace kerf::cut
+}  // namespace kerf::mesh

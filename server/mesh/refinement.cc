@@ -1,4 +1,4 @@
-#include "server/cut/refinement.h"
+#include "server/mesh/refinement.h"
 
 #include <algorithm>
 #include <array>
@@ -10,36 +10,24 @@
 
 #include <Eigen/LU>
 
-#include "server/cut/lattice_geometry.h"
-#include "server/cut/lip_corner.h"
-#include "server/cut/path_walk.h"
-#include "server/cut/triangle_shape.h"
+#include "server/mesh/lattice_geometry.h"
+#include "server/mesh/lip_corner.h"
+#include "server/mesh/straight_walk.h"
+#include "server/mesh/triangle_shape.h"
 
-namespace kerf::cut {
+namespace kerf::mesh {
 
 using Eigen::Vector2d;
-using mesh::kNone;
-using mesh::LatticePoint;
-using mesh::Location;
-using mesh::next_corner;
-using mesh::PointId;
-using mesh::previous_corner;
-using mesh::TriangleId;
 
 namespace {
 
 constexpr std::size_t kMaxCavity = 256;  // triangles searched for fixed edges that a new point encroaches on
-constexpr int kMaxWalk = 512;            // triangles between an ill-shaped one and its off-centre
 // Ungor's off-centre pulled in by 5 %, so that rounding does not leave the new triangle just below the angle
 // (the factor of Shewchuk's Triangle 1.6).
 constexpr double kOffCentreFactor = 0.475;
 // How far a new point keeps from a lip it encroaches on and that must not be split, as a fraction of the shortest edge
 // of the triangle that it is to remove.  -
 constexpr double kLeastRoom = 0.3;
-
-LatticePoint rounded(const LatticePoint& from, const Vector2d& offset) {
-  return {from.x + std::llround(offset.x()), from.y + std::llround(offset.y())};
-}
 
 // An ill-shaped triangle waiting. It is looked at again only if the slot still holds the same corners.
 struct Pending {
@@ -55,11 +43,6 @@ struct Pending {
   }
 };
 
-struct Edge {
-  TriangleId triangle = kNone;
-  int corner = 0;
-};
-
 }  // namespace
 
 double TipGrading::length_at(const LatticePoint& at) const {
@@ -72,21 +55,21 @@ namespace {
 
 class Refinement {
  public:
-  Refinement(mesh::MeshEditor& editor, const RefinementConfig& config)
+  Refinement(MeshEditor& editor, const RefinementConfig& config)
       : editor_(editor),
         mesh_(editor.mesh()),
         config_(config),
         cos_limit_(std::cos(config.min_angle_deg * std::numbers::pi / 180.0)),
         corners_(editor.mesh()) {}
 
-  Result<RefinementCounts> run(std::span<const TriangleId> seeds) {
+  RefinementCounts run(std::span<const TriangleId> seeds) {
     for (const TriangleId t : seeds) consider(t);
-    if (Status status = work_off_queue(); !status.ok()) return status.error();
+    work_off_queue();
     refine_wedges();
-    if (Status status = work_off_queue(); !status.ok()) return status.error();
+    work_off_queue();
     if (gaps_.empty()) return counts_;
     refine_gaps_within_allowance();
-    if (Status status = work_off_queue(); !status.ok()) return status.error();
+    work_off_queue();
     return counts_;
   }
 
@@ -140,8 +123,8 @@ class Refinement {
     config_.max_insertions = std::min(config_.max_insertions, counts_.insertions + config_.gap_allowance);
   }
 
-  Status work_off_queue() {
-    while (!queue_.empty()) {
+  void work_off_queue() {
+    while (!queue_.empty() && !editor_.budget_exhausted()) {
       const Pending next = queue_.top();
       queue_.pop();
       if (mesh_.points(next.triangle) != next.points) continue;
@@ -151,13 +134,7 @@ class Refinement {
       }
       // A triangle that outlived the insertion is still to be removed.
       if (improve(next.triangle)) consider(next.triangle);
-      if (editor_.budget_exhausted()) {
-        return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
-                     "refining the cut needs more new triangles than allowed; shorten it, or raise max_new_triangles",
-                     "cut.max_new_triangles"};
-      }
     }
-    return Nothing{};
   }
 
   void consider(TriangleId t) {
@@ -201,10 +178,11 @@ class Refinement {
   bool insert_against(TriangleId t, int c, const TriangleShape& shape) {
     const LatticePoint target = off_centre(t, c);
     Location location;
-    if (const std::optional<Edge> wall = find_wall(t, target, location)) return split_opposite(*wall) || split(*wall);
+    if (const std::optional<MeshSide> wall = find_wall(mesh_, t, target, location))
+      return split_opposite(*wall) || split(*wall);
     if (location.kind == Location::Kind::kOutside) return false;
     if (location.kind == Location::Kind::kPoint) return flip_away(t);
-    if (const std::optional<Edge> edge = find_encroached(location.triangle, target, kLeastRoom * shape.shortest)) {
+    if (const std::optional<MeshSide> edge = find_encroached(location.triangle, target, kLeastRoom * shape.shortest)) {
       return split(*edge);
     }
     const PointId added = editor_.insert_point(target, location.triangle);
@@ -235,62 +213,28 @@ class Refinement {
     const LatticePoint& apex = mesh_.at(mesh_.points(t)[c]);
     const Vector2d edge = mesh_.at_rest(t, difference(p, q));
     const Vector2d to_apex = mesh_.at_rest(t, difference(p, apex));
-    const mesh::Facet* const facet = mesh_.facet(t);
-    const double doubled_area = facet != nullptr ? edge.x() * to_apex.y() - edge.y() * to_apex.x()
-                                                 : mesh::to_double(mesh::doubled_area(p, q, apex));
+    const Facet* const facet = mesh_.facet(t);
+    const double twice_area =
+        facet != nullptr ? edge.x() * to_apex.y() - edge.y() * to_apex.x() : to_double(doubled_area(p, q, apex));
     const Vector2d inward(-edge.y(), edge.x());
     // Circumcentre = middle of pq + height * inward, height = (apex - p) . (apex - q) / (2 * doubled area).
-    const double circumcentre = to_apex.dot(to_apex - edge) / (2.0 * doubled_area);
+    const double circumcentre = to_apex.dot(to_apex - edge) / (2.0 * twice_area);
     const double cos_angle = cos_limit_;
     const double nearer = kOffCentreFactor * std::sqrt((1.0 + cos_angle) / (1.0 - cos_angle));
     const Vector2d offset = 0.5 * edge + std::min(circumcentre, nearer) * inward;
     return rounded(p, facet != nullptr ? Vector2d(facet->stretch().inverse() * offset) : offset);
   }
 
-  // Walks straight from the middle of t to the target. Returns the first fixed edge on the way, or fills `location`
-  // (kOutside where the walk lost its way, which rounding may cause in a needle).
-  std::optional<Edge> find_wall(TriangleId t, const LatticePoint& target, Location& location) {
-    const std::array<LatticePoint, 3> at = corners_of(mesh_, t);
-    const Vector2d to_middle = (difference(at[0], at[1]) + difference(at[0], at[2])) / 3.0;
-    const LatticePoint middle = rounded(at[0], to_middle);
-    int entered = kNone;  // the edge of t the walk came in by
-    location = Location{};
-    for (int step = 0; step < kMaxWalk; ++step) {
-      int exit = kNone;
-      for (int k = 0; k < 3 && exit == kNone; ++k) {
-        if (k == entered) continue;
-        const LatticePoint& right = mesh_.at(mesh_.points(t)[next_corner(k)]);
-        const LatticePoint& left = mesh_.at(mesh_.points(t)[previous_corner(k)]);
-        if (mesh::orient2d(right, left, target) >= 0) continue;
-        if (mesh::orient2d(middle, target, right) <= 0 && mesh::orient2d(middle, target, left) >= 0) exit = k;
-      }
-      if (exit == kNone) {
-        if (holds(t, target)) location = mesh_.locate(target, t);
-        return std::nullopt;
-      }
-      if (mesh_.is_fixed(t, exit)) return Edge{t, exit};
-      entered = mesh_.mirror_corner(t, exit);
-      t = mesh_.welded_neighbour(t, exit);
-    }
-    return std::nullopt;
-  }
-
   // How the lengths of the configuration are scaled at p.
   [[nodiscard]] double scale_at(PointId p) const {
-    const mesh::EdgeLengths& lengths = *config_.lengths;
+    const EdgeLengths& lengths = *config_.lengths;
     return lengths.is_uniform() ? 1.0 : lengths.at(mesh_.point_position(p)) / lengths.mean;
-  }
-
-  [[nodiscard]] bool holds(TriangleId t, const LatticePoint& at) const {
-    const std::array<LatticePoint, 3> p = corners_of(mesh_, t);
-    return mesh::orient2d(p[0], p[1], at) >= 0 && mesh::orient2d(p[1], p[2], at) >= 0 &&
-           mesh::orient2d(p[2], p[0], at) >= 0;
   }
 
   // Of the fixed edges that bound the cavity of `at` (the triangles whose circles hold it), the one whose diametral
   // circle holds it deepest. One that must not be split any more does not count if it is farther than `room` from it.
-  std::optional<Edge> find_encroached(TriangleId start, const LatticePoint& at, double room) {
-    std::optional<Edge> worst;
+  std::optional<MeshSide> find_encroached(TriangleId start, const LatticePoint& at, double room) {
+    std::optional<MeshSide> worst;
     double worst_cos = 0.0;
     cavity_.assign(1, start);
     for (std::size_t i = 0; i < cavity_.size() && i < kMaxCavity; ++i) {
@@ -307,7 +251,7 @@ class Refinement {
         const double cos_seen = to_a.dot(to_b) / std::sqrt(to_a.squaredNorm() * to_b.squaredNorm());
         if (cos_seen >= worst_cos || (is_frozen({t, k}) && distance_to_segment(at, a, b) > room)) continue;
         worst_cos = cos_seen;
-        worst = Edge{t, k};
+        worst = MeshSide{t, k};
       }
     }
     return worst;
@@ -326,7 +270,7 @@ class Refinement {
 
   // Splits a fixed edge at the foot of a point of another lip that faces it across a narrow gap: halving it instead
   // would make each new point call for one on the other side, and so on down to the width of the gap.
-  bool split_opposite(const Edge& edge) {
+  bool split_opposite(const MeshSide& edge) {
     const PointId facing = mesh_.points(edge.triangle)[edge.corner];
     const LatticePoint& at = mesh_.at(facing);
     const LatticePoint& a = mesh_.at(mesh_.points(edge.triangle)[next_corner(edge.corner)]);
@@ -335,7 +279,7 @@ class Refinement {
     if (is_frozen(edge) || !mesh_.has_fixed_edge(facing) || distance_to_segment(at, a, b) >= narrow_gap) {
       return false;
     }
-    const LatticePoint foot = mesh::rounded_projection(a, b, at);
+    const LatticePoint foot = rounded_projection(a, b, at);
     const double nearest_end = std::min(difference(a, foot).norm(), difference(foot, b).norm());
     if (nearest_end < narrow_gap) return false;
     const PointId added = editor_.split_edge(edge.triangle, edge.corner, foot);
@@ -345,24 +289,31 @@ class Refinement {
   }
 
   // Whether a lip must not be split any more because it ends at a sharp corner.
-  [[nodiscard]] bool is_frozen(const Edge& edge) {
+  [[nodiscard]] bool is_frozen(const MeshSide& edge) {
     if (stage_ == Stage::kPlain) return false;
     const auto& p = mesh_.points(edge.triangle);
     return corners_.is_sharp(p[next_corner(edge.corner)]) || corners_.is_sharp(p[previous_corner(edge.corner)]);
   }
 
   // Splits a fixed edge in its middle, or on a shell around a sharp corner at one of its ends.
-  bool split(const Edge& edge) {
+  bool split(const MeshSide& edge) {
     const PointId a = mesh_.points(edge.triangle)[next_corner(edge.corner)];
     const PointId b = mesh_.points(edge.triangle)[previous_corner(edge.corner)];
     const double length = difference(mesh_.at(a), mesh_.at(b)).norm();
     if (length <= 2.0 * scale_at(a) * config_.length_floor || is_frozen(edge)) return false;
     const double fraction = corners_.split_fraction(a, b, length);
-    const LatticePoint middle = rounded(mesh_.at(a), fraction * difference(mesh_.at(a), mesh_.at(b)));
-    const PointId added = editor_.split_edge(edge.triangle, edge.corner, middle);
+    const PointId added = editor_.split_edge(edge.triangle, edge.corner, split_place(a, b, fraction, length));
+    if (config_.border != nullptr) added == kNone ? config_.border->miss(a, b) : config_.border->add(a, b, added);
     if (added == kNone) return false;
     settle(added);
     return true;
+  }
+
+  // Of fixed edge ab of this length, about this fraction from a to b; at a sharp corner exactly as far from it.
+  [[nodiscard]] LatticePoint split_place(PointId a, PointId b, double fraction, double length) {
+    if (config_.border == nullptr) return rounded(mesh_.at(a), fraction * difference(mesh_.at(a), mesh_.at(b)));
+    if (fraction != 0.5 && corners_.is_sharp(b)) return config_.border->between(b, a, (1.0 - fraction) * length);
+    return config_.border->between(a, b, fraction * length);
   }
 
   void settle(PointId added) {
@@ -372,8 +323,8 @@ class Refinement {
     for (const TriangleId t : fan_) consider(t);
   }
 
-  mesh::MeshEditor& editor_;
-  const mesh::TriangleMesh& mesh_;
+  MeshEditor& editor_;
+  const TriangleMesh& mesh_;
   RefinementConfig config_;
   double cos_limit_;
   LipCorners corners_;
@@ -389,9 +340,8 @@ class Refinement {
 
 }  // namespace
 
-Result<RefinementCounts> refine(mesh::MeshEditor& editor, std::span<const TriangleId> seeds,
-                                const RefinementConfig& config) {
+RefinementCounts refine(MeshEditor& editor, std::span<const TriangleId> seeds, const RefinementConfig& config) {
   return Refinement(editor, config).run(seeds);
 }
 
-}  // namespace kerf::cut
+}  // namespace kerf::mesh

@@ -1,18 +1,13 @@
-#include "server/cut/lip_corner.h"
+#include "server/mesh/lip_corner.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "server/cut/lattice_geometry.h"
+#include "server/mesh/lattice_geometry.h"
 
-namespace kerf::cut {
+namespace kerf::mesh {
 
 using Eigen::Vector2d;
-using mesh::kNone;
-using mesh::next_corner;
-using mesh::PointId;
-using mesh::previous_corner;
-using mesh::TriangleId;
 
 namespace {
 
@@ -108,4 +103,4 @@ double LipCorners::split_fraction(PointId a, PointId b, double length) {
   return sharp_a ? shell : 1.0 - shell;
 }
 
-}  // namespace kerf::cut
+}  // namespace kerf::mesh
