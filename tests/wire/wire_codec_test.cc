@@ -16,6 +16,7 @@
 #include "kerf/v1/cuts.pb.h"
 #include "kerf/v1/run.pb.h"
 #include "server/base/random.h"
+#include "server/sheet/sheet.h"
 #include "server/wire/command_codec.h"
 #include "server/wire/error_codec.h"
 #include "server/wire/json.h"
@@ -32,6 +33,7 @@ namespace kerf::wire {
 namespace {
 
 using testing::full_scene;
+using testing::set_outline;
 using ::testing::HasSubstr;
 
 void expect_equal(const google::protobuf::Message& a, const google::protobuf::Message& b) {
@@ -66,6 +68,8 @@ TEST(SceneCodec, EveryMeshSourceComesBackUnchanged) {
   expect_equal(encode_scene(decoded(scene)), scene);
   scene.mutable_ply()->set_data(test::write_ply(test::one_triangle(), test::PlyKind::kBigEndian));
   expect_equal(encode_scene(decoded(scene)), scene);
+  set_outline(scene);
+  expect_equal(encode_scene(decoded(scene)), scene);
   v1::Scene from_file;  // bytes of every value are base64 in a scene file
   scene.mutable_ply()->set_data(std::string("ply\n\0\xff", 6));
   ASSERT_TRUE(from_json(to_json(scene), from_file).ok());
@@ -92,6 +96,36 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   scene.mutable_wind();
   EXPECT_EQ(decoded(scene).wind.air_density, 1.2);
   EXPECT_EQ(decoded(scene).wind.drag_coefficient, 1.0);
+}
+
+TEST(SceneCodec, AnOutlineOnlyNeedsItsBorder) {
+  v1::Scene scene;
+  v1::OutlineMesh& message = *scene.mutable_outline();
+  message.mutable_boundary()->mutable_circle()->set_radius_m(1.0);
+  message.add_sizes()->mutable_point();
+  message.mutable_sizes(0)->set_edge_length_m(0.01);
+  const auto outline = std::get<sheet::OutlineSource>(decoded(scene).mesh);
+  EXPECT_EQ(outline.edge_length, 0.0);
+  EXPECT_EQ(outline.min_angle_deg, 25.0);
+  EXPECT_EQ(outline.sizes[0].growth, 0.25);
+  EXPECT_TRUE(outline.holes.empty());
+}
+
+TEST(SceneCodec, AnOutlineMayBeADrawingFromAFile) {
+  v1::Scene scene;
+  ASSERT_TRUE(from_json(R"({"outline": {"boundary": {"svg": {"file": "plate.svg"}}}})", scene).ok());
+  const auto reader = [](const std::string& path) -> Result<std::string> {
+    EXPECT_EQ(path, "plate.svg");
+    return std::string(
+        R"(<svg xmlns="http://www.w3.org/2000/svg" width="96" height="96"><rect width="96" height="48"/></svg>)");
+  };
+  const Result<sheet::SheetConfig> config = decode_scene(scene, reader);
+  ASSERT_TRUE(config.ok()) << config.error().message;
+  const Result<sheet::Sheet> sheet = sheet::Sheet::create(*config);
+  ASSERT_TRUE(sheet.ok()) << sheet.error().message;
+  EXPECT_NEAR(sheet->mesh().bounding_box().sizes().x(), 0.0254, 1e-12);
+  EXPECT_NEAR(sheet->mesh().bounding_box().sizes().y(), 0.0127, 1e-12);
+  EXPECT_FALSE(decode_scene(scene).ok());  // over the network
 }
 
 TEST(SceneCodec, MaterialPutsWhatIsGivenOverThePreset) {
