@@ -22,7 +22,7 @@ class BoxTree {
   // Calls visit(index) for each box that has a point in common with `box`, until one call returns false. Returns
   // whether none did.
   template <typename Visit>
-  bool visit_meeting(const Eigen::AlignedBox2d& box, const Visit& visit) const {
+  [[nodiscard]] bool visit_meeting(const Eigen::AlignedBox2d& box, const Visit& visit) const {
     return nodes_.empty() || descend(0, box, visit);
   }
 
@@ -55,7 +55,7 @@ class BoxTree {
   }
 
   template <typename Visit>
-  bool descend(std::int32_t index, const Eigen::AlignedBox2d& box, const Visit& visit) const {
+  [[nodiscard]] bool descend(std::int32_t index, const Eigen::AlignedBox2d& box, const Visit& visit) const {
     const Node& node = nodes_[index];
     if (!node.box.intersects(box)) return true;
     if (node.right >= 0) return descend(index + 1, box, visit) && descend(node.right, box, visit);

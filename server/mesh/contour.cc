@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "server/base/check.h"
@@ -18,7 +19,10 @@ Contour::Contour(std::vector<Vector2d> points, const std::vector<std::size_t>& c
   for (std::size_t i = 0; i < size; ++i) {
     const Vector2d before = points_[i] - points_[(i + size - 1) % size];
     const Vector2d after = points_[(i + 1) % size] - points_[i];
-    turns_[i] = std::abs(std::atan2(before.x() * after.y() - before.y() * after.x(), before.dot(after)));
+    // 2 tan(turn / 2), from correctly rounded operations only: the same bits on every machine.
+    const double half = before.norm() * after.norm() + before.dot(after);
+    const double area = std::abs(before.x() * after.y() - before.y() * after.x());
+    turns_[i] = half > 0.0 ? 2.0 * area / half : std::numeric_limits<double>::infinity();
     if (turns_[i] > kSharpTurn) is_corner_[i] = true;
     if (is_corner_[i]) turns_[i] = 0.0;
   }

@@ -21,7 +21,7 @@ class Contour {
   [[nodiscard]] double station(std::size_t i) const { return stations_[i]; }  // m; of point i, num_points(): length()
   [[nodiscard]] double length() const { return stations_.back(); }            // m
   [[nodiscard]] bool is_corner(std::size_t i) const { return is_corner_[i % points_.size()]; }
-  // Angle by which it turns at a point that is no corner, either way; 0 at a corner.  rad
+  // Angle by which it turns at a point that is no corner, either way, to 0.4 %; 0 at a corner.  rad
   [[nodiscard]] double turn(std::size_t i) const { return turns_[i % points_.size()]; }
 
   // The chord, from point i to the next, on which `station` lies; the later of two.

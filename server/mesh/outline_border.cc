@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "server/mesh/contour_division.h"
 #include "server/mesh/lattice_geometry.h"
 
 namespace kerf::mesh {
@@ -90,41 +91,6 @@ Quantised quantise(const OutlineContour& contour, const Lattice& lattice) {
   return result;
 }
 
-// The stations that divide [from, to] into parts of the lengths wanted, both ends left out; nothing where there would
-// be more than `limit`. At least `least` parts.
-bool divide_stretch(const Contour& contour, double from, double to, const SizeField& sizes, double least, double limit,
-                    std::vector<double>& stations) {
-  // The number of edges up to a station: the integral of 1 / size, or what the turn asks for.
-  std::vector<std::pair<double, double>> steps{{from, 0.0}};
-  for (double s = from; s < to;) {
-    const std::size_t i = contour.chord_at(s);
-    const double chord = contour.station(i + 1) - contour.station(i);
-    const double end = std::min(contour.station(i + 1), to);
-    const double size = sizes.at(contour.at(s));
-    double step = std::min(end - s, size / kSteps);
-    if (end - s - step < 0.5 * step || s + step <= s) step = end - s;
-    const double middle_size = sizes.at(contour.at(s + 0.5 * step));
-    const double turn = 0.5 * (contour.turn(i) + contour.turn(i + 1)) * step / chord;
-    const double edges = steps.back().second + std::max(step / middle_size, turn / OutlineBorder::kMaxTurn);
-    if (edges > limit) return false;
-    s = step == end - s ? end : s + step;
-    steps.emplace_back(s, edges);
-  }
-  const double total = steps.back().second;
-  const double parts = std::max(std::nearbyint(total), least);
-  auto at = steps.begin() + 1;
-  for (double k = 1.0; k < parts; k += 1.0) {
-    const double wanted = total * k / parts;
-    while (at + 1 != steps.end() && at->second < wanted) ++at;
-    const auto before = at - 1;
-    const double fraction = (wanted - before->second) / (at->second - before->second);
-    const double station = before->first + std::clamp(fraction, 0.0, 1.0) * (at->first - before->first);
-    const double spacing = (at->first - before->first) / (at->second - before->second) * total / parts;
-    stations.push_back(std::clamp(contour.snapped(station, kSnap * spacing), from, to));
-  }
-  return true;
-}
-
 }  // namespace
 
 OutlineBorder::OutlineBorder(std::vector<Contour> contours, std::vector<std::string> fields, const Lattice& lattice)
@@ -194,28 +160,28 @@ bool OutlineBorder::are_neighbours(const Chord& a, const Chord& b) const {
   return (a.index + 1) % size == b.index || (b.index + 1) % size == a.index;
 }
 
+// Whether two different chords have more in common than the end that neighbours share.
+bool OutlineBorder::conflict(const Chord& a, const Chord& b) const {
+  if (!are_neighbours(a, b)) return meet(a.from, a.to, b.from, b.to);
+  const bool is_in_order = a.to == b.from;
+  const LatticePoint& joint = is_in_order ? a.to : a.from;
+  const LatticePoint& p = is_in_order ? a.from : a.to;
+  const LatticePoint& q = is_in_order ? b.to : b.from;
+  return orient2d(p, joint, q) == 0 && dot(joint, p, joint, q) >= 0;
+}
+
 Status OutlineBorder::check_crossings() const {
   const std::vector<Eigen::AlignedBox2d> boxes = chord_boxes();
   for (std::size_t i = 0; i < chords_.size(); ++i) {
     const Chord& a = chords_[i];
-    std::size_t met = chords_.size();
-    tree_.visit_meeting(boxes[i], [&](std::int32_t other) {
-      const auto j = static_cast<std::size_t>(other);
-      const Chord& b = chords_[j];
-      if (j <= i) return true;
-      if (are_neighbours(a, b)) {  // they may have their common end only
-        const bool is_in_order = a.to == b.from;
-        const LatticePoint& joint = is_in_order ? a.to : a.from;
-        const LatticePoint& p = is_in_order ? a.from : a.to;
-        const LatticePoint& q = is_in_order ? b.to : b.from;
-        if (orient2d(p, joint, q) != 0 || dot(joint, p, joint, q) < 0) return true;
-      } else if (!meet(a.from, a.to, b.from, b.to)) {
-        return true;
-      }
-      met = j;
-      return false;
-    });
-    if (met == chords_.size()) continue;
+    std::size_t met = i;
+    if (tree_.visit_meeting(boxes[i], [&](std::int32_t other) {
+          const auto j = static_cast<std::size_t>(other);
+          if (j > i && conflict(a, chords_[j])) met = j;
+          return met == i;
+        })) {
+      continue;
+    }
     const Chord& b = chords_[met];
     const std::string near = " at " + place_of(lattice_, common_point(a.from, a.to, b.from, b.to)) + " m";
     const std::string what = a.contour == b.contour
@@ -244,7 +210,7 @@ bool OutlineBorder::stands_for(const Span& span) const {
     turn += contour.turn(i);
   }
   // Those that are divided evenly turn by a little more now and then.
-  if (turn > 1.5 * kMaxTurn) return false;
+  if (turn > 1.5 * kMaxTurnOfEdge) return false;
   region.push_back(at(span.contour, span.to));
   Eigen::AlignedBox2d box;
   for (const LatticePoint& p : region) box.extend(as_vector(p));
@@ -282,8 +248,8 @@ bool OutlineBorder::divide(const SizeField& sizes, std::int64_t max_vertices) {
       const std::size_t start = i;
       for (++i; i < contour.num_points() && !contour.is_corner(i);) ++i;
       const double least = start == 0 && i == contour.num_points() ? 3.0 : 1.0;
-      const double left = static_cast<double>(max_vertices) - static_cast<double>(vertices_.size() + stations.size());
-      if (!divide_stretch(contour, contour.station(start), contour.station(i), sizes, least, left, stations))
+      const double room = static_cast<double>(max_vertices) - static_cast<double>(vertices_.size() + stations.size());
+      if (!divide_stretch(contour, {contour.station(start), contour.station(i)}, sizes, {least, room}, stations))
         return false;
       stations.push_back(contour.station(i));
     }

@@ -43,12 +43,10 @@ class OutlineBorder : public BorderCurves {
   // The vertex that follows on the same contour.
   [[nodiscard]] std::int32_t next(std::int32_t vertex) const { return next_[vertex]; }
 
-  // Chooses vertices: corners, and between them as `sizes` (m) asks for, but so that no edge turns by more than
-  // kMaxTurn, and nothing lies between an edge and the curve that it stands for. So edges cross no more than the
-  // contours do. False where there would be more than `max_vertices`.
+  // Chooses vertices: corners, and between them as divide_stretch() does, but so that nothing lies between an edge and
+  // the curve that it stands for. So edges cross no more than the contours do. False where there would be more than
+  // `max_vertices`.
   bool divide(const SizeField& sizes, std::int64_t max_vertices);
-
-  static constexpr double kMaxTurn = 0.3926990816987242;  // rad, pi / 8
 
   // What refinement adds from here on is of a mesh on this lattice, whose points 0..n-1 are the vertices.
   void follow(const Lattice& mesh_lattice);
@@ -74,7 +72,8 @@ class OutlineBorder : public BorderCurves {
 
   OutlineBorder(std::vector<Contour> contours, std::vector<std::string> fields, const Lattice& lattice);
   [[nodiscard]] std::vector<Eigen::AlignedBox2d> chord_boxes() const;
-  Status check_crossings() const;
+  [[nodiscard]] Status check_crossings() const;
+  [[nodiscard]] bool conflict(const Chord& a, const Chord& b) const;
   [[nodiscard]] bool are_neighbours(const Chord& a, const Chord& b) const;
   [[nodiscard]] LatticePoint at(std::int32_t contour, double station) const;
   [[nodiscard]] bool stands_for(const Span& span) const;

@@ -107,7 +107,7 @@ class OutlineMesher {
   }
 
  private:
-  Status check_lengths() const {
+  [[nodiscard]] Status check_lengths() const {
     if (Status s = check_length(edge_length_, "edge_length"); !s.ok()) return s;
     for (const OutlineSize& size : config_.sizes) {
       if (Status s = check_length(size.length, size.field); !s.ok()) return s;

@@ -169,7 +169,7 @@ TEST(SheetOutline, LongestEdgeIsAThirtySecondOfTheLargerSide) {
 TEST(SheetOutline, IsPlacedPinnedCutAndRunAsAnyOther) {
   OutlineSource outline = square_with_hole();
   SheetConfig config = config_of(outline);
-  config.pins = {PinEdge::kTop};
+  config.pins = {RegionEdge::kTop};
   config.placement.origin = {1.0, 2.0, 3.0};
   Sheet sheet = make(config);
   EXPECT_EQ(sheet.state_hash(), make(config).state_hash());
