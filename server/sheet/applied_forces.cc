@@ -51,6 +51,13 @@ std::vector<Part> triangles_in(const mesh::TriangleMesh& mesh, const std::vector
   return triangles;
 }
 
+// Whether lips may come to a region that has no border yet.
+bool schedules_cuts(const SheetConfig& config) {
+  return std::any_of(config.commands.begin(), config.commands.end(), [](const ScheduledCommand& scheduled) {
+    return std::holds_alternative<Cut>(scheduled.command) || std::holds_alternative<CutBatch>(scheduled.command);
+  });
+}
+
 }  // namespace
 
 Result<AppliedForces> AppliedForces::create(std::shared_ptr<const SheetConfig> config, const mesh::TriangleMesh& mesh) {
@@ -85,6 +92,7 @@ Result<AppliedForces> AppliedForces::create(std::shared_ptr<const SheetConfig> c
     const Result<std::vector<VertexId>> region =
         find_vertices(mesh, edge != nullptr ? edge->region : area->region, field);
     if (!region) return region.error();
+    if (edge != nullptr && schedules_cuts(*forces.config_)) continue;
     if (edge != nullptr ? edges_in(mesh, *region).empty() : triangles_in(mesh, *region).empty()) {
       return invalid_argument(
           "NOTHING_LOADED",

@@ -16,8 +16,8 @@ namespace kerf::sheet {
 // The dead forces of a sheet's loads on its vertices; follows its cuts. Without loads it does nothing.
 class AppliedForces {
  public:
-  // Errors: kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE; NOTHING_LOADED: a region has no border edge, or no
-  // triangle.
+  // Errors: kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE; NOTHING_LOADED: a region has no border edge, and no cut
+  // that may bring one is scheduled, or it has no triangle.
   static Result<AppliedForces> create(std::shared_ptr<const SheetConfig> config, const mesh::TriangleMesh& mesh);
 
   [[nodiscard]] bool empty() const { return shares_.empty(); }
