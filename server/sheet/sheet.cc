@@ -30,6 +30,7 @@ fem::IntegratorOptions integrator_options(const SheetConfig& config) {
   options.tick = 1.0 / config.tick_rate_hz;
   options.max_substeps = settings.max_substeps;
   options.newton_iterations = settings.newton_iterations;
+  options.highest_mode_damping = settings.highest_mode_damping;
   options.linear_tolerance = settings.solver_tolerance;
   options.linear_solver = settings.solver == LinearSolverKind::kDirect ? fem::LinearSolverKind::kDirect
                                                                        : fem::LinearSolverKind::kConjugateGradient;
@@ -313,9 +314,9 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   Result<AppliedForces> applied = AppliedForces::create(shared, built->mesh);
   if (!applied) return applied.error();
   Eigen::Matrix3Xd velocities = initial_velocities(*shared, *built);
-  auto initial = std::make_shared<const InitialState>(
-      InitialState{std::move(built).value(), std::move(velocities), std::move(pinned).value(), std::move(held).value(),
-                   std::move(applied).value()});
+  auto initial = std::make_shared<const InitialState>(InitialState{std::move(built).value(), std::move(velocities),
+                                                                   std::move(pinned).value(), std::move(held).value(),
+                                                                   std::move(applied).value()});
   return Sheet(std::make_unique<Impl>(std::move(shared), std::move(initial), std::move(make_integrator)));
 }
 

@@ -101,7 +101,8 @@ Status validate_placement(const Placement& placement) {
 Status validate_integrator(const IntegratorSettings& settings) {
   if (Status s = check_integer(settings.max_substeps, 1, 100'000, "integrator.max_substeps"); !s) return s;
   if (Status s = check_integer(settings.newton_iterations, 1, 100, "integrator.newton_iterations"); !s) return s;
-  return check_number(settings.solver_tolerance, 1.0e-14, 0.1, "integrator.solver_tolerance");
+  if (Status s = check_number(settings.solver_tolerance, 1.0e-14, 0.1, "integrator.solver_tolerance"); !s) return s;
+  return check_number(settings.highest_mode_damping, 0.0, 0.5, "integrator.highest_mode_damping");
 }
 
 Status validate_schedule(const std::vector<ScheduledCommand>& commands) {

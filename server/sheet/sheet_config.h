@@ -108,6 +108,7 @@ struct IntegratorSettings {
   std::int32_t newton_iterations = 2;  // implicit: a tick, 1..100
   double solver_tolerance = 1.0e-4;    // implicit: relative residual, 1e-14..0.1
   LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;
+  double highest_mode_damping = 0.05;  // explicit: -, 0..0.5, see fem::IntegratorOptions
 };
 
 // Takes effect at the start of `tick`: in the step that leads from tick - 1 to tick, before commands from outside.

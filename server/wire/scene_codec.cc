@@ -76,6 +76,7 @@ Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSetting
   if (message.max_substeps() != 0) settings.max_substeps = message.max_substeps();
   if (message.newton_iterations() != 0) settings.newton_iterations = message.newton_iterations();
   if (message.solver_tolerance() != 0.0) settings.solver_tolerance = message.solver_tolerance();
+  if (message.has_highest_mode_damping()) settings.highest_mode_damping = message.highest_mode_damping();
   return Nothing{};
 }
 
@@ -97,6 +98,7 @@ v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings) {
   message.set_max_substeps(settings.max_substeps);
   message.set_newton_iterations(settings.newton_iterations);
   message.set_solver_tolerance(settings.solver_tolerance);
+  message.set_highest_mode_damping(settings.highest_mode_damping);
   return message;
 }
 

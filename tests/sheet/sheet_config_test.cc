@@ -191,6 +191,10 @@ TEST(SheetConfig, TimeAndIntegrator) {
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_substeps = 0; }), "integrator.max_substeps");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.newton_iterations = 101; }), "integrator.newton_iterations");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.solver_tolerance = 1e-15; }), "integrator.solver_tolerance");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.highest_mode_damping = 0.0; }), "accepted");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.highest_mode_damping = 0.5; }), "accepted");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.highest_mode_damping = 0.51; }),
+            "integrator.highest_mode_damping");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.ticks = -1; }), "ticks");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.ticks = 10'000'001; }), "ticks");
 }

@@ -184,6 +184,7 @@ inline v1::Scene full_scene() {
   integrator->set_max_substeps(77);
   integrator->set_newton_iterations(3);
   integrator->set_solver_tolerance(1e-6);
+  integrator->set_highest_mode_damping(0.25);
   add_commands(scene);
   add_conditions(scene);
   scene.set_ticks(900);
@@ -284,6 +285,7 @@ inline std::vector<BadScene> bad_numbers() {
       {"integrator.max_substeps", [](v1::Scene& s) { s.mutable_integrator()->set_max_substeps(100001); }},
       {"integrator.newton_iterations", [](v1::Scene& s) { s.mutable_integrator()->set_newton_iterations(-1); }},
       {"integrator.solver_tolerance", [](v1::Scene& s) { s.mutable_integrator()->set_solver_tolerance(0.2); }},
+      {"integrator.highest_mode_damping", [](v1::Scene& s) { s.mutable_integrator()->set_highest_mode_damping(0.51); }},
       {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(2); }},
       {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(500'001); }},
       {"ticks", [](v1::Scene& s) { s.set_ticks(10'000'001); }},
