@@ -101,6 +101,9 @@ int run(const Session& session, const RunArguments& arguments) {
   if (!config) return refuse(config.error());
   if (arguments.integrator == "explicit") config->integrator.kind = sheet::IntegratorKind::kExplicitLeapfrog;
   if (arguments.integrator == "implicit") config->integrator.kind = sheet::IntegratorKind::kImplicitEuler;
+  if (arguments.integrator == "trapezoidal") config->integrator.kind = sheet::IntegratorKind::kTrapezoidal;
+  if (arguments.integrator == "bdf2") config->integrator.kind = sheet::IntegratorKind::kBdf2;
+  if (arguments.integrator == "tr-bdf2") config->integrator.kind = sheet::IntegratorKind::kTrBdf2;
   if (arguments.integrator == "auto") config->integrator.kind = sheet::IntegratorKind::kAutomatic;
 
   const Result<SceneRun> done = [&] {
@@ -179,8 +182,11 @@ void add_offline_commands(CLI::App& app, Session& session) {
       ->add_option("--csv", arguments->csv, "Write the tables of the scene's probes and modes to this folder, as CSV")
       ->check(CLI::ExistingDirectory);
   running->add_option("--record", arguments->record, "Write a recording for `kerf replay`");
-  running->add_option("--integrator", arguments->integrator, "Instead of the scene's: explicit, implicit or auto")
-      ->check(CLI::IsMember({"explicit", "implicit", "auto"}));
+  running
+      ->add_option("--integrator", arguments->integrator,
+                   "Instead of the scene's: explicit, implicit (Euler), trapezoidal,\n"
+                   "bdf2, tr-bdf2 or auto")
+      ->check(CLI::IsMember({"explicit", "implicit", "trapezoidal", "bdf2", "tr-bdf2", "auto"}));
   running->callback(
       [&session, arguments] { session.action = [&session, arguments] { return run(session, *arguments); }; });
 

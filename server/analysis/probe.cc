@@ -8,7 +8,8 @@
 
 #include <Eigen/Geometry>
 
-#include "server/analysis/fields.h"
+#include "server/fem/reactions.h"
+#include "server/fem/recovered_fields.h"
 
 namespace kerf::analysis {
 
@@ -107,25 +108,53 @@ class Reduction {
   int count_ = 0;
 };
 
-// N, 3 x V: what holds the vertices, of the components that are held; 0 elsewhere.
+// N, 3 x V: see fem::find_reactions.
 mesh::VertexField reactions(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt) {
-  const fem::Model& model = sheet.model();
-  const fem::Loads& loads = sheet.loads();
-  mesh::VertexField f(model.num_vertices());
-  model.internal_forces(sheet.state().x, f);
-  mesh::VertexField reaction(model.num_vertices());
-  reaction.setZero();
-  for (const fem::Pin& pin : loads.pins) {
-    const double m = model.mass()[static_cast<std::size_t>(pin.vertex)];
-    Eigen::Vector3d force = -f.col(pin.vertex) - m * loads.gravity;
-    if (loads.external_forces.cols() > 0) force -= loads.external_forces.col(pin.vertex);
-    if (dt > 0.0) force += m * (sheet.state().v.col(pin.vertex) - v_before.col(pin.vertex)) / dt;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto component = static_cast<Eigen::Index>(k);
-      if (pin.fixed[k]) reaction(component, pin.vertex) = force[component];
-    }
+  mesh::VertexField reaction(sheet.model().num_vertices());
+  if (dt > 0.0) {
+    const mesh::VertexField acceleration((sheet.state().v - v_before) / dt);
+    fem::find_reactions(sheet.model(), sheet.loads(), sheet.state(), acceleration, reaction);
+  } else {
+    fem::find_reactions(sheet.model(), sheet.loads(), sheet.state().x, reaction);
   }
   return reaction;
+}
+
+// Of strain or stress, in a triangle or at a vertex, along material x and y: xx, yy, xy.
+class InPlane {
+ public:
+  explicit InPlane(fem::MembraneField field) : field_(field) {}
+
+  Vector in(const sheet::Sheet& sheet, mesh::TriangleId slot) {
+    if (of_slots_.empty()) {
+      of_slots_ = fem::triangle_field(sheet.model(), sheet.state().x, field_, fem::FieldAxes::kRest);
+    }
+    return tensor(of_slots_[static_cast<std::size_t>(slot)]);
+  }
+  Vector at(const sheet::Sheet& sheet, mesh::VertexId vertex) {
+    if (of_vertices_.empty()) {
+      in(sheet, 0);
+      of_vertices_ = fem::vertex_field(sheet.model(), of_slots_, fem::Recovery::kPatch);
+    }
+    return tensor(of_vertices_[static_cast<std::size_t>(vertex)]);
+  }
+
+ private:
+  // The third of a strain is the shear angle, twice the tensor's component.
+  [[nodiscard]] Vector tensor(const Eigen::Vector3d& voigt) const {
+    const double share = field_ == fem::MembraneField::kBiotStrain ? 0.5 : 1.0;
+    return Eigen::Vector3d(voigt[0], voigt[1], share * voigt[2]);
+  }
+
+  fem::MembraneField field_;
+  std::vector<Eigen::Vector3d> of_slots_, of_vertices_;  // empty before they are asked for
+};
+
+double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId t) {
+  const auto& corner = mesh.vertices(t);
+  const Eigen::Vector2d a = mesh.rest_position(corner[1]) - mesh.rest_position(corner[0]);
+  const Eigen::Vector2d b = mesh.rest_position(corner[2]) - mesh.rest_position(corner[0]);
+  return 0.5 * (a.x() * b.y() - a.y() * b.x());
 }
 
 Vector of_whole_sheet(const sheet::Sheet& sheet, Quantity quantity) {
@@ -161,17 +190,18 @@ struct Probes::Context {
   const sheet::Sheet& sheet;
   const mesh::VertexField& v_before;
   double dt;
-  mesh::VertexField reaction;  // empty before it is asked for
+  mesh::VertexField reaction{};  // empty before it is asked for
+  InPlane strain{fem::MembraneField::kBiotStrain};
+  InPlane stress{fem::MembraneField::kBiotStress};
 
-  [[nodiscard]] Vector value(const Probe& probe, const Place& place) const {
+  [[nodiscard]] Vector value(const Probe& probe, const Place& place) {
     const fem::State& state = sheet.state();
     if (probe.quantity == Quantity::kOpening) return opening(*place.lips, state.x);
     if (probe.quantity == Quantity::kPosition) return place.point.of(state.x);
     if (probe.quantity == Quantity::kVelocity) return place.point.of(state.v);
     if (probe.quantity == Quantity::kDisplacement) return Eigen::Vector3d(place.point.of(state.x) - place.start);
-    const InPlane field = place.vertex != mesh::kNone ? in_plane_at(sheet.model(), place.vertex, state.x)
-                                                      : in_plane(sheet.model(), place.slot, state.x);
-    return probe.quantity == Quantity::kStress ? field.stress : field.strain;
+    InPlane& field = probe.quantity == Quantity::kStress ? stress : strain;
+    return place.vertex != mesh::kNone ? field.at(sheet, place.vertex) : field.in(sheet, place.slot);
   }
   [[nodiscard]] Vector value(const Probe& probe, const Member& member) {
     const fem::State& state = sheet.state();
@@ -183,9 +213,9 @@ struct Probes::Context {
       case Quantity::kDisplacement:
         return state.x.col(member.id) - member.start;
       case Quantity::kStrain:
-        return in_plane(sheet.model(), member.id, state.x).strain;
+        return strain.in(sheet, member.id);
       case Quantity::kStress:
-        return in_plane(sheet.model(), member.id, state.x).stress;
+        return stress.in(sheet, member.id);
       default:
         if (reaction.cols() == 0) reaction = reactions(sheet, v_before, dt);
         return reaction.col(member.id);
@@ -270,7 +300,7 @@ std::vector<Probes::Member> Probes::members_of(const sheet::Sheet& sheet, const 
       if (!mesh.is_solid(t)) continue;
       const auto& corner = mesh.vertices(t);
       if (!has(vertices, corner[0]) || !has(vertices, corner[1]) || !has(vertices, corner[2])) continue;
-      members.push_back({t, in_plane(sheet.model(), t, sheet.state().x).area, Eigen::Vector3d::Zero()});
+      members.push_back({t, rest_area(mesh, t), Eigen::Vector3d::Zero()});
     }
     return members;
   }
@@ -296,7 +326,7 @@ void Probes::locate(const sheet::Sheet& sheet) {
 void Probes::measure(const sheet::Sheet& sheet, const mesh::VertexField& v_before, double dt,
                      std::vector<double>& row) {
   if (sheet.topology_version() != topology_version_) locate(sheet);
-  Context context{sheet, v_before, dt, {}};
+  Context context{sheet, v_before, dt};
   const auto append = [&row](const Vector& value) { row.insert(row.end(), value.begin(), value.end()); };
   for (std::size_t i = 0; i < requests_.size(); ++i) {
     const Probe& probe = requests_[i];

@@ -13,9 +13,11 @@ namespace {
 
 using mesh::VertexId;
 
-struct Part {
-  std::array<VertexId, 3> vertices{mesh::kNone, mesh::kNone, mesh::kNone};  // that share it equally
-  double measure = 0.0;                                                     // m or m^2
+struct BorderEdge {
+  mesh::TriangleId slot = mesh::kNone;
+  int edge = 0;  // opposite that corner
+  std::array<VertexId, 2> ends{mesh::kNone, mesh::kNone};
+  double length = 0.0;  // m, undeformed
 };
 
 bool has(const std::vector<VertexId>& sorted, VertexId v) {
@@ -23,32 +25,80 @@ bool has(const std::vector<VertexId>& sorted, VertexId v) {
 }
 
 // Border edges of the opened mesh both ends of which are in the region.
-std::vector<Part> edges_in(const mesh::TriangleMesh& mesh, const std::vector<VertexId>& region) {
-  std::vector<Part> edges;
+std::vector<BorderEdge> edges_in(const mesh::TriangleMesh& mesh, const std::vector<VertexId>& region) {
+  std::vector<BorderEdge> edges;
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
     if (!mesh.is_solid(t)) continue;
     const std::array<VertexId, 3> corner = mesh.vertices(t);
     for (std::size_t k = 0; k < 3; ++k) {
       const VertexId a = corner[(k + 1) % 3];
       const VertexId b = corner[(k + 2) % 3];
-      if (!has(region, a) || !has(region, b) || mesh.neighbour(t, static_cast<int>(k)) != mesh::kNone) continue;
-      edges.push_back({{a, b, mesh::kNone}, (mesh.rest_position(a) - mesh.rest_position(b)).norm()});
+      const int edge = static_cast<int>(k);
+      if (!has(region, a) || !has(region, b) || mesh.neighbour(t, edge) != mesh::kNone) continue;
+      edges.push_back({t, edge, {a, b}, (mesh.rest_position(a) - mesh.rest_position(b)).norm()});
     }
   }
   return edges;
 }
 
-std::vector<Part> triangles_in(const mesh::TriangleMesh& mesh, const std::vector<VertexId>& region) {
-  std::vector<Part> triangles;
+std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const std::vector<VertexId>& region) {
+  std::vector<mesh::TriangleId> triangles;
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
     if (!mesh.is_solid(t)) continue;
     const std::array<VertexId, 3> corner = mesh.vertices(t);
-    if (!has(region, corner[0]) || !has(region, corner[1]) || !has(region, corner[2])) continue;
-    const Eigen::Vector2d a = mesh.rest_position(corner[1]) - mesh.rest_position(corner[0]);
-    const Eigen::Vector2d b = mesh.rest_position(corner[2]) - mesh.rest_position(corner[0]);
-    triangles.push_back({corner, 0.5 * (a.x() * b.y() - a.y() * b.x())});
+    if (has(region, corner[0]) && has(region, corner[1]) && has(region, corner[2])) triangles.push_back(t);
   }
   return triangles;
+}
+
+double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId t) {
+  const std::array<VertexId, 3> corner = mesh.vertices(t);
+  const Eigen::Vector2d a = mesh.rest_position(corner[1]) - mesh.rest_position(corner[0]);
+  const Eigen::Vector2d b = mesh.rest_position(corner[2]) - mesh.rest_position(corner[0]);
+  return 0.5 * (a.x() * b.y() - a.y() * b.x());
+}
+
+double total_length(const std::vector<BorderEdge>& edges) {
+  double sum = 0.0;
+  for (const BorderEdge& edge : edges) sum += edge.length;
+  return sum;
+}
+
+// The vertices of the region that are there; listed ones may be gone.
+std::vector<VertexId> vertices_of(const mesh::TriangleMesh& mesh, Region region) {
+  if (auto* listed = std::get_if<std::vector<VertexId>>(&region)) {
+    std::erase_if(*listed, [&](VertexId v) { return v >= mesh.num_vertices() || !mesh.has_material(v); });
+  }
+  return find_vertices(mesh, region, "").value();
+}
+
+struct Place {
+  const Region* region = nullptr;
+  const char* name = "";
+  bool is_border = false;
+};
+
+// Where a load other than a PointForce acts.
+struct FindPlace {
+  Place operator()(const PointForce&) const { return {}; }
+  Place operator()(const EdgeForce& load) const { return {&load.region, "edge", true}; }
+  Place operator()(const AreaForce& load) const { return {&load.region, "area", false}; }
+  Place operator()(const Pressure& load) const { return {&load.region, "pressure", false}; }
+  Place operator()(const EdgeMoment& load) const { return {&load.region, "moment", true}; }
+};
+
+Status check_point(const PointForce& point, const mesh::TriangleMesh& mesh, const std::string& path) {
+  if (const auto* vertex = std::get_if<VertexId>(&point.point)) {
+    const std::string field = path + ".point.vertex";
+    if (find_vertices(mesh, Region(std::vector<VertexId>{*vertex}), field)) return Nothing{};
+    return invalid_argument("UNKNOWN_VERTEX",
+                            field + " is " + std::to_string(*vertex) + "; the sheet has vertices 0.." +
+                                std::to_string(mesh.num_vertices() - 1),
+                            field);
+  }
+  if (find_material_point(mesh, std::get<Eigen::Vector2d>(point.point))) return Nothing{};
+  const std::string field = path + ".point.material";
+  return invalid_argument("POINT_OUTSIDE", field + " is not a point of the sheet", field);
 }
 
 // Whether lips may come to a region that has no border yet.
@@ -64,42 +114,24 @@ Result<AppliedForces> AppliedForces::create(std::shared_ptr<const SheetConfig> c
   AppliedForces forces(std::move(config));
   const std::vector<Load>& loads = forces.config_->loads;
   forces.shares_.resize(loads.size());
-  forces.places_.resize(loads.size(), Eigen::Vector2d::Zero());
   for (std::size_t i = 0; i < loads.size(); ++i) {
     const std::string path = "loads[" + std::to_string(i) + "]";
     if (const auto* point = std::get_if<PointForce>(&loads[i].kind)) {
-      if (const auto* vertex = std::get_if<VertexId>(&point->point)) {
-        const std::string field = path + ".point.vertex";
-        if (const auto found = find_vertices(mesh, Region(std::vector<VertexId>{*vertex}), field); !found) {
-          return invalid_argument("UNKNOWN_VERTEX",
-                                  field + " is " + std::to_string(*vertex) + "; the sheet has vertices 0.." +
-                                      std::to_string(mesh.num_vertices() - 1),
-                                  field);
-        }
-        forces.places_[i] = mesh.rest_position(*vertex);
-      } else {
-        forces.places_[i] = std::get<Eigen::Vector2d>(point->point);
-        if (!find_material_point(mesh, forces.places_[i])) {
-          const std::string field = path + ".point.material";
-          return invalid_argument("POINT_OUTSIDE", field + " is not a point of the sheet", field);
-        }
-      }
+      if (Status s = check_point(*point, mesh, path); !s) return s.error();
+      const auto* vertex = std::get_if<VertexId>(&point->point);
+      forces.shares_[i].place =
+          vertex != nullptr ? mesh.rest_position(*vertex) : std::get<Eigen::Vector2d>(point->point);
       continue;
     }
-    const auto* edge = std::get_if<EdgeForce>(&loads[i].kind);
-    const auto* area = std::get_if<AreaForce>(&loads[i].kind);
-    const std::string field = path + (edge != nullptr ? ".edge.region" : ".area.region");
-    const Result<std::vector<VertexId>> region =
-        find_vertices(mesh, edge != nullptr ? edge->region : area->region, field);
+    const Place place = std::visit(FindPlace{}, loads[i].kind);
+    const std::string field = path + "." + place.name + ".region";
+    const Result<std::vector<VertexId>> region = find_vertices(mesh, *place.region, field);
     if (!region) return region.error();
-    if (edge != nullptr && schedules_cuts(*forces.config_)) continue;
-    if (edge != nullptr ? edges_in(mesh, *region).empty() : triangles_in(mesh, *region).empty()) {
-      return invalid_argument(
-          "NOTHING_LOADED",
-          field + (edge != nullptr ? " has no border edge of the sheet, both ends of which are in it"
-                                   : " has no triangle of the sheet, all corners of which are in it"),
-          field);
-    }
+    if (place.is_border && schedules_cuts(*forces.config_)) continue;
+    if (!(place.is_border ? edges_in(mesh, *region).empty() : triangles_in(mesh, *region).empty())) continue;
+    const char* const what = place.is_border ? " has no border edge of the sheet, both ends of which are in it"
+                                             : " has no triangle of the sheet, all corners of which are in it";
+    return invalid_argument("NOTHING_LOADED", field + what, field);
   }
   forces.follow(mesh);
   return forces;
@@ -115,48 +147,73 @@ double AppliedForces::last_change() const {
 
 void AppliedForces::follow(const mesh::TriangleMesh& mesh) {
   for (std::size_t i = 0; i < shares_.size(); ++i) {
-    const Load& load = config_->loads[i];
-    std::vector<Share>& shares = shares_[i];
-    shares.clear();
-    if (const auto* point = std::get_if<PointForce>(&load.kind)) {
-      const auto* vertex = std::get_if<VertexId>(&point->point);
-      if (vertex != nullptr && *vertex < mesh.num_vertices() && mesh.has_material(*vertex)) {
-        shares.push_back({*vertex, point->force});
-      } else if (const std::optional<MaterialPoint> at = find_material_point(mesh, places_[i])) {
-        for (std::size_t k = 0; k < 3; ++k) {
-          shares.push_back({at->vertices[k], at->weights[static_cast<Eigen::Index>(k)] * point->force});
-        }
-      }
-      continue;
-    }
-    const auto* edge = std::get_if<EdgeForce>(&load.kind);
-    const auto* area = std::get_if<AreaForce>(&load.kind);
-    Region region = edge != nullptr ? edge->region : area->region;
-    if (auto* listed = std::get_if<std::vector<VertexId>>(&region)) {
-      std::erase_if(*listed, [&](VertexId v) { return v >= mesh.num_vertices() || !mesh.has_material(v); });
-    }
-    const std::vector<VertexId> found = find_vertices(mesh, region, "").value();
-    const std::vector<Part> parts = edge != nullptr ? edges_in(mesh, found) : triangles_in(mesh, found);
-    double whole = 0.0;
-    for (const Part& part : parts) whole += part.measure;
-    const bool is_total = edge != nullptr ? edge->is_total : area->is_total;
-    const Eigen::Vector3d force = edge != nullptr ? edge->force : area->force;
-    const double corners = edge != nullptr ? 2.0 : 3.0;
-    for (const Part& part : parts) {
-      const double measure = is_total ? part.measure / whole : part.measure;
-      for (const VertexId v : part.vertices) {
-        if (v != mesh::kNone) shares.push_back({v, measure / corners * force});
-      }
-    }
+    Shares& shares = shares_[i];
+    shares.forces.clear();
+    shares.pressed.clear();
+    shares.moments.clear();
+    std::visit([&](const auto& load) { follow(load, mesh, shares); }, config_->loads[i].kind);
   }
 }
 
-void AppliedForces::set(const Instant& now, const mesh::TriangleMesh& mesh, mesh::VertexField& forces) const {
-  forces.resize(mesh.num_vertices());
-  forces.setZero();
+void AppliedForces::follow(const PointForce& load, const mesh::TriangleMesh& mesh, Shares& shares) {
+  const auto* vertex = std::get_if<VertexId>(&load.point);
+  if (vertex != nullptr && *vertex < mesh.num_vertices() && mesh.has_material(*vertex)) {
+    shares.forces.push_back({*vertex, load.force});
+    return;
+  }
+  const std::optional<MaterialPoint> at = find_material_point(mesh, shares.place);
+  if (!at) return;
+  for (std::size_t k = 0; k < 3; ++k) {
+    shares.forces.push_back({at->vertices[k], at->weights[static_cast<Eigen::Index>(k)] * load.force});
+  }
+}
+
+void AppliedForces::follow(const EdgeForce& load, const mesh::TriangleMesh& mesh, Shares& shares) {
+  const std::vector<BorderEdge> edges = edges_in(mesh, vertices_of(mesh, load.region));
+  const double unit = load.is_total ? total_length(edges) : 1.0;
+  for (const BorderEdge& edge : edges) {
+    for (const VertexId v : edge.ends) shares.forces.push_back({v, 0.5 * edge.length / unit * load.force});
+  }
+}
+
+void AppliedForces::follow(const AreaForce& load, const mesh::TriangleMesh& mesh, Shares& shares) {
+  const std::vector<mesh::TriangleId> triangles = triangles_in(mesh, vertices_of(mesh, load.region));
+  double unit = load.is_total ? 0.0 : 1.0;
+  for (const mesh::TriangleId t : triangles) unit += load.is_total ? rest_area(mesh, t) : 0.0;
+  for (const mesh::TriangleId t : triangles) {
+    for (const VertexId v : mesh.vertices(t))
+      shares.forces.push_back({v, rest_area(mesh, t) / unit / 3.0 * load.force});
+  }
+}
+
+void AppliedForces::follow(const Pressure& load, const mesh::TriangleMesh& mesh, Shares& shares) {
+  shares.pressed = triangles_in(mesh, vertices_of(mesh, load.region));
+}
+
+void AppliedForces::follow(const EdgeMoment& load, const mesh::TriangleMesh& mesh, Shares& shares) {
+  const std::vector<BorderEdge> edges = edges_in(mesh, vertices_of(mesh, load.region));
+  const double unit = load.is_total ? total_length(edges) : 1.0;
+  for (const BorderEdge& edge : edges) shares.moments.push_back({edge.slot, edge.edge, load.moment / unit});
+}
+
+void AppliedForces::set(const Instant& now, const mesh::TriangleMesh& mesh, const fem::Model& model,
+                        fem::Loads& loads) const {
+  loads.external_forces.resize(mesh.num_vertices());
+  loads.external_forces.setZero();
+  loads.pressure.clear();
+  loads.edge_moments.clear();
   for (std::size_t i = 0; i < shares_.size(); ++i) {
     const double factor = config_->loads[i].history.at(now.time, now.absent);
-    for (const Share& share : shares_[i]) forces.col(share.vertex) += factor * share.force;
+    for (const Share& share : shares_[i].forces) loads.external_forces.col(share.vertex) += factor * share.force;
+    if (const auto* pressure = std::get_if<Pressure>(&config_->loads[i].kind)) {
+      loads.pressure.resize(static_cast<std::size_t>(mesh.num_triangle_slots()), 0.0);
+      for (const mesh::TriangleId t : shares_[i].pressed) {
+        loads.pressure[static_cast<std::size_t>(t)] += factor * pressure->pressure;
+      }
+    }
+    for (const EdgeShare& share : shares_[i].moments) {
+      loads.edge_moments.push_back(model.edge_moment(mesh, share.slot, share.edge, factor * share.moment));
+    }
   }
 }
 

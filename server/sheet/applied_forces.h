@@ -6,14 +6,15 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
+#include "server/fem/loads.h"
+#include "server/fem/model.h"
 #include "server/mesh/triangle_mesh.h"
-#include "server/mesh/vertex_field.h"
 #include "server/sheet/held_vertices.h"
 #include "server/sheet/sheet_config.h"
 
 namespace kerf::sheet {
 
-// The dead forces of a sheet's loads on its vertices; follows its cuts. Without loads it does nothing.
+// What a sheet's loads do to its vertices, triangles and edges; follows its cuts. Without loads it does nothing.
 class AppliedForces {
  public:
   // Errors: kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE; NOTHING_LOADED: a region has no border edge, and no cut
@@ -29,20 +30,38 @@ class AppliedForces {
   // no more; a force on a vertex that goes acts where that was.
   void follow(const mesh::TriangleMesh& mesh);
 
-  // Overwrites `forces` (3 x V, N).
-  void set(const Instant& now, const mesh::TriangleMesh& mesh, mesh::VertexField& forces) const;
+  // Overwrites the external forces, pressure and edge moments of `loads`. `model`: of the mesh, with the clamps in
+  // force.
+  void set(const Instant& now, const mesh::TriangleMesh& mesh, const fem::Model& model, fem::Loads& loads) const;
 
  private:
   struct Share {
     mesh::VertexId vertex = mesh::kNone;
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, at factor 1
   };
+  struct EdgeShare {
+    mesh::TriangleId slot = mesh::kNone;
+    int edge = 0;         // opposite that corner
+    double moment = 0.0;  // N m by m, at factor 1
+  };
+  // Of one load.
+  struct Shares {
+    std::vector<Share> forces;
+    std::vector<mesh::TriangleId> pressed;  // slots
+    std::vector<EdgeShare> moments;
+    Eigen::Vector2d place = Eigen::Vector2d::Zero();  // m, of a PointForce, where it acts
+  };
 
   explicit AppliedForces(std::shared_ptr<const SheetConfig> config) : config_(std::move(config)) {}
 
   std::shared_ptr<const SheetConfig> config_;
-  std::vector<std::vector<Share>> shares_;  // of each load
-  std::vector<Eigen::Vector2d> places_;     // m, of each load: of a PointForce, where it acts
+  static void follow(const PointForce& load, const mesh::TriangleMesh& mesh, Shares& shares);
+  static void follow(const EdgeForce& load, const mesh::TriangleMesh& mesh, Shares& shares);
+  static void follow(const AreaForce& load, const mesh::TriangleMesh& mesh, Shares& shares);
+  static void follow(const Pressure& load, const mesh::TriangleMesh& mesh, Shares& shares);
+  static void follow(const EdgeMoment& load, const mesh::TriangleMesh& mesh, Shares& shares);
+
+  std::vector<Shares> shares_;  // of each load
 };
 
 }  // namespace kerf::sheet

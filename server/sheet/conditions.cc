@@ -80,6 +80,15 @@ struct ValidateLoad {
     if (Status s = validate(area.region, path + ".area.region"); !s) return s;
     return check_vector(area.force, kMaxForce, path + (area.is_total ? ".area.force_n" : ".area.traction_pa"));
   }
+  Status operator()(const Pressure& pressure) const {
+    if (Status s = validate(pressure.region, path + ".pressure.region"); !s) return s;
+    return check_number(pressure.pressure, -kMaxForce, kMaxForce, path + ".pressure.pressure_pa");
+  }
+  Status operator()(const EdgeMoment& edge) const {
+    if (Status s = validate(edge.region, path + ".moment.region"); !s) return s;
+    return check_number(edge.moment, -kMaxForce, kMaxForce,
+                        path + (edge.is_total ? ".moment.moment_nm" : ".moment.moment_nm_per_m"));
+  }
 };
 
 }  // namespace

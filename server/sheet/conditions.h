@@ -75,9 +75,22 @@ struct AreaForce {
   bool is_total = true;
 };
 
-// Dead: as given, whatever the sheet does.
+// Along the normals of triangles all corners of which are in the region, as they are now.
+struct Pressure {
+  Region region;
+  double pressure = 0.0;  // Pa
+};
+
+// Bends the sheet about border edges both ends of which are in the region, and turns with them: see fem::EdgeMoment.
+struct EdgeMoment {
+  Region region;
+  double moment = 0.0;  // N m in all, or N m by m
+  bool is_total = true;
+};
+
+// The forces are dead: as given, whatever the sheet does.
 struct Load {
-  std::variant<PointForce, EdgeForce, AreaForce> kind;
+  std::variant<PointForce, EdgeForce, AreaForce, Pressure, EdgeMoment> kind;
   History history;
 };
 

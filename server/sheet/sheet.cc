@@ -26,6 +26,15 @@ fem::IntegratorOptions integrator_options(const SheetConfig& config) {
     case IntegratorKind::kImplicitEuler:
       options.kind = fem::IntegratorKind::kImplicitEuler;
       break;
+    case IntegratorKind::kTrapezoidal:
+      options.kind = fem::IntegratorKind::kTrapezoidal;
+      break;
+    case IntegratorKind::kBdf2:
+      options.kind = fem::IntegratorKind::kBdf2;
+      break;
+    case IntegratorKind::kTrBdf2:
+      options.kind = fem::IntegratorKind::kTrBdf2;
+      break;
   }
   options.tick = 1.0 / config.tick_rate_hz;
   options.max_substeps = settings.max_substeps;
@@ -181,7 +190,7 @@ void Sheet::Impl::set_conditions(const Instant& end, double duration) {
     held_vertices.set(holds, {end.time - duration, end.absent}, end, duration, mesh, loads.pins);
   }
   if (held_vertices.has_slopes()) set_slopes(end);
-  if (!applied_forces.empty()) applied_forces.set(end, mesh, loads.external_forces);
+  if (!applied_forces.empty()) applied_forces.set(end, mesh, model, loads);
   now = end;
   conditions_changed = false;
 }

@@ -98,7 +98,10 @@ struct Placement {
 enum class IntegratorKind {
   kAutomatic,         // the cheaper of the two at the sheet's stiffness, step and size
   kExplicitLeapfrog,  // stable substeps
-  kImplicitEuler,     // Newton iterations
+  kImplicitEuler,     // Newton iterations; first order, strongly damped
+  kTrapezoidal,       // likewise; second order, damps nothing
+  kBdf2,              // likewise; second order, damps what it does not resolve
+  kTrBdf2,            // likewise
 };
 enum class LinearSolverKind { kBlockJacobiCg, kDirect };
 

@@ -105,10 +105,28 @@ Result<sheet::Load> decode_load(const v1::Load& message, const std::string& path
                            decode_vector(is_total ? message.area().force_n() : message.area().traction_pa()), is_total};
       return load;
     }
+    case v1::Load::kPressure: {
+      Result<sheet::Region> region = decode_region(message.pressure().region(), path + ".pressure.region");
+      if (!region) return region.error();
+      load.kind = sheet::Pressure{std::move(region).value(), message.pressure().pressure_pa()};
+      return load;
+    }
+    case v1::Load::kMoment: {
+      Result<sheet::Region> region = decode_region(message.moment().region(), path + ".moment.region");
+      if (!region) return region.error();
+      if (message.moment().amount_case() == v1::EdgeMoment::AMOUNT_NOT_SET) {
+        return choice_missing(path + ".moment.amount", "moment_nm or moment_nm_per_m");
+      }
+      const bool is_total = !message.moment().has_moment_nm_per_m();
+      load.kind =
+          sheet::EdgeMoment{std::move(region).value(),
+                            is_total ? message.moment().moment_nm() : message.moment().moment_nm_per_m(), is_total};
+      return load;
+    }
     case v1::Load::KIND_NOT_SET:
       break;
   }
-  return choice_missing(path + ".kind", "point, edge or area");
+  return choice_missing(path + ".kind", "point, edge, area, pressure or moment");
 }
 
 void encode_load(const sheet::Load& load, v1::Load& message) {
@@ -124,11 +142,22 @@ void encode_load(const sheet::Load& load, v1::Load& message) {
     v1::EdgeForce& to = *message.mutable_edge();
     encode_region(edge->region, *to.mutable_region());
     encode_vector(edge->force, edge->is_total ? *to.mutable_force_n() : *to.mutable_force_npm());
-  } else {
-    const auto& area = std::get<sheet::AreaForce>(load.kind);
+  } else if (const auto* area = std::get_if<sheet::AreaForce>(&load.kind)) {
     v1::AreaForce& to = *message.mutable_area();
-    encode_region(area.region, *to.mutable_region());
-    encode_vector(area.force, area.is_total ? *to.mutable_force_n() : *to.mutable_traction_pa());
+    encode_region(area->region, *to.mutable_region());
+    encode_vector(area->force, area->is_total ? *to.mutable_force_n() : *to.mutable_traction_pa());
+  } else if (const auto* pressure = std::get_if<sheet::Pressure>(&load.kind)) {
+    encode_region(pressure->region, *message.mutable_pressure()->mutable_region());
+    message.mutable_pressure()->set_pressure_pa(pressure->pressure);
+  } else {
+    const auto& moment = std::get<sheet::EdgeMoment>(load.kind);
+    v1::EdgeMoment& to = *message.mutable_moment();
+    encode_region(moment.region, *to.mutable_region());
+    if (moment.is_total) {
+      to.set_moment_nm(moment.moment);
+    } else {
+      to.set_moment_nm_per_m(moment.moment);
+    }
   }
 }
 

@@ -59,6 +59,15 @@ Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSetting
     case v1::Integrator::IMPLICIT_EULER:
       settings.kind = sheet::IntegratorKind::kImplicitEuler;
       break;
+    case v1::Integrator::TRAPEZOIDAL:
+      settings.kind = sheet::IntegratorKind::kTrapezoidal;
+      break;
+    case v1::Integrator::BDF2:
+      settings.kind = sheet::IntegratorKind::kBdf2;
+      break;
+    case v1::Integrator::TR_BDF2:
+      settings.kind = sheet::IntegratorKind::kTrBdf2;
+      break;
     default:
       return unknown_enum("integrator.kind", static_cast<int>(message.kind()));
   }
@@ -91,6 +100,15 @@ v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings) {
       break;
     case sheet::IntegratorKind::kImplicitEuler:
       message.set_kind(v1::Integrator::IMPLICIT_EULER);
+      break;
+    case sheet::IntegratorKind::kTrapezoidal:
+      message.set_kind(v1::Integrator::TRAPEZOIDAL);
+      break;
+    case sheet::IntegratorKind::kBdf2:
+      message.set_kind(v1::Integrator::BDF2);
+      break;
+    case sheet::IntegratorKind::kTrBdf2:
+      message.set_kind(v1::Integrator::TR_BDF2);
       break;
   }
   message.set_solver(settings.solver == sheet::LinearSolverKind::kDirect ? v1::Integrator::DIRECT

@@ -79,6 +79,13 @@ inline std::vector<BadScene> bad_conditions() {
       {"loads[4].area.amount", [](v1::Scene& s) { s.mutable_loads(4)->mutable_area()->clear_amount(); }},
       {"loads[5].area.traction_pa.z",
        [=](v1::Scene& s) { s.mutable_loads(5)->mutable_area()->mutable_traction_pa()->set_z(nan); }},
+      {"loads[6].pressure.pressure_pa",
+       [](v1::Scene& s) { s.mutable_loads(6)->mutable_pressure()->set_pressure_pa(1.1e12); }},
+      {"loads[6].pressure.region.region", [](v1::Scene& s) { s.mutable_loads(6)->mutable_pressure()->clear_region(); }},
+      {"loads[7].moment.amount", [](v1::Scene& s) { s.mutable_loads(7)->mutable_moment()->clear_amount(); }},
+      {"loads[7].moment.moment_nm", [=](v1::Scene& s) { s.mutable_loads(7)->mutable_moment()->set_moment_nm(nan); }},
+      {"loads[8].moment.moment_nm_per_m",
+       [=](v1::Scene& s) { s.mutable_loads(8)->mutable_moment()->set_moment_nm_per_m(nan); }},
       {"loads",
        [](v1::Scene& s) {
          for (int i = 0; i < 59; ++i) *s.add_loads() = s.loads(0);

@@ -83,6 +83,15 @@ inline void add_conditions(v1::Scene& scene) {
   load = scene.add_loads();
   load->mutable_area()->mutable_region()->set_all(true);
   set(load->mutable_area()->mutable_traction_pa(), 0.0, 0.0, 0.25);
+  load = scene.add_loads();
+  load->mutable_pressure()->mutable_region()->set_all(true);
+  load->mutable_pressure()->set_pressure_pa(-3.0);
+  load = scene.add_loads();
+  load->mutable_moment()->mutable_region()->set_edge(v1::Region::LEFT);
+  load->mutable_moment()->set_moment_nm(0.1);
+  load = scene.add_loads();
+  load->mutable_moment()->mutable_region()->set_edge(v1::Region::RIGHT);
+  load->mutable_moment()->set_moment_nm_per_m(0.2);
   scene.mutable_gravity_history()->add_times(0.0);
   scene.mutable_gravity_history()->add_factors(0.5);
   v1::InitialVelocity& velocity = *scene.mutable_initial_velocity();

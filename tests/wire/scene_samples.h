@@ -279,7 +279,7 @@ inline std::vector<BadScene> bad_numbers() {
       {"wind.drag_coefficient", [](v1::Scene& s) { s.mutable_wind()->set_drag_coefficient(10.1); }},
       {"tick_rate_hz", [](v1::Scene& s) { s.set_tick_rate_hz(0.0); }},
       {"tick_rate_hz", [](v1::Scene& s) { s.set_tick_rate_hz(1000.1); }},
-      {"integrator.kind", [](v1::Scene& s) { s.mutable_integrator()->set_kind(static_cast<v1::Integrator::Kind>(4)); }},
+      {"integrator.kind", [](v1::Scene& s) { s.mutable_integrator()->set_kind(static_cast<v1::Integrator::Kind>(7)); }},
       {"integrator.solver",
        [](v1::Scene& s) { s.mutable_integrator()->set_solver(static_cast<v1::Integrator::Solver>(-1)); }},
       {"integrator.max_substeps", [](v1::Scene& s) { s.mutable_integrator()->set_max_substeps(100001); }},
