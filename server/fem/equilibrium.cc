@@ -228,6 +228,12 @@ void EquilibriumSolver::predict_stress(const Model& model, const mesh::VertexFie
   }
 }
 
+void EquilibriumSolver::hold_back(const Model& model, const mesh::VertexField& x) {
+  for (Eigen::Index v = 0; v < x.cols(); ++v) {
+    residual_.col(v) -= used_shift_ * model.mass()[static_cast<std::size_t>(v)] * (venture_.col(v) - x.col(v));
+  }
+}
+
 EquilibriumSolver::Progress EquilibriumSolver::venture(const Model& model, const Loads& loads, EquilibriumStats& stats,
                                                        mesh::VertexField& x) {
   const double shift = stats.shift;
@@ -237,12 +243,7 @@ EquilibriumSolver::Progress EquilibriumSolver::venture(const Model& model, const
   double slope = 0.0;
   double last_rise = 0.0;
   for (int i = 0; i < kMaxVenture && stats.iterations < options_.max_iterations; ++i) {
-    // What is sought is the least of the energy and used_shift_ / 2 |y - x|^2, in the measure of masses.
-    if (i > 0) {
-      for (Eigen::Index v = 0; v < x.cols(); ++v) {
-        residual_.col(v) -= used_shift_ * model.mass()[static_cast<std::size_t>(v)] * (venture_.col(v) - x.col(v));
-      }
-    }
+    if (i > 0) hold_back(model, x);
     if (!find_step(model, loads, venture_, true, stats)) break;
     ++stats.iterations;
     if (i == 0) {

@@ -77,6 +77,9 @@ class EquilibriumSolver {
   enum class Progress { kNone, kBlind, kDescended };
   // Full steps with predicted stress from x on, until the energy is below that at x, or not at all.
   Progress venture(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
+  // Adds to residual_ what holds venture_ back at x: what a venture seeks is the least of the energy and
+  // used_shift_ / 2 |venture_ - x|^2, in the measure of masses.
+  void hold_back(const Model& model, const mesh::VertexField& x);
   // Doubles step_ from x on as long as the energy, which was `reached`, falls: where it is not convex along the step.
   void lengthen_step(const Model& model, const Loads& loads, double reached, const mesh::VertexField& x,
                      EquilibriumStats& stats);

@@ -57,13 +57,13 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   bool done = false;
   for (int halving = 0; halving <= options_.max_halvings && !done; ++halving) {
     if (halving > 0) stats.flags |= kSubstepped;
-    const int substeps = (options_.kind == IntegratorKind::kBdf2 ? kBdf2Substeps : 1) << halving;
+    const int substeps = num_substeps() << halving;
     const double h = dt / substeps;
     stats.residual = 0.0;
     done = true;
     if (contact != nullptr) contact->begin(state.x);
     for (int i = 1; i <= substeps && done; ++i) {
-      done = advance(model, loads, i - 1, h, i == substeps ? 0.0 : dt - h * i, state, stats);
+      done = advance(model, loads, {i - 1, h, i == substeps ? 0.0 : dt - h * i}, state, stats);
       if (done && contact != nullptr) contact->enforce(h, state);
       done = done && is_finite(state);
     }
@@ -83,34 +83,36 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   return stats;
 }
 
-bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, int index, double h, double time_left,
-                                 State& state, StepStats& stats) {
-  evaluate_constant_force(model, loads, h, state);
+bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, const Substep& substep, State& state,
+                                 StepStats& stats) {
+  evaluate_constant_force(model, loads, substep.h, state);
   switch (options_.kind) {
     case IntegratorKind::kTrBdf2:
-      return advance_tr_bdf2(model, loads, h, time_left, state, stats);
+      return advance_tr_bdf2(model, loads, substep, state, stats);
     case IntegratorKind::kTrapezoidal:
-      return advance_trapezoidal(model, loads, h, time_left, state, stats);
+      return advance_trapezoidal(model, loads, substep, state, stats);
     case IntegratorKind::kBdf2:
-      return advance_bdf2(model, loads, index, h, time_left, state, stats);
+      return advance_bdf2(model, loads, substep, state, stats);
     default:
-      return advance_euler(model, loads, h, time_left, state, stats);
+      return advance_euler(model, loads, substep, state, stats);
   }
 }
 
-bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, double h, double time_left, State& state,
+bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, const Substep& substep, State& state,
                                        StepStats& stats) {
+  const double h = substep.h;
   Stage& stage = scratch_.stage;
   stage.base.x = state.x;
   stage.base.v = state.v;
   stage.start = &stage.base.x;
   stage.d = h;
-  stage.time_left = time_left;
+  stage.time_left = substep.time_left;
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
 }
 
-bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads, double h, double time_left,
-                                         State& state, StepStats& stats) {
+bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state,
+                                         StepStats& stats) {
+  const double h = substep.h;
   constexpr double kGamma = 0.58578643762690495;  // 2 - sqrt 2
   constexpr double kNew = 1.0 / (kGamma * (2.0 - kGamma));
   constexpr double kOld = (1.0 - kGamma) * (1.0 - kGamma) / (kGamma * (2.0 - kGamma));
@@ -122,21 +124,22 @@ bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads,
   stage.d = 0.5 * kGamma * h;
   stage.continues = false;
 
-  evaluate_acceleration(model, loads, time_left + h, state);
+  evaluate_acceleration(model, loads, substep.time_left + h, state);
   stage.base.x = start.x + stage.d * start.v;
   stage.base.v = start.v + stage.d * scratch_.force;
-  stage.time_left = time_left + (1.0 - kGamma) * h;
+  stage.time_left = substep.time_left + (1.0 - kGamma) * h;
   if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
 
   stage.base.x = kNew * state.x - kOld * start.x;
   stage.base.v = kNew * state.v - kOld * start.v;
   stage.continues = true;
-  stage.time_left = time_left;
+  stage.time_left = substep.time_left;
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
 }
 
-bool ImplicitIntegrator::advance_trapezoidal(const Model& model, const Loads& loads, double h, double time_left,
+bool ImplicitIntegrator::advance_trapezoidal(const Model& model, const Loads& loads, const Substep& substep,
                                              State& state, StepStats& stats) {
+  const double h = substep.h;
   Stage& stage = scratch_.stage;
   State& start = scratch_.substep_start;
   start.x = state.x;
@@ -144,20 +147,21 @@ bool ImplicitIntegrator::advance_trapezoidal(const Model& model, const Loads& lo
   stage.start = &start.x;
   stage.d = 0.5 * h;
   stage.continues = false;
-  evaluate_acceleration(model, loads, time_left + h, state);
+  evaluate_acceleration(model, loads, substep.time_left + h, state);
   stage.base.x = start.x + stage.d * start.v;
   stage.base.v = start.v + stage.d * scratch_.force;
-  stage.time_left = time_left;
+  stage.time_left = substep.time_left;
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
 }
 
-bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, int index, double h, double time_left,
-                                      State& state, StepStats& stats) {
+bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state,
+                                      StepStats& stats) {
+  const double h = substep.h;
   Stage& stage = scratch_.stage;
   State& start = scratch_.substep_start;
   State& before = scratch_.before;
-  if (index == 0) {
-    if (!advance_trapezoidal(model, loads, h, time_left, state, stats)) return false;
+  if (substep.index == 0) {
+    if (!advance_trapezoidal(model, loads, substep, state, stats)) return false;
   } else {
     start.x = state.x;
     start.v = state.v;
@@ -166,7 +170,7 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, in
     stage.continues = true;
     stage.base.x = (4.0 * start.x - before.x) / 3.0;
     stage.base.v = (4.0 * start.v - before.v) / 3.0;
-    stage.time_left = time_left;
+    stage.time_left = substep.time_left;
     evaluate_constant_force(model, loads, stage.d, stage.base);  // drag is limited by what it acts on
     if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
   }

@@ -32,17 +32,19 @@ class ImplicitIntegrator final : public Integrator {
   };
 
   void resize(const Model& model);
-  // Substep `index` (from 0) of a step, of h (s).
-  bool advance(const Model& model, const Loads& loads, int index, double h, double time_left, State& state,
-               StepStats& stats);
-  bool advance_euler(const Model& model, const Loads& loads, double h, double time_left, State& state,
-                     StepStats& stats);
-  bool advance_tr_bdf2(const Model& model, const Loads& loads, double h, double time_left, State& state,
-                       StepStats& stats);
-  bool advance_trapezoidal(const Model& model, const Loads& loads, double h, double time_left, State& state,
+  struct Substep {
+    int index = 0;           // from 0
+    double h = 0.0;          // s
+    double time_left = 0.0;  // s, of the step after it
+  };
+  // How many substeps a step has before it is divided.
+  [[nodiscard]] int num_substeps() const { return options_.kind == IntegratorKind::kBdf2 ? kBdf2Substeps : 1; }
+  bool advance(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
+  bool advance_euler(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
+  bool advance_tr_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
+  bool advance_trapezoidal(const Model& model, const Loads& loads, const Substep& substep, State& state,
                            StepStats& stats);
-  bool advance_bdf2(const Model& model, const Loads& loads, int index, double h, double time_left, State& state,
-                    StepStats& stats);
+  bool advance_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   void evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state);
   // Into scratch_.force: acceleration at `state`, m/s^2, 0 where the mass is 0.
   void evaluate_acceleration(const Model& model, const Loads& loads, double time_left, const State& state);

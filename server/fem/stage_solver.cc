@@ -86,6 +86,10 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
   for (const Pin& pin : loads.pins) {
     start_.col(pin.vertex) = pin.held(pin.target - stage.time_left * pin.velocity, start_.col(pin.vertex));
   }
+  if (!stage.continues || !is_predicted_) {
+    step_.setZero();
+    predict_stress(problem, state.x);
+  }
   bool found = iterate(problem, state.x, stats);
   is_predicted_ = found;
   if (!found) {
@@ -102,10 +106,6 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
 
 // True where it converged, or ended below the potential it began at.
 bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStats& stats) {
-  if (!problem.stage.continues || !is_predicted_) {
-    step_.setZero();
-    predict_stress(problem, x);
-  }
   double scale = 0.0;
   double relative = 0.0;
   double best = std::numeric_limits<double>::infinity();
@@ -126,12 +126,10 @@ bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStat
       if (i == last || !std::isfinite(relative)) break;
     }
     if (i == 0) {
-      assemble(problem, x, true);
-      scale = solve_first(problem, x, stats);
-      if (leave_out_loads()) {
+      do {
         assemble(problem, x, true);
         scale = solve_first(problem, x, stats);
-      }
+      } while (leave_out_loads());
       if (contact_.touches()) last = std::max(last, kContactIterations);
     } else {
       solve_next(problem, x, true, stats);

@@ -100,7 +100,7 @@ class StageSolver {
   TangentMatrix matrix_;
   bool follows_loads_ = false;  // whether matrix_ has the tangent of follower loads
   bool is_solved_ = true;
-  bool is_predicted_ = false;  // stress_ belongs to the solution of the last stage
+  bool is_predicted_ = false;                                    // stress_ belongs to the solution of the last stage
   std::vector<Eigen::Vector3d> stress_;                          // one a lane, N/m, for the tangent
   mesh::VertexField force_, residual_, rhs_, step_, increment_;  // 3 x V
   mesh::VertexField velocity_, damped_, trial_, start_, best_;

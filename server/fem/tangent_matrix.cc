@@ -121,6 +121,21 @@ void TangentMatrix::add_grabs(std::span<const Grab> grabs, double d) {
 
 void TangentMatrix::add_follower_loads(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale,
                                        MatrixPart part) {
+  add_pressure(model, loads, x, scale, part);
+  for (const EdgeMoment& moment : loads.edge_moments) {
+    const EdgeMomentTangent tangent(moment, x);
+    for (std::size_t a = 0; a < moment.vertex.size(); ++a) {
+      for (std::size_t b = 0; b < moment.vertex.size(); ++b) {
+        if (moment.vertex[a] == mesh::kNone || moment.vertex[b] == mesh::kNone) continue;
+        const int at = matrix_.find(moment.vertex[a], moment.vertex[b]);
+        if (at >= 0) matrix_.block(at) += scale * tangent.stiffness(a, b, part);
+      }
+    }
+  }
+}
+
+void TangentMatrix::add_pressure(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale,
+                                 MatrixPart part) {
   const std::span<const ElementBlock> blocks = model.element_blocks();
   const std::size_t num_pressed = std::min(loads.pressure.size(), blocks.size() * kLanes);
   for (std::size_t slot = 0; slot < num_pressed; ++slot) {
@@ -134,16 +149,6 @@ void TangentMatrix::add_follower_loads(const Model& model, const Loads& loads, c
       for (std::size_t j = 0; j < 3; ++j) {
         matrix_.block(row + places_[slot][3 * i + j]) +=
             pressure_stiffness(scale * loads.pressure[slot], corner, i, j, part);
-      }
-    }
-  }
-  for (const EdgeMoment& moment : loads.edge_moments) {
-    const EdgeMomentTangent tangent(moment, x);
-    for (std::size_t a = 0; a < moment.vertex.size(); ++a) {
-      for (std::size_t b = 0; b < moment.vertex.size(); ++b) {
-        if (moment.vertex[a] == mesh::kNone || moment.vertex[b] == mesh::kNone) continue;
-        const int at = matrix_.find(moment.vertex[a], moment.vertex[b]);
-        if (at >= 0) matrix_.block(at) += scale * tangent.stiffness(a, b, part);
       }
     }
   }

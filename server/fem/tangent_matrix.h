@@ -50,6 +50,7 @@ class TangentMatrix {
  private:
   using BlockPlaces = std::array<int, 9>;  // of corner pair (i, j): entry 3 i + j, from the beginning of row i
 
+  void add_pressure(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale, MatrixPart part);
   void find_columns(const Model& model, mesh::VertexId v);
   void set_rows(const Model& model, std::span<const mesh::VertexId> vertices);
 
