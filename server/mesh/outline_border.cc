@@ -206,11 +206,11 @@ bool OutlineBorder::stands_for(const Span& span) const {
   std::vector<LatticePoint> region{at(span.contour, span.from)};
   double turn = 0.0;
   for (std::size_t i = first + 1; i <= last; ++i) {
-    region.push_back(lattice_.nearest(contour.point(i)));
     turn += contour.turn(i);
+    // Those that are divided evenly turn by a little more now and then.
+    if (turn > 1.5 * kMaxTurnOfEdge) return false;
+    region.push_back(lattice_.nearest(contour.point(i)));
   }
-  // Those that are divided evenly turn by a little more now and then.
-  if (turn > 1.5 * kMaxTurnOfEdge) return false;
   region.push_back(at(span.contour, span.to));
   Eigen::AlignedBox2d box;
   for (const LatticePoint& p : region) box.extend(as_vector(p));
