@@ -57,6 +57,16 @@ mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh
   return mesh::kNone;
 }
 
+// m, material.
+Eigen::Vector2d rest_of(const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (point.vertices[k] == mesh::kNone) continue;
+    sum += point.weights[static_cast<Eigen::Index>(k)] * mesh.rest_position(point.vertices[k]);
+  }
+  return sum;
+}
+
 // Length of border around each vertex of the region between two of its vertices, m.
 std::vector<double> border_lengths(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
   std::vector<double> lengths(region.size(), 0.0);
@@ -265,24 +275,24 @@ Probes::Place Probes::place_at(const sheet::Sheet& sheet, const Probe& probe, co
   if (probe.side && *probe.side != at) {
     lookup += kNudge * mesh.bounding_box().sizes().maxCoeff() * (*probe.side - at).normalized();
   }
+  const double reach = 2.0 * kNudge * mesh.bounding_box().sizes().maxCoeff();
+  // A point of the border may lie outside by rounding alone.
   const std::optional<sheet::MaterialPoint> found = sheet::find_material_point(mesh, lookup);
-  if (!found) {
-    // A point of the border may lie outside by rounding alone.
-    const sheet::MaterialPoint nearest = sheet::nearest_material_point(mesh, lookup);
-    Eigen::Vector2d there = Eigen::Vector2d::Zero();
-    for (std::size_t k = 0; k < 3; ++k) {
-      there += nearest.weights[static_cast<Eigen::Index>(k)] * mesh.rest_position(nearest.vertices[k]);
-    }
-    if ((there - at).norm() > 2.0 * kNudge * mesh.bounding_box().sizes().maxCoeff()) return place;
-    place.point = nearest;
-  } else {
-    place.point = *found;
-  }
+  place.point = found ? *found : sheet::nearest_material_point(mesh, lookup);
+  const Eigen::Vector2d there = rest_of(mesh, place.point);
+  if (!found && (there - at).norm() > reach) return place;
   place.exists = true;
-  place.start = sheet.start_of(at);
   place.slot = slot_of(sheet.model(), mesh, place.point);
+  place.start = sheet.start_of(there);
   for (std::size_t k = 0; k < 3; ++k) {
-    if (place.point.weights[static_cast<Eigen::Index>(k)] > 1.0 - kAtVertex) place.vertex = place.point.vertices[k];
+    const mesh::VertexId v = place.point.vertices[k];
+    const bool is_there = place.point.weights[static_cast<Eigen::Index>(k)] > 1.0 - kAtVertex ||
+                          (probe.side && v != mesh::kNone && (mesh.rest_position(v) - at).norm() <= reach);
+    if (!is_there) continue;
+    place.vertex = v;
+    place.point.weights = Eigen::Vector3d::Unit(static_cast<Eigen::Index>(k));
+    place.start = sheet.start_of(mesh.rest_position(v));
+    break;
   }
   return place;
 }
