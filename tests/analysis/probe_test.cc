@@ -129,6 +129,34 @@ TEST(Probes, ReactionsInTimeIncludeWhatTheMotionOfWhatIsHeldTakes) {
   EXPECT_NEAR(impulse, 2.0 * sheet.model().total_mass(), 1e-6);
 }
 
+// A stiff sheet that is let go sideways from a hinge: of a large step, Newton's method must leave little.
+TEST(Probes, ReactionsOfAnImplicitStepBalanceTheMomentumWhenTheSolverToleranceIsTight) {
+  SheetConfig config = stretched(Eigen::Matrix<double, 3, 2>::Zero());
+  config.constraints[0].region = sheet::RegionEdge::kTop;
+  config.material.youngs_modulus_1 = config.material.youngs_modulus_2 = 1e9;
+  config.material.shear_modulus = 4e8;
+  config.gravity = {0.0, -9.81, -4.0};
+  config.integrator = {.kind = sheet::IntegratorKind::kImplicitEuler,
+                       .newton_iterations = 30,
+                       .solver_tolerance = 1e-11,
+                       .solver = sheet::LinearSolverKind::kDirect};
+  sheet::Sheet sheet = sheet::make(config);
+  Result<Probes> probes =
+      Probes::create({over("r", Quantity::kReaction, sheet::RegionEdge::kTop, Reduce::kSum)}, sheet);
+  ASSERT_TRUE(probes.ok());
+  for (int i = 0; i < 3; ++i) {
+    const mesh::VertexField before = sheet.state().v;
+    const Eigen::Vector3d momentum_before = sheet.model().momentum(sheet.state()).linear;
+    sheet.step({});
+    const Eigen::Vector3d change = sheet.model().momentum(sheet.state()).linear - momentum_before;
+    std::vector<double> row;
+    probes->measure(sheet, before, sheet.dt(), row);
+    const Eigen::Vector3d weight = sheet.model().total_mass() * config.gravity;
+    const Eigen::Vector3d held = change / sheet.dt() - weight;
+    EXPECT_LT((Eigen::Vector3d(row[0], row[1], row[2]) - held).norm(), 1e-4 * weight.norm()) << i;
+  }
+}
+
 TEST(Probes, MeasureTheWholeSheet) {
   SheetConfig config = scenes::hanging(5);
   config.pins.clear();
@@ -194,6 +222,11 @@ TEST(Probes, ASideChoosesTheLip) {
   Probe lower = upper;
   lower.name = "lower";
   lower.side = Vector2d(0.33, 0.0);
+  // Between the lips' vertices and at one of them: nothing has moved yet.
+  Probe still = upper;
+  still.quantity = Quantity::kDisplacement;
+  still.points = {{0.33, 0.5}, {0.375, 0.5}};
+  for (const auto& [column, value] : measure(sheet, {still})) EXPECT_NEAR(value, 0.0, 1e-14) << column;
   // Whatever happens above stays above.
   sheet::Grab grab{"up", Vector2d(0.4, 0.9), Vector3d(0.4, 3.0, 0.0), 0.0};
   ASSERT_TRUE(sheet::apply(sheet, grab));
