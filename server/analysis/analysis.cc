@@ -167,6 +167,9 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
     if (!about) return about.error();
     outcome = std::move(about).value();
     if (outcome.stopped || !outcome.statics->converged) return outcome;
+  } else {
+    sheet::TickReport report = sheet.begin_load_step();
+    if (Status s = keep(std::move(report.scheduled), outcome.scheduled); !s) return s.error();
   }
   if (watch && !watch({0.5, "factorising"})) {
     outcome.stopped = true;

@@ -37,7 +37,8 @@ struct StaticAnalysis {
 // The lowest vibrations about a state.
 struct ModalAnalysis {
   std::int32_t count = 10;              // 1..kMaxModes
-  std::optional<StaticAnalysis> about;  // its last equilibrium; absent: the state that the scene begins with
+  std::optional<StaticAnalysis> about;  // its last equilibrium; absent: the state that the scene begins with, after the
+                                        // commands of tick 1
 };
 
 using Analysis = std::variant<DynamicAnalysis, StaticAnalysis, ModalAnalysis>;

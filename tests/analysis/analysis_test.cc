@@ -140,6 +140,24 @@ TEST(ModalAnalysis, IsAboutTheLoadedState) {
   }
 }
 
+TEST(ModalAnalysis, IsOfTheSheetThatCutsOfTheFirstTickMade) {
+  SheetConfig config = scenes::hanging(9);
+  config.pins.clear();
+  config.gravity.setZero();
+  const auto lowest = [&config] {  // above the rigid motions, 1/s^2
+    sheet::Sheet sheet = sheet::make(config);
+    const Result<Outcome> outcome = run_modes(sheet, {8, {}}, {});
+    EXPECT_TRUE(outcome.ok());
+    EXPECT_EQ(outcome->scheduled.size(), config.commands.size());
+    return outcome->tables.at(0).rows.at(6)[1];
+  };
+  const double whole = lowest();
+  config.commands = {{1, scenes::line_cut({0.25, 0.5}, {1.2, 0.5})}};
+  const double slit = lowest();
+  EXPECT_GT(slit, 0.0);
+  EXPECT_LT(slit, 0.3 * whole);
+}
+
 TEST(ModalAnalysis, RefusesMoreModesThanThereAre) {
   SheetConfig config = scenes::hanging(2);
   sheet::Sheet sheet = sheet::make(config);
