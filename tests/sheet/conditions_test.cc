@@ -258,6 +258,20 @@ TEST(Forces, AddUpToWhatWasAskedForThroughCuts) {
   EXPECT_LT((Vector3d(sheet.loads().external_forces.col(17)) - force / 8.0).norm(), 1e-15);
 }
 
+TEST(Forces, ActOnLipsOnceAScheduledCutHasMadeThem) {
+  SheetConfig config = flat(9);
+  const Vector3d force(0.0, 0.0, 3.0);
+  const MaterialLine upper_lip{{0.0, 0.5}, {1.0, 0.5}, 0.0, MaterialLine::Side::kLeft};
+  config.loads = {{EdgeForce{upper_lip, force, true}, {}}};
+  EXPECT_EQ(refused(config), "NOTHING_LOADED loads[0].edge.region");
+  config.commands = {{2, scenes::line_cut({0.25, 0.5}, {0.75, 0.5})}};
+  Sheet sheet = make(config);
+  sheet.step({});
+  EXPECT_EQ(total_force(sheet), Vector3d(0.0, 0.0, 0.0));
+  sheet.step({});
+  EXPECT_LT((total_force(sheet) - force).norm(), 1e-12);
+}
+
 TEST(Forces, FollowTheirHistories) {
   SheetConfig config = flat(5);
   config.gravity = {0.0, 0.0, -1.0};
