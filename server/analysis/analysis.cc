@@ -167,7 +167,8 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
     if (!about) return about.error();
     outcome = std::move(about).value();
     if (outcome.stopped || !outcome.statics->converged) return outcome;
-  } else {
+  } else if (sheet.tick() == 0) {
+    // A live sheet is taken as it is; a scene's cuts are its shape.
     sheet::TickReport report = sheet.begin_load_step();
     if (Status s = keep(std::move(report.scheduled), outcome.scheduled); !s) return s.error();
   }
