@@ -68,7 +68,9 @@ Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path)
 
 std::string summary(const v1::RunResult& result) {
   char text[512];
-  if (result.has_static_() || result.ticks() == 0) {
+  if (!result.has_static_() && result.simulated_s() == 0.0) {
+    std::snprintf(text, sizeof text, "%.3f s of CPU time\n", result.cpu_s());
+  } else if (result.has_static_()) {
     std::snprintf(text, sizeof text, "%lld %s in %.3f s of CPU time\n", static_cast<long long>(result.ticks()),
                   result.ticks() == 1 ? "load" : "loads", result.cpu_s());
   } else {
