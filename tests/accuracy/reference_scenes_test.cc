@@ -38,28 +38,39 @@ std::string text_of(const fs::path& file) {
   return text.str();
 }
 
+Result<cli::SceneRun> run(const fs::path& scene) {
+  const auto config = wire::decode_scene_file(text_of(scene), [](const std::string& file) {
+    return Result<std::string>(invalid_argument("NO_FILES", "a reference scene names no other file", file));
+  });
+  if (!config) return config.error();
+  return cli::run_scene(*config, {});
+}
+
+// One row of the table of tests/accuracy/README.md.
+void print(const Expectation& expectation, const CheckedQuantity& checked, int num_vertices) {
+  const Comparison& worst = checked.worst();
+  std::printf("| %s | %s | %s | %d | %+.2g | %.2g |\n", expectation.scene().stem().c_str(), checked.name.c_str(),
+              expectation.mesh().c_str(), num_vertices, worst.error, worst.tolerance);
+}
+
+void expect_within_tolerances(const CheckedQuantity& checked) {
+  for (const Comparison& one : checked.comparisons) {
+    EXPECT_LE(std::abs(one.error), one.tolerance)
+        << one.what << ": expected " << one.expected << ", found " << one.found;
+  }
+}
+
 class ReferenceScene : public testing::TestWithParam<fs::path> {};
 
 TEST_P(ReferenceScene, GivesTheNumbersOfItsReference) try {
   const Expectation expectation(GetParam());
-  const auto config = wire::decode_scene_file(text_of(expectation.scene()), [](const std::string& file) {
-    return Result<std::string>(invalid_argument("NO_FILES", "a reference scene names no other file", file));
-  });
-  ASSERT_TRUE(config.ok()) << config.error().field << ": " << config.error().message;
-  const auto run = cli::run_scene(*config, {});
-  ASSERT_TRUE(run.ok()) << run.error().field << ": " << run.error().message;
-  if (run->result.has_static_()) {
-    EXPECT_TRUE(run->result.static_().converged()) << run->result.static_().load();
-  }
-  EXPECT_TRUE(run->result.flagged_ticks().empty());
-  for (const CheckedQuantity& checked : expectation.compare(run->result)) {
-    const Comparison& worst = checked.worst();
-    std::printf("| %s | %s | %s | %d | %+.2g | %.2g |\n", expectation.scene().stem().c_str(), checked.name.c_str(),
-                expectation.mesh().c_str(), run->result.num_vertices(), worst.error, worst.tolerance);
-    for (const Comparison& one : checked.comparisons) {
-      EXPECT_LE(std::abs(one.error), one.tolerance)
-          << one.what << ": expected " << one.expected << ", found " << one.found;
-    }
+  const auto done = run(expectation.scene());
+  ASSERT_TRUE(done.ok()) << done.error().field << ": " << done.error().message;
+  EXPECT_TRUE(!done->result.has_static_() || done->result.static_().converged());
+  EXPECT_TRUE(done->result.flagged_ticks().empty());
+  for (const CheckedQuantity& checked : expectation.compare(done->result)) {
+    print(expectation, checked, done->result.num_vertices());
+    expect_within_tolerances(checked);
   }
 } catch (const std::exception& wrong) {
   FAIL() << wrong.what();
