@@ -144,7 +144,7 @@ class InPlane {
   Vector at(const sheet::Sheet& sheet, mesh::VertexId vertex) {
     if (of_vertices_.empty()) {
       in(sheet, 0);
-      of_vertices_ = fem::vertex_field(sheet.model(), of_slots_, fem::Recovery::kPatch);
+      of_vertices_ = fem::vertex_field(sheet.model(), of_slots_, fem::Recovery::kMean);
     }
     return tensor(of_vertices_[static_cast<std::size_t>(vertex)]);
   }
