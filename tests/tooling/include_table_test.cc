@@ -63,7 +63,9 @@ const std::vector<Row>& table() {
       {"server/analysis", {"server/sheet", "server/fem", "server/mesh", "server/base"}, {"eigen"}},
       {"server/host", {"server/sheet", "server/base"}, {"asio", "eigen", "posix"}},
       {"server/svg", {"server/cut", "server/base"}, {"eigen", "xml"}},
-      {"server/wire", {"server/svg", "server/analysis", "server/sheet", "server/mesh", "server/base"}, {"eigen", "proto", "protobuf"}},
+      {"server/wire",
+       {"server/svg", "server/analysis", "server/sheet", "server/mesh", "server/base"},
+       {"eigen", "proto", "protobuf"}},
       {"server/stream", {"server/wire", "server/sheet", "server/mesh", "server/base"}, {}},
       {"server/api",
        {"server/stream", "server/wire", "server/host", "server/analysis", "server/sheet", "server/base",
@@ -85,7 +87,8 @@ const std::vector<Row>& table() {
       {"client/cpp", {}, {"proto", "grpc_stubs", "grpc"}},
       // `kerf run` and `kerf replay` need no server: they step the sheet themselves.
       {"client/cli",
-       {"client/cpp", "server/analysis", "server/sheet", "server/svg", "server/wire", "server/base", "server/host/disk.h"},
+       {"client/cpp", "server/analysis", "server/sheet", "server/svg", "server/wire", "server/base",
+        "server/host/disk.h"},
        {"proto", "protobuf", "grpc_stubs", "grpc", "cli", "json", "posix"}},
   };
   return rows;

@@ -33,8 +33,8 @@ namespace kerf::wire {
 namespace {
 
 using testing::full_scene;
-using testing::set_outline;
 using ::testing::HasSubstr;
+using testing::set_outline;
 
 void expect_equal(const google::protobuf::Message& a, const google::protobuf::Message& b) {
   std::string difference;
