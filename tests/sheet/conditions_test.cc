@@ -286,6 +286,41 @@ TEST(Forces, FollowTheirHistories) {
   EXPECT_EQ(total_force(sheet).z(), 0.0);
 }
 
+TEST(Forces, PressureAndMomentsStayWhereTheyActThroughCuts) {
+  SheetConfig config = flat(9);
+  config.loads = {{Pressure{WholeSheet{}, 3.0}, {}},
+                  {Pressure{MaterialBox{{0.0, 0.0}, {0.5, 1.0}}, 2.0}, {{0.0, 1.0}, {0.0, 1.0}}},
+                  {EdgeMoment{RegionEdge::kRight, 0.5, true}, {}},
+                  {EdgeMoment{RegionEdge::kTop, 0.25, false}, {}}};
+  Sheet sheet = make(config);
+  const auto pressed = [&] {
+    double force = 0.0;  // N, while the sheet is flat
+    for (mesh::TriangleId t = 0; t < sheet.mesh().num_triangle_slots(); ++t) {
+      if (!sheet.mesh().is_solid(t)) continue;
+      const auto& corner = sheet.mesh().vertices(t);
+      const Vector2d a = sheet.mesh().rest_position(corner[1]) - sheet.mesh().rest_position(corner[0]);
+      const Vector2d b = sheet.mesh().rest_position(corner[2]) - sheet.mesh().rest_position(corner[0]);
+      force += sheet.loads().pressure.at(static_cast<std::size_t>(t)) * 0.5 * (a.x() * b.y() - a.y() * b.x());
+    }
+    return force;
+  };
+  const auto moments = [&] {
+    double sum = 0.0;
+    for (const fem::EdgeMoment& moment : sheet.loads().edge_moments) sum += moment.moment;
+    return sum;
+  };
+  EXPECT_NEAR(pressed(), 3.0, 1e-12);
+  EXPECT_EQ(sheet.loads().edge_moments.size(), 16U);
+  EXPECT_NEAR(moments(), 0.5 + 0.25, 1e-12);
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.7, 0.7}, {1.2, 0.8})));
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.72, 0.6}, {0.7, 1.2})));
+  EXPECT_NEAR(pressed(), 3.0, 1e-9);
+  EXPECT_NEAR(moments(), 0.5 + 0.25, 1e-9);
+  EXPECT_EQ(sheet.loads().pressure.size(), static_cast<std::size_t>(sheet.mesh().num_triangle_slots()));
+  run(sheet, 30);
+  EXPECT_NEAR(pressed(), 3.0 + 0.5, 0.02) << "half of its history, on half of the sheet, to the nearest triangle";
+}
+
 TEST(Forces, WithoutAnythingToActOnAreRefused) {
   SheetConfig config = flat(5);
   config.loads = {{EdgeForce{NearestVertex{{0.0, 0.0}}, {1.0, 0.0, 0.0}, true}, {}}};
@@ -314,6 +349,22 @@ TEST(InitialVelocities, TurnAboutTheCentreOfMassUnlessToldOtherwise) {
   run(sheet, 5);
   ASSERT_TRUE(apply(sheet, Reset{}));
   EXPECT_LT((Vector3d(sheet.state().v.col(24)) - Vector3d(0.0, 1.0, 0.0)).norm(), 1e-12);
+}
+
+TEST(Integrators, AreThoseThatTheSceneAsksFor) {
+  SheetConfig config = flat(5);
+  config.gravity = {0.0, 0.0, -9.81};
+  config.material.mass_damping = 0.0;
+  // Free fall by one tick tells them apart: implicit Euler is half a tick late, those of second order are right.
+  for (const IntegratorKind kind :
+       {IntegratorKind::kImplicitEuler, IntegratorKind::kTrapezoidal, IntegratorKind::kBdf2, IntegratorKind::kTrBdf2}) {
+    config.integrator.kind = kind;
+    Sheet sheet = make(config);
+    sheet.step({});
+    const double exact = -0.5 * 9.81 * sheet.dt() * sheet.dt();
+    const double factor = kind == IntegratorKind::kImplicitEuler ? 2.0 : 1.0;
+    EXPECT_NEAR(sheet.state().x(2, 12), factor * exact, 1e-9 * std::abs(exact)) << sheet.integrator_description();
+  }
 }
 
 TEST(Settling, FindsTheEquilibriumOfTheLoadAndLeavesTheTickAlone) {
