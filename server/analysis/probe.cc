@@ -233,24 +233,25 @@ struct Probes::Context {
   }
 };
 
+Status Probes::check(const sheet::Sheet& sheet, const Probe& probe, const std::string& path) {
+  for (std::size_t p = 0; p < probe.points.size(); ++p) {
+    if (probe.quantity == Quantity::kOpening || place_at(sheet, probe, probe.points[p]).exists) continue;
+    const std::string field = path + ".points[" + std::to_string(p) + "]";
+    return invalid_argument("POINT_OUTSIDE", field + " is not a point of the sheet", field);
+  }
+  if (!probe.region) return Nothing{};
+  const std::string field = path + ".region";
+  if (const auto found = find_vertices(sheet.mesh(), *probe.region, field); !found) return found.error();
+  if (!members_of(sheet, probe).empty()) return Nothing{};
+  return invalid_argument("REGION_EMPTY", field + " has nothing of the sheet in it", field);
+}
+
 Result<Probes> Probes::create(std::vector<Probe> requests, const sheet::Sheet& sheet) {
   Probes probes;
   probes.requests_ = std::move(requests);
   for (std::size_t i = 0; i < probes.requests_.size(); ++i) {
     const Probe& probe = probes.requests_[i];
-    const std::string path = "probes[" + std::to_string(i) + "]";
-    for (std::size_t p = 0; p < probe.points.size(); ++p) {
-      if (probe.quantity == Quantity::kOpening || place_at(sheet, probe, probe.points[p]).exists) continue;
-      const std::string field = path + ".points[" + std::to_string(p) + "]";
-      return invalid_argument("POINT_OUTSIDE", field + " is not a point of the sheet", field);
-    }
-    if (probe.region) {
-      const std::string field = path + ".region";
-      if (const auto found = find_vertices(sheet.mesh(), *probe.region, field); !found) return found.error();
-      if (members_of(sheet, probe).empty()) {
-        return invalid_argument("REGION_EMPTY", field + " has nothing of the sheet in it", field);
-      }
-    }
+    if (Status s = check(sheet, probe, "probes[" + std::to_string(i) + "]"); !s) return s.error();
     const bool is_each = !probe.points.empty() && probe.reduce == Reduce::kEach;
     for (std::size_t p = 0; p < (is_each ? probe.points.size() : 1); ++p) {
       const std::string number = is_each && probe.points.size() > 1 ? "[" + std::to_string(p) + "]" : "";

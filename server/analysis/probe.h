@@ -51,6 +51,7 @@ class Probes {
   };
   struct Context;
 
+  static Status check(const sheet::Sheet& sheet, const sheet::Probe& probe, const std::string& path);
   void locate(const sheet::Sheet& sheet);
   [[nodiscard]] static Place place_at(const sheet::Sheet& sheet, const sheet::Probe& probe, const Eigen::Vector2d& at);
   [[nodiscard]] static std::vector<Member> members_of(const sheet::Sheet& sheet, const sheet::Probe& probe);

@@ -115,18 +115,6 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
   return report;
 }
 
-// A static analysis counts loads as it would ticks.
-TickReport Sheet::Impl::begin_load_step() {
-  TickReport report;
-  const std::int32_t version_before = topology_version;
-  drain_commands({}, nullptr, true, report);
-  if (conditions_changed) set_conditions(now, 0.0);
-  ++tick;
-  report.topology_changed = topology_version != version_before;
-  stamp(report);
-  return report;
-}
-
 // What a report says of the sheet as it is at its end.
 void Sheet::Impl::stamp(TickReport& report) const {
   report.tick = tick;
@@ -181,52 +169,6 @@ void Sheet::Impl::set_loads() {
   }
 }
 
-void Sheet::Impl::set_conditions(const Instant& end, double duration) {
-  const bool varies = held_vertices.varies() || applied_forces.varies() || !config->gravity_history.times.empty();
-  if (!conditions_changed && !varies && end.absent == now.absent) return;
-  loads.gravity = config->gravity_history.at(end.time, 1.0) * full_gravity;
-  if (held_vertices.empty()) {
-    loads.pins = holds;
-  } else {
-    held_vertices.set(holds, {end.time - duration, end.absent}, end, duration, mesh, loads.pins);
-  }
-  if (held_vertices.has_slopes()) set_slopes(end);
-  if (!applied_forces.empty()) applied_forces.set(end, mesh, model, loads);
-  now = end;
-  conditions_changed = false;
-}
-
-void Sheet::Impl::set_slopes(const Instant& at) {
-  std::vector<fem::Clamp> clamps = held_vertices.clamps(at);
-  std::vector<mesh::VertexId> vertices;
-  for (const fem::Clamp& clamp : clamps) vertices.push_back(clamp.vertex);
-  model.set_clamps(mesh, std::move(clamps));
-  // Other vertices make for another matrix; other slopes for other forces only.
-  if (vertices == clamped) return;
-  clamped = std::move(vertices);
-  integrator->rebuild(model);
-}
-
-void Sheet::Impl::follow_conditions(std::span<const mesh::MeshEdit* const> edits) {
-  if (!held_vertices.empty()) held_vertices.follow(mesh, edits, initial->built);
-  if (!applied_forces.empty()) applied_forces.follow(mesh);
-  conditions_changed = true;
-}
-
-fem::EquilibriumStats Sheet::Impl::settle(double load, const fem::EquilibriumOptions& options,
-                                          const fem::EquilibriumSolver::Watch& watch) {
-  set_conditions({load, load}, 0.0);
-  loads.grabs.clear();
-  fem::EquilibriumSolver solver(options);
-  solver.rebuild(model);
-  mesh::VertexField x = state.x;
-  const fem::EquilibriumStats stats = solver.solve(model, loads, watch, x);
-  if (!stats.converged) return stats;
-  state.x = x;
-  state.v.setZero();
-  return stats;
-}
-
 void Sheet::Impl::integrate(TickReport& report) {
   last_good = state;
   report.stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
@@ -262,7 +204,9 @@ void Sheet::Impl::watch_rest() {
 }
 
 bool Sheet::Impl::is_at_rest() const {
-  const bool to_come = now.time < std::max(held_vertices.last_change(), applied_forces.last_change());
+  const std::vector<double>& times = config->gravity_history.times;
+  const double gravity_change = times.empty() ? -kForever : times.back();
+  const bool to_come = now.time < std::max({held_vertices.last_change(), applied_forces.last_change(), gravity_change});
   return is_quiet && grabs.empty() && next_scheduled == schedule.size() && !frozen && !to_come;
 }
 

@@ -82,6 +82,12 @@ struct Sheet::Impl {
   // Stages of a tick (sheet.cc).
   void drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled, TickReport& report);
   void set_loads();
+  void stamp(TickReport& report) const;
+  void integrate(TickReport& report);
+  void watch_rest();
+  [[nodiscard]] bool is_at_rest() const;
+
+  // Constraints and loads (sheet_conditions.cc).
   // Makes constraints, loads and slopes those of a step of dt (s, 0: at once) that ends at `end`; nothing where none
   // changed.
   void set_conditions(const Instant& end, double dt);
@@ -90,10 +96,6 @@ struct Sheet::Impl {
   fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options,
                                const fem::EquilibriumSolver::Watch& watch);
   TickReport begin_load_step();
-  void stamp(TickReport& report) const;
-  void integrate(TickReport& report);
-  void watch_rest();
-  [[nodiscard]] bool is_at_rest() const;
 
   // Commands (sheet_commands.cc). Each changes everything it should, or nothing.
   Result<CommandReply> do_command(const Command& command, const CommandContext& context);

@@ -286,6 +286,19 @@ TEST(Forces, FollowTheirHistories) {
   EXPECT_EQ(total_force(sheet).z(), 0.0);
 }
 
+TEST(Forces, KeepASheetAwakeThatTheyWillStillMove) {
+  SheetConfig config = flat(5);
+  config.material.mass_damping = 0.0;
+  config.gravity = {0.0, 0.0, -1.0};
+  config.gravity_history = {{1.5, 1.6}, {0.0, 1.0}};
+  Sheet sheet = make(config);
+  run(sheet, 80);
+  EXPECT_LT(sheet.state().v.cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_FALSE(sheet.at_rest());
+  run(sheet, 40);
+  EXPECT_LT(sheet.state().v(2, 0), -0.1);
+}
+
 TEST(Forces, PressureAndMomentsStayWhereTheyActThroughCuts) {
   SheetConfig config = flat(9);
   config.loads = {{Pressure{WholeSheet{}, 3.0}, {}},
@@ -363,7 +376,7 @@ TEST(Integrators, AreThoseThatTheSceneAsksFor) {
     sheet.step({});
     const double exact = -0.5 * 9.81 * sheet.dt() * sheet.dt();
     const double factor = kind == IntegratorKind::kImplicitEuler ? 2.0 : 1.0;
-    EXPECT_NEAR(sheet.state().x(2, 12), factor * exact, 1e-9 * std::abs(exact)) << sheet.integrator_description();
+    EXPECT_NEAR(sheet.state().x(2, 12), factor * exact, 1e-6 * std::abs(exact)) << sheet.integrator_description();
   }
 }
 
