@@ -96,18 +96,7 @@ void Api::analyze_sheet(const v1::AnalyzeSheetRequest& message, Reply<v1::Analyz
           if (core->stopping) return reply(server_stopping());
           reply(std::move(response));
         };
-        switch (core->analyst.submit(work, [reply] { reply(server_stopping()); })) {
-          case BackgroundWorker::Outcome::kTaken:
-            return;
-          case BackgroundWorker::Outcome::kStopped:
-            return reply(server_stopping());
-          case BackgroundWorker::Outcome::kFull:
-            return reply(Error{ErrorCode::kResourceExhausted,
-                               "TOO_MANY_ANALYSES",
-                               std::to_string(core->options.limits.max_waiting_analyses) +
-                                   " analyses are waiting, as many as may; try again later",
-                               {}});
-        }
+        in_background(core->analyst, reply, work, too_many_analyses(*core));
       });
 }
 

@@ -24,6 +24,22 @@ v1::Sheet::RunState encode_run_state(host::RunState state) {
 
 }  // namespace
 
+Error too_many_pictures(const ApiCore& core) {
+  return {ErrorCode::kResourceExhausted,
+          "TOO_MANY_PICTURES",
+          std::to_string(core.options.limits.max_waiting_pictures) +
+              " pictures and exports are waiting, as many as may; try again later",
+          {}};
+}
+
+Error too_many_analyses(const ApiCore& core) {
+  return {ErrorCode::kResourceExhausted,
+          "TOO_MANY_ANALYSES",
+          std::to_string(core.options.limits.max_waiting_analyses) +
+              " analyses are waiting, as many as may; try again later",
+          {}};
+}
+
 Error server_stopping() {
   return {ErrorCode::kUnavailable, "SERVER_STOPPING", "the server is stopping; try again later", {}};
 }

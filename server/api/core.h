@@ -96,22 +96,23 @@ void once(const std::shared_ptr<ApiCore>& core, const char* method, const Reques
   });
 }
 
-// Runs `work` on the background worker, or replies why not.
+// Runs `work` on a background worker, or replies why not. `full`: what to reply where too much waits.
 template <typename Response>
-void in_background(ApiCore& core, const Reply<Response>& reply, std::function<void()> work) {
-  switch (core.worker.submit(std::move(work), [reply] { reply(server_stopping()); })) {
+void in_background(BackgroundWorker& worker, const Reply<Response>& reply, std::function<void()> work,
+                   const Error& full) {
+  switch (worker.submit(std::move(work), [reply] { reply(server_stopping()); })) {
     case BackgroundWorker::Outcome::kTaken:
       return;
     case BackgroundWorker::Outcome::kStopped:
       return reply(server_stopping());
     case BackgroundWorker::Outcome::kFull:
-      return reply(Error{ErrorCode::kResourceExhausted,
-                         "TOO_MANY_PICTURES",
-                         std::to_string(core.options.limits.max_waiting_pictures) +
-                             " pictures and exports are waiting, as many as may; try again later",
-                         {}});
+      return reply(full);
   }
 }
+
+// kResourceExhausted: as many pictures and files, or analyses, are waiting as may.
+Error too_many_pictures(const ApiCore& core);
+Error too_many_analyses(const ApiCore& core);
 
 // Looks at a sheet between two ticks and hands on what `look` found.
 template <typename Found>

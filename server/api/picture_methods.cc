@@ -20,13 +20,15 @@ void Api::render_image(const v1::RenderImageRequest& request, Reply<v1::RenderIm
   const Result<PictureRequest> wanted = decode_picture_request(request);
   if (!wanted.ok()) return reply(wanted.error());
   if (const Status status = check_renderer(*core_); !status.ok()) return reply(status.error());
-  look_at<PictureSubject>(core_, *id, picture_subject, "name",
-                          [core = core_, wanted = *wanted, reply = std::move(reply)](Result<PictureSubject> subject) {
-                            if (!subject.ok()) return reply(subject.error());
-                            in_background(*core, reply, [core, wanted, reply, drawn = std::move(*subject)] {
-                              reply(draw_picture(*core->renderer, drawn, wanted));
-                            });
-                          });
+  look_at<PictureSubject>(
+      core_, *id, picture_subject, "name",
+      [core = core_, wanted = *wanted, reply = std::move(reply)](Result<PictureSubject> subject) {
+        if (!subject.ok()) return reply(subject.error());
+        in_background(
+            core->worker, reply,
+            [core, wanted, reply, drawn = std::move(*subject)] { reply(draw_picture(*core->renderer, drawn, wanted)); },
+            too_many_pictures(*core));
+      });
 }
 
 }  // namespace kerf::api

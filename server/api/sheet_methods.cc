@@ -129,12 +129,15 @@ void Api::export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSh
       core_, *id, [](const sheet::Sheet& sheet) { return sheet.snapshot(); }, "name",
       [core = core_, reply = std::move(reply)](Result<Found> found) {
         if (!found.ok()) return reply(found.error());
-        in_background(*core, reply, [reply, snapshot = *found] {
-          v1::ExportSheetResponse response;
-          response.set_content(encode_obj(*snapshot));
-          response.set_media_type("model/obj");
-          reply(std::move(response));
-        });
+        in_background(
+            core->worker, reply,
+            [reply, snapshot = *found] {
+              v1::ExportSheetResponse response;
+              response.set_content(encode_obj(*snapshot));
+              response.set_media_type("model/obj");
+              reply(std::move(response));
+            },
+            too_many_pictures(*core));
       });
 }
 
