@@ -43,10 +43,6 @@ bool is_in_plane(Quantity quantity) {
   return quantity == Quantity::kStrain || quantity == Quantity::kStress;
 }
 
-bool has(const std::vector<mesh::VertexId>& sorted, mesh::VertexId v) {
-  return std::binary_search(sorted.begin(), sorted.end(), v);
-}
-
 // The solid slot with these corners.
 mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
   for (const mesh::TriangleId slot : model.incident_slots().row(point.vertices[0])) {
@@ -70,19 +66,10 @@ Eigen::Vector2d rest_of(const mesh::TriangleMesh& mesh, const sheet::MaterialPoi
 // Length of border around each vertex of the region between two of its vertices, m.
 std::vector<double> border_lengths(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
   std::vector<double> lengths(region.size(), 0.0);
-  const auto add = [&](mesh::VertexId v, double length) {
-    lengths[static_cast<std::size_t>(std::lower_bound(region.begin(), region.end(), v) - region.begin())] += length;
-  };
-  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (!mesh.is_solid(t)) continue;
-    const auto& corner = mesh.vertices(t);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const mesh::VertexId a = corner[(k + 1) % 3];
-      const mesh::VertexId b = corner[(k + 2) % 3];
-      if (mesh.neighbour(t, static_cast<int>(k)) != mesh::kNone || !has(region, a) || !has(region, b)) continue;
-      const double length = (mesh.rest_position(a) - mesh.rest_position(b)).norm();
-      add(a, 0.5 * length);
-      add(b, 0.5 * length);
+  for (const sheet::BorderEdge& edge : sheet::edges_in(mesh, region)) {
+    for (const mesh::VertexId v : edge.ends) {
+      lengths[static_cast<std::size_t>(std::lower_bound(region.begin(), region.end(), v) - region.begin())] +=
+          0.5 * edge.length;
     }
   }
   return lengths;
@@ -159,13 +146,6 @@ class InPlane {
   fem::MembraneField field_;
   std::vector<Eigen::Vector3d> of_slots_, of_vertices_;  // empty before they are asked for
 };
-
-double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId t) {
-  const auto& corner = mesh.vertices(t);
-  const Eigen::Vector2d a = mesh.rest_position(corner[1]) - mesh.rest_position(corner[0]);
-  const Eigen::Vector2d b = mesh.rest_position(corner[2]) - mesh.rest_position(corner[0]);
-  return 0.5 * (a.x() * b.y() - a.y() * b.x());
-}
 
 Vector of_whole_sheet(const sheet::Sheet& sheet, Quantity quantity) {
   const fem::Model& model = sheet.model();
@@ -307,11 +287,8 @@ std::vector<Probes::Member> Probes::members_of(const sheet::Sheet& sheet, const 
   const std::vector<mesh::VertexId> vertices = find_vertices(mesh, region, "").value();
   std::vector<Member> members;
   if (is_in_plane(probe.quantity)) {
-    for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-      if (!mesh.is_solid(t)) continue;
-      const auto& corner = mesh.vertices(t);
-      if (!has(vertices, corner[0]) || !has(vertices, corner[1]) || !has(vertices, corner[2])) continue;
-      members.push_back({t, rest_area(mesh, t), Eigen::Vector3d::Zero()});
+    for (const mesh::TriangleId t : sheet::triangles_in(mesh, vertices)) {
+      members.push_back({t, sheet::rest_area(mesh, t), Eigen::Vector3d::Zero()});
     }
     return members;
   }

@@ -13,51 +13,6 @@ namespace {
 
 using mesh::VertexId;
 
-struct BorderEdge {
-  mesh::TriangleId slot = mesh::kNone;
-  int edge = 0;  // opposite that corner
-  std::array<VertexId, 2> ends{mesh::kNone, mesh::kNone};
-  double length = 0.0;  // m, undeformed
-};
-
-bool has(const std::vector<VertexId>& sorted, VertexId v) {
-  return std::binary_search(sorted.begin(), sorted.end(), v);
-}
-
-// Border edges of the opened mesh both ends of which are in the region.
-std::vector<BorderEdge> edges_in(const mesh::TriangleMesh& mesh, const std::vector<VertexId>& region) {
-  std::vector<BorderEdge> edges;
-  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (!mesh.is_solid(t)) continue;
-    const std::array<VertexId, 3> corner = mesh.vertices(t);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const VertexId a = corner[(k + 1) % 3];
-      const VertexId b = corner[(k + 2) % 3];
-      const int edge = static_cast<int>(k);
-      if (!has(region, a) || !has(region, b) || mesh.neighbour(t, edge) != mesh::kNone) continue;
-      edges.push_back({t, edge, {a, b}, (mesh.rest_position(a) - mesh.rest_position(b)).norm()});
-    }
-  }
-  return edges;
-}
-
-std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const std::vector<VertexId>& region) {
-  std::vector<mesh::TriangleId> triangles;
-  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (!mesh.is_solid(t)) continue;
-    const std::array<VertexId, 3> corner = mesh.vertices(t);
-    if (has(region, corner[0]) && has(region, corner[1]) && has(region, corner[2])) triangles.push_back(t);
-  }
-  return triangles;
-}
-
-double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId t) {
-  const std::array<VertexId, 3> corner = mesh.vertices(t);
-  const Eigen::Vector2d a = mesh.rest_position(corner[1]) - mesh.rest_position(corner[0]);
-  const Eigen::Vector2d b = mesh.rest_position(corner[2]) - mesh.rest_position(corner[0]);
-  return 0.5 * (a.x() * b.y() - a.y() * b.x());
-}
-
 double total_length(const std::vector<BorderEdge>& edges) {
   double sum = 0.0;
   for (const BorderEdge& edge : edges) sum += edge.length;

@@ -144,6 +144,10 @@ Status add_region(const mesh::TriangleMesh& mesh, const Region& region, const st
   return Nothing{};
 }
 
+bool has(const std::vector<mesh::VertexId>& sorted, mesh::VertexId v) {
+  return std::binary_search(sorted.begin(), sorted.end(), v);
+}
+
 void sort_unique(std::vector<mesh::VertexId>& vertices) {
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
@@ -195,6 +199,39 @@ Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh
   }
   sort_unique(found);
   return found;
+}
+
+std::vector<BorderEdge> edges_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
+  std::vector<BorderEdge> edges;
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (!mesh.is_solid(t)) continue;
+    const std::array<mesh::VertexId, 3> corner = mesh.vertices(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const mesh::VertexId a = corner[(k + 1) % 3];
+      const mesh::VertexId b = corner[(k + 2) % 3];
+      const int edge = static_cast<int>(k);
+      if (!has(region, a) || !has(region, b) || mesh.neighbour(t, edge) != mesh::kNone) continue;
+      edges.push_back({t, edge, {a, b}, (mesh.rest_position(a) - mesh.rest_position(b)).norm()});
+    }
+  }
+  return edges;
+}
+
+std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
+  std::vector<mesh::TriangleId> triangles;
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (!mesh.is_solid(t)) continue;
+    const std::array<mesh::VertexId, 3> corner = mesh.vertices(t);
+    if (has(region, corner[0]) && has(region, corner[1]) && has(region, corner[2])) triangles.push_back(t);
+  }
+  return triangles;
+}
+
+double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) {
+  const std::array<mesh::VertexId, 3> corner = mesh.vertices(slot);
+  const Eigen::Vector2d a = mesh.rest_position(corner[1]) - mesh.rest_position(corner[0]);
+  const Eigen::Vector2d b = mesh.rest_position(corner[2]) - mesh.rest_position(corner[0]);
+  return 0.5 * (a.x() * b.y() - a.y() * b.x());
 }
 
 void inherit_pins(const mesh::MeshEdit& edit, std::vector<mesh::VertexId>& pinned) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <variant>
 #include <vector>
@@ -69,6 +70,21 @@ Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh
                                                   const std::string& field);
 Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const Region& region,
                                                   const std::string& field);
+
+// A border edge of the opened mesh, lips among them, both ends of which are in a region.
+struct BorderEdge {
+  mesh::TriangleId slot = mesh::kNone;
+  int edge = 0;  // opposite that corner
+  std::array<mesh::VertexId, 2> ends{mesh::kNone, mesh::kNone};
+  double length = 0.0;  // m, undeformed
+};
+
+// `region`: sorted vertices.
+std::vector<BorderEdge> edges_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region);
+// Solid slots all corners of which are in the region.
+std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region);
+// m^2, in material coordinates, of a solid slot.
+double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
 
 // Pins after an edit: a new vertex is pinned where everything that it comes from is, so both copies of a split vertex
 // and a new vertex on an edge between two pinned ones. Those left without material are not. `pinned`: sorted, unique;
