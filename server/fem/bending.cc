@@ -68,54 +68,6 @@ Eigen::Matrix3d pseudo_inverse(Eigen::Matrix3d G, Eigen::Matrix3d gram, const st
   return inverse;
 }
 
-// BendingFit without the part of its conditions that is the identity. A quadratic form q and barycentrics lambda of a
-// point X obey q(X) - sum_k lambda_k q(X_k) = -sum_{j<k} lambda_j lambda_k q(X_j - X_k): so P is C, products of
-// barycentrics, times the quadratic terms of the edges. Whether conditions depend on each other is a matter of C alone
-// and stays the same when the patch is stretched.
-struct Fit {
-  Eigen::Matrix3d L =
-      Eigen::Matrix3d::Zero();  // row r: barycentrics of neighbour r's vertex; w = x_opposite - L x_corners
-  Eigen::Matrix3d M;            // N/m; the law
-
-  Fit(const std::array<Eigen::Vector2d, 3>& corners, const std::array<Eigen::Vector2d, 3>& opposite,
-      const std::array<PatchEdge, 3>& edges, const Eigen::Matrix3d& D_inverse) {
-    const Eigen::Vector2d e1 = corners[1] - corners[0];
-    const Eigen::Vector2d e2 = corners[2] - corners[0];
-    const double doubled_area = e1.x() * e2.y() - e1.y() * e2.x();
-    const double scale = 1.0 / doubled_area;
-    Eigen::Matrix3d C = Eigen::Matrix3d::Zero();     // unit rows
-    Eigen::Vector3d size = Eigen::Vector3d::Ones();  // by which they were divided
-    std::array<bool, 3> has_condition{};
-    for (int r = 0; r < 3; ++r) {
-      const auto slot = static_cast<std::size_t>(r);
-      if (edges[slot] == PatchEdge::kFree) continue;
-      has_condition[slot] = true;
-      // Of a clamped edge everything is the derivative along its arm, in its middle.
-      const bool is_clamped = edges[slot] == PatchEdge::kClamped;
-      const Eigen::Vector2d d = is_clamped ? clamp_arm(corners, slot) : Eigen::Vector2d(opposite[slot] - corners[0]);
-      const double lambda_1 = scale * (d.x() * e2.y() - d.y() * e2.x());
-      const double lambda_2 = scale * (e1.x() * d.y() - e1.y() * d.x());
-      const Eigen::Vector3d lambda((is_clamped ? 0.0 : 1.0) - lambda_1 - lambda_2, lambda_1, lambda_2);
-      L.row(r) = lambda;
-      const Eigen::Vector3d at = is_clamped
-                                     ? Eigen::Vector3d(0.5 * (Eigen::Vector3d::Ones() - Eigen::Vector3d::Unit(r)))
-                                     : Eigen::Vector3d(0.5 * lambda);
-      const Eigen::Vector3d products(lambda[1] * at[2] + at[1] * lambda[2], lambda[2] * at[0] + at[2] * lambda[0],
-                                     lambda[0] * at[1] + at[0] * lambda[1]);
-      size[r] = products.norm();
-      C.row(r) = products / size[r];
-    }
-    Eigen::Matrix3d Phi;
-    Phi << quadratic_terms(e2 - e1), quadratic_terms(e2), quadratic_terms(e1);
-    const Eigen::Matrix3d CPhi = C * Phi.transpose();
-    const Eigen::Matrix3d G = CPhi * D_inverse * CPhi.transpose();
-    const Eigen::Matrix3d inverse = pseudo_inverse(G, C * C.transpose(), has_condition);
-    for (int i = 0; i < 3; ++i) {
-      for (int j = i; j < 3; ++j) M(i, j) = M(j, i) = 0.5 * doubled_area / (size[i] * size[j]) * inverse(i, j);
-    }
-  }
-};
-
 }  // namespace
 
 Eigen::Vector2d clamp_arm(const std::array<Eigen::Vector2d, 3>& corners, std::size_t edge) {
@@ -125,14 +77,60 @@ Eigen::Vector2d clamp_arm(const std::array<Eigen::Vector2d, 3>& corners, std::si
   return along.dot(inward) * along - inward;
 }
 
-std::array<double, 21> bending_stiffness(const std::array<Eigen::Vector2d, 3>& corners,
-                                         const std::array<Eigen::Vector2d, 3>& opposite,
-                                         const std::array<PatchEdge, 3>& edges, const Eigen::Matrix3d& D_inverse) {
-  const Fit fit(corners, opposite, edges, D_inverse);
-  const Eigen::Matrix3d ML = fit.M * fit.L;
+// A quadratic form q and barycentrics lambda of a point X obey q(X) - sum_k lambda_k q(X_k) = -sum_{j<k} lambda_j
+// lambda_k q(X_j - X_k): so P is C, products of barycentrics, times the quadratic terms of the edges. Whether
+// conditions depend on each other is a matter of C alone and stays the same when the patch is stretched.
+BendingFit fit_bending(const PatchGeometry& patch, const Eigen::Matrix3d& D_inverse) {
+  const Eigen::Vector2d e1 = patch.corners[1] - patch.corners[0];
+  const Eigen::Vector2d e2 = patch.corners[2] - patch.corners[0];
+  const double doubled_area = e1.x() * e2.y() - e1.y() * e2.x();
+  const double scale = 1.0 / doubled_area;
+  BendingFit fit;
+  Eigen::Matrix3d C = Eigen::Matrix3d::Zero();     // unit rows
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();  // by which they were divided
+  std::array<bool, 3> has_condition{};
+  for (int r = 0; r < 3; ++r) {
+    const auto slot = static_cast<std::size_t>(r);
+    if (patch.edges[slot] == PatchEdge::kFree) continue;
+    has_condition[slot] = true;
+    // Of a clamped edge everything is the derivative along its arm, in its middle.
+    const bool is_clamped = patch.edges[slot] == PatchEdge::kClamped;
+    const Eigen::Vector2d d =
+        is_clamped ? clamp_arm(patch.corners, slot) : Eigen::Vector2d(patch.opposite[slot] - patch.corners[0]);
+    const double lambda_1 = scale * (d.x() * e2.y() - d.y() * e2.x());
+    const double lambda_2 = scale * (e1.x() * d.y() - e1.y() * d.x());
+    const Eigen::Vector3d lambda((is_clamped ? 0.0 : 1.0) - lambda_1 - lambda_2, lambda_1, lambda_2);
+    fit.conditions.row(r).head<3>() = -lambda;
+    fit.conditions(r, 3 + r) = 1.0;
+    const Eigen::Vector3d at = is_clamped ? Eigen::Vector3d(0.5 * (Eigen::Vector3d::Ones() - Eigen::Vector3d::Unit(r)))
+                                          : Eigen::Vector3d(0.5 * lambda);
+    const Eigen::Vector3d products(lambda[1] * at[2] + at[1] * lambda[2], lambda[2] * at[0] + at[2] * lambda[0],
+                                   lambda[0] * at[1] + at[0] * lambda[1]);
+    size[r] = products.norm();
+    C.row(r) = products / size[r];
+  }
+  Eigen::Matrix3d Phi;
+  Phi << quadratic_terms(e2 - e1), quadratic_terms(e2), quadratic_terms(e1);
+  const Eigen::Matrix3d CPhi = C * Phi.transpose();
+  const Eigen::Matrix3d G = CPhi * D_inverse * CPhi.transpose();
+  const Eigen::Matrix3d inverse = pseudo_inverse(G, C * C.transpose(), has_condition);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      fit.law(i, j) = fit.law(j, i) = 0.5 * doubled_area / (size[i] * size[j]) * inverse(i, j);
+    }
+  }
+  // P = -diag(size) C Phi.
+  fit.moments = CPhi.transpose() * inverse;
+  for (int j = 0; j < 3; ++j) fit.moments.col(j) *= -1.0 / size[j];
+  return fit;
+}
+
+std::array<double, 21> bending_stiffness(const BendingFit& fit) {
+  const Eigen::Matrix3d L = fit.conditions.leftCols<3>();
+  const Eigen::Matrix3d ML = fit.law * L;
   const auto entry = [&](int i, int j) {  // i <= j
-    if (i >= 3) return fit.M(i - 3, j - 3);
-    return j >= 3 ? -ML(j - 3, i) : fit.L.col(i).dot(ML.col(j));
+    if (i >= 3) return fit.law(i - 3, j - 3);
+    return j >= 3 ? ML(j - 3, i) : L.col(i).dot(ML.col(j));
   };
   std::array<double, 21> upper{};
   std::size_t at = 0;
@@ -140,17 +138,6 @@ std::array<double, 21> bending_stiffness(const std::array<Eigen::Vector2d, 3>& c
     for (int j = i; j < 6; ++j) upper[at++] = entry(i, j);
   }
   return upper;
-}
-
-BendingFit fit_bending(const std::array<Eigen::Vector2d, 3>& corners, const std::array<Eigen::Vector2d, 3>& opposite,
-                       const std::array<PatchEdge, 3>& edges, const Eigen::Matrix3d& D_inverse) {
-  const Fit fit(corners, opposite, edges, D_inverse);
-  BendingFit made;
-  made.law = fit.M;
-  made.conditions.leftCols<3>() = -fit.L;
-  for (int r = 0; r < 3; ++r)
-    made.conditions(r, 3 + r) = edges[static_cast<std::size_t>(r)] != PatchEdge::kFree ? 1.0 : 0.0;
-  return made;
 }
 
 }  // namespace kerf::fem

@@ -113,6 +113,9 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   row_place_[0] = 0;
   patches_.resize(static_cast<std::size_t>(num_slots_));
   bending_rows_.resize(mesh.num_vertices());
+  edged_.resize(static_cast<std::size_t>(num_slots_));
+  fitted_.resize(static_cast<std::size_t>(num_slots_));
+  bending_edges_.resize(num_slots_);
   if (!mesh.is_curved()) return;
   rest_bending_.resize(static_cast<std::size_t>(num_slots_));
   bound_rows_.resize(mesh.num_vertices());
@@ -256,6 +259,13 @@ std::uint64_t Model::hash() const {
   for (const BendingPatch& patch : patches_) {
     hash.add_span(std::span<const VertexId>(patch.vertex));
     hash.add_span(std::span<const double>(patch.stiffness));
+  }
+  for (int slot = 0; slot < bending_edges_.num_rows(); ++slot) {
+    for (const BendingEdge& edge : bending_edges_.row(slot)) {
+      hash.add_span(std::span<const VertexId>(edge.vertex));
+      hash.add_span(std::span<const double>(edge.kink));
+      hash.add_span(std::span<const double>(edge.load));
+    }
   }
   for (const RestBending& rest : rest_bending_) {
     for (const Eigen::Vector3d& load : rest.load) hash.add_span(std::span<const double>(load.data(), 3));

@@ -9,6 +9,7 @@
 
 #include "server/base/phase_observer.h"
 #include "server/fem/bending.h"
+#include "server/fem/bending_edge.h"
 #include "server/fem/bending_forces.h"
 #include "server/fem/element_block.h"
 #include "server/fem/index_set.h"
@@ -54,9 +55,10 @@ struct MassChange {
 // The discrete elastic sheet: constants of every triangle, lumped masses and the bending matrix, for the rest shape of
 // the mesh, flat or curved, and one material.
 //   Membrane: co-rotational linear triangles, W = A/2 e.C e with e = U - I, F = R U (Biot strain).
-//   Bending: quadratic patch of a triangle and its up to three neighbours, W = A/2 kappa.D kappa (see bending.h); where
-//            the rest shape is curved the patch is unfolded along its edges, and kappa is measured from that of the
-//            rest shape (see rest_bending.h).
+//   Bending: quadratic patch of a triangle and its up to three neighbours, W = A/2 kappa.D kappa (see bending.h), and
+//            the work of moments on the kinks between patches (see bending_edge.h); where the rest shape is curved the
+//            patch is unfolded along its edges, kappa is measured from that of the rest shape (see rest_bending.h), and
+//            kinks are left out.
 //   Mass: a third of each triangle's to each corner; vertices far too light for their stiffness, as along a cut, are
 //         given some of their neighbours' (see mass_redistribution.h).
 // Derived from mesh and material alone: two models of equal mesh and material are equal bit for bit, however they were
@@ -155,17 +157,44 @@ class Model {
                          Eigen::Matrix<double, 3, 2>& gradient) const;
   // Into clamp_forces_.
   void sum_clamp_forces(const mesh::TriangleMesh& mesh);
-  [[nodiscard]] BendingPatch make_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
-  // The same of a curved rest shape; leaves what that adds in rest_bending_.
+  // Marks rows_ of those that the sheet has.
+  void mark_rows(std::span<const mesh::VertexId> vertices);
+  // At the edges of the slots in patched_; marks the rows that they are in or were.
+  void make_edges(const mesh::TriangleMesh& mesh);
+  // Of the edge opposite corner k of `slot`, `other` across it. Whether it needs a term.
+  bool make_edge(const mesh::TriangleMesh& mesh, mesh::TriangleId slot, mesh::TriangleId other, int k,
+                 BendingEdge& edge);
+  // The corner of `slot` that is not on its edge to its neighbour `from`.
+  static std::size_t corner_across(const mesh::TriangleMesh& mesh, mesh::TriangleId slot, mesh::TriangleId from);
+  // kNone throughout for a slot without material.
+  [[nodiscard]] std::array<mesh::VertexId, 6> patch_vertices(const mesh::TriangleMesh& mesh,
+                                                             mesh::TriangleId slot) const;
+  struct PatchFit {
+    PatchGeometry geometry;
+    BendingFit fit;
+  };
+  // Of a solid slot of a flat rest shape; valid until the next call.
+  const PatchFit& fit_at(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
+  // What clamps hold at each edge of a slot, h x_nu: see fit_bending; 0 elsewhere.
+  [[nodiscard]] std::array<Eigen::Vector3d, 3> held_slopes(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
+  // entry(a, b): of the Q of these vertices, kNone where what is held takes their place. Into clamp_forces_.
+  template <typename Entry>
+  void add_clamp_forces_of(std::span<const mesh::VertexId> vertices, std::span<const Eigen::Vector3d> held,
+                           const Entry& entry);
+  // Of a curved rest shape; leaves what that adds in rest_bending_.
   BendingPatch make_curved_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
-  // Row `vertex` of Q: the sum over the patches that the vertex is in, by ascending slot. Of a curved rest shape also
-  // that of what bounds the stiffness.
+  // Row `vertex` of Q: the sum over the patches that the vertex is in, by ascending slot, then over the edges. Of a
+  // curved rest shape also that of what bounds the stiffness.
   void sum_bending_row(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
   // Into row_sorted_: the patches that the vertex is in and its row there, 8 * slot + row, ascending.
   void find_patches_at(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
   // entries(slot, a, b): of patch `slot`, all of those in row_sorted_.
   template <typename Entries>
-  void sum_row(mesh::VertexId vertex, const Entries& entries, RowStore<BendingEntry>& rows);
+  void add_patches_to_row(const Entries& entries);
+  void add_edges_to_row(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
+  void reserve_row(std::size_t more);
+  void add_to_row(mesh::VertexId column, double entry);
+  void finish_row(mesh::VertexId vertex, RowStore<BendingEntry>& rows);
   [[nodiscard]] bool has_material(mesh::TriangleId slot) const;
   [[nodiscard]] std::array<mesh::VertexId, 3> corners(mesh::TriangleId slot) const;
 
@@ -180,6 +209,7 @@ class Model {
   std::vector<ElementBlock> blocks_;
   std::vector<BendingPatch> patches_;  // one a slot; empty without bending
   RowStore<mesh::TriangleId> incident_;
+  RowStore<BendingEdge> bending_edges_;  // one row a slot: at its edges to neighbours of higher slots
   RowStore<BendingEntry> bending_rows_;
   std::vector<Clamp> clamps_;  // sorted by vertex
   ClampForces clamp_forces_;
@@ -199,8 +229,14 @@ class Model {
   IndexSet touched_;                                    // vertices of rewritten slots, before and after
   IdSet rewritten_;                                     // slots
   IdSet patched_;                                       // slots whose patch is made anew
+  IdSet edged_;                                         // slots whose row of bending_edges_ is made anew
+  IndexSet fitted_;                                     // slots whose fit is in fits_
+  std::vector<PatchFit> fits_;                          // by place in fitted_
+  std::vector<BendingEdge> edge_row_;                   // of one slot
   IdSet rows_;                                          // rows of Q that are summed anew
   std::vector<std::int32_t> row_patches_, row_sorted_;  // of one row: see find_patches_at
+  std::vector<mesh::TriangleId> row_owners_;            // of one row: slots whose edges the vertex may be in
+  std::int32_t row_size_ = 1;                           // of one row: places taken; 0 is for what missing vertices have
   std::vector<mesh::VertexId> row_columns_;             // of one row, in the order they are met
   std::vector<double> row_values_;                      // of one row, by place in row_columns_
   std::vector<std::uint32_t> row_order_;                // of one row

@@ -336,8 +336,10 @@ TEST(BendingElement, SixPointsOnAConicGiveAFiniteStiffness) {
   }
   const Eigen::Matrix3d D = bending_law(isotropic(1.0e6, 0.3, 1.0e-3, 300.0));
   const std::array<double, 21> Q =
-      bending_stiffness({hexagon[0], hexagon[2], hexagon[4]}, {hexagon[3], hexagon[5], hexagon[1]},
-                        {PatchEdge::kNeighbour, PatchEdge::kNeighbour, PatchEdge::kNeighbour}, D.inverse());
+      bending_stiffness(fit_bending({{hexagon[0], hexagon[2], hexagon[4]},
+                                     {hexagon[3], hexagon[5], hexagon[1]},
+                                     {PatchEdge::kNeighbour, PatchEdge::kNeighbour, PatchEdge::kNeighbour}},
+                                    D.inverse()));
   for (const double q : Q) {
     EXPECT_TRUE(std::isfinite(q));
     EXPECT_LT(std::abs(q), 1e3 * D(0, 0));
@@ -377,7 +379,7 @@ TEST(BendingElement, StiffnessIsThatOfTheFitWhicheverNeighboursThereAre) {
     const Eigen::Matrix<double, 3, 6> B =
         D.inverse() * P.transpose() * G.completeOrthogonalDecomposition().pseudoInverse() * W;
     const Eigen::Matrix<double, 6, 6> expected = area * B.transpose() * D * B;
-    const std::array<double, 21> Q = bending_stiffness(X, opposite, edges, D.inverse());
+    const std::array<double, 21> Q = bending_stiffness(fit_bending({X, opposite, edges}, D.inverse()));
     std::size_t at = 0;
     for (int i = 0; i < 6; ++i) {
       for (int j = i; j < 6; ++j) EXPECT_NEAR(Q[at++], expected(i, j), 1e-11 * D(0, 0)) << present;
