@@ -9,7 +9,7 @@
 namespace kerf::fem {
 namespace {
 
-constexpr double kEigenvalueCutOff = 0.02;  // -, of the largest; below it the fit amplifies a near-conic's noise
+constexpr double kEigenvalueCutOff = 0.001;  // -, of the largest; below it the fit amplifies a near-conic's noise
 
 Eigen::Vector3d quadratic_terms(const Eigen::Vector2d& d) {
   return {0.5 * d.x() * d.x(), 0.5 * d.y() * d.y(), 0.5 * d.x() * d.y()};

@@ -58,7 +58,7 @@ struct PatchGeometry {
 
 // D: plate law, N m, Voigt (k11, k22, 2 k12); its inverse is enough. Fit: P_r = phi(X_r) - sum_k lambda_k(X_r) phi(X_k)
 // with phi(d) = (d1^2/2, d2^2/2, d1 d2/2) about corner 0 and barycentrics lambda; kappa = D^-1 P^T G^+ w,
-// G = P D^-1 P^T, w_r = x_r - sum_k lambda_k x_k, so that kappa.D kappa = w.G^+ w. Eigenvalues below 0.02 of the
+// G = P D^-1 P^T, w_r = x_r - sum_k lambda_k x_k, so that kappa.D kappa = w.G^+ w. Eigenvalues below 0.001 of the
 // largest are cut from the pseudo-inverse G^+: the six points may lie on a conic, where the fit is not unique. At a
 // clamped edge the derivative of x along the outward normal nu in its middle M, times the height h of the triangle over
 // it, takes the place of the vertex across: P_r = h (phi_nu(M) - sum_k lambda_k,nu phi(X_k)), w_r = h x_nu - sum_k h

@@ -103,6 +103,8 @@ class Model {
   // ceil(num_slots / kLanes) blocks; lanes beyond num_slots have no material.
   [[nodiscard]] std::span<const ElementBlock> element_blocks() const { return blocks_; }
   [[nodiscard]] bool has_bending() const { return material_.bending_scale > 0.0; }
+  // What of it is at edges; one row a slot, empty without bending.
+  [[nodiscard]] const RowStore<BendingEdge>& bending_edges() const { return bending_edges_; }
   // Q in N/m, one row a vertex: bending force on vertex i = -sum_j Q_ij x_j. Empty rows without bending.
   [[nodiscard]] const RowStore<BendingEntry>& bending_rows() const { return bending_rows_; }
   // What clamps add to the bending force -Q x.

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Spectra/MatOp/SparseSymMatProd.h>
 #include <Spectra/MatOp/SymShiftInvert.h>
 #include <Spectra/SymGEigsShiftSolver.h>
 #include <Eigen/Geometry>
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
 #include "server/base/check.h"
@@ -18,6 +20,8 @@ namespace {
 constexpr double kShift = -1e-9;
 constexpr int kMaxRestarts = 1000;
 constexpr double kTolerance = 1e-10;  // -, relative
+constexpr double kSeparation = 1e-6;  // -, relative; eigenvalues closer together count as one
+constexpr int kMaxSearches = 8;
 
 // Numbers of the components that nothing holds, 3 a vertex; -1 for the others.
 std::vector<int> number_free(const Model& model, const Loads& loads, int& count) {
@@ -110,6 +114,82 @@ Matrix mass_matrix(const Model& model, const mesh::VertexField& x, const std::ve
   return assembled(entries, count);
 }
 
+// (K - shift M)^-1 on what is M-orthogonal to the vectors already found: as Spectra wants it.
+class DeflatedInverse {
+ public:
+  using Scalar = double;
+  DeflatedInverse(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found)
+      : inverse_(stiffness, mass), found_(found), weighted_(mass * found) {}
+  [[nodiscard]] Eigen::Index rows() const { return inverse_.rows(); }
+  [[nodiscard]] Eigen::Index cols() const { return inverse_.cols(); }
+  void set_shift(double shift) { inverse_.set_shift(shift); }
+  void perform_op(const double* in, double* out) const {
+    inverse_.perform_op(in, out);
+    Eigen::Map<Eigen::VectorXd> y(out, rows());
+    y -= found_ * (weighted_.transpose() * y);
+  }
+
+ private:
+  Spectra::SymShiftInvert<double> inverse_;
+  const Eigen::MatrixXd& found_;
+  Eigen::MatrixXd weighted_;
+};
+
+struct Pairs {
+  Eigen::VectorXd values;  // ascending
+  Eigen::MatrixXd vectors;
+  bool converged = false;
+};
+
+// The `count` eigenvalues next to the shift of those whose vectors are not among `found`.
+Pairs lanczos(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found, int count, double shift,
+              int search) {
+  using Product = Spectra::SparseSymMatProd<double>;
+  DeflatedInverse inverse(stiffness, mass, found);
+  Product product(mass);
+  const auto size = static_cast<int>(stiffness.rows());
+  const int num_vectors = std::min(size, std::max(2 * count + 1, 20));
+  Spectra::SymGEigsShiftSolver<DeflatedInverse, Product, Spectra::GEigsMode::ShiftInvert> solver(
+      inverse, product, count, num_vectors, shift);
+  // Not the default start, which is drawn at random: the same state gives the same modes.
+  Eigen::VectorXd start(size);
+  for (int i = 0; i < size; ++i) start[i] = std::cos(1.0 + (1.7 + 0.3 * search) * i) + 0.5;
+  start -= found * (found.transpose() * (mass * start));
+  solver.init(start.data());
+  const auto num_found =
+      solver.compute(Spectra::SortRule::LargestMagn, kMaxRestarts, kTolerance, Spectra::SortRule::SmallestAlge);
+  return {solver.eigenvalues(), solver.eigenvectors(),
+          solver.info() == Spectra::CompInfo::Successful && num_found == count};
+}
+
+// The lowest of both.
+Pairs merged(const Pairs& a, const Pairs& b, int count) {
+  std::vector<std::pair<double, Eigen::VectorXd>> all;
+  for (const Pairs* pairs : {&a, &b}) {
+    for (Eigen::Index i = 0; i < pairs->values.size(); ++i) all.emplace_back(pairs->values[i], pairs->vectors.col(i));
+  }
+  std::stable_sort(all.begin(), all.end(), [](const auto& x, const auto& y) { return x.first < y.first; });
+  all.resize(std::min(all.size(), static_cast<std::size_t>(count)));
+  Pairs pairs{Eigen::VectorXd(all.size()), Eigen::MatrixXd(a.vectors.rows(), all.size()), a.converged && b.converged};
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    pairs.values[static_cast<Eigen::Index>(i)] = all[i].first;
+    pairs.vectors.col(static_cast<Eigen::Index>(i)) = all[i].second;
+  }
+  return pairs;
+}
+
+// How many eigenvalues below the highest found are not among those found: a Krylov space holds one vector of an
+// eigenvalue that several share, and rounding need not bring the others. By the signs of the pivots of K - s M, as many
+// of which are negative as there are eigenvalues below s (Sylvester's law of inertia).
+int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorXd& values, double unit) {
+  const double highest = values[values.size() - 1];
+  const double below = highest - kSeparation * std::abs(highest) - 10.0 * std::abs(kShift) * unit;
+  const Eigen::SimplicialLDLT<Matrix> factor(stiffness - below * mass);
+  if (factor.info() != Eigen::Success) return 0;
+  const auto num_below = static_cast<int>((factor.vectorD().array() < 0.0).count());
+  return std::max(0, num_below - static_cast<int>((values.array() < below).count()));
+}
+
 }  // namespace
 
 int num_free_components(const Model& model, const Loads& loads) {
@@ -124,23 +204,17 @@ Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField
   KERF_CHECK(count >= 1 && count <= kMaxModes && count < num_free, "as many modes as find_modes() can find");
   const Matrix stiffness = stiffness_matrix(model, loads, x, numbers, num_free);
   const Matrix mass = mass_matrix(model, x, numbers, num_free);
-  using Inverse = Spectra::SymShiftInvert<double>;
-  using Product = Spectra::SparseSymMatProd<double>;
-  Inverse inverse(stiffness, mass);
-  Product product(mass);
-  const int num_vectors = std::min(num_free, std::max(2 * count + 1, 20));
-  Spectra::SymGEigsShiftSolver<Inverse, Product, Spectra::GEigsMode::ShiftInvert> solver(
-      inverse, product, count, num_vectors, kShift * model.stiffness_bound());
-  // Not the default start, which is drawn at random: the same state gives the same modes.
-  Eigen::VectorXd start(num_free);
-  for (int i = 0; i < num_free; ++i) start[i] = std::cos(1.0 + 1.7 * i) + 0.5;
-  solver.init(start.data());
-  const auto found =
-      solver.compute(Spectra::SortRule::LargestMagn, kMaxRestarts, kTolerance, Spectra::SortRule::SmallestAlge);
+  const double unit = model.stiffness_bound();
+  Pairs found{Eigen::VectorXd(0), Eigen::MatrixXd(num_free, 0), true};
+  int missing = count;
+  for (int search = 0; search < kMaxSearches && missing > 0; ++search) {
+    found = merged(found, lanczos(stiffness, mass, found.vectors, missing, kShift * unit, search), count);
+    missing = found.converged ? num_missed(stiffness, mass, found.values, unit) : 0;
+  }
   Modes modes;
-  modes.converged = solver.info() == Spectra::CompInfo::Successful && found == count;
-  modes.eigenvalues = solver.eigenvalues();
-  const Eigen::MatrixXd vectors = solver.eigenvectors();
+  modes.converged = found.converged && missing == 0;
+  modes.eigenvalues = found.values;
+  const Eigen::MatrixXd& vectors = found.vectors;
   modes.shapes = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(numbers.size()), vectors.cols());
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (numbers[i] < 0) continue;

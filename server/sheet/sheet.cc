@@ -4,6 +4,7 @@
 #include <numeric>
 #include <utility>
 
+#include "server/fem/condition.h"
 #include "server/sheet/material_point.h"
 #include "server/sheet/mesh_source.h"
 #include "server/sheet/region.h"
@@ -64,6 +65,18 @@ Eigen::Matrix3Xd initial_velocities(const SheetConfig& config, const BuiltMesh& 
       given.centre ? *given.centre : fem::Model(built.mesh, config.material).centre_of_mass(mesh::VertexField(x));
   for (Eigen::Index i = 0; i < x.cols(); ++i) v.col(i) = given.linear + given.angular.cross(x.col(i) - centre);
   return v;
+}
+
+// A sheet that is to move, and that double precision cannot move.
+Status check_condition(const SheetConfig& config, const fem::Model& model) {
+  const double condition = fem::condition_number(model, 1.0 / config.tick_rate_hz);
+  const bool moves = std::holds_alternative<DynamicAnalysis>(config.analysis);
+  if (!moves || fem::rate_condition(condition) != fem::ConditionClass::kRefused) return Nothing{};
+  return invalid_argument("SHEET_TOO_STIFF",
+                          fem::describe_condition(condition) +
+                              ": steps of this length would be all rounding; make the material softer or heavier, the "
+                              "mesh coarser, or the tick rate higher",
+                          "material.youngs_modulus_1_pa");
 }
 
 }  // namespace
@@ -271,7 +284,9 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   auto initial = std::make_shared<const InitialState>(InitialState{std::move(built).value(), std::move(velocities),
                                                                    std::move(pinned).value(), std::move(held).value(),
                                                                    std::move(applied).value()});
-  return Sheet(std::make_unique<Impl>(std::move(shared), std::move(initial), std::move(make_integrator)));
+  Sheet sheet(std::make_unique<Impl>(std::move(shared), std::move(initial), std::move(make_integrator)));
+  if (Status s = check_condition(*sheet.impl_->config, sheet.model()); !s) return s.error();
+  return sheet;
 }
 
 TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "server/cut/cut.h"
+#include "server/fem/condition.h"
 #include "server/sheet/material_point.h"
 #include "server/sheet/region.h"
 #include "server/sheet/sheet_impl.h"
@@ -232,7 +233,8 @@ void Sheet::Impl::rebuild() {
 
 // After the integrator was told of the model; all that a step needs is allocated here.
 void Sheet::Impl::make_room() {
-  integrator_description = std::string(integrator->explanation());
+  integrator_description =
+      std::string(integrator->explanation()) + "; " + fem::describe_condition(fem::condition_number(model, dt));
   last_good.x.resize(state.x.cols());
   last_good.v.resize(state.v.cols());
 }

@@ -47,6 +47,26 @@ inline mesh::TriangleMesh jittered_grid(std::int32_t num, std::uint64_t seed) {
   return must(mesh::make_jittered_grid({num, num, 1.0, 1.0}, seed));
 }
 
+// num x num vertices on the unit square, the diagonals of its cells alternating.
+inline mesh::TriangleMesh union_jack(std::int32_t num) {
+  mesh::IndexedMesh sheet;
+  sheet.rest.resize(2, num * num);
+  sheet.triangles.resize(3, 2 * (num - 1) * (num - 1));
+  Eigen::Index t = 0;
+  for (std::int32_t j = 0; j < num; ++j) {
+    for (std::int32_t i = 0; i < num; ++i) {
+      const std::int32_t a = j * num + i;
+      sheet.rest.col(a) = Eigen::Vector2d(i, j) / (num - 1);
+      if (i + 1 == num || j + 1 == num) continue;
+      const std::int32_t b = a + 1, c = a + num + 1, d = a + num;
+      const bool rises = (i + j) % 2 == 0;
+      sheet.triangles.col(t++) = rises ? Eigen::Vector3i(a, b, c) : Eigen::Vector3i(a, b, d);
+      sheet.triangles.col(t++) = rises ? Eigen::Vector3i(a, c, d) : Eigen::Vector3i(b, c, d);
+    }
+  }
+  return must(mesh::import_mesh(sheet));
+}
+
 // The vertices joined to v by an edge, in counter-clockwise order.
 inline std::vector<mesh::VertexId> one_ring(const mesh::TriangleMesh& mesh, mesh::VertexId v) {
   std::vector<mesh::TriangleId> triangles;

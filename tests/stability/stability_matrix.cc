@@ -1,0 +1,74 @@
+// Runs the stability matrix and prints what came of it, by start: stability_matrix [cases per start] [steps]
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "tests/stability/stability_case.h"
+
+namespace {
+
+using kerf::stability::Case;
+using kerf::stability::Outcome;
+
+// What is known of the cases of one start.
+struct Row {
+  int cases = 0, not_finite = 0, accurate = 0, bounded = 0, refused = 0;
+  double gain = 0.0, gain_bounded = 0.0, drift = 0.0;
+  std::array<long, kerf::fem::kStepFlagNames.size()> flags{};
+
+  void add(const Outcome& outcome) {
+    ++cases;
+    not_finite += outcome.finite ? 0 : 1;
+    const auto rating = kerf::fem::rate_condition(outcome.condition);
+    accurate += rating == kerf::fem::ConditionClass::kAccurate ? 1 : 0;
+    bounded += rating == kerf::fem::ConditionClass::kBounded ? 1 : 0;
+    refused += rating == kerf::fem::ConditionClass::kRefused ? 1 : 0;
+    double& worst = rating == kerf::fem::ConditionClass::kAccurate ? gain : gain_bounded;
+    worst = std::max(worst, outcome.gain);
+    drift = std::max(drift, outcome.drift);
+    for (std::size_t i = 0; i < flags.size(); ++i) flags[i] += outcome.flags[i];
+  }
+};
+
+void print(const char* name, const Row& row) {
+  std::printf("| %s | %d | %d | %d / %d / %d | %.1e | %.1e | %.1e |", name, row.cases, row.not_finite, row.accurate,
+              row.bounded, row.refused, row.gain, row.gain_bounded, row.drift);
+  for (const long count : row.flags) std::printf(" %ld |", count);
+  std::printf("\n");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::size_t per_start = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : kerf::stability::kPerStart;
+  const int num_steps = argc > 2 ? std::atoi(argv[2]) : 600;
+  const std::vector<Case> cases = kerf::stability::matrix(per_start);
+  std::vector<Row> rows(kerf::stability::start_kinds().size());
+  Row all;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    std::fprintf(stderr, "\r%zu of %zu: %-80s", i + 1, cases.size(), cases[i].name().c_str());
+    const Outcome outcome = kerf::stability::run(cases[i], num_steps);
+    rows[cases[i].start].add(outcome);
+    all.add(outcome);
+    const bool is_accurate = kerf::fem::rate_condition(outcome.condition) == kerf::fem::ConditionClass::kAccurate;
+    if (!outcome.finite || (is_accurate && outcome.gain > 1e-4)) {
+      std::fprintf(stderr, "\n%s: %s, energy %+.2e, condition %.1e, %s\n", cases[i].name().c_str(),
+                   outcome.finite ? "finite" : "NOT FINITE", outcome.gain, outcome.condition,
+                   outcome.integrator.c_str());
+    }
+  }
+  std::fprintf(stderr, "\n");
+  std::printf(
+      "| start | cases | not finite | class A / B / C | worst gain of energy, A | B, C | drift of the centre |");
+  for (const std::string_view name : kerf::fem::kStepFlagNames) std::printf(" %s |", std::string(name).c_str());
+  std::printf("\n|---|---|---|---|---|---|---|");
+  for (std::size_t i = 0; i < kerf::fem::kStepFlagNames.size(); ++i) std::printf("---|");
+  std::printf("\n");
+  for (std::size_t start = 0; start < rows.size(); ++start) {
+    print(kerf::stability::start_kinds()[start].name, rows[start]);
+  }
+  print("all", all);
+  return all.not_finite == 0 ? 0 : 1;
+}
