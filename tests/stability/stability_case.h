@@ -40,7 +40,7 @@ struct Case {
 };
 void PrintTo(const Case& tested, std::ostream* out);
 
-// kPerStart cases of each start, spread over stiffness {1 .. 1e12 Pa}, dt {1e-4 .. 1 s} and aspect ratio {1 .. 1e6} by
+// kPerStart cases of each start, spread over stiffness {1 .. 1e12 Pa}, dt {1e-4 .. 1 s} and aspect ratio {1 .. 9e5} by
 // a fixed shuffle: the first ones of a start are as good a sample as any.
 inline constexpr std::size_t kPerStart = 48;
 std::vector<Case> matrix(std::size_t per_start = kPerStart);

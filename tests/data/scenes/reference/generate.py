@@ -486,7 +486,7 @@ def kirigami():
     for y, sign in ((end, 1), (end + spacing, -1)):
         for x, share in ((0, 0.85), (0.5 * width, 1.15)):
             box = {"min": xy(x - 1e-6, y - 1e-6), "max": xy(x + 0.5 * width + 1e-6, y + spacing + 1e-6)}
-            push.append({"area": {"region": {"box": box}, "traction_pa": {"z": 1000 * sign * share}},
+            push.append({"area": {"region": {"box": box}, "traction_pa": {"z": 500 * sign * share}},
                          "history": {"times": [0.02, 0.025, 0.0275, 0.03], "factors": [0.003, 1, 1, 0]}})
     rows = reference(case)["quantities"][0]["table"]["rows"]
     loads = sorted([row[0] / 0.002 for row in rows] + [0.025, 0.0275])
