@@ -7,6 +7,7 @@
 
 #include "server/base/check.h"
 #include "server/fem/bending_forces.h"
+#include "server/fem/energy_guard.h"
 #include "server/fem/follower_loads.h"
 #include "server/fem/membrane.h"
 #include "server/fem/wind_drag.h"
@@ -73,7 +74,10 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   for (int retry = 0;; ++retry) {
     if (contact != nullptr) contact->begin(state.x);
     advance(model, loads, h, stats.substeps, contact, state);
-    if (is_finite(state)) break;
+    if (is_finite(state)) {
+      stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
+      if (contact != nullptr || keeps_energy(model, loads, stats, state) || retry == kMaxRetries) break;
+    }
     state.x = scratch_.start.x;
     state.v = scratch_.start.v;
     if (retry == kMaxRetries) {
@@ -86,9 +90,20 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     stats.substeps *= 2;
     h *= 0.5;
   }
-  stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
   if (stats.max_strain > options_.strain_limit) stats.flags |= kStrainLimit;
   return stats;
+}
+
+// Whether the substeps resolved the motion well enough; else its energy is limited.
+bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const {
+  // The stable step is that of the sheet at rest; what strains it little is resolved by it.
+  constexpr double kSmallStrain = 0.1;  // -
+  // Verlet swings about the energy it keeps by what its step resolves of the fastest modes.
+  constexpr double kAllowedGain = 1e-2;  // -
+  if (stats.max_strain <= kSmallStrain) return true;
+  const EnergyGuard::Verdict verdict = EnergyGuard::enforce(model, loads, kAllowedGain, scratch_.start, state);
+  if (verdict != EnergyGuard::Verdict::kKept) stats.flags |= kEnergyLimited;
+  return verdict == EnergyGuard::Verdict::kKept;
 }
 
 void ExplicitIntegrator::advance(const Model& model, const Loads& loads, double h, int substeps,

@@ -42,6 +42,7 @@ class ExplicitIntegrator final : public Integrator {
 
   void advance(const Model& model, const Loads& loads, double h, int substeps, ContactConstraint* contact,
                State& state);
+  bool keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const;
   void evaluate_forces(const Model& model, const Loads& loads, double kick, const State& state);
   void kick(const Model& model, const Loads& loads, double duration, State& state) const;
   void kick_grabs(const Loads& loads, double duration, double h, double time_left, State& state) const;

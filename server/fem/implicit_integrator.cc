@@ -2,12 +2,21 @@
 
 #include "server/base/check.h"
 #include "server/fem/bending_forces.h"
+#include "server/fem/energy_guard.h"
 #include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
 #include "server/fem/membrane.h"
 #include "server/fem/wind_drag.h"
 
 namespace kerf::fem {
+namespace {
+
+// See EnergyGuard::enforce; for implicit Euler what the tolerance of its solves may leave.
+double allowed_gain(IntegratorKind kind) {
+  return kind == IntegratorKind::kImplicitEuler ? 1e-6 : 1e-2;
+}
+
+}  // namespace
 
 ImplicitIntegrator::ImplicitIntegrator(const IntegratorOptions& options) : options_(options), solver_(options) {
   KERF_CHECK(options.kind != IntegratorKind::kAutomatic && options.kind != IntegratorKind::kExplicit,
@@ -68,6 +77,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       done = done && is_finite(state);
     }
     stats.substeps = substeps;
+    if (done && contact == nullptr) done = keep_energy(model, loads, state, stats);
     if (done) break;
     state.x = scratch_.start.x;
     state.v = scratch_.start.v;
@@ -81,6 +91,14 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
   if (stats.max_strain > options_.strain_limit) stats.flags |= kStrainLimit;
   return stats;
+}
+
+// False: the step is to be thrown away.
+bool ImplicitIntegrator::keep_energy(const Model& model, const Loads& loads, State& state, StepStats& stats) const {
+  const EnergyGuard::Verdict verdict =
+      EnergyGuard::enforce(model, loads, allowed_gain(options_.kind), scratch_.start, state);
+  if (verdict != EnergyGuard::Verdict::kKept) stats.flags |= kEnergyLimited;
+  return verdict != EnergyGuard::Verdict::kExceeded;
 }
 
 bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, const Substep& substep, State& state,

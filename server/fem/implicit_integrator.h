@@ -39,6 +39,7 @@ class ImplicitIntegrator final : public Integrator {
   };
   // How many substeps a step has before it is divided.
   [[nodiscard]] int num_substeps() const { return options_.kind == IntegratorKind::kBdf2 ? kBdf2Substeps : 1; }
+  bool keep_energy(const Model& model, const Loads& loads, State& state, StepStats& stats) const;
   bool advance(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   bool advance_euler(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   bool advance_tr_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);

@@ -20,12 +20,13 @@ enum StepFlags : std::uint32_t {
   kSubstepLimit = 1U << 3,  // stability asks for more than max_substeps: the step covers less time than dt was asked to
   kFrozen = 1U << 4,        // no finite step was found: the state is as it was before
   kRepaired = 1U << 5,      // the fast nonlinear iteration failed; a line-searched one took its place
+  kEnergyLimited = 1U << 6,  // the step would have ended with more energy than it began with: see EnergyGuard
 };
 
 // In the order of their bits; what metrics and results call them.
-inline constexpr std::array<std::string_view, 6> kStepFlagNames{"not_converged", "substepped", "strain_limit",
-                                                                "substep_limit", "frozen",     "repaired"};
-static_assert(kRepaired == 1U << (kStepFlagNames.size() - 1));
+inline constexpr std::array<std::string_view, 7> kStepFlagNames{
+    "not_converged", "substepped", "strain_limit", "substep_limit", "frozen", "repaired", "energy_limited"};
+static_assert(kEnergyLimited == 1U << (kStepFlagNames.size() - 1));
 
 // What a step did. Degradation is a value: the caller decides what it means.
 struct StepStats {

@@ -228,10 +228,12 @@ Outcome run(const Case& tested, int num_steps) {
   const Eigen::Vector3d drift_velocity = model.momentum(state).linear / model.total_mass();
   const double size = (state.x.colwise() - centre).norm();
   double simulated = 0.0;
-  for (int i = 0; i < num_steps && outcome.finite; ++i) {
+  long num_substeps = 0;
+  for (int i = 0; i < num_steps && num_substeps < kMostSubsteps && outcome.finite; ++i) {
     const fem::StepStats stats = integrator->step(model, loads, tested.dt, nullptr, state);
     for (std::size_t bit = 0; bit < outcome.flags.size(); ++bit) outcome.flags[bit] += (stats.flags >> bit) & 1U;
     simulated += stats.simulated;
+    num_substeps += stats.substeps;
     outcome.finite = fem::is_finite(state);
     outcome.gain = std::max(outcome.gain, (model.energies(state, loads.gravity).total() - before) / scale);
     if (!loads.pins.empty()) continue;

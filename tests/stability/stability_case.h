@@ -53,6 +53,8 @@ struct Outcome {
   std::array<int, fem::kStepFlagNames.size()> flags{};  // steps with each
   std::string integrator;
 };
+// Ends before num_steps once kMostSubsteps are done: what a tick of stiff sheets is divided into.
+inline constexpr long kMostSubsteps = 200'000;
 Outcome run(const Case& tested, int num_steps);
 
 }  // namespace kerf::stability

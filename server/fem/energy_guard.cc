@@ -1,0 +1,120 @@
+#include "server/fem/energy_guard.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+namespace kerf::fem {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+bool is_guarded(const Model& model, const Loads& loads, const State& start) {
+  const bool has_wind = loads.wind.air_density > 0.0 && !loads.wind.velocity.isZero(0.0);
+  if (has_wind || !loads.grabs.empty() || !loads.pressure.empty() || !loads.edge_moments.empty()) return false;
+  for (const Pin& pin : loads.pins) {
+    const Vector3d at = start.x.col(pin.vertex);
+    if (pin.held(pin.target, at) != at || !pin.held(pin.velocity, Vector3d::Zero()).isZero(0.0)) return false;
+  }
+  return model.num_vertices() > 0;
+}
+
+double kinetic_energy(const Model& model, const mesh::VertexField& v) {
+  double energy = 0.0;
+  for (Eigen::Index i = 0; i < v.cols(); ++i) {
+    energy += 0.5 * model.mass()[static_cast<std::size_t>(i)] * v.col(i).squaredNorm();
+  }
+  return energy;
+}
+
+double elastic_energy(const Model& model, const State& state) {
+  const Energies energies = model.energies(state, Vector3d::Zero());
+  return energies.membrane + energies.bending;
+}
+
+// Of gravity and dead forces on the way from one state to the other, J.
+double work_of_loads(const Model& model, const Loads& loads, const State& start, const State& end) {
+  double work = 0.0;
+  for (Eigen::Index i = 0; i < end.x.cols(); ++i) {
+    Vector3d force = model.mass()[static_cast<std::size_t>(i)] * loads.gravity;
+    if (loads.external_forces.cols() > 0) force += loads.external_forces.col(i);
+    work += force.dot(end.x.col(i) - start.x.col(i));
+  }
+  return work;
+}
+
+// The motion of a rigid body with the sheet's linear and angular momentum.
+struct RigidMotion {
+  Vector3d centre = Vector3d::Zero();    // m
+  Vector3d velocity = Vector3d::Zero();  // m/s, of the centre
+  Vector3d spin = Vector3d::Zero();      // rad/s
+
+  RigidMotion(const Model& model, const State& state) {
+    centre = model.centre_of_mass(state.x);
+    const Momentum momentum = model.momentum(state);
+    velocity = momentum.linear / model.total_mass();
+    const Vector3d angular = momentum.angular - centre.cross(momentum.linear);
+    Matrix3d inertia = Matrix3d::Zero();
+    for (Eigen::Index i = 0; i < state.x.cols(); ++i) {
+      const Vector3d r = state.x.col(i) - centre;
+      inertia +=
+          model.mass()[static_cast<std::size_t>(i)] * (r.squaredNorm() * Matrix3d::Identity() - r * r.transpose());
+    }
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(inertia);
+    constexpr double kNoInertia = 1e-12;  // -, of the largest: a line, about itself
+    for (int c = 0; c < 3; ++c) {
+      const double moment = eigen.eigenvalues()[c];
+      const Vector3d axis = eigen.eigenvectors().col(c);
+      if (moment > kNoInertia * eigen.eigenvalues()[2]) spin += axis.dot(angular) / moment * axis;
+    }
+  }
+  [[nodiscard]] Vector3d at(const Vector3d& x) const { return velocity + spin.cross(x - centre); }
+};
+
+// Shrinks what the velocities v of the vertices are beyond part(i), m/s, of which the kinetic energies add up, until
+// the kinetic energy has fallen by `excess`, or to nothing. Returns what is left of the excess, J.
+template <typename Part>
+double take(const Model& model, const Part& part, double excess, State& state) {
+  if (!(excess > 0.0)) return 0.0;
+  double energy = 0.0;
+  for (Eigen::Index i = 0; i < state.v.cols(); ++i) {
+    energy += 0.5 * model.mass()[static_cast<std::size_t>(i)] * (state.v.col(i) - part(i)).squaredNorm();
+  }
+  const double share = energy > excess ? std::sqrt(1.0 - excess / energy) : 0.0;
+  for (Eigen::Index i = 0; i < state.v.cols(); ++i) {
+    const Vector3d kept = part(i);
+    state.v.col(i) = kept + share * (state.v.col(i) - kept);
+  }
+  return std::max(0.0, excess - energy);
+}
+
+}  // namespace
+
+EnergyGuard::Verdict EnergyGuard::enforce(const Model& model, const Loads& loads, double allowed_gain,
+                                          const State& start, State& end) {
+  if (!is_guarded(model, loads, start)) return Verdict::kKept;
+  const double work = work_of_loads(model, loads, start, end);
+  const double before = elastic_energy(model, start) + kinetic_energy(model, start.v);
+  const double elastic = elastic_energy(model, end);
+  const double kinetic = kinetic_energy(model, end.v);
+  const double allowed = before + work + allowed_gain * (before + std::abs(work));
+  double excess = elastic + kinetic - allowed;
+  if (!(excess > 0.0)) return Verdict::kKept;
+  if (elastic > allowed) return Verdict::kExceeded;
+
+  if (loads.pins.empty()) {
+    const RigidMotion rigid(model, end);
+    excess = take(
+        model, [&](Eigen::Index i) { return rigid.at(end.x.col(i)); }, excess, end);
+    excess = take(
+        model, [&](Eigen::Index) { return rigid.velocity; }, excess, end);
+  }
+  take(
+      model, [](Eigen::Index) { return Vector3d(Vector3d::Zero()); }, excess, end);
+  return Verdict::kLimited;
+}
+
+}  // namespace kerf::fem
