@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 
 #include <Eigen/Core>
 
@@ -24,7 +25,8 @@ struct BendingEdge {
   // first's lacks. kNone where there is none, and where a vertex has come before.
   std::array<mesh::VertexId, 8> vertex{mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone,
                                        mesh::kNone, mesh::kNone, mesh::kNone, mesh::kNone};
-  int first_edge = 0;  // the corner of the first triangle opposite the edge
+  int first_edge = 0;                      // the corner of the first triangle opposite the edge
+  std::array<std::uint8_t, 2> material{};  // of both triangles, see ElementBlock
   // E = sum over x,y,z of (kink.x) (load.x): Q_ab = kink_a load_b + load_a kink_b.
   std::array<double, 8> kink{};  // 1/m; J
   std::array<double, 8> load{};  // N; l {m} + p J

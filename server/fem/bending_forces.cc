@@ -1,6 +1,37 @@
 #include "server/fem/bending_forces.h"
 
+#include <algorithm>
+
+#include "server/fem/material_table.h"
+
 namespace kerf::fem {
+namespace {
+
+// As -scale sum_j Q_ij (v_j - v_i), exactly without resultant.
+void add_patch_damping(const BendingPatch& patch, double scale, const mesh::VertexField& v, mesh::VertexField& f) {
+  for (std::size_t a = 0; a < patch.vertex.size(); ++a) {
+    for (std::size_t b = a + 1; b < patch.vertex.size(); ++b) {
+      if (patch.vertex[a] == mesh::kNone || patch.vertex[b] == mesh::kNone) continue;
+      const double entry = scale * patch.at(static_cast<int>(a), static_cast<int>(b));
+      const Eigen::Vector3d pull = entry * (v.col(patch.vertex[a]) - v.col(patch.vertex[b]));
+      f.col(patch.vertex[a]) += pull;
+      f.col(patch.vertex[b]) -= pull;
+    }
+  }
+}
+
+void add_edge_damping(const BendingEdge& edge, double scale, const mesh::VertexField& v, mesh::VertexField& f) {
+  for (std::size_t a = 0; a < edge.vertex.size(); ++a) {
+    for (std::size_t b = a + 1; b < edge.vertex.size(); ++b) {
+      if (edge.vertex[a] == mesh::kNone || edge.vertex[b] == mesh::kNone) continue;
+      const Eigen::Vector3d pull = scale * edge.at(a, b) * (v.col(edge.vertex[a]) - v.col(edge.vertex[b]));
+      f.col(edge.vertex[a]) += pull;
+      f.col(edge.vertex[b]) -= pull;
+    }
+  }
+}
+
+}  // namespace
 
 void add_bending_forces(const RowStore<BendingEntry>& rows, const mesh::VertexField& x, mesh::VertexField& f) {
   const double* const from = x.data();
@@ -20,6 +51,21 @@ void add_bending_forces(const RowStore<BendingEntry>& rows, const mesh::VertexFi
     fi[0] += f0;
     fi[1] += f1;
     fi[2] += f2;
+  }
+}
+
+double edge_damping(std::span<const double> beta, const BendingEdge& edge) {
+  return std::min(damping_of(beta, edge.material[0]), damping_of(beta, edge.material[1]));
+}
+
+void add_bending_damping(const BendingTerms& terms, std::span<const double> beta, const mesh::VertexField& v,
+                         mesh::VertexField& f) {
+  for (std::size_t slot = 0; slot < terms.patches.size(); ++slot) {
+    const double scale = damping_of(beta, terms.blocks[slot / kLanes].material[slot % kLanes]);
+    if (scale > 0.0) add_patch_damping(terms.patches[slot], scale, v, f);
+    for (const BendingEdge& edge : terms.edges.row(static_cast<int>(slot))) {
+      add_edge_damping(edge, edge_damping(beta, edge), v, f);
+    }
   }
 }
 

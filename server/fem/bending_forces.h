@@ -1,10 +1,13 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "server/fem/bending.h"
+#include "server/fem/bending_edge.h"
+#include "server/fem/element_block.h"
 #include "server/fem/row_store.h"
 #include "server/mesh/vertex_field.h"
 
@@ -37,6 +40,21 @@ double clamp_energy(const ClampForces& clamps, const mesh::VertexField& x);
 // x + beta v: the rate of the curvature as a vector, so that, unlike membrane damping, it also brakes the rotation of a
 // sheet that is bent. Rows in order.
 void add_bending_forces(const RowStore<BendingEntry>& rows, const mesh::VertexField& x, mesh::VertexField& f);
+
+// The terms that Q is the sum of, by slot.
+struct BendingTerms {
+  std::span<const ElementBlock> blocks;  // have the materials of the patches
+  std::span<const BendingPatch> patches;
+  const RowStore<BendingEdge>& edges;
+};
+
+// For damping that is not the same everywhere: f (3 x V, N) += -sum over the terms of beta Q_term v. Between two
+// materials an edge has the smaller beta of both: with a larger one than that of a patch beside it the sum might gain
+// energy (see kKinkPenalty). beta: see damping_of. Slots in order.
+void add_bending_damping(const BendingTerms& terms, std::span<const double> beta, const mesh::VertexField& v,
+                         mesh::VertexField& f);
+// s, of an edge.
+double edge_damping(std::span<const double> beta, const BendingEdge& edge);
 
 // J.
 double bending_energy(const RowStore<BendingEntry>& rows, const mesh::VertexField& x);

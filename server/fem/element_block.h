@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstdint>
 
 #include "server/mesh/ids.h"
@@ -21,6 +22,12 @@ struct alignas(64) ElementBlock {
   std::array<std::array<double, kLanes>, 2> g2{};
   std::array<double, kLanes> area{};                           // m^2, of the rest triangle; 0 without material
   std::array<std::array<mesh::VertexId, kLanes>, 3> vertex{};  // [corner][lane]; 0 without material
+  std::array<std::uint8_t, kLanes> material{};                 // into the sheet's MaterialTable; 0 without material
+
+  // Whether the triangles of all lanes, those without material too, have the law of lane 0.
+  [[nodiscard]] bool has_one_material() const {
+    return std::bit_cast<std::uint64_t>(material) == material[0] * 0x0101010101010101U;
+  }
 };
 
 }  // namespace kerf::fem

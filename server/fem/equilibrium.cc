@@ -118,17 +118,17 @@ double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const
   double sum = 0.0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) sum += residual_.col(i).squaredNorm();
   constexpr double kTriangles = 8.0;  // about as many meet at a vertex
-  const double rounding = kTriangles * std::numeric_limits<double>::epsilon() * model.membrane_law().trace() *
-                          x.cwiseAbs().maxCoeff() * std::sqrt(static_cast<double>(x.cols()));
+  const double rounding = kTriangles * std::numeric_limits<double>::epsilon() *
+                          model.materials().largest_membrane_trace() * x.cwiseAbs().maxCoeff() *
+                          std::sqrt(static_cast<double>(x.cols()));
   return std::sqrt(sum) /
          std::max({std::sqrt(applied + reactions), rounding / options_.tolerance, std::numeric_limits<double>::min()});
 }
 
 double EquilibriumSolver::energy(const Model& model, const Loads& loads, const mesh::VertexField& x,
                                  const mesh::VertexField& origin) const {
-  double sum = membrane_energy(model.element_blocks(), model.membrane_law(), x) +
-               bending_energy(model.bending_rows(), x) + clamp_energy(model.clamp_forces(), x) +
-               rest_bending_energy(model.rest_bending(), x);
+  double sum = membrane_energy(model.element_blocks(), model.materials(), x) + bending_energy(model.bending_rows(), x) +
+               clamp_energy(model.clamp_forces(), x) + rest_bending_energy(model.rest_bending(), x);
   const bool has_external = loads.external_forces.cols() > 0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
@@ -144,18 +144,18 @@ double EquilibriumSolver::energy(const Model& model, const Loads& loads, const m
 
 double EquilibriumSolver::rounding(const Model& model, const mesh::VertexField& x, double energy) {
   // Strains are differences of numbers near 1.
-  const double area = model.total_mass() / (model.material().density * model.material().thickness);
-  const double membrane = membrane_energy(model.element_blocks(), model.membrane_law(), x);
+  const double membrane = membrane_energy(model.element_blocks(), model.materials(), x);
   return std::numeric_limits<double>::epsilon() *
-         (8.0 * std::sqrt(2.0 * membrane * model.membrane_law().trace() * area) + std::abs(energy));
+         (8.0 * std::sqrt(2.0 * membrane * model.materials().largest_membrane_trace() * model.rest_area()) +
+          std::abs(energy));
 }
 
 void EquilibriumSolver::assemble(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted,
                                  bool project, double shift) {
   const std::span<const Eigen::Vector3d> stress(stress_);
   matrix_.set_mass(model, shift);
-  matrix_.add_membrane(model, x, predicted ? stress : stress.first(0), 1.0, 1.0, project);
-  matrix_.add_bending(model, 1.0);
+  matrix_.add_membrane(model, x, predicted ? stress : stress.first(0), {}, 1.0, project);
+  matrix_.add_bending(model, {});
   for (const Grab& grab : loads.grabs) {
     Grab spring = grab;
     spring.damping = 0.0;
@@ -223,7 +223,8 @@ void EquilibriumSolver::predict_stress(const Model& model, const mesh::VertexFie
       for (std::size_t k = 0; k < 3; ++k) {
         dx.segment<3>(static_cast<Eigen::Index>(3 * k)) = step_.col(blocks[b].vertex[k][l]);
       }
-      stress_[b * kLanes + l] = MembraneTangent(blocks[b], l, frames, model.membrane_law()).predicted_stress(dx);
+      stress_[b * kLanes + l] =
+          MembraneTangent(blocks[b], l, frames, model.materials().of(blocks[b], l).membrane).predicted_stress(dx);
     }
   }
 }

@@ -32,9 +32,15 @@ void set_pin_positions(const Loads& loads, double time_left, State& state) {
 void ExplicitIntegrator::rebuild(const Model& model) {
   const double omega = std::sqrt(model.stiffness_bound());
   const double limit = std::max(kMaxModeDamping, options_.highest_mode_damping);
-  const double xi = std::clamp(0.5 * model.material().stiffness_damping * omega, options_.highest_mode_damping, limit);
-  beta_ = omega > 0.0 ? 2.0 * xi / omega : 0.0;
-  bending_beta_ = std::min(beta_, model.material().stiffness_damping);
+  double xi = 0.0;  // the largest
+  beta_.clear();
+  bending_beta_.clear();
+  for (const double own : model.materials().stiffness_damping()) {
+    const double damping_ratio = std::clamp(0.5 * own * omega, options_.highest_mode_damping, limit);
+    beta_.push_back(omega > 0.0 ? 2.0 * damping_ratio / omega : 0.0);
+    bending_beta_.push_back(std::min(beta_.back(), own));
+    xi = std::max(xi, damping_ratio);
+  }
   critical_step_ =
       omega > 0.0 ? 2.0 / omega * (std::sqrt(1.0 + xi * xi) - xi) : std::numeric_limits<double>::infinity();
   const Eigen::Index n = model.num_vertices();
@@ -136,27 +142,29 @@ void ExplicitIntegrator::evaluate_forces(const Model& model, const Loads& loads,
   } else {
     f.setZero();
   }
-  add_membrane_forces(model.element_blocks(), model.membrane_law(), beta_, state.x, state.v, f);
-  if (model.has_bending()) {
-    scratch_.damped = state.x + bending_beta_ * state.v;
-    add_bending_forces(model.bending_rows(), scratch_.damped, f);
-    add_clamp_forces(model.clamp_forces(), f);
-    add_rest_bending_forces(model.rest_bending(), state.x, state.v, bending_beta_, f);
-  }
+  add_membrane_forces(model.element_blocks(), model.materials(), beta_, state.x, state.v, f);
+  model.add_bending_forces(state.x, state.v, bending_beta_, scratch_.damped, f);
   add_follower_forces(model.element_blocks(), loads, state.x, f);
-  const Material& material = model.material();
-  add_wind_drag(model.element_blocks(), loads.wind, material.density * material.thickness, kick, state, f);
+  add_wind_drag(model.element_blocks(), model.materials(), loads.wind, kick, state, f);
 }
 
 // Midpoint rule for the mass damping: v' = v + duration (f/m + g - alpha (v + v')/2).
 void ExplicitIntegrator::kick(const Model& model, const Loads& loads, double duration, State& state) const {
-  const double half_damping = 0.5 * model.material().mass_damping * duration;
-  const double keep = (1.0 - half_damping) / (1.0 + half_damping);
-  const double scale = duration / (1.0 + half_damping);
   const double* const f = scratch_.force.data();
   double* const v = state.v.data();
-  const std::array<double, 3> g{scale * loads.gravity.x(), scale * loads.gravity.y(), scale * loads.gravity.z()};
+  double keep = 1.0;
+  double scale = duration;
+  std::array<double, 3> g{};
+  const auto damp = [&](double alpha) {
+    const double half_damping = 0.5 * alpha * duration;
+    keep = (1.0 - half_damping) / (1.0 + half_damping);
+    scale = duration / (1.0 + half_damping);
+    g = {scale * loads.gravity.x(), scale * loads.gravity.y(), scale * loads.gravity.z()};
+  };
+  const bool is_same = model.materials().has_one_mass_damping();
+  if (is_same) damp(model.mass_damping(0));
   for (std::size_t i = 0; i < scratch_.mobility.size(); ++i) {
+    if (!is_same) damp(model.mass_damping(static_cast<mesh::VertexId>(i)));
     const double weight = scale * scratch_.mobility[i];
     if (weight == 0.0) continue;
     for (std::size_t c = 0; c < 3; ++c) v[3 * i + c] = keep * v[3 * i + c] + weight * f[3 * i + c] + g[c];

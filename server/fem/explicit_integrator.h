@@ -14,9 +14,10 @@ namespace kerf::fem {
 //
 // Substep: h = dt / ceil(dt / (cfl h_crit)), h_crit = 2 / omega (sqrt(1 + xi^2) - xi), omega^2 =
 // Model::stiffness_bound(); Kelvin-Voigt damping beta = 2 xi / omega with xi between highest_mode_damping and
-// kMaxModeDamping, whichever lets the material's own stiffness_damping through. Mass damping by the midpoint rule.
-// Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
-// respects it.
+// kMaxModeDamping, whichever lets the material's own stiffness_damping through; of several materials each has its xi,
+// and the largest bounds the step: with K and C the sums of the elements' stiffness and damping and any mode of the
+// step, u.C u <= beta_max u.K u. Mass damping by the midpoint rule. Contact is enforced after each drift, in the last
+// substep after the closing kick, so that what leaves the step respects it.
 class ExplicitIntegrator final : public Integrator {
  public:
   // Damping ratio of the fastest mode, -, above which the stable step shrinks faster than damping is worth.
@@ -49,8 +50,8 @@ class ExplicitIntegrator final : public Integrator {
 
   IntegratorOptions options_;
   double critical_step_ = 0.0;  // s, > 0, for the model of the last rebuild; infinite for a model without material
-  double beta_ = 0.0;           // s, of the membrane
-  double bending_beta_ = 0.0;   // s, the material's own alone: see bending_forces.h
+  std::vector<double> beta_;    // s, of the membrane, one a material
+  std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h
   Scratch scratch_;
   std::string explanation_;
 };

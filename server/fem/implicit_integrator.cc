@@ -1,7 +1,6 @@
 #include "server/fem/implicit_integrator.h"
 
 #include "server/base/check.h"
-#include "server/fem/bending_forces.h"
 #include "server/fem/energy_guard.h"
 #include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
@@ -203,22 +202,16 @@ void ImplicitIntegrator::evaluate_constant_force(const Model& model, const Loads
   } else {
     scratch_.constant.setZero();
   }
-  const Material& material = model.material();
-  add_wind_drag(model.element_blocks(), loads.wind, material.density * material.thickness, h, state, scratch_.constant);
+  add_wind_drag(model.element_blocks(), model.materials(), loads.wind, h, state, scratch_.constant);
 }
 
 void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& loads, double time_left,
                                                const State& state) {
-  const Material& material = model.material();
+  const std::span<const double> beta = model.materials().stiffness_damping();
   mesh::VertexField& f = scratch_.force;
   f = scratch_.constant;
-  add_membrane_forces(model.element_blocks(), model.membrane_law(), material.stiffness_damping, state.x, state.v, f);
-  if (model.has_bending()) {
-    scratch_.damped = state.x + material.stiffness_damping * state.v;
-    add_bending_forces(model.bending_rows(), scratch_.damped, f);
-    add_clamp_forces(model.clamp_forces(), f);
-    add_rest_bending_forces(model.rest_bending(), state.x, state.v, material.stiffness_damping, f);
-  }
+  add_membrane_forces(model.element_blocks(), model.materials(), beta, state.x, state.v, f);
+  model.add_bending_forces(state.x, state.v, beta, scratch_.damped, f);
   add_follower_forces(model.element_blocks(), loads, state.x, f);
   for (const Grab& grab : loads.grabs) {
     const Eigen::Vector3d target = grab.target - time_left * grab.velocity;
@@ -231,7 +224,7 @@ void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& 
   }
   for (Eigen::Index i = 0; i < f.cols(); ++i) {
     const double w = model.inverse_mass()[static_cast<std::size_t>(i)];
-    const Eigen::Vector3d a = w * f.col(i) + loads.gravity - material.mass_damping * state.v.col(i);
+    const Eigen::Vector3d a = w * f.col(i) + loads.gravity - model.mass_damping(static_cast<int>(i)) * state.v.col(i);
     f.col(i).setZero();
     if (w > 0.0) f.col(i) = a;
   }

@@ -10,12 +10,36 @@
 namespace kerf::fem {
 namespace {
 
-// C sigma of a general symmetric plane-stress law.
-struct Law {
-  explicit Law(const Eigen::Matrix3d& C)
-      : C11(C(0, 0)), C22(C(1, 1)), C33(C(2, 2)), C12(C(0, 1)), C13(C(0, 2)), C23(C(1, 2)) {}
-  double C11, C22, C33, C12, C13, C23;
+// The same number in all lanes.
+struct Uniform {
+  double value;
+  double operator[](std::size_t /*lane*/) const { return value; }
 };
+
+// A general symmetric plane-stress law and damping time, s, by lane.
+template <typename Number>
+struct Law {
+  Number C11, C22, C33, C12, C13, C23, beta;
+};
+
+Law<Uniform> law_of(const Eigen::Matrix3d& C, double beta) {
+  return {{C(0, 0)}, {C(1, 1)}, {C(2, 2)}, {C(0, 1)}, {C(0, 2)}, {C(1, 2)}, {beta}};
+}
+
+Law<Lane> law_of_lanes(const ElementBlock& block, const MaterialTable& materials, std::span<const double> beta) {
+  Law<Lane> law;
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const Eigen::Matrix3d& C = materials.of(block, l).membrane;
+    law.C11[l] = C(0, 0);
+    law.C22[l] = C(1, 1);
+    law.C33[l] = C(2, 2);
+    law.C12[l] = C(0, 1);
+    law.C13[l] = C(0, 2);
+    law.C23[l] = C(1, 2);
+    law.beta[l] = damping_of(beta, block.material[l]);
+  }
+  return law;
+}
 
 struct LaneStrain {
   Lane e1, e2, e3;
@@ -35,8 +59,9 @@ void biot_strain(const LaneFrames& frames, LaneStrain& e) {
 
 // e += beta dS/dt. M = R^T dF/dt = dS/dt + w S with the spin w = [[0, -omega], [omega, 0]], hence omega = (M21 - M12) /
 // tr S: the rate of a rigid rotation is exactly zero however the triangle is strained.
-void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, double beta, const LaneFrames& frames,
-                     LaneStrain& e) {
+template <typename Number>
+void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, const Number& beta,
+                     const LaneFrames& frames, LaneStrain& e) {
   LaneEdges dv;
   Lane3 f1;
   Lane3 f2;
@@ -48,18 +73,19 @@ void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, doub
     const double M12 = frames.R1[0][l] * f2[0][l] + frames.R1[1][l] * f2[1][l] + frames.R1[2][l] * f2[2][l];
     const double M22 = frames.R2[0][l] * f2[0][l] + frames.R2[1][l] * f2[1][l] + frames.R2[2][l] * f2[2][l];
     const double omega = (M21 - M12) * frames.inverse_trace[l];
-    e.e1[l] += beta * (M11 + omega * frames.S12[l]);
-    e.e2[l] += beta * (M22 - omega * frames.S12[l]);
-    e.e3[l] += beta * (M12 + M21 + omega * (frames.S22[l] - frames.S11[l]));
+    e.e1[l] += beta[l] * (M11 + omega * frames.S12[l]);
+    e.e2[l] += beta[l] * (M22 - omega * frames.S12[l]);
+    e.e3[l] += beta[l] * (M12 + M21 + omega * (frames.S22[l] - frames.S11[l]));
   }
 }
 
-void corner_forces(const ElementBlock& block, const Law& law, const LaneFrames& frames, const LaneStrain& e,
+template <typename Number>
+void corner_forces(const ElementBlock& block, const Law<Number>& law, const LaneFrames& frames, const LaneStrain& e,
                    LaneForces& forces) {
   for (std::size_t l = 0; l < kLanes; ++l) {
-    const double sigma1 = law.C11 * e.e1[l] + law.C12 * e.e2[l] + law.C13 * e.e3[l];
-    const double sigma2 = law.C12 * e.e1[l] + law.C22 * e.e2[l] + law.C23 * e.e3[l];
-    const double sigma3 = law.C13 * e.e1[l] + law.C23 * e.e2[l] + law.C33 * e.e3[l];
+    const double sigma1 = law.C11[l] * e.e1[l] + law.C12[l] * e.e2[l] + law.C13[l] * e.e3[l];
+    const double sigma2 = law.C12[l] * e.e1[l] + law.C22[l] * e.e2[l] + law.C23[l] * e.e3[l];
+    const double sigma3 = law.C13[l] * e.e1[l] + law.C23[l] * e.e2[l] + law.C33[l] * e.e3[l];
     const double a =
         (frames.S12[l] * (sigma1 - sigma2) + sigma3 * (frames.S22[l] - frames.S11[l])) * frames.inverse_trace[l];
     const double minus_area = -block.area[l];
@@ -118,22 +144,31 @@ void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, L
   frames.S12[lane] = a.dot(b) * inverse_s;
 }
 
-void add_membrane_forces(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, double beta,
-                         const mesh::VertexField& x, const mesh::VertexField& v, mesh::VertexField& f) {
-  const Law law(C);
+void add_membrane_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials,
+                         std::span<const double> beta, const mesh::VertexField& x, const mesh::VertexField& v,
+                         mesh::VertexField& f) {
+  const bool is_damped = std::any_of(beta.begin(), beta.end(), [](double each) { return each > 0.0; });
   LaneFrames frames;
   LaneStrain e;
   LaneForces forces;
+  const auto add = [&](const ElementBlock& block, const auto& law) {
+    if (is_damped) add_strain_rate(block, v, law.beta, frames, e);
+    corner_forces(block, law, frames, e, forces);
+  };
   for (const ElementBlock& block : blocks) {
     frames_at(block, x, frames);
     biot_strain(frames, e);
-    if (beta > 0.0) add_strain_rate(block, v, beta, frames, e);
-    corner_forces(block, law, frames, e, forces);
+    if (block.has_one_material()) {
+      add(block, law_of(materials.of(block, 0).membrane, damping_of(beta, block.material[0])));
+    } else {
+      add(block, law_of_lanes(block, materials, beta));
+    }
     scatter(block, forces, f);
   }
 }
 
-double membrane_energy(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, const mesh::VertexField& x) {
+double membrane_energy(std::span<const ElementBlock> blocks, const MaterialTable& materials,
+                       const mesh::VertexField& x) {
   double energy = 0.0;
   LaneFrames frames;
   LaneStrain e;
@@ -143,7 +178,7 @@ double membrane_energy(std::span<const ElementBlock> blocks, const Eigen::Matrix
     for (std::size_t l = 0; l < kLanes; ++l) {
       if (block.area[l] == 0.0) continue;
       const Eigen::Vector3d strain(e.e1[l], e.e2[l], e.e3[l]);
-      energy += 0.5 * block.area[l] * strain.dot(C * strain);
+      energy += 0.5 * block.area[l] * strain.dot(materials.of(block, l).membrane * strain);
     }
   }
   return energy;

@@ -2,14 +2,14 @@
 
 #include <span>
 
-#include <Eigen/Core>
-
 #include "server/fem/element_block.h"
+#include "server/fem/material_table.h"
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
-// Co-rotational linear triangle with a plane-stress law C (N/m, Voigt (e11, e22, 2 e12), material axes):
+// Co-rotational linear triangle with the plane-stress law C of its material (N/m, Voigt (e11, e22, 2 e12), material
+// axes):
 //   F = [x1 - x0, x2 - x0] Dm^-1 (3x2) = R S,  e = S - I,  sigma = C e,  W = A/2 e.sigma,
 // with R and S in closed form. n = (f1 x f2) / d, d = |f1 x f2|, s = tr S = sqrt(tr F^T F + 2 d):
 //   R = [f1 + f2 x n, f2 + n x f1] / s,   S = (F^T F + d I) / s.
@@ -22,13 +22,15 @@ namespace kerf::fem {
 // Everything here works on the slots in order and adds to vertices in that order: one sum order, whatever the
 // processor.
 
-// f (3 x V, N) += forces at x (3 x V, m) and v (3 x V, m/s). Kelvin-Voigt damping with beta (s, >= 0): sigma = C (e +
-// beta de/dt), which does no work on rigid motions and never adds energy. v is not read where beta is 0.
-void add_membrane_forces(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, double beta,
-                         const mesh::VertexField& x, const mesh::VertexField& v, mesh::VertexField& f);
+// f (3 x V, N) += forces at x (3 x V, m) and v (3 x V, m/s). Kelvin-Voigt damping with beta (s, see damping_of): sigma
+// = C (e + beta de/dt), which does no work on rigid motions and never adds energy. v is not read where beta is 0.
+void add_membrane_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials,
+                         std::span<const double> beta, const mesh::VertexField& x, const mesh::VertexField& v,
+                         mesh::VertexField& f);
 
 // J.
-double membrane_energy(std::span<const ElementBlock> blocks, const Eigen::Matrix3d& C, const mesh::VertexField& x);
+double membrane_energy(std::span<const ElementBlock> blocks, const MaterialTable& materials,
+                       const mesh::VertexField& x);
 
 // Largest |principal strain| of any triangle with material, -.
 double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::VertexField& x);

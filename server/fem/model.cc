@@ -23,27 +23,12 @@ std::size_t lane_of(TriangleId slot) {
   return static_cast<std::size_t>(slot % kLanes);
 }
 
-Eigen::Matrix2d rotation_into_material_axes(double direction) {
-  const double c = std::cos(direction);
-  const double s = std::sin(direction);
-  return Eigen::Matrix2d{
-      {c, s},
-      {-s, c},
-  };
-}
-
 }  // namespace
 
 Model::Model(const mesh::TriangleMesh& mesh, const Material& material)
-    : material_(material),
-      membrane_law_(fem::membrane_law(material)),
-      bending_law_(fem::bending_law(material)),
-      inverse_bending_law_(has_bending() ? Eigen::Matrix3d(bending_law_.inverse()) : Eigen::Matrix3d::Zero()),
-      material_from_rest_(rotation_into_material_axes(material.direction)) {
-  // Mass, for edges of 1 m, and stiffness of an inner vertex of a uniform grid: six triangles of half a square each.
-  const double typical_mass = material_.density * material_.thickness;
-  const double typical_stiffness = 2.0 * (membrane_law_(0, 0) + membrane_law_(1, 1) + 2.0 * membrane_law_(2, 2));
-  unit_floor_ = kMassFloor * typical_mass / typical_stiffness;
+    : Model(mesh, std::span<const Material>(&material, 1)) {}
+
+Model::Model(const mesh::TriangleMesh& mesh, std::span<const Material> materials) : materials_(materials) {
   mesh::MeshEdit everything;
   everything.rewritten_triangles.resize(static_cast<std::size_t>(mesh.num_triangle_slots()));
   for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
@@ -76,9 +61,9 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
   std::vector<TriangleId> changed = rewritten;
   const auto num_lanes = static_cast<int>(blocks_.size()) * kLanes;
   for (int slot = num_slots_; slot < std::min(num_slots_before, num_lanes); ++slot) changed.push_back(slot);
-  stiffness_bound_.update({blocks_, incident_, rest_bending_.empty() ? bending_rows_ : bound_rows_, membrane_law_,
-                           stiffness_, inverse_mass_},
-                          changed, change.vertices, rows_.members());
+  stiffness_bound_.update(
+      {blocks_, incident_, rest_bending_.empty() ? bending_rows_ : bound_rows_, materials_, stiffness_, inverse_mass_},
+      changed, change.vertices, rows_.members());
   return change;
 }
 
@@ -87,7 +72,7 @@ std::vector<VertexId> Model::drop_slots(const mesh::TriangleMesh& mesh) {
   for (TriangleId slot = mesh.num_triangle_slots(); slot < num_slots_; ++slot) {
     if (!has_material(slot)) continue;
     for (const VertexId v : corners(slot)) bereft.push_back(v);
-    write_element(slot, {0, 0, 0}, Eigen::Matrix2d::Zero(), 0.0);  // a lane of the last block may stay
+    write_element(slot, {0, 0, 0}, Eigen::Matrix2d::Zero(), 0.0, 0);  // a lane of the last block may stay
   }
   std::erase_if(bereft, [&](VertexId v) { return v >= mesh.num_vertices(); });
   return bereft;
@@ -101,6 +86,7 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   stiffness_.resize(num_vertices, 0.0);
   mass_floor_.resize(num_vertices, 0.0);
   mass_tile_.resize(num_vertices);
+  if (!materials_.has_one_mass_damping()) mass_damping_.resize(num_vertices, 0.0);
   mass_.resize(num_vertices, 0.0);
   inverse_mass_.resize(num_vertices, 0.0);
   incident_.resize(mesh.num_vertices());
@@ -182,15 +168,23 @@ void Model::set_incidence(const std::vector<TriangleId>& rewritten) {
 }
 
 void Model::set_element(const mesh::TriangleMesh& mesh, TriangleId slot) {
-  if (!mesh.is_solid(slot)) return write_element(slot, {0, 0, 0}, Eigen::Matrix2d::Zero(), 0.0);
-  const Eigen::Matrix2d Dm = material_from_rest_ * mesh.rest_edges(slot);
+  if (!mesh.is_solid(slot)) return write_element(slot, {0, 0, 0}, Eigen::Matrix2d::Zero(), 0.0, 0);
+  const std::uint8_t material = material_at(mesh, slot);
+  const Eigen::Matrix2d Dm = materials_[material].axes * mesh.rest_edges(slot);
   const double area = 0.5 * Dm.determinant();
   KERF_CHECK(area > 0.0, "a solid triangle has positive rest area");
-  write_element(slot, mesh.vertices(slot), Dm.inverse(), area);
+  write_element(slot, mesh.vertices(slot), Dm.inverse(), area, material);
+}
+
+std::uint8_t Model::material_at(const mesh::TriangleMesh& mesh, TriangleId slot) const {
+  if (materials_.has_one()) return 0;
+  const std::int32_t region = mesh.region(slot);
+  KERF_CHECK(region >= 0 && static_cast<std::size_t>(region) < materials_.size(), "each region has a material");
+  return static_cast<std::uint8_t>(region);
 }
 
 void Model::write_element(TriangleId slot, const std::array<VertexId, 3>& vertices, const Eigen::Matrix2d& Dm_inv,
-                          double area) {
+                          double area, std::uint8_t material) {
   ElementBlock& block = blocks_[block_of(slot)];
   const std::size_t l = lane_of(slot);
   for (std::size_t c = 0; c < 2; ++c) {
@@ -198,12 +192,17 @@ void Model::write_element(TriangleId slot, const std::array<VertexId, 3>& vertic
     block.g2[c][l] = Dm_inv(1, static_cast<Eigen::Index>(c));
   }
   block.area[l] = area;
+  block.material[l] = material;
   for (std::size_t k = 0; k < 3; ++k) block.vertex[k][l] = vertices[k];
 }
 
 void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
-  double area = 0.0;
+  // What all triangles have in common is a factor of the sums.
+  const bool is_mixed = !materials_.has_one();
+  double mass = 0.0;
   double stiffness = 0.0;
+  double floor = 0.0;
+  double damping = 0.0;
   for (const TriangleId slot : incident_.row(vertex)) {
     const ElementBlock& block = blocks_[block_of(slot)];
     const std::size_t l = lane_of(slot);
@@ -213,17 +212,23 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
       if (block.vertex[1][l] == vertex) g[c] = block.g1[c][l];
       if (block.vertex[2][l] == vertex) g[c] = block.g2[c][l];
     }
-    area += block.area[l];
-    stiffness += corner_stiffness(g[0], g[1], block.area[l], membrane_law_);
+    const MaterialLaw& law = materials_.of(block, l);
+    const double part = corner_stiffness(g[0], g[1], block.area[l], law.membrane);
+    const double part_mass = (is_mixed ? law.surface_density : 1.0) * block.area[l];
+    mass += part_mass;
+    stiffness += part;
+    floor += (is_mixed ? law.unit_floor : 1.0) * part;
+    damping += part_mass * law.material.mass_damping;
   }
   const auto v = static_cast<std::size_t>(vertex);
-  lumped_mass_[v] = material_.density * material_.thickness * area / 3.0;
+  lumped_mass_[v] = (is_mixed ? 1.0 : materials_[0].surface_density) * mass / 3.0;
   stiffness_[v] = stiffness;
+  if (!materials_.has_one_mass_damping()) mass_damping_[v] = mass > 0.0 ? damping / mass : 0.0;
   mass_tile_[v] = mass_tile(mesh.edge_lengths(), mesh.rest_position(vertex));
   const double edge_length = mesh.edge_lengths().at(mesh.rest_position(vertex));
   const mesh::Facet* const facet = mesh.has_material(vertex) ? mesh.facet(mesh.triangle_at(vertex)) : nullptr;
   const double area_ratio = facet != nullptr ? facet->area_ratio() : 1.0;
-  mass_floor_[v] = unit_floor_ * edge_length * edge_length * stiffness * area_ratio;
+  mass_floor_[v] = (is_mixed ? 1.0 : materials_[0].unit_floor) * edge_length * edge_length * floor * area_ratio;
 }
 
 MassChange Model::set_masses() {
@@ -245,8 +250,10 @@ MassChange Model::set_masses() {
 std::uint64_t Model::hash() const {
   StateHash hash;
   hash.add(num_slots_);
-  for (const Eigen::Matrix3d* law : {&membrane_law_, &bending_law_}) {
-    hash.add_span(std::span<const double>(law->data(), static_cast<std::size_t>(law->size())));
+  for (const MaterialLaw& law : materials_) {
+    for (const Eigen::Matrix3d* matrix : {&law.membrane, &law.bending}) {
+      hash.add_span(std::span<const double>(matrix->data(), static_cast<std::size_t>(matrix->size())));
+    }
   }
   for (const ElementBlock& block : blocks_) {
     for (std::size_t c = 0; c < 2; ++c) {
@@ -254,6 +261,7 @@ std::uint64_t Model::hash() const {
       hash.add_span(std::span<const double>(block.g2[c]));
     }
     hash.add_span(std::span<const double>(block.area));
+    hash.add_span(std::span<const std::uint8_t>(block.material));
     for (std::size_t k = 0; k < 3; ++k) hash.add_span(std::span<const VertexId>(block.vertex[k]));
   }
   for (const BendingPatch& patch : patches_) {
@@ -273,7 +281,8 @@ std::uint64_t Model::hash() const {
     hash.add(rest.energy);
     hash.add_span(std::span<const double>(rest.excess));
   }
-  for (const std::vector<double>* field : {&lumped_mass_, &stiffness_, &mass_floor_, &mass_, &inverse_mass_}) {
+  for (const std::vector<double>* field :
+       {&lumped_mass_, &stiffness_, &mass_floor_, &mass_damping_, &mass_, &inverse_mass_}) {
     hash.add_span(std::span<const double>(*field));
   }
   hash.add(stiffness_bound());

@@ -16,6 +16,7 @@
 #include "server/fem/loads.h"
 #include "server/fem/mass_redistribution.h"
 #include "server/fem/material.h"
+#include "server/fem/material_table.h"
 #include "server/fem/rest_bending.h"
 #include "server/fem/row_store.h"
 #include "server/fem/stable_step.h"
@@ -53,7 +54,7 @@ struct MassChange {
 };
 
 // The discrete elastic sheet: constants of every triangle, lumped masses and the bending matrix, for the rest shape of
-// the mesh, flat or curved, and one material.
+// the mesh, flat or curved, and its materials.
 //   Membrane: co-rotational linear triangles, W = A/2 e.C e with e = U - I, F = R U (Biot strain).
 //   Bending: quadratic patch of a triangle and its up to three neighbours, W = A/2 kappa.D kappa (see bending.h), and
 //            the work of moments on the kinks between patches (see bending_edge.h); where the rest shape is curved the
@@ -61,15 +62,20 @@ struct MassChange {
 //            kinks are left out.
 //   Mass: a third of each triangle's to each corner; vertices far too light for their stiffness, as along a cut, are
 //         given some of their neighbours' (see mass_redistribution.h).
-// Derived from mesh and material alone: two models of equal mesh and material are equal bit for bit, however they were
-// arrived at.
+//   Materials: a triangle has that of its number, region(t) of the mesh; no edit moves the borders between regions, so
+//         that the material of a place stays, whatever is cut. A bending patch has the law of its own triangle, and
+//         damping of the mass at a vertex is the mean over its triangles, weighted with their masses.
+// Derived from mesh and materials alone: two models of equal mesh and materials are equal bit for bit, however they
+// were arrived at.
 class Model {
  public:
-  // `material` must be valid (see validate).
+  // `material` must be valid (see validate). One for all, whatever the regions of the mesh.
   Model(const mesh::TriangleMesh& mesh, const Material& material);
+  // 1..kMaxMaterials; more than all regions of the mesh, or one for all.
+  Model(const mesh::TriangleMesh& mesh, std::span<const Material> materials);
 
   // Follows an edit the mesh has already made; recomputes the rewritten slots, the bending patches that touch them and
-  // the masses near them, nothing else. Equal to a fresh Model(mesh, material()).
+  // the masses near them, nothing else. Equal to a fresh model of the same materials.
   MassChange apply(const mesh::TriangleMesh& mesh, const mesh::MeshEdit& edit);
   // The same for any number of edits, made or taken back, by the slots that they rewrote: `rewritten` is sorted and
   // unique, and holds all of those that the mesh still has. Where the mesh has fewer slots and vertices than the model,
@@ -90,19 +96,27 @@ class Model {
 
   [[nodiscard]] int num_vertices() const { return static_cast<int>(mass_.size()); }
   [[nodiscard]] int num_slots() const { return num_slots_; }
-  [[nodiscard]] const Material& material() const { return material_; }
-  // N/m, in material axes, Voigt (e11, e22, 2 e12).
-  [[nodiscard]] const Eigen::Matrix3d& membrane_law() const { return membrane_law_; }
+  [[nodiscard]] const MaterialTable& materials() const { return materials_; }
+  // Of a slot; of one without material, that of material 0.
+  [[nodiscard]] const MaterialLaw& law(mesh::TriangleId slot) const {
+    return materials_.of(blocks_[static_cast<std::size_t>(slot / kLanes)], static_cast<std::size_t>(slot % kLanes));
+  }
 
   // kg, length V; 0 for a vertex without material, which nothing ever moves.
   [[nodiscard]] std::span<const double> mass() const { return mass_; }
   // 1/kg, length V; 0 where the mass is 0.
   [[nodiscard]] std::span<const double> inverse_mass() const { return inverse_mass_; }
   [[nodiscard]] double total_mass() const;  // kg
+  [[nodiscard]] double rest_area() const;   // m^2
+  // 1/s, Rayleigh alpha at a vertex: the force on it is -alpha m v.
+  [[nodiscard]] double mass_damping(mesh::VertexId vertex) const {
+    return materials_.has_one_mass_damping() ? materials_[0].material.mass_damping
+                                             : mass_damping_[static_cast<std::size_t>(vertex)];
+  }
 
   // ceil(num_slots / kLanes) blocks; lanes beyond num_slots have no material.
   [[nodiscard]] std::span<const ElementBlock> element_blocks() const { return blocks_; }
-  [[nodiscard]] bool has_bending() const { return material_.bending_scale > 0.0; }
+  [[nodiscard]] bool has_bending() const { return materials_.has_bending(); }
   // What of it is at edges; one row a slot, empty without bending.
   [[nodiscard]] const RowStore<BendingEdge>& bending_edges() const { return bending_edges_; }
   // Q in N/m, one row a vertex: bending force on vertex i = -sum_j Q_ij x_j. Empty rows without bending.
@@ -110,7 +124,7 @@ class Model {
   // What clamps add to the bending force -Q x.
   [[nodiscard]] const ClampForces& clamp_forces() const { return clamp_forces_; }
   // Empty where the rest shape is flat.
-  [[nodiscard]] RestBendingPatches rest_bending() const { return {patches_, rest_bending_}; }
+  [[nodiscard]] RestBendingPatches rest_bending() const { return {blocks_, patches_, rest_bending_}; }
   // Solid slots around each vertex, ascending.
   [[nodiscard]] const RowStore<mesh::TriangleId>& incident_slots() const { return incident_; }
   // Vertices whose row of the stiffness matrix may have other columns since the last apply() or follow(), or stand for
@@ -123,6 +137,12 @@ class Model {
 
   // f (3 x V, N), overwritten: membrane and bending forces at x (3 x V, m), no damping. f must have V columns.
   void internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const;
+  // f (3 x V, N) += bending forces at x (3 x V, m) and v (3 x V, m/s), those of clamps and of a curved rest shape
+  // included, with Kelvin-Voigt damping: stresses are D (kappa + beta dkappa/dt). beta: see damping_of. `damped` (3 x
+  // V) is scratch.
+  void add_bending_forces(const mesh::VertexField& x, const mesh::VertexField& v, std::span<const double> beta,
+                          mesh::VertexField& damped, mesh::VertexField& f) const;
+  [[nodiscard]] BendingTerms bending_terms() const { return {blocks_, patches_, bending_edges_}; }
   // gravity: m/s^2.
   [[nodiscard]] Energies energies(const State& state, const Eigen::Vector3d& gravity) const;
   [[nodiscard]] Momentum momentum(const State& state) const;
@@ -143,8 +163,10 @@ class Model {
   void set_incidence(const std::vector<mesh::TriangleId>& rewritten);
   void resize(const mesh::TriangleMesh& mesh);
   void set_element(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
+  // The material of a slot of the mesh.
+  [[nodiscard]] std::uint8_t material_at(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
   void write_element(mesh::TriangleId slot, const std::array<mesh::VertexId, 3>& vertices,
-                     const Eigen::Matrix2d& Dm_inv, double area);
+                     const Eigen::Matrix2d& Dm_inv, double area, std::uint8_t material);
   void set_lumped_mass(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
   // Takes the lumped masses over into mass_, redistributed.
   MassChange set_masses();
@@ -200,13 +222,7 @@ class Model {
   [[nodiscard]] bool has_material(mesh::TriangleId slot) const;
   [[nodiscard]] std::array<mesh::VertexId, 3> corners(mesh::TriangleId slot) const;
 
-  Material material_;
-  Eigen::Matrix3d membrane_law_;
-  Eigen::Matrix3d bending_law_;
-  Eigen::Matrix3d inverse_bending_law_;
-  Eigen::Matrix2d material_from_rest_;  // rotation into material axes
-
-  double unit_floor_ = 0.0;  // kg/m^2 / (N/m); mass floor of a vertex over its stiffness, for edges of 1 m
+  MaterialTable materials_;
   int num_slots_ = 0;
   std::vector<ElementBlock> blocks_;
   std::vector<BendingPatch> patches_;  // one a slot; empty without bending
@@ -221,6 +237,7 @@ class Model {
   std::vector<double> lumped_mass_;        // kg, length V; a third of each triangle's
   std::vector<double> stiffness_;          // N/m, length V; trace of the membrane stiffness at rest
   std::vector<double> mass_floor_;         // kg, length V; below which a vertex is given mass
+  std::vector<double> mass_damping_;       // 1/s, length V; empty where all materials have the same
   std::vector<MassTile> mass_tile_;        // length V
   std::vector<double> mass_;
   std::vector<double> inverse_mass_;

@@ -63,7 +63,9 @@ void Model::make_patches(const mesh::TriangleMesh& mesh, std::span<const Triangl
       patch = make_curved_patch(mesh, slot);
     } else {
       patch.vertex = patch_vertices(mesh, slot);
-      patch.stiffness = has_material(slot) ? bending_stiffness(fit_at(mesh, slot).fit) : std::array<double, 21>{};
+      // Where its triangle does not bend a patch has its vertices none the less: they are columns of the matrix.
+      const bool bends = has_material(slot) && law(slot).has_bending();
+      patch.stiffness = bends ? bending_stiffness(fit_at(mesh, slot).fit) : std::array<double, 21>{};
     }
     mark_rows(patch.vertex);
   };
@@ -116,17 +118,19 @@ void Model::make_edges(const mesh::TriangleMesh& mesh) {
 }
 
 bool Model::make_edge(const mesh::TriangleMesh& mesh, TriangleId slot, TriangleId other, int k, BendingEdge& edge) {
+  if (!law(slot).has_bending() || !law(other).has_bending()) return false;  // no moment crosses it
   const auto first = static_cast<std::size_t>(k);
   const std::size_t second = corner_across(mesh, other, slot);
   const std::array<std::size_t, 6> places = places_of_second(first, second);
   edge.first_edge = k;
+  edge.material = {material_at(mesh, slot), material_at(mesh, other)};
   const std::array<VertexId, 6> mine = patch_vertices(mesh, slot);
   const std::array<VertexId, 6> theirs = patch_vertices(mesh, other);
   std::copy(mine.begin(), mine.end(), edge.vertex.begin());
   for (std::size_t i = 0; i < 6; ++i) edge.vertex[places[i]] = theirs[i];
   const auto side = [&](TriangleId at, std::size_t opposite) {
     const PatchFit& patch = fit_at(mesh, at);
-    return bending_side(patch.geometry, patch.fit, bending_law_, inverse_bending_law_, opposite);
+    return bending_side(patch.geometry, patch.fit, law(at).bending, law(at).inverse_bending, opposite);
   };
   const BendingSide from = side(slot, first);
   return join_sides(from, side(other, second), places, edge);
@@ -248,19 +252,20 @@ const Model::PatchFit& Model::fit_at(const mesh::TriangleMesh& mesh, TriangleId 
   if (fits_.size() < fitted_.size()) fits_.resize(fitted_.size());
   PatchFit& made = fits_[fitted_.size() - 1];
   const std::array<VertexId, 6> vertex = patch_vertices(mesh, slot);
+  const MaterialLaw& own = law(slot);
   for (std::size_t k = 0; k < 3; ++k) {
-    made.geometry.corners[k] = material_from_rest_ * mesh.rest_position(vertex[k]);
+    made.geometry.corners[k] = own.axes * mesh.rest_position(vertex[k]);
     made.geometry.opposite[k].setZero();
     made.geometry.edges[k] = PatchEdge::kFree;
     if (vertex[3 + k] != mesh::kNone) {
-      made.geometry.opposite[k] = material_from_rest_ * mesh.rest_position(vertex[3 + k]);
+      made.geometry.opposite[k] = own.axes * mesh.rest_position(vertex[3 + k]);
       made.geometry.edges[k] = PatchEdge::kNeighbour;
       continue;
     }
     Eigen::Matrix<double, 3, 2> gradient;
     if (find_clamped_edge(mesh, slot, k, gradient)) made.geometry.edges[k] = PatchEdge::kClamped;
   }
-  made.fit = fit_bending(made.geometry, inverse_bending_law_);
+  made.fit = fit_bending(made.geometry, own.inverse_bending);
   return made;
 }
 
@@ -270,7 +275,8 @@ BendingPatch Model::make_curved_patch(const mesh::TriangleMesh& mesh, TriangleId
   BendingPatch patch;
   if (!has_material(slot)) return patch;
   const mesh::Facet* const facet = mesh.facet(slot);
-  const Eigen::Matrix2d edges = material_from_rest_ * mesh.rest_edges(slot);
+  const MaterialLaw& own = law(slot);
+  const Eigen::Matrix2d edges = own.axes * mesh.rest_edges(slot);
   PatchGeometry geometry{{Eigen::Vector2d::Zero(), edges.col(0), edges.col(1)}, {}, {}};
   const std::array<Eigen::Vector2d, 3>& X = geometry.corners;
   std::array<Eigen::Vector3d, 6> surface;  // m
@@ -288,7 +294,8 @@ BendingPatch Model::make_curved_patch(const mesh::TriangleMesh& mesh, TriangleId
     geometry.opposite[k] =
         unfolded({X[(k + 1) % 3], X[(k + 2) % 3]}, {surface[(k + 1) % 3], surface[(k + 2) % 3]}, surface[3 + k]);
   }
-  const BendingFit fit = fit_bending(geometry, inverse_bending_law_);
+  if (!own.has_bending()) return patch;
+  const BendingFit fit = fit_bending(geometry, own.inverse_bending);
   patch.stiffness = bending_stiffness(fit);
   if (is_bent) rest = make_rest_bending(surface, fit);
   return patch;

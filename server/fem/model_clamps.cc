@@ -31,7 +31,7 @@ void Model::set_clamps(const mesh::TriangleMesh& mesh, std::vector<Clamp> clamps
   slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
   rows_.clear();
   make_patches(mesh, slots);
-  stiffness_bound_.update({blocks_, incident_, bending_rows_, membrane_law_, stiffness_, inverse_mass_}, {}, {},
+  stiffness_bound_.update({blocks_, incident_, bending_rows_, materials_, stiffness_, inverse_mass_}, {}, {},
                           rows_.members());
 }
 
@@ -126,10 +126,11 @@ EdgeMoment Model::edge_moment(const mesh::TriangleMesh& mesh, TriangleId slot, i
                               double moment_per_length) const {
   KERF_CHECK(has_material(slot) && mesh.neighbour(slot, edge) == mesh::kNone, "a border edge of a solid triangle");
   const auto k = static_cast<std::size_t>(edge);
-  const Eigen::Matrix2d sides = material_from_rest_ * mesh.rest_edges(slot);
+  const MaterialLaw& own = law(slot);
+  const Eigen::Matrix2d sides = own.axes * mesh.rest_edges(slot);
   PatchGeometry patch{{Eigen::Vector2d::Zero(), sides.col(0), sides.col(1)}, {}, {}};
   const std::array<Eigen::Vector2d, 3>& X = patch.corners;
-  const bool is_flat = has_bending() && !mesh.is_curved();
+  const bool is_flat = own.has_bending() && !mesh.is_curved();
   EdgeMoment made;
   made.edge = k;
   made.arm = clamp_arm(X, k).norm();
@@ -141,14 +142,13 @@ EdgeMoment Model::edge_moment(const mesh::TriangleMesh& mesh, TriangleId slot, i
     const TriangleId across = mesh.neighbour(slot, static_cast<int>(i));
     if (!is_flat || across == mesh::kNone) continue;
     made.vertex[3 + i] = mesh.vertices(across)[corner_across(mesh, across, slot)];
-    patch.opposite[i] =
-        material_from_rest_ * (mesh.rest_position(made.vertex[3 + i]) - mesh.rest_position(vertices[0]));
+    patch.opposite[i] = own.axes * (mesh.rest_position(made.vertex[3 + i]) - mesh.rest_position(vertices[0]));
     patch.edges[i] = PatchEdge::kNeighbour;
   }
   Eigen::Matrix<double, 3, 2> held;
   if (find_clamped_edge(mesh, slot, k, held)) return made;
   patch.edges[k] = PatchEdge::kClamped;
-  const BendingFit fit = fit_bending(patch, has_bending() ? inverse_bending_law_ : Eigen::Matrix3d::Identity());
+  const BendingFit fit = fit_bending(patch, own.has_bending() ? own.inverse_bending : Eigen::Matrix3d::Identity());
   // Of the conditions w = W x the one of the edge has the slope in it, arm x_nu - L x, and takes the value at which
   // the energy w.law w / 2 is least, the others being what they are.
   const auto row = static_cast<Eigen::Index>(k);

@@ -12,17 +12,39 @@ double Model::total_mass() const {
   return total;
 }
 
+double Model::rest_area() const {
+  double total = 0.0;
+  for (const ElementBlock& block : blocks_) {
+    for (const double area : block.area) total += area;
+  }
+  return total;
+}
+
 void Model::internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const {
   f.setZero();
-  add_membrane_forces(blocks_, membrane_law_, 0.0, x, x, f);
-  add_bending_forces(bending_rows_, x, f);
+  add_membrane_forces(blocks_, materials_, {}, x, x, f);
+  fem::add_bending_forces(bending_rows_, x, f);
   add_clamp_forces(clamp_forces_, f);
-  add_rest_bending_forces(rest_bending(), x, x, 0.0, f);
+  add_rest_bending_forces(rest_bending(), x, x, {}, f);
+}
+
+void Model::add_bending_forces(const mesh::VertexField& x, const mesh::VertexField& v, std::span<const double> beta,
+                               mesh::VertexField& damped, mesh::VertexField& f) const {
+  if (!has_bending()) return;
+  if (is_uniform(beta)) {
+    damped = x + damping_of(beta, 0) * v;
+    fem::add_bending_forces(bending_rows_, damped, f);
+  } else {
+    fem::add_bending_forces(bending_rows_, x, f);
+    add_bending_damping(bending_terms(), beta, v, f);
+  }
+  add_clamp_forces(clamp_forces_, f);
+  add_rest_bending_forces(rest_bending(), x, v, beta, f);
 }
 
 Energies Model::energies(const State& state, const Eigen::Vector3d& gravity) const {
   Energies energies;
-  energies.membrane = membrane_energy(blocks_, membrane_law_, state.x);
+  energies.membrane = membrane_energy(blocks_, materials_, state.x);
   energies.bending = bending_energy(bending_rows_, state.x) + clamp_energy(clamp_forces_, state.x) +
                      rest_bending_energy(rest_bending(), state.x);
   for (int i = 0; i < num_vertices(); ++i) {

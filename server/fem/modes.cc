@@ -54,8 +54,8 @@ Matrix stiffness_matrix(const Model& model, const Loads& loads, const mesh::Vert
   TangentMatrix tangent;
   tangent.rebuild(model);
   tangent.set_mass(model, 0.0);
-  tangent.add_membrane(model, x, {}, 1.0, 1.0, false);
-  tangent.add_bending(model, 1.0);
+  tangent.add_membrane(model, x, {}, {}, 1.0, false);
+  tangent.add_bending(model, {});
   for (Grab spring : loads.grabs) {
     spring.damping = 0.0;
     tangent.add_grabs({&spring, 1}, 1.0);
@@ -81,7 +81,6 @@ Matrix stiffness_matrix(const Model& model, const Loads& loads, const mesh::Vert
 // O(h^2). Across the sheet their mean is right to a higher order (Hughes, The Finite Element Method, section 7.3.2);
 // within it triangles of constant strain are stiffer than the sheet by about what lumped masses make up for.
 Matrix mass_matrix(const Model& model, const mesh::VertexField& x, const std::vector<int>& numbers, int count) {
-  const double density = model.material().density * model.material().thickness;
   Entries entries;
   const auto add = [&](mesh::VertexId v, mesh::VertexId w, const Eigen::Matrix3d& m) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -95,7 +94,7 @@ Matrix mass_matrix(const Model& model, const mesh::VertexField& x, const std::ve
   };
   for (const ElementBlock& block : model.element_blocks()) {
     for (std::size_t l = 0; l < kLanes; ++l) {
-      const double mass = density * block.area[l];
+      const double mass = model.materials().of(block, l).surface_density * block.area[l];
       if (mass == 0.0) continue;
       const Eigen::Vector3d corner = x.col(block.vertex[0][l]);
       const Eigen::Vector3d side = x.col(block.vertex[1][l]) - corner;

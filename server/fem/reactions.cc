@@ -1,6 +1,5 @@
 #include "server/fem/reactions.h"
 
-#include "server/fem/bending_forces.h"
 #include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
 #include "server/fem/membrane.h"
@@ -41,19 +40,14 @@ void find_reactions(const Model& model, const Loads& loads, const mesh::VertexFi
 
 void find_reactions(const Model& model, const Loads& loads, const State& state, const mesh::VertexField& acceleration,
                     mesh::VertexField& reactions) {
-  const Material& material = model.material();
-  const double beta = material.stiffness_damping;
+  const std::span<const double> beta = model.materials().stiffness_damping();
   mesh::VertexField& f = reactions;
   f = Eigen::Matrix3Xd::Zero(3, model.num_vertices());
-  add_membrane_forces(model.element_blocks(), model.membrane_law(), beta, state.x, state.v, f);
-  if (model.has_bending()) {
-    const mesh::VertexField damped = state.x + beta * state.v;
-    add_bending_forces(model.bending_rows(), damped, f);
-    add_clamp_forces(model.clamp_forces(), f);
-    add_rest_bending_forces(model.rest_bending(), state.x, state.v, beta, f);
-  }
+  add_membrane_forces(model.element_blocks(), model.materials(), beta, state.x, state.v, f);
+  mesh::VertexField damped = Eigen::Matrix3Xd::Zero(3, model.num_vertices());
+  model.add_bending_forces(state.x, state.v, beta, damped, f);
   add_loads(model, loads, state.x, f);
-  add_wind_drag(model.element_blocks(), loads.wind, material.density * material.thickness, 0.0, state, f);
+  add_wind_drag(model.element_blocks(), model.materials(), loads.wind, 0.0, state, f);
   for (const Grab& grab : loads.grabs) {
     const Eigen::Vector3d pull = grab.damping * (grab.velocity - grab_point(grab, state.v));
     for (std::size_t k = 0; k < 3; ++k) {
@@ -63,7 +57,7 @@ void find_reactions(const Model& model, const Loads& loads, const State& state, 
   }
   for (Eigen::Index i = 0; i < f.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
-    f.col(i) -= m * (acceleration.col(i) + material.mass_damping * state.v.col(i));
+    f.col(i) -= m * (acceleration.col(i) + model.mass_damping(static_cast<int>(i)) * state.v.col(i));
   }
   turn_into_reactions(loads, f);
 }

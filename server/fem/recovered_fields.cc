@@ -25,11 +25,11 @@ Matrix2d symmetric(double a11, double a22, double a12) {
 }
 
 // In material axes, as a tensor.
-Matrix2d tensor_in_lane(const LaneFrames& frames, std::size_t lane, const Model& model, MembraneField field) {
+Matrix2d tensor_in_lane(const LaneFrames& frames, std::size_t lane, const MaterialLaw& law, MembraneField field) {
   const Matrix2d S = symmetric(frames.S11[lane], frames.S22[lane], frames.S12[lane]);
   if (field == MembraneField::kBiotStrain) return S - Matrix2d::Identity();
   const Vector3d e(S(0, 0) - 1.0, S(1, 1) - 1.0, 2.0 * S(0, 1));
-  const Vector3d sigma = model.membrane_law() * e / model.material().thickness;
+  const Vector3d sigma = law.membrane * e / law.material.thickness;
   if (field == MembraneField::kBiotStress) return symmetric(sigma[0], sigma[1], sigma[2]);
   // R^T P with its skew part (see membrane.h); P F^T / det S is symmetric.
   const double a = (S(0, 1) * (sigma[0] - sigma[1]) + sigma[2] * (S(1, 1) - S(0, 0))) * frames.inverse_trace[lane];
@@ -41,14 +41,14 @@ Matrix2d tensor_in_lane(const LaneFrames& frames, std::size_t lane, const Model&
   return det > 0.0 ? Matrix2d(T * S / det) : Matrix2d::Zero();
 }
 
-// Where the corners of a slot are from that at `vertex`: m, material axes.
-std::array<Vector2d, 3> corners_from(const ElementBlock& block, std::size_t lane, mesh::VertexId vertex) {
-  const Matrix2d Dm =
-      Matrix2d{
-          {block.g1[0][lane], block.g1[1][lane]},
-          {block.g2[0][lane], block.g2[1][lane]},
-      }
-          .inverse();
+// Where the corners of a slot are from that at `vertex`: m, rest axes.
+std::array<Vector2d, 3> corners_from(const Model& model, const ElementBlock& block, std::size_t lane,
+                                     mesh::VertexId vertex) {
+  const Matrix2d Dm_inv{
+      {block.g1[0][lane], block.g1[1][lane]},
+      {block.g2[0][lane], block.g2[1][lane]},
+  };
+  const Matrix2d Dm = model.materials().of(block, lane).axes.transpose() * Dm_inv.inverse();
   const std::array<Vector2d, 3> from_first{Vector2d::Zero(), Dm.col(0), Dm.col(1)};
   std::array<Vector2d, 3> from = from_first;
   for (std::size_t k = 1; k < 3; ++k) {
@@ -67,10 +67,13 @@ void for_around(const Model& model, mesh::VertexId vertex, const Visit& visit) {
   }
 }
 
-// Whether triangles are all around the vertex: each neighbour is in two of them.
+// Whether triangles of one material are all around the vertex: each neighbour is in two of them.
 bool is_inside(const Model& model, mesh::VertexId vertex) {
   std::vector<mesh::VertexId> others;
-  for_around(model, vertex, [&](std::size_t /*slot*/, const ElementBlock& block, std::size_t lane) {
+  bool has_one_material = true;
+  const std::span<const mesh::TriangleId> around = model.incident_slots().row(vertex);
+  for_around(model, vertex, [&](std::size_t slot, const ElementBlock& block, std::size_t lane) {
+    has_one_material = has_one_material && &model.law(static_cast<mesh::TriangleId>(slot)) == &model.law(around[0]);
     for (std::size_t k = 0; k < 3; ++k) {
       if (block.vertex[k][lane] != vertex) others.push_back(block.vertex[k][lane]);
     }
@@ -79,7 +82,7 @@ bool is_inside(const Model& model, mesh::VertexId vertex) {
   for (std::size_t i = 0; i + 1 < others.size(); i += 2) {
     if (others[i] != others[i + 1] || (i + 2 < others.size() && others[i + 1] == others[i + 2])) return false;
   }
-  return !others.empty();
+  return has_one_material && !others.empty();
 }
 
 // The linear fit to values at the centroids around a vertex, weighted with areas.
@@ -93,7 +96,7 @@ struct Plane {
     Vector2d middle = Vector2d::Zero();
     Matrix2d spread = Matrix2d::Zero();
     for_around(model, vertex, [&](std::size_t slot, const ElementBlock& block, std::size_t lane) {
-      const std::array<Vector2d, 3> corners = corners_from(block, lane, vertex);
+      const std::array<Vector2d, 3> corners = corners_from(model, block, lane, vertex);
       const Vector2d at = (corners[0] + corners[1] + corners[2]) / 3.0;
       const double weight = block.area[lane];
       area += weight;
@@ -123,7 +126,7 @@ Vector3d mean_around(const Model& model, mesh::VertexId vertex, std::span<const 
 template <typename Visit>
 void for_corners(const Model& model, mesh::VertexId vertex, const Visit& visit) {
   for_around(model, vertex, [&](std::size_t /*slot*/, const ElementBlock& block, std::size_t lane) {
-    const std::array<Vector2d, 3> corners = corners_from(block, lane, vertex);
+    const std::array<Vector2d, 3> corners = corners_from(model, block, lane, vertex);
     for (std::size_t k = 0; k < 3; ++k) {
       if (block.vertex[k][lane] != vertex) visit(block.vertex[k][lane], corners[k]);
     }
@@ -134,7 +137,7 @@ void for_corners(const Model& model, mesh::VertexId vertex, const Visit& visit) 
 template <typename Visit>
 void for_corners_across(const Model& model, mesh::VertexId vertex, const Visit& visit) {
   for_around(model, vertex, [&](std::size_t slot, const ElementBlock& block, std::size_t lane) {
-    const std::array<Vector2d, 3> corners = corners_from(block, lane, vertex);
+    const std::array<Vector2d, 3> corners = corners_from(model, block, lane, vertex);
     std::size_t k = 0;
     while (block.vertex[k][lane] != vertex) ++k;
     const mesh::VertexId a = block.vertex[(k + 1) % 3][lane];
@@ -143,7 +146,7 @@ void for_corners_across(const Model& model, mesh::VertexId vertex, const Visit& 
       if (other_slot == slot) return;
       const std::array<mesh::VertexId, 3> at{other.vertex[0][l], other.vertex[1][l], other.vertex[2][l]};
       if (std::find(at.begin(), at.end(), b) == at.end()) return;
-      const std::array<Vector2d, 3> from = corners_from(other, l, a);
+      const std::array<Vector2d, 3> from = corners_from(model, other, l, a);
       for (std::size_t i = 0; i < 3; ++i) {
         if (at[i] != a && at[i] != b) visit(at[i], Vector2d(corners[(k + 1) % 3] + from[i]));
       }
@@ -171,13 +174,6 @@ Vector3d recover_by_patches(const Model& model, mesh::VertexId vertex, std::span
 
 std::vector<Vector3d> triangle_field(const Model& model, const mesh::VertexField& x, MembraneField field,
                                      FieldAxes axes) {
-  const double direction = axes == FieldAxes::kRest ? model.material().direction : 0.0;
-  const double c = std::cos(direction);
-  const double s = std::sin(direction);
-  const Matrix2d turn{
-      {c, -s},
-      {s, c},
-  };
   const double shear = field == MembraneField::kBiotStrain ? 2.0 : 1.0;
   std::vector<Vector3d> values(static_cast<std::size_t>(model.num_slots()), Vector3d::Zero());
   LaneFrames frames;
@@ -186,7 +182,9 @@ std::vector<Vector3d> triangle_field(const Model& model, const mesh::VertexField
     const std::size_t lane = slot % kLanes;
     if (lane == 0) frames_at(block, x, frames);
     if (block.area[lane] == 0.0) continue;
-    const Matrix2d tensor = turn * tensor_in_lane(frames, lane, model, field) * turn.transpose();
+    const MaterialLaw& law = model.materials().of(block, lane);
+    Matrix2d tensor = tensor_in_lane(frames, lane, law, field);
+    if (axes == FieldAxes::kRest) tensor = law.axes.transpose() * tensor * law.axes;
     values[slot] = {tensor(0, 0), tensor(1, 1), shear * 0.5 * (tensor(0, 1) + tensor(1, 0))};
   }
   return values;

@@ -21,7 +21,7 @@ enum class MembraneField {
 };
 
 enum class FieldAxes {
-  kMaterial,  // 1 along the fibres
+  kMaterial,  // 1 along the fibres of the triangle's material
   kRest,      // 1 along x of the rest plane
 };
 
@@ -39,7 +39,9 @@ enum class Recovery {
 };
 
 // One a vertex, from one a slot; 0 for vertices without. What is on the other side of a cut has no part in it: a lip is
-// border, of whose vertices each has triangles of one side, and patches are closed fans, which no cut crosses.
+// border, of whose vertices each has triangles of one side, and patches are closed fans, which no cut crosses. Where
+// materials meet, where fields jump, no patch crosses the border between them either, and a vertex has the mean of both
+// sides. Fields in kMaterial axes only of materials of one direction.
 [[nodiscard]] std::vector<Eigen::Vector3d> vertex_field(const Model& model, std::span<const Eigen::Vector3d> of_slots,
                                                         Recovery recovery);
 

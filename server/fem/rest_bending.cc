@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "server/fem/material_table.h"
+
 namespace kerf::fem {
 namespace {
 
@@ -123,20 +125,21 @@ RestBending make_rest_bending(const std::array<Vector3d, 6>& surface, const Bend
 }
 
 void add_rest_bending_forces(const RestBendingPatches& sheet, const mesh::VertexField& x, const mesh::VertexField& v,
-                             double beta, mesh::VertexField& f) {
+                             std::span<const double> beta, mesh::VertexField& f) {
   for (std::size_t slot = 0; slot < sheet.rest.size(); ++slot) {
     const RestBending& rest = sheet.rest[slot];
     if (!rest.is_bent) continue;
     const BendingPatch& patch = sheet.patches[slot];
     const Frame frame(corners_at(patch, x), rest.doubled_area);
     if (!frame.is_valid) continue;
-    const Vector3d spin = beta * frame.spin(corners_at(patch, v));
+    const double damping = damping_of(beta, sheet.blocks[slot / kLanes].material[slot % kLanes]);
+    const Vector3d spin = damping * frame.spin(corners_at(patch, v));
     Vector3d torque = -(frame.axes * (rest.inertia * (frame.axes.transpose() * spin)));
     for (std::size_t i = 0; i < 6; ++i) {
       if (patch.vertex[i] == mesh::kNone) continue;
       const Vector3d load = frame.axes * rest.load[i];
       const Vector3d arm =
-          x.col(patch.vertex[i]) - x.col(patch.vertex[0]) + beta * (v.col(patch.vertex[i]) - v.col(patch.vertex[0]));
+          x.col(patch.vertex[i]) - x.col(patch.vertex[0]) + damping * (v.col(patch.vertex[i]) - v.col(patch.vertex[0]));
       torque += load.cross(arm);
       f.col(patch.vertex[i]) += load + spin.cross(load);
     }

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "server/fem/bending.h"
+#include "server/fem/element_block.h"
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
@@ -32,8 +33,10 @@ struct RestBending {
   }
 };
 
-// All patches of a sheet and what they have at rest: the latter empty where the rest shape is flat.
+// All patches of a sheet, the blocks that have their materials, and what they have at rest: the latter empty where the
+// rest shape is flat.
 struct RestBendingPatches {
+  std::span<const ElementBlock> blocks;
   std::span<const BendingPatch> patches;
   std::span<const RestBending> rest;
 };
@@ -41,10 +44,10 @@ struct RestBendingPatches {
 // corners, opposite: positions on the rest surface, m; the fit as of fit_bending.
 RestBending make_rest_bending(const std::array<Eigen::Vector3d, 6>& surface, const BendingFit& fit);
 
-// f (3 x V, N) += what is to be added to add_bending_forces(rows, x + beta v, f). x: m; v: m/s; beta: s, >= 0. Damping
-// acts on the rate of w - F w0, so that a curved sheet turns freely.
+// f (3 x V, N) += what is to be added to add_bending_forces(rows, x + beta v, f). x: m; v: m/s; beta: see
+// damping_of. Damping acts on the rate of w - F w0, so that a curved sheet turns freely.
 void add_rest_bending_forces(const RestBendingPatches& sheet, const mesh::VertexField& x, const mesh::VertexField& v,
-                             double beta, mesh::VertexField& f);
+                             std::span<const double> beta, mesh::VertexField& f);
 
 // J; to be added to bending_energy.
 double rest_bending_energy(const RestBendingPatches& sheet, const mesh::VertexField& x);

@@ -28,11 +28,13 @@ double largest_eigenvalue_bound(double trace, double minors, double determinant)
   return trace * std::sqrt(std::sqrt(std::sqrt(e1)));
 }
 
-double membrane_bound(const StiffnessProblem& problem, double law_determinant, mesh::TriangleId slot) {
+double membrane_bound(const StiffnessProblem& problem, std::span<const double> law_determinants,
+                      mesh::TriangleId slot) {
   const ElementBlock& block = problem.blocks[static_cast<std::size_t>(slot / kLanes)];
   const auto l = static_cast<std::size_t>(slot % kLanes);
   const double area = block.area[l];
   if (area == 0.0) return 0.0;
+  const Eigen::Matrix3d& law = problem.materials.of(block, l).membrane;
   const std::array<double, 3> gx{-block.g1[0][l] - block.g2[0][l], block.g1[0][l], block.g2[0][l]};
   const std::array<double, 3> gy{-block.g1[1][l] - block.g2[1][l], block.g1[1][l], block.g2[1][l]};
   // G = sum over corners of A B B^T / (mass share), with strain-displacement matrices B, rows (gx, 0), (0, gy), (gy,
@@ -40,7 +42,7 @@ double membrane_bound(const StiffnessProblem& problem, double law_determinant, m
   double xx = 0.0, xy = 0.0, yy = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
     const auto v = static_cast<std::size_t>(block.vertex[k][l]);
-    const double stiffness = corner_stiffness(gx[k], gy[k], area, problem.membrane_law);
+    const double stiffness = corner_stiffness(gx[k], gy[k], area, law);
     const double weight = area * problem.stiffness[v] * problem.inverse_mass[v] / stiffness;
     xx += weight * gx[k] * gx[k];
     xy += weight * gx[k] * gy[k];
@@ -51,10 +53,11 @@ double membrane_bound(const StiffnessProblem& problem, double law_determinant, m
       {0.0, yy, xy},
       {xy, xy, xx + yy},
   };
-  const Eigen::Matrix3d H = problem.membrane_law * G;  // its eigenvalues are those of L^T G L, L L^T the law
+  const Eigen::Matrix3d H = law * G;  // its eigenvalues are those of L^T G L, L L^T the law
   const double minors = H(0, 0) * H(1, 1) - H(0, 1) * H(1, 0) + H(0, 0) * H(2, 2) - H(0, 2) * H(2, 0) +
                         H(1, 1) * H(2, 2) - H(1, 2) * H(2, 1);
-  return largest_eigenvalue_bound(H.trace(), minors, law_determinant * (xx + yy) * (xx * yy - xy * xy));
+  return largest_eigenvalue_bound(H.trace(), minors,
+                                  law_determinants[block.material[l]] * (xx + yy) * (xx * yy - xy * xy));
 }
 
 double bending_bound(const StiffnessProblem& problem, mesh::VertexId row) {
@@ -103,7 +106,10 @@ void RunningMaximum::update(std::span<const std::int32_t> changed) {
 
 void StiffnessBound::update(const StiffnessProblem& problem, std::span<const mesh::TriangleId> slots,
                             std::span<const mesh::VertexId> vertices, std::span<const mesh::VertexId> rows) {
-  const double law_determinant = problem.membrane_law.determinant();
+  std::array<double, kMaxMaterials> law_determinants{};
+  for (std::size_t i = 0; i < problem.materials.size(); ++i) {
+    law_determinants[i] = problem.materials[i].membrane.determinant();
+  }
   membrane_.resize(problem.blocks.size() * kLanes);
   changed_slots_.clear();
   changed_slots_.resize(problem.blocks.size() * kLanes);
@@ -115,7 +121,7 @@ void StiffnessBound::update(const StiffnessProblem& problem, std::span<const mes
     for (const mesh::TriangleId slot : problem.incident_slots.row(v)) changed_slots_.insert(slot);
   }
   for (const mesh::TriangleId slot : changed_slots_.members()) {
-    membrane_.set(static_cast<std::size_t>(slot), membrane_bound(problem, law_determinant, slot));
+    membrane_.set(static_cast<std::size_t>(slot), membrane_bound(problem, law_determinants, slot));
   }
   membrane_.update(changed_slots_.members());
 

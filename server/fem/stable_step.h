@@ -10,6 +10,7 @@
 #include "server/fem/bending.h"
 #include "server/fem/element_block.h"
 #include "server/fem/index_set.h"
+#include "server/fem/material_table.h"
 #include "server/fem/row_store.h"
 #include "server/mesh/ids.h"
 
@@ -38,9 +39,9 @@ struct StiffnessProblem {
   std::span<const ElementBlock> blocks;
   const RowStore<mesh::TriangleId>& incident_slots;
   const RowStore<BendingEntry>& bending_rows;  // without rows where there is no bending
-  const Eigen::Matrix3d& membrane_law;         // N/m
-  std::span<const double> stiffness;           // N/m, length V; corner_stiffness summed around each vertex
-  std::span<const double> inverse_mass;        // 1/kg, length V
+  const MaterialTable& materials;
+  std::span<const double> stiffness;     // N/m, length V; corner_stiffness summed around each vertex
+  std::span<const double> inverse_mass;  // 1/kg, length V
 };
 
 // Upper bound of the largest eigenvalue of M^-1 K at rest, 1/s^2, membrane and bending, kept up to date through edits.

@@ -27,7 +27,7 @@ void StageContact::begin(const ContactConstraint* contact, const Model& model, d
   model_ = &model;
   start_ = &start;
   inertia_ = 1.0 / (d * d);
-  membrane_ = model.membrane_law().trace();
+  membrane_ = model.materials().largest_membrane_trace();
   entries_.clear();
 }
 

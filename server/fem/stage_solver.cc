@@ -47,9 +47,9 @@ void StageSolver::resize(const Model& model) {
 
 void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, bool predicted) {
   const double d = problem.stage.d;
-  const double material_scale = d * d + d * problem.beta;
+  const MaterialScale material_scale{d * d, d, problem.beta};
   const std::span<const Eigen::Vector3d> stress(stress_);
-  matrix_.set_mass(problem.model, 1.0 + d * problem.model.material().mass_damping);
+  matrix_.set_mass(problem.model, 1.0, d);
   matrix_.add_membrane(problem.model, x, predicted ? stress : stress.first(0), material_scale, d * d, true);
   matrix_.add_bending(problem.model, material_scale);
   matrix_.add_grabs(problem.loads.grabs, d);
@@ -67,7 +67,7 @@ void StageSolver::predict_stress(const Problem& problem, const mesh::VertexField
       for (std::size_t k = 0; k < 3; ++k) {
         dx.segment<3>(static_cast<Eigen::Index>(3 * k)) = step_.col(blocks[b].vertex[k][l]);
       }
-      const MembraneTangent tangent(blocks[b], l, frames, problem.model.membrane_law());
+      const MembraneTangent tangent(blocks[b], l, frames, problem.model.materials().of(blocks[b], l).membrane);
       stress_[b * kLanes + l] = tangent.predicted_stress(dx);
     }
   }
@@ -79,7 +79,7 @@ void StageSolver::constrain(const Problem& problem, const mesh::VertexField& x) 
 
 bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
                         const Stage& stage, State& state, StepStats& stats) {
-  const Problem problem{model, loads, constant_force, stage, model.material().stiffness_damping};
+  const Problem problem{model, loads, constant_force, stage, model.materials().stiffness_damping()};
   contact_.begin(stage.contact, model, stage.d, stage.start != nullptr ? *stage.start : state.x);
   follows_loads_ = has_follower_loads(loads);
   start_ = state.x;
@@ -94,7 +94,7 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
   is_predicted_ = found;
   if (!found) {
     Problem undamped = problem;
-    undamped.beta = 0.0;
+    undamped.beta = {};
     found = repair(undamped, start_, state.x, stats);
   }
   if (!found || !state.x.allFinite()) return false;
@@ -145,7 +145,7 @@ bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStat
 
 bool StageSolver::accept(const Problem& problem, const mesh::VertexField& x, double residual, StepStats& stats) const {
   Problem undamped = problem;
-  undamped.beta = 0.0;
+  undamped.beta = {};
   const double reached = merit(undamped, x, start_);
   if (!std::isfinite(reached) || !(reached <= merit(undamped, start_, start_))) return false;
   stats.flags |= kNotConverged;
@@ -191,8 +191,9 @@ double StageSolver::solve_first(const Problem& problem, const mesh::VertexField&
   increment_.setZero();
   solve_linear(stats, increment_);
   step_ += increment_;
-  const double rounding = std::numeric_limits<double>::epsilon() * d * d * problem.model.membrane_law().trace() *
-                          x.cwiseAbs().maxCoeff() * std::sqrt(static_cast<double>(x.cols()));
+  const double rounding = std::numeric_limits<double>::epsilon() * d * d *
+                          problem.model.materials().largest_membrane_trace() * x.cwiseAbs().maxCoeff() *
+                          std::sqrt(static_cast<double>(x.cols()));
   constexpr double kMomentumShare = 1e-3;
   return std::max(
       {departure, kMomentumShare * whole, rounding / options_.newton_tolerance, std::numeric_limits<double>::min()});
@@ -253,18 +254,13 @@ double StageSolver::evaluate_residual(const Problem& problem, const mesh::Vertex
   const Model& model = problem.model;
   velocity_ = (x - stage.base.x) / stage.d;
   force_ = problem.constant_force;
-  add_membrane_forces(model.element_blocks(), model.membrane_law(), problem.beta, x, velocity_, force_);
-  if (model.has_bending()) {
-    damped_ = x + problem.beta * velocity_;
-    add_bending_forces(model.bending_rows(), damped_, force_);
-    add_clamp_forces(model.clamp_forces(), force_);
-    add_rest_bending_forces(model.rest_bending(), x, velocity_, problem.beta, force_);
-  }
+  add_membrane_forces(model.element_blocks(), model.materials(), problem.beta, x, velocity_, force_);
+  model.add_bending_forces(x, velocity_, problem.beta, damped_, force_);
   add_follower_forces(model.element_blocks(), problem.loads, x, force_);
   add_grab_forces(problem, x);
-  const double inertia = 1.0 + stage.d * model.material().mass_damping;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
+    const double inertia = 1.0 + stage.d * model.mass_damping(static_cast<int>(i));
     const Eigen::Vector3d impulse =
         stage.base.v.col(i) - (inertia / stage.d) * (x.col(i) - stage.base.x.col(i)) + stage.d * problem.loads.gravity;
     residual_.col(i) = m * stage.d * impulse + stage.d * stage.d * force_.col(i);
@@ -280,19 +276,23 @@ double StageSolver::evaluate_residual(const Problem& problem, const mesh::Vertex
 
 void StageSolver::restore_momentum(const Problem& problem, mesh::VertexField& x) const {
   const Stage& stage = problem.stage;
-  const double inertia = 1.0 + stage.d * problem.model.material().mass_damping;
-  Eigen::Vector3d missing = stage.d * stage.d * follower_resultant(problem.model.element_blocks(), problem.loads, x);
+  const Model& model = problem.model;
+  Eigen::Vector3d missing = stage.d * stage.d * follower_resultant(model.element_blocks(), problem.loads, x);
   double mass = 0.0;
+  double inert_mass = 0.0;  // kg, times the inertia of each
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    const double m = problem.model.mass()[static_cast<std::size_t>(i)];
+    const double m = model.mass()[static_cast<std::size_t>(i)];
+    const double inertia = 1.0 + stage.d * model.mass_damping(static_cast<int>(i));
     mass += m;
+    inert_mass += m * inertia;
     missing += m * (stage.d * stage.base.v.col(i) - inertia * (x.col(i) - stage.base.x.col(i)));
     missing += stage.d * stage.d * (m * problem.loads.gravity + problem.constant_force.col(i));
   }
   if (!(mass > 0.0)) return;
-  const Eigen::Vector3d shift = missing / (mass * inertia);
+  if (model.materials().has_one_mass_damping()) inert_mass = mass * (1.0 + stage.d * model.mass_damping(0));
+  const Eigen::Vector3d shift = missing / inert_mass;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
-    if (problem.model.mass()[static_cast<std::size_t>(i)] > 0.0) x.col(i) += shift;
+    if (model.mass()[static_cast<std::size_t>(i)] > 0.0) x.col(i) += shift;
   }
 }
 
@@ -312,15 +312,15 @@ double StageSolver::merit(const Problem& problem, const mesh::VertexField& x, co
   const Stage& stage = problem.stage;
   const Model& model = problem.model;
   const double d = stage.d;
-  double potential = membrane_energy(model.element_blocks(), model.membrane_law(), x);
+  double potential = membrane_energy(model.element_blocks(), model.materials(), x);
   if (model.has_bending()) {
     potential += bending_energy(model.bending_rows(), x) + clamp_energy(model.clamp_forces(), x) +
                  rest_bending_energy(model.rest_bending(), x);
   }
-  const double inertia = 1.0 + d * model.material().mass_damping;
   double kinetic = 0.0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
+    const double inertia = 1.0 + d * model.mass_damping(static_cast<int>(i));
     const Eigen::Vector3d dx = x.col(i) - stage.base.x.col(i);
     kinetic += m * (0.5 * inertia * dx.squaredNorm() - d * stage.base.v.col(i).dot(dx));
     potential -= (m * problem.loads.gravity + problem.constant_force.col(i)).dot(dx);

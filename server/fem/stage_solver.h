@@ -53,7 +53,7 @@ class StageSolver {
     const Loads& loads;
     const mesh::VertexField& constant_force;
     const Stage& stage;
-    double beta;  // s, stiffness damping; 0 in a repair
+    std::span<const double> beta;  // stiffness damping, see damping_of; none in a repair
   };
   // Makes room for the model, once its matrix is there.
   void resize(const Model& model);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "server/fem/bending_forces.h"
 #include "server/fem/membrane_tangent.h"
 
 namespace kerf::fem {
@@ -61,17 +62,19 @@ void TangentMatrix::set_rows(const Model& model, std::span<const mesh::VertexId>
   }
 }
 
-void TangentMatrix::set_mass(const Model& model, double inertia) {
+void TangentMatrix::set_mass(const Model& model, double inertia, double d) {
   matrix_.set_zero();
   for (int i = 0; i < matrix_.num_rows(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
-    matrix_.block(matrix_.diagonal(i)).diagonal().setConstant(m > 0.0 ? inertia * m : 1.0);
+    matrix_.block(matrix_.diagonal(i))
+        .diagonal()
+        .setConstant(m > 0.0 ? (inertia + d * model.mass_damping(i)) * m : 1.0);
   }
 }
 
 void TangentMatrix::add_membrane(const Model& model, const mesh::VertexField& x,
-                                 std::span<const Eigen::Vector3d> stress, double material_scale, double geometric_scale,
-                                 bool project) {
+                                 std::span<const Eigen::Vector3d> stress, const MaterialScale& material_scale,
+                                 double geometric_scale, bool project) {
   const std::span<const ElementBlock> blocks = model.element_blocks();
   LaneFrames frames;
   ElementMatrix K;
@@ -79,9 +82,9 @@ void TangentMatrix::add_membrane(const Model& model, const mesh::VertexField& x,
     frames_at(blocks[b], x, frames);
     for (std::size_t l = 0; l < kLanes; ++l) {
       if (blocks[b].area[l] == 0.0) continue;
-      const MembraneTangent tangent(blocks[b], l, frames, model.membrane_law());
+      const MembraneTangent tangent(blocks[b], l, frames, model.materials().of(blocks[b], l).membrane);
       const Eigen::Vector3d sigma = stress.empty() ? tangent.stress() : stress[b * kLanes + l];
-      tangent.stiffness(sigma, material_scale, geometric_scale, project, K);
+      tangent.stiffness(sigma, material_scale.of(blocks[b].material[l]), geometric_scale, project, K);
       const BlockPlaces& places = places_[b * kLanes + l];
       for (std::size_t i = 0; i < 3; ++i) {
         const int row = matrix_.row_begin(blocks[b].vertex[i][l]);
@@ -94,13 +97,38 @@ void TangentMatrix::add_membrane(const Model& model, const mesh::VertexField& x,
   }
 }
 
-void TangentMatrix::add_bending(const Model& model, double scale) {
+void TangentMatrix::add_bending(const Model& model, const MaterialScale& material_scale) {
   const RowStore<BendingEntry>& rows = model.bending_rows();
+  const bool is_same = is_uniform(material_scale.beta);
+  const double scale = is_same ? material_scale.of(0) : material_scale.elastic;
   for (int i = 0; i < rows.num_rows(); ++i) {
     int at = matrix_.row_begin(i);
     for (const BendingEntry& entry : rows.row(i)) {
       while (matrix_.column(at) < entry.column) ++at;
       matrix_.block(at).diagonal().array() += scale * entry.value;
+    }
+  }
+  if (!is_same) add_bending_damping(model, material_scale);
+}
+
+void TangentMatrix::add_bending_damping(const Model& model, const MaterialScale& scale) {
+  const BendingTerms terms = model.bending_terms();
+  const auto add = [&](std::span<const mesh::VertexId> vertex, double factor, const auto& entry) {
+    for (std::size_t a = 0; factor > 0.0 && a < vertex.size(); ++a) {
+      for (std::size_t b = 0; b < vertex.size(); ++b) {
+        if (vertex[a] == mesh::kNone || vertex[b] == mesh::kNone) continue;
+        matrix_.block(matrix_.find(vertex[a], vertex[b])).diagonal().array() += factor * entry(a, b);
+      }
+    }
+  };
+  for (std::size_t slot = 0; slot < terms.patches.size(); ++slot) {
+    const BendingPatch& patch = terms.patches[slot];
+    const double beta = damping_of(scale.beta, terms.blocks[slot / kLanes].material[slot % kLanes]);
+    add(patch.vertex, scale.d * beta,
+        [&](std::size_t a, std::size_t b) { return patch.at(static_cast<int>(a), static_cast<int>(b)); });
+    for (const BendingEdge& edge : terms.edges.row(static_cast<int>(slot))) {
+      add(edge.vertex, scale.d * edge_damping(scale.beta, edge),
+          [&](std::size_t a, std::size_t b) { return edge.at(a, b); });
     }
   }
 }

@@ -12,6 +12,14 @@
 
 namespace kerf::fem {
 
+// How often the stiffness of a material counts, -: elastic + d beta, the latter for damping.
+struct MaterialScale {
+  double elastic = 1.0;          // -
+  double d = 0.0;                // s
+  std::span<const double> beta;  // s; see damping_of
+  [[nodiscard]] double of(std::size_t material) const { return elastic + d * damping_of(beta, material); }
+};
+
 // The symmetric matrix of an implicit step, an equilibrium or a vibration: masses and stiffness of a model, put
 // together from parts in a pattern that is kept from one assembly to the next and follows cuts row by row.
 class TangentMatrix {
@@ -23,15 +31,15 @@ class TangentMatrix {
   [[nodiscard]] BlockMatrix& blocks() { return matrix_; }
   [[nodiscard]] const BlockMatrix& blocks() const { return matrix_; }
 
-  // Everything 0 but the diagonal: inertia (-) times the masses, kg; 1 for vertices without material, which nothing
-  // moves.
-  void set_mass(const Model& model, double inertia);
+  // Everything 0 but the diagonal: inertia (-) + d (s) alpha times the masses, kg, alpha being the damping of the mass
+  // at a vertex; 1 for vertices without material, which nothing moves.
+  void set_mass(const Model& model, double inertia, double d = 0.0);
   // Adds material_scale times the material and geometric_scale times the geometric stiffness of the membrane at x (3 x
   // V, m); see MembraneTangent::stiffness, also for `project`. `stress`: N/m, one a lane of the model's blocks, in
   // place of that at x; or empty.
   void add_membrane(const Model& model, const mesh::VertexField& x, std::span<const Eigen::Vector3d> stress,
-                    double material_scale, double geometric_scale, bool project);
-  void add_bending(const Model& model, double scale);
+                    const MaterialScale& material_scale, double geometric_scale, bool project);
+  void add_bending(const Model& model, const MaterialScale& scale);
   // Of springs and dampers, d^2 stiffness + d damping.
   void add_grabs(std::span<const Grab> grabs, double d);
 
@@ -51,6 +59,8 @@ class TangentMatrix {
   using BlockPlaces = std::array<int, 9>;  // of corner pair (i, j): entry 3 i + j, from the beginning of row i
 
   void add_pressure(const Model& model, const Loads& loads, const mesh::VertexField& x, double scale, MatrixPart part);
+  // What add_bending adds beside scale.elastic times the stiffness, patch by patch.
+  void add_bending_damping(const Model& model, const MaterialScale& scale);
   void find_columns(const Model& model, mesh::VertexId v);
   void set_rows(const Model& model, std::span<const mesh::VertexId> vertices);
 

@@ -14,8 +14,8 @@ double limited(double rate, double duration_per_mass) {
 
 }  // namespace
 
-void add_wind_drag(std::span<const ElementBlock> blocks, const Wind& wind, double surface_density, double duration,
-                   const State& state, mesh::VertexField& f) {
+void add_wind_drag(std::span<const ElementBlock> blocks, const MaterialTable& materials, const Wind& wind,
+                   double duration, const State& state, mesh::VertexField& f) {
   if (wind.air_density <= 0.0) return;
   const double normal_factor = 0.5 * wind.air_density * wind.normal_drag;
   const double tangential_factor = 0.5 * wind.air_density * wind.tangential_drag;
@@ -37,7 +37,7 @@ void add_wind_drag(std::span<const ElementBlock> blocks, const Wind& wind, doubl
       const double A = 0.5 * twice_size;
       const double normal_rate = A * normal_factor * std::abs(un);       // kg/s
       const double tangential_rate = A * tangential_factor * ut.norm();  // kg/s
-      const double duration_per_mass = duration / (surface_density * block.area[l]);
+      const double duration_per_mass = duration / (materials.of(block, l).surface_density * block.area[l]);
       const double cn = limited(normal_rate, duration_per_mass);
       const double ct = limited(tangential_rate, duration_per_mass);
       const Eigen::Vector3d third = (1.0 / 3.0) * (cn * un * n + ct * ut);

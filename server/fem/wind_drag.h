@@ -6,15 +6,16 @@
 
 #include "server/fem/element_block.h"
 #include "server/fem/loads.h"
+#include "server/fem/material_table.h"
 #include "server/fem/state.h"
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
-// f (3 x V, N) += air drag at x (3 x V, m) and v (3 x V, m/s); see Wind. surface_density: kg/m^2 of the sheet at rest.
+// f (3 x V, N) += air drag at x (3 x V, m) and v (3 x V, m/s); see Wind. `materials` have the mass per area at rest.
 // The force acts over a kick of `duration` (s). Where the drag rate r of a triangle is so high that the kick would
 // carry it past the velocity of the air, it is divided by sqrt(1 + (r duration)^2). Slots in order.
-void add_wind_drag(std::span<const ElementBlock> blocks, const Wind& wind, double surface_density, double duration,
-                   const State& state, mesh::VertexField& f);
+void add_wind_drag(std::span<const ElementBlock> blocks, const MaterialTable& materials, const Wind& wind,
+                   double duration, const State& state, mesh::VertexField& f);
 
 }  // namespace kerf::fem

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "server/sheet/sheet_materials.h"
+
 namespace kerf::sheet {
 
 namespace {
@@ -80,7 +82,7 @@ void Lineage::reset(std::int32_t num_pieces) {
 }
 
 std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vector<PieceBirth>& births,
-                                  const mesh::VertexField& x, double surface_density) {
+                                  const mesh::VertexField& x, const std::vector<fem::Material>& materials) {
   std::vector<Piece> pieces(births.size());
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
     if (!mesh.is_solid(t)) continue;
@@ -88,6 +90,7 @@ std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vec
     const double area = mesh.area(t);
     ++piece.num_triangles;
     piece.area += area;
+    piece.mass += surface_density(mesh, t, materials) * area;
     for (const mesh::VertexId v : mesh.vertices(t)) {
       piece.centroid += area / 3.0 * mesh.rest_position(v);
       piece.world_centroid += area / 3.0 * x.col(v);
@@ -97,7 +100,6 @@ std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vec
     Piece& piece = pieces[label];
     piece.birth = births[label];
     piece.label = static_cast<std::int32_t>(label);
-    piece.mass = surface_density * piece.area;
     piece.centroid /= piece.area;
     piece.world_centroid /= piece.area;
   }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include "server/fem/material.h"
 #include "server/mesh/triangle_mesh.h"
 #include "server/mesh/vertex_field.h"
 
@@ -71,9 +72,9 @@ class Lineage {
   std::int64_t next_id_ = 1;
 };
 
-// Every piece of the mesh, by label. `x`: 3 x V, m. `surface_density`: kg/m^2. O(slots).
+// Every piece of the mesh, by label. `x`: 3 x V, m. `materials`: by region of the mesh, or one. O(slots).
 std::vector<Piece> measure_pieces(const mesh::TriangleMesh& mesh, const std::vector<PieceBirth>& births,
-                                  const mesh::VertexField& x, double surface_density);
+                                  const mesh::VertexField& x, const std::vector<fem::Material>& materials);
 
 // Of each of the changes, which were made one after another and led to the pieces of `now`, what fell apart.
 std::vector<std::vector<SplitPiece>> describe_splits(const std::vector<LineageChange>& changes,

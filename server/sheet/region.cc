@@ -107,20 +107,44 @@ bool is_on_left(const mesh::TriangleMesh& mesh, mesh::VertexId v, const Material
   return sum > 0.0;
 }
 
-void add_along(const mesh::TriangleMesh& mesh, const MaterialLine& line, std::vector<mesh::VertexId>& found) {
-  const double within = line.within > 0.0 ? line.within : kRegionTolerance * size_of(mesh);
+double reach_of(const MaterialLine& line, double size) {
+  return line.within > 0.0 ? line.within : kRegionTolerance * size;
+}
+
+double distance_to(const MaterialLine& line, const Eigen::Vector2d& at) {
   const Eigen::Vector2d along = line.b - line.a;
   const double squared = along.squaredNorm();
+  const Eigen::Vector2d from_a = at - line.a;
+  const double t = squared > 0.0 ? std::clamp(along.dot(from_a) / squared, 0.0, 1.0) : 0.0;
+  return (from_a - t * along).norm();
+}
+
+void add_along(const mesh::TriangleMesh& mesh, const MaterialLine& line, std::vector<mesh::VertexId>& found) {
+  const double within = reach_of(line, size_of(mesh));
   std::vector<mesh::TriangleId> fan;
   for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
     if (!mesh.has_material(v)) continue;
-    const Eigen::Vector2d from_a = mesh.rest_position(v) - line.a;
-    const double t = squared > 0.0 ? std::clamp(along.dot(from_a) / squared, 0.0, 1.0) : 0.0;
-    if ((from_a - t * along).norm() > within) continue;
+    if (distance_to(line, mesh.rest_position(v)) > within) continue;
     const bool wants_left = line.side == MaterialLine::Side::kLeft;
     if (line.side != MaterialLine::Side::kBoth && is_on_left(mesh, v, line, fan) != wants_left) continue;
     found.push_back(v);
   }
+}
+
+Eigen::Vector2d centroid(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) {
+  const std::array<mesh::VertexId, 3> corner = mesh.vertices(slot);
+  return (mesh.rest_position(corner[0]) + mesh.rest_position(corner[1]) + mesh.rest_position(corner[2])) / 3.0;
+}
+
+// Whether a place is in a box, on or along a line, or in the whole sheet, of `size`, m.
+bool holds(const Region& region, const Eigen::Vector2d& at, double size) {
+  if (const auto* box = std::get_if<MaterialBox>(&region)) return Eigen::AlignedBox2d(box->min, box->max).contains(at);
+  const auto* line = std::get_if<MaterialLine>(&region);
+  if (line == nullptr) return true;
+  if (distance_to(*line, at) > reach_of(*line, size)) return false;
+  const Eigen::Vector2d along = line->b - line->a;
+  const double left = Eigen::Vector2d(-along.y(), along.x()).dot(at - line->a);
+  return line->side == MaterialLine::Side::kBoth || (line->side == MaterialLine::Side::kLeft) == (left > 0.0);
 }
 
 // `path`: of the region.
@@ -225,6 +249,24 @@ std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const
     if (has(region, corner[0]) && has(region, corner[1]) && has(region, corner[2])) triangles.push_back(t);
   }
   return triangles;
+}
+
+Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& mesh, const Region& region,
+                                                     const std::string& field) {
+  if (std::holds_alternative<RegionEdge>(region) || std::holds_alternative<NearestVertex>(region)) {
+    return invalid_argument("REGION_WITHOUT_TRIANGLES",
+                            field + " names vertices, no triangles; give a box, a line, vertices or all", field);
+  }
+  if (std::holds_alternative<std::vector<mesh::VertexId>>(region)) {
+    Result<std::vector<mesh::VertexId>> vertices = find_vertices(mesh, region, field);
+    if (!vertices) return vertices.error();
+    return triangles_in(mesh, *vertices);
+  }
+  std::vector<mesh::TriangleId> found;
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (mesh.is_solid(t) && holds(region, centroid(mesh, t), size_of(mesh))) found.push_back(t);
+  }
+  return found;
 }
 
 double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) {

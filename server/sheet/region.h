@@ -83,6 +83,11 @@ struct BorderEdge {
 std::vector<BorderEdge> edges_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region);
 // Solid slots all corners of which are in the region.
 std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region);
+// Solid slots that a region names by itself: of a box or a line those whose centroid is in it, on its side; of listed
+// vertices those all corners of which are listed. Ascending. Errors: those of find_vertices, and kInvalidArgument
+// REGION_WITHOUT_TRIANGLES for edges of the bounding box and a nearest vertex.
+Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& mesh, const Region& region,
+                                                     const std::string& field);
 // m^2, in material coordinates, of a solid slot.
 double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
 

@@ -56,13 +56,14 @@ std::vector<std::size_t> order_schedule(const std::vector<ScheduledCommand>& com
   return order;
 }
 
-Eigen::Matrix3Xd initial_velocities(const SheetConfig& config, const BuiltMesh& built) {
+Eigen::Matrix3Xd initial_velocities(const SheetConfig& config, const BuiltMesh& built,
+                                    const std::vector<fem::Material>& materials) {
   const Eigen::Matrix3Xd& x = built.positions;
   Eigen::Matrix3Xd v = Eigen::Matrix3Xd::Zero(3, x.cols());
   if (!config.initial_velocity) return v;
   const InitialVelocity& given = *config.initial_velocity;
   const Eigen::Vector3d centre =
-      given.centre ? *given.centre : fem::Model(built.mesh, config.material).centre_of_mass(mesh::VertexField(x));
+      given.centre ? *given.centre : fem::Model(built.mesh, materials).centre_of_mass(mesh::VertexField(x));
   for (Eigen::Index i = 0; i < x.cols(); ++i) v.col(i) = given.linear + given.angular.cross(x.col(i) - centre);
   return v;
 }
@@ -93,9 +94,9 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       applied_forces(initial->applied_forces),
       full_gravity(config->gravity),
       lineage(mesh.num_pieces()),
-      model(mesh, config->material),
+      model(mesh, initial->materials),
       integrator(std::move(make_integrator), integrator_options(*config)) {
-  contact.set_colliders(config->colliders, 0.5 * config->material.thickness);
+  contact.set_colliders(config->colliders, 0.5 * greatest_thickness(initial->materials));
   set_wind(config->wind);
   loads.grabs.reserve(kMaxGrabs);
   pin(initial->pinned);
@@ -274,16 +275,17 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   }
   Result<std::vector<mesh::VertexId>> pinned = find_vertices(built->mesh, config.pins, "pins");
   if (!pinned) return pinned.error();
-  if (config.planar) config.material.bending_scale = 0.0;
+  Result<std::vector<fem::Material>> materials = assign_materials(config, built->mesh);
+  if (!materials) return materials.error();
   auto shared = std::make_shared<const SheetConfig>(std::move(config));
   Result<HeldVertices> held = HeldVertices::create(shared, *built);
   if (!held) return held.error();
   Result<AppliedForces> applied = AppliedForces::create(shared, built->mesh);
   if (!applied) return applied.error();
-  Eigen::Matrix3Xd velocities = initial_velocities(*shared, *built);
-  auto initial = std::make_shared<const InitialState>(InitialState{std::move(built).value(), std::move(velocities),
-                                                                   std::move(pinned).value(), std::move(held).value(),
-                                                                   std::move(applied).value()});
+  Eigen::Matrix3Xd velocities = initial_velocities(*shared, *built, *materials);
+  auto initial = std::make_shared<const InitialState>(
+      InitialState{std::move(built).value(), std::move(materials).value(), std::move(velocities),
+                   std::move(pinned).value(), std::move(held).value(), std::move(applied).value()});
   Sheet sheet(std::make_unique<Impl>(std::move(shared), std::move(initial), std::move(make_integrator)));
   if (Status s = check_condition(*sheet.impl_->config, sheet.model()); !s) return s.error();
   return sheet;
@@ -363,8 +365,7 @@ const UndoHistory& Sheet::history() const {
   return impl_->history;
 }
 std::vector<Piece> Sheet::pieces() const {
-  return measure_pieces(impl_->mesh, impl_->lineage.pieces(), impl_->state.x,
-                        impl_->config->material.density * impl_->config->material.thickness);
+  return measure_pieces(impl_->mesh, impl_->lineage.pieces(), impl_->state.x, impl_->initial->materials);
 }
 const std::string& Sheet::integrator_description() const {
   return impl_->integrator_description;

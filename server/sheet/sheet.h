@@ -138,7 +138,7 @@ class Sheet {
                                                         // and reset
   [[nodiscard]] std::int32_t settings_version() const;  // + 1 with each change of pins, gravity or wind
   [[nodiscard]] const mesh::TriangleMesh& mesh() const;
-  [[nodiscard]] const fem::Model& model() const;  // of mesh() and the config's material
+  [[nodiscard]] const fem::Model& model() const;  // of mesh() and the config's materials
   [[nodiscard]] const fem::State& state() const;  // x: 3 x V, m; v: 3 x V, m/s
   [[nodiscard]] const fem::Loads& loads() const;  // of the last step, or settle()
   // Where the material point started (m, world; material in m): of a point of the sheet as it was made, else of the

@@ -101,16 +101,25 @@ cut::CutRequest Sheet::Impl::request_of(const Cut& cut) const {
   return request;
 }
 
-CutReply Sheet::Impl::reply_of(const cut::CutOutcome& outcome, const Cut& cut) const {
+CutReply Sheet::Impl::reply_of(const cut::CutOutcome& outcome, const Cut& cut, double mass_before) const {
   CutReply reply;
   reply.status = outcome.status;
   reply.report = outcome.report;
   reply.report.pieces = mesh.num_pieces();
   reply.warnings = warnings_of(outcome.report, cut.remarks);
   if (cut.width && outcome.status == cut::CutStatus::kApplied) {
-    reply.removed_mass = config->material.density * config->material.thickness * outcome.report.removed_area_m2;
+    const double density = initial->materials[0].density * initial->materials[0].thickness;
+    reply.removed_mass = has_one_material() ? density * outcome.report.removed_area_m2 : mass_before - rest_mass();
   }
   return reply;
+}
+
+double Sheet::Impl::rest_mass() const {
+  double mass = 0.0;
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (mesh.is_solid(t)) mass += surface_density(mesh, t, initial->materials) * mesh.area(t);
+  }
+  return mass;
 }
 
 Status Sheet::Impl::grab(const Grab& grab) {
@@ -151,7 +160,7 @@ Status Sheet::Impl::grab(const Grab& grab) {
   }
   held.target = grab.target.value_or(here);
   held.previous_target = here;
-  held.stiffness = grab.stiffness > 0.0 ? grab.stiffness : default_stiffness();
+  held.stiffness = grab.stiffness > 0.0 ? grab.stiffness : default_stiffness(held.vertices[0]);
   grabs.push_back(std::move(held));
   return Nothing{};
 }
@@ -191,7 +200,7 @@ void Sheet::Impl::reset() {
   mesh = initial->built.mesh;
   state.x = initial->built.positions;
   state.v = initial->velocities;
-  model = fem::Model(mesh, config->material);
+  model = fem::Model(mesh, initial->materials);
   grabs.clear();
   full_gravity = config->gravity;
   held_vertices = initial->held_vertices;
@@ -243,11 +252,12 @@ std::vector<GrabState>::iterator Sheet::Impl::find_grab(const std::string& grab_
   return std::find_if(grabs.begin(), grabs.end(), [&](const GrabState& held) { return held.grab_id == grab_id; });
 }
 
-// N/m. Holds the whole sheet against an acceleration of 1 mm a tick squared with 1 mm of stretch, but is no stiffer
+// Holds the whole sheet against an acceleration of 1 mm a tick squared with 1 mm of stretch, but is no stiffer
 // than the membrane, so that a jump of the target stretches the spring and not only the triangles it is tied to.
-double Sheet::Impl::default_stiffness() const {
+double Sheet::Impl::default_stiffness(mesh::VertexId vertex) const {
   const double hold = model.total_mass() / (dt * dt);
-  return std::min({hold, model.membrane_law().diagonal().maxCoeff(), kMaxGrabStiffness});
+  const Eigen::Matrix3d& membrane = model.law(mesh.triangle_at(vertex)).membrane;
+  return std::min({hold, membrane.diagonal().maxCoeff(), kMaxGrabStiffness});
 }
 
 }  // namespace kerf::sheet

@@ -140,6 +140,7 @@ Status validate(const SheetConfig& config) {
   }
   if (Status s = std::visit([](const auto& source) { return validate_source(source); }, config.mesh); !s) return s;
   if (Status s = fem::validate(config.material); !s) return s;
+  if (Status s = validate(config.materials, config.material); !s) return s;
   if (Status s = validate_placement(config.placement); !s) return s;
   if (Status s = validate(config.pins, "pins"); !s) return s;
   if (Status s = check_length(config.gravity, kMaxGravity, "gravity_mps2"); !s) return s;

@@ -18,6 +18,7 @@
 #include "server/sheet/analysis_request.h"
 #include "server/sheet/command.h"
 #include "server/sheet/conditions.h"
+#include "server/sheet/sheet_materials.h"
 
 // Everything that is needed to start one sheet and to run it again, bit for bit: kerf.v1.Scene without Protocol
 // Buffers. SI units throughout; right-handed world, +z up. Nothing changes a SheetConfig after Sheet::create.
@@ -125,6 +126,7 @@ struct SheetConfig {
   std::string sheet_id;  // for the owner: [a-z][a-z0-9-]{0,62} or empty; no effect on the simulation
   MeshSource mesh;
   fem::Material material;
+  std::vector<RegionMaterial> materials;  // at most kMaxRegions; over `material`, a later one over those before
   Placement placement;
   std::vector<Region> pins;                  // at most kMaxRegions
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= 1e4
@@ -137,7 +139,7 @@ struct SheetConfig {
   std::vector<Load> loads;                   // at most kMaxLoads
   History gravity_history;                   // factor on gravity; default 1
   bool planar = false;                       // keeps to the plane it starts in, perpendicular to x, y or z, and does
-                                             // not bend: bending_scale is set to 0
+                                             // not bend: every bending_scale is set to 0
   std::optional<InitialVelocity> initial_velocity;  // default: at rest
   std::vector<ScheduledCommand> commands;  // at most kMaxScheduledCommands; equal ticks are done in the given order
   std::int64_t ticks = 0;                  // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation

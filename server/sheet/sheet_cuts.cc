@@ -107,8 +107,7 @@ Result<std::vector<CutReply>> Sheet::Impl::do_cuts(std::span<const Cut> cuts, bo
   }
   std::vector<std::vector<SplitPiece>> splits(done.size());
   if (fell_apart) {
-    const double surface_density = config->material.density * config->material.thickness;
-    splits = describe_splits(changes, measure_pieces(mesh, lineage.pieces(), state.x, surface_density));
+    splits = describe_splits(changes, measure_pieces(mesh, lineage.pieces(), state.x, initial->materials));
   }
   std::size_t next = 0;
   for (CutReply& reply : *replies) {
@@ -140,6 +139,7 @@ Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, b
       const mesh::VertexId vertex = held.vertices[0];
       if (!held.material) fixed.insert(std::upper_bound(fixed.begin(), fixed.end(), vertex), vertex);
     }
+    const double mass_before = cuts[i].width && !has_one_material() ? rest_mass() : 0.0;
     const Result<cut::CutPlan> plan = cut::plan(mesh, request);
     Result<cut::CutOutcome> outcome = plan ? cut::apply(mesh, *plan, observer) : Result<cut::CutOutcome>(plan.error());
     if (!outcome) {
@@ -148,7 +148,7 @@ Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, b
       return is_batch ? in_batch(outcome.error(), i) : outcome.error();
     }
     enter_phase(observer, "keep for undo");
-    replies.push_back(reply_of(*outcome, cuts[i]));
+    replies.push_back(reply_of(*outcome, cuts[i], mass_before));
     if (outcome->status != cut::CutStatus::kApplied) continue;
     if (is_batch) inherit_pins(outcome->edit, pins);
     if (is_batch && has_view) fem::carry_over(outcome->edit, positions);

@@ -22,7 +22,8 @@ namespace kerf::sheet {
 // What a Reset goes back to.
 struct InitialState {
   BuiltMesh built;
-  Eigen::Matrix3Xd velocities;  // 3 x V, m/s
+  std::vector<fem::Material> materials;  // by region of the mesh, or one
+  Eigen::Matrix3Xd velocities;           // 3 x V, m/s
   std::vector<mesh::VertexId> pinned;
   HeldVertices held_vertices;
   AppliedForces applied_forces;
@@ -107,7 +108,10 @@ struct Sheet::Impl {
   void reset();
 
   [[nodiscard]] cut::CutRequest request_of(const Cut& cut) const;  // but for the fixed vertices
-  [[nodiscard]] CutReply reply_of(const cut::CutOutcome& outcome, const Cut& cut) const;
+  // mass_before: kg, that of the sheet, of several materials.
+  [[nodiscard]] CutReply reply_of(const cut::CutOutcome& outcome, const Cut& cut, double mass_before) const;
+  [[nodiscard]] double rest_mass() const;  // kg, of the mesh; O(slots)
+  [[nodiscard]] bool has_one_material() const { return initial->materials.size() == 1; }
 
   // Cuts (sheet_cuts.cc), whole or not at all like the others.
   Result<CommandReply> cut(const Cut& cut, const CommandContext& context);
@@ -130,7 +134,8 @@ struct Sheet::Impl {
   void rebuild();
   void make_room();
   [[nodiscard]] std::vector<GrabState>::iterator find_grab(const std::string& grab_id);
-  [[nodiscard]] double default_stiffness() const;
+  // N/m, of a grab at a vertex.
+  [[nodiscard]] double default_stiffness(mesh::VertexId vertex) const;
 
   void add_shape_to(StateHash& hash) const;
 

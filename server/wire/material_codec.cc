@@ -41,10 +41,10 @@ std::string number(double value) {
   return text;
 }
 
-Status check(const Field& field, const v1::Material& material) {
+Status check(const Field& field, const v1::Material& material, const std::string& prefix) {
   if (!(material.*field.has)()) return Nothing{};
   const double value = (material.*field.get)();
-  const std::string path = std::string("material.") + field.name;
+  const std::string path = prefix + "." + field.name;
   if (!std::isfinite(value)) return invalid_argument("NOT_FINITE", path + " must be a finite number", path);
   const auto [low, high] = field.range;
   const bool inside = field.open ? value > low && value < high : value >= low && value <= high;
@@ -78,18 +78,18 @@ void put_over(const v1::Material& given, fem::Material& material) {
 
 }  // namespace
 
-Result<fem::Material> decode_material(const v1::Material& given) {
+Result<fem::Material> decode_material(const v1::Material& given, const std::string& path) {
   const Result<fem::Material> preset = fem::find_preset(given.preset().empty() ? "demo" : given.preset());
-  if (!preset.ok()) return invalid_argument("UNKNOWN_PRESET", preset.error().message, "material.preset");
+  if (!preset.ok()) return invalid_argument("UNKNOWN_PRESET", preset.error().message, path + ".preset");
   for (const Field& field : kFields) {
-    if (const Status status = check(field, given); !status.ok()) return status.error();
+    if (const Status status = check(field, given, path); !status.ok()) return status.error();
   }
   fem::Material material = *preset;
   put_over(given, material);
-  if (const Status status = fem::validate(material); !status.ok()) {
+  if (const Status status = fem::validate(material, path); !status.ok()) {
     // Each number is in range by itself; what is left is their combination, which the message calls by other names.
     Error error = status.error();
-    error.field = "material.poissons_ratio";
+    error.field = path + ".poissons_ratio";
     return error;
   }
   return material;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "kerf/v1/scene.pb.h"
 #include "server/base/result.h"
 #include "server/sheet/sheet_config.h"
@@ -7,8 +9,8 @@
 namespace kerf::wire {
 
 // The preset with what is given put over it. kInvalidArgument UNKNOWN_PRESET, NOT_FINITE, OUT_OF_RANGE (ranges of
-// scene.proto), MATERIAL_NOT_POSITIVE_DEFINITE; fields begin with "material.".
-Result<fem::Material> decode_material(const v1::Material& material);
+// scene.proto), MATERIAL_NOT_POSITIVE_DEFINITE; fields begin with `path` ("material").
+Result<fem::Material> decode_material(const v1::Material& material, const std::string& path);
 
 // Every number given, no preset named.
 v1::Material encode_material(const fem::Material& material);

@@ -120,6 +120,21 @@ v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings) {
   return message;
 }
 
+Status decode_materials(const v1::Scene& scene, sheet::SheetConfig& config) {
+  const Result<fem::Material> own = decode_material(scene.material(), "material");
+  if (!own.ok()) return own.error();
+  config.material = *own;
+  for (int i = 0; i < scene.materials_size(); ++i) {
+    const std::string path = "materials[" + std::to_string(i) + "]";
+    Result<sheet::Region> region = decode_region(scene.materials(i).region(), path + ".region");
+    if (!region.ok()) return region.error();
+    const Result<fem::Material> material = decode_material(scene.materials(i).material(), path + ".material");
+    if (!material.ok()) return material.error();
+    config.materials.push_back({std::move(*region), *material});
+  }
+  return Nothing{};
+}
+
 // Lists: colliders, scheduled commands.
 Status decode_lists(const v1::Scene& scene, const FileReader& read_file, sheet::SheetConfig& config) {
   for (int i = 0; i < scene.colliders_size(); ++i) {
@@ -144,9 +159,7 @@ Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const FileReader
   Result<sheet::MeshSource> mesh = decode_mesh_source(scene, read_file);
   if (!mesh.ok()) return mesh.error();
   config.mesh = std::move(*mesh);
-  const Result<fem::Material> material = decode_material(scene.material());
-  if (!material.ok()) return material.error();
-  config.material = *material;
+  if (const Status status = decode_materials(scene, config); !status.ok()) return status.error();
   decode_placement(scene.placement(), config.placement);
   Result<std::vector<sheet::Region>> pins = decode_pins(scene.pins(), "pins");
   if (!pins.ok()) return pins.error();
@@ -193,6 +206,11 @@ v1::Collider encode_collider(const contact::Collider& collider) {
 v1::Scene encode_settings(const SettingsInForce& settings) {
   v1::Scene scene;
   *scene.mutable_material() = encode_material(settings.config.material);
+  for (const sheet::RegionMaterial& part : settings.config.materials) {
+    v1::RegionMaterial& message = *scene.add_materials();
+    encode_region(part.region, *message.mutable_region());
+    *message.mutable_material() = encode_material(part.material);
+  }
   encode_vector(settings.gravity, *scene.mutable_gravity_mps2());
   if (settings.wind.air_density > 0.0) encode_wind(settings.wind, *scene.mutable_wind());
   for (const contact::Collider& collider : settings.config.colliders) {

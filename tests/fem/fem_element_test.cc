@@ -19,11 +19,11 @@ template <typename Law>
 struct Membrane {
   explicit Membrane(const mesh::TriangleMesh& mesh) : model(mesh, Law::material()) {}
   double energy(const mesh::VertexField& x) const {
-    return membrane_energy(model.element_blocks(), model.membrane_law(), x);
+    return membrane_energy(model.element_blocks(), model.materials(), x);
   }
   mesh::VertexField forces(const mesh::VertexField& x) const {
     mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
-    add_membrane_forces(model.element_blocks(), model.membrane_law(), 0.0, x, x, f);
+    add_membrane_forces(model.element_blocks(), model.materials(), {}, x, x, f);
     return f;
   }
   Eigen::MatrixXd stiffness(const mesh::VertexField& x, bool project) const {
@@ -34,7 +34,7 @@ struct Membrane {
       frames_at(block, x, frames);
       for (std::size_t l = 0; l < kLanes; ++l) {
         if (block.area[l] == 0.0) continue;
-        const MembraneTangent tangent(block, l, frames, model.membrane_law());
+        const MembraneTangent tangent(block, l, frames, model.materials().of(block, l).membrane);
         tangent.stiffness(tangent.stress(), 1.0, 1.0, project, element);
         for (std::size_t i = 0; i < 3; ++i) {
           for (std::size_t j = 0; j < 3; ++j) {
@@ -227,7 +227,7 @@ TEST(MembraneElement, UniaxialStretchGivesTheEngineeringConstants) {
   constexpr double kStrain = 0.3;
   const Eigen::Vector3d stretch(1.0 + kStrain, 1.0 - material.poissons_ratio_12 * kStrain, 1.0);
   const mesh::VertexField x = stretch.asDiagonal() * rest_state(mesh).x;
-  const double energy = membrane_energy(model.element_blocks(), model.membrane_law(), x);
+  const double energy = membrane_energy(model.element_blocks(), model.materials(), x);
   EXPECT_NEAR(energy, 0.5 * material.youngs_modulus_1 * material.thickness * kStrain * kStrain, 1e-9);
   mesh::VertexField f(x.cols());
   model.internal_forces(x, f);
@@ -248,7 +248,7 @@ void expect_shear_modulus(Material material, double direction, double expected) 
     const Eigen::Matrix3d F{{1.0, e, 0.0}, {e, 1.0, 0.0}, {0.0, 0.0, 1.0}};
     const mesh::VertexField x = F * rest_state(mesh).x;
     const double shear_force = expected * material.thickness * 2.0 * e;  // N, on each side of 1 m
-    const double energy = membrane_energy(model.element_blocks(), model.membrane_law(), x);
+    const double energy = membrane_energy(model.element_blocks(), model.materials(), x);
     EXPECT_NEAR(energy, 0.5 * shear_force * 2.0 * e, 1e-9 * shear_force * e);
     mesh::VertexField f(x.cols());
     model.internal_forces(x, f);
@@ -283,6 +283,7 @@ TEST(MembraneElement, PureShearAcrossTheAxesFeelsEverythingButTheShearModulus) {
 TEST(MembraneDamping, NeverAddsEnergyAndIgnoresRigidMotion) {
   const mesh::TriangleMesh mesh = jittered_square(5);
   const Model model(mesh, orthotropic_cloth());
+  const std::array<double, 1> beta{1e-2};
   SeededRandom random(3);
   const mesh::VertexField zero = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   for (int trial = 0; trial < 20; ++trial) {
@@ -291,8 +292,8 @@ TEST(MembraneDamping, NeverAddsEnergyAndIgnoresRigidMotion) {
     const auto damping = [&](const mesh::VertexField& velocity) {
       mesh::VertexField f = zero;
       mesh::VertexField elastic = zero;
-      add_membrane_forces(model.element_blocks(), model.membrane_law(), 1e-2, x, velocity, f);
-      add_membrane_forces(model.element_blocks(), model.membrane_law(), 0.0, x, velocity, elastic);
+      add_membrane_forces(model.element_blocks(), model.materials(), beta, x, velocity, f);
+      add_membrane_forces(model.element_blocks(), model.materials(), {}, x, velocity, elastic);
       return mesh::VertexField(f - elastic);
     };
     const mesh::VertexField f = damping(v);

@@ -106,7 +106,7 @@ TEST(Shell, ForcesHaveNoResultantAndDampingLetsItTurn) {
       f.setZero();
       add_bending_forces(model.bending_rows(), state.x + kBeta * state.v, f);
       const double scale = f.norm();
-      add_rest_bending_forces(model.rest_bending(), state.x, state.v, kBeta, f);
+      add_rest_bending_forces(model.rest_bending(), state.x, state.v, std::array{kBeta}, f);
       Eigen::Vector3d force = Eigen::Vector3d::Zero(), torque = Eigen::Vector3d::Zero();
       for (Eigen::Index i = 0; i < f.cols(); ++i) {
         force += f.col(i);
@@ -133,7 +133,7 @@ TEST(Shell, DampingTakesEnergy) {
         mesh::VertexField f(x.cols());
         f.setZero();
         add_bending_forces(model.bending_rows(), x + beta * v, f);
-        add_rest_bending_forces(model.rest_bending(), x, v, beta, f);
+        add_rest_bending_forces(model.rest_bending(), x, v, std::array{beta}, f);
         return f.cwiseProduct(v).sum();
       };
       EXPECT_LE(power(0.01), power(0.0));

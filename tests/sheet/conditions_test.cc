@@ -387,7 +387,7 @@ TEST(Settling, FindsTheEquilibriumOfTheLoadAndLeavesTheTickAlone) {
   config.constraints[0].held = {false, true, false};
   config.loads = {{EdgeForce{RegionEdge::kTop, {0.0, 2.0, 0.0}, true}, {}}};
   Sheet sheet = make(config);
-  const fem::Material& material = sheet.model().material();
+  const fem::Material& material = sheet.model().materials()[0].material;
   for (const double load : {0.5, 1.0}) {
     const fem::EquilibriumStats stats = sheet.settle(load, {}, {});
     EXPECT_TRUE(stats.converged);
