@@ -40,8 +40,8 @@ enum class Recovery {
 
 // One a vertex, from one a slot; 0 for vertices without. What is on the other side of a cut has no part in it: a lip is
 // border, of whose vertices each has triangles of one side, and patches are closed fans, which no cut crosses. Where
-// materials meet, where fields jump, no patch crosses the border between them either, and a vertex has the mean of both
-// sides. Fields in kMaterial axes only of materials of one direction.
+// materials meet, where fields jump, no patch crosses the border between them either, and a vertex has the mean of what
+// lies on both sides of it. Fields in kMaterial axes only of materials of one direction.
 [[nodiscard]] std::vector<Eigen::Vector3d> vertex_field(const Model& model, std::span<const Eigen::Vector3d> of_slots,
                                                         Recovery recovery);
 

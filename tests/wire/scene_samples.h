@@ -146,6 +146,13 @@ inline v1::Scene full_scene() {
   material->set_bending_scale(0.7);
   material->set_mass_damping_per_s(0.1);
   material->set_stiffness_damping_s(0.001);
+  for (const double density : {500.0, 600.0}) {
+    v1::RegionMaterial* part = scene.add_materials();
+    set(part->mutable_region()->mutable_box()->mutable_min(), 0.0, 0.0);
+    set(part->mutable_region()->mutable_box()->mutable_max(), 0.5, 0.001 * density);
+    *part->mutable_material() = *material;
+    part->mutable_material()->set_density_kgpm3(density);
+  }
   set(scene.mutable_placement()->mutable_origin(), 0.1, 0.2, 0.3);
   set(scene.mutable_placement()->mutable_x_axis(), 0.0, 1.0, 0.0);
   set(scene.mutable_placement()->mutable_y_axis(), 1.0, 0.0, 0.0);
@@ -262,6 +269,20 @@ inline std::vector<BadScene> bad_numbers() {
       {"material.bending_scale", [](v1::Scene& s) { s.mutable_material()->set_bending_scale(-1e-9); }},
       {"material.mass_damping_per_s", [](v1::Scene& s) { s.mutable_material()->set_mass_damping_per_s(1001.0); }},
       {"material.stiffness_damping_s", [](v1::Scene& s) { s.mutable_material()->set_stiffness_damping_s(1.1); }},
+      {"materials[0].region", [](v1::Scene& s) { s.mutable_materials(0)->clear_region(); }},
+      {"materials[1].region.box.max",
+       [](v1::Scene& s) { s.mutable_materials(1)->mutable_region()->mutable_box()->mutable_max()->set_y(-1.0); }},
+      {"materials[1].material.preset",
+       [](v1::Scene& s) { s.mutable_materials(1)->mutable_material()->set_preset("adamantium"); }},
+      {"materials[1].material.thickness_m",
+       [](v1::Scene& s) { s.mutable_materials(1)->mutable_material()->set_thickness_m(0.0); }},
+      {"materials",
+       [](v1::Scene& s) {
+         for (int i = 0; i < 14; ++i) {
+           *s.add_materials() = s.materials(0);
+           s.mutable_materials(i + 2)->mutable_material()->set_density_kgpm3(1000.0 + i);
+         }
+       }},
       {"pins[0].region", [](v1::Scene& s) { s.mutable_pins(0)->clear_region(); }},
       {"pins[1].edge", [](v1::Scene& s) { s.mutable_pins(1)->set_edge(v1::Region::EDGE_UNSPECIFIED); }},
       {"pins[6].box.min.x", [=](v1::Scene& s) { s.mutable_pins(6)->mutable_box()->mutable_min()->set_x(nan); }},

@@ -1,0 +1,225 @@
+// Sheets with materials by region.
+#include <algorithm>
+#include <array>
+
+#include "server/sheet/recording.h"
+#include "server/sheet/sheet_materials.h"
+#include "tests/sheet/sheet_calls.h"
+#include "tests/support/shells.h"
+
+namespace kerf::sheet {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+fem::Material heavy() {
+  fem::Material m = fem::isotropic(4.0e6, 0.2, 1.0e-3, 1500.0);
+  m.mass_damping = 1.0;
+  return m;
+}
+fem::Material third() {
+  return fem::isotropic(1.0e5, 0.4, 2.0e-3, 700.0);
+}
+
+MaterialBox box(double x0, double y0, double x1, double y1) {
+  return {{x0, y0}, {x1, y1}};
+}
+
+// The right half of the sheet heavy, with a spot of a third material in the middle.
+SheetConfig divided(std::int32_t n) {
+  SheetConfig config = scenes::hanging(n);
+  config.materials = {{box(0.5, 0.0, 1.0, 1.0), heavy()}, {box(0.3, 0.3, 0.7, 0.7), third()}};
+  return config;
+}
+
+// m^2, of each material.
+std::vector<double> areas(const Sheet& sheet) {
+  std::vector<double> areas(sheet.model().materials().size(), 0.0);
+  for (mesh::TriangleId t = 0; t < sheet.mesh().num_triangle_slots(); ++t) {
+    if (sheet.mesh().is_solid(t)) areas[static_cast<std::size_t>(sheet.mesh().region(t))] += sheet.mesh().area(t);
+  }
+  return areas;
+}
+
+std::string reason_of(SheetConfig config) {
+  const Result<Sheet> created = Sheet::create(std::move(config));
+  return created ? "made" : created.error().reason + " " + created.error().field;
+}
+
+TEST(SheetMaterials, LaterEntriesWinAndTheRestHasTheSheetsOwn) {
+  const Sheet sheet = make(divided(21));
+  const fem::MaterialTable& materials = sheet.model().materials();
+  ASSERT_EQ(materials.size(), 3U);
+  for (mesh::TriangleId t = 0; t < sheet.mesh().num_triangle_slots(); ++t) {
+    if (!sheet.mesh().is_solid(t)) continue;
+    Vector2d at = Vector2d::Zero();
+    for (const mesh::VertexId v : sheet.mesh().vertices(t)) at += sheet.mesh().rest_position(v) / 3.0;
+    const bool in_spot = (at - Vector2d(0.5, 0.5)).cwiseAbs().maxCoeff() <= 0.2;
+    const fem::Material expected = in_spot ? third() : at.x() >= 0.5 ? heavy() : scenes::demo_material();
+    EXPECT_EQ(sheet.model().law(t).material, expected) << at.transpose();
+  }
+  EXPECT_NEAR(sheet.model().total_mass(), 0.16 * 1.4 + 0.42 * 1.5 + 0.42 * 0.2, 1e-12);
+  ASSERT_EQ(sheet.pieces().size(), 1U);
+  EXPECT_NEAR(sheet.pieces()[0].mass, sheet.model().total_mass(), 1e-12);
+}
+
+TEST(SheetMaterials, OneThatIsAllOfTheSheetIsAsGoodAsItsOwn) {
+  SheetConfig all = scenes::hanging(9);
+  all.materials = {{box(0.0, 0.0, 0.4, 0.4), third()}, {WholeSheet{}, heavy()}};
+  SheetConfig own = scenes::hanging(9);
+  own.material = heavy();
+  Sheet a = make(all), b = make(own);
+  run(a, 5);
+  run(b, 5);
+  EXPECT_EQ(a.state_hash(), b.state_hash());
+}
+
+TEST(SheetMaterials, CutsKeepThemAndUndoAndRedoGiveThemBack) {
+  Sheet sheet = make(divided(21));
+  run(sheet, 3);
+  const std::uint64_t mesh = sheet.mesh().state_hash(), model = sheet.model().hash();
+  const std::vector<double> before = areas(sheet);
+  for (Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(sheet, std::move(cut)));
+  EXPECT_EQ(sheet.mesh().find_violation(), std::nullopt);
+  const std::vector<double> after = areas(sheet);
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(after[i], before[i], 1e-13);
+  double mass = 0.0;
+  for (const Piece& piece : sheet.pieces()) mass += piece.mass;
+  EXPECT_NEAR(mass, sheet.model().total_mass(), 1e-12);
+  const std::uint64_t cut_mesh = sheet.mesh().state_hash(), cut_model = sheet.model().hash();
+  std::vector<fem::Material> materials;
+  for (const fem::MaterialLaw& law : sheet.model().materials()) materials.push_back(law.material);
+  EXPECT_EQ(cut_model, fem::Model(sheet.mesh(), materials).hash());
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}));
+  EXPECT_EQ(sheet.mesh().state_hash(), mesh);
+  EXPECT_EQ(sheet.model().hash(), model);
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, RedoCut{}));
+  EXPECT_EQ(sheet.mesh().state_hash(), cut_mesh);
+  EXPECT_EQ(sheet.model().hash(), cut_model);
+  ASSERT_TRUE(apply(sheet, Reset{}));
+  EXPECT_EQ(sheet.model().hash(), model);
+}
+
+TEST(SheetMaterials, ElementWiseCutsKeepThemToo) {
+  Sheet sheet = make(divided(15));
+  const std::vector<double> before = areas(sheet);
+  Cut cut = scenes::bezier_cut({0.2, 0.5}, {0.4, 0.8}, {0.6, 0.2}, {0.8, 0.5});
+  cut.method = cut::Method::kElement;
+  ASSERT_TRUE(apply(sheet, cut));
+  EXPECT_EQ(sheet.mesh().find_violation(), std::nullopt);
+  const std::vector<double> after = areas(sheet);
+  for (std::size_t i = 0; i < before.size(); ++i) EXPECT_NEAR(after[i], before[i], 1e-13);
+}
+
+TEST(SheetMaterials, AStripTakesTheMassOfWhatItCrosses) {
+  SheetConfig config = scenes::hanging(21);
+  config.materials = {{box(0.5, 0.0, 1.0, 1.0), heavy()}};
+  Sheet sheet = make(config);
+  const double before = sheet.model().total_mass();
+  Cut cut = scenes::line_cut({0.2, 0.5}, {0.8, 0.5});
+  cut.width = 0.02;
+  const Result<CommandReply> done = apply(sheet, cut);
+  ASSERT_TRUE(done) << done.error().message;
+  EXPECT_NEAR(*done->cut->removed_mass, before - sheet.model().total_mass(), 1e-12);
+  const double expected = 0.02 * 0.3 * (0.2 + 1.5) + 0.5 * 3.14159 * 1e-4 * (0.2 + 1.5);
+  EXPECT_NEAR(*done->cut->removed_mass, expected, 0.02 * expected);
+}
+
+TEST(SheetMaterials, ARecordingReplaysBitForBit) {
+  SheetConfig config = divided(15);
+  std::int64_t tick = 3;
+  for (Cut& cut : scenes::three_cuts()) {
+    config.commands.push_back({tick, std::move(cut)});
+    tick += 4;
+  }
+  config.commands.push_back({tick, UndoCut{}});
+  Sheet first = make(config), again = make(config);
+  for (int i = 0; i < 25; ++i) {
+    first.step({});
+    again.step({});
+    ASSERT_EQ(first.state_hash(), again.state_hash()) << i;
+  }
+}
+
+TEST(SheetMaterials, OfACurvedSheetPartTheFacetsToo) {
+  SheetConfig config = of_arrays(test::rolled_square(9, 0.4));
+  config.materials = {{box(0.5, -1.0, 2.0, 2.0), heavy()}};
+  Sheet sheet = make(config);
+  ASSERT_TRUE(sheet.mesh().is_curved());
+  ASSERT_EQ(sheet.model().materials().size(), 2U);
+  const std::vector<double> before = areas(sheet);
+  const double mass = sheet.model().total_mass();
+  EXPECT_NEAR(mass, before[0] * 0.2 + before[1] * 1.5, 1e-9);
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.1, 0.43}, {0.9, 0.57})));
+  EXPECT_EQ(sheet.mesh().find_violation(), std::nullopt);
+  const std::vector<double> after = areas(sheet);
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(after[i], before[i], 1e-12);
+  EXPECT_NEAR(sheet.model().total_mass(), mass, 1e-12);
+}
+
+TEST(SheetMaterials, LinesAndListedVerticesNameTriangles) {
+  SheetConfig config = scenes::hanging(11);
+  config.materials = {{MaterialLine{{0.0, 0.5}, {1.0, 0.5}, 0.1, MaterialLine::Side::kLeft}, heavy()},
+                      {std::vector<mesh::VertexId>{0, 1, 11, 12}, third()}};
+  const Sheet sheet = make(config);
+  ASSERT_EQ(sheet.model().materials().size(), 3U);
+  double line = 0.0, corner = 0.0;
+  for (mesh::TriangleId t = 0; t < sheet.mesh().num_triangle_slots(); ++t) {
+    if (!sheet.mesh().is_solid(t)) continue;
+    if (sheet.model().law(t).material == heavy()) line += sheet.mesh().area(t);
+    if (sheet.model().law(t).material == third()) corner += sheet.mesh().area(t);
+  }
+  EXPECT_NEAR(line, 0.1, 1e-12);
+  EXPECT_NEAR(corner, 0.01, 1e-12);
+}
+
+TEST(SheetMaterials, RegionsWithoutTrianglesAreRefused) {
+  SheetConfig config = scenes::hanging(5);
+  config.materials = {{WholeSheet{}, heavy()}, {RegionEdge::kTop, third()}};
+  EXPECT_EQ(reason_of(config), "REGION_WITHOUT_TRIANGLES materials[1].region");
+  config.materials[1].region = NearestVertex{{0.5, 0.5}};
+  EXPECT_EQ(reason_of(config), "REGION_WITHOUT_TRIANGLES materials[1].region");
+  config.materials[1].region = box(3.0, 3.0, 4.0, 4.0);
+  EXPECT_EQ(reason_of(config), "REGION_EMPTY materials[1].region");
+  config.materials[1].region = std::vector<mesh::VertexId>{0, 1, 99};
+  EXPECT_EQ(reason_of(config), "UNKNOWN_VERTEX materials[1].region.vertices.vertices[2]");
+}
+
+TEST(SheetMaterials, AreAtMostSixteenInAtMostSixtyFourRegions) {
+  SheetConfig config = scenes::hanging(17);
+  for (int i = 0; i < 15; ++i) {
+    fem::Material material = heavy();
+    material.density += i;
+    config.materials.push_back({box(0.0625 * i, 0.0, 0.0625 * (i + 1), 1.0), material});
+  }
+  EXPECT_EQ(make(config).model().materials().size(), fem::kMaxMaterials);
+  SheetConfig more = config;
+  more.materials.push_back({box(0.9, 0.0, 1.0, 1.0), third()});
+  EXPECT_EQ(reason_of(more), "TOO_MANY_MATERIALS materials");
+  // The same ones again do not count.
+  while (config.materials.size() < kMaxRegions) config.materials.push_back(config.materials[0]);
+  EXPECT_EQ(reason_of(config), "made");
+  config.materials.push_back(config.materials[0]);
+  EXPECT_EQ(reason_of(config), "TOO_MANY materials");
+}
+
+TEST(SheetMaterials, APlanarSheetBendsNowhere) {
+  SheetConfig config = divided(9);
+  config.planar = true;
+  EXPECT_FALSE(make(config).model().has_bending());
+}
+
+TEST(SheetMaterials, AGrabIsNoStifferThanTheMembraneThatItHolds) {
+  SheetConfig config = scenes::hanging(9);
+  config.materials = {{box(0.5, 0.0, 1.0, 1.0), heavy()}};
+  config.tick_rate_hz = 1000.0;  // so that the membrane is what limits it
+  Sheet sheet = make(config);
+  ASSERT_TRUE(apply(sheet, Grab{"soft", 0, std::nullopt, 0.0}));
+  ASSERT_TRUE(apply(sheet, Grab{"stiff", 8, std::nullopt, 0.0}));
+  EXPECT_LT(sheet.grabs()[0].stiffness, 300.0);
+  EXPECT_GT(sheet.grabs()[1].stiffness, 3000.0);
+}
+
+}  // namespace
+}  // namespace kerf::sheet
