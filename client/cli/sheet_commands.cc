@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -28,6 +29,7 @@ struct CreateArguments {
   std::string rest = "auto";
   std::string pin = "top";
   std::string material;
+  std::vector<std::string> parts;  // of other materials: x0,y0,x1,y1=PRESET
 };
 
 void print(const Session& session, const v1::Sheet& sheet) {
@@ -65,12 +67,29 @@ int add_mesh(const CreateArguments& arguments, v1::Scene& scene) {
   return kDone;
 }
 
+// The parts of other materials; kDone, or the exit code of what is wrong, which has been said.
+int add_parts(const std::vector<std::string>& parts, v1::Scene& scene) {
+  for (const std::string& part : parts) {
+    const std::size_t equals = part.find('=');
+    const Parsed<v1::MaterialBox> box = parse_fit(part.substr(0, equals));
+    const auto* corners = std::get_if<v1::MaterialBox>(&box);
+    if (equals == std::string::npos || corners == nullptr || !corners->has_min()) {
+      return misuse("--part: \"" + part + "\" is no x0,y0,x1,y1=PRESET, such as 0.5,0,1,1=rubber");
+    }
+    v1::RegionMaterial& added = *scene.add_materials();
+    *added.mutable_region()->mutable_box() = *corners;
+    added.mutable_material()->set_preset(part.substr(equals + 1));
+  }
+  return kDone;
+}
+
 int create_sheet(const Session& session, const CreateArguments& arguments) {
   v1::CreateSheetRequest request;
   request.set_sheet_id(arguments.id);
   v1::Scene& scene = *request.mutable_scene();
   if (const int code = add_mesh(arguments, scene); code != kDone) return code;
   if (!arguments.material.empty()) scene.mutable_material()->set_preset(arguments.material);
+  if (const int code = add_parts(arguments.parts, scene); code != kDone) return code;
   if (arguments.pin == "top") scene.add_pins()->set_edge(v1::Region::TOP);
   if (arguments.pin == "corners") scene.add_pins()->set_edge(v1::Region::CORNERS);
 
@@ -173,6 +192,11 @@ void add_create(CLI::App& sheet, Session& session) {
       ->check(CLI::IsMember({"top", "corners", "none"}))
       ->capture_default_str();
   create->add_option("--material", arguments->material, "Material preset; `kerf info` lists them");
+  create
+      ->add_option("--part", arguments->parts,
+                   "A part of another material, x0,y0,x1,y1=PRESET: what is in this box, in metres on the\n"
+                   "undeformed sheet; any number of times, a later one over those before")
+      ->take_all();
   create->callback(
       [&session, arguments] { session.action = [&session, arguments] { return create_sheet(session, *arguments); }; });
 }

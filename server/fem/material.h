@@ -62,7 +62,7 @@ Eigen::Matrix3d membrane_law(const Material& material);
 // Plate law D = bending_scale C t^2 / 12 in N m, for Voigt curvature (k11, k22, 2 k12).
 Eigen::Matrix3d bending_law(const Material& material);
 
-// Declared materials by name; NOT_FOUND lists the names. Values and their sources: material.cc.
+// Declared materials by name; NOT_FOUND lists the names. Values and their sources: material_presets.cc.
 Result<Material> find_preset(std::string_view name);
 std::span<const std::string_view> preset_names();
 

@@ -99,6 +99,13 @@ class Sheets(Case):
         self.json_of("sheet", "delete", "life")
         self.refused("sheet", "get", "life", says="life")
 
+    def test_parts_of_other_materials(self):
+        made = self.json_of("sheet", "create", "parts", "--grid", "9x9", "--material", "cotton",
+                            "--part", "0.5,0,1,1=denim", "--part", "0.5,0.5,1,1=foil")
+        self.assertEqual(made["scene"]["material"]["density_kgpm3"], 375)
+        self.assertEqual([part["material"]["density_kgpm3"] for part in made["scene"]["materials"]], [304, 2710])
+        self.json_of("sheet", "delete", "parts")
+
     def test_output_for_people(self):
         done = kerf("sheet", "create", "people", "--grid", "5x5")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -141,6 +148,11 @@ class Sheets(Case):
         self.refused("sheet", "create", "huge", "--grid", "1000x1000", says="500000")
         self.refused("sheet", "create", "flat", "--size", "1x0", says="height_m")
         self.refused("sheet", "create", "odd", "--material", "unobtainium", says="preset")
+        self.refused("sheet", "create", "odd", "--part", "0,0,1=silk", code=2, says="--part")
+        self.refused("sheet", "create", "odd", "--part", "sheet=silk", code=2, says="--part")
+        self.refused("sheet", "create", "odd", "--part", "0,0,1,1", code=2, says="--part")
+        self.refused("sheet", "create", "odd", "--part", "0,0,1,1=unobtainium", says="materials[0].material.preset")
+        self.refused("sheet", "create", "odd", "--part", "4,4,5,5=silk", says="REGION_EMPTY")
         kerf("sheet", "create", "twice", "--grid", "3x3")
         self.refused("sheet", "create", "twice", "--grid", "3x3", says="ALREADY_EXISTS")
         for verb in ("get", "delete", "pause", "resume", "reset"):

@@ -334,6 +334,16 @@ class Sheets(Case):
         with self.assertRaisesRegex(ValueError, "colour"):
             self.server.create_scene({"colour": "red"})
 
+    def test_parts_of_other_materials(self):
+        made = self.server.create_sheet("py-parts", grid=(9, 9), material="denim", parts=[((0.5, 0, 1, 1), "silk")],
+                                        paused=True)
+        scene = made.get().scene
+        self.assertEqual(scene.material.thickness_m, 1.066e-3)
+        self.assertEqual([part.material.thickness_m for part in scene.materials], [1.2e-4])
+        made.delete()
+        with self.assertRaisesRegex(kerf.InvalidArgument, "preset"):
+            self.server.create_sheet("py-parts", parts=[((0, 0, 1, 1), "unobtainium")])
+
     def test_state_is_exact(self):
         self.sheet.cut(kerf.polyline((-0.1, 0.3), (1.1, 0.35)))
         told = self.sheet.step(3)

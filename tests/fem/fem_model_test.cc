@@ -55,6 +55,37 @@ TEST(Material, UnknownPresetIsNotFoundAndListsTheKnownOnes) {
   EXPECT_NE(found.error().message.find("cotton"), std::string::npos);
 }
 
+TEST(Material, PresetsAreValidAndAllThere) {
+  const std::vector<std::string_view> names(preset_names().begin(), preset_names().end());
+  EXPECT_EQ(names, (std::vector<std::string_view>{"demo", "wool", "cotton", "denim", "silk", "rubber", "paper", "skin",
+                                                  "foil"}));
+  for (const std::string_view name : names) EXPECT_TRUE(validate(find_preset(name).value()).ok()) << name;
+}
+
+TEST(Material, PresetsHaveTheMeasuredNumbersOfTheirSources) {
+  // KES-F units in SI; see material_presets.cc.
+  constexpr double kShear = 0.980665 * 57.29578;  // N/m, of gf/(cm degree)
+  constexpr double kBending = 9.80665e-5;         // N m, of gf cm^2/cm
+  const Material denim = find_preset("denim").value();
+  const double extension = 0.05515;
+  const double energy = 0.5 * extension * 500.0 * 0.712 * 0.980665;  // N/m: linearity 0.712 up to 500 gf/cm
+  const double stretched = 0.5 * denim.youngs_modulus_1 * denim.thickness * extension * extension;
+  EXPECT_NEAR(stretched, energy, 1e-3 * energy);
+  EXPECT_NEAR(denim.shear_modulus * denim.thickness, 2.180 * kShear, 1e-3 * 2.180 * kShear);
+  EXPECT_NEAR(bending_law(denim)(0, 0), 0.172 * kBending, 1e-3 * 0.172 * kBending);
+  EXPECT_NEAR(denim.density * denim.thickness, 0.324, 1e-3);
+  const Material wool = find_preset("wool").value();
+  EXPECT_EQ(wool.youngs_modulus_1, 3.1e9);
+  EXPECT_EQ(wool.shear_modulus, 0.51e9);
+  EXPECT_EQ(wool.poissons_ratio_12, 0.63);
+  EXPECT_EQ(wool.density, 1300.0);
+  const Material paper = find_preset("paper").value();
+  const double baum = 0.387 * std::sqrt(paper.youngs_modulus_1 * paper.youngs_modulus_2);
+  EXPECT_NEAR(paper.shear_modulus, baum, 0.01 * baum);
+  const Material foil = find_preset("foil").value();
+  EXPECT_NEAR(foil.shear_modulus, foil.youngs_modulus_1 / (2.0 * (1.0 + foil.poissons_ratio_12)), 1e7);
+}
+
 TEST(Material, RefusesEveryFieldThatIsNotFiniteOrOutOfRangeByName) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();

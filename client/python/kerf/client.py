@@ -100,12 +100,15 @@ class Server:
         rest: RestShape = "auto",
         pins: Iterable[Edge] = ("top",),
         material: str = "",
+        parts: Iterable[Tuple[Tuple[float, float, float, float], str]] = (),
         paused: bool = False,
     ) -> Sheet:
         """A rectangle of grid[0] x grid[1] vertices, or the mesh of an .obj or .ply file (grid and size_m do not count then).
 
         rest: what the rest shape of a mesh file is: "flat" (its texture coordinates, or its plane), "surface" (its
         positions, curved as they are), or "auto", flat where the file allows it.
+        parts: of other materials, each a box (x0, y0, x1, y1) in metres on the undeformed sheet and a preset; a later one over
+        those before.
         material: a preset; info() lists them. For anything else: create_scene(). Raises ValueError where the file's name
         has another ending; a server takes calls of up to 1 MiB.
         """
@@ -114,6 +117,10 @@ class Server:
             pins=[conditions_pb2.Region(edge=conditions_pb2.Region.Edge.Value(each.upper())) for each in pins],
             material=scene_pb2.Material(preset=material),
         )
+        for (x0, y0, x1, y1), preset in parts:
+            part = scene.materials.add(material=scene_pb2.Material(preset=preset))
+            part.region.box.min.x, part.region.box.min.y = x0, y0
+            part.region.box.max.x, part.region.box.max.y = x1, y1
         if mesh_file is None:
             scene.grid.CopyFrom(scene_pb2.GridMesh(columns=columns, rows=rows, width_m=size_m[0], height_m=size_m[1]))
         else:

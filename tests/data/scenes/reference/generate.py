@@ -513,11 +513,41 @@ def flap():
                   probe("lower", "DISPLACEMENT", points=[lip, (length, 0)], side=xy(length, 0))])
 
 
+def part(case, x0, y0, x1, y1):
+    """The reference's other material, in a box."""
+    given = reference(case)["other_material"]
+    return {"region": {"box": {"min": xy(x0, y0), "max": xy(x1, y1)}},
+            "material": material(case, youngs_modulus_pa=given["E"], shear_modulus_pa=given["G"])}
+
+
+def several_materials():
+    held = [hold(edge("BOTTOM"), "y"), hold({"nearest": xy(0, 0)}, "x"),
+            hold(edge("TOP"), "y", displacement_m={"y": 0.05})]
+    everywhere = [probe("top", "REACTION", edge("TOP")), probe("energy", "ENERGY"),
+                  probe("least", "STRESS", {"all": True}, reduce="MIN"),
+                  probe("largest", "STRESS", {"all": True}, reduce="MAX")]
+    case = "15a_two_materials_in_series"
+    scene(case, "A strip of two materials end to end, pulled.", {"grid": grid(4, 8, 0.1, 0.2)}, material(case),
+          static(), planar=True, materials=[part(case, 0, 0.1, 0.1, 0.2)], constraints=held,
+          probes=[*everywhere, probe("border", "DISPLACEMENT", points=[(0.05, 0.1)]),
+                  probe("lower", "STRAIN", points=[(0.03, 0.03)]), probe("upper", "STRAIN", points=[(0.03, 0.17)])])
+    case = "15b_two_materials_side_by_side"
+    scene(case, "A strip of two materials side by side, pulled.", {"grid": grid(4, 8, 0.1, 0.2)}, material(case),
+          static(), planar=True, materials=[part(case, 0.05, 0, 0.1, 0.2)], constraints=held, probes=everywhere)
+    case = "15c_stepped_cantilever"
+    scene(case, "A strip clamped at one end, its other half a quarter as stiff, lifted there.",
+          {"grid": grid(80, 4, 10, 1)}, material(case), static(), materials=[part(case, 5, 0, 10, 1)],
+          constraints=[hold(edge("LEFT"), slope=True)], loads=[{"edge": {"region": edge("RIGHT"),
+                                                                         "force_n": {"z": 0.004}}}],
+          probes=[probe("tip", "DISPLACEMENT", edge("RIGHT")),
+                  probe("border", "DISPLACEMENT", points=[(5, 0.5)])])
+
+
 def text_of(whole):
     """One line a member, and of the lists of members."""
     lines = []
     for key, value in whole.items():
-        if key in ("commands", "constraints", "loads", "probes"):
+        if key in ("commands", "constraints", "loads", "materials", "probes"):
             inner = ",\n  ".join(json.dumps(item) for item in value)
             lines.append(f'{json.dumps(key)}: [\n  {inner}]')
         else:
@@ -527,7 +557,7 @@ def text_of(whole):
 
 def main():
     for make in (patch, uniaxial, clamped_strip, cook, kirsch, holes, slits, catenaries, cantilevers, annulus,
-                 vibrations, motion, off_axis, curtain, kirigami, flap):
+                 vibrations, motion, off_axis, curtain, kirigami, flap, several_materials):
         make()
     stale = []
     for name, whole in SCENES.items():
