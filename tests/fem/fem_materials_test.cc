@@ -3,6 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
+
 #include "server/cut/cut.h"
 #include "server/fem/bending_forces.h"
 #include "server/fem/integrator.h"
@@ -73,7 +75,8 @@ mesh::VertexField bent(const mesh::TriangleMesh& mesh, double size) {
 
 TEST(Materials, StrainOfABimaterialStripJumpsAsTheModuliDo) {
   const mesh::TriangleMesh mesh = right_half(square_grid(9));
-  const std::array<Material, 2> materials{isotropic(1.0e6, 0.0, 1e-3, 300.0), isotropic(4.0e6, 0.0, 1e-3, 300.0)};
+  std::array<Material, 2> materials{isotropic(1.0e6, 0.0, 1e-3, 300.0), isotropic(4.0e6, 0.0, 1e-3, 300.0)};
+  for (Material& material : materials) material.bending_scale = 0.0;  // bending resists kinks within the sheet, too
   const Model model(mesh, materials);
   mesh::VertexField x = rest_state(mesh).x;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
@@ -190,7 +193,7 @@ TEST(Materials, DampingPatchByPatchIsThatOfTheSumsWhereItIsTheSame) {
   mesh::VertexField by_patch(v.cols()), of_sums(v.cols());
   by_patch.setZero();
   of_sums.setZero();
-  add_bending_damping(model.element_blocks(), model.bending_patches(), kBeta, v, by_patch);
+  add_bending_damping(model.bending_terms(), kBeta, v, by_patch);
   add_bending_forces(model.bending_rows(), kBeta[0] * v, of_sums);
   EXPECT_GT(of_sums.norm(), 0.0);
   EXPECT_LT((by_patch - of_sums).norm(), 1e-12 * of_sums.norm());
@@ -203,8 +206,32 @@ TEST(Materials, DampingPatchByPatchIsThatOfTheSumsWhereItIsTheSame) {
   mesh::VertexField product(v.cols());
   tangent.blocks().multiply(v, product);
   by_patch.setZero();
-  add_bending_damping(model.element_blocks(), model.bending_patches(), beta, v, by_patch);
+  add_bending_damping(model.bending_terms(), beta, v, by_patch);
   EXPECT_LT((by_patch + product).norm(), 1e-12 * product.norm());
+}
+
+TEST(Materials, DampingOfNoneGainsEnergy) {
+  const mesh::TriangleMesh mesh = with_inclusion(jittered_square(9));
+  const std::array<Material, 2> materials = both();
+  const Model model(mesh, materials);
+  const std::array<double, 2> beta{0.0, 5e-3};
+  // The largest gain that any rates could make: of the matrix of damping the lowest eigenvalue is not negative.
+  TangentMatrix tangent;
+  tangent.rebuild(model);
+  tangent.set_mass(model, 0.0);
+  tangent.add_bending(model, {0.0, 1.0, beta});
+  const Eigen::Index n = mesh.num_vertices();
+  Eigen::MatrixXd damping(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    mesh::VertexField unit(n), column(n);
+    unit.setZero();
+    unit(0, j) = 1.0;
+    tangent.blocks().multiply(unit, column);
+    damping.col(j) = column.row(0).transpose();
+  }
+  const Eigen::VectorXd eigenvalues = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(damping).eigenvalues();
+  EXPECT_GT(eigenvalues.maxCoeff(), 0.0);
+  EXPECT_GE(eigenvalues.minCoeff(), -1e-12 * eigenvalues.maxCoeff());
 }
 
 TEST(Materials, TheStableStepHoldsForAStiffInclusion) {
