@@ -135,7 +135,6 @@ void Sheet::Impl::stamp(TickReport& report) const {
   report.frozen = frozen;
   report.at_rest = is_at_rest();
   if (report.replies.empty() && report.scheduled.empty()) return;
-
   StateHash hash;
   add_shape_to(hash);
   hash.add(tick);
