@@ -269,7 +269,7 @@ inline std::vector<BadScene> bad_numbers() {
       {"material.bending_scale", [](v1::Scene& s) { s.mutable_material()->set_bending_scale(-1e-9); }},
       {"material.mass_damping_per_s", [](v1::Scene& s) { s.mutable_material()->set_mass_damping_per_s(1001.0); }},
       {"material.stiffness_damping_s", [](v1::Scene& s) { s.mutable_material()->set_stiffness_damping_s(1.1); }},
-      {"materials[0].region", [](v1::Scene& s) { s.mutable_materials(0)->clear_region(); }},
+      {"materials[0].region.region", [](v1::Scene& s) { s.mutable_materials(0)->clear_region(); }},
       {"materials[1].region.box.max",
        [](v1::Scene& s) { s.mutable_materials(1)->mutable_region()->mutable_box()->mutable_max()->set_y(-1.0); }},
       {"materials[1].material.preset",
