@@ -228,6 +228,7 @@ Outcome run(const Case& tested, int num_steps) {
   const Eigen::Vector3d drift_velocity = model.momentum(state).linear / model.total_mass();
   const double size = (state.x.colwise() - centre).norm();
   double simulated = 0.0;
+  num_steps = std::min(num_steps, static_cast<int>(kMostVertexSteps / model.num_vertices()));
   long num_substeps = 0;
   for (int i = 0; i < num_steps && num_substeps < kMostSubsteps && outcome.finite; ++i) {
     const fem::StepStats stats = integrator->step(model, loads, tested.dt, nullptr, state);

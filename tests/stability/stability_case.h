@@ -53,7 +53,9 @@ struct Outcome {
   std::array<int, fem::kStepFlagNames.size()> flags{};  // steps with each
   std::string integrator;
 };
-// Ends before num_steps once kMostSubsteps are done: what a tick of stiff sheets is divided into.
+// Ends before num_steps once kMostSubsteps are done, which stiff ticks are divided into, or kMostVertexSteps, which is
+// some 75 steps after 200 cuts.
+inline constexpr long kMostVertexSteps = 150'000;
 inline constexpr long kMostSubsteps = 200'000;
 Outcome run(const Case& tested, int num_steps);
 
