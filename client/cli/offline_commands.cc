@@ -34,6 +34,7 @@ struct RunArguments {
   std::string record;
   std::string csv;
   std::string integrator;
+  std::string precision;
 };
 
 // A bar on stderr while a person looks on, redrawn when the percentage changes, or `always`.
@@ -106,6 +107,8 @@ int run(const Session& session, const RunArguments& arguments) {
   if (arguments.integrator == "trapezoidal") config->integrator.kind = sheet::IntegratorKind::kTrapezoidal;
   if (arguments.integrator == "bdf2") config->integrator.kind = sheet::IntegratorKind::kBdf2;
   if (arguments.integrator == "tr-bdf2") config->integrator.kind = sheet::IntegratorKind::kTrBdf2;
+  if (arguments.precision == "mixed") config->integrator.precision = sheet::Precision::kMixed;
+  if (arguments.precision == "double") config->integrator.precision = sheet::Precision::kDouble;
   if (arguments.integrator == "auto") config->integrator.kind = sheet::IntegratorKind::kAutomatic;
 
   const Result<SceneRun> done = [&] {
@@ -189,6 +192,10 @@ void add_offline_commands(CLI::App& app, Session& session) {
                    "Instead of the scene's: explicit, implicit (Euler), trapezoidal,\n"
                    "bdf2, tr-bdf2 or auto")
       ->check(CLI::IsMember({"explicit", "implicit", "trapezoidal", "bdf2", "tr-bdf2", "auto"}));
+  running
+      ->add_option("--precision", arguments->precision,
+                   "Of the explicit integrator, instead of the scene's: double or mixed")
+      ->check(CLI::IsMember({"double", "mixed"}));
   running->callback(
       [&session, arguments] { session.action = [&session, arguments] { return run(session, *arguments); }; });
 

@@ -10,9 +10,11 @@
 namespace kerf::fem {
 namespace {
 
-// Nanoseconds on one core of 2024 with two-lane vectors; only their ratios matter.
-constexpr double kForceNsPerSlot = 25.0;
-constexpr double kForceNsPerBendingEntry = 1.2;
+// Nanoseconds on one core of 2024; only their ratios matter. Of the explicit integrator by race_bench (tests/bench), 50
+// x 50 vertices in double: 6 regular and 12 irregular, and in mixed precision half of that.
+constexpr double kForceNsPerSlot = 9.0;
+constexpr double kMixedForceNsPerSlot = 5.0;
+constexpr double kForceNsPerBendingEntry = 0.8;
 constexpr double kTangentNsPerSlot = 400.0;
 constexpr double kProductNsPerBlock = 4.0;
 // Factorisation of a sheet of V vertices grows as V^1.5 (George 1973, nested dissection of a planar mesh).
@@ -26,9 +28,12 @@ IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
   return options;
 }
 
-double explicit_cost(const Model& model, double substeps) {
+double explicit_cost(const Model& model, const ExplicitIntegrator& integrator, const IntegratorOptions& options) {
+  const double substeps = integrator.planned_substeps(options.tick);
+  const double interval = integrator.bending_interval(options.tick / substeps);
   const auto entries = static_cast<double>(model.bending_rows().num_entries());
-  return substeps * (kForceNsPerSlot * model.num_slots() + kForceNsPerBendingEntry * entries);
+  const double per_slot = options.precision == Precision::kMixed ? kMixedForceNsPerSlot : kForceNsPerSlot;
+  return substeps * (per_slot * model.num_slots() + kForceNsPerBendingEntry * entries / interval);
 }
 
 double iterative_cost(const Model& model, const IntegratorOptions& options) {
@@ -56,29 +61,26 @@ IntegratorKind AutomaticIntegrator::kind() const {
 
 StepStats AutomaticIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                                     State& state) {
-  if (implicit_) return implicit_->step(model, loads, dt, contact, state);
-  return explicit_.step(model, loads, dt, contact, state);
+  return chosen().step(model, loads, dt, contact, state);
 }
 
 void AutomaticIntegrator::rebuild(const Model& model) {
   choose(model);
-  if (implicit_) implicit_->rebuild(model);
+  chosen().rebuild(model);
 }
 
 void AutomaticIntegrator::follow(const Model& model) {
-  const bool is_new = choose(model);
-  if (!implicit_) return;
-  if (is_new) {
-    implicit_->rebuild(model);
+  if (choose(model)) {
+    chosen().rebuild(model);
   } else {
-    implicit_->follow(model);
+    chosen().follow(model);
   }
 }
 
 bool AutomaticIntegrator::choose(const Model& model) {
-  explicit_.rebuild(model);
+  explicit_.plan(model);
   const double substeps = explicit_.planned_substeps(options_.tick);
-  const double of_explicit = explicit_cost(model, substeps);
+  const double of_explicit = explicit_cost(model, explicit_, options_);
   const double of_iterative = iterative_cost(model, options_);
   const double of_direct = direct_cost(model, options_);
   const double of_implicit = std::min(of_iterative, of_direct);
@@ -86,6 +88,7 @@ bool AutomaticIntegrator::choose(const Model& model) {
   const char* choice = "explicit";
   bool is_new = false;
   if (use_explicit) {
+    is_new = implicit_ != nullptr;
     implicit_.reset();
   } else {
     const bool direct = of_direct <= of_iterative;

@@ -22,8 +22,9 @@ class AutomaticIntegrator final : public Integrator {
   [[nodiscard]] IntegratorKind kind() const override;
 
  private:
-  // Whether the implicit integrator is a new one, which knows nothing of the model yet.
+  // Whether the integrator chosen is another one, which knows nothing of the model yet.
   bool choose(const Model& model);
+  Integrator& chosen() { return implicit_ ? *implicit_ : explicit_; }
 
   IntegratorOptions options_;
   LinearSolverKind solver_ = LinearSolverKind::kConjugateGradient;  // of the implicit one

@@ -1,7 +1,6 @@
 #include "server/fem/explicit_integrator.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -17,22 +16,34 @@ namespace {
 
 constexpr int kMaxRetries = 3;  // of a step that ended not finite, each with twice the substeps
 
-void set_pin_velocities(const Loads& loads, State& state) {
-  for (const Pin& pin : loads.pins) state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
+void set_pins(const Loads& loads, double time_left, State& state) {
+  for (const Pin& pin : loads.pins) {
+    state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
+    state.x.col(pin.vertex) = pin.held(pin.target - time_left * pin.velocity, state.x.col(pin.vertex));
+  }
 }
 
-void set_pin_positions(const Loads& loads, double time_left, State& state) {
-  for (const Pin& pin : loads.pins) {
-    state.x.col(pin.vertex) = pin.held(pin.target - time_left * pin.velocity, state.x.col(pin.vertex));
+bool has_forces_on_vertices(const Model& model, const Loads& loads) {
+  return loads.external_forces.cols() > 0 || loads.wind.air_density > 0.0 || has_follower_loads(loads) ||
+         !model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty();
+}
+
+// What has no mass and is not held keeps its velocity.
+void drift_massless(const Model& model, double duration, State& state) {
+  for (std::size_t v = 0; v < model.inverse_mass().size(); ++v) {
+    if (model.inverse_mass()[v] > 0.0) continue;
+    const auto i = static_cast<Eigen::Index>(v);
+    state.x.col(i) += duration * state.v.col(i);
   }
 }
 
 }  // namespace
 
-void ExplicitIntegrator::rebuild(const Model& model) {
+void ExplicitIntegrator::plan(const Model& model) {
   const double omega = std::sqrt(model.stiffness_bound());
   const double limit = std::max(kMaxModeDamping, options_.highest_mode_damping);
   double xi = 0.0;  // the largest
+  xi_ = limit;
   beta_.clear();
   bending_beta_.clear();
   for (const double own : model.materials().stiffness_damping()) {
@@ -40,20 +51,62 @@ void ExplicitIntegrator::rebuild(const Model& model) {
     beta_.push_back(omega > 0.0 ? 2.0 * damping_ratio / omega : 0.0);
     bending_beta_.push_back(std::min(beta_.back(), own));
     xi = std::max(xi, damping_ratio);
+    xi_ = std::min(xi_, damping_ratio);
   }
+  bending_omega_ = std::sqrt(model.bending_stiffness_bound());
   critical_step_ =
       omega > 0.0 ? 2.0 / omega * (std::sqrt(1.0 + xi * xi) - xi) : std::numeric_limits<double>::infinity();
+  explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
+}
+
+void ExplicitIntegrator::resize(const Model& model) {
   const Eigen::Index n = model.num_vertices();
   scratch_.force.resize(n);
-  scratch_.damped.resize(n);
   scratch_.start.x.resize(n);
   scratch_.start.v.resize(n);
-  scratch_.mobility.resize(model.inverse_mass().size());
-  explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
+}
+
+void ExplicitIntegrator::rebuild(const Model& model) {
+  plan(model);
+  resize(model);
+  layout_.rebuild(model);
+  set_sweeps(model, false);
+}
+
+void ExplicitIntegrator::follow(const Model& model) {
+  plan(model);
+  resize(model);
+  set_sweeps(model, layout_.follow(model));
+}
+
+void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
+  const auto set = [&](auto& sweep) {
+    if (follows) {
+      sweep.follow(model, layout_);
+    } else {
+      sweep.rebuild(model, layout_);
+    }
+  };
+  is_double_current_ = options_.precision == Precision::kDouble;
+  if (is_double_current_) {
+    set(double_sweep_);
+  } else {
+    set(mixed_sweep_);
+    double_sweep_.reserve(model, layout_);
+  }
 }
 
 double ExplicitIntegrator::planned_substeps(double dt) const {
   return std::max(1.0, std::ceil(dt / (options_.cfl * critical_step_)));
+}
+
+int ExplicitIntegrator::bending_interval(double h) const {
+  if (xi_ < kLeastDamping) return 1;
+  const double longest = 2.0 * kBendingLimit;  // times 1 / omega_b
+  for (int interval = kMaxBendingInterval; interval > 1; --interval) {
+    if (interval * h * bending_omega_ < longest) return interval;
+  }
+  return 1;
 }
 
 StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
@@ -61,10 +114,6 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   KERF_CHECK(state.x.cols() == scratch_.force.cols() && model.num_vertices() == scratch_.force.cols(),
              "rebuild() was called for this model");
   StepStats stats;
-  std::copy(model.inverse_mass().begin(), model.inverse_mass().end(), scratch_.mobility.begin());
-  for (const Pin& pin : loads.pins) {
-    if (pin.is_whole()) scratch_.mobility[static_cast<std::size_t>(pin.vertex)] = 0.0;
-  }
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
 
@@ -77,15 +126,22 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   }
   stats.substeps = static_cast<int>(planned);
   stats.simulated = h * planned;
+  bool is_mixed = options_.precision == Precision::kMixed;
   for (int retry = 0;; ++retry) {
-    if (contact != nullptr) contact->begin(state.x);
-    advance(model, loads, h, stats.substeps, contact, state);
+    const Plan plan{h, stats.substeps};
+    if (is_mixed && !advance(model, loads, plan, contact, mixed_sweep_, state) && is_finite(state)) {
+      is_mixed = false;
+      stats.flags |= kWidened;
+      go_back(state);
+      if (!is_double_current_) double_sweep_.rebuild(model, layout_);
+      is_double_current_ = true;
+    }
+    if (!is_mixed) advance(model, loads, plan, contact, double_sweep_, state);
     if (is_finite(state)) {
       stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
       if (contact != nullptr || keeps_energy(model, loads, stats, state) || retry == kMaxRetries) break;
     }
-    state.x = scratch_.start.x;
-    state.v = scratch_.start.v;
+    go_back(state);
     if (retry == kMaxRetries) {
       stats.flags |= kFrozen;
       stats.substeps = 0;
@@ -100,7 +156,6 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   return stats;
 }
 
-// Whether the substeps resolved the motion well enough; else its energy is limited.
 bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const {
   // The stable step is that of the sheet at rest; what strains it little is resolved by it.
   constexpr double kSmallStrain = 0.1;  // -
@@ -112,91 +167,99 @@ bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, St
   return verdict == EnergyGuard::Verdict::kKept;
 }
 
-void ExplicitIntegrator::advance(const Model& model, const Loads& loads, double h, int substeps,
-                                 ContactConstraint* contact, State& state) {
-  const double duration = h * substeps;
-  set_pin_velocities(loads, state);
-  evaluate_forces(model, loads, 0.5 * h, state);
-  kick(model, loads, 0.5 * h, state);
-  kick_grabs(loads, 0.5 * h, h, duration - h, state);
-  set_pin_velocities(loads, state);
-  for (int i = 1; i <= substeps; ++i) {
-    const double time_left = i == substeps ? 0.0 : duration - h * i;
-    state.x += h * state.v;
-    set_pin_positions(loads, time_left, state);
-    const bool last = i == substeps;
-    const double kick_duration = last ? 0.5 * h : h;
-    if (contact != nullptr && !last) contact->enforce(h, state);
-    evaluate_forces(model, loads, kick_duration, state);
-    kick(model, loads, kick_duration, state);
-    kick_grabs(loads, kick_duration, h, std::max(time_left - h, 0.0), state);
-    set_pin_velocities(loads, state);
-    if (contact != nullptr && last) contact->enforce(h, state);
-  }
+void ExplicitIntegrator::go_back(State& state) const {
+  state.x = scratch_.start.x;
+  state.v = scratch_.start.v;
 }
 
-void ExplicitIntegrator::evaluate_forces(const Model& model, const Loads& loads, double kick, const State& state) {
+template <typename T>
+bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, const Plan& plan, ContactConstraint* contact,
+                                 LeapfrogSweep<T>& sweep, State& state) {
+  const double h = plan.h;
+  const double duration = h * plan.substeps;
+  const int interval = bending_interval(h);
+  const double bending_beta = is_uniform(bending_beta_) ? damping_of(bending_beta_, 0) : 0.0;
+  const LeapfrogTerms terms{loads.gravity, beta_, bending_beta, h};
+  const bool has_forces = has_forces_on_vertices(model, loads) || (model.has_bending() && !is_uniform(bending_beta_));
+  if (contact != nullptr) contact->begin(state.x);
+  set_pins(loads, duration, state);
+  if (!sweep.begin(model, loads, terms, duration, state)) return false;
+  for (int i = 0; i <= plan.substeps; ++i) {
+    const bool last = i == plan.substeps;
+    const double time_left = last ? 0.0 : duration - h * i;
+    LeapfrogKick kick;
+    kick.duration = i == 0 || last ? 0.5 * h : h;
+    kick.drift = last ? 0.0 : h;
+    if (i % interval == 0 || last) {
+      const int before = i == 0 ? 0 : (last && i % interval != 0 ? i % interval : interval);
+      const int after = std::min(interval, plan.substeps - i);
+      kick.bending = 0.5 * h * (before + after);
+    }
+    if (has_forces) {
+      sweep.write(state);
+      set_forces(model, loads, kick, state);
+      kick.forces = &scratch_.force;
+    }
+    sweep.substep(model, terms, kick);
+    if (!kick_grabs(loads, kick, h, std::max(time_left - h, 0.0), sweep)) return false;
+    if (contact != nullptr && !last && i + 1 < plan.substeps) {
+      sweep.write(state);
+      contact->enforce(h, state);
+      if (!sweep.read(state)) return false;
+    }
+  }
+  if (!sweep.stayed_inside(duration)) return false;
+  sweep.write(state);
+  set_pins(loads, 0.0, state);
+  drift_massless(model, duration, state);
+  if (contact != nullptr) contact->enforce(h, state);
+  return true;
+}
+
+void ExplicitIntegrator::set_forces(const Model& model, const Loads& loads, const LeapfrogKick& kick,
+                                    const State& state) {
   mesh::VertexField& f = scratch_.force;
-  if (loads.external_forces.cols() > 0) {
-    f = loads.external_forces;
-  } else {
-    f.setZero();
+  f.setZero();
+  if (kick.bending > 0.0 && model.has_bending()) {
+    add_clamp_forces(model.clamp_forces(), f);
+    add_rest_bending_forces(model.rest_bending(), state.x, state.v, bending_beta_, f);
+    if (!is_uniform(bending_beta_)) add_bending_damping(model.bending_terms(), bending_beta_, state.v, f);
+    f *= kick.bending / kick.duration;
   }
-  add_membrane_forces(model.element_blocks(), model.materials(), beta_, state.x, state.v, f);
-  model.add_bending_forces(state.x, state.v, bending_beta_, scratch_.damped, f);
+  add_wind_drag(model.element_blocks(), model.materials(), loads.wind, kick.duration, state, f);
+  if (loads.external_forces.cols() > 0) f += loads.external_forces;
   add_follower_forces(model.element_blocks(), loads, state.x, f);
-  add_wind_drag(model.element_blocks(), model.materials(), loads.wind, kick, state, f);
-}
-
-// Midpoint rule for the mass damping: v' = v + duration (f/m + g - alpha (v + v')/2).
-void ExplicitIntegrator::kick(const Model& model, const Loads& loads, double duration, State& state) const {
-  const double* const f = scratch_.force.data();
-  double* const v = state.v.data();
-  double keep = 1.0;
-  double scale = duration;
-  std::array<double, 3> g{};
-  const auto damp = [&](double alpha) {
-    const double half_damping = 0.5 * alpha * duration;
-    keep = (1.0 - half_damping) / (1.0 + half_damping);
-    scale = duration / (1.0 + half_damping);
-    g = {scale * loads.gravity.x(), scale * loads.gravity.y(), scale * loads.gravity.z()};
-  };
-  const bool is_same = model.materials().has_one_mass_damping();
-  if (is_same) damp(model.mass_damping(0));
-  for (std::size_t i = 0; i < scratch_.mobility.size(); ++i) {
-    if (!is_same) damp(model.mass_damping(static_cast<mesh::VertexId>(i)));
-    const double weight = scale * scratch_.mobility[i];
-    if (weight == 0.0) continue;
-    for (std::size_t c = 0; c < 3; ++c) v[3 * i + c] = keep * v[3 * i + c] + weight * f[3 * i + c] + g[c];
-  }
 }
 
 // One implicit Euler step of the spring alone, over the kick and the drift of h that follows: impulse
 //   j = tau (k (target - p - h (v - v_target)) - c (v - v_target)) / (1 + w tau (h k + c)),  w = sum weight^2 / m.
-void ExplicitIntegrator::kick_grabs(const Loads& loads, double duration, double h, double time_left,
-                                    State& state) const {
+template <typename T>
+bool ExplicitIntegrator::kick_grabs(const Loads& loads, const LeapfrogKick& kick, double h, double time_left,
+                                    LeapfrogSweep<T>& sweep) {
   for (const Grab& grab : loads.grabs) {
-    Eigen::Vector3d p = Eigen::Vector3d::Zero();
-    Eigen::Vector3d v = Eigen::Vector3d::Zero();
-    double w = 0.0;
+    Eigen::Array3d p = Eigen::Array3d::Zero();  // when the drift ends
+    Eigen::Array3d v = Eigen::Array3d::Zero();
+    Eigen::Array3d w = Eigen::Array3d::Zero();
     for (std::size_t k = 0; k < 3; ++k) {
       if (grab.vertices[k] == mesh::kNone) continue;
       const double weight = grab.weights[static_cast<Eigen::Index>(k)];
-      p += weight * state.x.col(grab.vertices[k]);
-      v += weight * state.v.col(grab.vertices[k]);
-      w += weight * weight * scratch_.mobility[static_cast<std::size_t>(grab.vertices[k])];
+      const Eigen::Vector3d velocity = sweep.velocity(grab.vertices[k]);
+      p += weight * (sweep.position(grab.vertices[k]) + (h - kick.drift) * velocity).array();
+      v += weight * velocity.array();
+      w += weight * weight * sweep.mobility(grab.vertices[k]).array();
     }
-    const Eigen::Vector3d target = grab.target - time_left * grab.velocity;  // when the drift ends
-    const Eigen::Vector3d impulse = duration *
-                                    (grab.stiffness * (target - p - h * v) - grab.damping * (v - grab.velocity)) /
-                                    (1.0 + w * duration * (h * grab.stiffness + grab.damping));
+    const Eigen::Array3d target = grab.target - time_left * grab.velocity;
+    const Eigen::Array3d impulse = kick.duration *
+                                   (grab.stiffness * (target - p) - grab.damping * (v - grab.velocity.array())) /
+                                   (1.0 + w * kick.duration * (h * grab.stiffness + grab.damping));
     for (std::size_t k = 0; k < 3; ++k) {
       if (grab.vertices[k] == mesh::kNone) continue;
-      const double share =
-          grab.weights[static_cast<Eigen::Index>(k)] * scratch_.mobility[static_cast<std::size_t>(grab.vertices[k])];
-      state.v.col(grab.vertices[k]) += share * impulse;
+      const double weight = grab.weights[static_cast<Eigen::Index>(k)];
+      const Eigen::Vector3d change = weight * (sweep.mobility(grab.vertices[k]).array() * impulse).matrix();
+      if (!sweep.push(grab.vertices[k], change, kick.drift * change)) return false;
     }
   }
+  return true;
 }
 
 }  // namespace kerf::fem

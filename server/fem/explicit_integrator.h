@@ -1,9 +1,12 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "server/fem/integrator.h"
+#include "server/fem/leapfrog_sweep.h"
+#include "server/fem/membrane_layout.h"
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
@@ -16,8 +19,12 @@ namespace kerf::fem {
 // Model::stiffness_bound(); Kelvin-Voigt damping beta = 2 xi / omega with xi between highest_mode_damping and
 // kMaxModeDamping, whichever lets the material's own stiffness_damping through; of several materials each has its xi,
 // and the largest bounds the step: with K and C the sums of the elements' stiffness and damping and any mode of the
-// step, u.C u <= beta_max u.K u. Mass damping by the midpoint rule. Contact is enforced after each drift, in the last
-// substep after the closing kick, so that what leaves the step respects it.
+// step, u.C u <= beta_max u.K u. Mass damping by the midpoint rule.
+// Bending acts more slowly than the membrane and kicks once in several substeps (impulse method: Grubmueller et
+// al. 1991, "Generalized Verlet algorithm for efficient molecular dynamics simulations with long-range interactions";
+// Tuckerman, Berne, Martyna 1992): see bending_interval().
+// Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
+// respects it.
 class ExplicitIntegrator final : public Integrator {
  public:
   // Damping ratio of the fastest mode, -, above which the stable step shrinks faster than damping is worth.
@@ -25,33 +32,60 @@ class ExplicitIntegrator final : public Integrator {
 
   explicit ExplicitIntegrator(const IntegratorOptions& options) : options_(options) {}
 
+  // Stable step and damping alone, for planned_substeps().
+  void plan(const Model& model);
   void rebuild(const Model& model) override;
+  void follow(const Model& model) override;
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override { return IntegratorKind::kExplicit; }
 
   // Substeps a step of dt takes.
   [[nodiscard]] double planned_substeps(double dt) const;
+  // Substeps of h from one kick of the bending forces to the next: as many as keep it below kBendingLimit 2 / omega_b,
+  // omega_b^2 = Model::bending_stiffness_bound(), but at most kMaxBendingInterval, and 1 where fast modes are damped by
+  // less than kLeastDamping: those that its kicks are in resonance with would grow.
+  [[nodiscard]] int bending_interval(double h) const;
 
  private:
+  static constexpr double kBendingLimit = 0.8;
+  static constexpr int kMaxBendingInterval = 8;
+  static constexpr double kLeastDamping = 0.05;
+
   struct Scratch {
-    mesh::VertexField force;       // 3 x V, N
-    mesh::VertexField damped;      // 3 x V, m: x + beta v
-    std::vector<double> mobility;  // V, 1/kg: inverse masses, 0 at pins
-    State start;                   // to go back to
+    mesh::VertexField force;  // 3 x V, N
+    State start;              // to go back to
+  };
+  struct Plan {
+    double h = 0.0;  // s
+    int substeps = 0;
   };
 
-  void advance(const Model& model, const Loads& loads, double h, int substeps, ContactConstraint* contact,
-               State& state);
+  void resize(const Model& model);
+  void set_sweeps(const Model& model, bool follows);
+  void go_back(State& state) const;
+  // Whether the substeps resolved the motion well enough; else its energy is limited.
   bool keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const;
-  void evaluate_forces(const Model& model, const Loads& loads, double kick, const State& state);
-  void kick(const Model& model, const Loads& loads, double duration, State& state) const;
-  void kick_grabs(const Loads& loads, double duration, double h, double time_left, State& state) const;
+  // False: the precision of the sweep does not do.
+  template <typename T>
+  bool advance(const Model& model, const Loads& loads, const Plan& plan, ContactConstraint* contact,
+               LeapfrogSweep<T>& sweep, State& state);
+  // Into scratch_.force, those of bending as their impulse wants.
+  void set_forces(const Model& model, const Loads& loads, const LeapfrogKick& kick, const State& state);
+  template <typename T>
+  static bool kick_grabs(const Loads& loads, const LeapfrogKick& kick, double h, double time_left,
+                         LeapfrogSweep<T>& sweep);
 
   IntegratorOptions options_;
   double critical_step_ = 0.0;  // s, > 0, for the model of the last rebuild; infinite for a model without material
   std::vector<double> beta_;    // s, of the membrane, one a material
   std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h
+  double xi_ = 0.0;                   // -, the least
+  double bending_omega_ = 0.0;        // 1/s
+  MembraneLayout layout_;
+  LeapfrogSweep<double> double_sweep_;  // of mixed precision: only where that does not do
+  bool is_double_current_ = false;
+  LeapfrogSweep<float> mixed_sweep_;
   Scratch scratch_;
   std::string explanation_;
 };

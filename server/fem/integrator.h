@@ -21,12 +21,13 @@ enum StepFlags : std::uint32_t {
   kFrozen = 1U << 4,        // no finite step was found: the state is as it was before
   kRepaired = 1U << 5,      // the fast nonlinear iteration failed; a line-searched one took its place
   kEnergyLimited = 1U << 6,  // the step would have ended with more energy than it began with: see EnergyGuard
+  kWidened = 1U << 7,        // mixed precision could not hold the sheet's extent or speed: the step was made in double
 };
 
 // In the order of their bits; what metrics and results call them.
-inline constexpr std::array<std::string_view, 7> kStepFlagNames{
-    "not_converged", "substepped", "strain_limit", "substep_limit", "frozen", "repaired", "energy_limited"};
-static_assert(kEnergyLimited == 1U << (kStepFlagNames.size() - 1));
+inline constexpr std::array<std::string_view, 8> kStepFlagNames{
+    "not_converged", "substepped", "strain_limit", "substep_limit", "frozen", "repaired", "energy_limited", "widened"};
+static_assert(kWidened == 1U << (kStepFlagNames.size() - 1));
 
 // What a step did. Degradation is a value: the caller decides what it means.
 struct StepStats {
@@ -51,6 +52,11 @@ enum class IntegratorKind {
 
 inline constexpr int kBdf2Substeps = 4;  // a step
 
+enum class Precision {
+  kDouble,
+  kMixed,  // explicit only: float arithmetic and velocities, fixed-point positions; see LeapfrogSweep
+};
+
 enum class LinearSolverKind {
   kConjugateGradient,  // preconditioned with the inverse 3x3 diagonal blocks
   kDirect,             // 3x3-block LDL^T
@@ -66,6 +72,7 @@ struct IntegratorOptions {
                                        // Upper limit of the material's own stiffness_damping as well. Without any, the
                                        // scheme may gain energy in a crumpled sheet
   int max_substeps = 20000;            // a step
+  Precision precision = Precision::kDouble;  // kMixed: a step that floats cannot hold is made in double (kWidened)
 
   // Implicit.
   int newton_iterations = 5;       // a substep, >= 1

@@ -58,12 +58,11 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
   rows_.clear();
   if (has_bending()) set_bending(mesh, rewritten);
   enter_phase(observer, "stability bound");
-  std::vector<TriangleId> changed = rewritten;
-  const auto num_lanes = static_cast<int>(blocks_.size()) * kLanes;
-  for (int slot = num_slots_; slot < std::min(num_slots_before, num_lanes); ++slot) changed.push_back(slot);
+  changed_slots_.assign(rewritten.begin(), rewritten.end());
+  for (int slot = num_slots_; slot < num_slots_before; ++slot) changed_slots_.push_back(slot);
   stiffness_bound_.update(
       {blocks_, incident_, rest_bending_.empty() ? bending_rows_ : bound_rows_, materials_, stiffness_, inverse_mass_},
-      changed, change.vertices, rows_.members());
+      changed_slots_, change.vertices, rows_.members());
   return change;
 }
 

@@ -132,8 +132,12 @@ class Model {
   [[nodiscard]] std::span<const mesh::VertexId> changed_rows() const {
     return has_bending() ? rows_.members() : touched_.members();
   }
+  // Slots that the last apply() or follow() wrote, and those that are gone since; may repeat.
+  [[nodiscard]] std::span<const mesh::TriangleId> changed_slots() const { return changed_slots_; }
   // Upper bound of the largest eigenvalue of M^-1 K at rest, 1/s^2; see StiffnessBound.
   [[nodiscard]] double stiffness_bound() const { return stiffness_bound_.value(); }
+  // The part of it that is of bending.
+  [[nodiscard]] double bending_stiffness_bound() const { return stiffness_bound_.bending(); }
 
   // f (3 x V, N), overwritten: membrane and bending forces at x (3 x V, m), no damping. f must have V columns.
   void internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const;
@@ -243,6 +247,7 @@ class Model {
   std::vector<double> inverse_mass_;
   MassRedistribution redistribution_;
   StiffnessBound stiffness_bound_;
+  std::vector<mesh::TriangleId> changed_slots_;
 
   // Scratch of apply().
   IndexSet touched_;                                    // vertices of rewritten slots, before and after

@@ -55,7 +55,8 @@ struct StiffnessProblem {
 // what the safety factor of the explicit integrator (IntegratorOptions::cfl) is for.
 class StiffnessBound {
  public:
-  [[nodiscard]] double value() const { return membrane_.value() + bending_.value(); }
+  [[nodiscard]] double value() const { return membrane_.value() + bending(); }
+  [[nodiscard]] double bending() const { return bending_.value(); }
 
   // After a change of these slots, of mass or stiffness at these vertices, and of these rows; those that the problem no
   // longer has are dropped.

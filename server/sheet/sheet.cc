@@ -41,6 +41,7 @@ fem::IntegratorOptions integrator_options(const SheetConfig& config) {
   options.max_substeps = settings.max_substeps;
   options.newton_iterations = settings.newton_iterations;
   options.highest_mode_damping = settings.highest_mode_damping;
+  options.precision = settings.precision == Precision::kMixed ? fem::Precision::kMixed : fem::Precision::kDouble;
   options.linear_tolerance = settings.solver_tolerance;
   options.newton_tolerance = std::min(options.newton_tolerance, settings.solver_tolerance);
   options.linear_solver = settings.solver == LinearSolverKind::kDirect ? fem::LinearSolverKind::kDirect

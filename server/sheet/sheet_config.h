@@ -105,6 +105,7 @@ enum class IntegratorKind {
   kTrBdf2,            // likewise
 };
 enum class LinearSolverKind { kBlockJacobiCg, kDirect };
+enum class Precision { kDouble, kMixed };  // explicit: see fem::Precision
 
 struct IntegratorSettings {
   IntegratorKind kind = IntegratorKind::kAutomatic;
@@ -114,6 +115,7 @@ struct IntegratorSettings {
                                        // Newton's method as well
   LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;
   double highest_mode_damping = 0.05;  // explicit: -, 0..0.5, see fem::IntegratorOptions
+  Precision precision = Precision::kDouble;
 };
 
 // Takes effect at the start of `tick`: in the step that leads from tick - 1 to tick, before commands from outside.

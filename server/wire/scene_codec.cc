@@ -82,6 +82,17 @@ Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSetting
     default:
       return unknown_enum("integrator.solver", static_cast<int>(message.solver()));
   }
+  switch (message.precision()) {
+    case v1::Integrator::PRECISION_UNSPECIFIED:
+    case v1::Integrator::DOUBLE:
+      settings.precision = sheet::Precision::kDouble;
+      break;
+    case v1::Integrator::MIXED:
+      settings.precision = sheet::Precision::kMixed;
+      break;
+    default:
+      return unknown_enum("integrator.precision", static_cast<int>(message.precision()));
+  }
   if (message.max_substeps() != 0) settings.max_substeps = message.max_substeps();
   if (message.newton_iterations() != 0) settings.newton_iterations = message.newton_iterations();
   if (message.solver_tolerance() != 0.0) settings.solver_tolerance = message.solver_tolerance();
@@ -113,6 +124,8 @@ v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings) {
   }
   message.set_solver(settings.solver == sheet::LinearSolverKind::kDirect ? v1::Integrator::DIRECT
                                                                          : v1::Integrator::BLOCK_JACOBI_CG);
+  message.set_precision(settings.precision == sheet::Precision::kMixed ? v1::Integrator::MIXED
+                                                                       : v1::Integrator::DOUBLE);
   message.set_max_substeps(settings.max_substeps);
   message.set_newton_iterations(settings.newton_iterations);
   message.set_solver_tolerance(settings.solver_tolerance);

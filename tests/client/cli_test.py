@@ -579,6 +579,13 @@ class Offline(Case):
         self.assertEqual(short["flagged_ticks"]["substep_limit"], "20")
         self.assertLess(short["simulated_s"], 0.5 * whole["simulated_s"])
 
+    def test_mixed_precision_is_another_trajectory_near_that_of_double(self):
+        results = [self.json_of("run", self.scene("precision.json"), "--integrator", "explicit", "--precision", precision)
+                   for precision in ("double", "mixed")]
+        self.assertNotEqual(results[0]["state_hash"], results[1]["state_hash"])
+        energies = [result["energies"]["kinetic_j"] for result in results]
+        self.assertAlmostEqual(energies[0], energies[1], delta=1e-3 * abs(energies[0]))
+
     def test_a_tampered_recording_names_the_tick(self):
         self.json_of("run", self.scene("tamper.json"), "--record", path("tamper.rec"))
         content = bytearray(pathlib.Path(path("tamper.rec")).read_bytes())

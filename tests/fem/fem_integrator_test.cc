@@ -22,8 +22,10 @@ TEST_P(IntegratorContract, FreeFallIsTheExactParabolaOfTheScheme) {
   State state = start;
   const Loads loads;
   constexpr int kTicks = 30;
+  int substeps = 0;
   for (int i = 0; i < kTicks; ++i) {
     const StepStats stats = integrator->step(model, loads, kTick, nullptr, state);
+    substeps += stats.substeps + 1;
     EXPECT_EQ(stats.flags & ~kSubstepLimit, 0U);
     EXPECT_NEAR(stats.simulated, kTick, 1e-15);
   }
@@ -32,8 +34,9 @@ TEST_P(IntegratorContract, FreeFallIsTheExactParabolaOfTheScheme) {
   const double late = is(IntegratorKind::kImplicitEuler) ? kTick : 0.0;
   const Eigen::Vector3d expected = Eigen::Vector3d(1.0, 0.5, 2.0) * t + 0.5 * t * (t + late) * loads.gravity;
   const mesh::VertexField moved = state.x - start.x;
-  EXPECT_LT((moved.colwise() - expected).cwiseAbs().maxCoeff(), 1e-11);
-  EXPECT_LT((state.v.colwise() - (start.v.col(0) + t * loads.gravity)).cwiseAbs().maxCoeff(), 1e-10);
+  const double lost = rounding(substeps, 5.0);
+  EXPECT_LT((moved.colwise() - expected).cwiseAbs().maxCoeff(), 1e-11 + t * lost);
+  EXPECT_LT((state.v.colwise() - (start.v.col(0) + t * loads.gravity)).cwiseAbs().maxCoeff(), 1e-10 + lost);
 }
 
 TEST_P(IntegratorContract, ConservesMomentumOfAStrainedTumblingSheet) {
@@ -55,12 +58,15 @@ TEST_P(IntegratorContract, ConservesMomentumOfAStrainedTumblingSheet) {
     }
     const Momentum before = model.momentum(state);
     const Loads loads = no_loads();
-    for (int i = 0; i < 60; ++i) integrator->step(model, loads, 1e-3, nullptr, state);
+    int substeps = 0;
+    for (int i = 0; i < 60; ++i) substeps += integrator->step(model, loads, 1e-3, nullptr, state).substeps + 1;
     const Momentum after = model.momentum(state);
-    EXPECT_LT((after.linear - before.linear).norm(), 1e-12 * before.linear.norm());
+    const double lost = rounding(substeps, state.v.colwise().norm().maxCoeff()) * model.total_mass();
+    EXPECT_LT((after.linear - before.linear).norm(), 1e-12 * before.linear.norm() + lost);
     // Verlet keeps angular momentum exactly; implicit Euler loses some, a second-order scheme little.
     const double allowed = is(IntegratorKind::kExplicit) ? 1e-12 : is(IntegratorKind::kTrBdf2) ? 2e-3 : 5e-2;
-    EXPECT_LT((after.angular - before.angular).norm(), allowed * before.angular.norm());
+    const double reach = state.x.colwise().norm().maxCoeff();
+    EXPECT_LT((after.angular - before.angular).norm(), allowed * before.angular.norm() + lost * reach);
   }
 }
 
@@ -160,8 +166,10 @@ TEST_P(IntegratorContract, ExternalForcesAccelerateTheWholeSheet) {
   Loads loads = no_loads();
   loads.external_forces = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   loads.external_forces.col(3) = Eigen::Vector3d(0.0, 0.01, 0.02);
-  for (int i = 0; i < 10; ++i) integrator->step(model, loads, 1e-3, nullptr, state);
-  EXPECT_LT((model.momentum(state).linear - 0.01 * Eigen::Vector3d(0.0, 0.01, 0.02)).norm(), 1e-12);
+  int substeps = 0;
+  for (int i = 0; i < 10; ++i) substeps += integrator->step(model, loads, 1e-3, nullptr, state).substeps + 1;
+  const double lost = rounding(substeps, state.v.colwise().norm().maxCoeff()) * model.total_mass();
+  EXPECT_LT((model.momentum(state).linear - 0.01 * Eigen::Vector3d(0.0, 0.01, 0.02)).norm(), 1e-12 + lost);
 }
 
 TEST_P(IntegratorContract, PressureAcceleratesAFreeSheetAsAWhole) {
@@ -174,12 +182,13 @@ TEST_P(IntegratorContract, PressureAcceleratesAFreeSheetAsAWhole) {
   state.x = turn * state.x;
   Loads loads = no_loads();
   loads.pressure.assign(static_cast<std::size_t>(mesh.num_triangle_slots()), 3.0);
-  for (int i = 0; i < 10; ++i) integrator->step(model, loads, 1e-2, nullptr, state);
+  int substeps = 0;
+  for (int i = 0; i < 10; ++i) substeps += integrator->step(model, loads, 1e-2, nullptr, state).substeps + 1;
   // 3 Pa on 0.2 kg/m^2 for 0.1 s.
   const Eigen::Vector3d expected = turn * Eigen::Vector3d(0.0, 0.0, 1.5);
   EXPECT_LT((model.momentum(state).linear / model.total_mass() - expected).norm(), 1e-6);
   const double tolerance = is(IntegratorKind::kExplicit) ? 1e-9 : 5e-4;  // of Newton's method
-  EXPECT_LT((state.v.colwise() - expected).cwiseAbs().maxCoeff(), tolerance);
+  EXPECT_LT((state.v.colwise() - expected).cwiseAbs().maxCoeff(), tolerance + rounding(substeps, 1.5));
 }
 
 TEST_P(IntegratorContract, MomentsTurnAFreeSheetWithoutPushingIt) {
@@ -195,12 +204,16 @@ TEST_P(IntegratorContract, MomentsTurnAFreeSheetWithoutPushingIt) {
     if (middle.x() > 1.0 - 1e-9) loads.edge_moments.push_back(each);
   }
   ASSERT_EQ(loads.edge_moments.size(), 4U);
-  for (int i = 0; i < 20; ++i) integrator->step(model, loads, 1e-3, nullptr, state);
+  int substeps = 0;
+  for (int i = 0; i < 20; ++i) substeps += integrator->step(model, loads, 1e-3, nullptr, state).substeps + 1;
   const Momentum momentum = model.momentum(state);
-  EXPECT_LT(momentum.linear.norm(), 1e-12);
+  const double lost = rounding(substeps, state.v.colwise().norm().maxCoeff()) * model.total_mass();
+  EXPECT_LT(momentum.linear.norm(), 1e-12 + lost);
   // The edge of 1 m runs along y; its outside rises, against the turn about y. Linear momentum is 0: any origin will
   // do.
-  EXPECT_LT((momentum.angular - Eigen::Vector3d(0.0, -moment * 0.02, 0.0)).norm(), 1e-3 * moment * 0.02);
+  const double reach = state.x.colwise().norm().maxCoeff();
+  EXPECT_LT((momentum.angular - Eigen::Vector3d(0.0, -moment * 0.02, 0.0)).norm(),
+            1e-3 * moment * 0.02 + lost * reach);
 }
 
 TEST_P(IntegratorContract, AnInflatedSheetComesToRestInItsEquilibrium) {

@@ -59,6 +59,11 @@ TEST_P(IntegratorStress, StaysFiniteAndNeverGainsEnergyFromAnyStart) {
   for (const double youngs_modulus : {1.0e3, 1.0e6, 1.0e9}) {
     const Model model(mesh, isotropic(youngs_modulus, 0.3, 1e-3, 300.0));
     const std::unique_ptr<Integrator> integrator = make(model);
+    // J: strains of floats come in steps of 2^-23; so does the work done on vertices as they move. Sheet of 1 m^2, 1
+    // mm.
+    const bool is_mixed = GetParam().options.precision == Precision::kMixed;
+    const double strain_step = is_mixed ? 4.0 * 0x1p-23 : 0.0;
+    const double noise = youngs_modulus * 1e-3 * strain_step * strain_step;
     for (const double dt : {1e-4, 1.0 / 60.0, 0.1}) {
       const bool affordable = !is(IntegratorKind::kExplicit) || youngs_modulus * dt <= 1e7;
       if (!affordable) continue;
@@ -71,7 +76,7 @@ TEST_P(IntegratorStress, StaysFiniteAndNeverGainsEnergyFromAnyStart) {
           ASSERT_TRUE(is_finite(state)) << start.name << " E " << youngs_modulus << " dt " << dt << " step " << i;
           highest = std::max(highest, internal_energy(model, state));
         }
-        EXPECT_LE(highest, before * (1.0 + allowed_gain) + 1e-12)
+        EXPECT_LE(highest, before * (1.0 + allowed_gain) + 1e-12 + noise)
             << start.name << " E " << youngs_modulus << " dt " << dt;
         ++num_runs;
       }

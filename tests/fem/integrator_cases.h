@@ -25,9 +25,17 @@ inline IntegratorCase integrator_case(std::string name, IntegratorKind kind, Lin
   return result;
 }
 
+inline IntegratorCase mixed_case() {
+  IntegratorCase result =
+      integrator_case("ExplicitMixed", IntegratorKind::kExplicit, LinearSolverKind::kConjugateGradient);
+  result.options.precision = Precision::kMixed;
+  return result;
+}
+
 inline std::vector<IntegratorCase> all_integrators() {
   return {
       integrator_case("Explicit", IntegratorKind::kExplicit, LinearSolverKind::kConjugateGradient),
+      mixed_case(),
       integrator_case("ImplicitEulerCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kConjugateGradient),
       integrator_case("ImplicitEulerDirect", IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
       integrator_case("TrBdf2Direct", IntegratorKind::kTrBdf2, LinearSolverKind::kDirect),
@@ -49,6 +57,11 @@ class IntegratorTest : public testing::TestWithParam<IntegratorCase> {
     return integrator;
   }
   bool is(IntegratorKind kind) const { return GetParam().options.kind == kind; }
+  // m/s: what velocities up to `speed` (m/s) may lose to rounding in so many substeps: that of the sum, 2^-24 for
+  // floats, and three more of a kick that is no larger than twice the speed.
+  double rounding(int substeps, double speed) const {
+    return GetParam().options.precision == Precision::kMixed ? 7.0 * (substeps + 1) * speed * 0x1p-24 : 0.0;
+  }
 };
 
 inline std::string case_name(const testing::TestParamInfo<IntegratorCase>& tested) {

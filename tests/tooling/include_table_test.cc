@@ -34,6 +34,7 @@ const std::vector<Group>& groups() {
   static const std::vector<Group> all = {
       {"clipper", {"polyclipping/"}},
       {"eigen", {"Eigen/"}},
+      {"highway", {"hwy/"}},
       {"spectra", {"Spectra/"}},
       {"asio", {"boost/asio", "boost/system"}},
       {"boost", {"boost/"}},
@@ -58,7 +59,7 @@ const std::vector<Row>& table() {
       {"server/mesh", {"server/base"}, {"eigen"}},
       {"server/cut", {"server/mesh", "server/base"}, {"clipper", "eigen"}},
       {"server/contact", {"server/mesh", "server/base"}, {"eigen"}},
-      {"server/fem", {"server/mesh", "server/base"}, {"eigen", "spectra"}},
+      {"server/fem", {"server/mesh", "server/base"}, {"eigen", "highway", "spectra"}},
       {"server/sheet", {"server/cut", "server/contact", "server/fem", "server/mesh", "server/base"}, {"eigen"}},
       {"server/analysis", {"server/sheet", "server/fem", "server/mesh", "server/base"}, {"eigen"}},
       {"server/host", {"server/sheet", "server/base"}, {"asio", "eigen", "posix"}},

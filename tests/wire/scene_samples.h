@@ -192,6 +192,7 @@ inline v1::Scene full_scene() {
   integrator->set_newton_iterations(3);
   integrator->set_solver_tolerance(1e-6);
   integrator->set_highest_mode_damping(0.25);
+  integrator->set_precision(v1::Integrator::MIXED);
   add_commands(scene);
   add_conditions(scene);
   scene.set_ticks(900);
@@ -303,6 +304,8 @@ inline std::vector<BadScene> bad_numbers() {
       {"integrator.kind", [](v1::Scene& s) { s.mutable_integrator()->set_kind(static_cast<v1::Integrator::Kind>(7)); }},
       {"integrator.solver",
        [](v1::Scene& s) { s.mutable_integrator()->set_solver(static_cast<v1::Integrator::Solver>(-1)); }},
+      {"integrator.precision",
+       [](v1::Scene& s) { s.mutable_integrator()->set_precision(static_cast<v1::Integrator::Precision>(3)); }},
       {"integrator.max_substeps", [](v1::Scene& s) { s.mutable_integrator()->set_max_substeps(100001); }},
       {"integrator.newton_iterations", [](v1::Scene& s) { s.mutable_integrator()->set_newton_iterations(-1); }},
       {"integrator.solver_tolerance", [](v1::Scene& s) { s.mutable_integrator()->set_solver_tolerance(0.2); }},

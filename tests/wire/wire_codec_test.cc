@@ -94,6 +94,7 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   EXPECT_EQ(config.integrator.newton_iterations, 2);
   EXPECT_EQ(config.integrator.solver_tolerance, 1e-4);
   EXPECT_EQ(config.integrator.highest_mode_damping, 0.05);
+  EXPECT_EQ(config.integrator.precision, sheet::Precision::kDouble);
   scene.mutable_wind();
   EXPECT_EQ(decoded(scene).wind.air_density, 1.2);
   EXPECT_EQ(decoded(scene).wind.drag_coefficient, 1.0);

@@ -1,0 +1,171 @@
+// What LeapfrogSweep has of a model.
+#include <algorithm>
+#include <type_traits>
+
+#include "server/fem/leapfrog_sweep.h"
+
+namespace kerf::fem {
+namespace {
+
+using mesh::TriangleId;
+using mesh::VertexId;
+
+template <typename T>
+void set_triangle(const Model& model, TriangleId slot, TriangleLanes<T>& to, std::size_t l) {
+  std::array<double, 2> g1{};
+  std::array<double, 2> g2{};
+  double area = 0.0;
+  if (slot != mesh::kNone) {
+    const auto s = static_cast<std::size_t>(slot);
+    const ElementBlock& block = model.element_blocks()[s / kLanes];
+    const std::size_t from = s % kLanes;
+    const std::size_t first = turned_triangle(block, from).first;
+    for (std::size_t c = 0; c < 2; ++c) {
+      const std::array<double, 3> g{-block.g1[c][from] - block.g2[c][from], block.g1[c][from], block.g2[c][from]};
+      g1[c] = g[(first + 1) % 3];
+      g2[c] = g[(first + 2) % 3];
+    }
+    area = block.area[from];
+  }
+  for (std::size_t c = 0; c < 2; ++c) {
+    to.g1[c].lane[l] = static_cast<T>(g1[c]);
+    to.g2[c].lane[l] = static_cast<T>(g2[c]);
+  }
+  to.minus_area.lane[l] = static_cast<T>(-area);
+}
+
+}  // namespace
+
+template <typename T>
+template <typename Set>
+void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layout, const Set& set) {
+  const std::size_t n = layout.num_blocks();
+  const auto reach = static_cast<std::size_t>(*std::max_element(layout.offsets().begin(), layout.offsets().end()));
+  const std::size_t num_irregular = layout.lanes().size() / kBlockLanes;
+  pad_ = (reach + kBlockLanes - 1) / kBlockLanes;
+  for (std::size_t c = 0; c < 3; ++c) {
+    set(x_[c], n + 6 * pad_ + 1);
+    set(v_[c], n + pad_ + 1);
+    set(remainder_[c], std::is_same_v<T, float> ? n : 0);
+    set(mobility_[c], n);
+    for (Field<T>& force : quad_force_) set(force[c], reach > 0 ? pad_ + n : 0);
+  }
+  set(takes_part_, kBlockLanes * n);
+  set(quads_, reach > 0 ? 2 * n : 0);
+  set(irregular_, num_irregular);
+  set(corner_x_, 4 * n);
+  set(bending_x_, 4 * n);
+  set(corner_force_, 12 * num_irregular);
+  set(gathered_, 4 * n);
+  set(extra_, 4 * n);
+  set(slices_, reach > 0 ? n : 0);
+  const bool has_several = !model.materials().has_one();
+  set(quad_laws_, has_several && reach > 0 ? 2 * n : 0);
+  set(irregular_laws_, has_several ? num_irregular : 0);
+  set(mass_damping_, model.materials().has_one_mass_damping() ? 0 : n);
+}
+
+template <typename T>
+void LeapfrogSweep<T>::resize(const Model& model, const MembraneLayout& layout) {
+  layout_ = &layout;
+  for_arrays(model, layout, [](auto& array, std::size_t size) { array.resize(size); });
+}
+
+template <typename T>
+void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout) {
+  for_arrays(model, layout, [](auto& array, std::size_t size) {
+    array.clear();
+    if (array.capacity() < size) array.reserve(size + size / 4);
+  });
+}
+
+template <typename T>
+void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout) {
+  for (Field<T>& force : quad_force_) {
+    for (std::vector<Lanes16<T>>& blocks : force) blocks.clear();
+  }
+  resize(model, layout);
+  const auto num_lanes = static_cast<VertexId>(kBlockLanes * layout.num_blocks());
+  for (VertexId v = 0; !quads_.empty() && v < num_lanes; ++v) set_quads(model, layout, v);
+  for (std::size_t lane = 0; lane < layout.lanes().size(); ++lane) set_lane(model, layout, lane);
+  stale_slices_.clear();
+  for (std::size_t block = 0; model.has_bending() && block < slices_.size(); ++block) set_slice(model, block);
+}
+
+template <typename T>
+void LeapfrogSweep<T>::follow(const Model& model, const MembraneLayout& layout) {
+  resize(model, layout);
+  for (const VertexId v : layout.changed_quads()) {
+    if (static_cast<std::size_t>(v) / kBlockLanes < layout.num_blocks()) set_quads(model, layout, v);
+  }
+  for (const std::int32_t lane : layout.changed_lanes()) set_lane(model, layout, static_cast<std::size_t>(lane));
+  if (slices_.empty() || !model.has_bending()) return;
+  for (const VertexId v : model.changed_rows()) {
+    const std::size_t block = static_cast<std::size_t>(v) / kBlockLanes;
+    if (slices_[block].num_diagonals != BendingSlice<T>::kStale) stale_slices_.push_back(block);
+    slices_[block].num_diagonals = BendingSlice<T>::kStale;
+  }
+}
+
+template <typename T>
+void LeapfrogSweep<T>::set_quads(const Model& model, const MembraneLayout& layout, VertexId v) {
+  const std::size_t block = static_cast<std::size_t>(v) / kBlockLanes;
+  for (int kind = 0; kind < 2; ++kind) {
+    set_triangle(model, layout.quad_slot(kind, v), quads_[2 * block + static_cast<std::size_t>(kind)],
+                 static_cast<std::size_t>(v) % kBlockLanes);
+  }
+  if (layout.num_quads()[block] > 0) return;
+  for (Field<T>& force : quad_force_) {
+    for (std::vector<Lanes16<T>>& blocks : force) blocks[pad_ + block] = {};
+  }
+}
+
+template <typename T>
+void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout, std::size_t lane) {
+  IrregularBlock<T>& block = irregular_[lane / kBlockLanes];
+  const std::size_t l = lane % kBlockLanes;
+  const TriangleId slot = layout.lanes()[lane];
+  set_triangle(model, slot, block.triangles, l);
+  std::array<VertexId, 3> vertices{0, 0, 0};
+  if (slot != mesh::kNone) {
+    const auto s = static_cast<std::size_t>(slot);
+    vertices = turned_triangle(model.element_blocks()[s / kLanes], s % kLanes).vertices;
+  }
+  for (std::size_t k = 0; k < 3; ++k) block.vertex[k][l] = vertices[k];
+}
+
+template <typename T>
+void LeapfrogSweep<T>::set_slice(const Model& model, std::size_t block) {
+  const auto reach = static_cast<std::int32_t>(3 * pad_ * kBlockLanes);
+  slices_[block] = make_bending_slice<T>(model.bending_rows(), block, reach);
+}
+
+template <typename T>
+void LeapfrogSweep<T>::set_laws(const Model& model, const LeapfrogTerms& terms) {
+  for (std::size_t v = 0; !mass_damping_.empty() && v < model.mass().size(); ++v) {
+    mass_damping_[v / kBlockLanes].lane[v % kBlockLanes] = static_cast<T>(model.mass_damping(static_cast<VertexId>(v)));
+  }
+  const auto set = [&](TriangleId slot, double duration, LawLanes<T>& to, std::size_t l) {
+    if (slot == mesh::kNone) return;
+    const auto s = static_cast<std::size_t>(slot);
+    const std::uint8_t material = model.element_blocks()[s / kLanes].material[s % kLanes];
+    const std::array<double, 6> law = law_entries(model.materials()[material]);
+    for (std::size_t k = 0; k < law.size(); ++k) to.value[k].lane[l] = static_cast<T>(law[k]);
+    to.value[6].lane[l] = static_cast<T>(damping_of(terms.damping, material) / duration);
+  };
+  for (VertexId v = 0; !quad_laws_.empty() && v < layout_->num_vertices(); ++v) {
+    const auto i = static_cast<std::size_t>(v);
+    for (const int kind : {0, 1}) {
+      set(layout_->quad_slot(kind, v), 1.0, quad_laws_[2 * (i / kBlockLanes) + static_cast<std::size_t>(kind)],
+          i % kBlockLanes);
+    }
+  }
+  for (std::size_t lane = 0; !irregular_laws_.empty() && lane < layout_->lanes().size(); ++lane) {
+    set(layout_->lanes()[lane], terms.h, irregular_laws_[lane / kBlockLanes], lane % kBlockLanes);
+  }
+}
+
+template class LeapfrogSweep<float>;
+template class LeapfrogSweep<double>;
+
+}  // namespace kerf::fem

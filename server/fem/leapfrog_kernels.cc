@@ -1,0 +1,360 @@
+#include "server/fem/leapfrog_kernels.h"
+
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "server/fem/leapfrog_kernels.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "server/fem/leapfrog_triangles-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf::fem {
+namespace HWY_NAMESPACE {
+namespace {
+
+constexpr std::size_t kChunk = 8;  // blocks of vertices whose forces are made before any of them is moved
+constexpr std::size_t kGroup = 4;  // blocks of irregular triangles whose corners are fetched together
+
+template <class DP>
+HWY_INLINE Vec3<hn::Vec<DP>> load3(DP d, const std::array<hn::TFromD<DP>*, 3>& from, std::ptrdiff_t at) {
+  return {hn::LoadU(d, from[0] + at), hn::LoadU(d, from[1] + at), hn::LoadU(d, from[2] + at)};
+}
+template <class D>
+HWY_INLINE void store3(D d, const Vec3<hn::Vec<D>>& value, const std::array<hn::TFromD<D>*, 3>& to, std::ptrdiff_t at) {
+  hn::Store(value.x, d, to[0] + at);
+  hn::Store(value.y, d, to[1] + at);
+  hn::Store(value.z, d, to[2] + at);
+}
+
+template <typename T>
+HWY_NOINLINE void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
+  const LanesOf<T> d;
+  const auto common = common_law(d, step, step.damping);
+  const auto unit = hn::Set(d, step.unit);
+  const LawLanes<T>* const laws = arrays.quad_laws;
+  const LanesOf<PositionOf<T>> dp;
+  using V = hn::Vec<LanesOf<T>>;
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const auto at = static_cast<std::ptrdiff_t>(block * kBlockLanes + l);
+    const auto x0 = load3(dp, arrays.x, at);
+    const Vec3<V> d1 = edge(d, load3(dp, arrays.x, at + arrays.offsets[0]), x0, unit);
+    const Vec3<V> d2 = edge(d, load3(dp, arrays.x, at + arrays.offsets[1]), x0, unit);
+    const Vec3<V> d3 = edge(d, load3(dp, arrays.x, at + arrays.offsets[2]), x0, unit);
+    const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
+    std::array<Triangles<V>, 2> t;
+    set_metric(d, lanes[0], l, d1, d2, t[0]);
+    set_metric(d, lanes[1], l, d2, d3, t[1]);
+    const auto v0 = load3(d, arrays.v, at);
+    const Vec3<V> rate1 = minus(load3(d, arrays.v, at + arrays.offsets[0]), v0);
+    const Vec3<V> rate2 = minus(load3(d, arrays.v, at + arrays.offsets[1]), v0);
+    const Vec3<V> rate3 = minus(load3(d, arrays.v, at + arrays.offsets[2]), v0);
+    t[0].change1 = rate1;
+    t[0].change2 = t[1].change1 = rate2;
+    t[1].change2 = rate3;
+    if (laws == nullptr) {
+      corner_forces(d, common, common, {lanes, lanes + 1}, l, t);
+    } else {
+      corner_forces(d, law_of(d, laws[2 * block], l), law_of(d, laws[2 * block + 1], l), {lanes, lanes + 1}, l, t);
+    }
+    const Vec3<V> middle = plus(t[0].force2, t[1].force1);
+    const Vec3<V> others = plus(plus(t[0].force1, t[1].force2), middle);
+    store3(d, others, arrays.quad_force[0], at);
+    store3(d, t[0].force1, arrays.quad_force[1], at);
+    store3(d, middle, arrays.quad_force[2], at);
+    store3(d, t[1].force2, arrays.quad_force[3], at);
+  }
+}
+
+// The change since the substep before; keeps the edge for the next.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Vec3<V> change_of(D d, const Vec3<V>& f, Lanes16<hn::TFromD<D>>* before, std::size_t l) {
+  const Vec3<V> last{hn::Load(d, &before[0].lane[l]), hn::Load(d, &before[1].lane[l]), hn::Load(d, &before[2].lane[l])};
+  hn::Store(f.x, d, &before[0].lane[l]);
+  hn::Store(f.y, d, &before[1].lane[l]);
+  hn::Store(f.z, d, &before[2].lane[l]);
+  return minus(f, last);
+}
+
+// Velocities of irregular corners are not fetched; what edges changed by since the substep before gives the same rate.
+// Of some blocks at once: what was just written piece by piece cannot be read in one yet.
+template <typename T>
+HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
+  using Position = PositionOf<T>;
+  using V = hn::Vec<LanesOf<T>>;
+  const LanesOf<T> d;
+  const LanesOf<Position> dp;
+  const auto common = common_law(d, step, step.irregular_damping);
+  const V unit = hn::Set(d, step.unit);
+  const LawLanes<T>* const laws = arrays.irregular_laws;
+  alignas(64) Position corner[kGroup][3][4 * kBlockLanes];
+  const std::size_t num_blocks = arrays.irregular.size();
+  for (std::size_t first = 0; first < num_blocks; first += kGroup) {
+    const std::size_t last = HWY_MIN(first + kGroup, num_blocks);
+    for (std::size_t b = first; b < last; ++b) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t l = 0; l < kBlockLanes; ++l) {
+          std::memcpy(corner[b - first][k] + 4 * l,
+                      arrays.corner_x + 4 * static_cast<std::size_t>(arrays.irregular[b].vertex[k][l]),
+                      4 * sizeof(Position));
+        }
+      }
+    }
+    for (std::size_t b = first; b < last; b += 2) {
+      for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+        std::array<Triangles<V>, 2> t;
+        for (std::size_t i = 0; i < 2; ++i) {
+          std::array<Vec3<hn::Vec<LanesOf<Position>>>, 3> x;
+          for (std::size_t k = 0; k < 3; ++k) {
+            hn::Vec<LanesOf<Position>> none;
+            hn::LoadInterleaved4(dp, corner[b + i - first][k] + 4 * l, x[k].x, x[k].y, x[k].z, none);
+          }
+          const Vec3<V> d1 = edge(d, x[1], x[0], unit);
+          const Vec3<V> d2 = edge(d, x[2], x[0], unit);
+          set_metric(d, arrays.irregular[b + i].triangles, l, d1, d2, t[i]);
+          t[i].change1 = change_of(d, d1, arrays.irregular[b + i].before.data(), l);
+          t[i].change2 = change_of(d, d2, arrays.irregular[b + i].before.data() + 3, l);
+        }
+        const std::array<const TriangleLanes<T>*, 2> lanes{&arrays.irregular[b].triangles,
+                                                           &arrays.irregular[b + 1].triangles};
+        if (laws == nullptr) {
+          corner_forces(d, common, common, lanes, l, t);
+        } else {
+          corner_forces(d, law_of(d, laws[b], l), law_of(d, laws[b + 1], l), lanes, l, t);
+        }
+        for (std::size_t i = 0; i < 2; ++i) {
+          const V zero = hn::Zero(d);
+          const Vec3<V> sum = plus(t[i].force1, t[i].force2);
+          T* const to = arrays.corner_force + 4 * (3 * (b + i) * kBlockLanes + l);
+          hn::StoreInterleaved4(hn::Neg(sum.x), hn::Neg(sum.y), hn::Neg(sum.z), zero, d, to);
+          hn::StoreInterleaved4(t[i].force1.x, t[i].force1.y, t[i].force1.z, zero, d, to + 4 * kBlockLanes);
+          hn::StoreInterleaved4(t[i].force2.x, t[i].force2.y, t[i].force2.z, zero, d, to + 8 * kBlockLanes);
+        }
+      }
+    }
+  }
+}
+
+// x, y, z, 0 of one vertex.
+template <typename T>
+using Four = hn::CappedTag<T, 4>;
+
+template <typename T>
+HWY_NOINLINE void bending_by_slice(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
+  const LanesOf<T> d;
+  const LanesOf<PositionOf<T>> dp;
+  const BendingSlice<T>& slice = arrays.bending_slices[block];
+  const auto scale = hn::Set(d, step.bending_scale);
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const auto at = static_cast<std::ptrdiff_t>(block * kBlockLanes + l);
+    const auto xi = load3(dp, arrays.x, at);
+    Vec3<hn::Vec<LanesOf<T>>> sum{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    for (std::size_t k = 0; k < static_cast<std::size_t>(slice.num_diagonals); ++k) {
+      const auto value = hn::Load(d, &slice.value[k].lane[l]);
+      const auto xj = load3(dp, arrays.x, at + slice.offset[k]);
+      sum.x = hn::Add(sum.x, hn::Mul(value, converted(d, hn::Sub(xi.x, xj.x))));
+      sum.y = hn::Add(sum.y, hn::Mul(value, converted(d, hn::Sub(xi.y, xj.y))));
+      sum.z = hn::Add(sum.z, hn::Mul(value, converted(d, hn::Sub(xi.z, xj.z))));
+    }
+    hn::StoreInterleaved4(hn::Mul(sum.x, scale), hn::Mul(sum.y, scale), hn::Mul(sum.z, scale), hn::Zero(d), d,
+                          arrays.gathered + 4 * at);
+  }
+}
+
+// The same sums, row by row.
+template <typename T>
+HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t first,
+                                  std::size_t last) {
+  const Four<T> d;
+  const Four<PositionOf<T>> dp;
+  const auto scale = hn::Set(d, step.bending_scale);
+  for (std::size_t i = first; i < last; ++i) {
+    for (std::size_t part = 0; part < 4; part += hn::Lanes(d)) {
+      auto sum = hn::Zero(d);
+      const auto xi = hn::LoadU(dp, arrays.bending_x + 4 * i + part);
+      for (const BendingEntry& entry : arrays.bending_rows->row(static_cast<int>(i))) {
+        const auto xj = hn::LoadU(dp, arrays.bending_x + 4 * static_cast<std::size_t>(entry.column) + part);
+        sum = hn::Add(sum, hn::Mul(hn::Set(d, static_cast<T>(entry.value)), converted(d, hn::Sub(xi, xj))));
+      }
+      hn::StoreU(hn::Mul(sum, scale), d, arrays.gathered + 4 * i + part);
+    }
+  }
+}
+
+// Bending forces of the vertices of the block, forces of irregular corners around them and others.
+template <typename T>
+HWY_INLINE void gather(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
+  const Four<T> d;
+  const std::size_t first = block * kBlockLanes;
+  const std::size_t last = HWY_MIN(first + kBlockLanes, static_cast<std::size_t>(arrays.corners->num_rows()));
+  const bool bends = arrays.bending_rows != nullptr;
+  if (bends) {
+    const bool by_slice = arrays.bending_slices != nullptr && arrays.bending_slices[block].num_diagonals >= 0;
+    by_slice ? bending_by_slice(arrays, step, block) : bending_by_rows(arrays, step, first, last);
+    if (arrays.num_corners[block] == 0 && arrays.extra_force == nullptr) return;
+  }
+  for (std::size_t i = first; i < last; ++i) {
+    for (std::size_t part = 0; part < 4; part += hn::Lanes(d)) {
+      T* const to = arrays.gathered + 4 * i + part;
+      auto sum = bends ? hn::LoadU(d, to) : hn::Zero(d);
+      for (const std::int32_t corner : arrays.corners->row(static_cast<int>(i))) {
+        sum = hn::Add(sum, hn::LoadU(d, arrays.corner_force + 4 * static_cast<std::size_t>(corner) + part));
+      }
+      if (arrays.extra_force != nullptr) sum = hn::Add(sum, hn::LoadU(d, arrays.extra_force + 4 * i + part));
+      hn::StoreU(sum, d, to);
+    }
+  }
+}
+
+template <class D>
+HWY_INLINE hn::Vec<D> drifted(D /*d*/, hn::Vec<D> x, hn::Vec<D> change, double* /*remainder*/) {
+  return hn::Add(x, change);
+}
+template <class D, class DP = hn::Rebind<std::int32_t, D>>
+HWY_INLINE hn::Vec<DP> drifted(D d, hn::Vec<DP> x, hn::Vec<D> change, float* remainder) {
+  const auto all = hn::Add(change, hn::Load(d, remainder));
+  const auto whole = hn::NearestInt(all);
+  hn::Store(hn::Sub(all, hn::ConvertTo(d, whole)), d, remainder);
+  return hn::Add(x, whole);
+}
+
+// x + beta v, side by side.
+template <typename T>
+HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
+  const LanesOf<T> d;
+  const LanesOf<PositionOf<T>> dp;
+  const auto beta = hn::Set(d, step.bending_damping);
+  for (std::size_t i = 0; i < kBlockLanes * arrays.num_blocks; i += hn::Lanes(d)) {
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    auto x = load3(dp, arrays.x, at);
+    if (step.bending_damping > 0) {
+      alignas(64) T none[kBlockLanes] = {};
+      x.x = drifted(d, x.x, hn::Mul(beta, hn::Load(d, arrays.v[0] + at)), none);
+      std::memset(none, 0, sizeof none);
+      x.y = drifted(d, x.y, hn::Mul(beta, hn::Load(d, arrays.v[1] + at)), none);
+      std::memset(none, 0, sizeof none);
+      x.z = drifted(d, x.z, hn::Mul(beta, hn::Load(d, arrays.v[2] + at)), none);
+    }
+    hn::StoreInterleaved4(x.x, x.y, x.z, hn::Zero(dp), dp, arrays.bending_x + 4 * i);
+  }
+}
+
+template <typename T>
+HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, bool gathered, std::size_t block,
+                       T* speed) {
+  const LanesOf<T> d;
+  const LanesOf<PositionOf<T>> dp;
+  using V = hn::Vec<LanesOf<T>>;
+  V keep = hn::Set(d, step.keep);
+  V scale = hn::Set(d, step.scale);
+  const V drift = hn::Set(d, step.drift);
+  const bool has_corners = arrays.num_corners[block] > 0;
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const std::size_t i = block * kBlockLanes + l;
+    const auto at = static_cast<std::ptrdiff_t>(i);
+    std::array<V, 4> sum{hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    if (gathered || has_corners) hn::LoadInterleaved4(d, arrays.gathered + 4 * i, sum[0], sum[1], sum[2], sum[3]);
+    std::array<hn::Vec<LanesOf<PositionOf<T>>>, 3> x;
+    V fastest = hn::Load(d, speed + l);
+    if (arrays.mass_damping != nullptr) {
+      const V one = hn::Set(d, T{1});
+      const V half = hn::Mul(hn::Set(d, step.scale * T{0.5}), hn::Load(d, arrays.mass_damping + at));
+      keep = hn::Div(hn::Sub(one, half), hn::Add(one, half));
+      scale = hn::Div(hn::Set(d, step.scale), hn::Add(one, half));
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      V f = sum[c];
+      if (arrays.quads != nullptr) {
+        const V near = hn::Sub(hn::LoadU(d, arrays.quad_force[1][c] + at - arrays.offsets[0]),
+                               hn::Load(d, arrays.quad_force[0][c] + at));
+        const V far = hn::Add(hn::LoadU(d, arrays.quad_force[2][c] + at - arrays.offsets[1]),
+                              hn::LoadU(d, arrays.quad_force[3][c] + at - arrays.offsets[2]));
+        f = hn::Add(f, hn::Add(near, far));
+      }
+      const V mobility = hn::Load(d, arrays.mobility[c] + at);
+      const V before = hn::Load(d, arrays.v[c] + at);
+      const V kicked =
+          hn::Add(combine(keep, before, hn::Mul(scale, mobility), f), hn::Mul(scale, hn::Set(d, step.gravity[c])));
+      const V v = hn::IfThenElse(hn::Eq(mobility, hn::Zero(d)), before, kicked);
+      fastest = hn::Max(fastest, hn::Abs(v));
+      hn::Store(v, d, arrays.v[c] + at);
+      x[c] = drifted(d, hn::Load(dp, arrays.x[c] + at), hn::Mul(drift, v),
+                     std::is_same_v<T, float> ? arrays.remainder[c] + at : nullptr);
+      hn::Store(x[c], dp, arrays.x[c] + at);
+    }
+    hn::Store(fastest, d, speed + l);
+    if (has_corners) hn::StoreInterleaved4(x[0], x[1], x[2], hn::Zero(dp), dp, arrays.corner_x + 4 * i);
+  }
+}
+
+// A triangle belongs to its lowest vertex: once the forces of a block of quads are made, no later one asks where its
+// vertices are, and they can be moved.
+template <typename T>
+void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
+  irregular_forces(arrays, step);
+  if (arrays.bending_rows != nullptr) set_bending_positions(arrays, step);
+  const bool gather_all = arrays.bending_rows != nullptr || arrays.extra_force != nullptr;
+  for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
+    if (gather_all || arrays.num_corners[b] > 0) gather(arrays, step, b);
+  }
+  for (std::size_t first = 0; first < arrays.num_blocks + kChunk; first += kChunk) {
+    for (std::size_t b = first; b < HWY_MIN(first + kChunk, arrays.num_blocks); ++b) {
+      if (arrays.num_quads[b] > 0) quad_forces(arrays, step, b);
+    }
+    for (std::size_t b = first < kChunk ? 0 : first - kChunk; b < HWY_MIN(first, arrays.num_blocks); ++b) {
+      move(arrays, step, gather_all, b, speed);
+    }
+  }
+}
+
+template <typename T>
+void start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
+  irregular_forces(arrays, step);
+}
+
+void substep_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {
+  substep(arrays, step, speed);
+}
+void substep_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
+  substep(arrays, step, speed);
+}
+void start_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {
+  start(arrays, step);
+}
+void start_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
+  start(arrays, step);
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf::fem
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace kerf::fem {
+namespace {
+HWY_EXPORT(substep_float);
+HWY_EXPORT(substep_double);
+HWY_EXPORT(start_float);
+HWY_EXPORT(start_double);
+}  // namespace
+
+template <>
+void leapfrog_substep(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {
+  HWY_DYNAMIC_DISPATCH(substep_float)(arrays, step, speed);
+}
+template <>
+void leapfrog_substep(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
+  HWY_DYNAMIC_DISPATCH(substep_double)(arrays, step, speed);
+}
+template <>
+void leapfrog_start(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {
+  HWY_DYNAMIC_DISPATCH(start_float)(arrays, step);
+}
+template <>
+void leapfrog_start(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
+  HWY_DYNAMIC_DISPATCH(start_double)(arrays, step);
+}
+}  // namespace kerf::fem
+#endif  // HWY_ONCE

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "server/fem/bending.h"
+#include "server/fem/bending_slice.h"
+#include "server/fem/membrane_layout.h"
+#include "server/fem/row_store.h"
+
+// One substep of a leapfrog scheme in vector code, chosen for the processor at run time. The same bits on every
+// processor: blocks of a fixed number of lanes, one order of sums, no contraction, exact square roots and divisions.
+namespace kerf::fem {
+
+// Positions beside arithmetic in T: of floats, fixed-point numbers, whose differences are exact.
+template <typename T>
+using PositionOf = std::conditional_t<std::is_same_v<T, float>, std::int32_t, T>;
+
+// Constants of kBlockLanes triangles; see ElementBlock. Without material all 0.
+template <typename T>
+struct TriangleLanes {
+  using Lanes = Lanes16<T>;
+  std::array<Lanes, 2> g1{}, g2{};  // 1/m
+  Lanes minus_area{};               // m^2
+};
+
+// Of kBlockLanes triangles: C11, C22, C33, C12, C13, C23, N/m, and damping as in LeapfrogStep.
+template <typename T>
+struct LawLanes {
+  std::array<Lanes16<T>, 7> value{};
+};
+
+template <typename T>
+struct IrregularBlock {
+  TriangleLanes<T> triangles;
+  std::array<Lanes16<T>, 6> before{};  // m, edges from corner 0 in the substep before
+  std::array<std::array<mesh::VertexId, kBlockLanes>, 3> vertex{};
+};
+
+// Arrays of vertices have kBlockLanes x num_blocks entries, and those of positions, velocities and quad forces, zeros
+// beyond both ends as far as offsets reach. "x 4": x, y, z and a 0 of one vertex side by side.
+template <typename T>
+struct LeapfrogArrays {
+  using Position = PositionOf<T>;
+
+  std::size_t num_blocks = 0;  // of vertices
+  QuadOffsets offsets{};
+  std::array<Position*, 3> x{};
+  std::array<T*, 3> v{};                          // m/s
+  std::array<T*, 3> remainder{};                  // of x, in its unit; null where T is double
+  std::array<const T*, 3> mobility{};             // 1/kg, 0 where the component is held
+  TriangleLanes<T>* quads = nullptr;              // 2 x num_blocks, or none
+  std::array<std::array<T*, 3>, 4> quad_force{};  // N, at the quad's lowest vertex, corner 0's times -1
+  std::span<IrregularBlock<T>> irregular;
+  const LawLanes<T>* quad_laws = nullptr;       // as quads, or null: those of LeapfrogStep
+  const LawLanes<T>* irregular_laws = nullptr;  // as irregular
+  const T* mass_damping = nullptr;              // 1/s, of each vertex, or null: keep and scale are those of all
+  Position* corner_x = nullptr;                 // x 4, of irregular triangles
+  T* corner_force = nullptr;                    // N, x 4, at corner_place()
+  T* gathered = nullptr;                        // N, x 4
+  const T* extra_force = nullptr;               // N, x 4, or null
+  Position* bending_x = nullptr;                // x 4, scratch
+  std::span<const std::int32_t> num_quads, num_corners;  // of each block of vertices
+  const RowStore<std::int32_t>* corners = nullptr;
+  const RowStore<BendingEntry>* bending_rows = nullptr;  // null: no bending in this substep
+  const BendingSlice<T>* bending_slices = nullptr;       // of each block of vertices, or null: go by rows
+};
+
+template <typename T>
+struct LeapfrogStep {
+  std::array<T, 6> law{};      // N/m: C11, C22, C33, C12, C13, C23
+  T unit = 1;                  // m, of a position
+  T damping = 0;               // s, beta
+  T irregular_damping = 0;     // -, beta / h
+  T keep = 1;                  // -, of the velocity
+  T scale = 0;                 // s, of forces
+  std::array<T, 3> gravity{};  // m/s^2
+  T drift = 0;                 // s / unit
+  T bending_scale = 0;         // m / unit, bending force counted so many times
+  T bending_damping = 0;       // s / unit
+};
+
+// Forces at x, kick, drift. `speed`: kBlockLanes largest components of velocity so far, m/s.
+template <typename T>
+void leapfrog_substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed);
+// Edges at x, of irregular triangles, as those of the substep before.
+template <typename T>
+void leapfrog_start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step);
+
+}  // namespace kerf::fem

@@ -1,0 +1,260 @@
+#include "server/fem/leapfrog_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace kerf::fem {
+namespace {
+
+using mesh::VertexId;
+
+// Positions of floats reach this far from their origin, so that differences still fit into 32 bits.
+constexpr double kReach = 1 << 30;
+// -, unit over edge length, above which strains of fixed-point positions are too coarse.
+constexpr double kCoarsest = 1.0 / (1 << 20);
+
+template <typename T>
+T* entries(std::vector<Lanes16<T>>& blocks, std::size_t first_block = 0) {
+  return blocks.empty() ? nullptr : blocks[first_block].lane.data();
+}
+template <typename U>
+std::array<U*, 3> entries(std::array<std::vector<Lanes16<U>>, 3>& field, std::size_t first_block = 0) {
+  return {entries(field[0], first_block), entries(field[1], first_block), entries(field[2], first_block)};
+}
+template <typename U>
+U& at(std::vector<Lanes16<U>>& blocks, std::size_t i) {
+  return blocks[i / kBlockLanes].lane[i % kBlockLanes];
+}
+template <typename U>
+const U& at(const std::vector<Lanes16<U>>& blocks, std::size_t i) {
+  return blocks[i / kBlockLanes].lane[i % kBlockLanes];
+}
+
+template <typename T>
+Eigen::Vector3d vector_at(const std::array<std::vector<Lanes16<T>>, 3>& field, VertexId v) {
+  const auto i = static_cast<std::size_t>(v);
+  return Eigen::Matrix<T, 3, 1>(at(field[0], i), at(field[1], i), at(field[2], i)).template cast<double>();
+}
+
+}  // namespace
+
+template <typename T>
+LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
+  LeapfrogArrays<T> arrays;
+  arrays.num_blocks = layout_->num_blocks();
+  arrays.offsets = layout_->offsets();
+  arrays.x = entries(x_, 3 * pad_);
+  arrays.v = entries(v_);
+  arrays.remainder = entries(remainder_);
+  const std::array<T*, 3> mobility = entries(mobility_);
+  arrays.mobility = {mobility[0], mobility[1], mobility[2]};
+  arrays.quads = quads_.empty() ? nullptr : quads_.data();
+  if (!quads_.empty()) {
+    for (std::size_t k = 0; k < 4; ++k) arrays.quad_force[k] = entries(quad_force_[k], pad_);
+  }
+  arrays.irregular = irregular_;
+  arrays.quad_laws = quad_laws_.empty() ? nullptr : quad_laws_.data();
+  arrays.irregular_laws = irregular_laws_.empty() ? nullptr : irregular_laws_.data();
+  arrays.mass_damping = entries(mass_damping_);
+  arrays.corner_x = entries(corner_x_);
+  arrays.corner_force = entries(corner_force_);
+  arrays.gathered = entries(gathered_);
+  arrays.bending_x = entries(bending_x_);
+  arrays.num_quads = layout_->num_quads();
+  arrays.num_corners = layout_->num_corners();
+  arrays.corners = &layout_->corners();
+  return arrays;
+}
+
+template <typename T>
+LeapfrogStep<T> LeapfrogSweep<T>::step_of(const Model& model, const LeapfrogTerms& terms) const {
+  const std::array<double, 6> law = law_entries(model.materials()[0]);
+  LeapfrogStep<T> step;
+  for (std::size_t k = 0; k < law.size(); ++k) step.law[k] = static_cast<T>(law[k]);
+  step.unit = static_cast<T>(unit_);
+  step.damping = static_cast<T>(damping_of(terms.damping, 0));
+  step.irregular_damping = static_cast<T>(damping_of(terms.damping, 0) / terms.h);
+  step.bending_damping = static_cast<T>(terms.bending_damping / unit_);
+  return step;
+}
+
+template <typename T>
+bool LeapfrogSweep<T>::begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration,
+                             const State& state) {
+  constexpr std::size_t kSlicesPerStep = 16;
+  for (std::size_t i = 0; i < kSlicesPerStep && !stale_slices_.empty(); ++i) {
+    if (stale_slices_.back() < slices_.size()) set_slice(model, stale_slices_.back());
+    stale_slices_.pop_back();
+  }
+  set_mobility(model, loads);
+  set_laws(model, terms);
+  if (!set_frame(model, terms, duration, state)) return false;
+  if (!irregular_.empty()) {
+    // One substep back, so that the rate of strain in the first kick is that of the velocities.
+    for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
+      if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
+      if (!set_position(v, state.x.col(v) - terms.h * state.v.col(v))) return false;
+    }
+    leapfrog_start(arrays(), step_of(model, terms));
+  }
+  return read(state);
+}
+
+template <typename T>
+void LeapfrogSweep<T>::set_mobility(const Model& model, const Loads& loads) {
+  const std::span<const double> inverse_mass = model.inverse_mass();
+  for (std::size_t v = 0; v < takes_part_.size(); ++v) {
+    const double mobility = v < inverse_mass.size() ? inverse_mass[v] : 0.0;
+    takes_part_[v] = mobility > 0.0 ? 1 : 0;
+    for (std::size_t c = 0; c < 3; ++c) at(mobility_[c], v) = static_cast<T>(mobility);
+  }
+  for (const Pin& pin : loads.pins) {
+    const auto v = static_cast<std::size_t>(pin.vertex);
+    takes_part_[v] = 1;
+    for (std::size_t c = 0; c < 3; ++c) {
+      if (pin.fixed[c]) at(mobility_[c], v) = 0;
+    }
+  }
+}
+
+template <typename T>
+bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state) {
+  speed_ = {};
+  if constexpr (!std::is_same_v<T, float>) return true;
+  Eigen::Array3d low = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Array3d high = -low;
+  double speed = 0.0;
+  for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
+    if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
+    low = low.min(state.x.col(v).array());
+    high = high.max(state.x.col(v).array());
+    speed = std::max(speed, state.v.col(v).cwiseAbs().maxCoeff());
+  }
+  const double extent = (high - low).maxCoeff();
+  if (!(extent >= 0.0)) return true;  // nothing takes part
+  const double travel = extent + 4.0 * duration * (speed + duration * terms.gravity.norm());
+  const double reach = 0.5 * extent + travel;
+  const double edge = std::sqrt(2.0 * model.rest_area() / static_cast<double>(layout_->num_triangles()));
+  unit_ = std::exp2(std::ceil(std::log2(std::max(reach, edge) / kReach)));
+  origin_ = 0.5 * (low + high).matrix();
+  room_ = travel;
+  return unit_ <= kCoarsest * edge;
+}
+
+template <typename T>
+bool LeapfrogSweep<T>::stayed_inside(double duration) const {
+  if constexpr (!std::is_same_v<T, float>) return true;
+  const T fastest = *std::max_element(speed_.lane.begin(), speed_.lane.end());
+  return duration * static_cast<double>(fastest) <= room_;
+}
+
+template <typename T>
+void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick) {
+  LeapfrogStep<T> step = step_of(model, terms);
+  const bool same_damping = model.materials().has_one_mass_damping();
+  const double half_damping = same_damping ? 0.5 * model.mass_damping(0) * kick.duration : 0.0;
+  const double scale = kick.duration / (1.0 + half_damping);
+  step.keep = static_cast<T>((1.0 - half_damping) / (1.0 + half_damping));
+  step.scale = static_cast<T>(scale);
+  for (std::size_t c = 0; c < 3; ++c) step.gravity[c] = static_cast<T>(terms.gravity[static_cast<int>(c)]);
+  step.drift = static_cast<T>(kick.drift / unit_);
+  step.bending_scale = static_cast<T>(kick.bending / kick.duration * unit_);
+  LeapfrogArrays<T> with = arrays();
+  if (kick.bending > 0.0 && model.has_bending()) {
+    with.bending_rows = &model.bending_rows();
+    if (terms.bending_damping == 0.0 && !slices_.empty()) with.bending_slices = slices_.data();
+  }
+  if (kick.forces != nullptr) {
+    T* const extra = entries(extra_);
+    for (Eigen::Index v = 0; v < kick.forces->cols(); ++v) {
+      for (Eigen::Index c = 0; c < 3; ++c) extra[4 * v + c] = static_cast<T>((*kick.forces)(c, v));
+    }
+    with.extra_force = extra;
+  }
+  leapfrog_substep(with, step, speed_.lane.data());
+}
+
+template <typename T>
+PositionOf<T>& LeapfrogSweep<T>::position_at(std::size_t axis, std::size_t v) {
+  return at(x_[axis], 3 * pad_ * kBlockLanes + v);
+}
+
+template <typename T>
+bool LeapfrogSweep<T>::set_position(VertexId v, const Eigen::Vector3d& position) {
+  const auto i = static_cast<std::size_t>(v);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto axis = static_cast<Eigen::Index>(c);
+    if constexpr (std::is_same_v<T, float>) {
+      const double all = (position[axis] - origin_[axis]) / unit_;
+      if (!(std::abs(all) <= kReach)) return false;
+      const double whole = std::nearbyint(all);
+      position_at(c, i) = static_cast<std::int32_t>(whole);
+      at(remainder_[c], i) = static_cast<float>(all - whole);
+    } else {
+      position_at(c, i) = position[axis];
+    }
+    entries(corner_x_)[4 * i + c] = position_at(c, i);
+  }
+  return true;
+}
+
+template <typename T>
+bool LeapfrogSweep<T>::read(const State& state) {
+  for (std::size_t i = 0; i < takes_part_.size(); ++i) {
+    const auto v = static_cast<VertexId>(i);
+    const bool takes_part = takes_part_[i] != 0;
+    if (!set_position(v, takes_part ? Eigen::Vector3d(state.x.col(v)) : origin_)) return false;
+    for (std::size_t c = 0; c < 3; ++c) {
+      at(v_[c], i) = takes_part ? static_cast<T>(state.v(static_cast<Eigen::Index>(c), v)) : T{0};
+    }
+  }
+  return true;
+}
+
+template <typename T>
+void LeapfrogSweep<T>::write(State& state) const {
+  for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
+    if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
+    state.x.col(v) = position(v);
+    state.v.col(v) = velocity(v);
+  }
+}
+
+template <typename T>
+Eigen::Vector3d LeapfrogSweep<T>::position(VertexId v) const {
+  const auto i = static_cast<std::size_t>(v);
+  const std::size_t from = 3 * pad_ * kBlockLanes + i;
+  Eigen::Vector3d x;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto axis = static_cast<Eigen::Index>(c);
+    if constexpr (std::is_same_v<T, float>) {
+      x[axis] = origin_[axis] + unit_ * (at(x_[c], from) + static_cast<double>(at(remainder_[c], i)));
+    } else {
+      x[axis] = at(x_[c], from);
+    }
+  }
+  return x;
+}
+
+template <typename T>
+Eigen::Vector3d LeapfrogSweep<T>::velocity(VertexId v) const {
+  return vector_at(v_, v);
+}
+
+template <typename T>
+Eigen::Vector3d LeapfrogSweep<T>::mobility(VertexId v) const {
+  return vector_at(mobility_, v);
+}
+
+template <typename T>
+bool LeapfrogSweep<T>::push(VertexId v, const Eigen::Vector3d& velocity, const Eigen::Vector3d& position) {
+  const auto i = static_cast<std::size_t>(v);
+  for (std::size_t c = 0; c < 3; ++c) at(v_[c], i) += static_cast<T>(velocity[static_cast<Eigen::Index>(c)]);
+  return set_position(v, this->position(v) + position);
+}
+
+template class LeapfrogSweep<float>;
+template class LeapfrogSweep<double>;
+
+}  // namespace kerf::fem

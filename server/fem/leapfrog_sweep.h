@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/fem/leapfrog_kernels.h"
+#include "server/fem/loads.h"
+#include "server/fem/material_table.h"
+#include "server/fem/membrane_layout.h"
+#include "server/fem/model.h"
+#include "server/fem/state.h"
+
+namespace kerf::fem {
+
+// What is the same in all substeps of a step.
+struct LeapfrogTerms {
+  Eigen::Vector3d gravity = Eigen::Vector3d::Zero();  // m/s^2
+  std::span<const double> damping;                    // s, Kelvin-Voigt, of the membrane, one a material
+  double bending_damping = 0.0;                       // s
+  double h = 0.0;                                     // s
+};
+
+// One kick and the drift after it.
+struct LeapfrogKick {
+  double duration = 0.0;                      // s
+  double drift = 0.0;                         // s
+  double bending = 0.0;                       // s, duration of the kick by bending forces; 0: none
+  const mesh::VertexField* forces = nullptr;  // N, 3 x V, others than those of membrane and bending rows; may be null
+};
+
+// C11, C22, C33, C12, C13, C23, N/m.
+inline std::array<double, 6> law_entries(const MaterialLaw& law) {
+  const Eigen::Matrix3d& C = law.membrane;
+  return {C(0, 0), C(1, 1), C(2, 2), C(0, 1), C(0, 2), C(1, 2)};
+}
+
+// Positions, velocities and the constants of a model in the arrays that leapfrog_kernels.h works on.
+// T = float: arithmetic and velocities are floats. Positions are 32-bit integers, multiples of a power of two of a
+// metre from the middle of the sheet, so that edges are exact to that unit wherever the sheet is, with a float
+// remainder so that motion slower than a unit a substep is not lost.
+template <typename T>
+class LeapfrogSweep {
+ public:
+  void rebuild(const Model& model, const MembraneLayout& layout);
+  // After layout.follow(), where that did not rebuild.
+  void follow(const Model& model, const MembraneLayout& layout);
+  // Room for a rebuild() that does not allocate.
+  void reserve(const Model& model, const MembraneLayout& layout);
+
+  // Takes over the state for a step of this length. False: this precision cannot hold it.
+  bool begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration, const State& state);
+  void substep(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick);
+  // Whether no vertex can have left what positions can hold in a step of this length.
+  [[nodiscard]] bool stayed_inside(double duration) const;
+
+  // Of what has mass or is held. False: outside of what positions can hold.
+  bool read(const State& state);
+  void write(State& state) const;
+  // m/s, 1/kg by component, 0 where it is held.
+  [[nodiscard]] Eigen::Vector3d position(mesh::VertexId v) const;
+  [[nodiscard]] Eigen::Vector3d velocity(mesh::VertexId v) const;
+  [[nodiscard]] Eigen::Vector3d mobility(mesh::VertexId v) const;
+  // Changes a velocity and a position by as much. False: see read().
+  bool push(mesh::VertexId v, const Eigen::Vector3d& velocity, const Eigen::Vector3d& position);
+
+ private:
+  using Position = PositionOf<T>;
+  template <typename U>
+  using Field = std::array<std::vector<Lanes16<U>>, 3>;
+
+  template <typename Set>
+  void for_arrays(const Model& model, const MembraneLayout& layout, const Set& set);  // set(array, size)
+  void resize(const Model& model, const MembraneLayout& layout);
+  void set_quads(const Model& model, const MembraneLayout& layout, mesh::VertexId v);
+  void set_lane(const Model& model, const MembraneLayout& layout, std::size_t lane);
+  void set_mobility(const Model& model, const Loads& loads);
+  bool set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state);
+  void set_laws(const Model& model, const LeapfrogTerms& terms);
+  void set_slice(const Model& model, std::size_t block);
+  Position& position_at(std::size_t axis, std::size_t v);
+  bool set_position(mesh::VertexId v, const Eigen::Vector3d& position);
+  [[nodiscard]] LeapfrogStep<T> step_of(const Model& model, const LeapfrogTerms& terms) const;
+  [[nodiscard]] LeapfrogArrays<T> arrays();
+
+  const MembraneLayout* layout_ = nullptr;
+  Field<Position> x_;
+  Field<T> v_, remainder_, mobility_;
+  std::vector<Lanes16<T>> mass_damping_;                 // of several
+  std::vector<LawLanes<T>> quad_laws_, irregular_laws_;  // of several materials
+  std::vector<std::uint8_t> takes_part_;                 // has mass, or is held
+  std::vector<TriangleLanes<T>> quads_;
+  std::vector<IrregularBlock<T>> irregular_;
+  std::size_t pad_ = 0;  // blocks before the first vertex in quad_force_; three times that in x_
+  std::array<Field<T>, 4> quad_force_;
+  std::vector<Lanes16<Position>> corner_x_, bending_x_;
+  std::vector<Lanes16<T>> corner_force_, gathered_, extra_;
+  std::vector<BendingSlice<T>> slices_;    // where there is a pattern
+  std::vector<std::size_t> stale_slices_;  // unused, to be made anew: some in each step, as a cut must not wait for it
+  Lanes16<T> speed_;
+  Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
+  double unit_ = 1.0;                                 // m
+  double room_ = 0.0;                                 // m, that the sheet can travel
+};
+
+}  // namespace kerf::fem

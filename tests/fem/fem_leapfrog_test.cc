@@ -1,0 +1,242 @@
+// The vector code of the explicit integrator: its forces, its bits and its mixed precision. What it does as an
+// integrator: fem_integrator_test.cc.
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include <hwy/targets.h>
+
+#include "server/cut/cut.h"
+#include "server/fem/membrane_layout.h"
+#include "tests/fem/integrator_cases.h"
+
+namespace kerf::fem {
+namespace {
+
+std::vector<mesh::TriangleId> slit(mesh::TriangleMesh& mesh, double y) {
+  const Result<cut::CutPlan> plan = cut::plan(mesh, {cut::Polyline{{{0.2, y}, {0.83, y + 0.04}}}, {}, {}});
+  EXPECT_TRUE(plan.ok());
+  Result<cut::CutOutcome> outcome = cut::apply(mesh, *plan);
+  EXPECT_TRUE(outcome.ok());
+  return outcome->edit.rewritten_triangles;
+}
+
+// Regular, irregular, and both.
+std::vector<mesh::TriangleMesh> meshes() {
+  std::vector<mesh::TriangleMesh> all{square_grid(19), jittered_square(19), square_grid(19)};
+  slit(all.back(), 0.37);
+  slit(all.back(), 0.61);
+  return all;
+}
+
+IntegratorOptions options_of(Precision precision) {
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kExplicit;
+  options.precision = precision;
+  return options;
+}
+
+State crumpled_state(const mesh::TriangleMesh& mesh) {
+  SeededRandom random(11);
+  State state = rest_state(mesh);
+  state.x += random_field(random, state.x.cols(), 0.01);
+  state.v = random_field(random, state.x.cols(), 0.2);
+  return state;
+}
+
+State stepped(const Model& model, Integrator& integrator, State state, int ticks, const Loads& loads = Loads()) {
+  for (int i = 0; i < ticks; ++i) {
+    EXPECT_EQ(integrator.step(model, loads, kTick, nullptr, state).flags & ~kStrainLimit, 0U);
+  }
+  return state;
+}
+
+TEST(Leapfrog, AcceleratesAsTheForcesOfTheModelSay) {
+  // One substep so short that the sheet does not get anywhere: v = h f / m.
+  for (const mesh::TriangleMesh& mesh : meshes()) {
+    for (const Material& material : {soft_cloth(), orthotropic_cloth()}) {
+      const Model model(mesh, material);
+      State start = crumpled_state(mesh);
+      start.v.setZero();
+      mesh::VertexField force(start.x.cols());
+      model.internal_forces(start.x, force);
+      for (int i = 0; i < mesh.num_vertices(); ++i) force.col(i) *= model.inverse_mass()[static_cast<std::size_t>(i)];
+      const double largest = force.cwiseAbs().maxCoeff();
+      constexpr double kStep = 1e-9;
+      for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+        IntegratorOptions options = options_of(precision);
+        options.highest_mode_damping = 0.0;
+        const std::unique_ptr<Integrator> integrator = make_integrator(options);
+        integrator->rebuild(model);
+        State state = start;
+        EXPECT_EQ(integrator->step(model, no_loads(), kStep, nullptr, state).substeps, 1);
+        // Strains of some percent from floats: a few units of 2^-24 of 1.
+        const double tolerance = precision == Precision::kDouble ? 1e-9 : 1e-4;
+        EXPECT_LT((state.v / kStep - force).cwiseAbs().maxCoeff(), tolerance * largest);
+      }
+    }
+  }
+}
+
+TEST(Leapfrog, GivesTheSameBitsOnEveryInstructionSet) {
+  const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
+  std::printf("%zu instruction sets\n", targets.size());
+  for (const mesh::TriangleMesh& mesh : meshes()) {
+    const Model model(mesh, orthotropic_cloth());
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      std::vector<State> results;
+      for (const std::int64_t target : targets) {
+        hwy::SetSupportedTargetsForTest(target);
+        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+        const std::unique_ptr<Integrator> integrator = make_integrator(options_of(precision));
+        integrator->rebuild(model);
+        results.push_back(stepped(model, *integrator, crumpled_state(mesh), 2));
+      }
+      hwy::SetSupportedTargetsForTest(0);
+      hwy::GetChosenTarget().DeInit();
+      for (const State& result : results) EXPECT_TRUE(equal_bits(result, results.front()));
+    }
+  }
+}
+
+TEST(Leapfrog, FollowsCutsToTheBitsOfAFreshStart) {
+  for (mesh::TriangleMesh mesh : meshes()) {
+    Model model(mesh, soft_cloth());
+    std::vector<std::unique_ptr<Integrator>> following;
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      following.push_back(make_integrator(options_of(precision)));
+      following.back()->rebuild(model);
+    }
+    for (const double y : {0.21, 0.48, 0.74, 0.8}) {
+      model.follow(mesh, slit(mesh, y));
+      const State start = crumpled_state(mesh);
+      for (const std::unique_ptr<Integrator>& integrator : following) {
+        integrator->follow(model);
+        const bool is_first = integrator == following.front();
+        const std::unique_ptr<Integrator> fresh =
+            make_integrator(options_of(is_first ? Precision::kDouble : Precision::kMixed));
+        fresh->rebuild(model);
+        EXPECT_TRUE(equal_bits(stepped(model, *integrator, start, 1), stepped(model, *fresh, start, 1))) << y;
+      }
+    }
+  }
+}
+
+TEST(MembraneLayout, KeepsEachTriangleOnce) {
+  for (const mesh::TriangleMesh& mesh : meshes()) {
+    const Model model(mesh, soft_cloth());
+    MembraneLayout layout;
+    layout.rebuild(model);
+    std::vector<int> times(static_cast<std::size_t>(model.num_slots()), 0);
+    std::int64_t num_solid = 0;
+    for (mesh::VertexId v = 0; v < model.num_vertices(); ++v) {
+      for (const int kind : {0, 1}) {
+        if (layout.quad_slot(kind, v) != mesh::kNone) ++times[static_cast<std::size_t>(layout.quad_slot(kind, v))];
+      }
+    }
+    for (const mesh::TriangleId slot : layout.lanes()) {
+      if (slot != mesh::kNone) ++times[static_cast<std::size_t>(slot)];
+    }
+    for (mesh::TriangleId slot = 0; slot < model.num_slots(); ++slot) {
+      EXPECT_EQ(times[static_cast<std::size_t>(slot)], mesh.is_solid(slot) ? 1 : 0);
+      num_solid += mesh.is_solid(slot) ? 1 : 0;
+    }
+    EXPECT_EQ(layout.num_triangles(), num_solid);
+  }
+}
+
+TEST(MembraneLayout, FindsThePatternOfAGridAlone) {
+  MembraneLayout layout;
+  layout.rebuild(Model(square_grid(19), soft_cloth()));
+  EXPECT_EQ(layout.offsets(), (QuadOffsets{1, 20, 19}));
+  EXPECT_TRUE(layout.lanes().empty());
+  layout.rebuild(Model(jittered_square(19), soft_cloth()));
+  EXPECT_EQ(layout.offsets(), QuadOffsets{});
+  mesh::TriangleMesh mesh = square_grid(19);
+  slit(mesh, 0.4);
+  layout.rebuild(Model(mesh, soft_cloth()));
+  EXPECT_EQ(layout.offsets(), (QuadOffsets{1, 20, 19}));
+  EXPECT_FALSE(layout.lanes().empty());
+}
+
+TEST(MixedPrecision, FollowsDoubleThroughASwing) {
+  for (const mesh::TriangleMesh& mesh : meshes()) {
+    const Model model(mesh, soft_cloth());
+    State start = rest_state(mesh);
+    Loads loads;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+      if (mesh.rest_position(v).y() > 1.0 - 1e-9) loads.pins.push_back({v, start.x.col(v), Eigen::Vector3d::Zero()});
+    }
+    constexpr int kTicks = 6;
+    std::vector<State> results;
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      const std::unique_ptr<Integrator> integrator = make_integrator(options_of(precision));
+      integrator->rebuild(model);
+      results.push_back(stepped(model, *integrator, start, kTicks, loads));
+    }
+    EXPECT_LT(results[0].x.row(2).minCoeff(), -0.04);
+    // Each substep rounds velocities of at most 1 m/s to 2^-24 of them, and forces, whose kicks are no larger, a few
+    // times.
+    constexpr double kMostSubsteps = 100.0 * kTicks;
+    const double velocity_error = 7.0 * kMostSubsteps * 0x1p-24;  // m/s
+    const double way_error = velocity_error * kTicks * kTick;     // m
+    EXPECT_LT(results[0].v.cwiseAbs().maxCoeff(), 1.1);
+    EXPECT_LT((results[0].x - results[1].x).cwiseAbs().maxCoeff(), way_error);
+    const double mass = model.total_mass();
+    EXPECT_NEAR(model.energies(results[1], loads.gravity).total(), model.energies(results[0], loads.gravity).total(),
+                mass * velocity_error + mass * 9.81 * way_error);
+  }
+}
+
+TEST(MixedPrecision, KeepsMotionSlowerThanItsUnitOfLength) {
+  const mesh::TriangleMesh mesh = square_grid(6);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make_integrator(options_of(Precision::kMixed));
+  integrator->rebuild(model);
+  State state = rest_state(mesh);
+  const mesh::VertexField start = state.x;
+  const Eigen::Vector3d velocity(1e-7, -3e-8, 7e-8);  // m/s; about a unit of 2^-30 m in a tick
+  state.v.colwise() = velocity;
+  constexpr int kTicks = 600;
+  state = stepped(model, *integrator, state, kTicks, no_loads());
+  const Eigen::Vector3d way = kTicks * kTick * velocity;
+  const mesh::VertexField moved = state.x - start;
+  EXPECT_LT((model.centre_of_mass(moved) - way).norm(), 1e-2 * way.norm());
+  // What rounded constants make of the rest shape, 1 m wide, is another one by some 2^-24 of it.
+  EXPECT_LT((moved.colwise() - way).cwiseAbs().maxCoeff(), 1e-2 * way.norm() + 2.0 * 0x1p-24);
+}
+
+TEST(MixedPrecision, IsTheSameFarFromTheOrigin) {
+  const mesh::TriangleMesh mesh = square_grid(9);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> integrator = make_integrator(options_of(Precision::kMixed));
+  integrator->rebuild(model);
+  const State near = rest_state(mesh);
+  State far = near;
+  const Eigen::Vector3d there(1e4, -1e4, 5e3);
+  far.x.colwise() += there;
+  const State moved = stepped(model, *integrator, near, 30, hang_by_corners(9, near));
+  const State far_moved = stepped(model, *integrator, far, 30, hang_by_corners(9, far));
+  EXPECT_LT(moved.x.row(2).minCoeff(), -0.2);
+  // Positions there are rounded to 1e-12 m, edges as well.
+  EXPECT_LT(((far_moved.x.colwise() - there) - moved.x).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+TEST(MixedPrecision, MakesAStepInDoubleWhereItCannotHoldTheSheet) {
+  const mesh::TriangleMesh mesh = square_grid(9);
+  const Model model(mesh, soft_cloth());
+  const std::unique_ptr<Integrator> mixed = make_integrator(options_of(Precision::kMixed));
+  const std::unique_ptr<Integrator> exact = make_integrator(options_of(Precision::kDouble));
+  mixed->rebuild(model);
+  exact->rebuild(model);
+  State state = rest_state(mesh);
+  state.v.row(0).setConstant(1e7);  // m/s
+  State expected = state;
+  const StepStats stats = mixed->step(model, Loads(), kTick, nullptr, state);
+  EXPECT_EQ(stats.flags & kWidened, kWidened);
+  exact->step(model, Loads(), kTick, nullptr, expected);
+  EXPECT_TRUE(equal_bits(state, expected));
+}
+
+}  // namespace
+}  // namespace kerf::fem
