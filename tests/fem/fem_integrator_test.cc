@@ -212,8 +212,7 @@ TEST_P(IntegratorContract, MomentsTurnAFreeSheetWithoutPushingIt) {
   // The edge of 1 m runs along y; its outside rises, against the turn about y. Linear momentum is 0: any origin will
   // do.
   const double reach = state.x.colwise().norm().maxCoeff();
-  EXPECT_LT((momentum.angular - Eigen::Vector3d(0.0, -moment * 0.02, 0.0)).norm(),
-            1e-3 * moment * 0.02 + lost * reach);
+  EXPECT_LT((momentum.angular - Eigen::Vector3d(0.0, -moment * 0.02, 0.0)).norm(), 1e-3 * moment * 0.02 + lost * reach);
 }
 
 TEST_P(IntegratorContract, AnInflatedSheetComesToRestInItsEquilibrium) {
