@@ -47,12 +47,13 @@ double area_of(const Sheet& sheet) {
   return area;
 }
 
-// "REASON field" of the refusal, or "accepted".
+// "REASON field" of the refusal, or "accepted". Of a sheet that need not move.
 std::string refusal(const std::function<void(OutlineSource&)>& spoil, std::int32_t max_vertices = kMaxVertices) {
   OutlineSource outline = square_with_hole();
   spoil(outline);
   SheetConfig config = config_of(outline);
   config.max_vertices = max_vertices;
+  config.analysis = StaticAnalysis{};
   const Result<Sheet> created = Sheet::create(config);
   if (created) return "accepted";
   EXPECT_FALSE(created.error().message.empty());
@@ -236,6 +237,24 @@ TEST(SheetOutline, RefusesWhatIsNoOutlineWithItsField) {
               o.holes.push_back(cut::Polyline{{{0.1, 0.1}, {0.2, 0.1}, {0.2, 0.2}}});
             }),
             "OUTLINE_OPEN outline.holes[1]");
+}
+
+TEST(SheetOutline, EdgesTooShortForDoublePrecisionAreRefusedWithTheConditionNumber) {
+  OutlineSource outline = square_with_hole();
+  outline.sizes = {{Vector2d(0.5, 0.1), 1e-9, 0.25}};
+  const Result<Sheet> refused = Sheet::create(config_of(outline));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(refused.error().reason, "SHEET_TOO_STIFF");
+  EXPECT_NE(refused.error().message.find("condition number"), std::string::npos) << refused.error().message;
+  // Stiffness over mass grows as the inverse square of the length.
+  outline.sizes = {{Vector2d(0.5, 0.1), 1e-6, 0.25}};
+  const Result<Sheet> bounded = Sheet::create(config_of(outline));
+  ASSERT_TRUE(bounded) << refused.error().message << bounded.error().message;
+  EXPECT_NE(bounded->integrator_description().find("class B"), std::string::npos) << bounded->integrator_description();
+  const Result<Sheet> accurate = Sheet::create(config_of(square_with_hole()));
+  ASSERT_TRUE(accurate);
+  EXPECT_NE(accurate->integrator_description().find("class A"), std::string::npos);
 }
 
 TEST(SheetOutline, NumbersAreCheckedAtTheirLimits) {
