@@ -160,7 +160,7 @@ bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, St
   // The stable step is that of the sheet at rest; what strains it little is resolved by it.
   constexpr double kSmallStrain = 0.1;  // -
   // Verlet swings about the energy it keeps by what its step resolves of the fastest modes.
-  constexpr double kAllowedGain = 1e-2;  // -
+  constexpr double kAllowedGain = 1e-3;  // -
   if (stats.max_strain <= kSmallStrain) return true;
   const EnergyGuard::Verdict verdict = EnergyGuard::enforce(model, loads, kAllowedGain, scratch_.start, state);
   if (verdict != EnergyGuard::Verdict::kKept) stats.flags |= kEnergyLimited;

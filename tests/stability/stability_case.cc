@@ -219,6 +219,7 @@ Outcome run(const Case& tested, int num_steps) {
 
   Outcome outcome;
   outcome.condition = 1.0 + tested.dt * tested.dt * model.stiffness_bound();
+  outcome.is_explicit = integrator->kind() == fem::IntegratorKind::kExplicit;
   outcome.integrator = std::string(integrator->explanation());
   const fem::Loads& loads = start.loads;
   fem::State& state = start.state;

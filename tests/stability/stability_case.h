@@ -51,12 +51,13 @@ struct Outcome {
   double gain = 0.0;       // -, highest energy over that of the start, less 1; of m g 1 m where the start has none
   double drift = 0.0;      // -, of the centre of mass off its ballistic path, over the size and what it has gone
   std::array<int, fem::kStepFlagNames.size()> flags{};  // steps with each
+  bool is_explicit = false;
   std::string integrator;
 };
 // Ends before num_steps once kMostSubsteps are done, which stiff ticks are divided into, or kMostVertexSteps, which is
-// some 75 steps after 200 cuts.
-inline constexpr long kMostVertexSteps = 150'000;
-inline constexpr long kMostSubsteps = 200'000;
+// some 30 steps after 200 cuts.
+inline constexpr long kMostVertexSteps = 60'000;
+inline constexpr long kMostSubsteps = 50'000;
 Outcome run(const Case& tested, int num_steps);
 
 }  // namespace kerf::stability
