@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -44,6 +45,18 @@ double work_of_loads(const Model& model, const Loads& loads, const State& start,
     work += force.dot(end.x.col(i) - start.x.col(i));
   }
   return work;
+}
+
+// Energy that is all rounding, J: of positions up to |x| strains are known to some eps |x| over the edge length.
+double rounding_energy(const Model& model, const State& state, double elastic) {
+  constexpr double kRoundings = 16.0;  // of each strain
+  const double area = model.rest_area();
+  if (!(area > 0.0)) return 0.0;
+  const double edge = std::sqrt(2.0 * area / std::max(1, model.num_slots()));
+  const double strain =
+      kRoundings * std::numeric_limits<double>::epsilon() * std::max(1.0, state.x.cwiseAbs().maxCoeff() / edge);
+  const double stiffness = model.materials().largest_membrane_trace() * area;
+  return strain * (strain * stiffness + std::sqrt(2.0 * elastic * stiffness));
 }
 
 // The motion of a rigid body with the sheet's linear and angular momentum.
@@ -100,11 +113,10 @@ EnergyGuard::Verdict EnergyGuard::enforce(const Model& model, const Loads& loads
   const double before = elastic_energy(model, start) + kinetic_energy(model, start.v);
   const double elastic = elastic_energy(model, end);
   const double kinetic = kinetic_energy(model, end.v);
-  const double allowed = before + work + allowed_gain * (before + std::abs(work));
+  const double allowed =
+      before + work + allowed_gain * (before + std::abs(work)) + rounding_energy(model, start, elastic);
   double excess = elastic + kinetic - allowed;
   if (!(excess > 0.0)) return Verdict::kKept;
-  if (elastic > allowed) return Verdict::kExceeded;
-
   if (loads.pins.empty()) {
     const RigidMotion rigid(model, end);
     excess = take(
@@ -114,7 +126,7 @@ EnergyGuard::Verdict EnergyGuard::enforce(const Model& model, const Loads& loads
   }
   take(
       model, [](Eigen::Index) { return Vector3d(Vector3d::Zero()); }, excess, end);
-  return Verdict::kLimited;
+  return elastic > allowed ? Verdict::kExceeded : Verdict::kLimited;
 }
 
 }  // namespace kerf::fem

@@ -19,7 +19,7 @@ class EnergyGuard {
   enum class Verdict {
     kKept,      // no more than at the start, or not guarded
     kLimited,   // the velocities were changed
-    kExceeded,  // the elastic energy alone is more: the step is to be thrown away
+    kExceeded,  // the elastic energy alone is more: shorter steps may do; the sheet was stopped, but for its centre
   };
 
   // allowed_gain: -, that is let pass, of the energy at the start and of the work between. Methods of second order

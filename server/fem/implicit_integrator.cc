@@ -76,7 +76,8 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       done = done && is_finite(state);
     }
     stats.substeps = substeps;
-    if (done && contact == nullptr) done = keep_energy(model, loads, state, stats);
+    const bool is_last = halving == options_.max_halvings;
+    if (done && contact == nullptr) done = keep_energy(model, loads, state, stats) || is_last;
     if (done) break;
     state.x = scratch_.start.x;
     state.v = scratch_.start.v;
@@ -92,7 +93,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   return stats;
 }
 
-// False: the step is to be thrown away.
+// False: shorter steps may do better.
 bool ImplicitIntegrator::keep_energy(const Model& model, const Loads& loads, State& state, StepStats& stats) const {
   const EnergyGuard::Verdict verdict =
       EnergyGuard::enforce(model, loads, allowed_gain(options_.kind), scratch_.start, state);

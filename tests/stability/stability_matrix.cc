@@ -27,7 +27,7 @@ struct Row {
     refused += rating == kerf::fem::ConditionClass::kRefused ? 1 : 0;
     double& worst = rating == kerf::fem::ConditionClass::kAccurate ? gain : gain_bounded;
     worst = std::max(worst, outcome.gain);
-    drift = std::max(drift, outcome.drift);
+    if (rating == kerf::fem::ConditionClass::kAccurate) drift = std::max(drift, outcome.drift);
     for (std::size_t i = 0; i < flags.size(); ++i) flags[i] += outcome.flags[i];
   }
 };
@@ -61,7 +61,7 @@ int main(int argc, char** argv) {
   }
   std::fprintf(stderr, "\n");
   std::printf(
-      "| start | cases | not finite | class A / B / C | worst gain of energy, A | B, C | drift of the centre |");
+      "| start | cases | not finite | class A / B / C | worst gain of energy, A | B, C | drift of the centre, A |");
   for (const std::string_view name : kerf::fem::kStepFlagNames) std::printf(" %s |", std::string(name).c_str());
   std::printf("\n|---|---|---|---|---|---|---|");
   for (std::size_t i = 0; i < kerf::fem::kStepFlagNames.size(); ++i) std::printf("---|");
