@@ -109,21 +109,28 @@ Start island(double aspect) {
   return start;
 }
 
-Start after_cuts(double aspect) {
+mesh::TriangleMesh cut_often(double aspect) {
   constexpr int kCuts = 200;
-  mesh::TriangleMesh mesh = test::must(mesh::make_grid({2 * kSide, 2 * kSide, 1.0, 1.0 / std::min(aspect, 100.0)}));
+  mesh::TriangleMesh mesh = test::must(mesh::make_grid({2 * kSide, 2 * kSide, 1.0, 1.0 / aspect}));
   SeededRandom random(23);
   for (int made = 0; made < kCuts;) {
     cut::Polyline line;
     Eigen::Vector2d at(random.uniform(0.0, 1.0), random.uniform(0.0, 1.0));
     for (int i = 0; i < 3; ++i) {
-      line.points.emplace_back(at.x(), at.y() / std::min(aspect, 100.0));
+      line.points.emplace_back(at.x(), at.y() / aspect);
       at += 0.1 * Eigen::Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
     }
     const auto plan = cut::plan(mesh, {line, {}, {}});
     if (plan.ok() && cut::apply(mesh, *plan).ok()) ++made;
   }
-  Start start = resting(std::move(mesh));
+  return mesh;
+}
+
+Start after_cuts(double aspect) {
+  constexpr double kMost = 100.0;  // beyond it most cuts would be refused
+  static const mesh::TriangleMesh square = cut_often(1.0);
+  static const mesh::TriangleMesh strip = cut_often(kMost);
+  Start start = resting(aspect < kMost ? square : strip);
   start.state.x *= 1.5;
   return start;
 }
