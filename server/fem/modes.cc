@@ -177,16 +177,28 @@ Pairs merged(const Pairs& a, const Pairs& b, int count) {
   return pairs;
 }
 
+// How many eigenvalues are below `value`: as many as pivots of K - value M are negative (Sylvester's law of inertia). 0
+// where it cannot be told.
+int num_below(const Matrix& stiffness, const Matrix& mass, double value) {
+  const Eigen::SimplicialLDLT<Matrix> factor(stiffness - value * mass);
+  if (factor.info() != Eigen::Success) return 0;
+  return static_cast<int>((factor.vectorD().array() < 0.0).count());
+}
+
+// Below all eigenvalues, of a state that is not stable too: those next to it are the lowest.
+double shift_below(const Matrix& stiffness, const Matrix& mass, double unit) {
+  double shift = kShift * unit;
+  while (shift > -unit && num_below(stiffness, mass, shift) > 0) shift *= 10.0;
+  return shift;
+}
+
 // How many eigenvalues below the highest found are not among those found: a Krylov space holds one vector of an
-// eigenvalue that several share, and rounding need not bring the others. By the signs of the pivots of K - s M, as many
-// of which are negative as there are eigenvalues below s (Sylvester's law of inertia).
+// eigenvalue that several share, and rounding need not bring the others.
 int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorXd& values, double unit) {
   const double highest = values[values.size() - 1];
   const double below = highest - kSeparation * std::abs(highest) - 10.0 * std::abs(kShift) * unit;
-  const Eigen::SimplicialLDLT<Matrix> factor(stiffness - below * mass);
-  if (factor.info() != Eigen::Success) return 0;
-  const auto num_below = static_cast<int>((factor.vectorD().array() < 0.0).count());
-  return std::max(0, num_below - static_cast<int>((values.array() < below).count()));
+  const int known = static_cast<int>((values.array() < below).count());
+  return std::max(0, num_below(stiffness, mass, below) - known);
 }
 
 }  // namespace
@@ -205,9 +217,10 @@ Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField
   const Matrix mass = mass_matrix(model, x, numbers, num_free);
   const double unit = model.stiffness_bound();
   Pairs found{Eigen::VectorXd(0), Eigen::MatrixXd(num_free, 0), true};
+  const double shift = shift_below(stiffness, mass, unit);
   int missing = count;
   for (int search = 0; search < kMaxSearches && missing > 0; ++search) {
-    found = merged(found, lanczos(stiffness, mass, found.vectors, missing, kShift * unit, search), count);
+    found = merged(found, lanczos(stiffness, mass, found.vectors, missing, shift, search), count);
     missing = found.converged ? num_missed(stiffness, mass, found.values, unit) : 0;
   }
   Modes modes;

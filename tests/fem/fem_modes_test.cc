@@ -1,0 +1,38 @@
+#include "server/fem/modes.h"
+#include "tests/fem/fem_fixture.h"
+
+namespace kerf::fem {
+namespace {
+
+// Squashed, a sheet has many shapes in which it would buckle, far below the eigenvalues next to 0.
+TEST(Modes, AreTheLowestOfAnUnstableStateToo) {
+  const mesh::TriangleMesh mesh = jittered_square(8);
+  const Model model(mesh, isotropic(1.0e6, 0.3, 1.0e-3, 300.0));
+  Loads loads;
+  loads.gravity.setZero();
+  const mesh::VertexField x = 0.8 * rest_state(mesh).x;
+  const Modes few = find_modes(model, loads, x, 3);
+  const Modes many = find_modes(model, loads, x, 60);
+  ASSERT_TRUE(few.converged && many.converged);
+  EXPECT_LT(many.eigenvalues[10], 0.0);
+  for (Eigen::Index i = 0; i < few.eigenvalues.size(); ++i) {
+    EXPECT_NEAR(few.eigenvalues[i], many.eigenvalues[i], 1e-6 * std::abs(many.eigenvalues[0])) << i;
+  }
+}
+
+// A free sheet has six motions of a rigid body, all of them of one eigenvalue.
+TEST(Modes, OfOneEigenvalueAreAllFound) {
+  for (const int n : {8, 14, 21}) {
+    const mesh::TriangleMesh mesh = jittered_square(n, 1.0, 7);
+    const Model model(mesh, isotropic(1.0e9, 0.3, 1.0e-3, 1000.0));
+    Loads loads;
+    loads.gravity.setZero();
+    const Modes modes = find_modes(model, loads, rest_state(mesh).x, 8);
+    ASSERT_TRUE(modes.converged) << n;
+    for (Eigen::Index i = 0; i < 6; ++i) EXPECT_LT(std::abs(modes.eigenvalues[i]), 1e-9 * model.stiffness_bound()) << n;
+    EXPECT_GT(modes.eigenvalues[6], 0.1 * modes.eigenvalues[7]) << n;
+  }
+}
+
+}  // namespace
+}  // namespace kerf::fem
