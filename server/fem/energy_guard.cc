@@ -23,19 +23,6 @@ bool is_guarded(const Model& model, const Loads& loads, const State& start) {
   return model.num_vertices() > 0;
 }
 
-double kinetic_energy(const Model& model, const mesh::VertexField& v) {
-  double energy = 0.0;
-  for (Eigen::Index i = 0; i < v.cols(); ++i) {
-    energy += 0.5 * model.mass()[static_cast<std::size_t>(i)] * v.col(i).squaredNorm();
-  }
-  return energy;
-}
-
-double elastic_energy(const Model& model, const State& state) {
-  const Energies energies = model.energies(state, Vector3d::Zero());
-  return energies.membrane + energies.bending;
-}
-
 // Of gravity and dead forces on the way from one state to the other, J.
 double work_of_loads(const Model& model, const Loads& loads, const State& start, const State& end) {
   double work = 0.0;
@@ -110,12 +97,13 @@ EnergyGuard::Verdict EnergyGuard::enforce(const Model& model, const Loads& loads
                                           const State& start, State& end) {
   if (!is_guarded(model, loads, start)) return Verdict::kKept;
   const double work = work_of_loads(model, loads, start, end);
-  const double before = elastic_energy(model, start) + kinetic_energy(model, start.v);
-  const double elastic = elastic_energy(model, end);
-  const double kinetic = kinetic_energy(model, end.v);
+  const Energies at_start = model.energies(start, Vector3d::Zero());
+  const Energies at_end = model.energies(end, Vector3d::Zero());
+  const double before = at_start.membrane + at_start.bending + at_start.kinetic;
+  const double elastic = at_end.membrane + at_end.bending;
   const double allowed =
       before + work + allowed_gain * (before + std::abs(work)) + rounding_energy(model, start, elastic);
-  double excess = elastic + kinetic - allowed;
+  double excess = elastic + at_end.kinetic - allowed;
   if (!(excess > 0.0)) return Verdict::kKept;
   if (loads.pins.empty()) {
     const RigidMotion rigid(model, end);

@@ -12,8 +12,8 @@ namespace kerf::fem {
 //
 // Implicit steps that do not resolve the motion gain energy even when solved exactly, elasticity at large rotations not
 // being convex (at most to four times the kinetic energy for implicit Euler, unboundedly after many steps). What is
-// over is taken from the velocities that deform the sheet, then from its spin, so that linear momentum is kept, and
-// angular momentum as long as deformation has enough.
+// over is taken from the velocities: of a sheet without pins first from those that deform it, then from its spin, so
+// that linear momentum is kept, and angular momentum as long as deformation has enough.
 class EnergyGuard {
  public:
   enum class Verdict {

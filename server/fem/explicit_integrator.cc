@@ -142,6 +142,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       if (contact != nullptr || keeps_energy(model, loads, stats, state) || retry == kMaxRetries) break;
     }
     go_back(state);
+    stats.flags &= ~kEnergyLimited;  // of the attempt that is thrown away
     if (retry == kMaxRetries) {
       stats.flags |= kFrozen;
       stats.substeps = 0;

@@ -79,6 +79,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     const bool is_last = halving == options_.max_halvings;
     if (done && contact == nullptr) done = keep_energy(model, loads, state, stats) || is_last;
     if (done) break;
+    stats.flags &= ~kEnergyLimited;  // of the attempt that is thrown away
     state.x = scratch_.start.x;
     state.v = scratch_.start.v;
   }
