@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -17,6 +18,7 @@
 #include "client/cli/scene_run.h"
 #include "client/cli/tables.h"
 #include "server/host/disk.h"
+#include "server/sheet/integrator_settings.h"
 #include "server/sheet/recording.h"
 #include "server/wire/recording_codec.h"
 #include "server/wire/reply_codec.h"
@@ -35,6 +37,7 @@ struct RunArguments {
   std::string csv;
   std::string integrator;
   std::string precision;
+  std::string solver;
 };
 
 // A bar on stderr while a person looks on, redrawn when the percentage changes, or `always`.
@@ -57,6 +60,12 @@ class ProgressBar {
   bool live_ = isatty(STDERR_FILENO) != 0;
   int shown_ = -1;
 };
+
+std::vector<std::string> solver_options() {
+  std::vector<std::string> options;
+  for (const fem::LinearSolverName& name : fem::kLinearSolverNames) options.emplace_back(name.option);
+  return options;
+}
 
 Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path) {
   const Result<std::string> json = disk.read_file(path, wire::kMaxSceneFileBytes);
@@ -109,6 +118,9 @@ int run(const Session& session, const RunArguments& arguments) {
   if (arguments.integrator == "tr-bdf2") config->integrator.kind = sheet::IntegratorKind::kTrBdf2;
   if (arguments.precision == "mixed") config->integrator.precision = sheet::Precision::kMixed;
   if (arguments.precision == "double") config->integrator.precision = sheet::Precision::kDouble;
+  for (const fem::LinearSolverName& name : fem::kLinearSolverNames) {
+    if (arguments.solver == name.option) config->integrator.solver = name.kind;
+  }
   if (arguments.integrator == "auto") config->integrator.kind = sheet::IntegratorKind::kAutomatic;
 
   const Result<SceneRun> done = [&] {
@@ -196,6 +208,11 @@ void add_offline_commands(CLI::App& app, Session& session) {
       ->add_option("--precision", arguments->precision,
                    "Of the explicit integrator, instead of the scene's: double or mixed")
       ->check(CLI::IsMember({"double", "mixed"}));
+  running
+      ->add_option("--solver", arguments->solver,
+                   "Of the implicit integrators' linear systems, instead of the scene's:\n"
+                   "block-jacobi-cg, jacobi-cg, cg or direct")
+      ->check(CLI::IsMember(solver_options()));
   running->callback(
       [&session, arguments] { session.action = [&session, arguments] { return run(session, *arguments); }; });
 

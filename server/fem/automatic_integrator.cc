@@ -94,7 +94,7 @@ bool AutomaticIntegrator::choose(const Model& model) {
     const bool direct = of_direct <= of_iterative;
     choice = direct ? "implicit Euler, direct solver" : "implicit Euler, conjugate gradients";
     IntegratorOptions options = with_kind(options_, IntegratorKind::kImplicitEuler);
-    options.linear_solver = direct ? LinearSolverKind::kDirect : LinearSolverKind::kConjugateGradient;
+    options.linear_solver = direct ? LinearSolverKind::kDirect : LinearSolverKind::kBlockJacobiCg;
     is_new = !implicit_ || options.linear_solver != solver_;
     solver_ = options.linear_solver;
     if (is_new) implicit_ = std::make_unique<ImplicitIntegrator>(options);

@@ -27,7 +27,7 @@ class AutomaticIntegrator final : public Integrator {
   Integrator& chosen() { return implicit_ ? *implicit_ : explicit_; }
 
   IntegratorOptions options_;
-  LinearSolverKind solver_ = LinearSolverKind::kConjugateGradient;  // of the implicit one
+  LinearSolverKind solver_ = LinearSolverKind::kBlockJacobiCg;  // of the implicit one
   ExplicitIntegrator explicit_;
   std::unique_ptr<Integrator> implicit_;  // null while the explicit integrator is the choice
   std::string explanation_;

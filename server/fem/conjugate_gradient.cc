@@ -18,11 +18,26 @@ double dot(const mesh::VertexField& a, const mesh::VertexField& b) {
 }  // namespace
 
 void ConjugateGradient::analyse(const BlockMatrix& A) {
-  inverse_diagonal_.resize(static_cast<std::size_t>(A.num_rows()));
+  if (preconditioner_ != Preconditioner::kNone) inverse_diagonal_.resize(static_cast<std::size_t>(A.num_rows()));
   for (mesh::VertexField* vector : {&r_, &z_, &p_, &Ap_}) vector->resize(A.num_rows());
 }
 
+void ConjugateGradient::prepare(const BlockMatrix& A) {
+  for (std::size_t i = 0; i < inverse_diagonal_.size(); ++i) {
+    const Eigen::Matrix3d& block = A.block(A.diagonal(static_cast<int>(i)));
+    if (preconditioner_ == Preconditioner::kJacobi) {
+      inverse_diagonal_[i] = block.diagonal().cwiseInverse().asDiagonal();
+    } else {
+      inverse_diagonal_[i] = block.inverse();
+    }
+  }
+}
+
 void ConjugateGradient::precondition() {
+  if (preconditioner_ == Preconditioner::kNone) {
+    z_ = r_;
+    return;
+  }
   for (std::size_t i = 0; i < inverse_diagonal_.size(); ++i) {
     const auto column = static_cast<Eigen::Index>(i);
     z_.col(column).noalias() = inverse_diagonal_[i] * r_.col(column);
@@ -32,9 +47,7 @@ void ConjugateGradient::precondition() {
 LinearStats ConjugateGradient::solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
                                      mesh::VertexField& x) {
   LinearStats stats;
-  for (int i = 0; i < A.num_rows(); ++i) {
-    inverse_diagonal_[static_cast<std::size_t>(i)] = A.block(A.diagonal(i)).inverse();
-  }
+  prepare(A);
   const double b_norm = std::sqrt(dot(b, b));
   if (b_norm == 0.0) {
     x.setZero();

@@ -15,15 +15,8 @@ double allowed_gain(IntegratorKind kind) {
   return kind == IntegratorKind::kImplicitEuler ? 1e-6 : 1e-2;
 }
 
-}  // namespace
-
-ImplicitIntegrator::ImplicitIntegrator(const IntegratorOptions& options) : options_(options), solver_(options) {
-  KERF_CHECK(options.kind != IntegratorKind::kAutomatic && options.kind != IntegratorKind::kExplicit,
-             "an implicit kind");
-}
-
-std::string_view ImplicitIntegrator::explanation() const {
-  switch (options_.kind) {
+std::string_view describe_scheme(IntegratorKind kind) {
+  switch (kind) {
     case IntegratorKind::kTrBdf2:
       return "implicit: TR-BDF2, one step a tick";
     case IntegratorKind::kTrapezoidal:
@@ -33,6 +26,17 @@ std::string_view ImplicitIntegrator::explanation() const {
     default:
       return "implicit: Euler, one step a tick";
   }
+}
+
+}  // namespace
+
+ImplicitIntegrator::ImplicitIntegrator(const IntegratorOptions& options)
+    : options_(options),
+      explanation_(std::string(describe_scheme(options.kind)) + "; " +
+                   std::string(name_of(options.linear_solver).description)),
+      solver_(options) {
+  KERF_CHECK(options.kind != IntegratorKind::kAutomatic && options.kind != IntegratorKind::kExplicit,
+             "an implicit kind");
 }
 
 void ImplicitIntegrator::rebuild(const Model& model) {

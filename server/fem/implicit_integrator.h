@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "server/fem/integrator.h"
 #include "server/fem/stage_solver.h"
 #include "server/mesh/vertex_field.h"
@@ -17,7 +19,7 @@ class ImplicitIntegrator final : public Integrator {
   void rebuild(const Model& model) override;
   void follow(const Model& model) override;
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
-  [[nodiscard]] std::string_view explanation() const override;
+  [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override { return options_.kind; }
 
  private:
@@ -51,6 +53,7 @@ class ImplicitIntegrator final : public Integrator {
   void evaluate_acceleration(const Model& model, const Loads& loads, double time_left, const State& state);
 
   IntegratorOptions options_;
+  std::string explanation_;
   StageSolver solver_;
   Scratch scratch_;
 };

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "server/fem/contact_constraint.h"
+#include "server/fem/linear_solver_kind.h"
 #include "server/fem/loads.h"
 #include "server/fem/model.h"
 #include "server/fem/state.h"
@@ -57,11 +58,6 @@ enum class Precision {
   kMixed,  // explicit only: float arithmetic and velocities, fixed-point positions; see LeapfrogSweep
 };
 
-enum class LinearSolverKind {
-  kConjugateGradient,  // preconditioned with the inverse 3x3 diagonal blocks
-  kDirect,             // 3x3-block LDL^T
-};
-
 struct IntegratorOptions {
   IntegratorKind kind = IntegratorKind::kAutomatic;
   double tick = 1.0 / 60.0;  // s, the dt that step() will be called with; kAutomatic's estimate only
@@ -79,10 +75,10 @@ struct IntegratorOptions {
   double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance * scale, r the residual M dx - h^2 f of the step
                                    // (kg m), scale the same for ballistic motion, but no less than 1e-3 of that of
                                    // standing still, nor than what rounding leaves
-  LinearSolverKind linear_solver = LinearSolverKind::kConjugateGradient;
-  double linear_tolerance = 1e-4;  // -, see linear_solver.h
-  int max_linear_iterations = 1000;
-  int max_halvings = 6;  // of a step that fails
+  LinearSolverKind linear_solver = LinearSolverKind::kBlockJacobiCg;  // kAutomatic chooses between this and kDirect
+  double linear_tolerance = 1e-4;                                     // -, see linear_solver.h
+  int max_linear_iterations = 1000;                                   // of one solve by conjugate gradients, >= 1
+  int max_halvings = 6;                                               // of a step that fails
 
   double strain_limit = 0.5;  // -, above it kStrainLimit is set
 };

@@ -6,8 +6,17 @@
 namespace kerf::fem {
 
 std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_iterations) {
-  if (kind == LinearSolverKind::kDirect) return std::make_unique<BlockCholesky>();
-  return std::make_unique<ConjugateGradient>(max_iterations);
+  switch (kind) {
+    case LinearSolverKind::kPlainCg:
+      return std::make_unique<ConjugateGradient>(Preconditioner::kNone, max_iterations);
+    case LinearSolverKind::kJacobiCg:
+      return std::make_unique<ConjugateGradient>(Preconditioner::kJacobi, max_iterations);
+    case LinearSolverKind::kDirect:
+      return std::make_unique<BlockCholesky>();
+    case LinearSolverKind::kBlockJacobiCg:
+      break;
+  }
+  return std::make_unique<ConjugateGradient>(Preconditioner::kBlockJacobi, max_iterations);
 }
 
 }  // namespace kerf::fem

@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "server/fem/block_matrix.h"
-#include "server/fem/integrator.h"
+#include "server/fem/linear_solver_kind.h"
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
@@ -31,7 +31,7 @@ class LinearSolver {
                             mesh::VertexField& x) = 0;
 };
 
-// max_iterations limits the iterative solver; the direct one ignores it.
+// max_iterations limits the iterative solvers; the direct one ignores it.
 std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_iterations);
 
 }  // namespace kerf::fem

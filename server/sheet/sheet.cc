@@ -14,41 +14,6 @@ namespace kerf::sheet {
 
 namespace {
 
-fem::IntegratorOptions integrator_options(const SheetConfig& config) {
-  const IntegratorSettings& settings = config.integrator;
-  fem::IntegratorOptions options;
-  switch (settings.kind) {
-    case IntegratorKind::kAutomatic:
-      options.kind = fem::IntegratorKind::kAutomatic;
-      break;
-    case IntegratorKind::kExplicitLeapfrog:
-      options.kind = fem::IntegratorKind::kExplicit;
-      break;
-    case IntegratorKind::kImplicitEuler:
-      options.kind = fem::IntegratorKind::kImplicitEuler;
-      break;
-    case IntegratorKind::kTrapezoidal:
-      options.kind = fem::IntegratorKind::kTrapezoidal;
-      break;
-    case IntegratorKind::kBdf2:
-      options.kind = fem::IntegratorKind::kBdf2;
-      break;
-    case IntegratorKind::kTrBdf2:
-      options.kind = fem::IntegratorKind::kTrBdf2;
-      break;
-  }
-  options.tick = 1.0 / config.tick_rate_hz;
-  options.max_substeps = settings.max_substeps;
-  options.newton_iterations = settings.newton_iterations;
-  options.highest_mode_damping = settings.highest_mode_damping;
-  options.precision = settings.precision == Precision::kMixed ? fem::Precision::kMixed : fem::Precision::kDouble;
-  options.linear_tolerance = settings.solver_tolerance;
-  options.newton_tolerance = std::min(options.newton_tolerance, settings.solver_tolerance);
-  options.linear_solver = settings.solver == LinearSolverKind::kDirect ? fem::LinearSolverKind::kDirect
-                                                                       : fem::LinearSolverKind::kConjugateGradient;
-  return options;
-}
-
 std::vector<std::size_t> order_schedule(const std::vector<ScheduledCommand>& commands) {
   std::vector<std::size_t> order(commands.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -96,7 +61,7 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       full_gravity(config->gravity),
       lineage(mesh.num_pieces()),
       model(mesh, initial->materials),
-      integrator(std::move(make_integrator), integrator_options(*config)) {
+      integrator(std::move(make_integrator), integrator_options(config->integrator, 1.0 / config->tick_rate_hz)) {
   contact.set_colliders(config->colliders, 0.5 * greatest_thickness(initial->materials));
   set_wind(config->wind);
   loads.grabs.reserve(kMaxGrabs);

@@ -98,13 +98,6 @@ Status validate_placement(const Placement& placement) {
                           "placement.y_axis");
 }
 
-Status validate_integrator(const IntegratorSettings& settings) {
-  if (Status s = check_integer(settings.max_substeps, 1, 100'000, "integrator.max_substeps"); !s) return s;
-  if (Status s = check_integer(settings.newton_iterations, 1, 100, "integrator.newton_iterations"); !s) return s;
-  if (Status s = check_number(settings.solver_tolerance, 1.0e-14, 0.1, "integrator.solver_tolerance"); !s) return s;
-  return check_number(settings.highest_mode_damping, 0.0, 0.5, "integrator.highest_mode_damping");
-}
-
 Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
   if (Status s = check_count(commands.size(), kMaxScheduledCommands, "commands", "commands"); !s) return s;
   for (std::size_t i = 0; i < commands.size(); ++i) {
@@ -158,7 +151,7 @@ Status validate(const SheetConfig& config) {
   if (Status s = validate(config.analysis); !s) return s;
   if (Status s = validate(config.probes); !s) return s;
   if (Status s = check_number(config.tick_rate_hz, 1.0, 1000.0, "tick_rate_hz"); !s) return s;
-  if (Status s = validate_integrator(config.integrator); !s) return s;
+  if (Status s = validate(config.integrator); !s) return s;
   if (Status s = check_integer(config.max_vertices, 3, kMaxVertices, "max_vertices"); !s) return s;
   if (Status s = validate_schedule(config.commands); !s) return s;
   if (Status s = check_integer(config.ticks, 0, kMaxTicks, "ticks"); !s) return s;

@@ -18,6 +18,7 @@
 #include "server/sheet/analysis_request.h"
 #include "server/sheet/command.h"
 #include "server/sheet/conditions.h"
+#include "server/sheet/integrator_settings.h"
 #include "server/sheet/sheet_materials.h"
 
 // Everything that is needed to start one sheet and to run it again, bit for bit: kerf.v1.Scene without Protocol
@@ -94,28 +95,6 @@ struct Placement {
   Eigen::Vector3d origin{0.0, 0.0, 0.0};  // m
   Eigen::Vector3d x_axis{1.0, 0.0, 0.0};  // -, unit (1e-6)
   Eigen::Vector3d y_axis{0.0, 0.0, 1.0};  // -, unit (1e-6), perpendicular to x_axis (1e-6)
-};
-
-enum class IntegratorKind {
-  kAutomatic,         // the cheaper of the two at the sheet's stiffness, step and size
-  kExplicitLeapfrog,  // stable substeps
-  kImplicitEuler,     // Newton iterations; first order, strongly damped
-  kTrapezoidal,       // likewise; second order, damps nothing
-  kBdf2,              // likewise; second order, damps what it does not resolve
-  kTrBdf2,            // likewise
-};
-enum class LinearSolverKind { kBlockJacobiCg, kDirect };
-enum class Precision { kDouble, kMixed };  // explicit: see fem::Precision
-
-struct IntegratorSettings {
-  IntegratorKind kind = IntegratorKind::kAutomatic;
-  std::int32_t max_substeps = 2000;    // explicit: a tick, 1..100000
-  std::int32_t newton_iterations = 2;  // implicit: a tick, 1..100
-  double solver_tolerance = 1.0e-4;    // implicit: relative residual of the linear solver, 1e-14..0.1; below 1e-4 of
-                                       // Newton's method as well
-  LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;
-  double highest_mode_damping = 0.05;  // explicit: -, 0..0.5, see fem::IntegratorOptions
-  Precision precision = Precision::kDouble;
 };
 
 // Takes effect at the start of `tick`: in the step that leads from tick - 1 to tick, before commands from outside.

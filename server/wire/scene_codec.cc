@@ -8,6 +8,7 @@
 #include "server/wire/command_codec.h"
 #include "server/wire/conditions_codec.h"
 #include "server/wire/geometry_codec.h"
+#include "server/wire/integrator_codec.h"
 #include "server/wire/json.h"
 #include "server/wire/material_codec.h"
 #include "server/wire/mesh_source_codec.h"
@@ -45,92 +46,6 @@ Result<contact::Collider> decode_collider(const v1::Collider& message, const std
       break;
   }
   return choice_missing(path + ".shape", "plane, sphere, box or capsule");
-}
-
-Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSettings& settings) {
-  switch (message.kind()) {
-    case v1::Integrator::KIND_UNSPECIFIED:
-    case v1::Integrator::AUTOMATIC:
-      settings.kind = sheet::IntegratorKind::kAutomatic;
-      break;
-    case v1::Integrator::EXPLICIT_LEAPFROG:
-      settings.kind = sheet::IntegratorKind::kExplicitLeapfrog;
-      break;
-    case v1::Integrator::IMPLICIT_EULER:
-      settings.kind = sheet::IntegratorKind::kImplicitEuler;
-      break;
-    case v1::Integrator::TRAPEZOIDAL:
-      settings.kind = sheet::IntegratorKind::kTrapezoidal;
-      break;
-    case v1::Integrator::BDF2:
-      settings.kind = sheet::IntegratorKind::kBdf2;
-      break;
-    case v1::Integrator::TR_BDF2:
-      settings.kind = sheet::IntegratorKind::kTrBdf2;
-      break;
-    default:
-      return unknown_enum("integrator.kind", static_cast<int>(message.kind()));
-  }
-  switch (message.solver()) {
-    case v1::Integrator::SOLVER_UNSPECIFIED:
-    case v1::Integrator::BLOCK_JACOBI_CG:
-      settings.solver = sheet::LinearSolverKind::kBlockJacobiCg;
-      break;
-    case v1::Integrator::DIRECT:
-      settings.solver = sheet::LinearSolverKind::kDirect;
-      break;
-    default:
-      return unknown_enum("integrator.solver", static_cast<int>(message.solver()));
-  }
-  switch (message.precision()) {
-    case v1::Integrator::PRECISION_UNSPECIFIED:
-    case v1::Integrator::DOUBLE:
-      settings.precision = sheet::Precision::kDouble;
-      break;
-    case v1::Integrator::MIXED:
-      settings.precision = sheet::Precision::kMixed;
-      break;
-    default:
-      return unknown_enum("integrator.precision", static_cast<int>(message.precision()));
-  }
-  if (message.max_substeps() != 0) settings.max_substeps = message.max_substeps();
-  if (message.newton_iterations() != 0) settings.newton_iterations = message.newton_iterations();
-  if (message.solver_tolerance() != 0.0) settings.solver_tolerance = message.solver_tolerance();
-  if (message.has_highest_mode_damping()) settings.highest_mode_damping = message.highest_mode_damping();
-  return Nothing{};
-}
-
-v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings) {
-  v1::Integrator message;
-  switch (settings.kind) {
-    case sheet::IntegratorKind::kAutomatic:
-      message.set_kind(v1::Integrator::AUTOMATIC);
-      break;
-    case sheet::IntegratorKind::kExplicitLeapfrog:
-      message.set_kind(v1::Integrator::EXPLICIT_LEAPFROG);
-      break;
-    case sheet::IntegratorKind::kImplicitEuler:
-      message.set_kind(v1::Integrator::IMPLICIT_EULER);
-      break;
-    case sheet::IntegratorKind::kTrapezoidal:
-      message.set_kind(v1::Integrator::TRAPEZOIDAL);
-      break;
-    case sheet::IntegratorKind::kBdf2:
-      message.set_kind(v1::Integrator::BDF2);
-      break;
-    case sheet::IntegratorKind::kTrBdf2:
-      message.set_kind(v1::Integrator::TR_BDF2);
-      break;
-  }
-  message.set_solver(settings.solver == sheet::LinearSolverKind::kDirect ? v1::Integrator::DIRECT
-                                                                         : v1::Integrator::BLOCK_JACOBI_CG);
-  message.set_precision(settings.precision == sheet::Precision::kMixed ? v1::Integrator::MIXED
-                                                                       : v1::Integrator::DOUBLE);
-  message.set_max_substeps(settings.max_substeps);
-  message.set_newton_iterations(settings.newton_iterations);
-  message.set_solver_tolerance(settings.solver_tolerance);
-  message.set_highest_mode_damping(settings.highest_mode_damping);
-  return message;
 }
 
 Status decode_materials(const v1::Scene& scene, sheet::SheetConfig& config) {

@@ -586,6 +586,24 @@ class Offline(Case):
         energies = [result["energies"]["kinetic_j"] for result in results]
         self.assertAlmostEqual(energies[0], energies[1], delta=1e-3 * abs(energies[0]))
 
+    def test_every_linear_solver_ends_near_the_direct_one(self):
+        scene = self.scene("solvers.json", integrator={"solver_tolerance": 1e-9, "max_linear_iterations": 100000})
+        results = {solver: self.json_of("run", scene, "--integrator", "implicit", "--solver", solver)
+                   for solver in ("direct", "cg", "jacobi-cg", "block-jacobi-cg")}
+        self.assertEqual(len({result["state_hash"] for result in results.values()}), 4)
+        exact = results["direct"]["energies"]["kinetic_j"]
+        for solver, result in results.items():
+            self.assertAlmostEqual(result["energies"]["kinetic_j"], exact, delta=1e-6 * exact, msg=solver)
+        self.assertIn("plain conjugate gradients", results["cg"]["integrator"])
+        self.refused("run", scene, "--solver", "gauss", code=2, says="gauss")
+
+    def test_one_linear_solve_a_tick_can_be_asked_for(self):
+        scene = self.scene("baseline.json", commands=[], integrator={
+            "kind": "IMPLICIT_EULER", "newton_iterations": 1, "solver": "PLAIN_CG", "max_linear_iterations": 3})
+        limited = self.json_of("run", scene)
+        self.assertEqual(limited["flagged_ticks"]["not_converged"], "20")
+        self.refused("run", self.scene("none.json", integrator={"max_linear_iterations": -1}), says="max_linear_iterations")
+
     def test_a_tampered_recording_names_the_tick(self):
         self.json_of("run", self.scene("tamper.json"), "--record", path("tamper.rec"))
         content = bytearray(pathlib.Path(path("tamper.rec")).read_bytes())

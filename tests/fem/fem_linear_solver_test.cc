@@ -2,7 +2,9 @@
 // positive definite.
 #include "server/fem/linear_solver.h"
 
+#include <algorithm>
 #include <array>
+#include <string>
 
 #include <Eigen/Cholesky>
 
@@ -53,6 +55,12 @@ System random_system(int side, double scale, std::uint64_t seed) {
     }
   }
   return system;
+}
+
+std::string name_of_test(LinearSolverKind kind) {
+  std::string name(name_of(kind).option);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
 }
 
 class LinearSolverContract : public testing::TestWithParam<LinearSolverKind> {
@@ -118,14 +126,17 @@ TEST_P(LinearSolverContract, RepeatsBitForBit) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LinearSolverContract,
-                         testing::Values(LinearSolverKind::kConjugateGradient, LinearSolverKind::kDirect),
+                         testing::Values(LinearSolverKind::kPlainCg, LinearSolverKind::kJacobiCg,
+                                         LinearSolverKind::kBlockJacobiCg, LinearSolverKind::kDirect),
                          [](const testing::TestParamInfo<LinearSolverKind>& tested) {
-                           return tested.param == LinearSolverKind::kDirect ? "Direct" : "ConjugateGradient";
+                           return name_of_test(tested.param);
                          });
 
-TEST(ConjugateGradient, StopsAtItsIterationLimitAndSaysSo) {
+class ConjugateGradients : public testing::TestWithParam<LinearSolverKind> {};
+
+TEST_P(ConjugateGradients, StopAtTheIterationLimitAndSaySo) {
   const System system = random_system(9, 1e4, 17);
-  const std::unique_ptr<LinearSolver> solver = make_linear_solver(LinearSolverKind::kConjugateGradient, 3);
+  const std::unique_ptr<LinearSolver> solver = make_linear_solver(GetParam(), 3);
   solver->analyse(system.A);
   SeededRandom random(2);
   const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
@@ -134,6 +145,39 @@ TEST(ConjugateGradient, StopsAtItsIterationLimitAndSaysSo) {
   EXPECT_FALSE(stats.converged);
   EXPECT_EQ(stats.iterations, 3);
   EXPECT_GT(stats.residual, 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ConjugateGradients,
+                         testing::Values(LinearSolverKind::kPlainCg, LinearSolverKind::kJacobiCg,
+                                         LinearSolverKind::kBlockJacobiCg),
+                         [](const testing::TestParamInfo<LinearSolverKind>& tested) {
+                           return name_of_test(tested.param);
+                         });
+
+// A preconditioner is exact where the matrix has no more than it looks at: one iteration then.
+TEST(ConjugateGradient, EachPreconditionerSeesWhatItSays) {
+  System system = random_system(6, 0.0, 4);
+  const int n = system.A.num_rows();
+  SeededRandom random(12);
+  const mesh::VertexField b = random_field(random, n, 1.0);
+  const auto iterations = [&](LinearSolverKind kind) {
+    const std::unique_ptr<LinearSolver> solver = make_linear_solver(kind, 1000);
+    solver->analyse(system.A);
+    mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, n);
+    const LinearStats stats = solver->solve(system.A, b, 1e-10, x);
+    EXPECT_TRUE(stats.converged);
+    return stats.iterations;
+  };
+  EXPECT_GT(iterations(LinearSolverKind::kPlainCg), 5);
+  EXPECT_EQ(iterations(LinearSolverKind::kJacobiCg), 1);
+  EXPECT_EQ(iterations(LinearSolverKind::kBlockJacobiCg), 1);
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Vector3d u = random_vector(random, 2.0);
+    system.A.block(system.A.diagonal(i)) += u * u.transpose();
+  }
+  EXPECT_GT(iterations(LinearSolverKind::kPlainCg), 5);
+  EXPECT_GT(iterations(LinearSolverKind::kJacobiCg), 5);
+  EXPECT_EQ(iterations(LinearSolverKind::kBlockJacobiCg), 1);
 }
 
 }  // namespace

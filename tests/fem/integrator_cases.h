@@ -26,17 +26,18 @@ inline IntegratorCase integrator_case(std::string name, IntegratorKind kind, Lin
 }
 
 inline IntegratorCase mixed_case() {
-  IntegratorCase result =
-      integrator_case("ExplicitMixed", IntegratorKind::kExplicit, LinearSolverKind::kConjugateGradient);
+  IntegratorCase result = integrator_case("ExplicitMixed", IntegratorKind::kExplicit, LinearSolverKind::kBlockJacobiCg);
   result.options.precision = Precision::kMixed;
   return result;
 }
 
 inline std::vector<IntegratorCase> all_integrators() {
   return {
-      integrator_case("Explicit", IntegratorKind::kExplicit, LinearSolverKind::kConjugateGradient),
+      integrator_case("Explicit", IntegratorKind::kExplicit, LinearSolverKind::kBlockJacobiCg),
       mixed_case(),
-      integrator_case("ImplicitEulerCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kConjugateGradient),
+      integrator_case("ImplicitEulerCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kBlockJacobiCg),
+      integrator_case("ImplicitEulerPlainCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kPlainCg),
+      integrator_case("ImplicitEulerJacobiCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kJacobiCg),
       integrator_case("ImplicitEulerDirect", IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
       integrator_case("TrBdf2Direct", IntegratorKind::kTrBdf2, LinearSolverKind::kDirect),
       integrator_case("Bdf2Direct", IntegratorKind::kBdf2, LinearSolverKind::kDirect),

@@ -191,6 +191,18 @@ TEST(SheetConfig, TimeAndIntegrator) {
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_substeps = 0; }), "integrator.max_substeps");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.newton_iterations = 101; }), "integrator.newton_iterations");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.solver_tolerance = 1e-15; }), "integrator.solver_tolerance");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.newton_iterations = 0; }), "integrator.newton_iterations");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.newton_iterations = 1; }), "accepted");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.newton_iterations = 100; }), "accepted");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.solver_tolerance = 1e-14; }), "accepted");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.solver_tolerance = 0.1; }), "accepted");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.solver_tolerance = 0.11; }), "integrator.solver_tolerance");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 0; }),
+            "integrator.max_linear_iterations");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 1; }), "accepted");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 1'000'000; }), "accepted");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 1'000'001; }),
+            "integrator.max_linear_iterations");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.highest_mode_damping = 0.0; }), "accepted");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.highest_mode_damping = 0.5; }), "accepted");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.highest_mode_damping = 0.51; }),

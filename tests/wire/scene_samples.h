@@ -191,6 +191,7 @@ inline v1::Scene full_scene() {
   integrator->set_max_substeps(77);
   integrator->set_newton_iterations(3);
   integrator->set_solver_tolerance(1e-6);
+  integrator->set_max_linear_iterations(123);
   integrator->set_highest_mode_damping(0.25);
   integrator->set_precision(v1::Integrator::MIXED);
   add_commands(scene);
@@ -309,6 +310,7 @@ inline std::vector<BadScene> bad_numbers() {
       {"integrator.max_substeps", [](v1::Scene& s) { s.mutable_integrator()->set_max_substeps(100001); }},
       {"integrator.newton_iterations", [](v1::Scene& s) { s.mutable_integrator()->set_newton_iterations(-1); }},
       {"integrator.solver_tolerance", [](v1::Scene& s) { s.mutable_integrator()->set_solver_tolerance(0.2); }},
+      {"integrator.max_linear_iterations", [](v1::Scene& s) { s.mutable_integrator()->set_max_linear_iterations(-1); }},
       {"integrator.highest_mode_damping", [](v1::Scene& s) { s.mutable_integrator()->set_highest_mode_damping(0.51); }},
       {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(2); }},
       {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(500'001); }},

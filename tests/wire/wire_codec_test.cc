@@ -76,6 +76,15 @@ TEST(SceneCodec, EveryMeshSourceComesBackUnchanged) {
   expect_equal(from_file, scene);
 }
 
+TEST(SceneCodec, EveryLinearSolverRoundTrips) {
+  const v1::Scene scene = full_scene();
+  for (const fem::LinearSolverName& name : fem::kLinearSolverNames) {
+    sheet::SheetConfig config = decoded(scene);
+    config.integrator.solver = name.kind;
+    EXPECT_EQ(decoded(encode_scene(config)).integrator.solver, name.kind) << name.option;
+  }
+}
+
 TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   v1::Scene scene;
   scene.mutable_grid()->set_columns(3);
@@ -93,6 +102,8 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   EXPECT_EQ(config.integrator.max_substeps, 2000);
   EXPECT_EQ(config.integrator.newton_iterations, 2);
   EXPECT_EQ(config.integrator.solver_tolerance, 1e-4);
+  EXPECT_EQ(config.integrator.solver, sheet::LinearSolverKind::kBlockJacobiCg);
+  EXPECT_EQ(config.integrator.max_linear_iterations, 1000);
   EXPECT_EQ(config.integrator.highest_mode_damping, 0.05);
   EXPECT_EQ(config.integrator.precision, sheet::Precision::kDouble);
   scene.mutable_wind();

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+
+#include "server/base/result.h"
+#include "server/fem/integrator.h"
+#include "server/fem/linear_solver_kind.h"
+
+namespace kerf::sheet {
+
+enum class IntegratorKind {
+  kAutomatic,         // the cheaper of the two at the sheet's stiffness, step and size
+  kExplicitLeapfrog,  // stable substeps
+  kImplicitEuler,     // Newton iterations; first order, strongly damped
+  kTrapezoidal,       // likewise; second order, damps nothing
+  kBdf2,              // likewise; second order, damps what it does not resolve
+  kTrBdf2,            // likewise
+};
+using fem::LinearSolverKind;
+enum class Precision { kDouble, kMixed };  // explicit: see fem::Precision
+
+struct IntegratorSettings {
+  IntegratorKind kind = IntegratorKind::kAutomatic;
+  std::int32_t max_substeps = 2000;    // explicit: a tick, 1..100000
+  std::int32_t newton_iterations = 2;  // implicit: a tick, 1..100
+  double solver_tolerance = 1.0e-4;    // implicit: relative residual of the linear solver, 1e-14..0.1; below 1e-4 of
+                                       // Newton's method as well
+  LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;  // implicit; kAutomatic chooses for itself
+  std::int32_t max_linear_iterations = 1000;                   // implicit: of a solve by conjugate gradients, 1..1e6
+  double highest_mode_damping = 0.05;                          // explicit: -, 0..0.5, see fem::IntegratorOptions
+  Precision precision = Precision::kDouble;
+};
+
+// Ranges; fields are named as in kerf.v1.Scene ("integrator.max_substeps").
+Status validate(const IntegratorSettings& settings);
+
+// What `fem` needs to know of them. tick: s, > 0.
+fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, double tick);
+
+}  // namespace kerf::sheet

@@ -1,0 +1,81 @@
+#include "server/wire/integrator_codec.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "server/wire/geometry_codec.h"
+
+namespace kerf::wire {
+namespace {
+
+using Kind = sheet::IntegratorKind;
+using Solver = sheet::LinearSolverKind;
+
+constexpr std::array<std::pair<v1::Integrator::Kind, Kind>, 6> kKinds{{
+    {v1::Integrator::AUTOMATIC, Kind::kAutomatic},
+    {v1::Integrator::EXPLICIT_LEAPFROG, Kind::kExplicitLeapfrog},
+    {v1::Integrator::IMPLICIT_EULER, Kind::kImplicitEuler},
+    {v1::Integrator::TRAPEZOIDAL, Kind::kTrapezoidal},
+    {v1::Integrator::BDF2, Kind::kBdf2},
+    {v1::Integrator::TR_BDF2, Kind::kTrBdf2},
+}};
+constexpr std::array<std::pair<v1::Integrator::Solver, Solver>, 4> kSolvers{{
+    {v1::Integrator::PLAIN_CG, Solver::kPlainCg},
+    {v1::Integrator::JACOBI_CG, Solver::kJacobiCg},
+    {v1::Integrator::BLOCK_JACOBI_CG, Solver::kBlockJacobiCg},
+    {v1::Integrator::DIRECT, Solver::kDirect},
+}};
+constexpr std::array<std::pair<v1::Integrator::Precision, sheet::Precision>, 2> kPrecisions{{
+    {v1::Integrator::DOUBLE, sheet::Precision::kDouble},
+    {v1::Integrator::MIXED, sheet::Precision::kMixed},
+}};
+
+// Enumerator 0, which is no choice, leaves `choice` as it is.
+template <typename Pairs, typename Enumerator, typename Choice>
+Status decode_choice(const Pairs& pairs, Enumerator given, const char* field, Choice& choice) {
+  if (static_cast<int>(given) == 0) return Nothing{};
+  for (const auto& [enumerator, meaning] : pairs) {
+    if (enumerator != given) continue;
+    choice = meaning;
+    return Nothing{};
+  }
+  return unknown_enum(field, static_cast<int>(given));
+}
+
+// Every choice is among the pairs.
+template <typename Pairs, typename Choice>
+auto encode_choice(const Pairs& pairs, Choice choice) {
+  return std::find_if(pairs.begin(), pairs.end(), [&](const auto& pair) { return pair.second == choice; })->first;
+}
+
+}  // namespace
+
+Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSettings& settings) {
+  if (Status s = decode_choice(kKinds, message.kind(), "integrator.kind", settings.kind); !s) return s;
+  if (Status s = decode_choice(kSolvers, message.solver(), "integrator.solver", settings.solver); !s) return s;
+  if (Status s = decode_choice(kPrecisions, message.precision(), "integrator.precision", settings.precision); !s) {
+    return s;
+  }
+  if (message.max_substeps() != 0) settings.max_substeps = message.max_substeps();
+  if (message.newton_iterations() != 0) settings.newton_iterations = message.newton_iterations();
+  if (message.solver_tolerance() != 0.0) settings.solver_tolerance = message.solver_tolerance();
+  if (message.max_linear_iterations() != 0) settings.max_linear_iterations = message.max_linear_iterations();
+  if (message.has_highest_mode_damping()) settings.highest_mode_damping = message.highest_mode_damping();
+  return Nothing{};
+}
+
+v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings) {
+  v1::Integrator message;
+  message.set_kind(encode_choice(kKinds, settings.kind));
+  message.set_solver(encode_choice(kSolvers, settings.solver));
+  message.set_precision(encode_choice(kPrecisions, settings.precision));
+  message.set_max_substeps(settings.max_substeps);
+  message.set_newton_iterations(settings.newton_iterations);
+  message.set_solver_tolerance(settings.solver_tolerance);
+  message.set_max_linear_iterations(settings.max_linear_iterations);
+  message.set_highest_mode_damping(settings.highest_mode_damping);
+  return message;
+}
+
+}  // namespace kerf::wire
