@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "server/fem/block_cholesky.h"
+#include "server/fem/direct_solver.h"
 #include "server/fem/loads.h"
 #include "server/fem/model.h"
 #include "server/fem/skew_correction.h"
@@ -89,7 +89,7 @@ class EquilibriumSolver {
   Progress search_line(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
 
   EquilibriumOptions options_;
-  BlockCholesky solver_;
+  DirectSolver solver_;
   SkewCorrection correction_;
   TangentMatrix matrix_;
   bool projects_ = false;                // the last step needed the projected tangent

@@ -1,6 +1,6 @@
 #include "server/fem/linear_solver.h"
 
-#include "server/fem/block_cholesky.h"
+#include "server/fem/direct_solver.h"
 #include "server/fem/conjugate_gradient.h"
 
 namespace kerf::fem {
@@ -12,7 +12,7 @@ std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_
     case LinearSolverKind::kJacobiCg:
       return std::make_unique<ConjugateGradient>(Preconditioner::kJacobi, max_iterations);
     case LinearSolverKind::kDirect:
-      return std::make_unique<BlockCholesky>();
+      return std::make_unique<DirectSolver>();
     case LinearSolverKind::kBlockJacobiCg:
       break;
   }

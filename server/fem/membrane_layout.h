@@ -7,20 +7,12 @@
 #include <vector>
 
 #include "server/fem/index_set.h"
+#include "server/fem/lanes16.h"
 #include "server/fem/model.h"
 #include "server/fem/row_store.h"
 #include "server/mesh/ids.h"
 
 namespace kerf::fem {
-
-// Lanes of a block of vertices or triangles. Fixed, and a multiple of the lanes of any vector register, so that results
-// do not depend on the processor.
-inline constexpr std::size_t kBlockLanes = 16;
-
-template <typename T>
-struct alignas(64) Lanes16 {
-  std::array<T, kBlockLanes> lane{};
-};
 
 // Corners 1 and 2 of the two triangles of a quad lie at these distances in vertex ids from its lowest vertex v:
 // (v, v + o[0], v + o[1]) and (v, v + o[1], v + o[2]). All 0: none.

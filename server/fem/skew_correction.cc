@@ -9,7 +9,7 @@ constexpr int kMaxIterations = 50;
 
 }  // namespace
 
-LinearStats SkewCorrection::solve(BlockCholesky& solver, const BlockMatrix& A, const BlockMatrix& N,
+LinearStats SkewCorrection::solve(DirectSolver& solver, const BlockMatrix& A, const BlockMatrix& N,
                                   const mesh::VertexField& b, double tolerance, mesh::VertexField& x) {
   for (mesh::VertexField* field : {&residual_, &step_, &product_}) field->resize(x.cols());
   LinearStats stats;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "server/fem/block_cholesky.h"
+#include "server/fem/direct_solver.h"
 #include "server/fem/block_matrix.h"
 #include "server/mesh/vertex_field.h"
 
@@ -13,7 +13,7 @@ class SkewCorrection {
  public:
   // `solver` has solved with A last, b and x (3 x V) being that right-hand side and that solution, where it starts.
   // Converged when |b - (A + N) x| <= tolerance |b|. Where it is not, x is the best that was found.
-  LinearStats solve(BlockCholesky& solver, const BlockMatrix& A, const BlockMatrix& N, const mesh::VertexField& b,
+  LinearStats solve(DirectSolver& solver, const BlockMatrix& A, const BlockMatrix& N, const mesh::VertexField& b,
                     double tolerance, mesh::VertexField& x);
 
  private:

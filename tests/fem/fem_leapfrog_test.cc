@@ -4,10 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include <hwy/targets.h>
-
 #include "server/cut/cut.h"
 #include "server/fem/membrane_layout.h"
+#include "tests/fem/instruction_sets.h"
 #include "tests/fem/integrator_cases.h"
 
 namespace kerf::fem {
@@ -79,21 +78,16 @@ TEST(Leapfrog, AcceleratesAsTheForcesOfTheModelSay) {
 }
 
 TEST(Leapfrog, GivesTheSameBitsOnEveryInstructionSet) {
-  const std::vector<std::int64_t> targets = hwy::SupportedAndGeneratedTargets();
-  std::printf("%zu instruction sets\n", targets.size());
+  std::printf("%zu instruction sets\n", hwy::SupportedAndGeneratedTargets().size());
   for (const mesh::TriangleMesh& mesh : meshes()) {
     const Model model(mesh, orthotropic_cloth());
     for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
       std::vector<State> results;
-      for (const std::int64_t target : targets) {
-        hwy::SetSupportedTargetsForTest(target);
-        hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+      for_each_instruction_set([&] {
         const std::unique_ptr<Integrator> integrator = make_integrator(options_of(precision));
         integrator->rebuild(model);
         results.push_back(stepped(model, *integrator, crumpled_state(mesh), 2));
-      }
-      hwy::SetSupportedTargetsForTest(0);
-      hwy::GetChosenTarget().DeInit();
+      });
       for (const State& result : results) EXPECT_TRUE(equal_bits(result, results.front()));
     }
   }

@@ -1,0 +1,25 @@
+#include "server/fem/direct_solver.h"
+
+namespace kerf::fem {
+
+void DirectSolver::analyse(const BlockMatrix& A) {
+  factor_.analyse(A);
+  residual_.resize(A.num_rows());
+}
+
+LinearStats DirectSolver::solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
+                                mesh::VertexField& x) {
+  LinearStats stats;
+  PivotRule<double> rule;
+  if (!factor_.factorise(A, {}, rule)) return stats;
+  factor_.solve(b, x);
+  stats.iterations = 1;
+  A.multiply(x, residual_);
+  residual_ -= b;
+  const double b_norm = b.norm();
+  stats.residual = b_norm > 0.0 ? residual_.norm() / b_norm : 0.0;
+  stats.converged = stats.residual <= tolerance && x.allFinite();
+  return stats;
+}
+
+}  // namespace kerf::fem

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "server/fem/linear_solver.h"
+#include "server/fem/supernodal_cholesky.h"
+#include "server/mesh/vertex_field.h"
+
+namespace kerf::fem {
+
+// A Cholesky factor in double precision, made anew in each solve.
+class DirectSolver final : public LinearSolver {
+ public:
+  void analyse(const BlockMatrix& A) override;
+  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
+  // With the matrix of the last solve(), which must have found it positive definite.
+  void solve_again(const mesh::VertexField& b, mesh::VertexField& x) { factor_.solve(b, x); }
+
+ private:
+  SupernodalCholesky<double> factor_;
+  mesh::VertexField residual_;  // 3 x N
+};
+
+}  // namespace kerf::fem
