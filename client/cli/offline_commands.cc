@@ -99,6 +99,11 @@ std::string summary(const v1::RunResult& result) {
                 result.state_hash().c_str());
   all += text;
   if (result.simulated_s() > 0.0) all += "  " + result.integrator() + "\n";
+  if (result.linear_iterations() > 0) {
+    std::snprintf(text, sizeof text, "  linear solves: %lld iterations, residual at most %.2g of the right-hand side\n",
+                  static_cast<long long>(result.linear_iterations()), result.linear_residual());
+    all += text;
+  }
   all.pop_back();
   const std::map<std::string, std::int64_t> flagged(result.flagged_ticks().begin(), result.flagged_ticks().end());
   if (result.has_static_()) all += "\n  " + describe(result.static_());
@@ -211,7 +216,7 @@ void add_offline_commands(CLI::App& app, Session& session) {
   running
       ->add_option("--solver", arguments->solver,
                    "Of the implicit integrators' linear systems, instead of the scene's:\n"
-                   "block-jacobi-cg, jacobi-cg, cg or direct")
+                   "block-jacobi-cg, jacobi-cg, cg or direct; es-cgm and as-cgm, which solve a different system")
       ->check(CLI::IsMember(solver_options()));
   running->callback(
       [&session, arguments] { session.action = [&session, arguments] { return run(session, *arguments); }; });

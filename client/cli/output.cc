@@ -100,7 +100,9 @@ std::string describe(const v1::Sheet& sheet) {
       format("%-20s %-8s tick %-8lld %6d vertices %6d triangles %3d %s  x%.2f real time", sheet.name().c_str(),
              name_of(sheet.run_state()), static_cast<long long>(sheet.tick()), sheet.num_vertices(),
              sheet.num_triangles(), sheet.pieces(), sheet.pieces() == 1 ? "piece" : "pieces", sheet.real_time_factor());
-  return sheet.state_hash().empty() ? text : text + "  hash " + sheet.state_hash();
+  const std::string solves =
+      sheet.linear_iterations() > 0 ? format("  linear residual %.2g", sheet.linear_residual()) : std::string();
+  return sheet.state_hash().empty() ? text + solves : text + solves + "  hash " + sheet.state_hash();
 }
 
 static std::string notes(const v1::CutResult& result) {

@@ -1,5 +1,6 @@
 #include "client/cli/scene_run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <string>
@@ -87,6 +88,8 @@ Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions&
       if (report.scheduled[i].reply) add_cuts(*report.scheduled[i].reply, timer.time(i), run.result);
     }
     timer.clear();
+    run.result.set_linear_iterations(run.result.linear_iterations() + report.stats.linear_iterations);
+    run.result.set_linear_residual(std::max(run.result.linear_residual(), report.stats.linear_residual));
     for (std::size_t bit = 0; bit < fem::kStepFlagNames.size(); ++bit) {
       if ((report.stats.flags >> bit & 1U) == 0) continue;
       ++(*run.result.mutable_flagged_ticks())[std::string(fem::kStepFlagNames[bit])];

@@ -80,6 +80,8 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   *sheet.mutable_scene() = wire::encode_settings({*status.config, status.gravity, status.wind});
   sheet.mutable_scene()->set_sheet_id(status.id);
   sheet.set_integrator(status.integrator);
+  sheet.set_linear_iterations(status.linear_iterations);
+  sheet.set_linear_residual(status.linear_residual);
   sheet.set_settings_version(status.stats.settings_version);
   return sheet;
 }

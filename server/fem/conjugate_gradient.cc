@@ -22,9 +22,10 @@ void ConjugateGradient::analyse(const BlockMatrix& A) {
   for (mesh::VertexField* vector : {&r_, &z_, &p_, &Ap_}) vector->resize(A.num_rows());
 }
 
-void ConjugateGradient::prepare(const BlockMatrix& A) {
+template <typename DiagonalBlock>
+void ConjugateGradient::prepare(const DiagonalBlock& diagonal_block) {
   for (std::size_t i = 0; i < inverse_diagonal_.size(); ++i) {
-    const Eigen::Matrix3d& block = A.block(A.diagonal(static_cast<int>(i)));
+    const Eigen::Matrix3d block = diagonal_block(static_cast<int>(i));
     if (preconditioner_ == Preconditioner::kJacobi) {
       inverse_diagonal_[i] = block.diagonal().cwiseInverse().asDiagonal();
     } else {
@@ -46,15 +47,31 @@ void ConjugateGradient::precondition() {
 
 LinearStats ConjugateGradient::solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
                                      mesh::VertexField& x) {
+  prepare([&A](int i) -> const Eigen::Matrix3d& { return A.block(A.diagonal(i)); });
+  return iterate([&A](const mesh::VertexField& p, mesh::VertexField& Ap) { A.multiply(p, Ap); }, b, tolerance, x);
+}
+
+LinearStats ConjugateGradient::solve(const Eigen::MatrixXd& A, const mesh::VertexField& b, double tolerance,
+                                     mesh::VertexField& x) {
+  prepare([&A](int i) -> Eigen::Matrix3d { return A.block<3, 3>(3 * i, 3 * i); });
+  const auto multiply = [&A](const mesh::VertexField& p, mesh::VertexField& Ap) {
+    Eigen::Map<Eigen::VectorXd> result(Ap.data(), Ap.size());
+    result.noalias() = A * Eigen::Map<const Eigen::VectorXd>(p.data(), p.size());
+  };
+  return iterate(multiply, b, tolerance, x);
+}
+
+template <typename Multiply>
+LinearStats ConjugateGradient::iterate(const Multiply& multiply, const mesh::VertexField& b, double tolerance,
+                                       mesh::VertexField& x) {
   LinearStats stats;
-  prepare(A);
   const double b_norm = std::sqrt(dot(b, b));
   if (b_norm == 0.0) {
     x.setZero();
     stats.converged = true;
     return stats;
   }
-  A.multiply(x, Ap_);
+  multiply(x, Ap_);
   r_ = b - Ap_;
   precondition();
   p_ = z_;
@@ -63,7 +80,7 @@ LinearStats ConjugateGradient::solve(const BlockMatrix& A, const mesh::VertexFie
     const double r_norm = std::sqrt(dot(r_, r_));
     stats.converged = r_norm <= tolerance * b_norm;
     if (stats.converged || stats.iterations == max_iterations_ || !std::isfinite(r_norm)) break;
-    A.multiply(p_, Ap_);
+    multiply(p_, Ap_);
     const double curvature = dot(p_, Ap_);
     if (!(curvature > 0.0)) break;  // not positive definite
     const double alpha = rz / curvature;
@@ -75,7 +92,7 @@ LinearStats ConjugateGradient::solve(const BlockMatrix& A, const mesh::VertexFie
     rz = rz_next;
     ++stats.iterations;
   }
-  A.multiply(x, Ap_);
+  multiply(x, Ap_);
   r_ = b - Ap_;
   stats.residual = std::sqrt(dot(r_, r_)) / b_norm;
   if (!x.allFinite()) stats.converged = false;

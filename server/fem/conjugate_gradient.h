@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "server/fem/linear_solver.h"
 #include "server/mesh/vertex_field.h"
 
@@ -21,9 +23,16 @@ class ConjugateGradient final : public LinearSolver {
 
   void analyse(const BlockMatrix& A) override;
   LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
+  // The same of a dense A, 3N x 3N, N that of analyse().
+  LinearStats solve(const Eigen::MatrixXd& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x);
 
  private:
-  void prepare(const BlockMatrix& A);
+  // diagonal_block(i): the 3x3 block of A.
+  template <typename DiagonalBlock>
+  void prepare(const DiagonalBlock& diagonal_block);
+  // multiply(x, y): y = A x.
+  template <typename Multiply>
+  LinearStats iterate(const Multiply& multiply, const mesh::VertexField& b, double tolerance, mesh::VertexField& x);
   void precondition();  // z_ = P^-1 r_
 
   Preconditioner preconditioner_;

@@ -72,6 +72,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     const int substeps = num_substeps() << halving;
     const double h = dt / substeps;
     stats.residual = 0.0;
+    stats.linear_residual = 0.0;
     done = true;
     if (contact != nullptr) contact->begin(state.x);
     for (int i = 1; i <= substeps && done; ++i) {

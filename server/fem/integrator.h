@@ -30,12 +30,17 @@ inline constexpr std::array<std::string_view, 8> kStepFlagNames{
     "not_converged", "substepped", "strain_limit", "substep_limit", "frozen", "repaired", "energy_limited", "widened"};
 static_assert(kWidened == 1U << (kStepFlagNames.size() - 1));
 
+inline constexpr double kWorstLinearResidual = 1e6;
+
 // What a step did. Degradation is a value: the caller decides what it means.
 struct StepStats {
   std::uint32_t flags = kNoFlags;
   int substeps = 0;
   int newton_iterations = 0;  // summed over substeps
   int linear_iterations = 0;  // summed over Newton iterations
+  // Largest relative residual |b - A x| / |b| of a linear solve, recomputed from x; kWorstLinearResidual stands for
+  // anything beyond.
+  double linear_residual = 0.0;
   double residual = 0.0;    // largest final Newton residual of a substep, relative (see IntegratorOptions); 0: explicit
   double max_strain = 0.0;  // -, largest |principal strain| at the end of the step
   double simulated = 0.0;   // s, time the state advanced: dt, 0 when frozen, less than dt with kSubstepLimit
@@ -76,6 +81,7 @@ struct IntegratorOptions {
                                    // (kg m), scale the same for ballistic motion, but no less than 1e-3 of that of
                                    // standing still, nor than what rounding leaves
   LinearSolverKind linear_solver = LinearSolverKind::kBlockJacobiCg;  // kAutomatic chooses between this and kDirect
+  CovarianceRootOptions covariance_root;                              // of kEsCgm and kAsCgm
   double linear_tolerance = 1e-4;                                     // -, see linear_solver.h
   int max_linear_iterations = 1000;                                   // of one solve by conjugate gradients, >= 1
   int max_halvings = 6;                                               // of a step that fails

@@ -17,7 +17,8 @@ struct LinearStats {
                            // definite or x not finite
 };
 
-// Solves A x = b for a symmetric positive definite A of 3x3 blocks.
+// Solves A x = b for a symmetric positive definite A of 3x3 blocks, but those that solve a different system (see
+// LinearSolverName), which never do.
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
@@ -32,6 +33,8 @@ class LinearSolver {
 };
 
 // max_iterations limits the iterative solvers; the direct one ignores it.
-std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_iterations);
+// `root` is of those that solve a different system.
+std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_iterations,
+                                                 const CovarianceRootOptions& root = {});
 
 }  // namespace kerf::fem

@@ -11,24 +11,44 @@ enum class LinearSolverKind {
   kJacobiCg,       // preconditioned with the inverse diagonal
   kBlockJacobiCg,  // preconditioned with the inverse 3x3 diagonal blocks, which follow the rotation of the sheet
   kDirect,         // 3x3-block LDL^T
+  kEsCgm,          // a dense matrix in place of A: *solves a different system*; see CovarianceRoot
+  kAsCgm,          // likewise
 };
 
 struct LinearSolverName {
   LinearSolverKind kind;
   std::string_view option;       // on a command line
   std::string_view description;  // for people
+  bool solves_different_system = false;
 };
 
 // In the order of the enumeration.
-inline constexpr std::array<LinearSolverName, 4> kLinearSolverNames{{
+inline constexpr std::array<LinearSolverName, 6> kLinearSolverNames{{
     {LinearSolverKind::kPlainCg, "cg", "plain conjugate gradients"},
     {LinearSolverKind::kJacobiCg, "jacobi-cg", "Jacobi-preconditioned conjugate gradients"},
     {LinearSolverKind::kBlockJacobiCg, "block-jacobi-cg", "block-Jacobi-preconditioned conjugate gradients"},
     {LinearSolverKind::kDirect, "direct", "direct solver"},
+    {LinearSolverKind::kEsCgm, "es-cgm", "ES-CGM, which solves a different system", true},
+    {LinearSolverKind::kAsCgm, "as-cgm", "AS-CGM, which solves a different system", true},
 }};
 
 constexpr const LinearSolverName& name_of(LinearSolverKind kind) {
   return kLinearSolverNames[static_cast<std::size_t>(kind)];
 }
+
+enum class EigenvalueNorm {
+  kPower,  // lambda^p (eq. 3.25 of what CovarianceRoot cites)
+  kLog,    // log10 lambda (eq. 3.24; base 10 as in the example beside it): negative below 1, the matrix then indefinite
+};
+
+// Of kEsCgm and kAsCgm, see CovarianceRoot.
+struct CovarianceRootOptions {
+  EigenvalueNorm norm = EigenvalueNorm::kPower;  // ES-CGM alone
+  double power = 0.5;                            // -, p > 0; ES-CGM alone
+  int newton_schulz_iterations = 5;              // AS-CGM alone, >= 1; the thesis gives no number
+};
+
+inline constexpr int kMaxCovarianceVertices =
+    500;  // matrices are dense: memory grows with the square, work with the cube
 
 }  // namespace kerf::fem

@@ -23,7 +23,11 @@ using Update = StageContact::Update;
 }  // namespace
 
 StageSolver::StageSolver(const IntegratorOptions& options)
-    : options_(options), solver_(make_linear_solver(options.linear_solver, options.max_linear_iterations)) {}
+    : options_(options),
+      solver_(make_linear_solver(options.linear_solver, options.max_linear_iterations, options.covariance_root)) {
+  if (!name_of(options.linear_solver).solves_different_system) return;
+  repair_solver_ = make_linear_solver(LinearSolverKind::kBlockJacobiCg, options.max_linear_iterations);
+}
 
 void StageSolver::rebuild(const Model& model) {
   matrix_.rebuild(model);
@@ -43,6 +47,7 @@ void StageSolver::resize(const Model& model) {
     field->resize(model.num_vertices());
   }
   solver_->analyse(matrix_.blocks());
+  if (repair_solver_) repair_solver_->analyse(matrix_.blocks());
 }
 
 void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, bool predicted) {
@@ -160,7 +165,7 @@ void StageSolver::solve_next(const Problem& problem, const mesh::VertexField& x,
     step_.setZero();
     constrain(problem, x);
     contact_.add_stiffness(problem.stage.d * problem.stage.d, matrix_.blocks());
-    solve_linear(stats, step_);
+    solve_linear(predicted || !repair_solver_ ? *solver_ : *repair_solver_, stats, step_);
   } while (leave_out_loads());
 }
 
@@ -189,7 +194,7 @@ double StageSolver::solve_first(const Problem& problem, const mesh::VertexField&
   const double departure = rhs_.norm();
   contact_.add_stiffness(d * d, matrix_.blocks());
   increment_.setZero();
-  solve_linear(stats, increment_);
+  solve_linear(*solver_, stats, increment_);
   step_ += increment_;
   const double rounding = std::numeric_limits<double>::epsilon() * d * d *
                           problem.model.materials().largest_membrane_trace() * x.cwiseAbs().maxCoeff() *
@@ -338,11 +343,14 @@ double StageSolver::merit(const Problem& problem, const mesh::VertexField& x, co
   return kinetic + d * d * potential;
 }
 
-void StageSolver::solve_linear(StepStats& stats, mesh::VertexField& x) {
-  const LinearStats linear = solver_->solve(matrix_.blocks(), rhs_, options_.linear_tolerance, x);
+void StageSolver::solve_linear(LinearSolver& solver, StepStats& stats, mesh::VertexField& x) {
+  const LinearStats linear = solver.solve(matrix_.blocks(), rhs_, options_.linear_tolerance, x);
   stats.linear_iterations += linear.iterations;
   is_solved_ = linear.converged;
-  if (!is_solved_ && !follows_loads_) stats.flags |= kNotConverged;
+  if (!is_solved_ && follows_loads_) return;  // see leave_out_loads()
+  if (!is_solved_) stats.flags |= kNotConverged;
+  const bool is_bounded = linear.residual < kWorstLinearResidual;
+  stats.linear_residual = std::max(stats.linear_residual, is_bounded ? linear.residual : kWorstLinearResidual);
 }
 
 }  // namespace kerf::fem

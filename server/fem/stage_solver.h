@@ -92,10 +92,11 @@ class StageSolver {
   // matrix from being positive definite. They stay in the residual; it is left out until the stage is solved.
   bool leave_out_loads();
   // matrix_ x = rhs_, x holding the guess; leaves in is_solved_ whether it was found.
-  void solve_linear(StepStats& stats, mesh::VertexField& x);
+  void solve_linear(LinearSolver& solver, StepStats& stats, mesh::VertexField& x);
 
   IntegratorOptions options_;
   std::unique_ptr<LinearSolver> solver_;
+  std::unique_ptr<LinearSolver> repair_solver_;  // where solver_ solves a different system: its steps may not descend
   StageContact contact_;
   TangentMatrix matrix_;
   bool follows_loads_ = false;  // whether matrix_ has the tangent of follower loads

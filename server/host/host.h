@@ -57,6 +57,8 @@ struct SheetStatus {
   sheet::Wind wind;                                  // in force
   std::shared_ptr<const sheet::SheetConfig> config;  // as created
   std::string integrator;                            // which one runs and why
+  std::int32_t linear_iterations = 0;                // of the last tick, see fem::StepStats
+  double linear_residual = 0.0;                      // -, likewise
 };
 
 struct CommandTimings {

@@ -8,16 +8,28 @@
 
 namespace kerf::host {
 
-// Durations in fixed classes; counts[i] holds those <= kBounds[i] and above the bound before, the last one the rest.
-struct DurationHistogram {
-  static constexpr std::array<double, 12> kBounds{1.0e-5, 1.0e-4, 2.5e-4, 5.0e-4, 1.0e-3, 2.5e-3,
-                                                  5.0e-3, 1.0e-2, 1.7e-2, 3.3e-2, 1.0e-1, 1.0};  // s
-  std::array<std::uint64_t, kBounds.size() + 1> counts{};
-  double sum_s = 0.0;
+// Values in fixed classes; counts[i] holds those <= kBounds[i] and above the bound before, the last one the rest.
+template <const auto& kLimits>
+struct Histogram {
+  static constexpr const auto& kBounds = kLimits;
+  std::array<std::uint64_t, kLimits.size() + 1> counts{};
+  double sum = 0.0;
   std::uint64_t total = 0;
 
-  void add(double duration_s);
+  void add(double value) {
+    std::size_t bin = 0;
+    while (bin < kBounds.size() && value > kBounds[bin]) ++bin;
+    ++counts[bin];
+    sum += value;
+    ++total;
+  }
 };
+
+inline constexpr std::array<double, 12> kDurationBounds{1.0e-5, 1.0e-4, 2.5e-4, 5.0e-4, 1.0e-3, 2.5e-3,
+                                                        5.0e-3, 1.0e-2, 1.7e-2, 3.3e-2, 1.0e-1, 1.0};  // s
+using DurationHistogram = Histogram<kDurationBounds>;
+inline constexpr std::array<double, 8> kResidualBounds{1.0e-12, 1.0e-8, 1.0e-6, 1.0e-4, 1.0e-3, 1.0e-2, 0.1, 1.0};  // -
+using ResidualHistogram = Histogram<kResidualBounds>;
 
 // What a host has done and holds now. Counters never fall; they include sheets deleted since.
 struct HostMetrics {
@@ -33,10 +45,12 @@ struct HostMetrics {
   std::int64_t sleeps = 0;            // times a sheet fell asleep
   // Ticks that reported the flag of that bit, see fem::StepFlags and fem::kStepFlagNames.
   std::array<std::int64_t, fem::kStepFlagNames.size()> flagged_ticks{};
-  double slipped_s = 0.0;           // s, simulated time given up
-  double tick_cpu_s = 0.0;          // s, thread CPU time of all ticks
-  DurationHistogram tick_duration;  // wall time of a tick, publishing included
-  DurationHistogram cut_duration;   // wall time of a cut: plan, apply, remesh, model update
+  double slipped_s = 0.0;              // s, simulated time given up
+  double tick_cpu_s = 0.0;             // s, thread CPU time of all ticks
+  std::int64_t linear_iterations = 0;  // of implicit integrators
+  ResidualHistogram linear_residual;   // largest of a tick, see fem::StepStats; of ticks of implicit integrators
+  DurationHistogram tick_duration;     // wall time of a tick, publishing included
+  DurationHistogram cut_duration;      // wall time of a cut: plan, apply, remesh, model update
   // Now.
   std::int32_t sheets = 0;
   std::int32_t running_sheets = 0;

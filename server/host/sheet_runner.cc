@@ -228,6 +228,8 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.wind = sheet_.wind();
   status.config = sheet_.shared_config();
   status.integrator = sheet_.integrator_description();
+  status.linear_iterations = last_step_.linear_iterations;
+  status.linear_residual = last_step_.linear_residual;
   return status;
 }
 

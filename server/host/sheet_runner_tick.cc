@@ -47,6 +47,7 @@ bool SheetRunner::run_once(bool advance) {
   } else if (report.advanced) {
     pace_.add_cpu(cpu);
   }
+  if (report.advanced) last_step_ = report.stats;
   note_status();
   publish();
   count(report, results, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
@@ -139,6 +140,10 @@ void SheetRunner::count(const sheet::TickReport& report, const std::vector<Resul
     if (report.step_failed) ++m.failed_ticks;
     for (std::size_t bit = 0; bit < m.flagged_ticks.size(); ++bit)
       m.flagged_ticks[bit] += report.stats.flags >> bit & 1U;
+    if (report.advanced && report.stats.newton_iterations > 0) {
+      m.linear_iterations += report.stats.linear_iterations;
+      m.linear_residual.add(report.stats.linear_residual);
+    }
     m.commands += num_done;
     m.commands_refused += num_refused;
     for (const Result<CommandResult>& result : results) {

@@ -1,7 +1,9 @@
 #include "server/sheet/integrator_settings.h"
 
 #include <algorithm>
+#include <string>
 
+#include "server/mesh/triangle_mesh.h"
 #include "server/sheet/field_checks.h"
 
 namespace kerf::sheet {
@@ -13,7 +15,31 @@ Status validate(const IntegratorSettings& settings) {
   if (Status s = check_integer(settings.max_linear_iterations, 1, 1'000'000, "integrator.max_linear_iterations"); !s) {
     return s;
   }
+  const fem::CovarianceRootOptions& root = settings.covariance_root;
+  if (Status s = check_number(root.power, 0.01, 2.0, "integrator.covariance_root.p"); !s) return s;
+  if (Status s =
+          check_integer(root.newton_schulz_iterations, 1, 50, "integrator.covariance_root.newton_schulz_iterations");
+      !s) {
+    return s;
+  }
   return check_number(settings.highest_mode_damping, 0.0, 0.5, "integrator.highest_mode_damping");
+}
+
+std::int32_t vertex_limit(const IntegratorSettings& settings) {
+  const bool is_implicit =
+      settings.kind != IntegratorKind::kAutomatic && settings.kind != IntegratorKind::kExplicitLeapfrog;
+  const bool is_dense = is_implicit && fem::name_of(settings.solver).solves_different_system;
+  return is_dense ? fem::kMaxCovarianceVertices : mesh::kMaxVertices;
+}
+
+Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_vertices) {
+  const std::int32_t limit = vertex_limit(settings);
+  if (num_vertices <= limit) return Nothing{};
+  return Error{ErrorCode::kResourceExhausted, "SOLVER_TOO_DENSE",
+               "the sheet has " + std::to_string(num_vertices) +
+                   " vertices; ES_CGM and AS_CGM make dense matrices, of " + std::to_string(limit) +
+                   " at most: take another integrator.solver or a coarser mesh",
+               "integrator.solver"};
 }
 
 fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, double tick) {
@@ -47,6 +73,9 @@ fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, do
   options.newton_tolerance = std::min(options.newton_tolerance, settings.solver_tolerance);
   options.linear_solver = settings.solver;
   options.max_linear_iterations = settings.max_linear_iterations;
+  options.covariance_root = settings.covariance_root;
+  // A dense solve takes up to seconds: not 2^halvings of them.
+  if (fem::name_of(settings.solver).solves_different_system) options.max_halvings = 0;
   return options;
 }
 

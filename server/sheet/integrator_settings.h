@@ -16,6 +16,7 @@ enum class IntegratorKind {
   kBdf2,              // likewise; second order, damps what it does not resolve
   kTrBdf2,            // likewise
 };
+using fem::EigenvalueNorm;
 using fem::LinearSolverKind;
 enum class Precision { kDouble, kMixed };  // explicit: see fem::Precision
 
@@ -27,12 +28,17 @@ struct IntegratorSettings {
                                        // Newton's method as well
   LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;  // implicit; kAutomatic chooses for itself
   std::int32_t max_linear_iterations = 1000;                   // implicit: of a solve by conjugate gradients, 1..1e6
+  fem::CovarianceRootOptions covariance_root;                  // power 0.01..2, newton_schulz_iterations 1..50
   double highest_mode_damping = 0.05;                          // explicit: -, 0..0.5, see fem::IntegratorOptions
   Precision precision = Precision::kDouble;
 };
 
 // Ranges; fields are named as in kerf.v1.Scene ("integrator.max_substeps").
 Status validate(const IntegratorSettings& settings);
+
+// Most vertices that a sheet can have with these, cuts included, and the error that says so.
+std::int32_t vertex_limit(const IntegratorSettings& settings);
+Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_vertices);
 
 // What `fem` needs to know of them. tick: s, > 0.
 fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, double tick);

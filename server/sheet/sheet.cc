@@ -238,6 +238,7 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
                      std::to_string(config.max_vertices),
                  ""};
   }
+  if (Status s = check_vertex_limit(config.integrator, built->mesh.num_vertices()); !s) return s.error();
   Result<std::vector<mesh::VertexId>> pinned = find_vertices(built->mesh, config.pins, "pins");
   if (!pinned) return pinned.error();
   Result<std::vector<fem::Material>> materials = assign_materials(config, built->mesh);

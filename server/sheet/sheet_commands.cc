@@ -94,7 +94,7 @@ cut::CutRequest Sheet::Impl::request_of(const Cut& cut) const {
   request.options.tip_grading = cut.tip_grading;
   request.options.relax = cut.relax;
   request.options.width_m = cut.width;
-  request.options.max_vertices = config->max_vertices;
+  request.options.max_vertices = std::min(config->max_vertices, vertex_limit(config->integrator));
   request.options.fit = cut.fit;
   request.options.dash = cut.dash;
   request.view = cut.view;

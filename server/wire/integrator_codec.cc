@@ -20,11 +20,17 @@ constexpr std::array<std::pair<v1::Integrator::Kind, Kind>, 6> kKinds{{
     {v1::Integrator::BDF2, Kind::kBdf2},
     {v1::Integrator::TR_BDF2, Kind::kTrBdf2},
 }};
-constexpr std::array<std::pair<v1::Integrator::Solver, Solver>, 4> kSolvers{{
+constexpr std::array<std::pair<v1::Integrator::Solver, Solver>, 6> kSolvers{{
     {v1::Integrator::PLAIN_CG, Solver::kPlainCg},
     {v1::Integrator::JACOBI_CG, Solver::kJacobiCg},
     {v1::Integrator::BLOCK_JACOBI_CG, Solver::kBlockJacobiCg},
     {v1::Integrator::DIRECT, Solver::kDirect},
+    {v1::Integrator::ES_CGM, Solver::kEsCgm},
+    {v1::Integrator::AS_CGM, Solver::kAsCgm},
+}};
+constexpr std::array<std::pair<v1::CovarianceRoot::Norm, sheet::EigenvalueNorm>, 2> kNorms{{
+    {v1::CovarianceRoot::P_NORM, sheet::EigenvalueNorm::kPower},
+    {v1::CovarianceRoot::LOG_NORM, sheet::EigenvalueNorm::kLog},
 }};
 constexpr std::array<std::pair<v1::Integrator::Precision, sheet::Precision>, 2> kPrecisions{{
     {v1::Integrator::DOUBLE, sheet::Precision::kDouble},
@@ -61,6 +67,13 @@ Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSetting
   if (message.newton_iterations() != 0) settings.newton_iterations = message.newton_iterations();
   if (message.solver_tolerance() != 0.0) settings.solver_tolerance = message.solver_tolerance();
   if (message.max_linear_iterations() != 0) settings.max_linear_iterations = message.max_linear_iterations();
+  const v1::CovarianceRoot& root = message.covariance_root();
+  const char* const norm_field = "integrator.covariance_root.norm";
+  if (Status s = decode_choice(kNorms, root.norm(), norm_field, settings.covariance_root.norm); !s) return s;
+  if (root.p() != 0.0) settings.covariance_root.power = root.p();
+  if (root.newton_schulz_iterations() != 0) {
+    settings.covariance_root.newton_schulz_iterations = root.newton_schulz_iterations();
+  }
   if (message.has_highest_mode_damping()) settings.highest_mode_damping = message.highest_mode_damping();
   return Nothing{};
 }
@@ -74,6 +87,10 @@ v1::Integrator encode_integrator(const sheet::IntegratorSettings& settings) {
   message.set_newton_iterations(settings.newton_iterations);
   message.set_solver_tolerance(settings.solver_tolerance);
   message.set_max_linear_iterations(settings.max_linear_iterations);
+  v1::CovarianceRoot& root = *message.mutable_covariance_root();
+  root.set_norm(encode_choice(kNorms, settings.covariance_root.norm));
+  root.set_p(settings.covariance_root.power);
+  root.set_newton_schulz_iterations(settings.covariance_root.newton_schulz_iterations);
   message.set_highest_mode_damping(settings.highest_mode_damping);
   return message;
 }

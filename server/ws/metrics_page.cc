@@ -54,17 +54,18 @@ class Page {
     families_.push_back({std::move(name), std::move(help), MetricType::Gauge, {}});
   }
 
-  void histogram(std::string name, std::string help, const host::DurationHistogram& durations) {
+  template <typename Histogram>
+  void histogram(std::string name, std::string help, const Histogram& histogram) {
     ClientMetric metric;
     std::uint64_t cumulative = 0;
-    for (std::size_t i = 0; i < durations.counts.size(); ++i) {
-      cumulative += durations.counts[i];
-      const double bound = i < host::DurationHistogram::kBounds.size() ? host::DurationHistogram::kBounds[i]
-                                                                       : std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < histogram.counts.size(); ++i) {
+      cumulative += histogram.counts[i];
+      const double bound =
+          i < Histogram::kBounds.size() ? Histogram::kBounds[i] : std::numeric_limits<double>::infinity();
       metric.histogram.bucket.push_back({cumulative, bound});
     }
-    metric.histogram.sample_count = durations.total;
-    metric.histogram.sample_sum = durations.sum_s;
+    metric.histogram.sample_count = histogram.total;
+    metric.histogram.sample_sum = histogram.sum;
     families_.push_back({std::move(name), std::move(help), MetricType::Histogram, {std::move(metric)}});
   }
 
@@ -86,6 +87,9 @@ void add_host(Page& page, const host::HostMetrics& host) {
                host.slipped_s);
   page.counter("kerf_tick_cpu_seconds_total", "CPU time of all ticks.", host.tick_cpu_s);
   page.histogram("kerf_tick_duration_seconds", "Wall time of a tick, publishing included.", host.tick_duration);
+  page.counter("kerf_linear_iterations_total", "Iterations of linear solvers.", host.linear_iterations);
+  page.histogram("kerf_linear_residual", "Largest true relative residual of the linear solves of a tick.",
+                 host.linear_residual);
   page.counter("kerf_snapshots_total", "Snapshots built; none is built unwatched.", host.snapshots);
   page.counter("kerf_contact_phases_total", "Substeps in which colliders were looked at.", host.contact_phases);
   page.counter("kerf_cuts_total", "Cuts applied.", host.cuts);

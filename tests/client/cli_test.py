@@ -604,6 +604,22 @@ class Offline(Case):
         self.assertEqual(limited["flagged_ticks"]["not_converged"], "20")
         self.refused("run", self.scene("none.json", integrator={"max_linear_iterations": -1}), says="max_linear_iterations")
 
+    def test_solvers_of_another_system_say_so(self):
+        implicit = {"kind": "IMPLICIT_EULER"}
+        sound = self.json_of("run", self.scene("sound.json", integrator=implicit))
+        self.assertLess(sound["linear_residual"], 1e-3)
+        self.assertGreater(int(sound["linear_iterations"]), 20)
+        scene = self.scene("es.json", integrator=implicit, commands=[], grid={"columns": 6, "rows": 6, "width_m": 1, "height_m": 1})
+        for solver in ("es-cgm", "as-cgm"):
+            result = self.json_of("run", scene, "--solver", solver)
+            self.assertIn("solves a different system", result["integrator"])
+            self.assertGreater(result["linear_residual"], 0.1)
+            self.assertEqual(result["flagged_ticks"]["not_converged"], "20")
+            self.assertIn("residual at most", kerf("run", scene, "--solver", solver).stdout)
+            self.refused("run", self.scene("large.json", grid={"columns": 3, "rows": 167, "width_m": 1, "height_m": 1},
+                                           integrator=implicit), "--solver", solver, says="SOLVER_TOO_DENSE")
+        self.refused("run", self.scene("p.json", integrator={"covariance_root": {"p": 3}}), says="covariance_root.p")
+
     def test_a_tampered_recording_names_the_tick(self):
         self.json_of("run", self.scene("tamper.json"), "--record", path("tamper.rec"))
         content = bytearray(pathlib.Path(path("tamper.rec")).read_bytes())

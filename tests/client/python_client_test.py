@@ -331,6 +331,13 @@ class Sheets(Case):
             made = self.server.create_scene(given, "py-scene", paused=True)
             self.assertEqual(made.get().num_vertices, 12)
             made.delete()
+        solved = self.server.create_scene({**scene, "integrator": {"kind": "IMPLICIT_EULER", "solver": "PLAIN_CG"}},
+                                          "py-solver", paused=True)
+        solved.step(3)
+        self.assertIn("plain conjugate gradients", solved.get().integrator)
+        self.assertGreater(solved.get().linear_iterations, 0)
+        self.assertLess(solved.get().linear_residual, 1e-3)
+        solved.delete()
         with self.assertRaisesRegex(ValueError, "colour"):
             self.server.create_scene({"colour": "red"})
 

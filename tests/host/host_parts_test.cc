@@ -160,7 +160,7 @@ TEST(Metrics, HistogramPutsBoundsIntoTheirOwnClass) {
   EXPECT_EQ(histogram.counts[1], 1U);
   EXPECT_EQ(histogram.counts.back(), 1U);
   EXPECT_EQ(histogram.total, 4U);
-  EXPECT_NEAR(histogram.sum_s, 2.000021, 1e-12);
+  EXPECT_NEAR(histogram.sum, 2.000021, 1e-12);
 }
 
 // Both disks keep the same promises.

@@ -203,6 +203,21 @@ TEST(SheetConfig, TimeAndIntegrator) {
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 1'000'000; }), "accepted");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 1'000'001; }),
             "integrator.max_linear_iterations");
+  for (const double power : {0.01, 2.0}) {
+    EXPECT_EQ(field_of([=](SheetConfig& c) { c.integrator.covariance_root.power = power; }), "accepted");
+  }
+  for (const double power : {0.0099, 2.01, -0.5, kNan}) {
+    EXPECT_EQ(field_of([=](SheetConfig& c) { c.integrator.covariance_root.power = power; }),
+              "integrator.covariance_root.p");
+  }
+  for (const int iterations : {1, 50}) {
+    EXPECT_EQ(field_of([=](SheetConfig& c) { c.integrator.covariance_root.newton_schulz_iterations = iterations; }),
+              "accepted");
+  }
+  for (const int iterations : {0, 51}) {
+    EXPECT_EQ(field_of([=](SheetConfig& c) { c.integrator.covariance_root.newton_schulz_iterations = iterations; }),
+              "integrator.covariance_root.newton_schulz_iterations");
+  }
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.highest_mode_damping = 0.0; }), "accepted");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.highest_mode_damping = 0.5; }), "accepted");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.highest_mode_damping = 0.51; }),

@@ -192,6 +192,9 @@ inline v1::Scene full_scene() {
   integrator->set_newton_iterations(3);
   integrator->set_solver_tolerance(1e-6);
   integrator->set_max_linear_iterations(123);
+  integrator->mutable_covariance_root()->set_norm(v1::CovarianceRoot::LOG_NORM);
+  integrator->mutable_covariance_root()->set_p(0.25);
+  integrator->mutable_covariance_root()->set_newton_schulz_iterations(7);
   integrator->set_highest_mode_damping(0.25);
   integrator->set_precision(v1::Integrator::MIXED);
   add_commands(scene);
@@ -311,6 +314,14 @@ inline std::vector<BadScene> bad_numbers() {
       {"integrator.newton_iterations", [](v1::Scene& s) { s.mutable_integrator()->set_newton_iterations(-1); }},
       {"integrator.solver_tolerance", [](v1::Scene& s) { s.mutable_integrator()->set_solver_tolerance(0.2); }},
       {"integrator.max_linear_iterations", [](v1::Scene& s) { s.mutable_integrator()->set_max_linear_iterations(-1); }},
+      {"integrator.covariance_root.norm",
+       [](v1::Scene& s) {
+         s.mutable_integrator()->mutable_covariance_root()->set_norm(static_cast<v1::CovarianceRoot::Norm>(3));
+       }},
+      {"integrator.covariance_root.p",
+       [](v1::Scene& s) { s.mutable_integrator()->mutable_covariance_root()->set_p(-0.5); }},
+      {"integrator.covariance_root.newton_schulz_iterations",
+       [](v1::Scene& s) { s.mutable_integrator()->mutable_covariance_root()->set_newton_schulz_iterations(51); }},
       {"integrator.highest_mode_damping", [](v1::Scene& s) { s.mutable_integrator()->set_highest_mode_damping(0.51); }},
       {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(2); }},
       {"max_vertices", [](v1::Scene& s) { s.set_max_vertices(500'001); }},

@@ -104,6 +104,9 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   EXPECT_EQ(config.integrator.solver_tolerance, 1e-4);
   EXPECT_EQ(config.integrator.solver, sheet::LinearSolverKind::kBlockJacobiCg);
   EXPECT_EQ(config.integrator.max_linear_iterations, 1000);
+  EXPECT_EQ(config.integrator.covariance_root.norm, sheet::EigenvalueNorm::kPower);
+  EXPECT_EQ(config.integrator.covariance_root.power, 0.5);
+  EXPECT_EQ(config.integrator.covariance_root.newton_schulz_iterations, 5);
   EXPECT_EQ(config.integrator.highest_mode_damping, 0.05);
   EXPECT_EQ(config.integrator.precision, sheet::Precision::kDouble);
   scene.mutable_wind();

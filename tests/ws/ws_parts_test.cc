@@ -178,7 +178,9 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   host.tick_duration.counts[3] = 5;
   host.tick_duration.counts.back() = 1;
   host.tick_duration.total = 8;
-  host.tick_duration.sum_s = 2.25;
+  host.linear_iterations = 70;
+  host.linear_residual.add(0.5);
+  host.tick_duration.sum = 2.25;
   HttpCounts http;
   http.requests = 7;
   const std::string page = metrics_page(host, http, 4, "1.2.3");
@@ -188,8 +190,9 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
         "kerf_flagged_ticks_total{flag=\"substepped\"} 6\n", "kerf_flagged_ticks_total{flag=\"repaired\"} 0\n",
         "# TYPE kerf_tick_duration_seconds histogram\n", "kerf_tick_duration_seconds_bucket{le=\"1e-05\"} 2\n",
         "kerf_tick_duration_seconds_bucket{le=\"+Inf\"} 8\n", "kerf_tick_duration_seconds_count 8\n",
-        "kerf_tick_duration_seconds_sum 2.25\n", "kerf_http_requests_total 7\n", "kerf_watch_streams 4\n",
-        "kerf_build_info{version=\"1.2.3\"} 1\n"}) {
+        "kerf_tick_duration_seconds_sum 2.25\n", "kerf_linear_iterations_total 70\n",
+        "kerf_linear_residual_bucket{le=\"0.1\"} 0\n", "kerf_linear_residual_bucket{le=\"1\"} 1\n",
+        "kerf_http_requests_total 7\n", "kerf_watch_streams 4\n", "kerf_build_info{version=\"1.2.3\"} 1\n"}) {
     EXPECT_NE(page.find(line), std::string::npos) << line << "is not in\n" << page;
   }
 }

@@ -1,0 +1,188 @@
+// The tables of tests/bench/README.md "Linear solvers": what each makes of the same linear system of a step.
+//   solver_bench [wool|soft]
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <limits>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "server/base/check.h"
+#include "server/fem/covariance_root.h"
+#include "server/fem/integrator.h"
+#include "server/fem/linear_solver.h"
+#include "server/fem/membrane.h"
+#include "server/fem/tangent_matrix.h"
+#include "server/mesh/grid_mesh.h"
+
+namespace kerf::bench {
+namespace {
+
+constexpr double kStep = 1.0 / 60.0;  // s
+constexpr int kSteps = 30;            // from the horizontal to where the system is taken
+constexpr double kTolerance = 1e-6;
+constexpr int kMaxIterations = 10000;
+
+// One step of implicit Euler, linearised where it begins: A dx = b with A = M + h^2 K, b = M h v + h^2 (f + M g).
+struct System {
+  fem::TangentMatrix tangent;
+  mesh::VertexField b;      // 3 x V, kg m
+  Eigen::MatrixXd dense;    // A
+  mesh::VertexField exact;  // 3 x V, m: dx
+};
+
+// A sheet that has fallen from the horizontal, two corners pinned.
+System make_system(const fem::Material& material, int side) {
+  const mesh::TriangleMesh mesh = mesh::make_grid({.num_x = side, .num_y = side}).value();
+  const fem::Model model(mesh, material);
+  fem::State state;
+  state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  state.v = state.x;
+  for (int v = 0; v < mesh.num_vertices(); ++v) state.x.col(v).head<2>() = mesh.rest_position(v);
+  fem::Loads loads;
+  for (const int v : {side * (side - 1), side * side - 1}) {
+    loads.pins.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
+  }
+  fem::IntegratorOptions options;
+  options.kind = fem::IntegratorKind::kImplicitEuler;
+  options.linear_solver = fem::LinearSolverKind::kDirect;
+  options.newton_iterations = 50;
+  const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
+  integrator->rebuild(model);
+  for (int i = 0; i < kSteps; ++i) integrator->step(model, loads, kStep, nullptr, state);
+
+  System system;
+  const fem::MaterialScale scale{kStep * kStep, kStep, {}};
+  system.tangent.rebuild(model);
+  system.tangent.set_mass(model, 1.0);
+  system.tangent.add_membrane(model, state.x, {}, scale, kStep * kStep, true);
+  system.tangent.add_bending(model, scale);
+  mesh::VertexField force = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  mesh::VertexField scratch(mesh.num_vertices());
+  fem::add_membrane_forces(model.element_blocks(), model.materials(), {}, state.x, state.v, force);
+  model.add_bending_forces(state.x, state.v, {}, scratch, force);
+  system.b.resize(mesh.num_vertices());
+  for (int v = 0; v < mesh.num_vertices(); ++v) {
+    const double m = model.mass()[static_cast<std::size_t>(v)];
+    system.b.col(v) = m * (kStep * state.v.col(v) + kStep * kStep * loads.gravity) + kStep * kStep * force.col(v);
+  }
+  system.exact = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  system.tangent.constrain(model, loads.pins, 0.0, state.x, system.b, system.exact);
+  const fem::BlockMatrix& A = system.tangent.blocks();
+  system.dense = Eigen::MatrixXd::Zero(3 * A.num_rows(), 3 * A.num_rows());
+  for (int i = 0; i < A.num_rows(); ++i) {
+    for (int at = A.row_begin(i); at < A.row_end(i); ++at)
+      system.dense.block<3, 3>(3 * i, 3 * A.column(at)) = A.block(at);
+  }
+  const Eigen::LLT<Eigen::MatrixXd> factor(system.dense);
+  KERF_CHECK(factor.info() == Eigen::Success, "the tangent is positive definite");
+  system.exact.reshaped() = factor.solve(Eigen::VectorXd(system.b.reshaped()));
+  return system;
+}
+
+// Largest over smallest |eigenvalue| of a symmetric matrix; infinite where it is not finite.
+double condition(const Eigen::MatrixXd& matrix) {
+  if (!matrix.allFinite()) return std::numeric_limits<double>::infinity();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix, Eigen::EigenvaluesOnly);
+  const Eigen::VectorXd sizes = eigen.eigenvalues().cwiseAbs();
+  return sizes.maxCoeff() / sizes.minCoeff();
+}
+
+// S A S^T, whose condition preconditioned conjugate gradients see: S the inverse roots of 1x1 or 3x3 diagonal blocks.
+Eigen::MatrixXd scaled(const Eigen::MatrixXd& A, Eigen::Index block) {
+  Eigen::MatrixXd result = A;
+  for (Eigen::Index i = 0; i < A.rows(); i += block) {
+    const Eigen::MatrixXd L = Eigen::LLT<Eigen::MatrixXd>(A.block(i, i, block, block)).matrixL();
+    const Eigen::MatrixXd S = L.inverse();
+    result.middleRows(i, block) = Eigen::MatrixXd(S * result.middleRows(i, block));
+    result.middleCols(i, block) = Eigen::MatrixXd(result.middleCols(i, block) * S.transpose());
+  }
+  return result;
+}
+
+struct Row {
+  std::string name;
+  fem::LinearSolverKind kind;
+  fem::CovarianceRootOptions root;
+};
+
+std::vector<Row> rows() {
+  using fem::EigenvalueNorm;
+  using Kind = fem::LinearSolverKind;
+  return {
+      {"direct", Kind::kDirect, {}},
+      {"plain CG", Kind::kPlainCg, {}},
+      {"Jacobi CG", Kind::kJacobiCg, {}},
+      {"block-Jacobi CG", Kind::kBlockJacobiCg, {}},
+      {"ES-CGM, p = 1/2, *solves a different system*", Kind::kEsCgm, {EigenvalueNorm::kPower, 0.5, 1}},
+      {"ES-CGM, log, *solves a different system*", Kind::kEsCgm, {EigenvalueNorm::kLog, 0.5, 1}},
+      {"AS-CGM, 1 iteration, *solves a different system*", Kind::kAsCgm, {EigenvalueNorm::kPower, 0.5, 1}},
+      {"AS-CGM, 5 iterations, *solves a different system*", Kind::kAsCgm, {EigenvalueNorm::kPower, 0.5, 5}},
+      {"AS-CGM, 10 iterations, *solves a different system*", Kind::kAsCgm, {EigenvalueNorm::kPower, 0.5, 10}},
+  };
+}
+
+// What stands in place of A; for preconditioned solvers a matrix of the same condition as what they see.
+Eigen::MatrixXd matrix_of(const Row& row, const System& system) {
+  const fem::BlockMatrix& A = system.tangent.blocks();
+  fem::CovarianceRoot root(row.root);
+  switch (row.kind) {
+    case fem::LinearSolverKind::kEsCgm:
+      root.resize(A.num_rows(), row.kind);
+      return root.exact(A);
+    case fem::LinearSolverKind::kAsCgm:
+      root.resize(A.num_rows(), row.kind);
+      return root.approximate(A);
+    case fem::LinearSolverKind::kJacobiCg:
+      return scaled(system.dense, 1);
+    case fem::LinearSolverKind::kBlockJacobiCg:
+      return scaled(system.dense, 3);
+    default:
+      return system.dense;
+  }
+}
+
+void report(const Row& row, const System& system) {
+  const std::unique_ptr<fem::LinearSolver> solver = fem::make_linear_solver(row.kind, kMaxIterations, row.root);
+  solver->analyse(system.tangent.blocks());
+  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, system.b.cols());
+  const std::clock_t begin = std::clock();
+  const fem::LinearStats stats = solver->solve(system.tangent.blocks(), system.b, kTolerance, x);
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  const Eigen::MatrixXd matrix = matrix_of(row, system);
+  const bool is_other = fem::name_of(row.kind).solves_different_system;
+  const Eigen::VectorXd own = is_other ? Eigen::VectorXd(system.b.reshaped() - matrix * x.reshaped())
+                                       : Eigen::VectorXd(system.b.reshaped() - system.dense * x.reshaped());
+  const double error = (x - system.exact).colwise().norm().maxCoeff();
+  std::printf("| %s | %.2g | %d | %.2g | %.2g | %.3g | %.1f |\n", row.name.c_str(), condition(matrix), stats.iterations,
+              own.norm() / system.b.norm(), stats.residual, 1e3 * error, 1e3 * seconds);
+  std::fflush(stdout);
+}
+
+void measure(const char* name, const fem::Material& material) {
+  for (const int side : {12, 20}) {
+    const System system = make_system(material, side);
+    std::printf(
+        "%s, %d x %d vertices; the largest step of a vertex is %.1f mm\n\n"
+        "| solver | condition | iterations | own residual | true residual | error mm | CPU ms |\n"
+        "|---|---|---|---|---|---|---|\n",
+        name, side, side, 1e3 * system.exact.colwise().norm().maxCoeff());
+    for (const Row& row : rows()) report(row, system);
+    std::printf("\n");
+  }
+}
+
+}  // namespace
+}  // namespace kerf::bench
+
+int main(int argc, char** argv) {
+  const std::string_view only = argc > 1 ? argv[1] : "";
+  if (only != "soft") kerf::bench::measure("Wool", kerf::fem::find_preset("wool").value());
+  if (only != "wool") kerf::bench::measure("Soft", kerf::fem::isotropic(1.0e6, 0.3, 5.0e-4, 1000.0));
+  return 0;
+}
