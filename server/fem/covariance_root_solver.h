@@ -13,7 +13,7 @@ class CovarianceRootSolver final : public LinearSolver {
  public:
   // kind: kEsCgm or kAsCgm.
   CovarianceRootSolver(LinearSolverKind kind, const CovarianceRootOptions& options, int max_iterations)
-      : kind_(kind), root_(options), solver_(Preconditioner::kNone, max_iterations) {}
+      : kind_(kind), root_(options), solver_(make_diagonal_preconditioner(Diagonal::kOnes), max_iterations) {}
 
   // A: at most kMaxCovarianceVertices rows.
   void analyse(const BlockMatrix& A) override;

@@ -66,6 +66,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
   scratch_.stage.contact = contact;
+  solver_.forget();
   bool done = false;
   for (int halving = 0; halving <= options_.max_halvings && !done; ++halving) {
     if (halving > 0) stats.flags |= kSubstepped;

@@ -47,7 +47,7 @@ struct StepStats {
 };
 
 enum class IntegratorKind {
-  kAutomatic,      // explicit, or implicit Euler with the better linear solver: see automatic_integrator.h
+  kAutomatic,      // explicit, or TR-BDF2 with the better linear solver: see automatic_integrator.h
   kExplicit,       // velocity Verlet (leapfrog) with stable substeps: second order, symplectic, hardly any damping
   kImplicitEuler,  // first order, strongly damped, robust
   kTrBdf2,         // trapezoidal rule + BDF2, second order, L-stable; two solves a step

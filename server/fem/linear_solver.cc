@@ -3,18 +3,37 @@
 #include "server/fem/conjugate_gradient.h"
 #include "server/fem/covariance_root_solver.h"
 #include "server/fem/direct_solver.h"
+#include "server/fem/preconditioner.h"
 
 namespace kerf::fem {
+namespace {
+
+std::unique_ptr<Preconditioner> make_preconditioner(LinearSolverKind kind) {
+  switch (kind) {
+    case LinearSolverKind::kPlainCg:
+      return make_diagonal_preconditioner(Diagonal::kOnes);
+    case LinearSolverKind::kJacobiCg:
+      return make_diagonal_preconditioner(Diagonal::kEntries);
+    case LinearSolverKind::kFactorCg:
+      return make_factor_preconditioner();
+    default:
+      return make_diagonal_preconditioner(Diagonal::kBlocks);
+  }
+}
+
+}  // namespace
 
 std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_iterations,
                                                  const CovarianceRootOptions& root) {
   switch (kind) {
-    case LinearSolverKind::kPlainCg:
-      return std::make_unique<ConjugateGradient>(Preconditioner::kNone, max_iterations);
-    case LinearSolverKind::kJacobiCg:
-      return std::make_unique<ConjugateGradient>(Preconditioner::kJacobi, max_iterations);
     case LinearSolverKind::kDirect:
       return std::make_unique<DirectSolver>();
     case LinearSolverKind::kEsCgm:
     case LinearSolverKind::kAsCgm:
       return std::make_unique<CovarianceRootSolver>(kind, root, max_iterations);
+    default:
+      return std::make_unique<ConjugateGradient>(make_preconditioner(kind), max_iterations);
+  }
+}
+
+}  // namespace kerf::fem

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -30,6 +31,12 @@ class LinearSolver {
   // |b - A x| <= tolerance |b|. Never allocates.
   virtual LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
                             mesh::VertexField& x) = 0;
+
+  // Nothing of the matrices so far is to have an influence on the solves to come.
+  virtual void forget() {}
+  // Where the solver wants to know how vertices have turned, a rotation of each (see find_vertex_frames), to be set
+  // before a solve; null for others.
+  virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
 };
 
 // max_iterations limits the iterative solvers; the direct one ignores it.

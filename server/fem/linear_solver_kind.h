@@ -10,7 +10,8 @@ enum class LinearSolverKind {
   kPlainCg,        // conjugate gradients without a preconditioner
   kJacobiCg,       // preconditioned with the inverse diagonal
   kBlockJacobiCg,  // preconditioned with the inverse 3x3 diagonal blocks, which follow the rotation of the sheet
-  kDirect,         // 3x3-block LDL^T
+  kFactorCg,       // preconditioned with a Cholesky factor in single precision that turns with the sheet
+  kDirect,         // Cholesky factor in double precision
   kEsCgm,          // a dense matrix in place of A: *solves a different system*; see CovarianceRoot
   kAsCgm,          // likewise
 };
@@ -23,10 +24,11 @@ struct LinearSolverName {
 };
 
 // In the order of the enumeration.
-inline constexpr std::array<LinearSolverName, 6> kLinearSolverNames{{
+inline constexpr std::array<LinearSolverName, 7> kLinearSolverNames{{
     {LinearSolverKind::kPlainCg, "cg", "plain conjugate gradients"},
     {LinearSolverKind::kJacobiCg, "jacobi-cg", "Jacobi-preconditioned conjugate gradients"},
     {LinearSolverKind::kBlockJacobiCg, "block-jacobi-cg", "block-Jacobi-preconditioned conjugate gradients"},
+    {LinearSolverKind::kFactorCg, "factor-cg", "factor-preconditioned conjugate gradients"},
     {LinearSolverKind::kDirect, "direct", "direct solver"},
     {LinearSolverKind::kEsCgm, "es-cgm", "ES-CGM, which solves a different system", true},
     {LinearSolverKind::kAsCgm, "as-cgm", "AS-CGM, which solves a different system", true},

@@ -8,6 +8,7 @@
 #include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
 #include "server/fem/membrane.h"
+#include "server/fem/vertex_frames.h"
 
 namespace kerf::fem {
 namespace {
@@ -54,6 +55,9 @@ void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, b
   const double d = problem.stage.d;
   const MaterialScale material_scale{d * d, d, problem.beta};
   const std::span<const Eigen::Vector3d> stress(stress_);
+  if (std::vector<Eigen::Matrix3d>* const frames = solver_->frames()) {
+    find_vertex_frames(problem.model.element_blocks(), x, *frames);
+  }
   matrix_.set_mass(problem.model, 1.0, d);
   matrix_.add_membrane(problem.model, x, predicted ? stress : stress.first(0), material_scale, d * d, true);
   matrix_.add_bending(problem.model, material_scale);

@@ -41,6 +41,8 @@ class StageSolver {
   void rebuild(const Model& model);
   // The same where the last Model::follow is all that has changed since the call before.
   void follow(const Model& model);
+  // What the stages so far left in the linear solver is to have no influence on those to come.
+  void forget() { solver_->forget(); }
   // constant_force: 3 x V, N. state.x: where to start from; becomes the solution, state.v its velocity. False: no
   // finite solution was found, state is then undefined. Adds to the counters of stats, its flags and residual.
   bool solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force, const Stage& stage,

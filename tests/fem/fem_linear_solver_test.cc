@@ -81,10 +81,74 @@ TEST_P(LinearSolverContract, RepeatsBitForBit) {
 
 INSTANTIATE_TEST_SUITE_P(All, LinearSolverContract,
                          testing::Values(LinearSolverKind::kPlainCg, LinearSolverKind::kJacobiCg,
-                                         LinearSolverKind::kBlockJacobiCg, LinearSolverKind::kDirect),
+                                         LinearSolverKind::kBlockJacobiCg, LinearSolverKind::kFactorCg,
+                                         LinearSolverKind::kDirect),
                          [](const testing::TestParamInfo<LinearSolverKind>& tested) {
                            return name_of_test(tested.param);
                          });
+
+// Q A Q^T, Q having `turns` on its diagonal.
+System turned(const System& system, const std::vector<Eigen::Matrix3d>& turns) {
+  System result = system;
+  for (int i = 0; i < system.A.num_rows(); ++i) {
+    for (int at = system.A.row_begin(i); at < system.A.row_end(i); ++at) {
+      const auto j = static_cast<std::size_t>(system.A.column(at));
+      result.A.block(at) = turns[static_cast<std::size_t>(i)] * system.A.block(at) * turns[j].transpose();
+    }
+  }
+  return result;
+}
+
+TEST(FactorCg, AFactorServesAMatrixThatTurnedWithItsFrames) {
+  SeededRandom random(12);
+  const System system = random_system(9, 1e3, 4);
+  const std::unique_ptr<LinearSolver> solver = make_linear_solver(LinearSolverKind::kFactorCg, 100);
+  solver->analyse(system.A);
+  const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
+  const int fresh = solver->solve(system.A, b, 1e-9, x).iterations;
+  EXPECT_LE(fresh, 4);
+  for (Eigen::Matrix3d& frame : *solver->frames()) frame = random_rotation(random);
+  const System after = turned(system, *solver->frames());
+  x.setZero();
+  const LinearStats stats = solver->solve(after.A, b, 1e-9, x);
+  EXPECT_TRUE(stats.converged);
+  EXPECT_LE(stats.iterations, fresh + 1);
+}
+
+TEST(FactorCg, AFactorThatServesBadlyIsMadeAnew) {
+  SeededRandom random(13);
+  const System first = random_system(9, 1e3, 4);
+  const System second = random_system(9, 1e3, 5);
+  const std::unique_ptr<LinearSolver> solver = make_linear_solver(LinearSolverKind::kFactorCg, 100);
+  solver->analyse(first.A);
+  const mesh::VertexField b = random_field(random, first.A.num_rows(), 1.0);
+  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
+  solver->solve(first.A, b, 1e-9, x);
+  x.setZero();
+  const LinearStats stats = solver->solve(second.A, b, 1e-9, x);
+  EXPECT_TRUE(stats.converged);
+  EXPECT_LE(stats.iterations, 8);  // two to see that the old one will not do
+}
+
+TEST(FactorCg, WhatWasForgottenHasNoInfluence) {
+  SeededRandom random(14);
+  const System first = random_system(7, 1e3, 4);
+  const System second = random_system(7, 1.1e3, 4);
+  const mesh::VertexField b = random_field(random, first.A.num_rows(), 1.0);
+  const auto solved = [&](bool forgets, bool begins_with_first) {
+    const std::unique_ptr<LinearSolver> solver = make_linear_solver(LinearSolverKind::kFactorCg, 100);
+    solver->analyse(first.A);
+    mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
+    if (begins_with_first) solver->solve(first.A, b, 1e-6, x);
+    if (forgets) solver->forget();
+    x.setZero();
+    solver->solve(second.A, b, 1e-6, x);
+    return x;
+  };
+  EXPECT_EQ(solved(true, true), solved(false, false));
+  EXPECT_NE(solved(false, true), solved(false, false));
+}
 
 class ConjugateGradients : public testing::TestWithParam<LinearSolverKind> {};
 
