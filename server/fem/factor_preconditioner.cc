@@ -34,14 +34,20 @@ class FactorPreconditioner final : public Preconditioner {
   }
 
   void apply(const mesh::VertexField& r, mesh::VertexField& z) override {
+    const double largest = r.cwiseAbs().maxCoeff();
+    if (!(largest > 0.0)) {
+      z = r;
+      return;
+    }
+    const double scale = 1.0 / largest;  // floats have their limits
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const auto column = static_cast<Eigen::Index>(i);
-      turned_.col(column).noalias() = frames_[i].transpose() * r.col(column);
+      turned_.col(column) = frames_[i].transpose() * (scale * r.col(column));
     }
     factor_.solve(turned_, turned_);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const auto column = static_cast<Eigen::Index>(i);
-      z.col(column).noalias() = frames_[i] * turned_.col(column);
+      z.col(column) = frames_[i] * (largest * turned_.col(column));
     }
   }
 

@@ -53,7 +53,7 @@ void ImplicitIntegrator::resize(const Model& model) {
   for (mesh::VertexField* field :
        {&scratch_.start.x, &scratch_.start.v, &scratch_.substep_start.x, &scratch_.substep_start.v, &scratch_.before.x,
         &scratch_.before.v, &scratch_.force, &scratch_.constant, &scratch_.damped, &scratch_.stage.base.x,
-        &scratch_.stage.base.v}) {
+        &scratch_.stage.base.v, &scratch_.stage.ballistic}) {
     field->resize(model.num_vertices());
   }
 }
@@ -123,6 +123,21 @@ bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, const S
   }
 }
 
+// From `start` on for t (s), gravity making t2 (s^2) times itself of way.
+void ImplicitIntegrator::set_ballistic(const State& start, double t, double t2, const Eigen::Vector3d& gravity) {
+  scratch_.stage.ballistic = (start.x + t * start.v).colwise() + t2 * gravity;
+}
+
+// The stage of the trapezoidal rule that begins at `start`, scratch_.stage.d being half of its length.
+void ImplicitIntegrator::begin_trapezoidal(const Model& model, const Loads& loads, double time_left,
+                                           const State& start) {
+  Stage& stage = scratch_.stage;
+  evaluate_acceleration(model, loads, time_left, start);
+  stage.base.x = start.x + stage.d * start.v;
+  stage.base.v = start.v + stage.d * scratch_.force;
+  set_ballistic(start, 2.0 * stage.d, 2.0 * stage.d * stage.d, loads.gravity);
+}
+
 bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, const Substep& substep, State& state,
                                        StepStats& stats) {
   const double h = substep.h;
@@ -131,6 +146,7 @@ bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, c
   stage.base.v = state.v;
   stage.start = &stage.base.x;
   stage.d = h;
+  set_ballistic(state, h, h * h, loads.gravity);
   stage.time_left = substep.time_left;
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
 }
@@ -149,14 +165,13 @@ bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads,
   stage.d = 0.5 * kGamma * h;
   stage.continues = false;
 
-  evaluate_acceleration(model, loads, substep.time_left + h, state);
-  stage.base.x = start.x + stage.d * start.v;
-  stage.base.v = start.v + stage.d * scratch_.force;
+  begin_trapezoidal(model, loads, substep.time_left + h, state);
   stage.time_left = substep.time_left + (1.0 - kGamma) * h;
   if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
 
   stage.base.x = kNew * state.x - kOld * start.x;
   stage.base.v = kNew * state.v - kOld * start.v;
+  set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
   stage.continues = true;
   stage.time_left = substep.time_left;
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
@@ -172,9 +187,7 @@ bool ImplicitIntegrator::advance_trapezoidal(const Model& model, const Loads& lo
   stage.start = &start.x;
   stage.d = 0.5 * h;
   stage.continues = false;
-  evaluate_acceleration(model, loads, substep.time_left + h, state);
-  stage.base.x = start.x + stage.d * start.v;
-  stage.base.v = start.v + stage.d * scratch_.force;
+  begin_trapezoidal(model, loads, substep.time_left + h, state);
   stage.time_left = substep.time_left;
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
 }
@@ -195,6 +208,7 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, co
     stage.continues = true;
     stage.base.x = (4.0 * start.x - before.x) / 3.0;
     stage.base.v = (4.0 * start.v - before.v) / 3.0;
+    set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
     stage.time_left = substep.time_left;
     evaluate_constant_force(model, loads, stage.d, stage.base);  // drag is limited by what it acts on
     if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;

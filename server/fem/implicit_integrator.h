@@ -43,6 +43,8 @@ class ImplicitIntegrator final : public Integrator {
   [[nodiscard]] int num_substeps() const { return options_.kind == IntegratorKind::kBdf2 ? kBdf2Substeps : 1; }
   bool keep_energy(const Model& model, const Loads& loads, State& state, StepStats& stats) const;
   bool advance(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
+  void set_ballistic(const State& start, double t, double t2, const Eigen::Vector3d& gravity);
+  void begin_trapezoidal(const Model& model, const Loads& loads, double time_left, const State& start);
   bool advance_euler(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   bool advance_tr_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   bool advance_trapezoidal(const Model& model, const Loads& loads, const Substep& substep, State& state,

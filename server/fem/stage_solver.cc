@@ -183,9 +183,8 @@ bool StageSolver::leave_out_loads() {
 // relative to what forces do and not to the momentum a moving sheet has anyway, and free fall is exact.
 double StageSolver::solve_first(const Problem& problem, const mesh::VertexField& x, StepStats& stats) {
   const double d = problem.stage.d;
-  const Eigen::Vector3d fall = d * d * problem.loads.gravity;
   rhs_ = residual_;
-  step_ = (d * problem.stage.base.v).colwise() + fall;
+  step_ = problem.stage.ballistic - x;
   for (Eigen::Index i = 0; i < step_.cols(); ++i) {
     if (problem.model.mass()[static_cast<std::size_t>(i)] == 0.0) step_.col(i).setZero();  // nothing moves it
   }

@@ -1,4 +1,5 @@
 // The contract of every integrator: motion, loads and reports. What happens under abuse: fem_stress_test.cc.
+#include <algorithm>
 #include <cmath>
 
 #include "server/fem/equilibrium.h"
@@ -150,10 +151,13 @@ TEST_P(IntegratorContract, EvenAGaleNeverBlowsTheSheetFasterThanTheAir) {
   loads.wind.air_density = 100.0;
   loads.wind.velocity = Eigen::Vector3d(0.0, 0.0, 300.0);
   for (int i = 0; i < 60; ++i) {
+    const double before = state.v.row(2).mean();
     integrator->step(model, loads, kTick, nullptr, state);
     ASSERT_TRUE(is_finite(state));
-    // BDF2 looks ahead by a third of the last change.
-    ASSERT_LT(state.v.row(2).mean(), 300.0 * (1.0 + (is(IntegratorKind::kBdf2) ? 1e-4 : 1e-6)));
+    const double now = state.v.row(2).mean();
+    // BDF2 looks ahead by a third of the last change, which in the first step is great; from then on it only falls.
+    const bool looks_ahead = is(IntegratorKind::kBdf2);
+    ASSERT_LT(now, looks_ahead && i == 0 ? 300.0 * (1.0 + 1e-4) : std::max(before, 300.0 * (1.0 + 1e-6)));
   }
   EXPECT_GT(state.v.row(2).mean(), 250.0);
 }
