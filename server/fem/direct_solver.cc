@@ -11,14 +11,14 @@ LinearStats DirectSolver::solve(const BlockMatrix& A, const mesh::VertexField& b
                                 mesh::VertexField& x) {
   LinearStats stats;
   PivotRule<double> rule;
-  if (!factor_.factorise(A, {}, rule)) return stats;
-  factor_.solve(b, x);
+  const bool is_factored = factor_.factorise(A, {}, rule);
+  if (is_factored) factor_.solve(b, x);
   stats.iterations = 1;
   A.multiply(x, residual_);
   residual_ -= b;
   const double b_norm = b.norm();
   stats.residual = b_norm > 0.0 ? residual_.norm() / b_norm : 0.0;
-  stats.converged = stats.residual <= tolerance && x.allFinite();
+  stats.converged = is_factored && stats.residual <= tolerance && x.allFinite();
   return stats;
 }
 

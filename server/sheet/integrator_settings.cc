@@ -12,7 +12,7 @@ Status validate(const IntegratorSettings& settings) {
   if (Status s = check_integer(settings.max_substeps, 1, 100'000, "integrator.max_substeps"); !s) return s;
   if (Status s = check_integer(settings.newton_iterations, 1, 100, "integrator.newton_iterations"); !s) return s;
   if (Status s = check_number(settings.solver_tolerance, 1.0e-14, 0.1, "integrator.solver_tolerance"); !s) return s;
-  if (Status s = check_integer(settings.max_linear_iterations, 1, 1'000'000, "integrator.max_linear_iterations"); !s) {
+  if (Status s = check_integer(settings.max_linear_iterations, 1, 100'000, "integrator.max_linear_iterations"); !s) {
     return s;
   }
   const fem::CovarianceRootOptions& root = settings.covariance_root;

@@ -158,9 +158,10 @@ void report(const Row& row, const System& system) {
   const bool is_other = fem::name_of(row.kind).solves_different_system;
   const Eigen::VectorXd own = is_other ? Eigen::VectorXd(system.b.reshaped() - matrix * x.reshaped())
                                        : Eigen::VectorXd(system.b.reshaped() - system.dense * x.reshaped());
+  const double own_residual = own.allFinite() ? own.norm() / system.b.norm() : std::numeric_limits<double>::infinity();
   const double error = (x - system.exact).colwise().norm().maxCoeff();
   std::printf("| %s | %.2g | %d | %.2g | %.2g | %.3g | %.1f |\n", row.name.c_str(), condition(matrix), stats.iterations,
-              own.norm() / system.b.norm(), stats.residual, 1e3 * error, 1e3 * seconds);
+              own_residual, stats.residual, 1e3 * error, 1e3 * seconds);
   std::fflush(stdout);
 }
 

@@ -200,8 +200,8 @@ TEST(SheetConfig, TimeAndIntegrator) {
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 0; }),
             "integrator.max_linear_iterations");
   EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 1; }), "accepted");
-  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 1'000'000; }), "accepted");
-  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 1'000'001; }),
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 100'000; }), "accepted");
+  EXPECT_EQ(field_of([](SheetConfig& c) { c.integrator.max_linear_iterations = 100'001; }),
             "integrator.max_linear_iterations");
   for (const double power : {0.01, 2.0}) {
     EXPECT_EQ(field_of([=](SheetConfig& c) { c.integrator.covariance_root.power = power; }), "accepted");
