@@ -214,9 +214,10 @@ void add_offline_commands(CLI::App& app, Session& session) {
                    "Of the explicit integrator, instead of the scene's: double or mixed")
       ->check(CLI::IsMember({"double", "mixed"}));
   running
-      ->add_option("--solver", arguments->solver,
-                   "Of the implicit integrators' linear systems, instead of the scene's:\n"
-                   "block-jacobi-cg, jacobi-cg, cg or direct; es-cgm and as-cgm, which solve a different system")
+      ->add_option(
+          "--solver", arguments->solver,
+          "Of the implicit integrators' linear systems, instead of the scene's:\n"
+          "block-jacobi-cg, factor-cg, jacobi-cg, cg or direct; es-cgm and as-cgm, which solve a different system")
       ->check(CLI::IsMember(solver_options()));
   running->callback(
       [&session, arguments] { session.action = [&session, arguments] { return run(session, *arguments); }; });

@@ -22,8 +22,8 @@ void ConjugateGradient::analyse(const BlockMatrix& A) {
 
 LinearStats ConjugateGradient::solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance,
                                      mesh::VertexField& x) {
-  if (!preconditioner_->prepare(A)) return {};
   const auto multiply = [&A](const mesh::VertexField& p, mesh::VertexField& Ap) { A.multiply(p, Ap); };
+  if (!preconditioner_->prepare(A)) return {0, true_residual(multiply, b, x), false};
   return iterate(
       multiply, [&] { return preconditioner_->renew(A); }, b, tolerance, x);
 }
@@ -74,11 +74,18 @@ LinearStats ConjugateGradient::iterate(const Multiply& multiply, const Renew& re
     ++stats.iterations;
     ++since_restart;
   }
-  multiply(x, Ap_);
-  r_ = b - Ap_;
-  stats.residual = std::sqrt(dot(r_, r_)) / b_norm;
+  stats.residual = true_residual(multiply, b, x);
   if (!x.allFinite()) stats.converged = false;
   return stats;
+}
+
+template <typename Multiply>
+double ConjugateGradient::true_residual(const Multiply& multiply, const mesh::VertexField& b,
+                                        const mesh::VertexField& x) {
+  multiply(x, Ap_);
+  r_ = b - Ap_;
+  const double b_norm = std::sqrt(dot(b, b));
+  return b_norm > 0.0 ? std::sqrt(dot(r_, r_)) / b_norm : 0.0;
 }
 
 template <typename Multiply>

@@ -30,6 +30,9 @@ class ConjugateGradient final : public LinearSolver {
   template <typename Multiply, typename Renew>
   LinearStats iterate(const Multiply& multiply, const Renew& renew, const mesh::VertexField& b, double tolerance,
                       mesh::VertexField& x);
+  // |b - A x| / |b|, 0 where b = 0.
+  template <typename Multiply>
+  double true_residual(const Multiply& multiply, const mesh::VertexField& b, const mesh::VertexField& x);
   // Residual, direction and r.z at x, with the preconditioner as it is.
   template <typename Multiply>
   double restart(const Multiply& multiply, const mesh::VertexField& b, const mesh::VertexField& x);

@@ -50,7 +50,7 @@ struct CovarianceRootOptions {
   int newton_schulz_iterations = 5;              // AS-CGM alone, >= 1; the thesis gives no number
 };
 
-inline constexpr int kMaxCovarianceVertices =
-    500;  // matrices are dense: memory grows with the square, work with the cube
+// Of a sheet that they solve: matrices are dense, memory grows with the square, work with the cube.
+inline constexpr int kMaxCovarianceVertices = 500;
 
 }  // namespace kerf::fem
