@@ -15,6 +15,11 @@ SheetConfig dense_scene(LinearSolverKind solver, std::int32_t columns, std::int3
   return config;
 }
 
+double total_energy(const Sheet& sheet) {
+  const Energies energies = sheet.energies();
+  return energies.kinetic + energies.membrane + energies.bending + energies.gravity;
+}
+
 class DenseSolver : public testing::TestWithParam<LinearSolverKind> {};
 
 TEST_P(DenseSolver, TakesFiveHundredVerticesAndNoMore) {
@@ -52,7 +57,7 @@ TEST_P(DenseSolver, GainsNoEnergyAndShowsItsResidual) {
     config.integrator.solver = LinearSolverKind::kBlockJacobiCg;
     Sheet sound = make(config);
     EXPECT_NE(tested.integrator_description().find("solves a different system"), std::string::npos);
-    const double energy = tested.energies().total();
+    const double energy = total_energy(tested);
     double worst = 0.0;
     for (int i = 0; i < 30; ++i) {
       if (i == 10) {
@@ -65,7 +70,7 @@ TEST_P(DenseSolver, GainsNoEnergyAndShowsItsResidual) {
       worst = std::max(worst, report.stats.linear_residual);
       EXPECT_LT(sound.step({}).stats.linear_residual, 2.0 * config.integrator.solver_tolerance);
       ASSERT_TRUE(tested.state().x.allFinite());
-      EXPECT_LT(tested.energies().total(), energy + 1e-3) << "J, of 1 J that the sheet has to fall";
+      EXPECT_LT(total_energy(tested), energy + 1e-3) << "J, of 1 J that the sheet has to fall";
     }
     EXPECT_GT(worst, 0.1);
     EXPECT_LE(worst, fem::kWorstLinearResidual);
