@@ -52,6 +52,7 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
   }
   set(takes_part_, kBlockLanes * n);
   set(quads_, reach > 0 ? 2 * n : 0);
+  set(quads_before_, reach > 0 ? 2 * n : 0);
   set(irregular_, num_irregular);
   set(corner_x_, 4 * n);
   set(bending_x_, 4 * n);
@@ -145,23 +146,23 @@ void LeapfrogSweep<T>::set_laws(const Model& model, const LeapfrogTerms& terms) 
   for (std::size_t v = 0; !mass_damping_.empty() && v < model.mass().size(); ++v) {
     mass_damping_[v / kBlockLanes].lane[v % kBlockLanes] = static_cast<T>(model.mass_damping(static_cast<VertexId>(v)));
   }
-  const auto set = [&](TriangleId slot, double duration, LawLanes<T>& to, std::size_t l) {
+  const auto set = [&](TriangleId slot, LawLanes<T>& to, std::size_t l) {
     if (slot == mesh::kNone) return;
     const auto s = static_cast<std::size_t>(slot);
     const std::uint8_t material = model.element_blocks()[s / kLanes].material[s % kLanes];
-    const std::array<double, 6> law = law_entries(model.materials()[material]);
+    const std::array<double, 4> law = law_entries(model.materials()[material]);
     for (std::size_t k = 0; k < law.size(); ++k) to.value[k].lane[l] = static_cast<T>(law[k]);
-    to.value[6].lane[l] = static_cast<T>(damping_of(terms.damping, material) / duration);
+    to.value[4].lane[l] = static_cast<T>(damping_of(terms.damping, material) / terms.h);
   };
   for (VertexId v = 0; !quad_laws_.empty() && v < layout_->num_vertices(); ++v) {
     const auto i = static_cast<std::size_t>(v);
     for (const int kind : {0, 1}) {
-      set(layout_->quad_slot(kind, v), 1.0, quad_laws_[2 * (i / kBlockLanes) + static_cast<std::size_t>(kind)],
+      set(layout_->quad_slot(kind, v), quad_laws_[2 * (i / kBlockLanes) + static_cast<std::size_t>(kind)],
           i % kBlockLanes);
     }
   }
   for (std::size_t lane = 0; !irregular_laws_.empty() && lane < layout_->lanes().size(); ++lane) {
-    set(layout_->lanes()[lane], terms.h, irregular_laws_[lane / kBlockLanes], lane % kBlockLanes);
+    set(layout_->lanes()[lane], irregular_laws_[lane / kBlockLanes], lane % kBlockLanes);
   }
 }
 

@@ -31,7 +31,7 @@ HWY_INLINE void store3(D d, const Vec3<hn::Vec<D>>& value, const std::array<hn::
 template <typename T>
 HWY_NOINLINE void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
   const LanesOf<T> d;
-  const auto common = common_law(d, step, step.damping);
+  const auto common = common_law(d, step);
   const auto unit = hn::Set(d, step.unit);
   const LawLanes<T>* const laws = arrays.quad_laws;
   const LanesOf<PositionOf<T>> dp;
@@ -46,17 +46,12 @@ HWY_NOINLINE void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogSte
     std::array<Triangles<V>, 2> t;
     set_metric(d, lanes[0], l, d1, d2, t[0]);
     set_metric(d, lanes[1], l, d2, d3, t[1]);
-    const auto v0 = load3(d, arrays.v, at);
-    const Vec3<V> rate1 = minus(load3(d, arrays.v, at + arrays.offsets[0]), v0);
-    const Vec3<V> rate2 = minus(load3(d, arrays.v, at + arrays.offsets[1]), v0);
-    const Vec3<V> rate3 = minus(load3(d, arrays.v, at + arrays.offsets[2]), v0);
-    t[0].change1 = rate1;
-    t[0].change2 = t[1].change1 = rate2;
-    t[1].change2 = rate3;
+    const std::array<StrainLanes<T>*, 2> before{arrays.quads_before + 2 * block, arrays.quads_before + 2 * block + 1};
     if (laws == nullptr) {
-      corner_forces(d, common, common, {lanes, lanes + 1}, l, t);
+      corner_forces(d, common, common, {lanes, lanes + 1}, l, before, t);
     } else {
-      corner_forces(d, law_of(d, laws[2 * block], l), law_of(d, laws[2 * block + 1], l), {lanes, lanes + 1}, l, t);
+      corner_forces(d, law_of(d, laws[2 * block], l), law_of(d, laws[2 * block + 1], l), {lanes, lanes + 1}, l, before,
+                    t);
     }
     const Vec3<V> middle = plus(t[0].force2, t[1].force1);
     const Vec3<V> others = plus(plus(t[0].force1, t[1].force2), middle);
@@ -67,17 +62,6 @@ HWY_NOINLINE void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogSte
   }
 }
 
-// The change since the substep before; keeps the edge for the next.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE Vec3<V> change_of(D d, const Vec3<V>& f, Lanes16<hn::TFromD<D>>* before, std::size_t l) {
-  const Vec3<V> last{hn::Load(d, &before[0].lane[l]), hn::Load(d, &before[1].lane[l]), hn::Load(d, &before[2].lane[l])};
-  hn::Store(f.x, d, &before[0].lane[l]);
-  hn::Store(f.y, d, &before[1].lane[l]);
-  hn::Store(f.z, d, &before[2].lane[l]);
-  return minus(f, last);
-}
-
-// Velocities of irregular corners are not fetched; what edges changed by since the substep before gives the same rate.
 // Of some blocks at once: what was just written piece by piece cannot be read in one yet.
 template <typename T>
 HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
@@ -85,7 +69,7 @@ HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const Leapfr
   using V = hn::Vec<LanesOf<T>>;
   const LanesOf<T> d;
   const LanesOf<Position> dp;
-  const auto common = common_law(d, step, step.irregular_damping);
+  const auto common = common_law(d, step);
   const V unit = hn::Set(d, step.unit);
   const LawLanes<T>* const laws = arrays.irregular_laws;
   alignas(64) Position corner[kGroup][3][4 * kBlockLanes];
@@ -113,15 +97,14 @@ HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const Leapfr
           const Vec3<V> d1 = edge(d, x[1], x[0], unit);
           const Vec3<V> d2 = edge(d, x[2], x[0], unit);
           set_metric(d, arrays.irregular[b + i].triangles, l, d1, d2, t[i]);
-          t[i].change1 = change_of(d, d1, arrays.irregular[b + i].before.data(), l);
-          t[i].change2 = change_of(d, d2, arrays.irregular[b + i].before.data() + 3, l);
         }
         const std::array<const TriangleLanes<T>*, 2> lanes{&arrays.irregular[b].triangles,
                                                            &arrays.irregular[b + 1].triangles};
+        const std::array<StrainLanes<T>*, 2> before{&arrays.irregular[b].before, &arrays.irregular[b + 1].before};
         if (laws == nullptr) {
-          corner_forces(d, common, common, lanes, l, t);
+          corner_forces(d, common, common, lanes, l, before, t);
         } else {
-          corner_forces(d, law_of(d, laws[b], l), law_of(d, laws[b + 1], l), lanes, l, t);
+          corner_forces(d, law_of(d, laws[b], l), law_of(d, laws[b + 1], l), lanes, l, before, t);
         }
         for (std::size_t i = 0; i < 2; ++i) {
           const V zero = hn::Zero(d);
@@ -311,6 +294,9 @@ void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* sp
 template <typename T>
 void start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
   irregular_forces(arrays, step);
+  for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
+    if (arrays.num_quads[b] > 0) quad_forces(arrays, step, b);
+  }
 }
 
 void substep_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {

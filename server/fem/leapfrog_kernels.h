@@ -27,16 +27,20 @@ struct TriangleLanes {
   Lanes minus_area{};               // m^2
 };
 
-// Of kBlockLanes triangles: C11, C22, C33, C12, C13, C23, N/m, and damping as in LeapfrogStep.
+// Of kBlockLanes triangles: C11, C22, C33, C12, N/m, and damping as in LeapfrogStep.
 template <typename T>
 struct LawLanes {
-  std::array<Lanes16<T>, 7> value{};
+  std::array<Lanes16<T>, 5> value{};
 };
+
+// e11, e22, 2 e12 of kBlockLanes triangles in the substep before.
+template <typename T>
+using StrainLanes = std::array<Lanes16<T>, 3>;
 
 template <typename T>
 struct IrregularBlock {
   TriangleLanes<T> triangles;
-  std::array<Lanes16<T>, 6> before{};  // m, edges from corner 0 in the substep before
+  StrainLanes<T> before{};
   std::array<std::array<mesh::VertexId, kBlockLanes>, 3> vertex{};
 };
 
@@ -53,6 +57,7 @@ struct LeapfrogArrays {
   std::array<T*, 3> remainder{};                  // of x, in its unit; null where T is double
   std::array<const T*, 3> mobility{};             // 1/kg, 0 where the component is held
   TriangleLanes<T>* quads = nullptr;              // 2 x num_blocks, or none
+  StrainLanes<T>* quads_before = nullptr;         // as quads
   std::array<std::array<T*, 3>, 4> quad_force{};  // N, at the quad's lowest vertex, corner 0's times -1
   std::span<IrregularBlock<T>> irregular;
   const LawLanes<T>* quad_laws = nullptr;       // as quads, or null: those of LeapfrogStep
@@ -71,10 +76,9 @@ struct LeapfrogArrays {
 
 template <typename T>
 struct LeapfrogStep {
-  std::array<T, 6> law{};      // N/m: C11, C22, C33, C12, C13, C23
+  std::array<T, 4> law{};      // N/m: C11, C22, C33, C12
   T unit = 1;                  // m, of a position
-  T damping = 0;               // s, beta
-  T irregular_damping = 0;     // -, beta / h
+  T damping = 0;               // -, beta / h
   T keep = 1;                  // -, of the velocity
   T scale = 0;                 // s, of forces
   std::array<T, 3> gravity{};  // m/s^2
@@ -86,7 +90,7 @@ struct LeapfrogStep {
 // Forces at x, kick, drift. `speed`: kBlockLanes largest components of velocity so far, m/s.
 template <typename T>
 void leapfrog_substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed);
-// Edges at x, of irregular triangles, as those of the substep before.
+// Strains at x as those of the substep before.
 template <typename T>
 void leapfrog_start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step);
 

@@ -51,6 +51,7 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
   arrays.mobility = {mobility[0], mobility[1], mobility[2]};
   arrays.quads = quads_.empty() ? nullptr : quads_.data();
   if (!quads_.empty()) {
+    arrays.quads_before = quads_before_.data();
     for (std::size_t k = 0; k < 4; ++k) arrays.quad_force[k] = entries(quad_force_[k], pad_);
   }
   arrays.irregular = irregular_;
@@ -69,12 +70,11 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
 
 template <typename T>
 LeapfrogStep<T> LeapfrogSweep<T>::step_of(const Model& model, const LeapfrogTerms& terms) const {
-  const std::array<double, 6> law = law_entries(model.materials()[0]);
+  const std::array<double, 4> law = law_entries(model.materials()[0]);
   LeapfrogStep<T> step;
   for (std::size_t k = 0; k < law.size(); ++k) step.law[k] = static_cast<T>(law[k]);
   step.unit = static_cast<T>(unit_);
-  step.damping = static_cast<T>(damping_of(terms.damping, 0));
-  step.irregular_damping = static_cast<T>(damping_of(terms.damping, 0) / terms.h);
+  step.damping = static_cast<T>(damping_of(terms.damping, 0) / terms.h);
   step.bending_damping = static_cast<T>(terms.bending_damping / unit_);
   return step;
 }
@@ -90,14 +90,12 @@ bool LeapfrogSweep<T>::begin(const Model& model, const Loads& loads, const Leapf
   set_mobility(model, loads);
   set_laws(model, terms);
   if (!set_frame(model, terms, duration, state)) return false;
-  if (!irregular_.empty()) {
-    // One substep back, so that the rate of strain in the first kick is that of the velocities.
-    for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
-      if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
-      if (!set_position(v, state.x.col(v) - terms.h * state.v.col(v))) return false;
-    }
-    leapfrog_start(arrays(), step_of(model, terms));
+  // One substep back, so that the rate of strain in the first kick is that of the velocities.
+  for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
+    if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
+    if (!set_position(v, state.x.col(v) - terms.h * state.v.col(v))) return false;
   }
+  leapfrog_start(arrays(), step_of(model, terms));
   return read(state);
 }
 

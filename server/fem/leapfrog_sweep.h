@@ -33,10 +33,10 @@ struct LeapfrogKick {
   const mesh::VertexField* forces = nullptr;  // N, 3 x V, others than those of membrane and bending rows; may be null
 };
 
-// C11, C22, C33, C12, C13, C23, N/m.
-inline std::array<double, 6> law_entries(const MaterialLaw& law) {
+// C11, C22, C33, C12, N/m: in material axes the others are 0.
+inline std::array<double, 4> law_entries(const MaterialLaw& law) {
   const Eigen::Matrix3d& C = law.membrane;
-  return {C(0, 0), C(1, 1), C(2, 2), C(0, 1), C(0, 2), C(1, 2)};
+  return {C(0, 0), C(1, 1), C(2, 2), C(0, 1)};
 }
 
 // Positions, velocities and the constants of a model in the arrays that leapfrog_kernels.h works on.
@@ -94,6 +94,7 @@ class LeapfrogSweep {
   std::vector<LawLanes<T>> quad_laws_, irregular_laws_;  // of several materials
   std::vector<std::uint8_t> takes_part_;                 // has mass, or is held
   std::vector<TriangleLanes<T>> quads_;
+  std::vector<StrainLanes<T>> quads_before_;  // as quads_
   std::vector<IrregularBlock<T>> irregular_;
   std::size_t pad_ = 0;  // blocks before the first vertex in quad_force_; three times that in x_
   std::array<Field<T>, 4> quad_force_;

@@ -77,20 +77,20 @@ HWY_INLINE Vec3<hn::Vec<D>> edge(D d, const Vec3<P>& to, const Vec3<P>& from, hn
           length(d, hn::Sub(to.z, from.z), unit)};
 }
 
-// Membrane law, N/m, and damping, s or -: see LawLanes.
+// Membrane law, N/m, and damping, -: see LawLanes.
 template <class V>
 struct Law {
-  V C11, C22, C33, C12, C13, C23, damping;
+  V C11, C22, C33, C12, damping;
 };
 template <class D>
-HWY_INLINE Law<hn::Vec<D>> common_law(D d, const LeapfrogStep<hn::TFromD<D>>& step, hn::TFromD<D> damping) {
+HWY_INLINE Law<hn::Vec<D>> common_law(D d, const LeapfrogStep<hn::TFromD<D>>& step) {
   return {hn::Set(d, step.law[0]), hn::Set(d, step.law[1]), hn::Set(d, step.law[2]), hn::Set(d, step.law[3]),
-          hn::Set(d, step.law[4]), hn::Set(d, step.law[5]), hn::Set(d, damping)};
+          hn::Set(d, step.damping)};
 }
 template <class D>
 HWY_INLINE Law<hn::Vec<D>> law_of(D d, const LawLanes<hn::TFromD<D>>& lanes, std::size_t l) {
   const auto load = [&](std::size_t k) HWY_ATTR { return hn::Load(d, &lanes.value[k].lane[l]); };
-  return {load(0), load(1), load(2), load(3), load(4), load(5), load(6)};
+  return {load(0), load(1), load(2), load(3), load(4)};
 }
 
 // Triangles with edges d1, d2 from corner 0; formulas in membrane.h, with R = F S^-1 and c = F^T F, det S = d,
@@ -100,8 +100,7 @@ struct Triangles {
   Vec3<V> f1, f2;  // columns of F
   V g1x, g1y, g2x, g2y;
   V c11, c22, c12, trace;
-  V det, s, both;            // both: 1 / (s det)
-  Vec3<V> change1, change2;  // of the edges d1, d2
+  V det, s, both;  // both: 1 / (s det)
   Vec3<V> force1, force2;
 };
 
@@ -137,11 +136,19 @@ HWY_INLINE void set_inverses(D d, Triangles<V>& t) {
   t.both = hn::Div(hn::Set(d, hn::TFromD<D>{1}), hn::Mul(t.s, t.det));
 }
 
-// Forces on corners 1 and 2. The differences in e = S - I = (c + (d - s) I) / s are exact where strains are small; the
-// rate of strain as in add_membrane_forces.
+// What of a strain of the substep before is to be added to that of now for damping: beta times the rate of strain
+// between them, which is when velocities are. Keeps the strain for the next.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V damped(D d, V damping, V strain, hn::TFromD<D>* before) {
+  const V change = hn::Sub(strain, hn::Load(d, before));
+  hn::Store(strain, d, before);
+  return hn::Add(strain, hn::Mul(damping, change));
+}
+
+// Forces on corners 1 and 2. The differences in e = S - I = (c + (d - s) I) / s are exact where strains are small.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void set_forces(D d, const Law<V>& law, const TriangleLanes<hn::TFromD<D>>& lanes, std::size_t l,
-                           Triangles<V>& t) {
+                           StrainLanes<hn::TFromD<D>>& before, Triangles<V>& t) {
   const V inverse_s = hn::Mul(t.both, t.det);
   const V inverse_det = hn::Mul(t.both, t.s);
   const V shift = hn::Sub(t.det, t.s);
@@ -152,29 +159,15 @@ HWY_INLINE void set_forces(D d, const Law<V>& law, const TriangleLanes<hn::TFrom
   const Vec3<V> R1 = combine(t.f1, hn::Mul(S22, inverse_det), t.f2, slant);
   const Vec3<V> R2 = combine(t.f1, slant, t.f2, hn::Mul(S11, inverse_det));
 
-  // M = R^T dF, and below the forces R T g, by way of two components a corner.
-  const V R1d1 = dot(R1, t.change1);
-  const V R1d2 = dot(R1, t.change2);
-  const V R2d1 = dot(R2, t.change1);
-  const V R2d2 = dot(R2, t.change2);
-  const V M11 = combine(R1d1, t.g1x, R1d2, t.g2x);
-  const V M12 = combine(R1d1, t.g1y, R1d2, t.g2y);
-  const V M21 = combine(R2d1, t.g1x, R2d2, t.g2x);
-  const V M22 = combine(R2d1, t.g1y, R2d2, t.g2y);
-  const V omega = hn::Mul(hn::Sub(M21, M12), inverse_s);
-  const V twist = hn::Mul(omega, S12);
-  const V rate1 = hn::Add(M11, twist);
-  const V rate2 = hn::Sub(M22, twist);
-  const V rate3 = hn::Add(hn::Add(M12, M21), hn::Mul(omega, hn::Sub(S22, S11)));
-  const V e1 = hn::Add(hn::Mul(hn::Add(t.c11, shift), inverse_s), hn::Mul(law.damping, rate1));
-  const V e2 = hn::Add(hn::Mul(hn::Add(t.c22, shift), inverse_s), hn::Mul(law.damping, rate2));
-  const V e3 = hn::Add(hn::Add(S12, S12), hn::Mul(law.damping, rate3));
-
-  const V sigma1 = hn::Add(combine(law.C11, e1, law.C12, e2), hn::Mul(law.C13, e3));
-  const V sigma2 = hn::Add(combine(law.C12, e1, law.C22, e2), hn::Mul(law.C23, e3));
-  const V sigma3 = hn::Add(combine(law.C13, e1, law.C23, e2), hn::Mul(law.C33, e3));
+  const V e1 = damped(d, law.damping, hn::Mul(hn::Add(t.c11, shift), inverse_s), &before[0].lane[l]);
+  const V e2 = damped(d, law.damping, hn::Mul(hn::Add(t.c22, shift), inverse_s), &before[1].lane[l]);
+  const V e3 = damped(d, law.damping, hn::Add(S12, S12), &before[2].lane[l]);
+  const V sigma1 = combine(law.C11, e1, law.C12, e2);
+  const V sigma2 = combine(law.C12, e1, law.C22, e2);
+  const V sigma3 = hn::Mul(law.C33, e3);
   const V a = hn::Mul(combine(S12, hn::Sub(sigma1, sigma2), sigma3, hn::Sub(S22, S11)), inverse_s);
   const V minus_area = hn::Load(d, &lanes.minus_area.lane[l]);
+  // The forces R T g, by way of two components a corner.
   const V T11 = hn::Mul(minus_area, sigma1);
   const V T12 = hn::Mul(minus_area, hn::Sub(sigma3, a));
   const V T21 = hn::Mul(minus_area, hn::Add(sigma3, a));
@@ -187,13 +180,13 @@ HWY_INLINE void set_forces(D d, const Law<V>& law, const TriangleLanes<hn::TFrom
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE void corner_forces(D d, const Law<V>& law0, const Law<V>& law1,
                               std::array<const TriangleLanes<hn::TFromD<D>>*, 2> lanes, std::size_t l,
-                              std::array<Triangles<V>, 2>& t) {
+                              std::array<StrainLanes<hn::TFromD<D>>*, 2> before, std::array<Triangles<V>, 2>& t) {
   set_det(d, t[0]);
   set_det(d, t[1]);
   set_inverses(d, t[0]);
   set_inverses(d, t[1]);
-  set_forces(d, law0, *lanes[0], l, t[0]);
-  set_forces(d, law1, *lanes[1], l, t[1]);
+  set_forces(d, law0, *lanes[0], l, *before[0], t[0]);
+  set_forces(d, law1, *lanes[1], l, *before[1], t[1]);
 }
 
 }  // namespace
