@@ -199,9 +199,12 @@ double StageSolver::solve_first(const Problem& problem, const mesh::VertexField&
   increment_.setZero();
   solve_linear(*solver_, stats, increment_);
   step_ += increment_;
-  const double rounding = std::numeric_limits<double>::epsilon() * d * d *
-                          problem.model.materials().largest_membrane_trace() * x.cwiseAbs().maxCoeff() *
-                          std::sqrt(static_cast<double>(x.cols()));
+  // Of internal and of inertial forces.
+  const std::span<const double> mass = problem.model.mass();
+  const double stiffness = d * d * problem.model.materials().largest_membrane_trace();
+  const double rounding = std::numeric_limits<double>::epsilon() * x.cwiseAbs().maxCoeff() *
+                          (stiffness * std::sqrt(static_cast<double>(x.cols())) +
+                           Eigen::Map<const Eigen::VectorXd>(mass.data(), x.cols()).norm());
   constexpr double kMomentumShare = 1e-3;
   return std::max(
       {departure, kMomentumShare * whole, rounding / options_.newton_tolerance, std::numeric_limits<double>::min()});
