@@ -4,15 +4,12 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <set>
-#include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "client/cli/scene_run.h"
-#include "server/wire/scene_codec.h"
 #include "tests/accuracy/expectation.h"
+#include "tests/accuracy/scene_file.h"
 
 namespace kerf::accuracy {
 namespace {
@@ -30,20 +27,6 @@ std::vector<fs::path> expectations() {
   }
   std::sort(files.begin(), files.end());
   return files;
-}
-
-std::string text_of(const fs::path& file) {
-  std::stringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
-
-Result<cli::SceneRun> run(const fs::path& scene) {
-  const auto config = wire::decode_scene_file(text_of(scene), [](const std::string& file) {
-    return Result<std::string>(invalid_argument("NO_FILES", "a reference scene names no other file", file));
-  });
-  if (!config) return config.error();
-  return cli::run_scene(*config, {});
 }
 
 // One row of the table of tests/accuracy/README.md.
@@ -64,7 +47,7 @@ class ReferenceScene : public testing::TestWithParam<fs::path> {};
 
 TEST_P(ReferenceScene, GivesTheNumbersOfItsReference) try {
   const Expectation expectation(GetParam());
-  const auto done = run(expectation.scene());
+  const auto done = run_scene_file(expectation.scene());
   ASSERT_TRUE(done.ok()) << done.error().field << ": " << done.error().message;
   EXPECT_TRUE(!done->result.has_static_() || done->result.static_().converged());
   EXPECT_TRUE(done->result.flagged_ticks().empty());

@@ -1,20 +1,15 @@
 // The table of tests/bench/README.md "Time integration": how far each integrator is from a fine reference, for how many
 // linear solves.
 //   time_error_bench [wool|soft]
-#include <array>
-#include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <string_view>
 #include <vector>
 
-#include "server/fem/integrator.h"
-#include "server/mesh/grid_mesh.h"
+#include "tests/support/falling_sheet.h"
 
 namespace kerf::bench {
 namespace {
 
-constexpr int kSide = 20;
 constexpr double kInterval = 0.125;  // s, between comparisons
 constexpr int kIntervals = 4;
 constexpr int kDefault = -1;
@@ -26,59 +21,18 @@ struct Scheme {
   int iterations;  // Newton's, of a solve; 0: until it has converged; kDefault: five at most
 };
 
-// Falls from the horizontal, two corners pinned.
-struct Scene {
-  explicit Scene(const fem::Material& material)
-      : mesh(mesh::make_grid({.num_x = kSide, .num_y = kSide}).value()), model(mesh, material) {
-    start.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-    start.v = start.x;
-    for (int v = 0; v < mesh.num_vertices(); ++v) start.x.col(v).head<2>() = mesh.rest_position(v);
-    for (const int v : {kSide * (kSide - 1), kSide * kSide - 1}) {
-      loads.pins.push_back({v, start.x.col(v), Eigen::Vector3d::Zero()});
-    }
-  }
-
-  mesh::TriangleMesh mesh;
-  fem::Model model;
-  fem::State start;
-  fem::Loads loads;
-};
-
-struct Run {
-  std::array<fem::State, kIntervals> states;
-  int solves = 0;
-  int repaired = 0;    // steps
-  double seconds = 0;  // of CPU
-};
-
-Run run(const Scene& scene, const fem::IntegratorOptions& options, int rate) {
-  const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
-  integrator->rebuild(scene.model);
-  Run result;
-  fem::State state = scene.start;
-  const std::clock_t begin = std::clock();
-  for (int k = 0; k < kIntervals; ++k) {
-    for (long i = 0; i < std::lround(kInterval * rate); ++i) {
-      const fem::StepStats stats = integrator->step(scene.model, scene.loads, 1.0 / rate, nullptr, state);
-      result.solves += stats.newton_iterations;
-      if ((stats.flags & fem::kRepaired) != 0) ++result.repaired;
-    }
-    result.states[static_cast<std::size_t>(k)] = state;
-  }
-  result.seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  return result;
-}
-
-void report(const char* name, const Scene& scene, const Run& tested, const Run& reference) {
+void report(const char* name, const test::FallingSheet& scene, const test::Fall& tested, const test::Fall& reference) {
   constexpr double kDuration = kInterval * kIntervals;
   std::printf("| %s | %.0f | %.0f |", name, tested.solves / kDuration, 1e3 * tested.seconds / kDuration);
   for (std::size_t k = 0; k < kIntervals; ++k) {
-    const double error = (tested.states[k].x - reference.states[k].x).colwise().norm().maxCoeff();
+    const double error = test::largest_distance(tested.states[k], reference.states[k]);
     std::printf("%s%.3g", k == 0 ? " " : " / ", 1e3 * error);
   }
-  const double gain = scene.model.energies(tested.states.back(), scene.loads.gravity).total() -
-                      scene.model.energies(scene.start, scene.loads.gravity).total();
-  std::printf(" | %+.2g | %d |\n", gain, tested.repaired);
+  std::printf(" | %+.2g | %d |\n", scene.energy_gain(tested.states.back()), tested.repaired);
+}
+
+test::Fall run(const test::FallingSheet& scene, const fem::IntegratorOptions& options, int rate) {
+  return test::fall(scene, options, rate, kInterval, kIntervals);
 }
 
 fem::IntegratorOptions explicit_options(double cfl, double damping) {
@@ -119,10 +73,10 @@ std::vector<Scheme> schemes() {
 }
 
 void measure(const char* name, const fem::Material& material) {
-  const Scene scene(material);
+  const test::FallingSheet scene(material);
   std::printf("%s\n| scheme | solves a s | CPU ms a s | error mm | E - E0 J | repaired |\n|---|---|---|---|---|---|\n",
               name);
-  const Run reference = run(scene, explicit_options(0.05, 0.0), 240);
+  const test::Fall reference = run(scene, explicit_options(0.05, 0.0), 240);
   report("explicit, a fifth of it (reference 1/20)", scene, run(scene, explicit_options(0.2, 0.0), 240), reference);
   report("explicit, default", scene, run(scene, explicit_options(0.85, 0.05), 64), reference);
   for (const Scheme& scheme : schemes()) {

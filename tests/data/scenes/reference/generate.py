@@ -17,6 +17,7 @@ HERE = pathlib.Path(__file__).parent
 REFERENCES = HERE.parent.parent / "reference"
 UNDAMPED = {"kind": "EXPLICIT_LEAPFROG", "highest_mode_damping": 0}
 IN_PLANE = {"origin": {}, "x_axis": {"x": 1}, "y_axis": {"y": 1}}
+FINENESS = 1.0  # of the meshes being made: cells a length, over those of the files
 
 
 def reference(case):
@@ -47,13 +48,18 @@ def material(case, **other):
             "mass_damping_per_s": 0, "stiffness_damping_s": 0, **other}
 
 
+def cells(count):
+    return max(1, round(FINENESS * count))
+
+
 def grid(columns, rows, width, height):
     """Of so many cells."""
-    return {"columns": columns + 1, "rows": rows + 1, "width_m": width, "height_m": height}
+    return {"columns": cells(columns) + 1, "rows": cells(rows) + 1, "width_m": width, "height_m": height}
 
 
 def mapped(num_x, num_y, at):
     """An inline mesh of num_x by num_y cells of the unit square, halved from lower right to upper left, at(a, b)."""
+    num_x, num_y = cells(num_x), cells(num_y)
     points = [at(i / num_x, j / num_y) for j in range(num_y + 1) for i in range(num_x + 1)]
     triangles = []
     for j in range(num_y):
@@ -84,6 +90,11 @@ def hold(region, components="xyz", **other):
 
 def cut(curve, **other):
     return {"tick": 1, "command": {"cut": {"curve": curve, **other}}}
+
+
+def graded(edge_length, grading):
+    """Towards the tips of a cut."""
+    return {"tip_edge_length_m": edge_length / FINENESS, "tip_grading": 1 + (grading - 1) / FINENESS}
 
 
 def polyline(*points):
@@ -174,13 +185,13 @@ def kirsch():
         uy = r / a * (k - 3) * math.sin(t) + 2 * a / r * ((1 - k) * math.sin(t) + math.sin(3 * t)) \
             - 2 * a ** 3 / r ** 3 * math.sin(3 * t)
         return s * a / (8 * mu) * ux, s * a / (8 * mu) * uy
-    n = 80
+    n = cells(80)
     border = [j * (n + 1) + i for j in range(n + 1) for i in range(n + 1) if i in (0, n) or j in (0, n)]
     given = [exact(2 * half * (v % (n + 1)) / n - half, 2 * half * (v // (n + 1)) / n - half) for v in border]
     # At the angles of the table, where the border is, on the way from the middle of the sheet.
     rim = [(half + a * math.cos(math.radians(d)), half + a * math.sin(math.radians(d))) for d in range(0, 91, 15)]
     scene(case, "A round hole punched by the cutter in a plate that is pulled along x, far away.",
-          {"grid": grid(n, n, 2 * half, 2 * half)}, material(case), static(), planar=True,
+          {"grid": grid(80, 80, 2 * half, 2 * half)}, material(case), static(), planar=True,
           commands=[cut({"circle": {"center": xy(half, half), "radius_m": 0.5 * a}}, width_m=a, tolerance_m=a / 6400)],
           constraints=[hold({"vertices": {"vertices": border}}, "xy",
                             displacements_m=[xy(*u) for u in given])],
@@ -294,7 +305,7 @@ def slits():
         scene(case, "A strip under tension, slit by the cutter, its mesh graded to the tips.",
               {"grid": grid(columns, round(columns * height / width), width, height)}, material(case), static(),
               planar=True,
-              commands=[cut(curve, tip_edge_length_m=0.005 * half, tip_grading=1.1, tolerance_m=1e-4 * half)],
+              commands=[cut(curve, **graded(0.005 * half, 1.1), tolerance_m=1e-4 * half)],
               constraints=[hold(edge("BOTTOM"), "y"), hold({"nearest": xy(0.5 * width, 0)}, "xy")],
               loads=[{"edge": {"region": edge("TOP"), "force_n": {"y": 0.2}}}],
               probes=[probe("top", "DISPLACEMENT", edge("TOP")),
@@ -304,7 +315,7 @@ def slits():
     a = 0.025
     scene(case, "A slit in a strip that is clamped and pulled to 20 %.",
           {"grid": grid(20, 40, 0.1, 0.2)}, material(case), static(0.5, 1.0), planar=True,
-          commands=[cut(polyline((0.025, 0.1), (0.075, 0.1)), tip_edge_length_m=0.01 * a, tip_grading=1.1)],
+          commands=[cut(polyline((0.025, 0.1), (0.075, 0.1)), **graded(0.01 * a, 1.1))],
           constraints=[hold(edge("BOTTOM")), hold(edge("TOP"), displacement_m={"y": 0.04})],
           probes=[probe("top", "REACTION", edge("TOP")), probe("energy", "ENERGY"),
                   probe("slit", "OPENING", points=[(0.05 + share * a, 0.1) for share in (0, 0.25, 0.5, 0.75, 0.9)])])
@@ -349,9 +360,20 @@ def cantilevers():
                       probe("end", "POSITION", points=[(length, 0.5 * width), (0.975 * length, 0.5 * width)])])
 
 
+def plate():
+    case = "07h_supported_square_plate"
+    side = reference(case)["geometry"]["a"]
+    borders = [hold(edge(name), "z") for name in ("LEFT", "RIGHT", "BOTTOM", "TOP")]
+    scene(case, "A square plate that lies on its border sags a little under a pressure from above.",
+          {"grid": grid(32, 32, side, side)}, material(case), static(),
+          constraints=[*borders, hold({"nearest": xy(0.5 * side, 0.5 * side)}, "xy"), hold({"nearest": xy(side, 0.5 * side)}, "y")],
+          loads=[{"pressure": {"region": {"all": True}, "pressure_pa": -2}}],
+          probes=[probe("middle", "DISPLACEMENT", points=[(0.5 * side, 0.5 * side)]), probe("energy", "ENERGY")])
+
+
 def annulus():
     case = "07c_slit_annular_plate"
-    radial, around = 10, 80
+    radial, around = cells(10), cells(80)
     material_positions, triangles = [], []
     for j in range(around):
         for i in range(radial + 1):
@@ -432,7 +454,7 @@ def motion():
     at = mesh["material_positions"]
     mesh["positions"] = [c for x, y in zip(at[::2], at[1::2])
                          for c in (stretched(x, half), stretched(y, 0.5 * width), 0)]
-    h = half / 32
+    h = half / cells(32)
     scene(case, "A strip spins in its plane, stretched by that.", {"inline": mesh}, material(case), {"dynamic": {}},
           planar=True, tick_rate_hz=1000, ticks=210, integrator=UNDAMPED,
           initial_velocity={"angular_radps": {"z": omega}, "center": {}},
@@ -490,7 +512,7 @@ def kirigami():
                          "history": {"times": [0.02, 0.025, 0.0275, 0.03], "factors": [0.003, 1, 1, 0]}})
     rows = reference(case)["quantities"][0]["table"]["rows"]
     loads = sorted([row[0] / 0.002 for row in rows] + [0.025, 0.0275])
-    cuts = [{"curve": polyline(*ends), "tip_edge_length_m": 5e-5, "tip_grading": 1.3} for ends in slits_at]
+    cuts = [{"curve": polyline(*ends), **graded(5e-5, 1.3)} for ends in slits_at]
     scene(case, "A strip with rows of slits, pulled: in its plane at first, then it opens out of it.",
           {"grid": grid(20, 20, width, height)}, material(case), static(*loads),
           commands=[{"tick": 1, "command": {"cut_batch": {"cuts": cuts}}}],
@@ -555,12 +577,20 @@ def text_of(whole):
     return "{" + ",\n ".join(lines) + "}\n"
 
 
-def main():
-    for make in (patch, uniaxial, clamped_strip, cook, kirsch, holes, slits, catenaries, cantilevers, annulus,
+def scenes(fineness=1.0):
+    """All of them by name, on meshes of so many times as many cells a length; borders stay as fine as they are."""
+    global FINENESS
+    FINENESS = fineness
+    SCENES.clear()
+    for make in (patch, uniaxial, clamped_strip, cook, kirsch, holes, slits, catenaries, cantilevers, plate, annulus,
                  vibrations, motion, off_axis, curtain, kirigami, flap, several_materials):
         make()
+    return dict(SCENES)
+
+
+def main():
     stale = []
-    for name, whole in SCENES.items():
+    for name, whole in scenes().items():
         path = HERE / f"{name}.json"
         if path.exists() and path.read_text() == text_of(whole):
             continue
@@ -571,4 +601,5 @@ def main():
         sys.exit("not as generate.py writes them: " + ", ".join(stale))
 
 
-main()
+if __name__ == "__main__":
+    main()

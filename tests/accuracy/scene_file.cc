@@ -1,0 +1,20 @@
+#include "tests/accuracy/scene_file.h"
+
+#include <fstream>
+#include <sstream>
+
+#include "server/wire/scene_codec.h"
+
+namespace kerf::accuracy {
+
+Result<cli::SceneRun> run_scene_file(const std::filesystem::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  const auto config = wire::decode_scene_file(text.str(), [](const std::string& other) {
+    return Result<std::string>(invalid_argument("NO_FILES", "a reference scene names no other file", other));
+  });
+  if (!config) return config.error();
+  return cli::run_scene(*config, {});
+}
+
+}  // namespace kerf::accuracy
