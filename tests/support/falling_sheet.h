@@ -39,9 +39,10 @@ struct Fall {
   std::vector<fem::State> states;  // at the end of every interval
   int solves = 0;
   int substeps = 0;
-  int repaired = 0;       // steps
-  int not_converged = 0;  // steps
-  double seconds = 0.0;   // of CPU
+  int repaired = 0;        // steps
+  int not_converged = 0;   // steps
+  double simulated = 0.0;  // s; less than asked for where max_substeps did not do
+  double seconds = 0.0;    // of CPU
 };
 
 // In steps of 1 / rate (Hz); `interval` in seconds, a whole number of steps.
@@ -57,6 +58,7 @@ inline Fall fall(const FallingSheet& sheet, const fem::IntegratorOptions& option
       const fem::StepStats stats = integrator->step(sheet.model, sheet.loads, 1.0 / rate, nullptr, state);
       result.solves += stats.newton_iterations;
       result.substeps += stats.substeps;
+      result.simulated += stats.simulated;
       if ((stats.flags & fem::kRepaired) != 0) ++result.repaired;
       if ((stats.flags & fem::kNotConverged) != 0) ++result.not_converged;
     }

@@ -1,0 +1,206 @@
+#!/usr/bin/python3
+"""Draws the tables beside this script as SVG and writes the page tests/accuracy/PLOTS.md around the pictures.
+
+    apt-get install python3-matplotlib        # nothing else in Kerf needs it
+    tests/accuracy/plots/draw.py
+
+The same tables give the same bytes with the same Matplotlib. Each picture tells in its metadata what it is made of.
+"""
+
+import page
+import studies
+
+COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#7a5c00", "#56b4e9", "#000000", "#e69f00"]
+MARKERS = "osD^vPX*"
+INTEGRATORS = ["explicit", "explicit mixed", "explicit undamped", "implicit Euler", "TR-BDF2", "BDF2", "trapezoidal",
+               "trapezoidal solved"]
+GUIDE = {"color": "#999999", "linewidth": 0.9}
+SETTINGS = {
+    "svg.hashsalt": "kerf", "svg.fonttype": "none", "font.size": 10, "font.family": "sans-serif", "axes.grid": True,
+    "grid.color": "#e4e4e4", "grid.linewidth": 0.7, "axes.spines.top": False, "axes.spines.right": False,
+    "lines.linewidth": 1.5, "lines.markersize": 5, "legend.frameon": False, "axes.titlesize": 10.5,
+}
+
+
+def look_of(integrator):
+    i = INTEGRATORS.index(integrator)
+    return {"color": COLOURS[i], "marker": MARKERS[i]}
+
+
+def save(plt, figure, name):
+    figure.savefig(studies.HERE / f"{name}.svg", metadata={
+        "Date": None, "Creator": None, "Description": f"made of {page.digests()[name]}"})
+    plt.close(figure)
+
+
+def legend_beside(axes):
+    axes.legend(loc="center left", bbox_to_anchor=(1.02, 0.5), labelspacing=0.8)
+
+
+def guide(axes, order, at):
+    """A line of this slope up to twice the x of `at` = (x, y)."""
+    x, y = at
+    axes.plot([x, 2 * x], [y, y * 2 ** order], **GUIDE)
+    axes.annotate(f"order {order}", (2 * x, y * 2 ** order), color="#777777", fontsize=8.5,
+                  textcoords="offset points", xytext=(4, -3))
+
+
+def label_decades(axis, text, subs):
+    """Numbers as text(value) at these multiples of powers of ten."""
+    import matplotlib.ticker as ticker
+    axis.set_major_locator(ticker.LogLocator(subs=subs))
+    axis.set_major_formatter(ticker.FuncFormatter(lambda value, _: text(value)))
+    axis.set_minor_formatter(ticker.NullFormatter())
+
+
+def label_errors(axes):
+    label_decades(axes.yaxis, lambda value: f"{100 * value:g} %", (1,))
+    axes.set_ylabel("relative error")
+
+
+def draw_convergence(plt, study, rows):
+    figure, axes = plt.subplots(figsize=(8.2, 4), layout="constrained")
+    lowest = 1.0
+    for i, curve in enumerate(study["curves"]):
+        found = studies.points(rows, curve)
+        uncertainty = studies.quantity(curve["scene"], curve["quantity"])["uncertainty_rel"]
+        x, y = [point[0] for point in found], [point[1] for point in found]
+        axes.loglog(x, y, color=COLOURS[i], marker=MARKERS[i], label=f"{curve['label']}\n{page.order_text(found, uncertainty)}")
+        if uncertainty > min(y) / 3:
+            axes.loglog([min(x) / 1.15, max(x) * 1.15], 2 * [uncertainty], color=COLOURS[i], linestyle=":", linewidth=1)
+        lowest = min(lowest, *y)
+    for order in (1, 2):
+        guide(axes, order, (axes.get_xlim()[1] / 3.2, lowest))
+    label_decades(axes.xaxis, "{:g}".format, (1, 2, 5))
+    axes.set_xlabel("side of a cell / √(area of the sheet)")
+    label_errors(axes)
+    axes.set_title(study["title"], loc="left")
+    legend_beside(axes)
+    save(plt, figure, study["name"])
+
+
+def draw_profile(plt, study, rows):
+    figure, axes = plt.subplots(figsize=(8.2, 4), layout="constrained")
+    for i, fineness in enumerate(study["fineness"]):
+        mine = [row for row in rows if row["fineness"] == fineness]
+        x = [row["along"] * study["x_scale"] for row in mine]
+        if i == 0:
+            axes.plot(x, [row["expected"] * study["y_scale"] for row in mine], color="#000000", linewidth=4, alpha=0.25,
+                      label="reference")
+        axes.plot(x, [row["found"] * study["y_scale"] for row in mine], color=COLOURS[i], marker=MARKERS[i],
+                  linestyle="--", linewidth=1, label=f"cells × {fineness:g}")
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel(study["x_label"])
+    axes.set_ylabel(study["y_label"])
+    axes.set_title(study["title"], loc="left")
+    legend_beside(axes)
+    save(plt, figure, study["name"])
+
+
+DASHED = ("explicit undamped", "explicit mixed", "trapezoidal solved")  # may cover another
+HISTORY_PANELS = {"energy": "|E − E₀| / largest kinetic energy", "momentum": "|p − p₀| / |p₀|",
+                  "angular_momentum": "|L − L₀| / |L₀|"}
+
+
+def draw_history(plt, scene, rows):
+    panels = [what for what in HISTORY_PANELS if rows[0][what] != ""]
+    is_square = len(panels) == 3  # and the legend
+    figure, all_axes = plt.subplots(*((2, 2) if is_square else (1, 1)), figsize=(8.6, 7) if is_square else (8.2, 4),
+                                    layout="constrained", squeeze=False)
+    for axes, what in zip(all_axes.flat, panels):
+        for run in dict.fromkeys(row["run"] for row in rows):
+            mine = [row for row in rows if row["run"] == run and row[what] != 0]
+            axes.semilogy([row["time_s"] for row in mine], [abs(row[what]) for row in mine], color=look_of(run)["color"],
+                          linestyle="--" if run in DASHED else "-", label=run)
+        axes.set_title(HISTORY_PANELS[what], loc="left")
+        axes.set_xlabel("time (s)")
+    if is_square:
+        all_axes[1][1].axis("off")
+        all_axes[1][1].legend(*all_axes[0][0].get_legend_handles_labels(), loc="center", labelspacing=0.8)
+    else:
+        legend_beside(all_axes[0][0])
+    save(plt, figure, f"history_{scene}")
+
+
+def legend_of_time(plt, axes, curves, shown):
+    """Colours are integrators, line styles how their equations are solved."""
+    names = dict.fromkeys(curve["integrator"] for curve in curves)
+    lines = [plt.Line2D([], [], label=name, **look_of(name)) for name in names]
+    lines += [plt.Line2D([], [], label=each["label"], color="#555555", linestyle=each["style"]) for each in shown]
+    axes.legend(handles=lines, loc="center left", bbox_to_anchor=(1.02, 0.5), labelspacing=0.8)
+
+
+def draw_errors(axes, curve, x, what):
+    """In mm; hollow where a step had to be repaired."""
+    look, y = look_of(curve["integrator"]), [1e3 * row[what] for row in curve["rows"]]
+    axes.loglog(x, y, linestyle=curve["style"], **look)
+    repaired = [i for i, row in enumerate(curve["rows"]) if row["steps_repaired"] not in ("", 0)]
+    axes.loglog([x[i] for i in repaired], [y[i] for i in repaired], linestyle="none", markerfacecolor="white", **look)
+
+
+def draw_time(plt, material, rows, shown):
+    """Left: against the same steps, solved to the end. Right: against the fine reference."""
+    figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.4), layout="constrained")
+    curves = page.time_curves(rows, shown)
+    for curve in curves:
+        x = [1e3 * row["step_s"] for row in curve["rows"]]
+        if curve["is_implicit"]:
+            draw_errors(left, curve, x, "error_same_step_m")
+        draw_errors(right, curve, x, "error_fine_m")
+    left.set_title(f"{material}: what solving leaves of a step", loc="left")
+    right.set_title(f"{material}: in all, against the fine reference", loc="left")
+    left.set_ylabel("largest error of a vertex at 0.3 s (mm)")
+    for axes in (left, right):
+        axes.set_xlabel("step (ms)")
+    legend_of_time(plt, right, curves, shown)
+    save(plt, figure, f"time_{material}")
+
+
+def draw_work_precision(plt, rows, shown):
+    figure, both = plt.subplots(1, 2, figsize=(11, 4.4), layout="constrained", sharey=True)
+    for axes, material in zip(both, page.MATERIALS):
+        curves = page.time_curves([row for row in rows if row["material"] == material], shown)
+        for curve in curves:
+            draw_errors(axes, curve, [1e3 * row["cpu_s"] for row in curve["rows"]], "error_fine_m")
+        axes.set_title(material, loc="left")
+        axes.set_xlabel("CPU time of 0.3 s (ms)")
+    both[0].set_ylabel("largest error of a vertex at 0.3 s (mm)")
+    legend_of_time(plt, both[1], curves, shown)
+    save(plt, figure, "work_precision")
+
+
+def draw_run_time(plt, curves, rows):
+    """Error against run time of one curve of each study."""
+    figure, axes = plt.subplots(figsize=(8.2, 4), layout="constrained")
+    for i, curve in enumerate(curves):
+        found = studies.points(rows, curve)
+        axes.loglog([point[3] for point in found], [point[1] for point in found], color=COLOURS[i], marker=MARKERS[i],
+                    label=curve["label"])
+    axes.set_xlabel("CPU time (s)")
+    label_errors(axes)
+    axes.set_title("Error against run time", loc="left")
+    legend_beside(axes)
+    save(plt, figure, "run_time")
+
+
+def main():
+    import matplotlib  # the test of the page needs it not
+    matplotlib.use("svg")
+    import matplotlib.pyplot as plt
+    plt.rcParams.update(SETTINGS)
+    drawn = page.pictures()
+    for study, rows in drawn["convergence"]:
+        draw_convergence(plt, study, rows)
+    for study, rows in drawn["profiles"]:
+        draw_profile(plt, study, rows)
+    for scene, rows in drawn["histories"]:
+        draw_history(plt, scene, rows)
+    for material, rows in drawn["time"]:
+        draw_time(plt, material, rows, drawn["shown"])
+    draw_work_precision(plt, studies.table(studies.TIME), drawn["shown"])
+    draw_run_time(plt, *drawn["run_time"])
+    page.PAGE.write_text(page.text())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,135 @@
+"""The page tests/accuracy/PLOTS.md: its text, of the tables beside this script and words.json."""
+
+import json
+
+import studies
+
+PAGE = studies.HERE.parent / "PLOTS.md"
+MATERIALS = ("soft", "wool")
+
+
+def percent(value):
+    return f"{100 * value:.2g} %"
+
+
+def order_text(found, uncertainty):
+    """Where the reference allows no order, that which is seen all the same."""
+    order = studies.observed_order(found, uncertainty)
+    return f"order {order:.1f}" if order is not None else f"(order {studies.observed_order(found, 0):.1f})"
+
+
+def pictures():
+    """What is drawn: of each picture what it is about and its rows."""
+    said = studies.studies()
+    convergence, profiles, histories, time = (
+        studies.table(name) for name in (studies.CONVERGENCE, studies.PROFILES, studies.HISTORIES, studies.TIME))
+    curves = [next(curve for curve in study["curves"] if curve["scene"] == said["run_time"][study["name"]])
+              | {"study": study["name"]} for study in said["convergence"] if study["name"] in said["run_time"]]
+    return {
+        "convergence": [(study, [row for row in convergence if row["study"] == study["name"]])
+                        for study in said["convergence"]],
+        "profiles": [(study, [row for row in profiles if row["study"] == study["name"]]) for study in said["profiles"]],
+        "histories": [(scene, [row for row in histories if row["scene"] == scene])
+                      for scene in said["histories"]["scenes"]],
+        "time": [(material, [row for row in time if row["material"] == material]) for material in MATERIALS],
+        "shown": said["solvings"],
+        "run_time": (curves, [row for row in convergence for curve in curves
+                              if (row["study"], row["curve"]) == (curve["study"], curve["label"])]),
+    }
+
+
+def digests():
+    """What each picture says that it is made of, by its name."""
+    drawn = pictures()
+    found = {study["name"]: studies.digest(study, rows) for study, rows in drawn["convergence"] + drawn["profiles"]}
+    found |= {f"history_{scene}": studies.digest(scene, rows) for scene, rows in drawn["histories"]}
+    found |= {f"time_{material}": studies.digest([material, drawn["shown"]], rows) for material, rows in drawn["time"]}
+    found["work_precision"] = studies.digest(drawn["shown"], [row for _, rows in drawn["time"] for row in rows])
+    found["run_time"] = studies.digest(*drawn["run_time"])
+    return found
+
+
+def integrator_of(row):
+    return row["integrator"] + (" mixed" if row["precision"] == "mixed" else "")
+
+
+def time_curves(rows, shown):
+    """Of each integrator, and of each of the ways of solving that are shown, its rows, longest steps first."""
+    curves = []
+    for name in dict.fromkeys(integrator_of(row) for row in rows):
+        mine = [row for row in rows if integrator_of(row) == name]
+        if mine[0]["solver"] == "none":
+            curves.append({"integrator": name, "style": "-", "is_implicit": False, "rows": mine})
+            continue
+        for way in shown:
+            some = [row for row in mine if all(row[key] == way[key] for key in ("solver", "newton_iterations"))]
+            curves.append({"integrator": name, "style": way["style"], "is_implicit": True, "rows": some})
+    return curves
+
+
+def convergence_table(study, rows):
+    lines = ["| | reference, known to | vertices | error, coarsest to finest | observed order |", "|---|---|---|---|---|"]
+    for curve in study["curves"]:
+        found = studies.points(rows, curve)
+        uncertainty = studies.quantity(curve["scene"], curve["quantity"])["uncertainty_rel"]
+        known = "exact" if uncertainty < 1e-8 else percent(uncertainty)
+        lines.append(f"| {curve['label']} | {studies.expectation(curve['scene'])['reference']}, {known} "
+                     f"| {found[0][2]} to {found[-1][2]} | {', '.join(percent(point[1]) for point in found)} "
+                     f"| {order_text(found, uncertainty).replace('order ', '')} |")
+    return lines
+
+
+def history_table(rows):
+    has_momenta = rows[0]["momentum"] != ""
+    titles = ["energy at the end"] + (["momentum, largest change", "angular momentum, largest change"] if has_momenta else [])
+    lines = ["| | " + " | ".join(titles) + " |", "|---" * (len(titles) + 1) + "|"]
+    for run in dict.fromkeys(row["run"] for row in rows):
+        mine = [row for row in rows if row["run"] == run]
+        cells = [f"{mine[-1]['energy']:+.1e}"]
+        if has_momenta:
+            cells += [f"{max(row[what] for row in mine):.1e}" for what in ("momentum", "angular_momentum")]
+        lines.append(f"| {run} | " + " | ".join(cells) + " |")
+    return lines
+
+
+def time_table(rows):
+    """Orders are those of the runs solved to the end, but for explicit ones."""
+    lines = ["| | step (ms) | error solved to the end (mm) | order | error as by default (mm) | of that left by solving (mm) |",
+             "|---|---|---|---|---|---|"]
+    for name in dict.fromkeys(integrator_of(row) for row in rows):
+        mine = [row for row in rows if integrator_of(row) == name]
+        is_explicit = mine[0]["solver"] == "none"
+        solved = mine if is_explicit else [row for row in mine if row["newton_iterations"] == 100]
+        default = mine if is_explicit else [row for row in mine if row["solver"] == "cg"]
+        order = studies.observed_order([(row["step_s"], row["error_fine_m"]) for row in solved], 0)
+
+        def ends(of, what):
+            return " to ".join(f"{1e3 * row[what]:.2g}" for row in (of[0], of[-1]))
+        lines.append(f"| {name} | {ends(solved, 'step_s')} | {'-' if is_explicit else ends(solved, 'error_fine_m')} | {order:.2f} "
+                     f"| {ends(default, 'error_fine_m')} | {'-' if is_explicit else ends(default, 'error_same_step_m')} |")
+    return lines
+
+
+def section(title, name, words, table=()):
+    return [f"## {title}", "", f"![{title}](plots/{name}.svg)", "", *words[name], "", *table, *([""] if table else [])]
+
+
+def text():
+    words = json.loads((studies.HERE / "words.json").read_text())
+    drawn = pictures()
+    lines = ["# Accuracy in pictures", "", *words["start"], ""]
+    after = {study["after"]: study for study, _ in drawn["profiles"]}
+    profiles = dict((study["name"], rows) for study, rows in drawn["profiles"])
+    for study, rows in drawn["convergence"]:
+        lines += section(study["title"], study["name"], words, convergence_table(study, rows))
+        if study["name"] in after:
+            shown = after[study["name"]]
+            assert profiles[shown["name"]]
+            lines += section(shown["title"], shown["name"], words)
+    lines += section("Error against run time, at rest", "run_time", words)
+    for scene, rows in drawn["histories"]:
+        lines += section(words["titles"][scene], f"history_{scene}", words, history_table(rows))
+    for material, rows in drawn["time"]:
+        lines += section(words["titles"][material], f"time_{material}", words, time_table(rows))
+    lines += section("Error against run time, in motion", "work_precision", words)
+    return "\n".join(lines).rstrip() + "\n"

@@ -1,0 +1,134 @@
+"""The page tests/accuracy/PLOTS.md and its pictures are made of the tables; those say what the page claims; and what is
+cheap of them is found again."""
+
+import argparse
+import math
+import pathlib
+import re
+import sys
+import unittest
+
+import measure
+import page
+import studies
+
+OPTIONS = None
+SAME = 1e-3  # of an error, from one build to another
+SAME_IN_TIME = 0.02  # of an error in motion
+SAME_DRIFT = 1.5  # factor
+
+
+def rows_of(study):
+    return [row for row in studies.table(studies.CONVERGENCE) if row["study"] == study["name"]]
+
+
+class Tables(unittest.TestCase):
+    def test_every_curve_has_all_its_points(self):
+        for study in studies.studies()["convergence"]:
+            self.assertGreaterEqual(len(study["fineness"]), 3)
+            self.assertEqual(len(rows_of(study)), len(study["curves"]) * len(study["fineness"]))
+            for curve in study["curves"]:
+                found = studies.points(rows_of(study), curve)
+                self.assertEqual(len(found), len(study["fineness"]))
+                for coarse, fine in zip(found, found[1:]):
+                    self.assertGreater(coarse[0], fine[0])
+                    self.assertLess(coarse[2], fine[2])
+                self.assertTrue(all(math.isfinite(point[1]) and point[1] > 0 for point in found))
+
+    def test_errors_fall_as_the_page_says(self):
+        for study in studies.studies()["convergence"]:
+            for curve in study["curves"]:
+                with self.subTest(study=study["name"], curve=curve["label"]):
+                    uncertainty = studies.quantity(curve["scene"], curve["quantity"])["uncertainty_rel"]
+                    found = studies.points(rows_of(study), curve)
+                    order = studies.observed_order(found, uncertainty)
+                    if "order" not in curve:
+                        self.assertLess(found[-1][1], found[0][1])
+                    else:
+                        self.assertGreaterEqual(order, curve["order"])
+
+    def test_order_is_the_slope_above_the_uncertainty(self):
+        points = [(h, 3 * h ** 1.5) for h in (0.4, 0.2, 0.1, 0.05)]
+        self.assertAlmostEqual(studies.observed_order(points, 0), 1.5, places=12)
+        self.assertAlmostEqual(studies.observed_order([*points, (0.025, 0.001)], 0.002), 1.5, places=12)
+        self.assertIsNone(studies.observed_order(points, points[1][1]))
+
+    def test_histories_end_at_one_second(self):
+        rows = studies.table(studies.HISTORIES)
+        for scene in studies.studies()["histories"]["scenes"]:
+            for run in studies.studies()["histories"]["runs"]:
+                mine = [row for row in rows if (row["scene"], row["run"]) == (scene, run["label"])]
+                self.assertEqual(mine[0]["energy"], 0)
+                self.assertGreater(mine[-1]["time_s"], 0.98)
+
+    def test_time_has_every_way_of_solving_at_every_step(self):
+        for material in page.MATERIALS:
+            rows = [row for row in studies.table(studies.TIME) if row["material"] == material]
+            curves = page.time_curves(rows, studies.studies()["solvings"])
+            self.assertEqual(len(curves), 3 + 4 * len(studies.studies()["solvings"]))
+            for curve in curves:
+                self.assertGreaterEqual(len(curve["rows"]), 4)
+
+
+class Page(unittest.TestCase):
+    def test_the_page_is_made_of_the_tables(self):
+        self.assertEqual(page.PAGE.read_text(), page.text(), "draw.py was not run after a change")
+
+    def test_pictures_are_made_of_the_tables(self):
+        pictures = page.digests()
+        for name, digest in pictures.items():
+            said = re.search(r"made of ([0-9a-f]{16})", (studies.HERE / f"{name}.svg").read_text())
+            self.assertEqual(said[1], digest, f"{name}.svg: draw.py was not run after a change")
+        self.assertEqual(set(pictures), {file.stem for file in studies.HERE.glob("*.svg")})
+        for name in pictures:
+            self.assertIn(f"](plots/{name}.svg)", page.text())
+
+
+class Measured(unittest.TestCase):
+    def test_the_coarsest_meshes_give_the_same_errors(self):
+        for study in studies.studies()["convergence"]:
+            columns = measure.CONVERGENCE_COLUMNS
+            known = {row["curve"]: row for row in rows_of(study) if row["fineness"] == study["fineness"][0]}
+            for row in measure.convergence(OPTIONS.bin, study, study["fineness"][0]):
+                now = dict(zip(columns, row))
+                with self.subTest(study=study["name"], curve=now["curve"]):
+                    then = known[now["curve"]]
+                    self.assertEqual(now["vertices"], then["vertices"])
+                    self.assertAlmostEqual(float(now["error"]), then["error"], delta=SAME * abs(then["error"]))
+
+    def test_the_coarsest_profiles_are_the_same(self):
+        for study in studies.studies()["profiles"]:
+            known = [row for row in studies.table(studies.PROFILES)
+                     if (row["study"], row["fineness"]) == (study["name"], study["fineness"][0])]
+            found = measure.profile(OPTIONS.bin, study, study["fineness"][0])
+            self.assertEqual(len(found), len(known))
+            for now, then in zip(found, known):
+                self.assertAlmostEqual(float(now[-1]), then["found"], delta=SAME * abs(then["found"]))
+
+    def test_drifts_are_the_same(self):
+        runs = {run["label"]: run for run in studies.studies()["histories"]["runs"]}
+        table = studies.table(studies.HISTORIES)
+        for scene, label in (("free", "explicit"), ("swinging", "explicit undamped"), ("free", "implicit Euler")):
+            with self.subTest(scene=scene, run=label):
+                now = [abs(float(row[3])) for row in measure.history(OPTIONS.bin, scene, runs[label])]
+                then = [abs(row["energy"]) for row in table if (row["scene"], row["run"]) == (scene, label)]
+                self.assertLess(max(now), SAME_DRIFT * max(then))
+                self.assertGreater(max(now), max(then) / SAME_DRIFT)
+
+    def test_the_longest_steps_give_the_same_errors(self):
+        table = {tuple(row[key] for key in ("integrator", "precision", "solver", "newton_iterations", "step_s")): row
+                 for row in studies.table(studies.TIME) if row["material"] == "soft"}
+        columns, rows = measure.time_rows(OPTIONS.bin, "soft", "--coarsest")
+        for row in rows:
+            now = {key: studies.number(value) for key, value in zip(columns, row)}
+            then = table[tuple(now[key] for key in ("integrator", "precision", "solver", "newton_iterations", "step_s"))]
+            if now["steps_not_converged"] in ("", 0):  # what an unsolved step gives depends on how it was not solved
+                self.assertAlmostEqual(now["error_fine_m"], then["error_fine_m"],
+                                       delta=SAME_IN_TIME * then["error_fine_m"], msg=str(row))
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--bin", required=True, type=pathlib.Path, help="where kerf, scene_errors and time_errors are")
+    OPTIONS, rest = parser.parse_known_args()
+    unittest.main(argv=[sys.argv[0]] + rest)
