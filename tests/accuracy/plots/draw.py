@@ -54,7 +54,8 @@ def label_decades(axis, text, subs):
 
 
 def label_errors(axes):
-    label_decades(axes.yaxis, lambda value: f"{100 * value:g} %", (1,))
+    bottom, top = axes.get_ylim()
+    label_decades(axes.yaxis, lambda value: f"{100 * value:g} %", (1,) if top > 40 * bottom else (1, 2, 5))
     axes.set_ylabel("relative error")
 
 
@@ -70,7 +71,7 @@ def draw_convergence(plt, study, rows):
             axes.loglog([min(x) / 1.15, max(x) * 1.15], 2 * [uncertainty], color=COLOURS[i], linestyle=":", linewidth=1)
         lowest = min(lowest, *y)
     for order in (1, 2):
-        guide(axes, order, (axes.get_xlim()[1] / 3.2, lowest))
+        guide(axes, order, (axes.get_xlim()[1] / 3.2, 0.6 * lowest))
     label_decades(axes.xaxis, "{:g}".format, (1, 2, 5))
     axes.set_xlabel("side of a cell / √(area of the sheet)")
     label_errors(axes)
