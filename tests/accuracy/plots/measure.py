@@ -64,7 +64,8 @@ def relative_edge(scene):
 
 def scene_errors(tools, name, fineness, curves, overrides):
     """What scene_errors says of a scene of this fineness, of the quantities of these curves alone."""
-    scene = {**generate.scenes(fineness)[name], **overrides}
+    scene = generate.scenes(fineness)[name]
+    scene |= {**overrides, "material": scene["material"] | overrides.get("material", {})}
     wanted = studies.expectation(name)
     rows = {curve["quantity"]: curve.get("rows") for curve in curves}
     wanted["checks"] = [{**check, "rows": rows[studies.name_of_check(check)]} if rows[studies.name_of_check(check)] else check
