@@ -42,7 +42,7 @@ def guide(axes, order, at):
     x, y = at
     axes.plot([x, 2 * x], [y, y * 2 ** order], **GUIDE)
     axes.annotate(f"order {order}", (2 * x, y * 2 ** order), color="#777777", fontsize=8.5,
-                  textcoords="offset points", xytext=(4, -3))
+                  textcoords="offset points", xytext=(4, -3), bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8})
 
 
 def label_decades(axis, text, subs):
