@@ -66,7 +66,8 @@ def draw_convergence(plt, study, rows):
         found = studies.points(rows, curve)
         uncertainty = studies.quantity(curve["scene"], curve["quantity"])["uncertainty_rel"]
         x, y = [point[0] for point in found], [point[1] for point in found]
-        axes.loglog(x, y, color=COLOURS[i], marker=MARKERS[i], label=f"{curve['label']}\n{page.order_text(found, uncertainty)}")
+        axes.loglog(x, y, color=COLOURS[i], marker=MARKERS[i],
+                    label=f"{curve['label']}\n{page.order_text(found, uncertainty)}")
         if uncertainty > min(y) / 3:
             axes.loglog([min(x) / 1.15, max(x) * 1.15], 2 * [uncertainty], color=COLOURS[i], linestyle=":", linewidth=1)
         lowest = min(lowest, *y)
@@ -142,6 +143,7 @@ def draw_errors(axes, curve, x, what):
 def draw_time(plt, material, rows, shown):
     """Left: against the same steps, solved to the end. Right: against the fine reference."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(11, 4.4), layout="constrained")
+    shown = [each for each in shown if not each.get("run_time_only")]
     curves = page.time_curves(rows, shown)
     for curve in curves:
         x = [1e3 * row["step_s"] for row in curve["rows"]]

@@ -35,6 +35,7 @@ constexpr Solving kSolved{LinearSolverKind::kDirect, 100, 1e-10, 1e-10};
 constexpr Solving kSolvings[] = {
     {LinearSolverKind::kBlockJacobiCg, 5, 1e-4, 1e-4},
     {LinearSolverKind::kDirect, 5, 1e-4, 1e-4},
+    {LinearSolverKind::kFactorCg, 5, 1e-4, 1e-4},
     {LinearSolverKind::kDirect, 2, kNever, 1e-4},
     {LinearSolverKind::kDirect, 1, kNever, 1e-4},
 };
