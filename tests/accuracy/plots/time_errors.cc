@@ -33,10 +33,8 @@ constexpr double kNever = 1e-14;  // of Newton's: all iterations are made
 constexpr Solving kSolved{LinearSolverKind::kDirect, 100, 1e-10, 1e-10};
 // A row of the table for each; the first is IntegratorOptions' default.
 constexpr Solving kSolvings[] = {
-    {LinearSolverKind::kBlockJacobiCg, 5, 1e-4, 1e-4},
-    {LinearSolverKind::kDirect, 5, 1e-4, 1e-4},
-    {LinearSolverKind::kFactorCg, 5, 1e-4, 1e-4},
-    {LinearSolverKind::kDirect, 2, kNever, 1e-4},
+    {LinearSolverKind::kBlockJacobiCg, 5, 1e-4, 1e-4}, {LinearSolverKind::kDirect, 5, 1e-4, 1e-4},
+    {LinearSolverKind::kFactorCg, 5, 1e-4, 1e-4},      {LinearSolverKind::kDirect, 2, kNever, 1e-4},
     {LinearSolverKind::kDirect, 1, kNever, 1e-4},
 };
 
