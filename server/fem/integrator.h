@@ -80,11 +80,11 @@ struct IntegratorOptions {
   double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance * scale, r the residual M dx - h^2 f of the step
                                    // (kg m), scale the same for ballistic motion, but no less than 1e-3 of that of
                                    // standing still, nor than what rounding leaves
-  LinearSolverKind linear_solver = LinearSolverKind::kBlockJacobiCg;  // kAutomatic chooses between this and kDirect
-  CovarianceRootOptions covariance_root;                              // of kEsCgm and kAsCgm
-  double linear_tolerance = 1e-4;                                     // -, see linear_solver.h
-  int max_linear_iterations = 1000;                                   // of one solve by conjugate gradients, >= 1
-  int max_halvings = 6;                                               // of a step that fails
+  LinearSolverKind linear_solver = LinearSolverKind::kFactorCg;  // kAutomatic chooses for itself
+  CovarianceRootOptions covariance_root;                         // of kEsCgm and kAsCgm
+  double linear_tolerance = 1e-4;                                // -, see linear_solver.h
+  int max_linear_iterations = 1000;                              // of one solve by conjugate gradients, >= 1
+  int max_halvings = 6;                                          // of a step that fails
 
   double strain_limit = 0.5;  // -, above it kStrainLimit is set
 };
