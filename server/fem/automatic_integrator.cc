@@ -17,13 +17,12 @@ constexpr double kMixedForceNsPerSlot = 5.0;
 constexpr double kForceNsPerBendingEntry = 0.8;
 constexpr double kTangentNsPerSlot = 400.0;
 constexpr double kProductNsPerBlock = 4.0;
-// Of a factor in single precision and the two iterations that follow it: 8 ms of 2,500 vertices, 62 ms of 10,000.
-// Factorisation of a planar mesh of V vertices grows as V^1.5 (George 1973, nested dissection).
-constexpr double kFactorNsPerVertexToThreeHalves = 62.0;
+// Of the direct solver: 11 ms of 2,500 vertices, 103 ms of 10,000. Factorisation of a planar mesh of V vertices grows
+// as V^1.5 (George 1973, nested dissection).
+constexpr double kFactorNsPerVertexToThreeHalves = 100.0;
 // Conjugate gradient iterations for sqrt(condition number) 1: block-Jacobi needed 0.25 (stiff) to 1.1 (soft).
 constexpr double kIterationsPerRootCondition = 0.6;
 constexpr double kPreferenceForExplicit = 2.0;
-constexpr double kStages = 2.0;  // of TR-BDF2
 
 IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
   options.kind = kind;
@@ -43,13 +42,12 @@ double iterative_cost(const Model& model, const IntegratorOptions& options) {
   const double iterations =
       std::min(kIterationsPerRootCondition * root_condition, static_cast<double>(options.max_linear_iterations));
   const double blocks = std::max(static_cast<double>(model.bending_rows().num_entries()), 7.0 * model.num_vertices());
-  return kStages * options.newton_iterations *
-         (kTangentNsPerSlot * model.num_slots() + iterations * kProductNsPerBlock * blocks);
+  return options.newton_iterations * (kTangentNsPerSlot * model.num_slots() + iterations * kProductNsPerBlock * blocks);
 }
 
-double factor_cost(const Model& model, const IntegratorOptions& options) {
+double direct_cost(const Model& model, const IntegratorOptions& options) {
   const double V = model.num_vertices();
-  return kStages * options.newton_iterations *
+  return options.newton_iterations *
          (kTangentNsPerSlot * model.num_slots() + kFactorNsPerVertexToThreeHalves * V * std::sqrt(V));
 }
 
@@ -85,8 +83,8 @@ bool AutomaticIntegrator::choose(const Model& model) {
   const double substeps = explicit_.planned_substeps(options_.tick);
   const double of_explicit = explicit_cost(model, explicit_, options_);
   const double of_iterative = iterative_cost(model, options_);
-  const double of_factor = factor_cost(model, options_);
-  const double of_implicit = std::min(of_iterative, of_factor);
+  const double of_direct = direct_cost(model, options_);
+  const double of_implicit = std::min(of_iterative, of_direct);
   const bool use_explicit = substeps <= options_.max_substeps && of_explicit <= kPreferenceForExplicit * of_implicit;
   const char* choice = "explicit";
   bool is_new = false;
@@ -94,20 +92,20 @@ bool AutomaticIntegrator::choose(const Model& model) {
     is_new = implicit_ != nullptr;
     implicit_.reset();
   } else {
-    const bool factors = of_factor <= of_iterative;
-    choice = factors ? "TR-BDF2, factor-preconditioned conjugate gradients"
-                     : "TR-BDF2, block-Jacobi-preconditioned conjugate gradients";
-    IntegratorOptions options = with_kind(options_, IntegratorKind::kTrBdf2);
-    options.linear_solver = factors ? LinearSolverKind::kFactorCg : LinearSolverKind::kBlockJacobiCg;
+    const bool direct = of_direct <= of_iterative;
+    choice =
+        direct ? "implicit Euler, direct solver" : "implicit Euler, block-Jacobi-preconditioned conjugate gradients";
+    IntegratorOptions options = with_kind(options_, IntegratorKind::kImplicitEuler);
+    options.linear_solver = direct ? LinearSolverKind::kDirect : LinearSolverKind::kBlockJacobiCg;
     is_new = !implicit_ || options.linear_solver != solver_;
     solver_ = options.linear_solver;
     if (is_new) implicit_ = std::make_unique<ImplicitIntegrator>(options);
   }
   std::array<char, 256> text{};
   std::snprintf(text.data(), text.size(),
-                "automatic: %s; estimated per tick of %.4g s: %.0f explicit substeps %.1f ms, implicit %.1f ms with "
-                "the inverse diagonal blocks and %.1f ms with a factor as preconditioner",
-                choice, options_.tick, substeps, of_explicit * 1e-6, of_iterative * 1e-6, of_factor * 1e-6);
+                "automatic: %s; estimated per tick of %.4g s: %.0f explicit substeps %.1f ms, implicit with conjugate "
+                "gradients %.1f ms, with the direct solver %.1f ms",
+                choice, options_.tick, substeps, of_explicit * 1e-6, of_iterative * 1e-6, of_direct * 1e-6);
   explanation_ = text.data();
   return is_new;
 }

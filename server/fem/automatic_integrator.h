@@ -8,9 +8,10 @@
 
 namespace kerf::fem {
 
-// Chooses at each rebuild between the explicit integrator and TR-BDF2 with one of two linear solvers, from the model
-// and IntegratorOptions::tick alone: an estimate in nanoseconds, no clock, so the choice is the same on every machine.
-// Explicit unless implicit is estimated at less than half its cost, since at equal cost it is by far the more accurate.
+// Chooses at each rebuild between the explicit integrator and implicit Euler with one of two linear solvers, from the
+// model and IntegratorOptions::tick alone: an estimate in nanoseconds, no clock, so the choice is the same on every
+// machine. Explicit unless implicit is estimated at less than half its cost, since at equal cost it is by far the more
+// accurate.
 class AutomaticIntegrator final : public Integrator {
  public:
   explicit AutomaticIntegrator(const IntegratorOptions& options);

@@ -13,7 +13,7 @@ LinearStats DirectSolver::solve(const BlockMatrix& A, const mesh::VertexField& b
   PivotRule<double> rule;
   const bool is_factored = factor_.factorise(A, {}, rule);
   if (is_factored) factor_.solve(b, x);
-  stats.iterations = 1;
+  stats.iterations = is_factored ? 1 : 0;
   A.multiply(x, residual_);
   residual_ -= b;
   const double b_norm = b.norm();

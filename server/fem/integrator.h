@@ -47,7 +47,7 @@ struct StepStats {
 };
 
 enum class IntegratorKind {
-  kAutomatic,      // explicit, or TR-BDF2 with the better linear solver: see automatic_integrator.h
+  kAutomatic,      // explicit, or implicit Euler with the better linear solver: see automatic_integrator.h
   kExplicit,       // velocity Verlet (leapfrog) with stable substeps: second order, symplectic, hardly any damping
   kImplicitEuler,  // first order, strongly damped, robust
   kTrBdf2,         // trapezoidal rule + BDF2, second order, L-stable; two solves a step
@@ -80,11 +80,11 @@ struct IntegratorOptions {
   double newton_tolerance = 1e-4;  // -, stop when |r| <= tolerance * scale, r the residual M dx - h^2 f of the step
                                    // (kg m), scale the same for ballistic motion, but no less than 1e-3 of that of
                                    // standing still, nor than what rounding leaves
-  LinearSolverKind linear_solver = LinearSolverKind::kFactorCg;  // kAutomatic chooses for itself
-  CovarianceRootOptions covariance_root;                         // of kEsCgm and kAsCgm
-  double linear_tolerance = 1e-4;                                // -, see linear_solver.h
-  int max_linear_iterations = 1000;                              // of one solve by conjugate gradients, >= 1
-  int max_halvings = 6;                                          // of a step that fails
+  LinearSolverKind linear_solver = LinearSolverKind::kBlockJacobiCg;  // kAutomatic chooses for itself
+  CovarianceRootOptions covariance_root;                              // of kEsCgm and kAsCgm
+  double linear_tolerance = 1e-4;                                     // -, see linear_solver.h
+  int max_linear_iterations = 1000;                                   // of one solve by conjugate gradients, >= 1
+  int max_halvings = 6;                                               // of a step that fails
 
   double strain_limit = 0.5;  // -, above it kStrainLimit is set
 };

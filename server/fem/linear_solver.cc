@@ -1,5 +1,7 @@
 #include "server/fem/linear_solver.h"
 
+#include <algorithm>
+
 #include "server/fem/conjugate_gradient.h"
 #include "server/fem/covariance_root_solver.h"
 #include "server/fem/direct_solver.h"
@@ -8,14 +10,15 @@
 namespace kerf::fem {
 namespace {
 
-std::unique_ptr<Preconditioner> make_preconditioner(LinearSolverKind kind) {
+// A factor that needs more iterations has lost the matrix to rounding; each takes as long as a hundred plain ones.
+constexpr int kMostFactorIterations = 100;
+
+std::unique_ptr<Preconditioner> make_diagonal(LinearSolverKind kind) {
   switch (kind) {
     case LinearSolverKind::kPlainCg:
       return make_diagonal_preconditioner(Diagonal::kOnes);
     case LinearSolverKind::kJacobiCg:
       return make_diagonal_preconditioner(Diagonal::kEntries);
-    case LinearSolverKind::kFactorCg:
-      return make_factor_preconditioner();
     default:
       return make_diagonal_preconditioner(Diagonal::kBlocks);
   }
@@ -31,8 +34,11 @@ std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_
     case LinearSolverKind::kEsCgm:
     case LinearSolverKind::kAsCgm:
       return std::make_unique<CovarianceRootSolver>(kind, root, max_iterations);
+    case LinearSolverKind::kFactorCg:
+      return std::make_unique<ConjugateGradient>(make_factor_preconditioner(),
+                                                 std::min(max_iterations, kMostFactorIterations));
     default:
-      return std::make_unique<ConjugateGradient>(make_preconditioner(kind), max_iterations);
+      return std::make_unique<ConjugateGradient>(make_diagonal(kind), max_iterations);
   }
 }
 

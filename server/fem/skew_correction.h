@@ -1,7 +1,7 @@
 #pragma once
 
-#include "server/fem/direct_solver.h"
 #include "server/fem/block_matrix.h"
+#include "server/fem/direct_solver.h"
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {

@@ -20,7 +20,7 @@ struct Stage {
   State base;
   double d = 0.0;               // s, > 0
   mesh::VertexField ballistic;  // m, where the stage ends under gravity alone: where the search begins
-  double time_left = 0.0;  // s, from the end of the stage to the end of the step, for moving pins and grabs
+  double time_left = 0.0;       // s, from the end of the stage to the end of the step, for moving pins and grabs
   // Whether the last solve() was of the stage before, in the same step: what it predicted of the stress then serves the
   // first iteration, where that at its end, being of a few linear steps, may have false stretch.
   bool continues = false;

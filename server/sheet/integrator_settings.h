@@ -26,7 +26,7 @@ struct IntegratorSettings {
   std::int32_t newton_iterations = 2;  // implicit: a tick, 1..100
   double solver_tolerance = 1.0e-4;    // implicit: relative residual of the linear solver, 1e-14..0.1; below 1e-4 of
                                        // Newton's method as well
-  LinearSolverKind solver = LinearSolverKind::kFactorCg;  // implicit; kAutomatic chooses for itself
+  LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;  // implicit; kAutomatic chooses for itself
   std::int32_t max_linear_iterations = 1000;                   // implicit: of a solve by conjugate gradients, 1..100000
   fem::CovarianceRootOptions covariance_root{};                // power 0.01..2, newton_schulz_iterations 1..50
   double highest_mode_damping = 0.05;                          // explicit: -, 0..0.5, see fem::IntegratorOptions
