@@ -1,5 +1,5 @@
 // The tables of tests/bench/README.md "Linear solvers": what each makes of the same linear system of a step.
-//   solver_bench [wool|soft]
+//   solver_bench [wool|soft|large]
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -18,6 +18,7 @@
 #include "server/fem/linear_solver.h"
 #include "server/fem/membrane.h"
 #include "server/fem/tangent_matrix.h"
+#include "server/fem/vertex_frames.h"
 #include "server/mesh/grid_mesh.h"
 
 namespace kerf::bench {
@@ -31,9 +32,10 @@ constexpr int kMaxIterations = 10000;
 // One step of implicit Euler, linearised where it begins: A dx = b with A = M + h^2 K, b = M h v + h^2 (f + M g).
 struct System {
   fem::TangentMatrix tangent;
-  mesh::VertexField b;      // 3 x V, kg m
-  Eigen::MatrixXd dense;    // A
-  mesh::VertexField exact;  // 3 x V, m: dx
+  mesh::VertexField b;                  // 3 x V, kg m
+  Eigen::MatrixXd dense;                // A
+  mesh::VertexField exact;              // 3 x V, m: dx
+  std::vector<Eigen::Matrix3d> frames;  // of the vertices
 };
 
 // A sheet that has fallen from the horizontal, two corners pinned.
@@ -73,6 +75,12 @@ System make_system(const fem::Material& material, int side) {
   }
   system.exact = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   system.tangent.constrain(model, loads.pins, 0.0, state.x, system.b, system.exact);
+  system.frames.resize(static_cast<std::size_t>(mesh.num_vertices()));
+  fem::find_vertex_frames(model.element_blocks(), state.x, system.frames);
+  return system;
+}
+
+void solve_densely(System& system) {
   const fem::BlockMatrix& A = system.tangent.blocks();
   system.dense = Eigen::MatrixXd::Zero(3 * A.num_rows(), 3 * A.num_rows());
   for (int i = 0; i < A.num_rows(); ++i) {
@@ -82,7 +90,6 @@ System make_system(const fem::Material& material, int side) {
   const Eigen::LLT<Eigen::MatrixXd> factor(system.dense);
   KERF_CHECK(factor.info() == Eigen::Success, "the tangent is positive definite");
   system.exact.reshaped() = factor.solve(Eigen::VectorXd(system.b.reshaped()));
-  return system;
 }
 
 // Largest over smallest |eigenvalue| of a symmetric matrix; infinite where it is not finite.
@@ -147,13 +154,29 @@ Eigen::MatrixXd matrix_of(const Row& row, const System& system) {
   }
 }
 
-void report(const Row& row, const System& system) {
+struct Solved {
+  mesh::VertexField x;
+  fem::LinearStats stats;
+  double analysis = 0.0;  // s, CPU
+  double seconds = 0.0;
+};
+
+Solved solve(const Row& row, const System& system) {
   const std::unique_ptr<fem::LinearSolver> solver = fem::make_linear_solver(row.kind, kMaxIterations, row.root);
+  Solved solved;
+  const std::clock_t start = std::clock();
   solver->analyse(system.tangent.blocks());
-  mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, system.b.cols());
+  if (std::vector<Eigen::Matrix3d>* const frames = solver->frames()) *frames = system.frames;
+  solved.x = Eigen::Matrix3Xd::Zero(3, system.b.cols());
   const std::clock_t begin = std::clock();
-  const fem::LinearStats stats = solver->solve(system.tangent.blocks(), system.b, kTolerance, x);
-  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  solved.stats = solver->solve(system.tangent.blocks(), system.b, kTolerance, solved.x);
+  solved.seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  solved.analysis = static_cast<double>(begin - start) / CLOCKS_PER_SEC;
+  return solved;
+}
+
+void report(const Row& row, const System& system) {
+  const auto [x, stats, analysis, seconds] = solve(row, system);
   const Eigen::MatrixXd matrix = matrix_of(row, system);
   const bool is_other = fem::name_of(row.kind).solves_different_system;
   const Eigen::VectorXd own = is_other ? Eigen::VectorXd(system.b.reshaped() - matrix * x.reshaped())
@@ -167,7 +190,8 @@ void report(const Row& row, const System& system) {
 
 void measure(const char* name, const fem::Material& material) {
   for (const int side : {12, 20}) {
-    const System system = make_system(material, side);
+    System system = make_system(material, side);
+    solve_densely(system);
     std::printf(
         "%s, %d x %d vertices; the largest step of a vertex is %.1f mm\n\n"
         "| solver | condition | iterations | own residual | true residual | error mm | CPU ms |\n"
@@ -178,12 +202,38 @@ void measure(const char* name, const fem::Material& material) {
   }
 }
 
+// Sheets too large for dense matrices: from nothing, the factor included.
+void measure_large(const char* name, const fem::Material& material) {
+  std::printf(
+      "%s\n\n| vertices | solver | iterations | true residual | ms, analysis of the pattern | ms, solve |\n"
+      "|---|---|---|---|---|---|\n",
+      name);
+  for (const int side : {50, 100}) {
+    const System system = make_system(material, side);
+    for (const fem::LinearSolverKind kind :
+         {fem::LinearSolverKind::kDirect, fem::LinearSolverKind::kFactorCg, fem::LinearSolverKind::kBlockJacobiCg}) {
+      const Row row{std::string(fem::name_of(kind).option), kind, {}};
+      const Solved solved = solve(row, system);
+      std::printf("| %d | %s | %d | %.2g | %.1f | %.1f |\n", side * side, row.name.c_str(), solved.stats.iterations,
+                  solved.stats.residual, 1e3 * solved.analysis, 1e3 * solved.seconds);
+      std::fflush(stdout);
+    }
+  }
+  std::printf("\n");
+}
+
 }  // namespace
 }  // namespace kerf::bench
 
 int main(int argc, char** argv) {
   const std::string_view only = argc > 1 ? argv[1] : "";
-  if (only != "soft") kerf::bench::measure("Wool", kerf::fem::find_preset("wool").value());
-  if (only != "wool") kerf::bench::measure("Soft", kerf::fem::isotropic(1.0e6, 0.3, 5.0e-4, 1000.0));
+  const kerf::fem::Material wool = kerf::fem::find_preset("wool").value();
+  const kerf::fem::Material soft = kerf::fem::isotropic(1.0e6, 0.3, 5.0e-4, 1000.0);
+  if (only.empty() || only == "wool") kerf::bench::measure("Wool", wool);
+  if (only.empty() || only == "soft") kerf::bench::measure("Soft", soft);
+  if (only.empty() || only == "large") {
+    kerf::bench::measure_large("Wool", wool);
+    kerf::bench::measure_large("Soft", soft);
+  }
   return 0;
 }
