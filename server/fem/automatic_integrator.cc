@@ -31,7 +31,7 @@ IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
 
 double explicit_cost(const Model& model, const ExplicitIntegrator& integrator, const IntegratorOptions& options) {
   const double substeps = integrator.planned_substeps(options.tick);
-  const double interval = integrator.bending_interval(options.tick / substeps);
+  const double interval = integrator.bending_interval(options.tick / substeps, 0.0);
   const auto entries = static_cast<double>(model.bending_rows().num_entries());
   const double per_slot = options.precision == Precision::kMixed ? kMixedForceNsPerSlot : kForceNsPerSlot;
   return substeps * (per_slot * model.num_slots() + kForceNsPerBendingEntry * entries / interval);

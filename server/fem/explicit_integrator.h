@@ -42,15 +42,16 @@ class ExplicitIntegrator final : public Integrator {
 
   // Substeps a step of dt takes.
   [[nodiscard]] double planned_substeps(double dt) const;
-  // Substeps of h from one kick of the bending forces to the next: as many as keep it below kBendingLimit 2 / omega_b,
-  // omega_b^2 = Model::bending_stiffness_bound(), but at most kMaxBendingInterval, and 1 where fast modes are damped by
-  // less than kLeastDamping: those that its kicks are in resonance with would grow.
-  [[nodiscard]] int bending_interval(double h) const;
+  // Substeps of h from one kick of the bending forces to the next, n <= kMaxBendingInterval, in a sheet of which the
+  // largest strain in tension is as given, -. Kicks are stable by themselves where n h omega_b < 2, omega_b^2 =
+  // Model::bending_stiffness_bound(). A mode that oscillates with Omega between them is in resonance where n h Omega is
+  // a multiple of pi, and then grows by up to (n h omega_b)^2 / (2 n h Omega) a kick: most by half a swing, Omega =
+  // pi / (n h). Modes of the membrane lose xi Omega / omega Omega n h to damping, which is to be more. Those that
+  // tension alone swings, Omega^2 <= strain omega^2, are not damped, and must not come near half a swing.
+  [[nodiscard]] int bending_interval(double h, double strain) const;
 
  private:
-  static constexpr double kBendingLimit = 0.8;
   static constexpr int kMaxBendingInterval = 8;
-  static constexpr double kLeastDamping = 0.05;
 
   struct Scratch {
     mesh::VertexField force;  // 3 x V, N
@@ -81,6 +82,7 @@ class ExplicitIntegrator final : public Integrator {
   std::vector<double> beta_;    // s, of the membrane, one a material
   std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h
   double xi_ = 0.0;                   // -, the least
+  double omega_ = 0.0;                // 1/s
   double bending_omega_ = 0.0;        // 1/s
   MembraneLayout layout_;
   LeapfrogSweep<double> double_sweep_;  // of mixed precision: only where that does not do

@@ -291,12 +291,33 @@ void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* sp
   }
 }
 
-template <typename T>
-void start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
-  irregular_forces(arrays, step);
-  for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
-    if (arrays.num_quads[b] > 0) quad_forces(arrays, step, b);
+// Lanes without material have strains of -1.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V larger_strain(D d, const StrainLanes<hn::TFromD<D>>& strains, V largest) {
+  const V half = hn::Set(d, hn::TFromD<D>{0.5});
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const V e1 = hn::Load(d, &strains[0].lane[l]);
+    const V e2 = hn::Load(d, &strains[1].lane[l]);
+    const V shear = hn::Mul(half, hn::Load(d, &strains[2].lane[l]));
+    const V difference = hn::Mul(half, hn::Sub(e1, e2));
+    const V radius = hn::Sqrt(combine(difference, difference, shear, shear));
+    largest = hn::Max(largest, hn::Add(hn::Mul(half, hn::Add(e1, e2)), radius));
   }
+  return largest;
+}
+
+template <typename T>
+T start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
+  const LanesOf<T> d;
+  auto largest = hn::Zero(d);
+  irregular_forces(arrays, step);
+  for (const IrregularBlock<T>& block : arrays.irregular) largest = larger_strain(d, block.before, largest);
+  for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
+    if (arrays.num_quads[b] == 0) continue;
+    quad_forces(arrays, step, b);
+    for (std::size_t k = 0; k < 2; ++k) largest = larger_strain(d, arrays.quads_before[2 * b + k], largest);
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, largest));
 }
 
 void substep_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {
@@ -305,11 +326,11 @@ void substep_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float
 void substep_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
   substep(arrays, step, speed);
 }
-void start_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {
-  start(arrays, step);
+float start_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {
+  return start(arrays, step);
 }
-void start_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
-  start(arrays, step);
+double start_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
+  return start(arrays, step);
 }
 
 }  // namespace
@@ -335,12 +356,12 @@ void leapfrog_substep(const LeapfrogArrays<double>& arrays, const LeapfrogStep<d
   HWY_DYNAMIC_DISPATCH(substep_double)(arrays, step, speed);
 }
 template <>
-void leapfrog_start(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {
-  HWY_DYNAMIC_DISPATCH(start_float)(arrays, step);
+float leapfrog_start(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {
+  return HWY_DYNAMIC_DISPATCH(start_float)(arrays, step);
 }
 template <>
-void leapfrog_start(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
-  HWY_DYNAMIC_DISPATCH(start_double)(arrays, step);
+double leapfrog_start(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
+  return HWY_DYNAMIC_DISPATCH(start_double)(arrays, step);
 }
 }  // namespace kerf::fem
 #endif  // HWY_ONCE

@@ -90,8 +90,8 @@ struct LeapfrogStep {
 // Forces at x, kick, drift. `speed`: kBlockLanes largest components of velocity so far, m/s.
 template <typename T>
 void leapfrog_substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed);
-// Strains at x as those of the substep before.
+// Strains at x as those of the substep before. Returns the largest principal one, -, at least 0.
 template <typename T>
-void leapfrog_start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step);
+T leapfrog_start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step);
 
 }  // namespace kerf::fem

@@ -95,7 +95,7 @@ bool LeapfrogSweep<T>::begin(const Model& model, const Loads& loads, const Leapf
     if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
     if (!set_position(v, state.x.col(v) - terms.h * state.v.col(v))) return false;
   }
-  leapfrog_start(arrays(), step_of(model, terms));
+  tension_ = static_cast<double>(leapfrog_start(arrays(), step_of(model, terms)));
   return read(state);
 }
 

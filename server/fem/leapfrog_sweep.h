@@ -54,6 +54,8 @@ class LeapfrogSweep {
 
   // Takes over the state for a step of this length. False: this precision cannot hold it.
   bool begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration, const State& state);
+  // -, largest principal strain, at least 0, one substep before the state that begin() took over.
+  [[nodiscard]] double tension() const { return tension_; }
   void substep(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick);
   // Whether no vertex can have left what positions can hold in a step of this length.
   [[nodiscard]] bool stayed_inside(double duration) const;
@@ -106,6 +108,7 @@ class LeapfrogSweep {
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
   double unit_ = 1.0;                                 // m
   double room_ = 0.0;                                 // m, that the sheet can travel
+  double tension_ = 0.0;                              // -
 };
 
 }  // namespace kerf::fem
