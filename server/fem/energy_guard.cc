@@ -46,6 +46,11 @@ double rounding_energy(const Model& model, const State& state, double elastic) {
   return strain * (strain * stiffness + std::sqrt(2.0 * elastic * stiffness));
 }
 
+// J. Bending energy is a square, but of slivers rounding can make it negative, of which motion would feed without end.
+double elastic_energy(const Energies& energies) {
+  return energies.membrane + std::max(0.0, energies.bending);
+}
+
 // The motion of a rigid body with the sheet's linear and angular momentum.
 struct RigidMotion {
   Vector3d centre = Vector3d::Zero();    // m
@@ -99,22 +104,24 @@ EnergyGuard::Verdict EnergyGuard::enforce(const Model& model, const Loads& loads
   const double work = work_of_loads(model, loads, start, end);
   const Energies at_start = model.energies(start, Vector3d::Zero());
   const Energies at_end = model.energies(end, Vector3d::Zero());
-  const double before = at_start.membrane + at_start.bending + at_start.kinetic;
-  const double elastic = at_end.membrane + at_end.bending;
+  const double before = elastic_energy(at_start) + at_start.kinetic;
+  const double elastic = elastic_energy(at_end);
   const double allowed =
       before + work + allowed_gain * (before + std::abs(work)) + rounding_energy(model, start, elastic);
   double excess = elastic + at_end.kinetic - allowed;
   if (!(excess > 0.0)) return Verdict::kKept;
+  bool leaves_motion = elastic <= allowed;
   if (loads.pins.empty()) {
     const RigidMotion rigid(model, end);
     excess = take(
         model, [&](Eigen::Index i) { return rigid.at(end.x.col(i)); }, excess, end);
     excess = take(
         model, [&](Eigen::Index) { return rigid.velocity; }, excess, end);
+    leaves_motion = !(excess > 0.0);
   }
   take(
       model, [](Eigen::Index) { return Vector3d(Vector3d::Zero()); }, excess, end);
-  return elastic > allowed ? Verdict::kExceeded : Verdict::kLimited;
+  return leaves_motion ? Verdict::kLimited : Verdict::kExceeded;
 }
 
 }  // namespace kerf::fem

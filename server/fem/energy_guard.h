@@ -17,9 +17,11 @@ namespace kerf::fem {
 class EnergyGuard {
  public:
   enum class Verdict {
-    kKept,      // no more than at the start, or not guarded
-    kLimited,   // the velocities were changed
-    kExceeded,  // the elastic energy alone is more: shorter steps may do; the sheet was stopped, but for its centre
+    kKept,     // no more than at the start, or not guarded
+    kLimited,  // the velocities were changed
+    // The elastic energy alone, or with that of a free sheet's centre, is more: shorter steps may do. The sheet was
+    // stopped, its centre slowed.
+    kExceeded,
   };
 
   // allowed_gain: -, that is let pass, of the energy at the start and of the work between. Methods of second order

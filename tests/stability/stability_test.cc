@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -38,13 +40,32 @@ class StabilityMatrixCase : public testing::TestWithParam<Case> {};
 TEST_P(StabilityMatrixCase, StaysFiniteAndKeepsItsEnergy) {
   const Outcome outcome = run(GetParam(), kSteps);
   EXPECT_TRUE(outcome.finite);
-  if (fem::rate_condition(outcome.condition) != fem::ConditionClass::kAccurate) return;
+  const fem::ConditionClass rating = fem::rate_condition(outcome.condition);
+  if (rating == fem::ConditionClass::kBounded) {
+    EXPECT_LE(outcome.gain, 1.0) << outcome.integrator;
+  }
+  if (rating != fem::ConditionClass::kAccurate) return;
   // Verlet swings about the energy that it keeps by what its steps resolve.
   EXPECT_LE(outcome.gain, outcome.is_explicit ? 1e-2 : 1e-4) << outcome.integrator;
   EXPECT_LE(outcome.drift, 1e-6) << outcome.integrator;
 }
 
 INSTANTIATE_TEST_SUITE_P(Share, StabilityMatrixCase, testing::ValuesIn(matrix(kTestedPerStart)));
+
+// Cases beyond the share that once gained energy without end, or lost momentum: bending kicks in resonance with a taut
+// strip, gains let pass in each of many steps, bending energy of slivers that rounding made negative, energy taken from
+// the motion of the centre.
+Case find_case(const std::string& name) {
+  for (const Case& each : matrix()) {
+    if (each.name() == name) return each;
+  }
+  throw std::invalid_argument("no case " + name);
+}
+INSTANTIATE_TEST_SUITE_P(Mended, StabilityMatrixCase,
+                         testing::Values(find_case("1000 rad/s, E 1e+09 Pa, nu 0.30, dt 0.0001 s, aspect 1e+02"),
+                                         find_case("pinned at one, E 1e+00 Pa, nu 0.49, dt 1 s, aspect 1e+00"),
+                                         find_case("random box, E 1e+03 Pa, nu 0.63, dt 0.001 s, aspect 9e+05"),
+                                         find_case("1000 m/s at random, E 1e+09 Pa, nu 0.49, dt 0.1 s, aspect 1e+02")));
 
 // Not a number, infinite, huge or denormal: a step either refuses the state and leaves it, bit for bit, or ends finite.
 TEST(StabilityOfInput, OneBadValueAtAnyOfAThousandPlaces) {
