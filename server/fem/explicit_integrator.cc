@@ -109,7 +109,7 @@ int ExplicitIntegrator::bending_interval(double h, double strain) const {
     const double bending_angle = interval * h * bending_omega_;
     const double membrane_angle = interval * h * omega_;
     const bool is_stable = bending_angle < kLongestKick;
-    const bool is_damped = bending_angle * bending_angle * membrane_angle < 2.0 * kPi * kPi * kPi * xi_;
+    const bool is_damped = bending_angle * bending_angle * membrane_angle < kPi * kPi * kPi * xi_;
     const bool is_below_resonance = membrane_angle * std::sqrt(strain) < kLongestSwing;
     if (is_stable && is_damped && is_below_resonance) return interval;
   }

@@ -46,7 +46,7 @@ class ExplicitIntegrator final : public Integrator {
   // largest strain in tension is as given, -. Kicks are stable by themselves where n h omega_b < 2, omega_b^2 =
   // Model::bending_stiffness_bound(). A mode that oscillates with Omega between them is in resonance where n h Omega is
   // a multiple of pi, and then grows by up to (n h omega_b)^2 / (2 n h Omega) a kick: most by half a swing, Omega =
-  // pi / (n h). Modes of the membrane lose xi Omega / omega Omega n h to damping, which is to be more. Those that
+  // pi / (n h). Modes of the membrane lose n h xi Omega^2 / omega to damping, which is to be twice that. Those that
   // tension alone swings, Omega^2 <= strain omega^2, are not damped, and must not come near half a swing.
   [[nodiscard]] int bending_interval(double h, double strain) const;
 

@@ -28,36 +28,56 @@ double largest_eigenvalue_bound(double trace, double minors, double determinant)
   return trace * std::sqrt(std::sqrt(std::sqrt(e1)));
 }
 
-double membrane_bound(const StiffnessProblem& problem, std::span<const double> law_determinants,
-                      mesh::TriangleId slot) {
+// Of one triangle.
+struct Corners {
+  std::array<mesh::VertexId, 3> vertex{};
+  std::array<double, 3> gx{}, gy{};   // 1/m
+  std::array<double, 3> stiffness{};  // N/m
+  double area = 0.0;                  // m^2; 0: no material, the rest is not set
+  const MaterialLaw* law = nullptr;
+  std::size_t material = 0;
+};
+
+Corners corners_of(const StiffnessProblem& problem, mesh::TriangleId slot) {
   const ElementBlock& block = problem.blocks[static_cast<std::size_t>(slot / kLanes)];
   const auto l = static_cast<std::size_t>(slot % kLanes);
-  const double area = block.area[l];
-  if (area == 0.0) return 0.0;
-  const Eigen::Matrix3d& law = problem.materials.of(block, l).membrane;
-  const std::array<double, 3> gx{-block.g1[0][l] - block.g2[0][l], block.g1[0][l], block.g2[0][l]};
-  const std::array<double, 3> gy{-block.g1[1][l] - block.g2[1][l], block.g1[1][l], block.g2[1][l]};
+  Corners corners;
+  corners.area = block.area[l];
+  if (corners.area == 0.0) return corners;
+  corners.law = &problem.materials.of(block, l);
+  corners.material = block.material[l];
+  corners.gx = {-block.g1[0][l] - block.g2[0][l], block.g1[0][l], block.g2[0][l]};
+  corners.gy = {-block.g1[1][l] - block.g2[1][l], block.g1[1][l], block.g2[1][l]};
+  for (std::size_t k = 0; k < 3; ++k) {
+    corners.vertex[k] = block.vertex[k][l];
+    corners.stiffness[k] = corner_stiffness(corners.gx[k], corners.gy[k], corners.area, corners.law->membrane);
+  }
+  return corners;
+}
+
+// Where corner k has the part own[k] of all[vertex[k]] of its vertex' mass.
+double membrane_bound(const StiffnessProblem& problem, std::span<const double> law_determinants, const Corners& corners,
+                      const std::array<double, 3>& own, std::span<const double> all) {
   // G = sum over corners of A B B^T / (mass share), with strain-displacement matrices B, rows (gx, 0), (0, gy), (gy,
   // gx): {xx, 0, xy}, {0, yy, xy}, {xy, xy, xx + yy}.
   double xx = 0.0, xy = 0.0, yy = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto v = static_cast<std::size_t>(block.vertex[k][l]);
-    const double stiffness = corner_stiffness(gx[k], gy[k], area, law);
-    const double weight = area * problem.stiffness[v] * problem.inverse_mass[v] / stiffness;
-    xx += weight * gx[k] * gx[k];
-    xy += weight * gx[k] * gy[k];
-    yy += weight * gy[k] * gy[k];
+    const auto v = static_cast<std::size_t>(corners.vertex[k]);
+    const double weight = corners.area * all[v] * problem.inverse_mass[v] / own[k];
+    xx += weight * corners.gx[k] * corners.gx[k];
+    xy += weight * corners.gx[k] * corners.gy[k];
+    yy += weight * corners.gy[k] * corners.gy[k];
   }
   const Eigen::Matrix3d G{
       {xx, 0.0, xy},
       {0.0, yy, xy},
       {xy, xy, xx + yy},
   };
-  const Eigen::Matrix3d H = law * G;  // its eigenvalues are those of L^T G L, L L^T the law
+  const Eigen::Matrix3d H = corners.law->membrane * G;  // its eigenvalues are those of L^T G L, L L^T the law
   const double minors = H(0, 0) * H(1, 1) - H(0, 1) * H(1, 0) + H(0, 0) * H(2, 2) - H(0, 2) * H(2, 0) +
                         H(1, 1) * H(2, 2) - H(1, 2) * H(2, 1);
   return largest_eigenvalue_bound(H.trace(), minors,
-                                  law_determinants[block.material[l]] * (xx + yy) * (xx * yy - xy * xy));
+                                  law_determinants[corners.material] * (xx + yy) * (xx * yy - xy * xy));
 }
 
 double bending_bound(const StiffnessProblem& problem, mesh::VertexId row) {
@@ -106,25 +126,63 @@ void RunningMaximum::update(std::span<const std::int32_t> changed) {
 
 void StiffnessBound::update(const StiffnessProblem& problem, std::span<const mesh::TriangleId> slots,
                             std::span<const mesh::VertexId> vertices, std::span<const mesh::VertexId> rows) {
+  update_membrane(problem, slots, vertices);
+  update_bending(problem, vertices, rows);
+}
+
+void StiffnessBound::update_membrane(const StiffnessProblem& problem, std::span<const mesh::TriangleId> slots,
+                                     std::span<const mesh::VertexId> vertices) {
   std::array<double, kMaxMaterials> law_determinants{};
   for (std::size_t i = 0; i < problem.materials.size(); ++i) {
     law_determinants[i] = problem.materials[i].membrane.determinant();
   }
-  membrane_.resize(problem.blocks.size() * kLanes);
+  const std::size_t num_slots = problem.blocks.size() * kLanes;
+  first_bounds_.resize(num_slots, 0.0);
+  weights_.resize(problem.stiffness.size(), 0.0);
+  membrane_.resize(num_slots);
   changed_slots_.clear();
-  changed_slots_.resize(problem.blocks.size() * kLanes);
-  const auto num_slots = static_cast<mesh::TriangleId>(problem.blocks.size() * kLanes);
+  changed_slots_.resize(num_slots);
+  changed_vertices_.clear();
+  changed_vertices_.resize(weights_.size());
   for (const mesh::TriangleId slot : slots) {
-    if (slot < num_slots) changed_slots_.insert(slot);
+    if (static_cast<std::size_t>(slot) < num_slots) changed_slots_.insert(slot);
   }
   for (const mesh::VertexId v : vertices) {
+    changed_vertices_.insert(v);
     for (const mesh::TriangleId slot : problem.incident_slots.row(v)) changed_slots_.insert(slot);
   }
   for (const mesh::TriangleId slot : changed_slots_.members()) {
-    membrane_.set(static_cast<std::size_t>(slot), membrane_bound(problem, law_determinants, slot));
+    const Corners corners = corners_of(problem, slot);
+    double& bound = first_bounds_[static_cast<std::size_t>(slot)];
+    bound = 0.0;
+    if (corners.area == 0.0) continue;
+    bound = membrane_bound(problem, law_determinants, corners, corners.stiffness, problem.stiffness);
+    for (const mesh::VertexId v : corners.vertex) changed_vertices_.insert(v);
+  }
+  for (const mesh::VertexId v : changed_vertices_.members()) {
+    double weight = 0.0;
+    for (const mesh::TriangleId slot : problem.incident_slots.row(v)) {
+      const Corners corners = corners_of(problem, slot);
+      const std::size_t k = (corners.vertex[1] == v ? 1U : 0U) + (corners.vertex[2] == v ? 2U : 0U);
+      weight += first_bounds_[static_cast<std::size_t>(slot)] * corners.stiffness[k];
+      changed_slots_.insert(slot);
+    }
+    weights_[static_cast<std::size_t>(v)] = weight;
+  }
+  for (const mesh::TriangleId slot : changed_slots_.members()) {
+    const Corners corners = corners_of(problem, slot);
+    const double first = first_bounds_[static_cast<std::size_t>(slot)];
+    const std::array<double, 3> own{first * corners.stiffness[0], first * corners.stiffness[1],
+                                    first * corners.stiffness[2]};
+    const bool is_solid = corners.area != 0.0;
+    membrane_.set(static_cast<std::size_t>(slot),
+                  is_solid ? membrane_bound(problem, law_determinants, corners, own, weights_) : 0.0);
   }
   membrane_.update(changed_slots_.members());
+}
 
+void StiffnessBound::update_bending(const StiffnessProblem& problem, std::span<const mesh::VertexId> vertices,
+                                    std::span<const mesh::VertexId> rows) {
   const auto num_rows = static_cast<std::size_t>(problem.bending_rows.num_rows());
   if (num_rows == 0) return;
   bending_.resize(num_rows);

@@ -49,7 +49,8 @@ struct StiffnessProblem {
 //   Membrane: lambda_max(M^-1 K) <= max_e lambda_max(M_e^-1 K_e) for any split of the lumped masses among the triangles
 //   around each vertex (Fried 1972, "Bounds on the extremal eigenvalues of the finite element stiffness and mass
 //   matrices"). The mass is split in proportion to the triangles' stiffness at the vertex, so that a sliver borrows
-//   mass from its neighbours; the eigenvalue of the 3x3 matrix H that remains is bounded by (tr H^8)^(1/8).
+//   mass from its neighbours, and then once more in proportion to that times the bound that comes of it, which evens
+//   the triangles' bounds out; the eigenvalue of the 3x3 matrix H that remains is bounded by (tr H^8)^(1/8).
 //   Bending: largest absolute row sum of M^-1/2 Q M^-1/2 (Gershgorin).
 // The membrane part holds at rest; tension and folding raise it only moderately for the co-rotational law, which is
 // what the safety factor of the explicit integrator (IntegratorOptions::cfl) is for.
@@ -64,10 +65,19 @@ class StiffnessBound {
               std::span<const mesh::VertexId> vertices, std::span<const mesh::VertexId> rows);
 
  private:
-  RunningMaximum membrane_;  // of the slots
-  RunningMaximum bending_;   // of the rows
-  IdSet changed_slots_;      // scratch
-  IdSet changed_rows_;       // scratch
+  void update_membrane(const StiffnessProblem& problem, std::span<const mesh::TriangleId> slots,
+                       std::span<const mesh::VertexId> vertices);
+  void update_bending(const StiffnessProblem& problem, std::span<const mesh::VertexId> vertices,
+                      std::span<const mesh::VertexId> rows);
+
+  std::vector<double> first_bounds_;  // 1/s^2, of the slots, masses split by stiffness alone
+  std::vector<double> weights_;       // N/m/s^2, length V; stiffness times first bound, summed around each vertex
+  RunningMaximum membrane_;           // of the slots
+  RunningMaximum bending_;            // of the rows
+  // Scratch.
+  IdSet changed_slots_;
+  IdSet changed_vertices_;
+  IdSet changed_rows_;
 };
 
 }  // namespace kerf::fem

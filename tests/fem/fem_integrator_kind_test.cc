@@ -27,33 +27,40 @@ TEST(ExplicitIntegrator, AgreesWithAFinelyResolvedImplicitOne) {
   EXPECT_LT(verlet.x.row(2).minCoeff(), -0.04);
 }
 
-// Kicks by bending forces that come once in several substeps push modes that tension swings at their pace.
-TEST(ExplicitIntegrator, BendsATautSheetWithoutResonance) {
+// Energy of motion after 1000 ticks of a square sheet of this thickness, m, stretched and held along its border, over
+// that at the start.
+double energy_of_a_taut_sheet(const IntegratorOptions& options, double thickness, double strain) {
   const mesh::TriangleMesh mesh = square_grid(11);
-  const Model model(mesh, isotropic(1e6, 0.3, 13e-3, 1000.0));
-  IntegratorOptions options;
-  options.kind = IntegratorKind::kExplicit;
+  const Model model(mesh, isotropic(1e6, 0.3, thickness, 1000.0));
   const std::unique_ptr<Integrator> integrator = make_integrator(options);
   integrator->rebuild(model);
-  for (const double strain : {0.02, 0.04, 0.06, 0.08, 0.1}) {
-    State state = rest_state(mesh);
-    state.x *= 1.0 + strain;
-    Loads loads;
-    loads.gravity.setZero();
-    SeededRandom random(7);
-    for (int i = 0; i < mesh.num_vertices(); ++i) {
-      const bool is_inside = (mesh.rest_position(i).array() > 1e-6 && mesh.rest_position(i).array() < 1.0 - 1e-6).all();
-      if (!is_inside) {
-        loads.pins.push_back(Pin{i, state.x.col(i)});
-      } else {
-        state.v(2, i) = random.uniform(-1e-2, 1e-2);
-      }
+  State state = rest_state(mesh);
+  state.x *= 1.0 + strain;
+  Loads loads;
+  loads.gravity.setZero();
+  const double elastic = model.energies(state, loads.gravity).total();
+  SeededRandom random(7);
+  for (int i = 0; i < mesh.num_vertices(); ++i) {
+    const Eigen::Array2d at = mesh.rest_position(i);
+    if ((at > 1e-6 && at < 1.0 - 1e-6).all()) {
+      state.v(2, i) = random.uniform(-1e-2, 1e-2);
+    } else {
+      loads.pins.push_back(Pin{i, state.x.col(i)});
     }
-    const double elastic = model.energies({state.x, 0.0 * state.v}, loads.gravity).total();
-    const double kinetic = model.energies(state, loads.gravity).kinetic;
-    for (int i = 0; i < 300; ++i) integrator->step(model, loads, kTick, nullptr, state);
-    // Verlet swings about the energy it keeps.
-    EXPECT_LT(model.energies(state, loads.gravity).total() - elastic, 1.1 * kinetic) << "stretched by " << strain;
+  }
+  const double kinetic = model.energies(state, loads.gravity).kinetic;
+  for (int i = 0; i < 1000; ++i) integrator->step(model, loads, kTick, nullptr, state);
+  return (model.energies(state, loads.gravity).total() - elastic) / kinetic;
+}
+
+// Kicks by bending forces that come once in several substeps push modes that swing at their pace.
+TEST(ExplicitIntegrator, BendsATautSheetWithoutResonance) {
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kExplicit;
+  for (const double thickness : {5e-3, 13e-3, 30e-3}) {
+    for (const double strain : {0.0, 0.02, 0.04, 0.06, 0.08, 0.1}) {
+      EXPECT_LT(energy_of_a_taut_sheet(options, thickness, strain), 1.1) << thickness << " m, stretched by " << strain;
+    }
   }
 }
 
