@@ -57,7 +57,9 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   const double first_shift = kFirstShift * model.stiffness_bound();
   used_shift_ = 0.0;
   projects_ = false;
-  while (!(stats.residual <= options_.tolerance) && stats.iterations < options_.max_iterations) {
+  // A load that rounding of the forces hides may move the sheet all the same, and one step does.
+  bool is_hidden = stats.residual <= options_.tolerance && unbalanced_ > options_.tolerance;
+  while ((is_hidden || !(stats.residual <= options_.tolerance)) && stats.iterations < options_.max_iterations) {
     if (!std::isfinite(stats.residual)) break;
     Progress progress = venture(model, loads, stats, x);
     if (progress == Progress::kNone) {
@@ -67,13 +69,15 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
       predict_stress(model, x);
     }
     if (progress == Progress::kNone) break;
-    if (stats.residual < best || progress == Progress::kDescended) {
+    if (stats.residual < best || progress == Progress::kDescended ||
+        (is_hidden && stats.residual <= options_.tolerance)) {
       best = stats.residual;
       best_ = x;
       since_best = 0;
     } else if (progress == Progress::kBlind && ++since_best == kMaxBlindSteps) {
       break;
     }
+    is_hidden = false;
     if (watch && !watch(stats)) break;
   }
   if (!(stats.residual <= best)) {
@@ -121,8 +125,9 @@ double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const
   const double rounding = kTriangles * std::numeric_limits<double>::epsilon() *
                           model.materials().largest_membrane_trace() * x.cwiseAbs().maxCoeff() *
                           std::sqrt(static_cast<double>(x.cols()));
-  return std::sqrt(sum) /
-         std::max({std::sqrt(applied + reactions), rounding / options_.tolerance, std::numeric_limits<double>::min()});
+  const double known = std::sqrt(applied + reactions);
+  unbalanced_ = known > 0.0 ? std::sqrt(sum) / known : 0.0;
+  return std::sqrt(sum) / std::max({known, rounding / options_.tolerance, std::numeric_limits<double>::min()});
 }
 
 double EquilibriumSolver::energy(const Model& model, const Loads& loads, const mesh::VertexField& x,

@@ -94,6 +94,7 @@ class EquilibriumSolver {
   TangentMatrix matrix_;
   bool projects_ = false;                // the last step needed the projected tangent
   double used_shift_ = 0.0;              // 1/s^2, in the last step
+  double unbalanced_ = 0.0;              // -, of the last evaluate(), over loads and reactions alone
   TangentMatrix skew_;                   // where there are follower loads
   std::vector<Eigen::Vector3d> stress_;  // one a lane, N/m, for the tangent
   mesh::VertexField force_, residual_, rhs_, step_, trial_, venture_, best_;  // 3 x V

@@ -79,6 +79,24 @@ TEST(Equilibrium, LeavesAnUnstableOneDownhill) {
   EXPECT_GT(strip.x.row(2).maxCoeff(), 0.1);
 }
 
+TEST(Equilibrium, MovesUnderALoadThatRoundingOfTheForcesHides) {
+  constexpr double kForce = 1e-9;  // N; rounding leaves some 3e-9
+  Cantilever strip(20);
+  strip.loads.gravity.setZero();
+  strip.loads.external_forces = mesh::VertexField::Zero(3, strip.x.cols());
+  for (const int j : {0, 1, 2, 3})
+    strip.loads.external_forces(0, 21 * j + 20) = kForce / (j == 0 || j == 3 ? 6.0 : 3.0);
+  const mesh::VertexField start = strip.x;
+  EquilibriumSolver solver({});
+  solver.rebuild(strip.model);
+  const EquilibriumStats stats = solver.solve(strip.model, strip.loads, {}, strip.x);
+  EXPECT_TRUE(stats.converged) << stats.residual;
+  EXPECT_LE(stats.iterations, 2);
+  const double expected = kForce * 0.3 / (5.0e8 * 5.0e-4 * 0.05);
+  for (const int j : {0, 1, 2, 3})
+    EXPECT_NEAR(strip.x(0, 21 * j + 20) - start(0, 21 * j + 20), expected, 0.02 * expected);
+}
+
 TEST(Equilibrium, StopsWhereItIsToldTo) {
   Cantilever strip(20);
   EquilibriumSolver solver({});
