@@ -1,0 +1,93 @@
+// Cuts a hanging sheet very often, then lets it move: stability_cuts [cuts] [vertices a side] [ticks after].
+// Slits at random places, of up to two edge lengths, a tenth of them between one tick and the next. Ends with 1 where a
+// number is not finite, a step was given up, energy was gained, or mesh or model are not what fresh ones would be.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <vector>
+
+#include "server/base/random.h"
+#include "server/sheet/sheet.h"
+#include "tests/support/scenes.h"
+
+namespace {
+
+using kerf::sheet::Sheet;
+using kerf::sheet::TickReport;
+
+struct Run {
+  Sheet sheet;
+  double edge = 0.0;          // m, of the mesh as made
+  double gain = 0.0;          // J, most over the energy at the start, over all ticks so far
+  double start_energy = 0.0;  // J
+  long num_applied = 0, num_ticks = 0, num_failed = 0, num_not_finite = 0;
+  unsigned flags = 0;
+};
+
+double energy_of(const Sheet& sheet) {
+  const kerf::sheet::Energies energies = sheet.energies();
+  return energies.kinetic + energies.membrane + std::max(0.0, energies.bending) + energies.gravity;
+}
+
+void cut_once(kerf::SeededRandom& random, Run& run) {
+  constexpr double kTurn = 6.283185307179586;
+  const Eigen::Vector2d from(random.uniform(0.0, 1.0), random.uniform(0.0, 1.0));
+  const double angle = random.uniform(0.0, kTurn);
+  const double length = run.edge * random.uniform(0.3, 2.0);
+  const Eigen::Vector2d along = length * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  const std::vector<kerf::sheet::Command> commands{kerf::scenes::line_cut(from, from + along)};
+  if (run.sheet.apply(commands).topology_changed) ++run.num_applied;
+}
+
+void advance(Run& run) {
+  const TickReport report = run.sheet.step({});
+  const kerf::fem::State& state = run.sheet.state();
+  ++run.num_ticks;
+  run.flags |= report.stats.flags;
+  run.num_failed += report.step_failed ? 1 : 0;
+  run.num_not_finite += state.x.allFinite() && state.v.allFinite() ? 0 : 1;
+  run.gain = std::max(run.gain, energy_of(run.sheet) - run.start_energy);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int num_cuts = argc > 1 ? std::atoi(argv[1]) : 10'000;
+  const int num_side = argc > 2 ? std::atoi(argv[2]) : 200;
+  const int num_after = argc > 3 ? std::atoi(argv[3]) : 20;
+  kerf::sheet::SheetConfig config = kerf::scenes::hanging(num_side);
+  // Cuts leave elements of very different sizes; conjugate gradients need nothing analysed after each.
+  config.integrator.kind = kerf::sheet::IntegratorKind::kImplicitEuler;
+  kerf::Result<Sheet> made = Sheet::create(config);
+  if (!made) {
+    std::fprintf(stderr, "%s\n", made.error().message.c_str());
+    return 2;
+  }
+  Run run{*std::move(made), 1.0 / (num_side - 1)};
+  run.start_energy = energy_of(run.sheet);
+  kerf::SeededRandom random(29);
+  const int num_between = std::max(1, num_cuts / 10);
+  for (int i = 1; i <= num_cuts; ++i) {
+    cut_once(random, run);
+    if (i % num_between == 0) advance(run);
+    if (i % std::max(1, num_cuts / 100) == 0) {
+      std::fprintf(stderr, "\r%d of %d cuts, %d vertices", i, num_cuts, run.sheet.mesh().num_vertices());
+    }
+  }
+  for (int i = 0; i < num_after; ++i) {
+    advance(run);
+    std::fprintf(stderr, "\r%d of %d ticks after                        ", i + 1, num_after);
+  }
+  const bool is_valid = !run.sheet.mesh().find_violation();
+  const bool is_fresh =
+      run.sheet.model().hash() == kerf::fem::Model(run.sheet.mesh(), run.sheet.config().material).hash();
+  const double moved = 9.81 * run.sheet.model().total_mass();  // J, a fall by 1 m
+  std::printf("\ncuts made: %ld of %d; vertices: %d; ticks: %ld; not finite: %ld; failed: %ld; flags: %#x\n",
+              run.num_applied, num_cuts, run.sheet.mesh().num_vertices(), run.num_ticks, run.num_not_finite,
+              run.num_failed, run.flags);
+  std::printf("most energy over that of the start: %.2e of m g 1 m; mesh %s; model %s one made anew\n",
+              run.gain / moved, is_valid ? "valid" : "NOT VALID", is_fresh ? "equals" : "DIFFERS FROM");
+  const bool is_kept = run.gain <= 1e-4 * moved && run.num_failed == 0 && run.num_not_finite == 0;
+  return is_kept && is_valid && is_fresh && run.num_applied > 0 ? 0 : 1;
+}
