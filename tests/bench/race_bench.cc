@@ -1,70 +1,32 @@
 // The table of tests/bench/README.md "The race": the scene at which other programs are compared, per tick of 1/60 s.
-//   race_bench [MESH]
+//   race_bench [MESH [PROGRAM]]: with PROGRAM, a part of a name, the table of programs alone
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "server/base/check.h"
-#include "server/cut/cut.h"
 #include "server/fem/integrator.h"
 #include "server/mesh/grid_mesh.h"
-#include "tests/support/cut_patterns.h"
+#include "tests/bench/cpu_time.h"
+#include "tests/bench/race_programs.h"
+#include "tests/bench/race_scene.h"
 
 namespace kerf::bench {
 namespace {
 
-constexpr double kTick = 1.0 / 60.0;      // s
-constexpr double kWorstError = 1e-4;      // m, of a vertex
-constexpr double kRestStretch = 0.00172;  // -, of the centre column: rho g L / (E t) (1 - nu^2), less half a cell
+constexpr double kWorstError = 1e-4;  // m, of a vertex
 
 constexpr std::pair<const char*, fem::Precision> kPrecisions[] = {{"double", fem::Precision::kDouble},
                                                                   {"mixed", fem::Precision::kMixed}};
 
-struct Entry {
+struct Sheet {
   std::string name;
   double compared_at;  // s, with the reference
   mesh::TriangleMesh mesh;
-};
-
-mesh::TriangleMesh grid(int side) {
-  return mesh::make_grid({.num_x = side, .num_y = side}).value();
-}
-
-mesh::TriangleMesh cut_grid(int side) {
-  mesh::TriangleMesh mesh = grid(side);
-  for (const cut::Curve& curve : test::kirigami(5, 4)) {
-    const Result<cut::CutPlan> plan = cut::plan(mesh, {curve, {}, {}});
-    KERF_CHECK(plan.ok() && cut::apply(mesh, *plan).ok(), "the benchmark's cut is refused");
-  }
-  return mesh;
-}
-
-fem::Material cloth(double mass_damping) {
-  fem::Material material = fem::isotropic(2.0e6, 0.3, 5.0e-4, 400.0);
-  material.mass_damping = mass_damping;
-  return material;
-}
-
-// Pinned along the upper edge; flat, horizontal or hanging.
-struct Scene {
-  Scene(const mesh::TriangleMesh& mesh, double mass_damping, bool hangs) : model(mesh, cloth(mass_damping)) {
-    state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-    state.v = state.x;
-    for (int v = 0; v < mesh.num_vertices(); ++v) {
-      const Eigen::Vector2d at = mesh.rest_position(v);
-      state.x.col(v) = hangs ? Eigen::Vector3d(at.x(), 0.0, at.y()) : Eigen::Vector3d(at.x(), at.y(), 0.0);
-      if (at.y() > 1.0 - 1e-9) loads.pins.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
-    }
-  }
-  fem::Model model;
-  fem::State state;
-  fem::Loads loads;
 };
 
 struct Run {
@@ -79,12 +41,9 @@ Run run(Scene& scene, const fem::IntegratorOptions& options, double duration) {
   integrator->rebuild(scene.model);
   Run result;
   for (long i = 0; i < std::lround(duration / kTick); ++i) {
-    timespec begin{}, end{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &begin);
+    const double begin = thread_cpu_s();
     const fem::StepStats stats = integrator->step(scene.model, scene.loads, kTick, nullptr, scene.state);
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &end);
-    result.ms.push_back(1e3 * static_cast<double>(end.tv_sec - begin.tv_sec) +
-                        1e-6 * static_cast<double>(end.tv_nsec - begin.tv_nsec));
+    result.ms.push_back(1e3 * (thread_cpu_s() - begin));
     result.substeps = stats.substeps;
     result.max_strain = std::max(result.max_strain, stats.max_strain);
     result.flags |= stats.flags;
@@ -92,54 +51,25 @@ Run run(Scene& scene, const fem::IntegratorOptions& options, double duration) {
   return result;
 }
 
-fem::IntegratorOptions explicit_options(fem::Precision precision) {
-  fem::IntegratorOptions options;
-  options.kind = fem::IntegratorKind::kExplicit;
-  options.precision = precision;
-  return options;
-}
-
-// The same mesh in double with a tenth of the stable step, no damping, and bending in each substep.
-fem::IntegratorOptions reference_options() {
-  fem::IntegratorOptions options = explicit_options(fem::Precision::kDouble);
-  options.cfl = 0.1;
-  options.highest_mode_damping = 0.0;
-  options.max_substeps = 1'000'000;
-  return options;
-}
-
-fem::State state_of(const Entry& entry, const fem::IntegratorOptions& options) {
-  Scene scene(entry.mesh, 0.0, false);
-  run(scene, options, entry.compared_at);
+fem::State state_of(const Sheet& sheet, const fem::IntegratorOptions& options) {
+  Scene scene(sheet.mesh, 0.0, false);
+  run(scene, options, sheet.compared_at);
   return scene.state;
 }
 
-// -, largest of the edges along the middle of a grid that came to rest.
-double rest_stretch(int side, const fem::IntegratorOptions& options) {
-  Scene scene(grid(side), 8.0, true);
-  run(scene, options, 3.0);
-  double largest = 0.0;
-  for (int j = 0; j + 1 < side; ++j) {
-    const int v = j * side + side / 2;
-    const double length = (scene.state.x.col(v + side) - scene.state.x.col(v)).norm();
-    largest = std::max(largest, length * (side - 1) - 1.0);
-  }
-  return largest;
-}
-
-bool measure(const Entry& entry) {
-  const fem::State reference = state_of(entry, reference_options());
+bool measure(const Sheet& sheet) {
+  const fem::State reference = state_of(sheet, reference_options());
   bool all_good = true;
   for (const auto& [label, precision] : kPrecisions) {
     const fem::IntegratorOptions options = explicit_options(precision);
-    const fem::State tested = state_of(entry, options);
+    const fem::State tested = state_of(sheet, options);
     const double error = (tested.x - reference.x).colwise().norm().maxCoeff();
-    Scene swing(entry.mesh, 2.0, false);
+    Scene swing(sheet.mesh, 2.0, false);
     Run result = run(swing, options, 2.0);
     std::sort(result.ms.begin(), result.ms.end());
     const double median = result.ms[result.ms.size() / 2];
     const bool is_good = error <= kWorstError && result.flags == 0;
-    std::printf("| %s | %s | %d | %.2f | %.2f | %.1f | %.4f | %.2f %% |%s\n", entry.name.c_str(), label,
+    std::printf("| %s | %s | %d | %.2f | %.2f | %.1f | %.4f | %.2f %% |%s\n", sheet.name.c_str(), label,
                 result.substeps, median, result.ms.back(), 1e3 * median / (result.substeps + 2), 1e3 * error,
                 100.0 * result.max_strain, is_good ? "" : " FAILED");
     std::fflush(stdout);
@@ -148,17 +78,12 @@ bool measure(const Entry& entry) {
   return all_good;
 }
 
-}  // namespace
-}  // namespace kerf::bench
-
-int main(int argc, char** argv) {
-  using namespace kerf::bench;
-  const std::string_view only = argc > 1 ? argv[1] : "";
-  const std::vector<Entry> entries{
+bool measure_sheets(std::string_view only) {
+  const std::vector<Sheet> sheets{
       {"50x50", 0.3, grid(50)},
       {"81x81", 0.3, grid(81)},
       {"160x160", 0.3, grid(160)},
-      {"50x50 Delaunay", 0.3, kerf::mesh::make_jittered_grid({.num_x = 50, .num_y = 50}, 1).value()},
+      {"50x50 Delaunay", 0.3, mesh::make_jittered_grid({.num_x = 50, .num_y = 50}, 1).value()},
       // Later its flaps buckle, which way depends on damping: 1.2 mm at 0.3 s from that alone.
       {"50x50, 20 cuts", 0.1, cut_grid(50)},
   };
@@ -166,13 +91,24 @@ int main(int argc, char** argv) {
       "| mesh | precision | substeps | median ms | worst ms | us a substep | error mm | largest strain |\n"
       "|---|---|---|---|---|---|---|---|\n");
   bool is_good = true;
-  for (const Entry& entry : entries) {
-    if (entry.name.find(only) != std::string::npos) is_good = measure(entry) && is_good;
+  for (const Sheet& sheet : sheets) {
+    if (sheet.name.find(only) != std::string::npos) is_good = measure(sheet) && is_good;
   }
-  if (only.empty()) {
-    const double stretch = rest_stretch(50, explicit_options(kerf::fem::Precision::kMixed));
-    std::printf("hanging at rest: centre column %.4f %%\n", 100.0 * stretch);
-    is_good = is_good && std::abs(stretch - kRestStretch) < 0.01 * kRestStretch;
+  std::printf("\n");
+  return is_good;
+}
+
+}  // namespace
+}  // namespace kerf::bench
+
+int main(int argc, char** argv) {
+  using namespace kerf::bench;
+  const std::string_view only = argc > 1 ? argv[1] : "";
+  bool is_good = argc > 2 || measure_sheets(only);
+  for (const int side : {50, 81}) {
+    const std::string name = std::to_string(side) + "x" + std::to_string(side);
+    const bool is_asked = only.empty() ? side == 50 : name.find(only) != std::string::npos;
+    if (is_asked) is_good = compare_programs(name, side, argc > 2 ? argv[2] : "") && is_good;
   }
   return is_good ? 0 : 1;
 }
