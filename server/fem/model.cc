@@ -34,7 +34,14 @@ Model::Model(const mesh::TriangleMesh& mesh, std::span<const Material> materials
   for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
     everything.rewritten_triangles[static_cast<std::size_t>(t)] = t;
   }
+  // Room for a quarter more in what is large, so that the first cuts need not move all of it.
+  const std::size_t slots = everything.rewritten_triangles.size() * 5 / 4;
+  blocks_.reserve(slots / kLanes + 1);
+  if (has_bending()) patches_.reserve(slots);
   apply(mesh, everything);
+  incident_.make_room();
+  bending_rows_.make_room();
+  bound_rows_.make_room();
 }
 
 MassChange Model::apply(const mesh::TriangleMesh& mesh, const mesh::MeshEdit& edit) {

@@ -26,6 +26,10 @@ class RowStore {
     rows_.resize(static_cast<std::size_t>(num_rows));
   }
 
+  // Room for a quarter more, so that rows may outgrow their places for some time before all are moved. Invalidates
+  // spans of rows.
+  void make_room() { entries_.reserve(entries_.size() + entries_.size() / 4); }
+
   // Invalidates spans of rows.
   void set_row(int i, std::span<const Entry> content) {
     Row& r = rows_[static_cast<std::size_t>(i)];
@@ -51,7 +55,7 @@ class RowStore {
 
   void pack() {
     std::vector<Entry> packed;
-    packed.reserve(num_entries_);
+    packed.reserve(num_entries_ + num_entries_ / 4);
     for (Row& r : rows_) {
       const auto from = entries_.begin() + static_cast<std::ptrdiff_t>(r.begin);
       r.begin = packed.size();

@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <map>
 #include <numeric>
 #include <string>
@@ -14,45 +12,11 @@
 #include "server/base/check.h"
 #include "tests/bench/expected.h"
 #include "tests/bench/scenes.h"
+#include "tests/bench/stage_clock.h"
 
 // What a cut costs, by the number of triangles it crosses and by the size of the mesh, and where the time goes.
 namespace kerf::bench {
 namespace {
-
-double thread_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-class StageClock : public sheet::StageObserver {
- public:
-  void begin(sheet::Stage /*stage*/, std::int32_t /*command*/) override { started_ = entered_ = thread_cpu_s(); }
-  void end(sheet::Stage stage, std::int32_t /*command*/) override {
-    close_phase();
-    spent_[static_cast<std::size_t>(stage)] += entered_ - started_;
-    phase_ = nullptr;
-  }
-  void enter(const char* phase) override {
-    close_phase();
-    phase_ = phase;
-  }
-  [[nodiscard]] double spent(sheet::Stage stage) const { return spent_[static_cast<std::size_t>(stage)]; }
-  [[nodiscard]] const std::vector<std::pair<const char*, double>>& phases() const { return phases_; }
-
- private:
-  void close_phase() {
-    const double now = thread_cpu_s();
-    if (phase_ != nullptr) phases_.emplace_back(phase_, now - entered_);
-    entered_ = now;
-  }
-
-  double started_ = 0.0;
-  double entered_ = 0.0;
-  const char* phase_ = nullptr;
-  std::array<double, 4> spent_{};
-  std::vector<std::pair<const char*, double>> phases_;  // in order
-};
 
 // A curve wholly inside a unit square of side x side vertices that crosses about `crossed` triangles: rows of gentle
 // waves, joined by turns.

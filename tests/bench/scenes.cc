@@ -42,6 +42,14 @@ sheet::Sheet draped_cloth(int side, sheet::IntegratorKind integrator) {
   return create(std::move(config));
 }
 
+sheet::Sheet race_cloth(int side, sheet::IntegratorKind integrator, sheet::Precision precision) {
+  sheet::SheetConfig config = horizontal_cloth(side, integrator);
+  config.material = fem::isotropic(2.0e6, 0.3, 5.0e-4, 400.0);
+  config.pins.emplace_back(sheet::RegionEdge::kTop);
+  config.integrator.precision = precision;
+  return create(std::move(config));
+}
+
 sheet::Cut s_cut() {
   sheet::Cut cut;
   cut.curve = cut::CubicBezier{{{0.25, 0.5}, {0.4, 0.9}, {0.6, 0.1}, {0.75, 0.5}}};

@@ -15,6 +15,9 @@ sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator);
 // The same, free, laid on a ball with friction.
 sheet::Sheet draped_cloth(int side, sheet::IntegratorKind integrator);
 
+// The sheet of "The race" in README.md: E h = 1000 N/m, 0.2 kg/m^2, horizontal, held by its upper edge.
+sheet::Sheet race_cloth(int side, sheet::IntegratorKind integrator, sheet::Precision precision);
+
 // An S-shaped Bezier curve of half the sheet's width, wholly inside it.
 sheet::Cut s_cut();
 

@@ -159,6 +159,18 @@ TEST(RowStore, KeepsRowsThroughGrowthAndPacking) {
   EXPECT_EQ(store.num_entries(), total);
 }
 
+TEST(RowStore, WithRoomMadeRowsGrowWithoutMovingTheOthers) {
+  RowStore<int> store;
+  store.resize(100);
+  const std::vector<int> content{1, 2, 3, 4};
+  for (int i = 0; i < 100; ++i) store.set_row(i, content);
+  store.make_room();
+  const int* const first = store.row(0).data();
+  for (int i = 80; i < 100; ++i) store.set_row(i, std::vector<int>{5, 6, 7, 8, 9});
+  EXPECT_EQ(store.row(0).data(), first);
+  EXPECT_TRUE(std::equal(content.begin(), content.end(), store.row(0).begin(), store.row(0).end()));
+}
+
 TEST(Model, MassIsAThirdOfEachTriangleAndAddsUp) {
   const mesh::TriangleMesh mesh = square_grid(3, 2.0);
   Material material = isotropic(1e6, 0.3, 1e-3, 500.0);
