@@ -161,12 +161,12 @@ TEST(RowStore, KeepsRowsThroughGrowthAndPacking) {
 
 TEST(RowStore, WithRoomMadeRowsGrowWithoutMovingTheOthers) {
   RowStore<int> store;
-  store.resize(100);
+  store.resize(128);  // full: 512 entries
   const std::vector<int> content{1, 2, 3, 4};
-  for (int i = 0; i < 100; ++i) store.set_row(i, content);
+  for (int i = 0; i < 128; ++i) store.set_row(i, content);
   store.make_room();
   const int* const first = store.row(0).data();
-  for (int i = 80; i < 100; ++i) store.set_row(i, std::vector<int>{5, 6, 7, 8, 9});
+  for (int i = 108; i < 128; ++i) store.set_row(i, std::vector<int>{5, 6, 7, 8, 9});
   EXPECT_EQ(store.row(0).data(), first);
   EXPECT_TRUE(std::equal(content.begin(), content.end(), store.row(0).begin(), store.row(0).end()));
 }

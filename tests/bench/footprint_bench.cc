@@ -1,0 +1,87 @@
+// The tables of tests/bench/README.md "Footprint": memory of a sheet, and what sheets cost that are asleep.
+//   footprint_bench [SHEETS]
+#include <malloc.h>
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "server/base/check.h"
+#include "server/host/entropy.h"
+#include "server/host/host.h"
+#include "tests/bench/scenes.h"
+#include "tests/support/scenes.h"
+
+namespace kerf::bench {
+namespace {
+
+// Bytes, of all that is allocated and not freed.
+double allocated() {
+  const struct mallinfo2 info = mallinfo2();
+  return static_cast<double>(info.uordblks + info.hblkhd);
+}
+
+double process_cpu_s() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+void print_memory() {
+  std::printf("| vertices | integrator | bytes a vertex | with a snapshot |\n|---|---|---|---|\n");
+  constexpr std::pair<const char*, sheet::IntegratorKind> kKinds[] = {
+      {"explicit", sheet::IntegratorKind::kExplicitLeapfrog}, {"implicit", sheet::IntegratorKind::kImplicitEuler}};
+  for (const int side : {15, 50, 100, 200}) {
+    for (const auto& [name, kind] : kKinds) {
+      const double before = allocated();
+      sheet::Sheet sheet = race_cloth(side, kind, sheet::Precision::kDouble);
+      for (int tick = 0; tick < 2; ++tick) sheet.step({});
+      const double used = allocated() - before;
+      const auto snapshot = sheet.snapshot();
+      const double watched = allocated() - before;
+      std::printf("| %d | %s | %.0f | %.0f |\n", side * side, name, used / (side * side), watched / (side * side));
+      std::fflush(stdout);
+    }
+  }
+}
+
+void print_sleep(int num_sheets) {
+  constexpr int kSide = 4;
+  constexpr double kWatched = 20.0;  // s
+  host::RealClock clock;
+  host::SystemEntropy entropy;
+  host::HostOptions options;
+  options.max_sheets = num_sheets;
+  host::Host host(options, clock, entropy);
+  const double before = allocated();
+  sheet::SheetConfig still = scenes::hanging(kSide);
+  still.gravity.setZero();
+  for (int i = 0; i < num_sheets; ++i) {
+    host.create_sheet("s" + std::to_string(i), still, false,
+                      [](const auto& made) { KERF_CHECK(made.ok(), "the benchmark's sheet is refused"); });
+  }
+  while (host.metrics().sleeping_sheets < num_sheets) std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  const double used = allocated() - before;
+  const std::int64_t ticks = host.metrics().ticks;
+  const double cpu = process_cpu_s();
+  std::this_thread::sleep_for(std::chrono::duration<double>(kWatched));
+  const double spent = process_cpu_s() - cpu;
+  std::printf(
+      "\n%d sheets of %d vertices asleep for %.0f s: %.2f ms of CPU time, %.5f %% of a core; %lld ticks; %.1f kB a "
+      "sheet\n",
+      num_sheets, kSide * kSide, kWatched, 1e3 * spent, 100.0 * spent / kWatched,
+      static_cast<long long>(host.metrics().ticks - ticks), 1e-3 * used / num_sheets);
+}
+
+}  // namespace
+}  // namespace kerf::bench
+
+int main(int argc, char** argv) {
+  kerf::bench::print_memory();
+  kerf::bench::print_sleep(argc > 1 ? std::atoi(argv[1]) : 10'000);
+}
