@@ -228,8 +228,7 @@ void EquilibriumSolver::predict_stress(const Model& model, const mesh::VertexFie
       for (std::size_t k = 0; k < 3; ++k) {
         dx.segment<3>(static_cast<Eigen::Index>(3 * k)) = step_.col(blocks[b].vertex[k][l]);
       }
-      stress_[b * kLanes + l] =
-          MembraneTangent(blocks[b], l, frames, model.materials().of(blocks[b], l).membrane).predicted_stress(dx);
+      stress_[b * kLanes + l] = MembraneTangent(blocks[b], l, frames, model.materials()).predicted_stress(dx);
     }
   }
 }

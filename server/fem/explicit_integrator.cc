@@ -24,6 +24,15 @@ void set_pins(const Loads& loads, double time_left, State& state) {
   }
 }
 
+GreenStretch stretch_at(const Model& model, const mesh::VertexField& x) {
+  if (model.materials().membrane_law() != MembraneLaw::kGreen) return {};
+  return green_stretch(model.element_blocks(), model.materials(), x);
+}
+
+double substeps_below(double longest, double dt) {
+  return std::max(1.0, std::ceil(dt / longest));
+}
+
 bool has_forces_on_vertices(const Model& model, const Loads& loads) {
   return loads.external_forces.cols() > 0 || loads.wind.air_density > 0.0 || has_follower_loads(loads) ||
          !model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty();
@@ -43,7 +52,7 @@ void drift_massless(const Model& model, double duration, State& state) {
 void ExplicitIntegrator::plan(const Model& model) {
   omega_ = std::sqrt(model.stiffness_bound());
   const double limit = std::max(kMaxModeDamping, options_.highest_mode_damping);
-  double xi = 0.0;  // the largest
+  largest_xi_ = 0.0;
   xi_ = limit;
   beta_.clear();
   bending_beta_.clear();
@@ -51,13 +60,18 @@ void ExplicitIntegrator::plan(const Model& model) {
     const double damping_ratio = std::clamp(0.5 * own * omega_, options_.highest_mode_damping, limit);
     beta_.push_back(omega_ > 0.0 ? 2.0 * damping_ratio / omega_ : 0.0);
     bending_beta_.push_back(std::min(beta_.back(), own));
-    xi = std::max(xi, damping_ratio);
+    largest_xi_ = std::max(largest_xi_, damping_ratio);
     xi_ = std::min(xi_, damping_ratio);
   }
   bending_omega_ = std::sqrt(model.bending_stiffness_bound());
-  critical_step_ =
-      omega_ > 0.0 ? 2.0 / omega_ * (std::sqrt(1.0 + xi * xi) - xi) : std::numeric_limits<double>::infinity();
+  critical_step_ = critical_step(1.0);
   explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
+}
+
+double ExplicitIntegrator::critical_step(double stiffening) const {
+  const double omega = omega_ * std::sqrt(stiffening);
+  const double xi = largest_xi_ * std::sqrt(stiffening);
+  return omega > 0.0 ? 2.0 / omega * (std::sqrt(1.0 + xi * xi) - xi) : std::numeric_limits<double>::infinity();
 }
 
 void ExplicitIntegrator::resize(const Model& model) {
@@ -98,7 +112,7 @@ void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
 }
 
 double ExplicitIntegrator::planned_substeps(double dt) const {
-  return std::max(1.0, std::ceil(dt / (options_.cfl * critical_step_)));
+  return substeps_below(options_.cfl * critical_step_, dt);
 }
 
 int ExplicitIntegrator::bending_interval(double h, double strain) const {
@@ -124,18 +138,20 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
 
-  double planned = planned_substeps(dt);
+  const GreenStretch stretch = stretch_at(model, state.x);
+  const double longest = options_.cfl * critical_step(stretch.stiffening);
+  double planned = substeps_below(longest, dt);
   double h = dt / planned;
   if (planned > options_.max_substeps) {
     planned = options_.max_substeps;
-    h = options_.cfl * critical_step_;
+    h = longest;
     stats.flags |= kSubstepLimit;
   }
   stats.substeps = static_cast<int>(planned);
   stats.simulated = h * planned;
   bool is_mixed = options_.precision == Precision::kMixed;
   for (int retry = 0;; ++retry) {
-    const Plan plan{h, stats.substeps};
+    const Plan plan{h, stats.substeps, stretch.tension};
     if (is_mixed && !advance(model, loads, plan, contact, mixed_sweep_, state) && is_finite(state)) {
       is_mixed = false;
       stats.flags |= kWidened;
@@ -146,7 +162,10 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     if (!is_mixed) advance(model, loads, plan, contact, double_sweep_, state);
     if (is_finite(state)) {
       stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
-      if (contact != nullptr || keeps_energy(model, loads, stats, state) || retry == kMaxRetries) break;
+      const bool is_kept = contact != nullptr || keeps_energy(model, loads, stats, state);
+      // What stretches faster than the cfl number leaves room for has outrun its substeps.
+      const bool is_stable = h <= critical_step(stretch_at(model, state.x).stiffening);
+      if ((is_kept && is_stable) || retry == kMaxRetries) break;
     }
     go_back(state);
     stats.flags &= ~kEnergyLimited;  // of the attempt that is thrown away
@@ -191,7 +210,8 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, const P
   if (contact != nullptr) contact->begin(state.x);
   set_pins(loads, duration, state);
   if (!sweep.begin(model, loads, terms, duration, state)) return false;
-  const int interval = bending_interval(h, sweep.tension());
+  const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
+  const int interval = bending_interval(h, is_green ? plan.tension : sweep.tension());
   for (int i = 0; i <= plan.substeps; ++i) {
     const bool last = i == plan.substeps;
     const double time_left = last ? 0.0 : duration - h * i;

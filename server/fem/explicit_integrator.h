@@ -23,6 +23,9 @@ namespace kerf::fem {
 // Bending acts more slowly than the membrane and kicks once in several substeps (impulse method: Grubmueller et
 // al. 1991, "Generalized Verlet algorithm for efficient molecular dynamics simulations with long-range interactions";
 // Tuckerman, Berne, Martyna 1992): see bending_interval().
+// The bound is that of the sheet at rest. Stretched with Green's strain it is stiffer, see GreenStretch: of that
+// law a step begins with the substep of the sheet as it is, and is made again with shorter ones where the sheet ends so
+// stretched that they were too long.
 // Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
 // respects it.
 class ExplicitIntegrator final : public Integrator {
@@ -60,8 +63,11 @@ class ExplicitIntegrator final : public Integrator {
   struct Plan {
     double h = 0.0;  // s
     int substeps = 0;
+    double tension = 0.0;  // -, of Green's strain: see GreenStretch
   };
 
+  // s, of a sheet so many times as stiff as at rest; infinite without material.
+  [[nodiscard]] double critical_step(double stiffening) const;
   void resize(const Model& model);
   void set_sweeps(const Model& model, bool follows);
   void go_back(State& state) const;
@@ -78,11 +84,13 @@ class ExplicitIntegrator final : public Integrator {
                          LeapfrogSweep<T>& sweep);
 
   IntegratorOptions options_;
-  double critical_step_ = 0.0;  // s, > 0, for the model of the last rebuild; infinite for a model without material
-  std::vector<double> beta_;    // s, of the membrane, one a material
+  // Of the model of the last rebuild, at rest.
+  double omega_ = 0.0;                // 1/s
+  double largest_xi_ = 0.0;           // -
+  double critical_step_ = 0.0;        // s, > 0
+  std::vector<double> beta_;          // s, of the membrane, one a material
   std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h
   double xi_ = 0.0;                   // -, the least
-  double omega_ = 0.0;                // 1/s
   double bending_omega_ = 0.0;        // 1/s
   MembraneLayout layout_;
   LeapfrogSweep<double> double_sweep_;  // of mixed precision: only where that does not do

@@ -1,5 +1,6 @@
 // What LeapfrogSweep has of a model.
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 
 #include "server/fem/leapfrog_sweep.h"
@@ -10,28 +11,56 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
+// Of a slot, its corners from the lowest vertex on; of kNone all 0.
+struct TurnedConstants {
+  std::array<std::array<double, 2>, 3> g{};  // 1/m, of each corner
+  double area = 0.0;                         // m^2
+};
+
+TurnedConstants turned_constants(const Model& model, TriangleId slot) {
+  TurnedConstants turned;
+  if (slot == mesh::kNone) return turned;
+  const auto s = static_cast<std::size_t>(slot);
+  const ElementBlock& block = model.element_blocks()[s / kLanes];
+  const std::size_t from = s % kLanes;
+  const std::size_t first = turned_triangle(block, from).first;
+  for (std::size_t c = 0; c < 2; ++c) {
+    const std::array<double, 3> g{-block.g1[c][from] - block.g2[c][from], block.g1[c][from], block.g2[c][from]};
+    for (std::size_t k = 0; k < 3; ++k) turned.g[k][c] = g[(first + k) % 3];
+  }
+  turned.area = block.area[from];
+  return turned;
+}
+
 template <typename T>
 void set_triangle(const Model& model, TriangleId slot, TriangleLanes<T>& to, std::size_t l) {
-  std::array<double, 2> g1{};
-  std::array<double, 2> g2{};
-  double area = 0.0;
-  if (slot != mesh::kNone) {
-    const auto s = static_cast<std::size_t>(slot);
-    const ElementBlock& block = model.element_blocks()[s / kLanes];
-    const std::size_t from = s % kLanes;
-    const std::size_t first = turned_triangle(block, from).first;
-    for (std::size_t c = 0; c < 2; ++c) {
-      const std::array<double, 3> g{-block.g1[c][from] - block.g2[c][from], block.g1[c][from], block.g2[c][from]};
-      g1[c] = g[(first + 1) % 3];
-      g2[c] = g[(first + 2) % 3];
-    }
-    area = block.area[from];
-  }
+  const TurnedConstants turned = turned_constants(model, slot);
   for (std::size_t c = 0; c < 2; ++c) {
-    to.g1[c].lane[l] = static_cast<T>(g1[c]);
-    to.g2[c].lane[l] = static_cast<T>(g2[c]);
+    to.g1[c].lane[l] = static_cast<T>(turned.g[1][c]);
+    to.g2[c].lane[l] = static_cast<T>(turned.g[2][c]);
   }
-  to.minus_area.lane[l] = static_cast<T>(-area);
+  to.minus_area.lane[l] = static_cast<T>(-turned.area);
+}
+
+// Edge k is as long as the gradient of the corner opposite it times twice the area.
+template <typename T>
+void set_edges(const Model& model, TriangleId slot, EdgeLanes<T>& to, std::size_t l) {
+  constexpr std::array<std::array<std::size_t, 3>, 3> kEnds{{{0, 1, 2}, {0, 2, 1}, {1, 2, 0}}};  // and the one opposite
+  const TurnedConstants turned = turned_constants(model, slot);
+  Eigen::Matrix3d N;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto [a, b, opposite] = kEnds[k];
+    const Eigen::Vector2d ga(turned.g[a][0], turned.g[a][1]);
+    const Eigen::Vector2d gb(turned.g[b][0], turned.g[b][1]);
+    N.col(static_cast<Eigen::Index>(k)) = -Eigen::Vector3d(ga[0] * gb[0], ga[1] * gb[1], ga[0] * gb[1] + ga[1] * gb[0]);
+    const double height_inverse = std::hypot(turned.g[opposite][0], turned.g[opposite][1]);
+    const double length = 2.0 * turned.area * height_inverse;
+    to.length_squared[k].lane[l] = static_cast<T>(length * length);
+  }
+  const Eigen::Matrix3d C = slot == mesh::kNone ? Eigen::Matrix3d::Zero() : model.law(slot).membrane;
+  const Eigen::Matrix3d H = 0.5 * turned.area * N.transpose() * C * N;
+  const std::array<double, 6> entries{H(0, 0), H(1, 1), H(2, 2), H(0, 1), H(0, 2), H(1, 2)};
+  for (std::size_t k = 0; k < entries.size(); ++k) to.stiffness[k].lane[l] = static_cast<T>(entries[k]);
 }
 
 }  // namespace
@@ -51,7 +80,10 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
     for (Field<T>& force : quad_force_) set(force[c], reach > 0 ? pad_ + n : 0);
   }
   set(takes_part_, kBlockLanes * n);
-  set(quads_, reach > 0 ? 2 * n : 0);
+  const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
+  set(quads_, reach > 0 && !is_green ? 2 * n : 0);
+  set(quad_edges_, reach > 0 && is_green ? 2 * n : 0);
+  set(irregular_edges_, is_green ? num_irregular : 0);
   set(quads_before_, reach > 0 ? 2 * n : 0);
   set(irregular_, num_irregular);
   set(corner_x_, 4 * n);
@@ -87,7 +119,7 @@ void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout)
   }
   resize(model, layout);
   const auto num_lanes = static_cast<VertexId>(kBlockLanes * layout.num_blocks());
-  for (VertexId v = 0; !quads_.empty() && v < num_lanes; ++v) set_quads(model, layout, v);
+  for (VertexId v = 0; !quads_before_.empty() && v < num_lanes; ++v) set_quads(model, layout, v);
   for (std::size_t lane = 0; lane < layout.lanes().size(); ++lane) set_lane(model, layout, lane);
   stale_slices_.clear();
   for (std::size_t block = 0; model.has_bending() && block < slices_.size(); ++block) set_slice(model, block);
@@ -112,8 +144,13 @@ template <typename T>
 void LeapfrogSweep<T>::set_quads(const Model& model, const MembraneLayout& layout, VertexId v) {
   const std::size_t block = static_cast<std::size_t>(v) / kBlockLanes;
   for (int kind = 0; kind < 2; ++kind) {
-    set_triangle(model, layout.quad_slot(kind, v), quads_[2 * block + static_cast<std::size_t>(kind)],
-                 static_cast<std::size_t>(v) % kBlockLanes);
+    const std::size_t at = 2 * block + static_cast<std::size_t>(kind);
+    const std::size_t l = static_cast<std::size_t>(v) % kBlockLanes;
+    if (quad_edges_.empty()) {
+      set_triangle(model, layout.quad_slot(kind, v), quads_[at], l);
+    } else {
+      set_edges(model, layout.quad_slot(kind, v), quad_edges_[at], l);
+    }
   }
   if (layout.num_quads()[block] > 0) return;
   for (Field<T>& force : quad_force_) {
@@ -126,7 +163,11 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
   IrregularBlock<T>& block = irregular_[lane / kBlockLanes];
   const std::size_t l = lane % kBlockLanes;
   const TriangleId slot = layout.lanes()[lane];
-  set_triangle(model, slot, block.triangles, l);
+  if (irregular_edges_.empty()) {
+    set_triangle(model, slot, block.triangles, l);
+  } else {
+    set_edges(model, slot, irregular_edges_[lane / kBlockLanes], l);
+  }
   std::array<VertexId, 3> vertices{0, 0, 0};
   if (slot != mesh::kNone) {
     const auto s = static_cast<std::size_t>(slot);

@@ -28,7 +28,7 @@ HWY_INLINE void store3(D d, const Vec3<hn::Vec<D>>& value, const std::array<hn::
   hn::Store(value.z, d, to[2] + at);
 }
 
-template <typename T>
+template <MembraneLaw kLaw, typename T>
 HWY_NOINLINE void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
   const LanesOf<T> d;
   const auto common = common_law(d, step);
@@ -42,16 +42,24 @@ HWY_NOINLINE void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogSte
     const Vec3<V> d1 = edge(d, load3(dp, arrays.x, at + arrays.offsets[0]), x0, unit);
     const Vec3<V> d2 = edge(d, load3(dp, arrays.x, at + arrays.offsets[1]), x0, unit);
     const Vec3<V> d3 = edge(d, load3(dp, arrays.x, at + arrays.offsets[2]), x0, unit);
-    const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
     std::array<Triangles<V>, 2> t;
-    set_metric(d, lanes[0], l, d1, d2, t[0]);
-    set_metric(d, lanes[1], l, d2, d3, t[1]);
     const std::array<StrainLanes<T>*, 2> before{arrays.quads_before + 2 * block, arrays.quads_before + 2 * block + 1};
-    if (laws == nullptr) {
-      corner_forces(d, common, common, {lanes, lanes + 1}, l, before, t);
+    if constexpr (kLaw == MembraneLaw::kGreen) {
+      const EdgeLanes<T>* const edges = arrays.quad_edges + 2 * block;
+      set_edge_forces(d, laws == nullptr ? common.damping : damping_of(d, laws[2 * block], l), edges[0], l, d1, d2,
+                      *before[0], t[0]);
+      set_edge_forces(d, laws == nullptr ? common.damping : damping_of(d, laws[2 * block + 1], l), edges[1], l, d2, d3,
+                      *before[1], t[1]);
     } else {
-      corner_forces(d, law_of(d, laws[2 * block], l), law_of(d, laws[2 * block + 1], l), {lanes, lanes + 1}, l, before,
-                    t);
+      const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
+      set_metric(d, lanes[0], l, d1, d2, t[0]);
+      set_metric(d, lanes[1], l, d2, d3, t[1]);
+      if (laws == nullptr) {
+        corner_forces(d, common, common, {lanes, lanes + 1}, l, before, t);
+      } else {
+        corner_forces(d, law_of(d, laws[2 * block], l), law_of(d, laws[2 * block + 1], l), {lanes, lanes + 1}, l,
+                      before, t);
+      }
     }
     const Vec3<V> middle = plus(t[0].force2, t[1].force1);
     const Vec3<V> others = plus(plus(t[0].force1, t[1].force2), middle);
@@ -63,7 +71,7 @@ HWY_NOINLINE void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogSte
 }
 
 // Of some blocks at once: what was just written piece by piece cannot be read in one yet.
-template <typename T>
+template <MembraneLaw kLaw, typename T>
 HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
   using Position = PositionOf<T>;
   using V = hn::Vec<LanesOf<T>>;
@@ -88,6 +96,7 @@ HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const Leapfr
     for (std::size_t b = first; b < last; b += 2) {
       for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
         std::array<Triangles<V>, 2> t;
+        const std::array<StrainLanes<T>*, 2> before{&arrays.irregular[b].before, &arrays.irregular[b + 1].before};
         for (std::size_t i = 0; i < 2; ++i) {
           std::array<Vec3<hn::Vec<LanesOf<Position>>>, 3> x;
           for (std::size_t k = 0; k < 3; ++k) {
@@ -96,15 +105,21 @@ HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const Leapfr
           }
           const Vec3<V> d1 = edge(d, x[1], x[0], unit);
           const Vec3<V> d2 = edge(d, x[2], x[0], unit);
-          set_metric(d, arrays.irregular[b + i].triangles, l, d1, d2, t[i]);
+          if constexpr (kLaw == MembraneLaw::kGreen) {
+            set_edge_forces(d, laws == nullptr ? common.damping : damping_of(d, laws[b + i], l),
+                            arrays.irregular_edges[b + i], l, d1, d2, *before[i], t[i]);
+          } else {
+            set_metric(d, arrays.irregular[b + i].triangles, l, d1, d2, t[i]);
+          }
         }
-        const std::array<const TriangleLanes<T>*, 2> lanes{&arrays.irregular[b].triangles,
-                                                           &arrays.irregular[b + 1].triangles};
-        const std::array<StrainLanes<T>*, 2> before{&arrays.irregular[b].before, &arrays.irregular[b + 1].before};
-        if (laws == nullptr) {
-          corner_forces(d, common, common, lanes, l, before, t);
-        } else {
-          corner_forces(d, law_of(d, laws[b], l), law_of(d, laws[b + 1], l), lanes, l, before, t);
+        if constexpr (kLaw != MembraneLaw::kGreen) {
+          const std::array<const TriangleLanes<T>*, 2> lanes{&arrays.irregular[b].triangles,
+                                                             &arrays.irregular[b + 1].triangles};
+          if (laws == nullptr) {
+            corner_forces(d, common, common, lanes, l, before, t);
+          } else {
+            corner_forces(d, law_of(d, laws[b], l), law_of(d, laws[b + 1], l), lanes, l, before, t);
+          }
         }
         for (std::size_t i = 0; i < 2; ++i) {
           const V zero = hn::Zero(d);
@@ -248,7 +263,7 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
     }
     for (std::size_t c = 0; c < 3; ++c) {
       V f = sum[c];
-      if (arrays.quads != nullptr) {
+      if (arrays.quads_before != nullptr) {
         const V near = hn::Sub(hn::LoadU(d, arrays.quad_force[1][c] + at - arrays.offsets[0]),
                                hn::Load(d, arrays.quad_force[0][c] + at));
         const V far = hn::Add(hn::LoadU(d, arrays.quad_force[2][c] + at - arrays.offsets[1]),
@@ -273,9 +288,9 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
 
 // A triangle belongs to its lowest vertex: once the forces of a block of quads are made, no later one asks where its
 // vertices are, and they can be moved.
-template <typename T>
+template <MembraneLaw kLaw, typename T>
 void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
-  irregular_forces(arrays, step);
+  irregular_forces<kLaw>(arrays, step);
   if (arrays.bending_rows != nullptr) set_bending_positions(arrays, step);
   const bool gather_all = arrays.bending_rows != nullptr || arrays.extra_force != nullptr;
   for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
@@ -283,7 +298,7 @@ void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* sp
   }
   for (std::size_t first = 0; first < arrays.num_blocks + kChunk; first += kChunk) {
     for (std::size_t b = first; b < HWY_MIN(first + kChunk, arrays.num_blocks); ++b) {
-      if (arrays.num_quads[b] > 0) quad_forces(arrays, step, b);
+      if (arrays.num_quads[b] > 0) quad_forces<kLaw>(arrays, step, b);
     }
     for (std::size_t b = first < kChunk ? 0 : first - kChunk; b < HWY_MIN(first, arrays.num_blocks); ++b) {
       move(arrays, step, gather_all, b, speed);
@@ -306,31 +321,47 @@ HWY_INLINE V larger_strain(D d, const StrainLanes<hn::TFromD<D>>& strains, V lar
   return largest;
 }
 
-template <typename T>
+template <MembraneLaw kLaw, typename T>
 T start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
+  constexpr bool kHasStrains = kLaw == MembraneLaw::kCorotational;
   const LanesOf<T> d;
   auto largest = hn::Zero(d);
-  irregular_forces(arrays, step);
-  for (const IrregularBlock<T>& block : arrays.irregular) largest = larger_strain(d, block.before, largest);
+  irregular_forces<kLaw>(arrays, step);
+  for (const IrregularBlock<T>& block : arrays.irregular) {
+    if (kHasStrains) largest = larger_strain(d, block.before, largest);
+  }
   for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
     if (arrays.num_quads[b] == 0) continue;
-    quad_forces(arrays, step, b);
-    for (std::size_t k = 0; k < 2; ++k) largest = larger_strain(d, arrays.quads_before[2 * b + k], largest);
+    quad_forces<kLaw>(arrays, step, b);
+    for (std::size_t k = 0; kHasStrains && k < 2; ++k) {
+      largest = larger_strain(d, arrays.quads_before[2 * b + k], largest);
+    }
   }
   return hn::GetLane(hn::MaxOfLanes(d, largest));
 }
 
+template <typename T>
+void substep_any(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
+  step.membrane_law == MembraneLaw::kGreen ? substep<MembraneLaw::kGreen>(arrays, step, speed)
+                                           : substep<MembraneLaw::kCorotational>(arrays, step, speed);
+}
+template <typename T>
+T start_any(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
+  return step.membrane_law == MembraneLaw::kGreen ? start<MembraneLaw::kGreen>(arrays, step)
+                                                  : start<MembraneLaw::kCorotational>(arrays, step);
+}
+
 void substep_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {
-  substep(arrays, step, speed);
+  substep_any(arrays, step, speed);
 }
 void substep_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
-  substep(arrays, step, speed);
+  substep_any(arrays, step, speed);
 }
 float start_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {
-  return start(arrays, step);
+  return start_any(arrays, step);
 }
 double start_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
-  return start(arrays, step);
+  return start_any(arrays, step);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "server/fem/bending.h"
 #include "server/fem/bending_slice.h"
+#include "server/fem/material.h"
 #include "server/fem/membrane_layout.h"
 #include "server/fem/row_store.h"
 
@@ -27,13 +28,24 @@ struct TriangleLanes {
   Lanes minus_area{};               // m^2
 };
 
+// The same of kBlockLanes triangles with Green's strain, by their edges d1, d2 from corner 0 and d3 = d2 - d1:
+//   s_k = |d_k|^2 - L_k^2,   W = s.H s / 4,   t = H s,
+//   forces on the corners: t1 d1 + t2 d2, t3 d3 - t1 d1, -t2 d2 - t3 d3.
+// H = A/2 N^T C N, N taking s / 2 to e: its columns are -(ga gb^T + gb ga^T) / 2 as Voigt strains, ga and gb the shape
+// gradients of the edge's ends.
+template <typename T>
+struct EdgeLanes {
+  std::array<Lanes16<T>, 3> length_squared{};  // m^2, L_k^2
+  std::array<Lanes16<T>, 6> stiffness{};       // N/m^3, H11, H22, H33, H12, H13, H23
+};
+
 // Of kBlockLanes triangles: C11, C22, C33, C12, N/m, and damping as in LeapfrogStep.
 template <typename T>
 struct LawLanes {
   std::array<Lanes16<T>, 5> value{};
 };
 
-// e11, e22, 2 e12 of kBlockLanes triangles in the substep before.
+// e11, e22, 2 e12 of kBlockLanes triangles in the substep before; of Green's strain s_k, m^2.
 template <typename T>
 using StrainLanes = std::array<Lanes16<T>, 3>;
 
@@ -56,18 +68,20 @@ struct LeapfrogArrays {
   std::array<T*, 3> v{};                          // m/s
   std::array<T*, 3> remainder{};                  // of x, in its unit; null where T is double
   std::array<const T*, 3> mobility{};             // 1/kg, 0 where the component is held
-  TriangleLanes<T>* quads = nullptr;              // 2 x num_blocks, or none
-  StrainLanes<T>* quads_before = nullptr;         // as quads
+  const TriangleLanes<T>* quads = nullptr;        // 2 x num_blocks, or none
+  const EdgeLanes<T>* quad_edges = nullptr;       // in their place of Green's strain
+  StrainLanes<T>* quads_before = nullptr;         // as either
   std::array<std::array<T*, 3>, 4> quad_force{};  // N, at the quad's lowest vertex, corner 0's times -1
   std::span<IrregularBlock<T>> irregular;
-  const LawLanes<T>* quad_laws = nullptr;       // as quads, or null: those of LeapfrogStep
-  const LawLanes<T>* irregular_laws = nullptr;  // as irregular
-  const T* mass_damping = nullptr;              // 1/s, of each vertex, or null: keep and scale are those of all
-  Position* corner_x = nullptr;                 // x 4, of irregular triangles
-  T* corner_force = nullptr;                    // N, x 4, at corner_place()
-  T* gathered = nullptr;                        // N, x 4
-  const T* extra_force = nullptr;               // N, x 4, or null
-  Position* bending_x = nullptr;                // x 4, scratch
+  const EdgeLanes<T>* irregular_edges = nullptr;  // of Green's strain, in place of IrregularBlock::triangles
+  const LawLanes<T>* quad_laws = nullptr;         // as quads, or null: those of LeapfrogStep
+  const LawLanes<T>* irregular_laws = nullptr;    // as irregular
+  const T* mass_damping = nullptr;                // 1/s, of each vertex, or null: keep and scale are those of all
+  Position* corner_x = nullptr;                   // x 4, of irregular triangles
+  T* corner_force = nullptr;                      // N, x 4, at corner_place()
+  T* gathered = nullptr;                          // N, x 4
+  const T* extra_force = nullptr;                 // N, x 4, or null
+  Position* bending_x = nullptr;                  // x 4, scratch
   std::span<const std::int32_t> num_quads, num_corners;  // of each block of vertices
   const RowStore<std::int32_t>* corners = nullptr;
   const RowStore<BendingEntry>* bending_rows = nullptr;  // null: no bending in this substep
@@ -76,6 +90,7 @@ struct LeapfrogArrays {
 
 template <typename T>
 struct LeapfrogStep {
+  MembraneLaw membrane_law = MembraneLaw::kCorotational;
   std::array<T, 4> law{};      // N/m: C11, C22, C33, C12
   T unit = 1;                  // m, of a position
   T damping = 0;               // -, beta / h
@@ -90,7 +105,7 @@ struct LeapfrogStep {
 // Forces at x, kick, drift. `speed`: kBlockLanes largest components of velocity so far, m/s.
 template <typename T>
 void leapfrog_substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed);
-// Strains at x as those of the substep before. Returns the largest principal one, -, at least 0.
+// Strains at x as those of the substep before. Returns the largest principal one, -, at least 0; 0 of Green's strain.
 template <typename T>
 T leapfrog_start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step);
 

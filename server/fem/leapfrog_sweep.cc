@@ -49,12 +49,14 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
   arrays.remainder = entries(remainder_);
   const std::array<T*, 3> mobility = entries(mobility_);
   arrays.mobility = {mobility[0], mobility[1], mobility[2]};
-  arrays.quads = quads_.empty() ? nullptr : quads_.data();
-  if (!quads_.empty()) {
+  if (!quads_before_.empty()) {
+    arrays.quads = quads_.data();
+    arrays.quad_edges = quad_edges_.data();
     arrays.quads_before = quads_before_.data();
     for (std::size_t k = 0; k < 4; ++k) arrays.quad_force[k] = entries(quad_force_[k], pad_);
   }
   arrays.irregular = irregular_;
+  arrays.irregular_edges = irregular_edges_.data();
   arrays.quad_laws = quad_laws_.empty() ? nullptr : quad_laws_.data();
   arrays.irregular_laws = irregular_laws_.empty() ? nullptr : irregular_laws_.data();
   arrays.mass_damping = entries(mass_damping_);
@@ -72,6 +74,7 @@ template <typename T>
 LeapfrogStep<T> LeapfrogSweep<T>::step_of(const Model& model, const LeapfrogTerms& terms) const {
   const std::array<double, 4> law = law_entries(model.materials()[0]);
   LeapfrogStep<T> step;
+  step.membrane_law = model.materials().membrane_law();
   for (std::size_t k = 0; k < law.size(); ++k) step.law[k] = static_cast<T>(law[k]);
   step.unit = static_cast<T>(unit_);
   step.damping = static_cast<T>(damping_of(terms.damping, 0) / terms.h);

@@ -54,7 +54,8 @@ class LeapfrogSweep {
 
   // Takes over the state for a step of this length. False: this precision cannot hold it.
   bool begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration, const State& state);
-  // -, largest principal strain, at least 0, one substep before the state that begin() took over.
+  // -, largest principal strain, at least 0, one substep before the state that begin() took over; 0 of
+  // Green's.
   [[nodiscard]] double tension() const { return tension_; }
   void substep(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick);
   // Whether no vertex can have left what positions can hold in a step of this length.
@@ -96,7 +97,8 @@ class LeapfrogSweep {
   std::vector<LawLanes<T>> quad_laws_, irregular_laws_;  // of several materials
   std::vector<std::uint8_t> takes_part_;                 // has mass, or is held
   std::vector<TriangleLanes<T>> quads_;
-  std::vector<StrainLanes<T>> quads_before_;  // as quads_
+  std::vector<EdgeLanes<T>> quad_edges_, irregular_edges_;  // of Green's strain
+  std::vector<StrainLanes<T>> quads_before_;                // as quads_ or quad_edges_
   std::vector<IrregularBlock<T>> irregular_;
   std::size_t pad_ = 0;  // blocks before the first vertex in quad_force_; three times that in x_
   std::array<Field<T>, 4> quad_force_;

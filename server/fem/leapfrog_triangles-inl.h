@@ -93,6 +93,11 @@ HWY_INLINE Law<hn::Vec<D>> law_of(D d, const LawLanes<hn::TFromD<D>>& lanes, std
   return {load(0), load(1), load(2), load(3), load(4)};
 }
 
+template <class D>
+HWY_INLINE hn::Vec<D> damping_of(D d, const LawLanes<hn::TFromD<D>>& lanes, std::size_t l) {
+  return hn::Load(d, &lanes.value[4].lane[l]);
+}
+
 // Triangles with edges d1, d2 from corner 0; formulas in membrane.h, with R = F S^-1 and c = F^T F, det S = d,
 // tr S = s, S = (c + d I) / s.
 template <class V>
@@ -187,6 +192,29 @@ HWY_INLINE void corner_forces(D d, const Law<V>& law0, const Law<V>& law1,
   set_inverses(d, t[1]);
   set_forces(d, law0, *lanes[0], l, *before[0], t[0]);
   set_forces(d, law1, *lanes[1], l, *before[1], t[1]);
+}
+
+// Of triangles with Green's strain; see EdgeLanes.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void set_edge_forces(D d, V damping, const EdgeLanes<hn::TFromD<D>>& lanes, std::size_t l, const Vec3<V>& d1,
+                                const Vec3<V>& d2, StrainLanes<hn::TFromD<D>>& before, Triangles<V>& t) {
+  const auto strain = [&](std::size_t k, const Vec3<V>& side) HWY_ATTR {
+    const V excess = hn::Sub(dot(side, side), hn::Load(d, &lanes.length_squared[k].lane[l]));
+    return damped(d, damping, excess, &before[k].lane[l]);
+  };
+  const auto H = [&](std::size_t k) HWY_ATTR { return hn::Load(d, &lanes.stiffness[k].lane[l]); };
+  const Vec3<V> d3 = minus(d2, d1);
+  const V s1 = strain(0, d1);
+  const V s2 = strain(1, d2);
+  const V s3 = strain(2, d3);
+  const V H12 = H(3);
+  const V H13 = H(4);
+  const V H23 = H(5);
+  const V t1 = hn::Add(combine(H(0), s1, H12, s2), hn::Mul(H13, s3));
+  const V t2 = hn::Add(combine(H12, s1, H(1), s2), hn::Mul(H23, s3));
+  const V t3 = hn::Add(combine(H13, s1, H23, s2), hn::Mul(H(2), s3));
+  t.force1 = combine(d3, t3, d1, hn::Neg(t1));
+  t.force2 = combine(d3, hn::Neg(t3), d2, hn::Neg(t2));
 }
 
 }  // namespace

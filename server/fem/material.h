@@ -28,6 +28,14 @@ struct MaterialRanges {
   static constexpr Range kStiffnessDamping{0.0, 1.0};
 };
 
+// How the strain of the membrane is measured that stress is linear in; formulas in membrane.h. One for a whole sheet:
+// its materials give the moduli. For small strains both are the same.
+enum class MembraneLaw {
+  kCorotational,  // Biot strain U - I, F = R U: a strip under tension is linear at any stretch
+  kGreen,  // Green strain (F^T F - I) / 2: the Saint Venant-Kirchhoff material. Cheaper; a strip stretched to lambda of
+           // its length pulls lambda (lambda + 1) / 2 times as hard, and below 0.58 it resists ever less
+};
+
 // Orthotropic plane-stress sheet material with an independent shear modulus (Jones, Mechanics of Composite Materials,
 // eq. 2.65 ff.); ranges above. Immutable once a Model is built from it. Material axis 1 is the warp or fibre direction.
 struct Material {

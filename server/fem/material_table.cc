@@ -20,6 +20,15 @@ Eigen::Matrix2d rotation_into_material_axes(double direction) {
   };
 }
 
+// With p = cos^2 of the angle of n: a parabola over 0..1.
+double least_stiffness(const Eigen::Matrix3d& C) {
+  const double mixed = C(0, 1) + 2.0 * C(2, 2);
+  const double curvature = C(0, 0) + C(1, 1) - 2.0 * mixed;
+  const double p = curvature > 0.0 ? std::clamp((C(1, 1) - mixed) / curvature, 0.0, 1.0) : 0.0;
+  const double inside = C(0, 0) * p * p + C(1, 1) * (1.0 - p) * (1.0 - p) + 2.0 * mixed * p * (1.0 - p);
+  return std::min({inside, C(0, 0), C(1, 1)});
+}
+
 }  // namespace
 
 MaterialLaw::MaterialLaw(const Material& of)
@@ -28,13 +37,14 @@ MaterialLaw::MaterialLaw(const Material& of)
       bending(bending_law(of)),
       inverse_bending(has_bending() ? Eigen::Matrix3d(bending.inverse()) : Eigen::Matrix3d::Zero()),
       axes(rotation_into_material_axes(of.direction)),
+      least_membrane(least_stiffness(membrane)),
       surface_density(of.density * of.thickness) {
   // Mass, for edges of 1 m, and stiffness of an inner vertex of a uniform grid: six triangles of half a square each.
   const double typical_stiffness = 2.0 * (membrane(0, 0) + membrane(1, 1) + 2.0 * membrane(2, 2));
   unit_floor = kMassFloor * surface_density / typical_stiffness;
 }
 
-MaterialTable::MaterialTable(std::span<const Material> materials) {
+MaterialTable::MaterialTable(std::span<const Material> materials, MembraneLaw law) : membrane_law_(law) {
   KERF_CHECK(!materials.empty() && materials.size() <= kMaxMaterials, "a sheet has 1..kMaxMaterials materials");
   for (const Material& material : materials) {
     laws_.emplace_back(material);

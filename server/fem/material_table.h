@@ -22,6 +22,7 @@ struct MaterialLaw {
   Eigen::Matrix3d bending;          // N m, likewise, for (k11, k22, 2 k12); 0 without bending
   Eigen::Matrix3d inverse_bending;  // 1/(N m); 0 without bending
   Eigen::Matrix2d axes;             // rotation of rest coordinates into material axes
+  double least_membrane = 0.0;      // N/m, of n n : C : n n over all directions n in the plane
   double surface_density = 0.0;     // kg/m^2
   double unit_floor = 0.0;          // kg/m^2 / (N/m); mass floor of a vertex over its stiffness, for edges of 1 m
 
@@ -32,8 +33,9 @@ struct MaterialLaw {
 class MaterialTable {
  public:
   // All of them valid (see validate).
-  explicit MaterialTable(std::span<const Material> materials);
+  explicit MaterialTable(std::span<const Material> materials, MembraneLaw law = MembraneLaw::kCorotational);
 
+  [[nodiscard]] MembraneLaw membrane_law() const { return membrane_law_; }
   [[nodiscard]] std::size_t size() const { return laws_.size(); }
   [[nodiscard]] bool has_one() const { return laws_.size() == 1; }
   [[nodiscard]] const MaterialLaw& operator[](std::size_t material) const { return laws_[material]; }
@@ -50,6 +52,7 @@ class MaterialTable {
   [[nodiscard]] std::span<const double> stiffness_damping() const { return stiffness_damping_; }
 
  private:
+  MembraneLaw membrane_law_;
   std::vector<MaterialLaw> laws_;
   std::vector<double> stiffness_damping_;
   double largest_membrane_trace_ = 0.0;

@@ -45,53 +45,116 @@ struct LaneStrain {
   Lane e1, e2, e3;
 };
 
+struct LaneStress {
+  Lane sigma1, sigma2, sigma3;  // N/m
+};
+
 struct LaneForces {
   Lane3 corner1, corner2;  // N; corner 0 has minus their sum
 };
 
-void biot_strain(const LaneFrames& frames, LaneStrain& e) {
+// The triangles of a block at x as each law sees them. Their forces are those of T g by way of two columns,
+// T = [[sigma1, sigma3 - a], [sigma3 + a, sigma2]].
+class CorotationalTriangles {
+ public:
+  void set(const ElementBlock& block, const mesh::VertexField& x) { frames_at(block, x, frames_); }
+  void set_strain(LaneStrain& e) const {
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      e.e1[l] = frames_.S11[l] - 1.0;
+      e.e2[l] = frames_.S22[l] - 1.0;
+      e.e3[l] = 2.0 * frames_.S12[l];
+    }
+  }
+  // e += beta dS/dt. M = R^T dF/dt = dS/dt + w S with the spin w = [[0, -omega], [omega, 0]], hence omega = (M21 - M12)
+  // / tr S: the rate of a rigid rotation is exactly zero however the triangle is strained.
+  template <typename Number>
+  void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, const Number& beta, LaneStrain& e) const {
+    LaneEdges dv;
+    Lane3 f1;
+    Lane3 f2;
+    gather_edges(block, v, dv);
+    multiply_by_dm_inverse(block, dv, f1, f2);
+    const LaneFrames& frames = frames_;
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const double M11 = frames.R1[0][l] * f1[0][l] + frames.R1[1][l] * f1[1][l] + frames.R1[2][l] * f1[2][l];
+      const double M21 = frames.R2[0][l] * f1[0][l] + frames.R2[1][l] * f1[1][l] + frames.R2[2][l] * f1[2][l];
+      const double M12 = frames.R1[0][l] * f2[0][l] + frames.R1[1][l] * f2[1][l] + frames.R1[2][l] * f2[2][l];
+      const double M22 = frames.R2[0][l] * f2[0][l] + frames.R2[1][l] * f2[1][l] + frames.R2[2][l] * f2[2][l];
+      const double omega = (M21 - M12) * frames.inverse_trace[l];
+      e.e1[l] += beta[l] * (M11 + omega * frames.S12[l]);
+      e.e2[l] += beta[l] * (M22 - omega * frames.S12[l]);
+      e.e3[l] += beta[l] * (M12 + M21 + omega * (frames.S22[l] - frames.S11[l]));
+    }
+  }
+  [[nodiscard]] const Lane3& column1() const { return frames_.R1; }
+  [[nodiscard]] const Lane3& column2() const { return frames_.R2; }
+  [[nodiscard]] double skew(const LaneStress& stress, std::size_t l) const {
+    return (frames_.S12[l] * (stress.sigma1[l] - stress.sigma2[l]) +
+            stress.sigma3[l] * (frames_.S22[l] - frames_.S11[l])) *
+           frames_.inverse_trace[l];
+  }
+
+ private:
+  LaneFrames frames_;
+};
+
+class GreenTriangles {
+ public:
+  void set(const ElementBlock& block, const mesh::VertexField& x) {
+    LaneEdges dx;
+    gather_edges(block, x, dx);
+    multiply_by_dm_inverse(block, dx, f1_, f2_);
+  }
+  void set_strain(LaneStrain& e) const {
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      e.e1[l] = 0.5 * (dot(f1_, f1_, l) - 1.0);
+      e.e2[l] = 0.5 * (dot(f2_, f2_, l) - 1.0);
+      e.e3[l] = dot(f1_, f2_, l);
+    }
+  }
+  // e += beta (F^T dF/dt + dF/dt^T F) / 2.
+  template <typename Number>
+  void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, const Number& beta, LaneStrain& e) const {
+    GreenTriangles rate;
+    rate.set(block, v);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      e.e1[l] += beta[l] * dot(f1_, rate.f1_, l);
+      e.e2[l] += beta[l] * dot(f2_, rate.f2_, l);
+      e.e3[l] += beta[l] * (dot(f1_, rate.f2_, l) + dot(f2_, rate.f1_, l));
+    }
+  }
+  [[nodiscard]] const Lane3& column1() const { return f1_; }
+  [[nodiscard]] const Lane3& column2() const { return f2_; }
+  [[nodiscard]] double skew(const LaneStress& /*stress*/, std::size_t /*l*/) const { return 0.0; }
+
+ private:
+  static double dot(const Lane3& a, const Lane3& b, std::size_t l) {
+    return a[0][l] * b[0][l] + a[1][l] * b[1][l] + a[2][l] * b[2][l];
+  }
+
+  Lane3 f1_, f2_;  // columns of F
+};
+
+template <typename Number>
+void set_stress(const Law<Number>& law, const LaneStrain& e, LaneStress& stress) {
   for (std::size_t l = 0; l < kLanes; ++l) {
-    e.e1[l] = frames.S11[l] - 1.0;
-    e.e2[l] = frames.S22[l] - 1.0;
-    e.e3[l] = 2.0 * frames.S12[l];
+    stress.sigma1[l] = law.C11[l] * e.e1[l] + law.C12[l] * e.e2[l] + law.C13[l] * e.e3[l];
+    stress.sigma2[l] = law.C12[l] * e.e1[l] + law.C22[l] * e.e2[l] + law.C23[l] * e.e3[l];
+    stress.sigma3[l] = law.C13[l] * e.e1[l] + law.C23[l] * e.e2[l] + law.C33[l] * e.e3[l];
   }
 }
 
-// e += beta dS/dt. M = R^T dF/dt = dS/dt + w S with the spin w = [[0, -omega], [omega, 0]], hence omega = (M21 - M12) /
-// tr S: the rate of a rigid rotation is exactly zero however the triangle is strained.
-template <typename Number>
-void add_strain_rate(const ElementBlock& block, const mesh::VertexField& v, const Number& beta,
-                     const LaneFrames& frames, LaneStrain& e) {
-  LaneEdges dv;
-  Lane3 f1;
-  Lane3 f2;
-  gather_edges(block, v, dv);
-  multiply_by_dm_inverse(block, dv, f1, f2);
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    const double M11 = frames.R1[0][l] * f1[0][l] + frames.R1[1][l] * f1[1][l] + frames.R1[2][l] * f1[2][l];
-    const double M21 = frames.R2[0][l] * f1[0][l] + frames.R2[1][l] * f1[1][l] + frames.R2[2][l] * f1[2][l];
-    const double M12 = frames.R1[0][l] * f2[0][l] + frames.R1[1][l] * f2[1][l] + frames.R1[2][l] * f2[2][l];
-    const double M22 = frames.R2[0][l] * f2[0][l] + frames.R2[1][l] * f2[1][l] + frames.R2[2][l] * f2[2][l];
-    const double omega = (M21 - M12) * frames.inverse_trace[l];
-    e.e1[l] += beta[l] * (M11 + omega * frames.S12[l]);
-    e.e2[l] += beta[l] * (M22 - omega * frames.S12[l]);
-    e.e3[l] += beta[l] * (M12 + M21 + omega * (frames.S22[l] - frames.S11[l]));
-  }
-}
-
-template <typename Number>
-void corner_forces(const ElementBlock& block, const Law<Number>& law, const LaneFrames& frames, const LaneStrain& e,
+template <typename Triangles>
+void corner_forces(const ElementBlock& block, const Triangles& triangles, const LaneStress& stress,
                    LaneForces& forces) {
+  const Lane3& column1 = triangles.column1();
+  const Lane3& column2 = triangles.column2();
   for (std::size_t l = 0; l < kLanes; ++l) {
-    const double sigma1 = law.C11[l] * e.e1[l] + law.C12[l] * e.e2[l] + law.C13[l] * e.e3[l];
-    const double sigma2 = law.C12[l] * e.e1[l] + law.C22[l] * e.e2[l] + law.C23[l] * e.e3[l];
-    const double sigma3 = law.C13[l] * e.e1[l] + law.C23[l] * e.e2[l] + law.C33[l] * e.e3[l];
-    const double a =
-        (frames.S12[l] * (sigma1 - sigma2) + sigma3 * (frames.S22[l] - frames.S11[l])) * frames.inverse_trace[l];
+    const double a = triangles.skew(stress, l);
     const double minus_area = -block.area[l];
     for (std::size_t c = 0; c < 3; ++c) {
-      const double P1 = minus_area * (frames.R1[c][l] * sigma1 + frames.R2[c][l] * (sigma3 + a));
-      const double P2 = minus_area * (frames.R1[c][l] * (sigma3 - a) + frames.R2[c][l] * sigma2);
+      const double P1 = minus_area * (column1[c][l] * stress.sigma1[l] + column2[c][l] * (stress.sigma3[l] + a));
+      const double P2 = minus_area * (column1[c][l] * (stress.sigma3[l] - a) + column2[c][l] * stress.sigma2[l]);
       forces.corner1[c][l] = P1 * block.g1[0][l] + P2 * block.g1[1][l];
       forces.corner2[c][l] = P1 * block.g2[0][l] + P2 * block.g2[1][l];
     }
@@ -110,6 +173,59 @@ void scatter(const ElementBlock& block, const LaneForces& forces, mesh::VertexFi
       f2[c] += forces.corner2[c][l];
     }
   }
+}
+
+// visit(law) of the lanes of a block.
+template <typename Visit>
+void with_law(const ElementBlock& block, const MaterialTable& materials, std::span<const double> beta,
+              const Visit& visit) {
+  if (block.has_one_material()) {
+    visit(law_of(materials.of(block, 0).membrane, damping_of(beta, block.material[0])));
+  } else {
+    visit(law_of_lanes(block, materials, beta));
+  }
+}
+
+template <typename Triangles>
+void add_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials, std::span<const double> beta,
+                const mesh::VertexField& x, const mesh::VertexField& v, mesh::VertexField& f) {
+  const bool is_damped = std::any_of(beta.begin(), beta.end(), [](double each) { return each > 0.0; });
+  Triangles triangles;
+  LaneStrain e;
+  LaneStress stress;
+  LaneForces forces;
+  for (const ElementBlock& block : blocks) {
+    triangles.set(block, x);
+    triangles.set_strain(e);
+    with_law(block, materials, beta, [&](const auto& law) {
+      if (is_damped) triangles.add_strain_rate(block, v, law.beta, e);
+      set_stress(law, e, stress);
+    });
+    corner_forces(block, triangles, stress, forces);
+    scatter(block, forces, f);
+  }
+}
+
+template <typename Triangles>
+double energy_of(std::span<const ElementBlock> blocks, const MaterialTable& materials, const mesh::VertexField& x) {
+  double energy = 0.0;
+  Triangles triangles;
+  LaneStrain e;
+  for (const ElementBlock& block : blocks) {
+    triangles.set(block, x);
+    triangles.set_strain(e);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (block.area[l] == 0.0) continue;
+      const Eigen::Vector3d strain(e.e1[l], e.e2[l], e.e3[l]);
+      energy += 0.5 * block.area[l] * strain.dot(materials.of(block, l).membrane * strain);
+    }
+  }
+  return energy;
+}
+
+double larger_principal(double a11, double a22, double a12) {
+  const double half = 0.5 * (a11 - a22);
+  return 0.5 * (a11 + a22) + std::sqrt(half * half + a12 * a12);
 }
 
 }  // namespace
@@ -147,41 +263,39 @@ void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, L
 void add_membrane_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials,
                          std::span<const double> beta, const mesh::VertexField& x, const mesh::VertexField& v,
                          mesh::VertexField& f) {
-  const bool is_damped = std::any_of(beta.begin(), beta.end(), [](double each) { return each > 0.0; });
-  LaneFrames frames;
-  LaneStrain e;
-  LaneForces forces;
-  const auto add = [&](const ElementBlock& block, const auto& law) {
-    if (is_damped) add_strain_rate(block, v, law.beta, frames, e);
-    corner_forces(block, law, frames, e, forces);
-  };
-  for (const ElementBlock& block : blocks) {
-    frames_at(block, x, frames);
-    biot_strain(frames, e);
-    if (block.has_one_material()) {
-      add(block, law_of(materials.of(block, 0).membrane, damping_of(beta, block.material[0])));
-    } else {
-      add(block, law_of_lanes(block, materials, beta));
-    }
-    scatter(block, forces, f);
+  if (materials.membrane_law() == MembraneLaw::kGreen) {
+    add_forces<GreenTriangles>(blocks, materials, beta, x, v, f);
+  } else {
+    add_forces<CorotationalTriangles>(blocks, materials, beta, x, v, f);
   }
 }
 
 double membrane_energy(std::span<const ElementBlock> blocks, const MaterialTable& materials,
                        const mesh::VertexField& x) {
-  double energy = 0.0;
-  LaneFrames frames;
+  return materials.membrane_law() == MembraneLaw::kGreen ? energy_of<GreenTriangles>(blocks, materials, x)
+                                                         : energy_of<CorotationalTriangles>(blocks, materials, x);
+}
+
+GreenStretch green_stretch(std::span<const ElementBlock> blocks, const MaterialTable& materials,
+                           const mesh::VertexField& x) {
+  GreenStretch largest;
+  GreenTriangles triangles;
   LaneStrain e;
+  LaneStress stress;
   for (const ElementBlock& block : blocks) {
-    frames_at(block, x, frames);
-    biot_strain(frames, e);
+    triangles.set(block, x);
+    triangles.set_strain(e);
+    with_law(block, materials, {}, [&](const auto& law) { set_stress(law, e, stress); });
     for (std::size_t l = 0; l < kLanes; ++l) {
       if (block.area[l] == 0.0) continue;
-      const Eigen::Vector3d strain(e.e1[l], e.e2[l], e.e3[l]);
-      energy += 0.5 * block.area[l] * strain.dot(materials.of(block, l).membrane * strain);
+      const double stretch_squared = 1.0 + 2.0 * larger_principal(e.e1[l], e.e2[l], 0.5 * e.e3[l]);
+      const double sigma = larger_principal(stress.sigma1[l], stress.sigma2[l], stress.sigma3[l]);
+      const double tension = std::max(sigma, 0.0) / materials.of(block, l).least_membrane;
+      largest.tension = std::max(largest.tension, tension);
+      largest.stiffening = std::max(largest.stiffening, stretch_squared + tension);
     }
   }
-  return energy;
+  return largest;
 }
 
 double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::VertexField& x) {

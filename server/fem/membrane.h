@@ -8,8 +8,8 @@
 
 namespace kerf::fem {
 
-// Co-rotational linear triangle with the plane-stress law C of its material (N/m, Voigt (e11, e22, 2 e12), material
-// axes):
+// Linear triangle with the plane-stress law C of its material (N/m, Voigt (e11, e22, 2 e12), material axes), by
+// MaterialTable::membrane_law(). Co-rotational:
 //   F = [x1 - x0, x2 - x0] Dm^-1 (3x2) = R S,  e = S - I,  sigma = C e,  W = A/2 e.sigma,
 // with R and S in closed form. n = (f1 x f2) / d, d = |f1 x f2|, s = tr S = sqrt(tr F^T F + 2 d):
 //   R = [f1 + f2 x n, f2 + n x f1] / s,   S = (F^T F + d I) / s.
@@ -19,11 +19,16 @@ namespace kerf::fem {
 // A triangle collapsed to a line or a point has no normal; one is chosen perpendicular to the line, or fixed axes: the
 // same for the same shape, always finite.
 //
+// With Green's strain (Saint Venant-Kirchhoff):
+//   F = [f1, f2],  e = (F^T F - I) / 2,  sigma = C e (second Piola-Kirchhoff),  W = A/2 e.sigma,  dW/dx_i = A F sigma
+//   g_i.
+//
 // Everything here works on the slots in order and adds to vertices in that order: one sum order, whatever the
 // processor.
 
 // f (3 x V, N) += forces at x (3 x V, m) and v (3 x V, m/s). Kelvin-Voigt damping with beta (s, see damping_of): sigma
-// = C (e + beta de/dt), which does no work on rigid motions and never adds energy. v is not read where beta is 0.
+// = C (e + beta de/dt), with the strain of the law, which does no work on rigid motions and never adds energy. v is not
+// read where beta is 0.
 void add_membrane_forces(std::span<const ElementBlock> blocks, const MaterialTable& materials,
                          std::span<const double> beta, const mesh::VertexField& x, const mesh::VertexField& v,
                          mesh::VertexField& f);
@@ -32,7 +37,22 @@ void add_membrane_forces(std::span<const ElementBlock> blocks, const MaterialTab
 double membrane_energy(std::span<const ElementBlock> blocks, const MaterialTable& materials,
                        const mesh::VertexField& x);
 
-// Largest |principal strain| of any triangle with material, -.
+// Largest |principal strain| U - I of any triangle with material, -.
 double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::VertexField& x);
+
+// How much stiffer than at rest, at most, a membrane with Green's strain is at x: both bound the largest eigenvalue of
+// M^-1 K in units of StiffnessBound's bound at rest. With the larger principal stretch lambda and stress sigma, N/m, of
+// a triangle and c = MaterialLaw::least_membrane, the largest of all triangles:
+//   stiffening = lambda^2 + tension, >= 1. The material stiffness at x is that at rest of displacements U R^T dx, no
+//   longer than lambda dx.
+//   tension = max(0, sigma) / c. The geometric stiffness is at most sigma A sum |grad dx|^2, and that at rest, for
+//   displacements along gradients, at least c A sum |grad dx|^2.
+// Of a sheet stretched in one direction stiffening is (3 lambda^2 - 1) / 2, and reached.
+struct GreenStretch {
+  double stiffening = 1.0;
+  double tension = 0.0;
+};
+GreenStretch green_stretch(std::span<const ElementBlock> blocks, const MaterialTable& materials,
+                           const mesh::VertexField& x);
 
 }  // namespace kerf::fem

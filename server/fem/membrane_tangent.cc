@@ -24,8 +24,11 @@ Eigen::Matrix2d positive_part(const Eigen::Matrix2d& A) {
 }  // namespace
 
 MembraneTangent::MembraneTangent(const ElementBlock& block, std::size_t lane, const LaneFrames& frames,
-                                 const Eigen::Matrix3d& C)
-    : area_(block.area[lane]), C_(C), inverse_trace_(frames.inverse_trace[lane]) {
+                                 const MaterialTable& materials)
+    : law_(materials.membrane_law()),
+      area_(block.area[lane]),
+      C_(materials.of(block, lane).membrane),
+      inverse_trace_(frames.inverse_trace[lane]) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     R_(static_cast<Eigen::Index>(axis), 0) = frames.R1[axis][lane];
     R_(static_cast<Eigen::Index>(axis), 1) = frames.R2[axis][lane];
@@ -38,6 +41,11 @@ MembraneTangent::MembraneTangent(const ElementBlock& block, std::size_t lane, co
   g_.col(1) = Eigen::Vector2d(block.g1[0][lane], block.g1[1][lane]);
   g_.col(2) = Eigen::Vector2d(block.g2[0][lane], block.g2[1][lane]);
   g_.col(0) = -g_.col(1) - g_.col(2);
+  law_ == MembraneLaw::kGreen ? set_green() : set_corotational();
+}
+
+void MembraneTangent::set_corotational() {
+  e_ = Eigen::Vector3d(S_(0, 0) - 1.0, S_(1, 1) - 1.0, 2.0 * S_(0, 1));
   const double S12 = S_(0, 1);
   const double difference = S_(1, 1) - S_(0, 0);
   for (int k = 0; k < 3; ++k) {
@@ -52,17 +60,26 @@ MembraneTangent::MembraneTangent(const ElementBlock& block, std::size_t lane, co
   }
 }
 
-Eigen::Vector3d MembraneTangent::stress() const {
-  return C_ * Eigen::Vector3d(S_(0, 0) - 1.0, S_(1, 1) - 1.0, 2.0 * S_(0, 1));
+void MembraneTangent::set_green() {
+  const Eigen::Matrix2d E = 0.5 * (S_ * S_ - Eigen::Matrix2d::Identity());
+  e_ = Eigen::Vector3d(E(0, 0), E(1, 1), 2.0 * E(0, 1));
+  w_.setZero();
+  for (int k = 0; k < 3; ++k) {
+    const double gx = g_(0, k);
+    const double gy = g_(1, k);
+    for (int axis = 0; axis < 2; ++axis) {
+      B_.col(2 * k + axis) = Eigen::Vector3d(S_(0, axis) * gx, S_(1, axis) * gy, S_(0, axis) * gy + S_(1, axis) * gx);
+    }
+  }
 }
 
 Eigen::Vector3d MembraneTangent::predicted_stress(const ElementVector& dx) const {
-  Eigen::Vector3d e(S_(0, 0) - 1.0, S_(1, 1) - 1.0, 2.0 * S_(0, 1));
+  Eigen::Vector3d e = e_;
   for (int k = 0; k < 3; ++k) e += B_.middleCols<2>(2 * k) * (R_.transpose() * dx.segment<3>(3 * k));
   return C_ * e;
 }
 
-MembraneTangent::Geometric MembraneTangent::geometric(const Eigen::Vector3d& sigma, bool project) const {
+MembraneTangent::Geometric MembraneTangent::corotational_part(const Eigen::Vector3d& sigma) const {
   constexpr double kCollapsed = 1e-12;  // -, of det S against (tr S)^2: then S has no inverse worth using
   Geometric result;
   const double a = (S_(0, 1) * (sigma[0] - sigma[1]) + sigma[2] * (S_(1, 1) - S_(0, 0))) * inverse_trace_;
@@ -77,6 +94,19 @@ MembraneTangent::Geometric MembraneTangent::geometric(const Eigen::Vector3d& sig
   if (det > kCollapsed * trace * trace) {
     const Eigen::Matrix2d Sigma = ((trace * Eigen::Matrix2d::Identity() - S_) / det) * T;
     result.Sigma = 0.5 * (Sigma + Sigma.transpose());
+  }
+  return result;
+}
+
+MembraneTangent::Geometric MembraneTangent::geometric(const Eigen::Vector3d& sigma, bool project) const {
+  Geometric result;
+  if (law_ == MembraneLaw::kGreen) {
+    result.Sigma = Eigen::Matrix2d{
+        {sigma[0], sigma[2]},
+        {sigma[2], sigma[1]},
+    };
+  } else {
+    result = corotational_part(sigma);
   }
   if (!project) return result;
   result.Sigma = positive_part(result.Sigma);
@@ -98,9 +128,11 @@ void MembraneTangent::stiffness(const Eigen::Vector3d& sigma, double material_sc
   K_in += geometric_scale * (part.gamma * (w_.transpose() * w_) + 0.5 * (w_.transpose() * cB + cB.transpose() * w_));
   const Eigen::Matrix3d K_out = geometric_scale * (g_.transpose() * (part.Sigma * g_));
   const Eigen::Matrix3d nn = n_ * n_.transpose();
+  const bool is_green = law_ == MembraneLaw::kGreen;
   for (int i = 0; i < 3; ++i) {
     for (int j = i; j < 3; ++j) {
-      const Eigen::Matrix2d in_plane = K_in.block<2, 2>(2 * i, 2 * j);
+      Eigen::Matrix2d in_plane = K_in.block<2, 2>(2 * i, 2 * j);
+      if (is_green) in_plane.diagonal().array() += K_out(i, j);
       const Eigen::Matrix3d K_ij = area_ * (R_ * (in_plane * R_.transpose()) + K_out(i, j) * nn);
       K.block<3, 3>(3 * i, 3 * j) = K_ij;
       if (j > i) K.block<3, 3>(3 * j, 3 * i) = K_ij.transpose();

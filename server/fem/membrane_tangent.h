@@ -4,6 +4,7 @@
 
 #include "server/fem/element_block.h"
 #include "server/fem/element_lanes.h"
+#include "server/fem/material_table.h"
 
 namespace kerf::fem {
 
@@ -19,13 +20,17 @@ using ElementVector = Eigen::Matrix<double, 9, 1>;
 //   out       k_n = g_i^T Sigma g_j,   Sigma = S^-1 T (second Piola-Kirchhoff stress)
 //   K_ij = A (R K_in R^T + k_n n n^T).
 // The terms with gamma, c and Sigma are the geometric stiffness; B^T C B alone is positive semidefinite.
+// Of Green's strain, with F = R S and sigma = Sigma:
+//   B = [S11 gx, S12 gx; S12 gy, S22 gy; S11 gy + S12 gx, S12 gy + S22 gx],
+//   K_in = B^T C B + g_i^T Sigma g_j I,   k_n as above.
 class MembraneTangent {
  public:
-  // x relative: frames of the lane's triangle; C in N/m.
-  MembraneTangent(const ElementBlock& block, std::size_t lane, const LaneFrames& frames, const Eigen::Matrix3d& C);
+  // x relative: frames of the lane's triangle.
+  MembraneTangent(const ElementBlock& block, std::size_t lane, const LaneFrames& frames,
+                  const MaterialTable& materials);
 
-  // sigma = C e, N/m.
-  [[nodiscard]] Eigen::Vector3d stress() const;
+  // sigma = C e, N/m: conjugate to the strain of the law.
+  [[nodiscard]] Eigen::Vector3d stress() const { return C_ * e_; }
   // C (e + B dx): what the stress becomes to first order, dx in world axes (m).
   [[nodiscard]] Eigen::Vector3d predicted_stress(const ElementVector& dx) const;
 
@@ -44,17 +49,22 @@ class MembraneTangent {
     Eigen::RowVector3d c = Eigen::RowVector3d::Zero();
     Eigen::Matrix2d Sigma = Eigen::Matrix2d::Zero();
   };
+  void set_corotational();
+  void set_green();
   [[nodiscard]] Geometric geometric(const Eigen::Vector3d& sigma, bool project) const;
+  [[nodiscard]] Geometric corotational_part(const Eigen::Vector3d& sigma) const;
 
+  MembraneLaw law_;
   double area_;
   const Eigen::Matrix3d& C_;
   Matrix32 R_;
   Eigen::Vector3d n_;
   Eigen::Matrix2d S_;
+  Eigen::Vector3d e_;  // -, strain
   double inverse_trace_;
   Eigen::Matrix<double, 2, 3> g_;  // column k: gradient of corner k, 1/m
   Matrix36 B_;                     // columns: corner * 2 + frame axis
-  Eigen::Matrix<double, 1, 6> w_;
+  Eigen::Matrix<double, 1, 6> w_;  // 0 of Green's strain
 };
 
 }  // namespace kerf::fem

@@ -25,10 +25,11 @@ std::size_t lane_of(TriangleId slot) {
 
 }  // namespace
 
-Model::Model(const mesh::TriangleMesh& mesh, const Material& material)
-    : Model(mesh, std::span<const Material>(&material, 1)) {}
+Model::Model(const mesh::TriangleMesh& mesh, const Material& material, MembraneLaw law)
+    : Model(mesh, std::span<const Material>(&material, 1), law) {}
 
-Model::Model(const mesh::TriangleMesh& mesh, std::span<const Material> materials) : materials_(materials) {
+Model::Model(const mesh::TriangleMesh& mesh, std::span<const Material> materials, MembraneLaw law)
+    : materials_(materials, law) {
   mesh::MeshEdit everything;
   everything.rewritten_triangles.resize(static_cast<std::size_t>(mesh.num_triangle_slots()));
   for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
@@ -256,6 +257,7 @@ MassChange Model::set_masses() {
 std::uint64_t Model::hash() const {
   StateHash hash;
   hash.add(num_slots_);
+  hash.add(static_cast<int>(materials_.membrane_law()));
   for (const MaterialLaw& law : materials_) {
     for (const Eigen::Matrix3d* matrix : {&law.membrane, &law.bending}) {
       hash.add_span(std::span<const double>(matrix->data(), static_cast<std::size_t>(matrix->size())));

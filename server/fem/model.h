@@ -55,7 +55,8 @@ struct MassChange {
 
 // The discrete elastic sheet: constants of every triangle, lumped masses and the bending matrix, for the rest shape of
 // the mesh, flat or curved, and its materials.
-//   Membrane: co-rotational linear triangles, W = A/2 e.C e with e = U - I, F = R U (Biot strain).
+//   Membrane: linear triangles, W = A/2 e.C e; co-rotational with e = U - I, F = R U (Biot strain), or with Green's
+//             strain: see MembraneLaw.
 //   Bending: quadratic patch of a triangle and its up to three neighbours, W = A/2 kappa.D kappa (see bending.h), and
 //            the work of moments on the kinks between patches (see bending_edge.h); where the rest shape is curved the
 //            patch is unfolded along its edges, kappa is measured from that of the rest shape (see rest_bending.h), and
@@ -70,9 +71,10 @@ struct MassChange {
 class Model {
  public:
   // `material` must be valid (see validate). One for all, whatever the regions of the mesh.
-  Model(const mesh::TriangleMesh& mesh, const Material& material);
+  Model(const mesh::TriangleMesh& mesh, const Material& material, MembraneLaw law = MembraneLaw::kCorotational);
   // 1..kMaxMaterials; more than all regions of the mesh, or one for all.
-  Model(const mesh::TriangleMesh& mesh, std::span<const Material> materials);
+  Model(const mesh::TriangleMesh& mesh, std::span<const Material> materials,
+        MembraneLaw law = MembraneLaw::kCorotational);
 
   // Follows an edit the mesh has already made; recomputes the rewritten slots, the bending patches that touch them and
   // the masses near them, nothing else. Equal to a fresh model of the same materials.

@@ -25,9 +25,18 @@ Matrix2d symmetric(double a11, double a22, double a12) {
 }
 
 // In material axes, as a tensor.
-Matrix2d tensor_in_lane(const LaneFrames& frames, std::size_t lane, const MaterialLaw& law, MembraneField field) {
+Matrix2d tensor_in_lane(const LaneFrames& frames, std::size_t lane, const MaterialLaw& law, MembraneLaw membrane_law,
+                        MembraneField field) {
   const Matrix2d S = symmetric(frames.S11[lane], frames.S22[lane], frames.S12[lane]);
   if (field == MembraneField::kBiotStrain) return S - Matrix2d::Identity();
+  const double det = S.determinant();
+  if (membrane_law == MembraneLaw::kGreen) {
+    const Matrix2d E = 0.5 * (S * S - Matrix2d::Identity());
+    const Vector3d sigma = law.membrane * Vector3d(E(0, 0), E(1, 1), 2.0 * E(0, 1)) / law.material.thickness;
+    const Matrix2d US = S * symmetric(sigma[0], sigma[1], sigma[2]);  // R^T P
+    if (field == MembraneField::kBiotStress) return 0.5 * (US + US.transpose());
+    return det > 0.0 ? Matrix2d(US * S / det) : Matrix2d::Zero();
+  }
   const Vector3d e(S(0, 0) - 1.0, S(1, 1) - 1.0, 2.0 * S(0, 1));
   const Vector3d sigma = law.membrane * e / law.material.thickness;
   if (field == MembraneField::kBiotStress) return symmetric(sigma[0], sigma[1], sigma[2]);
@@ -37,7 +46,6 @@ Matrix2d tensor_in_lane(const LaneFrames& frames, std::size_t lane, const Materi
       {sigma[0], sigma[2] - a},
       {sigma[2] + a, sigma[1]},
   };
-  const double det = S.determinant();
   return det > 0.0 ? Matrix2d(T * S / det) : Matrix2d::Zero();
 }
 
@@ -183,7 +191,7 @@ std::vector<Vector3d> triangle_field(const Model& model, const mesh::VertexField
     if (lane == 0) frames_at(block, x, frames);
     if (block.area[lane] == 0.0) continue;
     const MaterialLaw& law = model.materials().of(block, lane);
-    Matrix2d tensor = tensor_in_lane(frames, lane, law, field);
+    Matrix2d tensor = tensor_in_lane(frames, lane, law, model.materials().membrane_law(), field);
     if (axes == FieldAxes::kRest) tensor = law.axes.transpose() * tensor * law.axes;
     values[slot] = {tensor(0, 0), tensor(1, 1), shear * 0.5 * (tensor(0, 1) + tensor(1, 0))};
   }

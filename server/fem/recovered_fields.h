@@ -14,8 +14,9 @@ namespace kerf::fem {
 // Strain and stress of the membrane, constant in each triangle, and what they are at vertices. All of them are plane
 // and symmetric, and are seen from the sheet: rotations do not show.
 enum class MembraneField {
-  kBiotStrain,  // -, e = U - I with F = R U: (e11, e22, 2 e12)
-  kBiotStress,  // Pa, (s11, s22, s12) = C e / thickness: per area at rest, the symmetric part of R^T P, conjugate to e
+  kBiotStrain,    // -, e = U - I with F = R U: (e11, e22, 2 e12)
+  kBiotStress,    // Pa, (s11, s22, s12): per area at rest, the symmetric part of R^T P, conjugate to e; of the
+                  // co-rotational law C e / thickness
   kCauchyStress,  // Pa, (s11, s22, s12): what the sheet as it is now transmits per area, of the thickness at rest, in
                   // axes turned along with it by R
 };

@@ -53,7 +53,8 @@ struct StiffnessProblem {
 //   the triangles' bounds out; the eigenvalue of the 3x3 matrix H that remains is bounded by (tr H^8)^(1/8).
 //   Bending: largest absolute row sum of M^-1/2 Q M^-1/2 (Gershgorin).
 // The membrane part holds at rest; tension and folding raise it only moderately for the co-rotational law, which is
-// what the safety factor of the explicit integrator (IntegratorOptions::cfl) is for.
+// what the safety factor of the explicit integrator (IntegratorOptions::cfl) is for. For Green's strain see
+// GreenStretch.
 class StiffnessBound {
  public:
   [[nodiscard]] double value() const { return membrane_.value() + bending(); }

@@ -76,7 +76,7 @@ void StageSolver::predict_stress(const Problem& problem, const mesh::VertexField
       for (std::size_t k = 0; k < 3; ++k) {
         dx.segment<3>(static_cast<Eigen::Index>(3 * k)) = step_.col(blocks[b].vertex[k][l]);
       }
-      const MembraneTangent tangent(blocks[b], l, frames, problem.model.materials().of(blocks[b], l).membrane);
+      const MembraneTangent tangent(blocks[b], l, frames, problem.model.materials());
       stress_[b * kLanes + l] = tangent.predicted_stress(dx);
     }
   }

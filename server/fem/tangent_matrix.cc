@@ -82,7 +82,7 @@ void TangentMatrix::add_membrane(const Model& model, const mesh::VertexField& x,
     frames_at(blocks[b], x, frames);
     for (std::size_t l = 0; l < kLanes; ++l) {
       if (blocks[b].area[l] == 0.0) continue;
-      const MembraneTangent tangent(blocks[b], l, frames, model.materials().of(blocks[b], l).membrane);
+      const MembraneTangent tangent(blocks[b], l, frames, model.materials());
       const Eigen::Vector3d sigma = stress.empty() ? tangent.stress() : stress[b * kLanes + l];
       tangent.stiffness(sigma, material_scale.of(blocks[b].material[l]), geometric_scale, project, K);
       const BlockPlaces& places = places_[b * kLanes + l];

@@ -28,6 +28,8 @@ std::vector<mesh::TriangleMesh> meshes() {
   return all;
 }
 
+constexpr std::array<MembraneLaw, 2> kLaws{MembraneLaw::kCorotational, MembraneLaw::kGreen};
+
 IntegratorOptions options_of(Precision precision) {
   IntegratorOptions options;
   options.kind = IntegratorKind::kExplicit;
@@ -53,8 +55,11 @@ State stepped(const Model& model, Integrator& integrator, State state, int ticks
 TEST(Leapfrog, AcceleratesAsTheForcesOfTheModelSay) {
   // One substep so short that the sheet does not get anywhere: v = h f / m.
   for (const mesh::TriangleMesh& mesh : meshes()) {
-    for (const Material& material : {soft_cloth(), orthotropic_cloth()}) {
-      const Model model(mesh, material);
+    for (const auto& [material, law] : {std::pair(soft_cloth(), MembraneLaw::kCorotational),
+                                        {orthotropic_cloth(), MembraneLaw::kCorotational},
+                                        {soft_cloth(), MembraneLaw::kGreen},
+                                        {orthotropic_cloth(), MembraneLaw::kGreen}}) {
+      const Model model(mesh, material, law);
       State start = crumpled_state(mesh);
       start.v.setZero();
       mesh::VertexField force(start.x.cols());
@@ -80,22 +85,24 @@ TEST(Leapfrog, AcceleratesAsTheForcesOfTheModelSay) {
 TEST(Leapfrog, GivesTheSameBitsOnEveryInstructionSet) {
   std::printf("%zu instruction sets\n", hwy::SupportedAndGeneratedTargets().size());
   for (const mesh::TriangleMesh& mesh : meshes()) {
-    const Model model(mesh, orthotropic_cloth());
-    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
-      std::vector<State> results;
-      for_each_instruction_set([&] {
-        const std::unique_ptr<Integrator> integrator = make_integrator(options_of(precision));
-        integrator->rebuild(model);
-        results.push_back(stepped(model, *integrator, crumpled_state(mesh), 2));
-      });
-      for (const State& result : results) EXPECT_TRUE(equal_bits(result, results.front()));
+    for (const MembraneLaw law : kLaws) {
+      const Model model(mesh, orthotropic_cloth(), law);
+      for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+        std::vector<State> results;
+        for_each_instruction_set([&] {
+          const std::unique_ptr<Integrator> integrator = make_integrator(options_of(precision));
+          integrator->rebuild(model);
+          results.push_back(stepped(model, *integrator, crumpled_state(mesh), 2));
+        });
+        for (const State& result : results) EXPECT_TRUE(equal_bits(result, results.front()));
+      }
     }
   }
 }
 
-TEST(Leapfrog, FollowsCutsToTheBitsOfAFreshStart) {
+void expect_bits_of_a_fresh_start(MembraneLaw law) {
   for (mesh::TriangleMesh mesh : meshes()) {
-    Model model(mesh, soft_cloth());
+    Model model(mesh, soft_cloth(), law);
     std::vector<std::unique_ptr<Integrator>> following;
     for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
       following.push_back(make_integrator(options_of(precision)));
@@ -114,6 +121,10 @@ TEST(Leapfrog, FollowsCutsToTheBitsOfAFreshStart) {
       }
     }
   }
+}
+
+TEST(Leapfrog, FollowsCutsToTheBitsOfAFreshStart) {
+  for (const MembraneLaw law : kLaws) expect_bits_of_a_fresh_start(law);
 }
 
 TEST(MembraneLayout, KeepsEachTriangleOnce) {
@@ -153,9 +164,9 @@ TEST(MembraneLayout, FindsThePatternOfAGridAlone) {
   EXPECT_FALSE(layout.lanes().empty());
 }
 
-TEST(MixedPrecision, FollowsDoubleThroughASwing) {
+void expect_mixed_follows_double(MembraneLaw law) {
   for (const mesh::TriangleMesh& mesh : meshes()) {
-    const Model model(mesh, soft_cloth());
+    const Model model(mesh, soft_cloth(), law);
     State start = rest_state(mesh);
     Loads loads;
     for (int v = 0; v < mesh.num_vertices(); ++v) {
@@ -180,6 +191,10 @@ TEST(MixedPrecision, FollowsDoubleThroughASwing) {
     EXPECT_NEAR(model.energies(results[1], loads.gravity).total(), model.energies(results[0], loads.gravity).total(),
                 mass * velocity_error + mass * 9.81 * way_error);
   }
+}
+
+TEST(MixedPrecision, FollowsDoubleThroughASwing) {
+  for (const MembraneLaw law : kLaws) expect_mixed_follows_double(law);
 }
 
 TEST(MixedPrecision, KeepsMotionSlowerThanItsUnitOfLength) {
