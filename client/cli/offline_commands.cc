@@ -36,6 +36,7 @@ struct RunArguments {
   std::string record;
   std::string csv;
   std::string integrator;
+  std::string membrane_law;
   std::string precision;
   std::string solver;
 };
@@ -121,6 +122,8 @@ int run(const Session& session, const RunArguments& arguments) {
   if (arguments.integrator == "trapezoidal") config->integrator.kind = sheet::IntegratorKind::kTrapezoidal;
   if (arguments.integrator == "bdf2") config->integrator.kind = sheet::IntegratorKind::kBdf2;
   if (arguments.integrator == "tr-bdf2") config->integrator.kind = sheet::IntegratorKind::kTrBdf2;
+  if (arguments.membrane_law == "green") config->membrane_law = fem::MembraneLaw::kGreen;
+  if (arguments.membrane_law == "corotational") config->membrane_law = fem::MembraneLaw::kCorotational;
   if (arguments.precision == "mixed") config->integrator.precision = sheet::Precision::kMixed;
   if (arguments.precision == "double") config->integrator.precision = sheet::Precision::kDouble;
   for (const fem::LinearSolverName& name : fem::kLinearSolverNames) {
@@ -209,6 +212,11 @@ void add_offline_commands(CLI::App& app, Session& session) {
                    "Instead of the scene's: explicit, implicit (Euler), trapezoidal,\n"
                    "bdf2, tr-bdf2 or auto")
       ->check(CLI::IsMember({"explicit", "implicit", "trapezoidal", "bdf2", "tr-bdf2", "auto"}));
+  running
+      ->add_option("--membrane-law", arguments->membrane_law,
+                   "Instead of the scene's: corotational, or green (Saint Venant-Kirchhoff),\n"
+                   "cheaper in explicit steps, stiffer under tension")
+      ->check(CLI::IsMember({"corotational", "green"}));
   running
       ->add_option("--precision", arguments->precision,
                    "Of the explicit integrator, instead of the scene's: double or mixed")

@@ -60,7 +60,7 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       applied_forces(initial->applied_forces),
       full_gravity(config->gravity),
       lineage(mesh.num_pieces()),
-      model(mesh, initial->materials),
+      model(mesh, initial->materials, config->membrane_law),
       integrator(std::move(make_integrator), integrator_options(config->integrator, 1.0 / config->tick_rate_hz)) {
   contact.set_colliders(config->colliders, 0.5 * greatest_thickness(initial->materials));
   set_wind(config->wind);

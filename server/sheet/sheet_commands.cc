@@ -200,7 +200,7 @@ void Sheet::Impl::reset() {
   mesh = initial->built.mesh;
   state.x = initial->built.positions;
   state.v = initial->velocities;
-  model = fem::Model(mesh, initial->materials);
+  model = fem::Model(mesh, initial->materials, config->membrane_law);
   grabs.clear();
   full_gravity = config->gravity;
   held_vertices = initial->held_vertices;

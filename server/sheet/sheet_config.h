@@ -108,6 +108,7 @@ struct SheetConfig {
   MeshSource mesh;
   fem::Material material;
   std::vector<RegionMaterial> materials;  // at most kMaxRegions; over `material`, a later one over those before
+  fem::MembraneLaw membrane_law = fem::MembraneLaw::kCorotational;  // of all of them
   Placement placement;
   std::vector<Region> pins;                  // at most kMaxRegions
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= 1e4

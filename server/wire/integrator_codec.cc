@@ -1,10 +1,9 @@
 #include "server/wire/integrator_codec.h"
 
-#include <algorithm>
 #include <array>
 #include <utility>
 
-#include "server/wire/geometry_codec.h"
+#include "server/wire/choices.h"
 
 namespace kerf::wire {
 namespace {
@@ -37,24 +36,6 @@ constexpr std::array<std::pair<v1::Integrator::Precision, sheet::Precision>, 2> 
     {v1::Integrator::DOUBLE, sheet::Precision::kDouble},
     {v1::Integrator::MIXED, sheet::Precision::kMixed},
 }};
-
-// Enumerator 0, which is no choice, leaves `choice` as it is.
-template <typename Pairs, typename Enumerator, typename Choice>
-Status decode_choice(const Pairs& pairs, Enumerator given, const char* field, Choice& choice) {
-  if (static_cast<int>(given) == 0) return Nothing{};
-  for (const auto& [enumerator, meaning] : pairs) {
-    if (enumerator != given) continue;
-    choice = meaning;
-    return Nothing{};
-  }
-  return unknown_enum(field, static_cast<int>(given));
-}
-
-// Every choice is among the pairs.
-template <typename Pairs, typename Choice>
-auto encode_choice(const Pairs& pairs, Choice choice) {
-  return std::find_if(pairs.begin(), pairs.end(), [&](const auto& pair) { return pair.second == choice; })->first;
-}
 
 }  // namespace
 

@@ -1,8 +1,12 @@
 #include "server/wire/material_codec.h"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
+
+#include "server/wire/choices.h"
 
 namespace kerf::wire {
 namespace {
@@ -34,6 +38,11 @@ constexpr Field kFields[] = {
     {"stiffness_damping_s", &v1::Material::has_stiffness_damping_s, &v1::Material::stiffness_damping_s,
      Ranges::kStiffnessDamping},
 };
+
+constexpr std::array<std::pair<v1::MembraneLaw, fem::MembraneLaw>, 2> kMembraneLaws{{
+    {v1::COROTATIONAL, fem::MembraneLaw::kCorotational},
+    {v1::GREEN, fem::MembraneLaw::kGreen},
+}};
 
 std::string number(double value) {
   char text[32];
@@ -108,6 +117,14 @@ v1::Material encode_material(const fem::Material& material) {
   message.set_mass_damping_per_s(material.mass_damping);
   message.set_stiffness_damping_s(material.stiffness_damping);
   return message;
+}
+
+Status decode_membrane_law(v1::MembraneLaw message, fem::MembraneLaw& law) {
+  return decode_choice(kMembraneLaws, message, "membrane_law", law);
+}
+
+v1::MembraneLaw encode_membrane_law(fem::MembraneLaw law) {
+  return encode_choice(kMembraneLaws, law);
 }
 
 }  // namespace kerf::wire

@@ -15,4 +15,8 @@ Result<fem::Material> decode_material(const v1::Material& material, const std::s
 // Every number given, no preset named.
 v1::Material encode_material(const fem::Material& material);
 
+// Errors: UNKNOWN_ENUM_VALUE, "membrane_law".
+Status decode_membrane_law(v1::MembraneLaw message, fem::MembraneLaw& law);
+v1::MembraneLaw encode_membrane_law(fem::MembraneLaw law);
+
 }  // namespace kerf::wire

@@ -60,7 +60,7 @@ Status decode_materials(const v1::Scene& scene, sheet::SheetConfig& config) {
     if (!material.ok()) return material.error();
     config.materials.push_back({std::move(*region), *material});
   }
-  return Nothing{};
+  return decode_membrane_law(scene.membrane_law(), config.membrane_law);
 }
 
 // Lists: colliders, scheduled commands.
@@ -139,6 +139,7 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
     encode_region(part.region, *message.mutable_region());
     *message.mutable_material() = encode_material(part.material);
   }
+  scene.set_membrane_law(encode_membrane_law(settings.config.membrane_law));
   encode_vector(settings.gravity, *scene.mutable_gravity_mps2());
   if (settings.wind.air_density > 0.0) encode_wind(settings.wind, *scene.mutable_wind());
   for (const contact::Collider& collider : settings.config.colliders) {

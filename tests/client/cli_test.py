@@ -586,6 +586,19 @@ class Offline(Case):
         energies = [result["energies"]["kinetic_j"] for result in results]
         self.assertAlmostEqual(energies[0], energies[1], delta=1e-3 * abs(energies[0]))
 
+    def test_the_green_law_is_another_trajectory_near_the_corotational_one(self):
+        recording = path("green.rec")
+        green = self.json_of("run", self.scene("law.json", membrane_law="GREEN"), "--record", recording)
+        self.assertEqual(self.json_of("replay", recording)["state_hash"], green["state_hash"])
+        chosen = self.json_of("run", self.scene("law.json"), "--membrane-law", "green")
+        self.assertEqual(chosen["state_hash"], green["state_hash"])
+        corotational = self.json_of("run", self.scene("law.json", membrane_law="GREEN"), "--membrane-law", "corotational")
+        self.assertEqual(corotational["state_hash"], self.json_of("run", self.scene("law.json"))["state_hash"])
+        self.assertNotEqual(corotational["state_hash"], green["state_hash"])
+        kinetic = corotational["energies"]["kinetic_j"]
+        self.assertAlmostEqual(green["energies"]["kinetic_j"], kinetic, delta=0.02 * kinetic)
+        self.refused("run", self.scene("law.json"), "--membrane-law", "hooke", code=2, says="hooke")
+
     def test_every_linear_solver_ends_near_the_direct_one(self):
         scene = self.scene("solvers.json", integrator={"solver_tolerance": 1e-9, "max_linear_iterations": 100000})
         results = {solver: self.json_of("run", scene, "--integrator", "implicit", "--solver", solver)

@@ -338,6 +338,9 @@ class Sheets(Case):
         self.assertGreater(solved.get().linear_iterations, 0)
         self.assertLess(solved.get().linear_residual, 1e-3)
         solved.delete()
+        green = self.server.create_scene({**scene, "membrane_law": "GREEN"}, "py-green", paused=True)
+        self.assertEqual(kerf.v1.scene_pb2.MembraneLaw.Name(green.get().scene.membrane_law), "GREEN")
+        green.delete()
         with self.assertRaisesRegex(ValueError, "colour"):
             self.server.create_scene({"colour": "red"})
 

@@ -197,6 +197,7 @@ inline v1::Scene full_scene() {
   integrator->mutable_covariance_root()->set_newton_schulz_iterations(7);
   integrator->set_highest_mode_damping(0.25);
   integrator->set_precision(v1::Integrator::MIXED);
+  scene.set_membrane_law(v1::GREEN);
   add_commands(scene);
   add_conditions(scene);
   scene.set_ticks(900);
@@ -308,6 +309,7 @@ inline std::vector<BadScene> bad_numbers() {
       {"integrator.kind", [](v1::Scene& s) { s.mutable_integrator()->set_kind(static_cast<v1::Integrator::Kind>(7)); }},
       {"integrator.solver",
        [](v1::Scene& s) { s.mutable_integrator()->set_solver(static_cast<v1::Integrator::Solver>(-1)); }},
+      {"membrane_law", [](v1::Scene& s) { s.set_membrane_law(static_cast<v1::MembraneLaw>(3)); }},
       {"integrator.precision",
        [](v1::Scene& s) { s.mutable_integrator()->set_precision(static_cast<v1::Integrator::Precision>(3)); }},
       {"integrator.max_substeps", [](v1::Scene& s) { s.mutable_integrator()->set_max_substeps(100001); }},

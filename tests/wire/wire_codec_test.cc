@@ -93,6 +93,7 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   scene.mutable_grid()->set_height_m(2.0);
   const sheet::SheetConfig config = decoded(scene);
   EXPECT_EQ(config.material, fem::find_preset("demo").value());
+  EXPECT_EQ(config.membrane_law, fem::MembraneLaw::kCorotational);
   EXPECT_EQ(config.placement.origin, Eigen::Vector3d(0, 0, 0));
   EXPECT_EQ(config.placement.x_axis, Eigen::Vector3d(1, 0, 0));
   EXPECT_EQ(config.placement.y_axis, Eigen::Vector3d(0, 0, 1));
