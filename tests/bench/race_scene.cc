@@ -45,8 +45,8 @@ mesh::TriangleMesh cut_grid(int side) {
   return mesh;
 }
 
-Scene::Scene(mesh::TriangleMesh sheet, double drag, bool hangs)
-    : mesh(std::move(sheet)), air_drag(drag), model(mesh, cloth(drag)) {
+Scene::Scene(mesh::TriangleMesh sheet, double drag, bool hangs, fem::MembraneLaw law)
+    : mesh(std::move(sheet)), air_drag(drag), model(mesh, cloth(drag), law) {
   state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   state.v = state.x;
   for (int v = 0; v < mesh.num_vertices(); ++v) {

@@ -22,7 +22,7 @@ mesh::TriangleMesh cut_grid(int side);
 
 // The race's cloth, pinned along the upper edge, at rest; flat, horizontal or hanging.
 struct Scene {
-  Scene(mesh::TriangleMesh sheet, double drag, bool hangs);
+  Scene(mesh::TriangleMesh sheet, double drag, bool hangs, fem::MembraneLaw law = fem::MembraneLaw::kCorotational);
 
   mesh::TriangleMesh mesh;
   double air_drag;  // 1/s, >= 0: the material's mass_damping

@@ -154,10 +154,10 @@ TEST(Materials, ForcesOfEqualOnesAreThoseOfOneBitForBit) {
   for (Eigen::Index i = 0; i < f.cols(); ++i) EXPECT_EQ(f.col(i), g.col(i));
 }
 
-TEST(Materials, ForcesAreTheDerivativeOfTheEnergyAndTheTangentTheirs) {
+void expect_derivatives(MembraneLaw law) {
   const mesh::TriangleMesh mesh = with_inclusion(jittered_square(7));
   const std::array<Material, 2> materials = both();
-  const Model model(mesh, materials);
+  const Model model(mesh, materials, law);
   const mesh::VertexField x = bent(mesh, 0.01);
   SeededRandom random(8);
   const mesh::VertexField p = random_field(random, x.cols(), 1.0);
@@ -182,6 +182,10 @@ TEST(Materials, ForcesAreTheDerivativeOfTheEnergyAndTheTangentTheirs) {
   tangent.blocks().multiply(p, Kp);
   const mesh::VertexField difference = (forces(-kStep) - forces(kStep)) / (2.0 * kStep);
   EXPECT_LT((Kp - difference).norm(), 1e-6 * Kp.norm());
+}
+
+TEST(Materials, ForcesAreTheDerivativeOfTheEnergyAndTheTangentTheirs) {
+  for (const MembraneLaw law : {MembraneLaw::kCorotational, MembraneLaw::kGreen}) expect_derivatives(law);
 }
 
 TEST(Materials, DampingPatchByPatchIsThatOfTheSumsWhereItIsTheSame) {
@@ -281,12 +285,12 @@ TEST(Materials, WithoutBendingInOneThePatternOfTheMatrixIsWhole) {
   EXPECT_GT(left, 0.0);
 }
 
-TEST(Materials, ExplicitAndImplicitStepsAgree) {
+void expect_steps_agree(MembraneLaw law) {
   const mesh::TriangleMesh mesh = with_inclusion(jittered_square(7));
   std::array<Material, 2> materials = both();
   materials[0].stiffness_damping = 1e-4;  // what explicit steps can carry
   materials[1].stiffness_damping = 2e-4;
-  const Model model(mesh, materials);
+  const Model model(mesh, materials, law);
   Loads loads;
   loads.gravity = {0.0, 0.0, -9.81};
   for (mesh::VertexId v = 0; v < 7; ++v) loads.pins.push_back({v, rest_state(mesh).x.col(v), Eigen::Vector3d::Zero()});
@@ -312,6 +316,10 @@ TEST(Materials, ExplicitAndImplicitStepsAgree) {
   const double fine = (run(IntegratorKind::kTrBdf2, 100).x - exact.x).norm();
   EXPECT_LT(fine, 1e-3 * moved);
   EXPECT_LT(fine, 0.5 * coarse);
+}
+
+TEST(Materials, ExplicitAndImplicitStepsAgree) {
+  for (const MembraneLaw law : {MembraneLaw::kCorotational, MembraneLaw::kGreen}) expect_steps_agree(law);
 }
 
 TEST(Materials, WindBrakesEachByItsMass) {

@@ -75,8 +75,10 @@ TEST(SheetMaterials, OneThatIsAllOfTheSheetIsAsGoodAsItsOwn) {
   EXPECT_EQ(a.state_hash(), b.state_hash());
 }
 
-TEST(SheetMaterials, CutsKeepThemAndUndoAndRedoGiveThemBack) {
-  Sheet sheet = make(divided(21));
+void expect_kept_through_cuts(fem::MembraneLaw membrane_law) {
+  SheetConfig config = divided(21);
+  config.membrane_law = membrane_law;
+  Sheet sheet = make(config);
   run(sheet, 3);
   const std::uint64_t mesh = sheet.mesh().state_hash(), model = sheet.model().hash();
   const std::vector<double> before = areas(sheet);
@@ -90,7 +92,8 @@ TEST(SheetMaterials, CutsKeepThemAndUndoAndRedoGiveThemBack) {
   const std::uint64_t cut_mesh = sheet.mesh().state_hash(), cut_model = sheet.model().hash();
   std::vector<fem::Material> materials;
   for (const fem::MaterialLaw& law : sheet.model().materials()) materials.push_back(law.material);
-  EXPECT_EQ(cut_model, fem::Model(sheet.mesh(), materials).hash());
+  EXPECT_EQ(cut_model, fem::Model(sheet.mesh(), materials, membrane_law).hash());
+  EXPECT_EQ(sheet.model().materials().membrane_law(), membrane_law);
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}));
   EXPECT_EQ(sheet.mesh().state_hash(), mesh);
   EXPECT_EQ(sheet.model().hash(), model);
@@ -99,6 +102,12 @@ TEST(SheetMaterials, CutsKeepThemAndUndoAndRedoGiveThemBack) {
   EXPECT_EQ(sheet.model().hash(), cut_model);
   ASSERT_TRUE(apply(sheet, Reset{}));
   EXPECT_EQ(sheet.model().hash(), model);
+}
+
+TEST(SheetMaterials, CutsKeepThemAndUndoAndRedoGiveThemBack) {
+  for (const fem::MembraneLaw law : {fem::MembraneLaw::kCorotational, fem::MembraneLaw::kGreen}) {
+    expect_kept_through_cuts(law);
+  }
 }
 
 TEST(SheetMaterials, ElementWiseCutsKeepThemToo) {
