@@ -21,6 +21,7 @@ constexpr double kShift = -1e-9;
 constexpr int kMaxRestarts = 1000;
 constexpr double kTolerance = 1e-10;  // -, relative
 constexpr double kSeparation = 1e-6;  // -, relative; eigenvalues closer together count as one
+constexpr double kRounding = 1e-12;   // of eigenvalues, over the largest: those of rigid motions are as far from 0
 constexpr int kMaxSearches = 8;
 
 // Numbers of the components that nothing holds, 3 a vertex; -1 for the others.
@@ -196,7 +197,7 @@ double shift_below(const Matrix& stiffness, const Matrix& mass, double unit) {
 // eigenvalue that several share, and rounding need not bring the others.
 int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorXd& values, double unit) {
   const double highest = values[values.size() - 1];
-  const double below = highest - kSeparation * std::abs(highest) - 10.0 * std::abs(kShift) * unit;
+  const double below = highest - kSeparation * std::abs(highest) - kRounding * unit;
   const int known = static_cast<int>((values.array() < below).count());
   return std::max(0, num_below(stiffness, mass, below) - known);
 }
