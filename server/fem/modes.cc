@@ -193,13 +193,17 @@ double shift_below(const Matrix& stiffness, const Matrix& mass, double unit) {
   return shift;
 }
 
-// How many eigenvalues below the highest found are not among those found: a Krylov space holds one vector of an
-// eigenvalue that several share, and rounding need not bring the others.
-int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorXd& values, double unit) {
-  const double highest = values[values.size() - 1];
-  const double below = highest - kSeparation * std::abs(highest) - kRounding * unit;
-  const int known = static_cast<int>((values.array() < below).count());
-  return std::max(0, num_below(stiffness, mass, below) - known);
+// How many of the lowest `count` eigenvalues are not among those found, of which there is one more: a Krylov space
+// holds one vector of an eigenvalue that several share, and rounding need not bring the others. Counted in the middle
+// of the highest gap between those found, as pivots without a choice of order are no exact matter close to an
+// eigenvalue.
+int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorXd& values, int count, double unit) {
+  for (Eigen::Index k = count; k > 0; --k) {
+    const double gap = values[k] - values[k - 1];
+    if (!(gap > kSeparation * std::abs(values[k]) + kRounding * unit)) continue;
+    return std::max(0, num_below(stiffness, mass, values[k] - 0.5 * gap) - static_cast<int>(k));
+  }
+  return 0;
 }
 
 }  // namespace
@@ -214,20 +218,22 @@ Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField
   int num_free = 0;
   const std::vector<int> numbers = number_free(model, loads, num_free);
   KERF_CHECK(count >= 1 && count <= kMaxModes && count < num_free, "as many modes as find_modes() can find");
+  const int num_wanted = std::min(count + 1, num_free - 1);
   const Matrix stiffness = stiffness_matrix(model, loads, x, numbers, num_free);
   const Matrix mass = mass_matrix(model, x, numbers, num_free);
   const double unit = model.stiffness_bound();
   Pairs found{Eigen::VectorXd(0), Eigen::MatrixXd(num_free, 0), true};
   const double shift = shift_below(stiffness, mass, unit);
-  int missing = count;
+  int missing = num_wanted;
   for (int search = 0; search < kMaxSearches && missing > 0; ++search) {
-    found = merged(found, lanczos(stiffness, mass, found.vectors, missing, shift, search), count);
-    missing = found.converged ? num_missed(stiffness, mass, found.values, unit) : 0;
+    found = merged(found, lanczos(stiffness, mass, found.vectors, missing, shift, search), num_wanted);
+    missing = found.converged ? num_missed(stiffness, mass, found.values, num_wanted - 1, unit) : 0;
   }
   Modes modes;
   modes.converged = found.converged && missing == 0;
-  modes.eigenvalues = found.values;
-  const Eigen::MatrixXd& vectors = found.vectors;
+  const Eigen::Index num_found = std::min<Eigen::Index>(count, found.values.size());
+  modes.eigenvalues = found.values.head(num_found);
+  const Eigen::MatrixXd vectors = found.vectors.leftCols(num_found);
   modes.shapes = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(numbers.size()), vectors.cols());
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     if (numbers[i] < 0) continue;

@@ -34,5 +34,26 @@ TEST(Modes, OfOneEigenvalueAreAllFound) {
   }
 }
 
+// However many are asked for, they are the first of all: also where the last is one of a pair.
+TEST(Modes, AreTheFirstOfMore) {
+  const mesh::TriangleMesh mesh = square_grid(7);
+  const Model model(mesh, isotropic(1.0e5, 0.3, 1.0e-2, 1000.0));
+  Loads loads;
+  loads.gravity.setZero();
+  const mesh::VertexField x = rest_state(mesh).x;
+  for (int v = 0; v < mesh.num_vertices(); ++v) loads.pins.push_back({v, x.col(v), {}, {false, false, true}});
+  const Modes all = find_modes(model, loads, x, 20);
+  ASSERT_TRUE(all.converged);
+  for (int count = 1; count < 20; ++count) {
+    const Modes modes = find_modes(model, loads, x, count);
+    ASSERT_TRUE(modes.converged) << count;
+    ASSERT_EQ(modes.eigenvalues.size(), count);
+    ASSERT_EQ(modes.shapes.cols(), count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      EXPECT_NEAR(modes.eigenvalues[i], all.eigenvalues[i], 1e-8 * all.eigenvalues[19]) << count << ", " << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kerf::fem
