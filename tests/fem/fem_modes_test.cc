@@ -41,7 +41,8 @@ TEST(Modes, AreTheFirstOfMore) {
   Loads loads;
   loads.gravity.setZero();
   const mesh::VertexField x = rest_state(mesh).x;
-  for (int v = 0; v < mesh.num_vertices(); ++v) loads.pins.push_back({v, x.col(v), {}, {false, false, true}});
+  for (int v = 0; v < mesh.num_vertices(); ++v)
+    loads.pins.push_back({v, x.col(v), Eigen::Vector3d::Zero(), {false, false, true}});
   const Modes all = find_modes(model, loads, x, 20);
   ASSERT_TRUE(all.converged);
   for (int count = 1; count < 20; ++count) {
