@@ -18,6 +18,9 @@ namespace {
 
 // Below all eigenvalues of a stable state, and so near 0 that the lowest stay apart from the next; over the largest.
 constexpr double kShift = -1e-9;
+// The same over the highest that is asked for: nearer to 0, what rounding leaves of rigid motions, 1 / shift, is too
+// much beside the others.
+constexpr double kShiftOfHighest = -1e-3;
 constexpr int kMaxRestarts = 1000;
 constexpr double kTolerance = 1e-10;  // -, relative
 constexpr double kSeparation = 1e-6;  // -, relative; eigenvalues closer together count as one
@@ -223,7 +226,9 @@ Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField
   const Matrix mass = mass_matrix(model, x, numbers, num_free);
   const double unit = model.stiffness_bound();
   Pairs found{Eigen::VectorXd(0), Eigen::MatrixXd(num_free, 0), true};
-  const double shift = shift_below(stiffness, mass, unit);
+  double shift = shift_below(stiffness, mass, unit);
+  const Pairs roughly = lanczos(stiffness, mass, found.vectors, num_wanted, shift, 0);
+  if (roughly.converged) shift = std::min(shift, kShiftOfHighest * std::abs(roughly.values[num_wanted - 1]));
   int missing = num_wanted;
   for (int search = 0; search < kMaxSearches && missing > 0; ++search) {
     found = merged(found, lanczos(stiffness, mass, found.vectors, missing, shift, search), num_wanted);
