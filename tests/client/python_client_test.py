@@ -43,7 +43,7 @@ def path(name):
 
 class Case(unittest.TestCase):
     def setUp(self):
-        self.server = kerf.connect(ADDRESS, timeout_s=60)
+        self.server = kerf.connect(ADDRESS, timeout_s=300)
         self.addCleanup(self.server.close)
         self.sheet = self.server.create_sheet(
             "py-" + self._testMethodName.replace("_", "-")[:50], grid=(20, 20), paused=True)
