@@ -305,10 +305,9 @@ double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::Ve
     frames_at(block, x, frames);
     for (std::size_t l = 0; l < kLanes; ++l) {
       if (block.area[l] == 0.0) continue;
-      const double mean = 0.5 * (frames.S11[l] + frames.S22[l]);
-      const double half = 0.5 * (frames.S11[l] - frames.S22[l]);
-      const double radius = std::sqrt(half * half + frames.S12[l] * frames.S12[l]);
-      largest = std::max({largest, std::abs(mean + radius - 1.0), std::abs(mean - radius - 1.0)});
+      const double larger = larger_principal(frames.S11[l], frames.S22[l], frames.S12[l]);
+      const double smaller = -larger_principal(-frames.S11[l], -frames.S22[l], frames.S12[l]);
+      largest = std::max({largest, std::abs(larger - 1.0), std::abs(smaller - 1.0)});
     }
   }
   return largest;

@@ -225,14 +225,21 @@ Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField
   const Matrix stiffness = stiffness_matrix(model, loads, x, numbers, num_free);
   const Matrix mass = mass_matrix(model, x, numbers, num_free);
   const double unit = model.stiffness_bound();
-  Pairs found{Eigen::VectorXd(0), Eigen::MatrixXd(num_free, 0), true};
+  const Eigen::MatrixXd none(num_free, 0);
   double shift = shift_below(stiffness, mass, unit);
-  const Pairs roughly = lanczos(stiffness, mass, found.vectors, num_wanted, shift, 0);
-  if (roughly.converged) shift = std::min(shift, kShiftOfHighest * std::abs(roughly.values[num_wanted - 1]));
-  int missing = num_wanted;
-  for (int search = 0; search < kMaxSearches && missing > 0; ++search) {
+  Pairs found = lanczos(stiffness, mass, none, num_wanted, shift, 0);
+  const double farther = found.converged ? kShiftOfHighest * std::abs(found.values[num_wanted - 1]) : shift;
+  if (farther < shift) {
+    shift = farther;
+    found = lanczos(stiffness, mass, none, num_wanted, shift, 0);
+  }
+  const auto count_missed = [&] {
+    return found.converged ? num_missed(stiffness, mass, found.values, num_wanted - 1, unit) : 0;
+  };
+  int missing = count_missed();
+  for (int search = 1; search < kMaxSearches && missing > 0; ++search) {
     found = merged(found, lanczos(stiffness, mass, found.vectors, missing, shift, search), num_wanted);
-    missing = found.converged ? num_missed(stiffness, mass, found.values, num_wanted - 1, unit) : 0;
+    missing = count_missed();
   }
   Modes modes;
   modes.converged = found.converged && missing == 0;

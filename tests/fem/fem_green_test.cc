@@ -214,13 +214,21 @@ TEST_P(GreenIntegrators, KeepTheEnergyOfASheetLetGoWhenStretched) {
 
 INSTANTIATE_TEST_SUITE_P(All, GreenIntegrators, testing::ValuesIn(all_integrators()), case_name);
 
-TEST(GreenExplicit, TakesShorterSubstepsWhereItIsStretched) {
+class GreenExplicit : public testing::Test {
+ protected:
+  GreenExplicit() {
+    IntegratorOptions options;
+    options.kind = IntegratorKind::kExplicit;
+    integrator = make_integrator(options);
+    integrator->rebuild(model);
+  }
+
   const mesh::TriangleMesh mesh = square_grid(9);
-  const Model model(mesh, soft_cloth(), kGreen);
-  IntegratorOptions options;
-  options.kind = IntegratorKind::kExplicit;
-  const std::unique_ptr<Integrator> integrator = make_integrator(options);
-  integrator->rebuild(model);
+  const Model model{mesh, soft_cloth(), kGreen};
+  std::unique_ptr<Integrator> integrator;
+};
+
+TEST_F(GreenExplicit, TakesShorterSubstepsWhereItIsStretched) {
   const auto substeps = [&](double lambda) {
     State state = rest_state(mesh);
     state.x *= lambda;
@@ -233,13 +241,7 @@ TEST(GreenExplicit, TakesShorterSubstepsWhereItIsStretched) {
   EXPECT_GT(substeps(2.0), 2 * at_rest);
 }
 
-TEST(GreenExplicit, MakesAStepAgainThatEndsMoreStretchedThanItsSubstepsBear) {
-  const mesh::TriangleMesh mesh = square_grid(9);
-  const Model model(mesh, soft_cloth(), kGreen);
-  IntegratorOptions options;
-  options.kind = IntegratorKind::kExplicit;
-  const std::unique_ptr<Integrator> integrator = make_integrator(options);
-  integrator->rebuild(model);
+TEST_F(GreenExplicit, MakesAStepAgainThatEndsMoreStretchedThanItsSubstepsBear) {
   State state = rest_state(mesh);
   Loads loads = no_loads();
   for (int v = 0; v < mesh.num_vertices(); ++v) {

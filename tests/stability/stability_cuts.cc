@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <numbers>
 #include <vector>
 
 #include "server/base/random.h"
@@ -31,9 +32,8 @@ double energy_of(const Sheet& sheet) {
 }
 
 void cut_once(kerf::SeededRandom& random, Run& run) {
-  constexpr double kTurn = 6.283185307179586;
   const Eigen::Vector2d from(random.uniform(0.0, 1.0), random.uniform(0.0, 1.0));
-  const double angle = random.uniform(0.0, kTurn);
+  const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
   const double length = run.edge * random.uniform(0.3, 2.0);
   const Eigen::Vector2d along = length * Eigen::Vector2d(std::cos(angle), std::sin(angle));
   const std::vector<kerf::sheet::Command> commands{kerf::scenes::line_cut(from, from + along)};
