@@ -11,18 +11,17 @@ namespace kerf::fem {
 namespace {
 
 // Nanoseconds on one core of 2024; only their ratios matter. Of the explicit integrator by race_bench (tests/bench), 50
-// x 50 vertices in double: 6 regular and 12 irregular, and in mixed precision half of that.
-constexpr double kForceNsPerSlot = 9.0;
-constexpr double kMixedForceNsPerSlot = 5.0;
+// x 50 vertices: in double 4 (regular) to 8 (irregular), in mixed precision 2 to 6.
+constexpr double kForceNsPerSlot = 6.0;
+constexpr double kMixedForceNsPerSlot = 3.0;
 constexpr double kForceNsPerBendingEntry = 0.8;
 constexpr double kTangentNsPerSlot = 400.0;
-constexpr double kProductNsPerBlock = 4.0;
-// Of the direct solver: 11 ms of 2,500 vertices, 103 ms of 10,000. Factorisation of a planar mesh of V vertices grows
+// Factor and solves of a Newton iteration: 9.6 ms of 2,500 vertices. Factorisation of a planar mesh of V vertices grows
 // as V^1.5 (George 1973, nested dissection).
-constexpr double kFactorNsPerVertexToThreeHalves = 100.0;
-// Conjugate gradient iterations for sqrt(condition number) 1: block-Jacobi needed 0.25 (stiff) to 1.1 (soft).
-constexpr double kIterationsPerRootCondition = 0.6;
+constexpr double kFactorNsPerVertexToThreeHalves = 77.0;
+constexpr double kStages = 2.0;  // of TR-BDF2
 constexpr double kPreferenceForExplicit = 2.0;
+constexpr double kSecondOrderCondition = 1e9;  // 1 + dt^2 lambda_max
 
 IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
   options.kind = kind;
@@ -37,17 +36,9 @@ double explicit_cost(const Model& model, const ExplicitIntegrator& integrator, c
   return substeps * (per_slot * model.num_slots() + kForceNsPerBendingEntry * entries / interval);
 }
 
-double iterative_cost(const Model& model, const IntegratorOptions& options) {
-  const double root_condition = std::sqrt(1.0 + options.tick * options.tick * model.stiffness_bound());
-  const double iterations =
-      std::min(kIterationsPerRootCondition * root_condition, static_cast<double>(options.max_linear_iterations));
-  const double blocks = std::max(static_cast<double>(model.bending_rows().num_entries()), 7.0 * model.num_vertices());
-  return options.newton_iterations * (kTangentNsPerSlot * model.num_slots() + iterations * kProductNsPerBlock * blocks);
-}
-
-double direct_cost(const Model& model, const IntegratorOptions& options) {
+double implicit_cost(const Model& model, const IntegratorOptions& options) {
   const double V = model.num_vertices();
-  return options.newton_iterations *
+  return kStages * options.newton_iterations *
          (kTangentNsPerSlot * model.num_slots() + kFactorNsPerVertexToThreeHalves * V * std::sqrt(V));
 }
 
@@ -82,32 +73,28 @@ bool AutomaticIntegrator::choose(const Model& model) {
   explicit_.plan(model);
   const double substeps = explicit_.planned_substeps(options_.tick);
   const double of_explicit = explicit_cost(model, explicit_, options_);
-  const double of_iterative = iterative_cost(model, options_);
-  const double of_direct = direct_cost(model, options_);
-  const double of_implicit = std::min(of_iterative, of_direct);
-  const bool use_explicit = substeps <= options_.max_substeps && of_explicit <= kPreferenceForExplicit * of_implicit;
+  const double of_implicit = implicit_cost(model, options_);
+  const double condition = 1.0 + options_.tick * options_.tick * model.stiffness_bound();
+  const IntegratorKind before = kind();
   const char* choice = "explicit";
-  bool is_new = false;
-  if (use_explicit) {
-    is_new = implicit_ != nullptr;
+  if (substeps <= options_.max_substeps && of_explicit <= kPreferenceForExplicit * of_implicit) {
     implicit_.reset();
   } else {
-    const bool direct = of_direct <= of_iterative;
-    choice =
-        direct ? "implicit Euler, direct solver" : "implicit Euler, block-Jacobi-preconditioned conjugate gradients";
-    IntegratorOptions options = with_kind(options_, IntegratorKind::kImplicitEuler);
-    options.linear_solver = direct ? LinearSolverKind::kDirect : LinearSolverKind::kBlockJacobiCg;
-    is_new = !implicit_ || options.linear_solver != solver_;
-    solver_ = options.linear_solver;
-    if (is_new) implicit_ = std::make_unique<ImplicitIntegrator>(options);
+    const bool is_second_order = condition <= kSecondOrderCondition;
+    choice = is_second_order ? "TR-BDF2, factor-preconditioned conjugate gradients" : "implicit Euler, direct solver";
+    IntegratorOptions options =
+        with_kind(options_, is_second_order ? IntegratorKind::kTrBdf2 : IntegratorKind::kImplicitEuler);
+    options.linear_solver = is_second_order ? LinearSolverKind::kFactorCg : LinearSolverKind::kDirect;
+    if (options.kind != before) implicit_ = std::make_unique<ImplicitIntegrator>(options);
   }
   std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(),
-                "automatic: %s; estimated per tick of %.4g s: %.0f explicit substeps %.1f ms, implicit with conjugate "
-                "gradients %.1f ms, with the direct solver %.1f ms",
-                choice, options_.tick, substeps, of_explicit * 1e-6, of_iterative * 1e-6, of_direct * 1e-6);
+  std::snprintf(
+      text.data(), text.size(),
+      "automatic: %s; estimated per tick of %.4g s: %.0f explicit substeps %.1f ms, TR-BDF2 %.1f ms; condition "
+      "number %.1e",
+      choice, options_.tick, substeps, of_explicit * 1e-6, of_implicit * 1e-6, condition);
   explanation_ = text.data();
-  return is_new;
+  return kind() != before;
 }
 
 }  // namespace kerf::fem

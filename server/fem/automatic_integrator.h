@@ -8,10 +8,13 @@
 
 namespace kerf::fem {
 
-// Chooses at each rebuild between the explicit integrator and implicit Euler with one of two linear solvers, from the
-// model and IntegratorOptions::tick alone: an estimate in nanoseconds, no clock, so the choice is the same on every
-// machine. Explicit unless implicit is estimated at less than half its cost, since at equal cost it is by far the more
-// accurate.
+// Chooses at each rebuild, from the model and IntegratorOptions::tick alone: estimates in nanoseconds, no clock, so the
+// choice is the same on every machine.
+//  - Explicit, unless TR-BDF2 is estimated at less than half its cost: at equal cost it is by far the more accurate.
+//  - TR-BDF2 with the float factor as preconditioner: of the implicit schemes on the front of error against time
+//    (tests/accuracy/PLOTS.md).
+//  - Implicit Euler with the direct solver above a condition number of kSecondOrderCondition, where the forces at the
+//    start of a step, which the trapezoidal rule follows, are mostly rounding.
 class AutomaticIntegrator final : public Integrator {
  public:
   explicit AutomaticIntegrator(const IntegratorOptions& options);
@@ -28,7 +31,6 @@ class AutomaticIntegrator final : public Integrator {
   Integrator& chosen() { return implicit_ ? *implicit_ : explicit_; }
 
   IntegratorOptions options_;
-  LinearSolverKind solver_ = LinearSolverKind::kBlockJacobiCg;  // of the implicit one
   ExplicitIntegrator explicit_;
   std::unique_ptr<Integrator> implicit_;  // null while the explicit integrator is the choice
   std::string explanation_;

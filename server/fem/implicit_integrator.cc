@@ -10,9 +10,16 @@
 namespace kerf::fem {
 namespace {
 
-// See EnergyGuard::enforce; for implicit Euler what the tolerance of its solves may leave.
+// See EnergyGuard::enforce: what the tolerance of solves may leave; and how far the one scheme that damps nothing
+// swings.
 double allowed_gain(IntegratorKind kind) {
-  return kind == IntegratorKind::kImplicitEuler ? 1e-6 : 1e-2;
+  return kind == IntegratorKind::kTrapezoidal ? 1e-2 : 1e-6;
+}
+
+Eigen::Vector3d momentum_of(const Model& model, const mesh::VertexField& v) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (Eigen::Index i = 0; i < v.cols(); ++i) sum += model.mass()[static_cast<std::size_t>(i)] * v.col(i);
+  return sum;
 }
 
 std::string_view describe_scheme(IntegratorKind kind) {
@@ -65,25 +72,17 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   StepStats stats;
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
+  scratch_.contact = contact;
   scratch_.stage.contact = contact;
   solver_.forget();
   bool done = false;
-  for (int halving = 0; halving <= options_.max_halvings && !done; ++halving) {
-    if (halving > 0) stats.flags |= kSubstepped;
-    const int substeps = num_substeps() << halving;
-    const double h = dt / substeps;
-    stats.residual = 0.0;
-    stats.linear_residual = 0.0;
-    done = true;
-    if (contact != nullptr) contact->begin(state.x);
-    for (int i = 1; i <= substeps && done; ++i) {
-      done = advance(model, loads, {i - 1, h, i == substeps ? 0.0 : dt - h * i}, state, stats);
-      if (done && contact != nullptr) contact->enforce(h, state);
-      done = done && is_finite(state);
-    }
-    stats.substeps = substeps;
-    const bool is_last = halving == options_.max_halvings;
-    if (done && contact == nullptr) done = keep_energy(model, loads, state, stats) || is_last;
+  for (int i = 0; i < num_attempts() && !done; ++i) {
+    const Attempt attempt = attempt_after(i);
+    if (attempt.kind != options_.kind) stats.flags |= kDamped;
+    if (attempt.substeps > num_substeps()) stats.flags |= kSubstepped;
+    done = try_step(model, loads, attempt, dt, state, stats);
+    const bool is_last = i + 1 == num_attempts();
+    if (done && contact == nullptr) done = keep_energy(model, loads, attempt.kind, state, stats) || is_last;
     if (done) break;
     stats.flags &= ~kEnergyLimited;  // of the attempt that is thrown away
     state.x = scratch_.start.x;
@@ -100,10 +99,35 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   return stats;
 }
 
-// False: shorter steps may do better.
-bool ImplicitIntegrator::keep_energy(const Model& model, const Loads& loads, State& state, StepStats& stats) const {
-  const EnergyGuard::Verdict verdict =
-      EnergyGuard::enforce(model, loads, allowed_gain(options_.kind), scratch_.start, state);
+ImplicitIntegrator::Attempt ImplicitIntegrator::attempt_after(int failures) const {
+  if (failures == 0 || options_.kind == IntegratorKind::kImplicitEuler) {
+    return {options_.kind, num_substeps() << failures};
+  }
+  return {IntegratorKind::kImplicitEuler, num_substeps() << (failures - 1)};
+}
+
+bool ImplicitIntegrator::try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt,
+                                  State& state, StepStats& stats) {
+  ContactConstraint* const contact = scratch_.contact;
+  const double h = dt / attempt.substeps;
+  stats.residual = 0.0;
+  stats.linear_residual = 0.0;
+  stats.substeps = attempt.substeps;
+  scratch_.stage.may_repair = attempt.kind == IntegratorKind::kImplicitEuler;
+  if (contact != nullptr) contact->begin(state.x);
+  for (int i = 1; i <= attempt.substeps; ++i) {
+    const double time_left = i == attempt.substeps ? 0.0 : dt - h * i;
+    if (!advance(model, loads, {attempt.kind, i - 1, h, time_left}, state, stats)) return false;
+    if (contact != nullptr) contact->enforce(h, state);
+    if (!is_finite(state)) return false;
+  }
+  return true;
+}
+
+// False: another attempt may do better.
+bool ImplicitIntegrator::keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state,
+                                     StepStats& stats) const {
+  const EnergyGuard::Verdict verdict = EnergyGuard::enforce(model, loads, allowed_gain(kind), scratch_.start, state);
   if (verdict != EnergyGuard::Verdict::kKept) stats.flags |= kEnergyLimited;
   return verdict != EnergyGuard::Verdict::kExceeded;
 }
@@ -111,7 +135,7 @@ bool ImplicitIntegrator::keep_energy(const Model& model, const Loads& loads, Sta
 bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, const Substep& substep, State& state,
                                  StepStats& stats) {
   evaluate_constant_force(model, loads, substep.h, state);
-  switch (options_.kind) {
+  switch (substep.kind) {
     case IntegratorKind::kTrBdf2:
       return advance_tr_bdf2(model, loads, substep, state, stats);
     case IntegratorKind::kTrapezoidal:
@@ -135,6 +159,12 @@ void ImplicitIntegrator::begin_trapezoidal(const Model& model, const Loads& load
   evaluate_acceleration(model, loads, time_left, start);
   stage.base.x = start.x + stage.d * start.v;
   stage.base.v = start.v + stage.d * scratch_.force;
+  stage.momentum = momentum_of(model, start.v);
+  stage.momentum += stage.d * follower_resultant(model.element_blocks(), loads, start.x);
+  for (Eigen::Index i = 0; i < start.v.cols(); ++i) {
+    const Eigen::Vector3d a = loads.gravity - model.mass_damping(static_cast<int>(i)) * start.v.col(i);
+    stage.momentum += stage.d * (model.mass()[static_cast<std::size_t>(i)] * a + scratch_.constant.col(i));
+  }
   set_ballistic(start, 2.0 * stage.d, 2.0 * stage.d * stage.d, loads.gravity);
 }
 
@@ -144,6 +174,7 @@ bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, c
   Stage& stage = scratch_.stage;
   stage.base.x = state.x;
   stage.base.v = state.v;
+  stage.momentum = momentum_of(model, stage.base.v);
   stage.start = &stage.base.x;
   stage.d = h;
   set_ballistic(state, h, h * h, loads.gravity);
@@ -171,6 +202,7 @@ bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads,
 
   stage.base.x = kNew * state.x - kOld * start.x;
   stage.base.v = kNew * state.v - kOld * start.v;
+  stage.momentum = momentum_of(model, stage.base.v);
   set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
   stage.continues = true;
   stage.time_left = substep.time_left;
@@ -208,6 +240,7 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, co
     stage.continues = true;
     stage.base.x = (4.0 * start.x - before.x) / 3.0;
     stage.base.v = (4.0 * start.v - before.v) / 3.0;
+    stage.momentum = momentum_of(model, stage.base.v);
     set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
     stage.time_left = substep.time_left;
     evaluate_constant_force(model, loads, stage.d, stage.base);  // drag is limited by what it acts on

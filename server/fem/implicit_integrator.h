@@ -9,8 +9,10 @@
 namespace kerf::fem {
 
 // Implicit Euler, TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2), the
-// trapezoidal rule, all of one substep a step, or BDF2 of kBdf2Substeps. A substep that finds no finite solution is
-// thrown away and the step divided. Wind drag is taken at the start of each substep, everything else at its end.
+// trapezoidal rule, all of one substep a step, or BDF2 of kBdf2Substeps. A step that finds no finite solution, or ends
+// with too much energy (see EnergyGuard), is thrown away: one of second order, where its fast iteration failed too, is
+// made by implicit Euler, which damps, and one of implicit Euler in twice the substeps. Wind drag is taken at the start
+// of each substep, everything else at its end.
 class ImplicitIntegrator final : public Integrator {
  public:
   // options.kind: neither kAutomatic nor kExplicit.
@@ -31,17 +33,29 @@ class ImplicitIntegrator final : public Integrator {
     mesh::VertexField constant;  // 3 x V, N: external forces and wind
     mesh::VertexField damped;    // 3 x V, m
     Stage stage;
+    ContactConstraint* contact = nullptr;  // of the step
   };
 
-  void resize(const Model& model);
+  struct Attempt {
+    IntegratorKind kind;
+    int substeps;
+  };
   struct Substep {
+    IntegratorKind kind;
     int index = 0;           // from 0
     double h = 0.0;          // s
     double time_left = 0.0;  // s, of the step after it
   };
+  void resize(const Model& model);
+  [[nodiscard]] int num_attempts() const {
+    return options_.max_halvings + (options_.kind == IntegratorKind::kImplicitEuler ? 1 : 2);
+  }
+  [[nodiscard]] Attempt attempt_after(int failures) const;
+  bool try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt, State& state,
+                StepStats& stats);
   // How many substeps a step has before it is divided.
   [[nodiscard]] int num_substeps() const { return options_.kind == IntegratorKind::kBdf2 ? kBdf2Substeps : 1; }
-  bool keep_energy(const Model& model, const Loads& loads, State& state, StepStats& stats) const;
+  bool keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state, StepStats& stats) const;
   bool advance(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
   void set_ballistic(const State& start, double t, double t2, const Eigen::Vector3d& gravity);
   void begin_trapezoidal(const Model& model, const Loads& loads, double time_left, const State& start);

@@ -23,12 +23,14 @@ enum StepFlags : std::uint32_t {
   kRepaired = 1U << 5,      // the fast nonlinear iteration failed; a line-searched one took its place
   kEnergyLimited = 1U << 6,  // the step would have ended with more energy than it began with: see EnergyGuard
   kWidened = 1U << 7,        // mixed precision could not hold the sheet's extent or speed: the step was made in double
+  kDamped = 1U << 8,         // a step of second order failed: implicit Euler's took its place
 };
 
 // In the order of their bits; what metrics and results call them.
-inline constexpr std::array<std::string_view, 8> kStepFlagNames{
-    "not_converged", "substepped", "strain_limit", "substep_limit", "frozen", "repaired", "energy_limited", "widened"};
-static_assert(kWidened == 1U << (kStepFlagNames.size() - 1));
+inline constexpr std::array<std::string_view, 9> kStepFlagNames{"not_converged",  "substepped", "strain_limit",
+                                                                "substep_limit",  "frozen",     "repaired",
+                                                                "energy_limited", "widened",    "damped"};
+static_assert(kDamped == 1U << (kStepFlagNames.size() - 1));
 
 inline constexpr double kWorstLinearResidual = 1e6;
 
@@ -47,7 +49,7 @@ struct StepStats {
 };
 
 enum class IntegratorKind {
-  kAutomatic,      // explicit, or implicit Euler with the better linear solver: see automatic_integrator.h
+  kAutomatic,      // explicit, TR-BDF2 or implicit Euler: see automatic_integrator.h
   kExplicit,       // velocity Verlet (leapfrog) with stable substeps: second order, symplectic, hardly any damping
   kImplicitEuler,  // first order, strongly damped, robust
   kTrBdf2,         // trapezoidal rule + BDF2, second order, L-stable; two solves a step

@@ -101,7 +101,7 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
   }
   bool found = iterate(problem, state.x, stats);
   is_predicted_ = found;
-  if (!found) {
+  if (!found && stage.may_repair) {
     Problem undamped = problem;
     undamped.beta = {};
     found = repair(undamped, start_, state.x, stats);
@@ -288,7 +288,8 @@ double StageSolver::evaluate_residual(const Problem& problem, const mesh::Vertex
 void StageSolver::restore_momentum(const Problem& problem, mesh::VertexField& x) const {
   const Stage& stage = problem.stage;
   const Model& model = problem.model;
-  Eigen::Vector3d missing = stage.d * stage.d * follower_resultant(model.element_blocks(), problem.loads, x);
+  Eigen::Vector3d missing = stage.d * stage.momentum;
+  missing += stage.d * stage.d * follower_resultant(model.element_blocks(), problem.loads, x);
   double mass = 0.0;
   double inert_mass = 0.0;  // kg, times the inertia of each
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
@@ -296,7 +297,7 @@ void StageSolver::restore_momentum(const Problem& problem, mesh::VertexField& x)
     const double inertia = 1.0 + stage.d * model.mass_damping(static_cast<int>(i));
     mass += m;
     inert_mass += m * inertia;
-    missing += m * (stage.d * stage.base.v.col(i) - inertia * (x.col(i) - stage.base.x.col(i)));
+    missing -= m * inertia * (x.col(i) - stage.base.x.col(i));
     missing += stage.d * stage.d * (m * problem.loads.gravity + problem.constant_force.col(i));
   }
   if (!(mass > 0.0)) return;

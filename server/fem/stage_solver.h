@@ -18,12 +18,15 @@ namespace kerf::fem {
 // Implicit Euler, the trapezoidal rule and BDF2 are this with their own base and d.
 struct Stage {
   State base;
+  // kg m/s, of base.v. Given, since internal forces that went into base.v add up to nothing but for their rounding.
+  Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
   double d = 0.0;               // s, > 0
   mesh::VertexField ballistic;  // m, where the stage ends under gravity alone: where the search begins
   double time_left = 0.0;       // s, from the end of the stage to the end of the step, for moving pins and grabs
   // Whether the last solve() was of the stage before, in the same step: what it predicted of the stress then serves the
   // first iteration, where that at its end, being of a few linear steps, may have false stretch.
   bool continues = false;
+  bool may_repair = true;  // or is to be given up where the fast iteration fails
   const ContactConstraint* contact = nullptr;
   const mesh::VertexField* start = nullptr;  // m, positions when the substep began; needed where there is contact
 };
