@@ -11,10 +11,11 @@ namespace kerf::fem {
 // Chooses at each rebuild, from the model and IntegratorOptions::tick alone: estimates in nanoseconds, no clock, so the
 // choice is the same on every machine.
 //  - Explicit, unless TR-BDF2 is estimated at less than half its cost: at equal cost it is by far the more accurate.
-//  - TR-BDF2 with the float factor as preconditioner: of the implicit schemes on the front of error against time
-//    (tests/accuracy/PLOTS.md).
-//  - Implicit Euler with the direct solver above a condition number of kSecondOrderCondition, where the forces at the
-//    start of a step, which the trapezoidal rule follows, are mostly rounding.
+//  - TR-BDF2: of the implicit schemes on the front of error against time (tests/accuracy/PLOTS.md).
+//  - Implicit Euler above a condition number of kSecondOrderCondition, where the forces at the start of a step, which
+//    the trapezoidal rule follows, are mostly rounding.
+// Both with the direct solver: sheets that are too stiff for explicit steps are also those whose matrices a float
+// factor may lose.
 class AutomaticIntegrator final : public Integrator {
  public:
   explicit AutomaticIntegrator(const IntegratorOptions& options);

@@ -53,7 +53,7 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   double best = stats.residual;
   int since_best = 0;
   step_.setZero();
-  predict_stress(model, x);
+  predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
   const double first_shift = kFirstShift * model.stiffness_bound();
   used_shift_ = 0.0;
   projects_ = false;
@@ -66,7 +66,7 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
       if (stats.iterations == options_.max_iterations || !find_step(model, loads, x, false, stats)) break;
       ++stats.iterations;
       progress = search_line(model, loads, stats, x);
-      predict_stress(model, x);
+      predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
     }
     if (progress == Progress::kNone) break;
     if (stats.residual < best || progress == Progress::kDescended ||
@@ -217,22 +217,6 @@ void EquilibriumSolver::correct_step(const Model& model, const Loads& loads, con
   correction_.solve(solver_, matrix_.blocks(), skew_.blocks(), rhs_, kLinearTolerance, step_);
 }
 
-void EquilibriumSolver::predict_stress(const Model& model, const mesh::VertexField& x) {
-  const std::span<const ElementBlock> blocks = model.element_blocks();
-  LaneFrames frames;
-  ElementVector dx;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    frames_at(blocks[b], x, frames);
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      if (blocks[b].area[l] == 0.0) continue;
-      for (std::size_t k = 0; k < 3; ++k) {
-        dx.segment<3>(static_cast<Eigen::Index>(3 * k)) = step_.col(blocks[b].vertex[k][l]);
-      }
-      stress_[b * kLanes + l] = MembraneTangent(blocks[b], l, frames, model.materials()).predicted_stress(dx);
-    }
-  }
-}
-
 void EquilibriumSolver::hold_back(const Model& model, const mesh::VertexField& x) {
   for (Eigen::Index v = 0; v < x.cols(); ++v) {
     residual_.col(v) -= used_shift_ * model.mass()[static_cast<std::size_t>(v)] * (venture_.col(v) - x.col(v));
@@ -254,14 +238,14 @@ EquilibriumSolver::Progress EquilibriumSolver::venture(const Model& model, const
     if (i == 0) {
       slope = residual_.cwiseProduct(step_).sum();
       if (slope <= kDiscernible * rounding(model, x, before)) {
-        predict_stress(model, x);
+        predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
         x += step_;
         stats.residual = evaluate(model, loads, x);
         stats.shift = 0.0;
         return Progress::kBlind;
       }
     }
-    predict_stress(model, venture_);
+    predict_stress(model.element_blocks(), model.materials(), venture_, step_, stress_);
     venture_ += step_;
     stats.residual = evaluate(model, loads, venture_);
     if (!std::isfinite(stats.residual)) break;
@@ -293,7 +277,7 @@ void EquilibriumSolver::lengthen_step(const Model& model, const Loads& loads, do
     step_ *= 2.0;
     venture_ = trial_;
   }
-  predict_stress(model, x);
+  predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
   stats.residual = evaluate(model, loads, venture_);
 }
 

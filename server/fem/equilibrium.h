@@ -83,8 +83,6 @@ class EquilibriumSolver {
   // Doubles step_ from x on as long as the energy, which was `reached`, falls: where it is not convex along the step.
   void lengthen_step(const Model& model, const Loads& loads, double reached, const mesh::VertexField& x,
                      EquilibriumStats& stats);
-  // What the stress becomes at x by step_ to first order, into stress_.
-  void predict_stress(const Model& model, const mesh::VertexField& x);
   // Moves x along step_, if anything is gained that way.
   Progress search_line(const Model& model, const Loads& loads, EquilibriumStats& stats, mesh::VertexField& x);
 

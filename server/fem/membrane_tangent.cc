@@ -140,4 +140,20 @@ void MembraneTangent::stiffness(const Eigen::Vector3d& sigma, double material_sc
   }
 }
 
+void predict_stress(std::span<const ElementBlock> blocks, const MaterialTable& materials, const mesh::VertexField& x,
+                    const mesh::VertexField& step, std::span<Eigen::Vector3d> sigma) {
+  LaneFrames frames;
+  ElementVector dx;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    frames_at(blocks[b], x, frames);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (blocks[b].area[l] == 0.0) continue;
+      for (std::size_t k = 0; k < 3; ++k) {
+        dx.segment<3>(static_cast<Eigen::Index>(3 * k)) = step.col(blocks[b].vertex[k][l]);
+      }
+      sigma[b * kLanes + l] = MembraneTangent(blocks[b], l, frames, materials).predicted_stress(dx);
+    }
+  }
+}
+
 }  // namespace kerf::fem

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <span>
+
 #include <Eigen/Core>
 
 #include "server/fem/element_block.h"
 #include "server/fem/element_lanes.h"
 #include "server/fem/material_table.h"
+#include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
 
@@ -66,5 +69,10 @@ class MembraneTangent {
   Matrix36 B_;                     // columns: corner * 2 + frame axis
   Eigen::Matrix<double, 1, 6> w_;  // 0 of Green's strain
 };
+
+// sigma of every lane, N/m, as a step (3 x V, m) from x (3 x V, m) makes it to first order. Lanes without material are
+// left alone.
+void predict_stress(std::span<const ElementBlock> blocks, const MaterialTable& materials, const mesh::VertexField& x,
+                    const mesh::VertexField& step, std::span<Eigen::Vector3d> sigma);
 
 }  // namespace kerf::fem

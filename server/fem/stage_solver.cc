@@ -65,23 +65,6 @@ void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, b
   if (follows_loads_) matrix_.add_follower_loads(problem.model, problem.loads, x, d * d, MatrixPart::kSymmetric);
 }
 
-void StageSolver::predict_stress(const Problem& problem, const mesh::VertexField& x) {
-  const std::span<const ElementBlock> blocks = problem.model.element_blocks();
-  LaneFrames frames;
-  ElementVector dx;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    frames_at(blocks[b], x, frames);
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      if (blocks[b].area[l] == 0.0) continue;
-      for (std::size_t k = 0; k < 3; ++k) {
-        dx.segment<3>(static_cast<Eigen::Index>(3 * k)) = step_.col(blocks[b].vertex[k][l]);
-      }
-      const MembraneTangent tangent(blocks[b], l, frames, problem.model.materials());
-      stress_[b * kLanes + l] = tangent.predicted_stress(dx);
-    }
-  }
-}
-
 void StageSolver::constrain(const Problem& problem, const mesh::VertexField& x) {
   matrix_.constrain(problem.model, problem.loads.pins, problem.stage.time_left, x, rhs_, step_);
 }
@@ -97,7 +80,7 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
   }
   if (!stage.continues || !is_predicted_) {
     step_.setZero();
-    predict_stress(problem, state.x);
+    predict_stress(problem.model.element_blocks(), problem.model.materials(), state.x, step_, stress_);
   }
   bool found = iterate(problem, state.x, stats);
   is_predicted_ = found;
@@ -144,7 +127,7 @@ bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStat
       solve_next(problem, x, true, stats);
     }
     ++stats.newton_iterations;
-    predict_stress(problem, x);
+    predict_stress(problem.model.element_blocks(), problem.model.materials(), x, step_, stress_);
     x += step_;
   }
   if (!(best <= (contact_.touches() ? kNearly : std::numeric_limits<double>::max()))) return false;

@@ -89,7 +89,6 @@ class StageSolver {
 
   // Into matrix_. With stress_ where `predicted`, else with the stress at x.
   void assemble(const Problem& problem, const mesh::VertexField& x, bool predicted);
-  void predict_stress(const Problem& problem, const mesh::VertexField& x);  // from step_, into stress_
   // See TangentMatrix::constrain; into step_ and rhs_.
   void constrain(const Problem& problem, const mesh::VertexField& x);
   // A Newton step that is not the first, into step_.

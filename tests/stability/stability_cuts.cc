@@ -56,11 +56,7 @@ int main(int argc, char** argv) {
   const int num_cuts = argc > 1 ? std::atoi(argv[1]) : 10'000;
   const int num_side = argc > 2 ? std::atoi(argv[2]) : 200;
   const int num_after = argc > 3 ? std::atoi(argv[3]) : 20;
-  kerf::sheet::SheetConfig config = kerf::scenes::hanging(num_side);
-  // Cuts leave elements of very different sizes; conjugate gradients need nothing analysed after each.
-  config.integrator.kind = kerf::sheet::IntegratorKind::kImplicitEuler;
-  config.integrator.max_linear_iterations = 50;  // what is left unsolved must do no harm
-  kerf::Result<Sheet> made = Sheet::create(config);
+  kerf::Result<Sheet> made = Sheet::create(kerf::scenes::hanging(num_side));
   if (!made) {
     std::fprintf(stderr, "%s\n", made.error().message.c_str());
     return 2;
