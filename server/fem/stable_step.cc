@@ -31,9 +31,8 @@ double largest_eigenvalue_bound(double trace, double minors, double determinant)
 // Of one triangle.
 struct Corners {
   std::array<mesh::VertexId, 3> vertex{};
-  std::array<double, 3> gx{}, gy{};   // 1/m
-  std::array<double, 3> stiffness{};  // N/m
-  double area = 0.0;                  // m^2; 0: no material, the rest is not set
+  std::array<double, 3> gx{}, gy{};  // 1/m
+  double area = 0.0;                 // m^2; 0: no material, the rest is not set
   const MaterialLaw* law = nullptr;
   std::size_t material = 0;
 };
@@ -48,11 +47,15 @@ Corners corners_of(const StiffnessProblem& problem, mesh::TriangleId slot) {
   corners.material = block.material[l];
   corners.gx = {-block.g1[0][l] - block.g2[0][l], block.g1[0][l], block.g2[0][l]};
   corners.gy = {-block.g1[1][l] - block.g2[1][l], block.g1[1][l], block.g2[1][l]};
-  for (std::size_t k = 0; k < 3; ++k) {
-    corners.vertex[k] = block.vertex[k][l];
-    corners.stiffness[k] = corner_stiffness(corners.gx[k], corners.gy[k], corners.area, corners.law->membrane);
-  }
+  for (std::size_t k = 0; k < 3; ++k) corners.vertex[k] = block.vertex[k][l];
   return corners;
+}
+
+// Which corner of a slot the vertex is.
+std::size_t corner_at(const StiffnessProblem& problem, mesh::TriangleId slot, mesh::VertexId vertex) {
+  const ElementBlock& block = problem.blocks[static_cast<std::size_t>(slot / kLanes)];
+  const auto l = static_cast<std::size_t>(slot % kLanes);
+  return (block.vertex[1][l] == vertex ? 1U : 0U) + (block.vertex[2][l] == vertex ? 2U : 0U);
 }
 
 // Where corner k has the part own[k] of all[vertex[k]] of its vertex' mass.
@@ -80,12 +83,13 @@ double membrane_bound(const StiffnessProblem& problem, std::span<const double> l
                                   law_determinants[corners.material] * (xx + yy) * (xx * yy - xy * xy));
 }
 
-double bending_bound(const StiffnessProblem& problem, mesh::VertexId row) {
+// roots: 1/sqrt(kg), of the inverse masses.
+double bending_bound(const StiffnessProblem& problem, std::span<const double> roots, mesh::VertexId row) {
   double sum = 0.0;
   for (const BendingEntry& entry : problem.bending_rows.row(row)) {
-    sum += std::abs(entry.value) * std::sqrt(problem.inverse_mass[static_cast<std::size_t>(entry.column)]);
+    sum += std::abs(entry.value) * roots[static_cast<std::size_t>(entry.column)];
   }
-  return sum * std::sqrt(problem.inverse_mass[static_cast<std::size_t>(row)]);
+  return sum * roots[static_cast<std::size_t>(row)];
 }
 
 }  // namespace
@@ -137,7 +141,7 @@ void StiffnessBound::update_membrane(const StiffnessProblem& problem, std::span<
     law_determinants[i] = problem.materials[i].membrane.determinant();
   }
   const std::size_t num_slots = problem.blocks.size() * kLanes;
-  first_bounds_.resize(num_slots, 0.0);
+  weight_parts_.resize(num_slots);
   weights_.resize(problem.stiffness.size(), 0.0);
   membrane_.resize(num_slots);
   changed_slots_.clear();
@@ -153,27 +157,28 @@ void StiffnessBound::update_membrane(const StiffnessProblem& problem, std::span<
   }
   for (const mesh::TriangleId slot : changed_slots_.members()) {
     const Corners corners = corners_of(problem, slot);
-    double& bound = first_bounds_[static_cast<std::size_t>(slot)];
-    bound = 0.0;
     if (corners.area == 0.0) continue;
-    bound = membrane_bound(problem, law_determinants, corners, corners.stiffness, problem.stiffness);
-    for (const mesh::VertexId v : corners.vertex) changed_vertices_.insert(v);
+    std::array<double, 3> stiffness{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      stiffness[k] = corner_stiffness(corners.gx[k], corners.gy[k], corners.area, corners.law->membrane);
+    }
+    const double bound = membrane_bound(problem, law_determinants, corners, stiffness, problem.stiffness);
+    for (std::size_t k = 0; k < 3; ++k) {
+      weight_parts_[static_cast<std::size_t>(slot)][k] = bound * stiffness[k];
+      changed_vertices_.insert(corners.vertex[k]);
+    }
   }
   for (const mesh::VertexId v : changed_vertices_.members()) {
     double weight = 0.0;
     for (const mesh::TriangleId slot : problem.incident_slots.row(v)) {
-      const Corners corners = corners_of(problem, slot);
-      const std::size_t k = (corners.vertex[1] == v ? 1U : 0U) + (corners.vertex[2] == v ? 2U : 0U);
-      weight += first_bounds_[static_cast<std::size_t>(slot)] * corners.stiffness[k];
+      weight += weight_parts_[static_cast<std::size_t>(slot)][corner_at(problem, slot, v)];
       changed_slots_.insert(slot);
     }
     weights_[static_cast<std::size_t>(v)] = weight;
   }
   for (const mesh::TriangleId slot : changed_slots_.members()) {
     const Corners corners = corners_of(problem, slot);
-    const double first = first_bounds_[static_cast<std::size_t>(slot)];
-    const std::array<double, 3> own{first * corners.stiffness[0], first * corners.stiffness[1],
-                                    first * corners.stiffness[2]};
+    const std::array<double, 3>& own = weight_parts_[static_cast<std::size_t>(slot)];
     const bool is_solid = corners.area != 0.0;
     membrane_.set(static_cast<std::size_t>(slot),
                   is_solid ? membrane_bound(problem, law_determinants, corners, own, weights_) : 0.0);
@@ -188,13 +193,15 @@ void StiffnessBound::update_bending(const StiffnessProblem& problem, std::span<c
   bending_.resize(num_rows);
   changed_rows_.clear();
   changed_rows_.resize(num_rows);
+  roots_.resize(num_rows, 0.0);
   for (const mesh::VertexId row : rows) changed_rows_.insert(row);
   for (const mesh::VertexId v : vertices) {
     changed_rows_.insert(v);
+    roots_[static_cast<std::size_t>(v)] = std::sqrt(problem.inverse_mass[static_cast<std::size_t>(v)]);
     for (const BendingEntry& entry : problem.bending_rows.row(v)) changed_rows_.insert(entry.column);
   }
   for (const mesh::VertexId row : changed_rows_.members()) {
-    bending_.set(static_cast<std::size_t>(row), bending_bound(problem, row));
+    bending_.set(static_cast<std::size_t>(row), bending_bound(problem, roots_, row));
   }
   bending_.update(changed_rows_.members());
 }

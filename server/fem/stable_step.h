@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -71,10 +72,13 @@ class StiffnessBound {
   void update_bending(const StiffnessProblem& problem, std::span<const mesh::VertexId> vertices,
                       std::span<const mesh::VertexId> rows);
 
-  std::vector<double> first_bounds_;  // 1/s^2, of the slots, masses split by stiffness alone
-  std::vector<double> weights_;       // N/m/s^2, length V; stiffness times first bound, summed around each vertex
-  RunningMaximum membrane_;           // of the slots
-  RunningMaximum bending_;            // of the rows
+  // N/m/s^2, of the corners of the slots: stiffness times the bound that comes of masses split by stiffness alone. Not
+  // set where there is no material.
+  std::vector<std::array<double, 3>> weight_parts_;
+  std::vector<double> weights_;  // N/m/s^2, length V; sums of the parts around each vertex
+  std::vector<double> roots_;    // 1/sqrt(kg), length V, of the inverse masses; empty without bending
+  RunningMaximum membrane_;      // of the slots
+  RunningMaximum bending_;       // of the rows
   // Scratch.
   IdSet changed_slots_;
   IdSet changed_vertices_;
