@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <cstdlib>
 #include <iterator>
+#include <span>
+#include <vector>
 
 #include "server/fem/bending.h"
 #include "server/fem/membrane_layout.h"
@@ -52,6 +54,35 @@ BendingSlice<T> make_bending_slice(const RowStore<BendingEntry>& rows, std::size
   }
   slice.num_diagonals = static_cast<std::int32_t>(n);
   return slice;
+}
+
+// One entry each of four neighbouring rows of the bending matrix, for vector code. A row that has fewer than the
+// longest of the four meets its own vertex with 0.
+template <typename T>
+struct FourEntries {
+  static constexpr std::size_t kRows = 4;
+  std::array<mesh::VertexId, kRows> column{};
+  std::array<T, kRows> value{};  // N/m
+};
+
+// Of rows 4 group, ..., 4 group + 3, in the order of their columns; `made` is overwritten.
+template <typename T>
+void make_four_rows(const RowStore<BendingEntry>& rows, int group, std::vector<FourEntries<T>>& made) {
+  constexpr auto kRows = static_cast<int>(FourEntries<T>::kRows);
+  made.clear();
+  for (int r = 0; r < kRows; ++r) {
+    const mesh::VertexId v = kRows * group + r;
+    if (v < rows.num_rows()) made.resize(std::max(made.size(), rows.row(v).size()));
+  }
+  for (int r = 0; r < kRows; ++r) {
+    const mesh::VertexId v = kRows * group + r;
+    const std::span<const BendingEntry> row = v < rows.num_rows() ? rows.row(v) : std::span<const BendingEntry>();
+    const auto at = static_cast<std::size_t>(r);
+    for (std::size_t k = 0; k < made.size(); ++k) {
+      made[k].column[at] = k < row.size() ? row[k].column : v;
+      made[k].value[at] = k < row.size() ? static_cast<T>(row[k].value) : T{0};
+    }
+  }
 }
 
 }  // namespace kerf::fem

@@ -107,7 +107,7 @@ void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
     set(double_sweep_);
   } else {
     set(mixed_sweep_);
-    double_sweep_.reserve(model, layout_);
+    double_sweep_.reserve(model, layout_, mixed_sweep_);
   }
 }
 

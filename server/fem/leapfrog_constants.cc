@@ -11,6 +11,9 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
+constexpr auto kRowsInGroup = static_cast<int>(FourEntries<double>::kRows);
+constexpr int kGroupsInBlock = static_cast<int>(kBlockLanes) / kRowsInGroup;
+
 // Of a slot, its corners from the lowest vertex on; of kNone all 0.
 struct TurnedConstants {
   std::array<std::array<double, 2>, 3> g{};  // 1/m, of each corner
@@ -91,7 +94,9 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
   set(corner_force_, 12 * num_irregular);
   set(gathered_, 4 * n);
   set(extra_, 4 * n);
-  set(slices_, reach > 0 ? n : 0);
+  const std::span<const double> beta = model.materials().stiffness_damping();
+  const bool bends_by_position = std::all_of(beta.begin(), beta.end(), [](double own) { return own == 0.0; });
+  set(slices_, reach > 0 && bends_by_position ? n : 0);
   const bool has_several = !model.materials().has_one();
   set(quad_laws_, has_several && reach > 0 ? 2 * n : 0);
   set(irregular_laws_, has_several ? num_irregular : 0);
@@ -102,14 +107,19 @@ template <typename T>
 void LeapfrogSweep<T>::resize(const Model& model, const MembraneLayout& layout) {
   layout_ = &layout;
   for_arrays(model, layout, [](auto& array, std::size_t size) { array.resize(size); });
+  if (model.has_bending()) bending_rows_.resize((layout.num_vertices() + kRowsInGroup - 1) / kRowsInGroup);
 }
 
 template <typename T>
-void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout) {
+template <typename U>
+void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout, const LeapfrogSweep<U>& like) {
   for_arrays(model, layout, [](auto& array, std::size_t size) {
     array.clear();
     if (array.capacity() < size) array.reserve(size + size / 4);
   });
+  bending_rows_.clear();
+  bending_rows_.reserve(like.bending_rows_.num_rows(), like.bending_rows_.num_entries());
+  four_rows_.reserve(like.four_rows_.capacity());
 }
 
 template <typename T>
@@ -122,7 +132,13 @@ void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout)
   for (VertexId v = 0; !quads_before_.empty() && v < num_lanes; ++v) set_quads(model, layout, v);
   for (std::size_t lane = 0; lane < layout.lanes().size(); ++lane) set_lane(model, layout, lane);
   stale_slices_.clear();
-  for (std::size_t block = 0; model.has_bending() && block < slices_.size(); ++block) set_slice(model, block);
+  bending_rows_.clear();
+  if (!model.has_bending()) return;
+  bending_rows_.resize((layout.num_vertices() + kRowsInGroup - 1) / kRowsInGroup);
+  for (std::size_t block = 0; block < layout.num_blocks(); ++block) {
+    if (!slices_.empty()) set_slice(model, block);
+    if (slices_.empty() || slices_[block].num_diagonals < 0) set_bending_rows_of(model, block);
+  }
 }
 
 template <typename T>
@@ -132,12 +148,29 @@ void LeapfrogSweep<T>::follow(const Model& model, const MembraneLayout& layout) 
     if (static_cast<std::size_t>(v) / kBlockLanes < layout.num_blocks()) set_quads(model, layout, v);
   }
   for (const std::int32_t lane : layout.changed_lanes()) set_lane(model, layout, static_cast<std::size_t>(lane));
-  if (slices_.empty() || !model.has_bending()) return;
+  if (model.has_bending()) follow_bending(model);
+}
+
+template <typename T>
+void LeapfrogSweep<T>::follow_bending(const Model& model) {
+  const int num_groups = bending_rows_.num_rows();
+  row_groups_.clear();
+  row_groups_.resize(static_cast<std::size_t>(num_groups));
+  row_groups_.insert(num_groups - 1);  // may have lost rows
   for (const VertexId v : model.changed_rows()) {
+    row_groups_.insert(v / kRowsInGroup);
+    if (slices_.empty()) continue;
     const std::size_t block = static_cast<std::size_t>(v) / kBlockLanes;
-    if (slices_[block].num_diagonals != BendingSlice<T>::kStale) stale_slices_.push_back(block);
-    slices_[block].num_diagonals = BendingSlice<T>::kStale;
+    std::int32_t& num_diagonals = slices_[block].num_diagonals;
+    if (num_diagonals == BendingSlice<T>::kStale) continue;
+    stale_slices_.push_back(block);
+    num_diagonals = BendingSlice<T>::kStale;
+    const auto first = static_cast<int>(block) * kGroupsInBlock;
+    for (int group = first; group < std::min(first + kGroupsInBlock, num_groups); ++group) {
+      if (bending_rows_.row(group).empty()) row_groups_.insert(group);
+    }
   }
+  for (const std::int32_t group : row_groups_.members()) set_bending_rows(model, group);
 }
 
 template <typename T>
@@ -164,9 +197,9 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
   const std::size_t l = lane % kBlockLanes;
   const TriangleId slot = layout.lanes()[lane];
   if (irregular_edges_.empty()) {
-    set_triangle(model, slot, block.triangles, l);
+    set_triangle(model, slot, block.triangles, irregular_lane<T>(l));
   } else {
-    set_edges(model, slot, irregular_edges_[lane / kBlockLanes], l);
+    set_edges(model, slot, irregular_edges_[lane / kBlockLanes], irregular_lane<T>(l));
   }
   std::array<VertexId, 3> vertices{0, 0, 0};
   if (slot != mesh::kNone) {
@@ -180,6 +213,19 @@ template <typename T>
 void LeapfrogSweep<T>::set_slice(const Model& model, std::size_t block) {
   const auto reach = static_cast<std::int32_t>(3 * pad_ * kBlockLanes);
   slices_[block] = make_bending_slice<T>(model.bending_rows(), block, reach);
+}
+
+template <typename T>
+void LeapfrogSweep<T>::set_bending_rows(const Model& model, int group) {
+  make_four_rows(model.bending_rows(), group, four_rows_);
+  bending_rows_.set_row(group, four_rows_);
+}
+
+template <typename T>
+void LeapfrogSweep<T>::set_bending_rows_of(const Model& model, std::size_t block) {
+  const auto first = static_cast<int>(block) * kGroupsInBlock;
+  const int last = std::min(first + kGroupsInBlock, bending_rows_.num_rows());
+  for (int group = first; group < last; ++group) set_bending_rows(model, group);
 }
 
 template <typename T>
@@ -203,11 +249,13 @@ void LeapfrogSweep<T>::set_laws(const Model& model, const LeapfrogTerms& terms) 
     }
   }
   for (std::size_t lane = 0; !irregular_laws_.empty() && lane < layout_->lanes().size(); ++lane) {
-    set(layout_->lanes()[lane], irregular_laws_[lane / kBlockLanes], lane % kBlockLanes);
+    set(layout_->lanes()[lane], irregular_laws_[lane / kBlockLanes], irregular_lane<T>(lane % kBlockLanes));
   }
 }
 
 template class LeapfrogSweep<float>;
 template class LeapfrogSweep<double>;
+template void LeapfrogSweep<double>::reserve(const Model& model, const MembraneLayout& layout,
+                                             const LeapfrogSweep<float>& like);
 
 }  // namespace kerf::fem

@@ -7,6 +7,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "server/fem/leapfrog_gather-inl.h"
 #include "server/fem/leapfrog_triangles-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -15,7 +16,6 @@ namespace HWY_NAMESPACE {
 namespace {
 
 constexpr std::size_t kChunk = 8;  // blocks of vertices whose forces are made before any of them is moved
-constexpr std::size_t kGroup = 4;  // blocks of irregular triangles whose corners are fetched together
 
 template <class DP>
 HWY_INLINE Vec3<hn::Vec<DP>> load3(DP d, const std::array<hn::TFromD<DP>*, 3>& from, std::ptrdiff_t at) {
@@ -70,74 +70,6 @@ HWY_NOINLINE void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogSte
   }
 }
 
-// Of some blocks at once: what was just written piece by piece cannot be read in one yet.
-template <MembraneLaw kLaw, typename T>
-HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
-  using Position = PositionOf<T>;
-  using V = hn::Vec<LanesOf<T>>;
-  const LanesOf<T> d;
-  const LanesOf<Position> dp;
-  const auto common = common_law(d, step);
-  const V unit = hn::Set(d, step.unit);
-  const LawLanes<T>* const laws = arrays.irregular_laws;
-  alignas(64) Position corner[kGroup][3][4 * kBlockLanes];
-  const std::size_t num_blocks = arrays.irregular.size();
-  for (std::size_t first = 0; first < num_blocks; first += kGroup) {
-    const std::size_t last = HWY_MIN(first + kGroup, num_blocks);
-    for (std::size_t b = first; b < last; ++b) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        for (std::size_t l = 0; l < kBlockLanes; ++l) {
-          std::memcpy(corner[b - first][k] + 4 * l,
-                      arrays.corner_x + 4 * static_cast<std::size_t>(arrays.irregular[b].vertex[k][l]),
-                      4 * sizeof(Position));
-        }
-      }
-    }
-    for (std::size_t b = first; b < last; b += 2) {
-      for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
-        std::array<Triangles<V>, 2> t;
-        const std::array<StrainLanes<T>*, 2> before{&arrays.irregular[b].before, &arrays.irregular[b + 1].before};
-        for (std::size_t i = 0; i < 2; ++i) {
-          std::array<Vec3<hn::Vec<LanesOf<Position>>>, 3> x;
-          for (std::size_t k = 0; k < 3; ++k) {
-            hn::Vec<LanesOf<Position>> none;
-            hn::LoadInterleaved4(dp, corner[b + i - first][k] + 4 * l, x[k].x, x[k].y, x[k].z, none);
-          }
-          const Vec3<V> d1 = edge(d, x[1], x[0], unit);
-          const Vec3<V> d2 = edge(d, x[2], x[0], unit);
-          if constexpr (kLaw == MembraneLaw::kGreen) {
-            set_edge_forces(d, laws == nullptr ? common.damping : damping_of(d, laws[b + i], l),
-                            arrays.irregular_edges[b + i], l, d1, d2, *before[i], t[i]);
-          } else {
-            set_metric(d, arrays.irregular[b + i].triangles, l, d1, d2, t[i]);
-          }
-        }
-        if constexpr (kLaw != MembraneLaw::kGreen) {
-          const std::array<const TriangleLanes<T>*, 2> lanes{&arrays.irregular[b].triangles,
-                                                             &arrays.irregular[b + 1].triangles};
-          if (laws == nullptr) {
-            corner_forces(d, common, common, lanes, l, before, t);
-          } else {
-            corner_forces(d, law_of(d, laws[b], l), law_of(d, laws[b + 1], l), lanes, l, before, t);
-          }
-        }
-        for (std::size_t i = 0; i < 2; ++i) {
-          const V zero = hn::Zero(d);
-          const Vec3<V> sum = plus(t[i].force1, t[i].force2);
-          T* const to = arrays.corner_force + 4 * (3 * (b + i) * kBlockLanes + l);
-          hn::StoreInterleaved4(hn::Neg(sum.x), hn::Neg(sum.y), hn::Neg(sum.z), zero, d, to);
-          hn::StoreInterleaved4(t[i].force1.x, t[i].force1.y, t[i].force1.z, zero, d, to + 4 * kBlockLanes);
-          hn::StoreInterleaved4(t[i].force2.x, t[i].force2.y, t[i].force2.z, zero, d, to + 8 * kBlockLanes);
-        }
-      }
-    }
-  }
-}
-
-// x, y, z, 0 of one vertex.
-template <typename T>
-using Four = hn::CappedTag<T, 4>;
-
 template <typename T>
 HWY_NOINLINE void bending_by_slice(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
   const LanesOf<T> d;
@@ -160,26 +92,6 @@ HWY_NOINLINE void bending_by_slice(const LeapfrogArrays<T>& arrays, const Leapfr
   }
 }
 
-// The same sums, row by row.
-template <typename T>
-HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t first,
-                                  std::size_t last) {
-  const Four<T> d;
-  const Four<PositionOf<T>> dp;
-  const auto scale = hn::Set(d, step.bending_scale);
-  for (std::size_t i = first; i < last; ++i) {
-    for (std::size_t part = 0; part < 4; part += hn::Lanes(d)) {
-      auto sum = hn::Zero(d);
-      const auto xi = hn::LoadU(dp, arrays.bending_x + 4 * i + part);
-      for (const BendingEntry& entry : arrays.bending_rows->row(static_cast<int>(i))) {
-        const auto xj = hn::LoadU(dp, arrays.bending_x + 4 * static_cast<std::size_t>(entry.column) + part);
-        sum = hn::Add(sum, hn::Mul(hn::Set(d, static_cast<T>(entry.value)), converted(d, hn::Sub(xi, xj))));
-      }
-      hn::StoreU(hn::Mul(sum, scale), d, arrays.gathered + 4 * i + part);
-    }
-  }
-}
-
 // Bending forces of the vertices of the block, forces of irregular corners around them and others.
 template <typename T>
 HWY_INLINE void gather(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
@@ -189,7 +101,7 @@ HWY_INLINE void gather(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
   const bool bends = arrays.bending_rows != nullptr;
   if (bends) {
     const bool by_slice = arrays.bending_slices != nullptr && arrays.bending_slices[block].num_diagonals >= 0;
-    by_slice ? bending_by_slice(arrays, step, block) : bending_by_rows(arrays, step, first, last);
+    by_slice ? bending_by_slice(arrays, step, block) : bending_by_rows(arrays, step, block);
     if (arrays.num_corners[block] == 0 && arrays.extra_force == nullptr) return;
   }
   for (std::size_t i = first; i < last; ++i) {

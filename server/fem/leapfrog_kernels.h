@@ -49,12 +49,21 @@ struct LawLanes {
 template <typename T>
 using StrainLanes = std::array<Lanes16<T>, 3>;
 
+// `vertex` is by place (see corner_place), the others by irregular_lane().
 template <typename T>
 struct IrregularBlock {
   TriangleLanes<T> triangles;
   StrainLanes<T> before{};
   std::array<std::array<mesh::VertexId, kBlockLanes>, 3> vertex{};
 };
+
+// The lane of the triangle at a place of an irregular block, and the place at a lane. Four floats of a vertex are as
+// long as what vectors can be transposed in: each four lanes are from four places that are four apart.
+template <typename T>
+constexpr std::size_t irregular_lane(std::size_t place) {
+  static_assert(kBlockLanes == 16);
+  return std::is_same_v<T, float> ? 4 * (place % 4) + place / 4 : place;
+}
 
 // Arrays of vertices have kBlockLanes x num_blocks entries, and those of positions, velocities and quad forces, zeros
 // beyond both ends as far as offsets reach. "x 4": x, y, z and a 0 of one vertex side by side.
@@ -84,8 +93,8 @@ struct LeapfrogArrays {
   Position* bending_x = nullptr;                  // x 4, scratch
   std::span<const std::int32_t> num_quads, num_corners;  // of each block of vertices
   const RowStore<std::int32_t>* corners = nullptr;
-  const RowStore<BendingEntry>* bending_rows = nullptr;  // null: no bending in this substep
-  const BendingSlice<T>* bending_slices = nullptr;       // of each block of vertices, or null: go by rows
+  const RowStore<FourEntries<T>>* bending_rows = nullptr;  // null: no bending in this substep; see bends_by_slice()
+  const BendingSlice<T>* bending_slices = nullptr;         // of each block of vertices, or null: go by rows
 };
 
 template <typename T>

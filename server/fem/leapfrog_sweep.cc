@@ -163,8 +163,9 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
   step.bending_scale = static_cast<T>(kick.bending / kick.duration * unit_);
   LeapfrogArrays<T> with = arrays();
   if (kick.bending > 0.0 && model.has_bending()) {
-    with.bending_rows = &model.bending_rows();
-    if (terms.bending_damping == 0.0 && !slices_.empty()) with.bending_slices = slices_.data();
+    KERF_DCHECK(terms.bending_damping == 0.0 || slices_.empty(), "slices go by positions alone");
+    with.bending_rows = &bending_rows_;
+    if (!slices_.empty()) with.bending_slices = slices_.data();
   }
   if (kick.forces != nullptr) {
     T* const extra = entries(extra_);

@@ -8,11 +8,13 @@
 
 #include <Eigen/Core>
 
+#include "server/fem/index_set.h"
 #include "server/fem/leapfrog_kernels.h"
 #include "server/fem/loads.h"
 #include "server/fem/material_table.h"
 #include "server/fem/membrane_layout.h"
 #include "server/fem/model.h"
+#include "server/fem/row_store.h"
 #include "server/fem/state.h"
 
 namespace kerf::fem {
@@ -49,8 +51,9 @@ class LeapfrogSweep {
   void rebuild(const Model& model, const MembraneLayout& layout);
   // After layout.follow(), where that did not rebuild.
   void follow(const Model& model, const MembraneLayout& layout);
-  // Room for a rebuild() that does not allocate.
-  void reserve(const Model& model, const MembraneLayout& layout);
+  // Room for a rebuild() that does not allocate, where `like` is up to date with the model.
+  template <typename U>
+  void reserve(const Model& model, const MembraneLayout& layout, const LeapfrogSweep<U>& like);
 
   // Takes over the state for a step of this length. False: this precision cannot hold it.
   bool begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration, const State& state);
@@ -72,6 +75,8 @@ class LeapfrogSweep {
   bool push(mesh::VertexId v, const Eigen::Vector3d& velocity, const Eigen::Vector3d& position);
 
  private:
+  template <typename U>
+  friend class LeapfrogSweep;
   using Position = PositionOf<T>;
   template <typename U>
   using Field = std::array<std::vector<Lanes16<U>>, 3>;
@@ -85,6 +90,10 @@ class LeapfrogSweep {
   bool set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state);
   void set_laws(const Model& model, const LeapfrogTerms& terms);
   void set_slice(const Model& model, std::size_t block);
+  void set_bending_rows(const Model& model, int group);
+  // Those of a block that has no slice.
+  void set_bending_rows_of(const Model& model, std::size_t block);
+  void follow_bending(const Model& model);
   Position& position_at(std::size_t axis, std::size_t v);
   bool set_position(mesh::VertexId v, const Eigen::Vector3d& position);
   [[nodiscard]] LeapfrogStep<T> step_of(const Model& model, const LeapfrogTerms& terms) const;
@@ -104,8 +113,11 @@ class LeapfrogSweep {
   std::array<Field<T>, 4> quad_force_;
   std::vector<Lanes16<Position>> corner_x_, bending_x_;
   std::vector<Lanes16<T>> corner_force_, gathered_, extra_;
-  std::vector<BendingSlice<T>> slices_;    // where there is a pattern
+  std::vector<BendingSlice<T>> slices_;    // where there is a pattern, and bending has no damping
+  RowStore<FourEntries<T>> bending_rows_;  // one row of four vertices; empty where there is a slice
   std::vector<std::size_t> stale_slices_;  // unused, to be made anew: some in each step, as a cut must not wait for it
+  std::vector<FourEntries<T>> four_rows_;  // scratch
+  IdSet row_groups_;                       // scratch
   Lanes16<T> speed_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
   double unit_ = 1.0;                                 // m

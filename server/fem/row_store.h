@@ -26,6 +26,19 @@ class RowStore {
     rows_.resize(static_cast<std::size_t>(num_rows));
   }
 
+  // Keeps its room.
+  void clear() {
+    rows_.clear();
+    entries_.clear();
+    num_entries_ = 0;
+  }
+
+  // Room for so many rows with so many entries in all, written once each after clear(). Invalidates spans of rows.
+  void reserve(int num_rows, std::size_t num_entries) {
+    rows_.reserve(static_cast<std::size_t>(num_rows));
+    entries_.reserve(num_entries);
+  }
+
   // Room for a quarter more, so that rows may outgrow their places for some time before all are moved. Invalidates
   // spans of rows.
   void make_room() { entries_.reserve(entries_.size() + entries_.size() / 4); }

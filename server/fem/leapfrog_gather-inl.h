@@ -1,0 +1,256 @@
+// Forces of leapfrog_kernels.cc from what lies anywhere in memory: those of irregular triangles, and of the bending
+// matrix by rows. Compiled once for each instruction set.
+#if defined(KERF_FEM_LEAPFROG_GATHER_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef KERF_FEM_LEAPFROG_GATHER_INL_H
+#undef KERF_FEM_LEAPFROG_GATHER_INL_H
+#else
+#define KERF_FEM_LEAPFROG_GATHER_INL_H
+#endif
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <type_traits>
+
+#include <hwy/highway.h>
+
+#include "server/fem/leapfrog_kernels.h"
+#include "server/fem/leapfrog_triangles-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace kerf::fem {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t kBlocksAtOnce = 4;  // of irregular triangles, whose corners are fetched together
+
+// x, y, z, 0 of one vertex.
+template <typename T>
+using Four = hn::CappedTag<T, 4>;
+// Of up to four.
+template <typename T>
+using Fours = hn::CappedTag<T, HWY_HAVE_SCALABLE ? 4 : 16>;
+
+#if HWY_TARGET == HWY_SCALAR
+template <class D>
+HWY_INLINE hn::Vec<D> joined(D /*d*/, hn::Vec<D> /*high*/, hn::Vec<D> low) {
+  return low;  // never asked for
+}
+#else
+template <class D>
+HWY_INLINE hn::Vec<D> joined(D d, hn::Vec<hn::Half<D>> high, hn::Vec<hn::Half<D>> low) {
+  return hn::Combine(d, high, low);
+}
+#endif
+
+// x, y, z, 0 of the vertices at[0], at[1], ... of an array "x 4", side by side; where lanes are fewer than four, of the
+// first one's from component `part` on.
+template <class D>
+HWY_INLINE hn::Vec<D> load_fours(D d, const hn::TFromD<D>* from, const mesh::VertexId* at, std::size_t part = 0) {
+  if constexpr (hn::MaxLanes(D()) <= 4) {
+    return hn::LoadU(d, from + 4 * static_cast<std::size_t>(at[0]) + part);
+  } else {
+    const hn::Half<D> half;
+    constexpr std::size_t kVertices = hn::MaxLanes(hn::Half<D>()) / 4;
+    return joined(d, load_fours(half, from, at + kVertices), load_fours(half, from, at));
+  }
+}
+
+// Each of four values four times, from the value of place `from` on.
+template <class D>
+HWY_INLINE hn::Vec<D> spread(D d, const hn::TFromD<D>* values) {
+  if constexpr (hn::MaxLanes(D()) <= 4) {
+    return hn::Set(d, values[0]);
+  } else {
+    const hn::Half<D> half;
+    constexpr std::size_t kValues = hn::MaxLanes(hn::Half<D>()) / 4;
+    return joined(d, spread(half, values + kValues), spread(half, values));
+  }
+}
+
+// Bending forces of the vertices of a block, as of bending_by_slice: the same sums, four rows side by side.
+template <typename T>
+HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
+  constexpr std::size_t kRows = FourEntries<T>::kRows;
+  const Fours<T> d;
+  const Fours<PositionOf<T>> dp;
+  const auto scale = hn::Set(d, step.bending_scale);
+  const std::size_t first = block * kBlockLanes / kRows;
+  const std::size_t last =
+      HWY_MIN(first + kBlockLanes / kRows, static_cast<std::size_t>(arrays.bending_rows->num_rows()));
+  for (std::size_t group = first; group < last; ++group) {
+    const std::span<const FourEntries<T>> entries = arrays.bending_rows->row(static_cast<int>(group));
+    for (std::size_t part = 0; part < 4 * kRows; part += hn::Lanes(d)) {
+      const std::size_t at = 4 * kRows * group + part;
+      const auto xi = hn::LoadU(dp, arrays.bending_x + at);
+      auto sum = hn::Zero(d);
+      for (const FourEntries<T>& entry : entries) {
+        const auto xj = load_fours(dp, arrays.bending_x, entry.column.data() + part / 4, part % 4);
+        const auto value = spread(d, entry.value.data() + part / 4);
+        sum = hn::Add(sum, hn::Mul(value, converted(d, hn::Sub(xi, xj))));
+      }
+      hn::StoreU(hn::Mul(sum, scale), d, arrays.gathered + at);
+    }
+  }
+}
+
+#if HWY_TARGET != HWY_SCALAR
+// Columns of the 4x4 matrix in each four lanes of four vectors; the last one is left out.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Vec3<V> columns(D d, V a, V b, V c, V e) {
+  const hn::RepartitionToWide<D> pairs;
+  const auto lower_ab = hn::BitCast(pairs, hn::InterleaveLower(d, a, b));
+  const auto lower_ce = hn::BitCast(pairs, hn::InterleaveLower(d, c, e));
+  const auto upper_ab = hn::BitCast(pairs, hn::InterleaveUpper(d, a, b));
+  const auto upper_ce = hn::BitCast(pairs, hn::InterleaveUpper(d, c, e));
+  return {hn::BitCast(d, hn::InterleaveLower(pairs, lower_ab, lower_ce)),
+          hn::BitCast(d, hn::InterleaveUpper(pairs, lower_ab, lower_ce)),
+          hn::BitCast(d, hn::InterleaveLower(pairs, upper_ab, upper_ce))};
+}
+// What columns() was made from, with a last column of 0.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE std::array<V, 4> rows(D d, const Vec3<V>& columns) {
+  const hn::RepartitionToWide<D> pairs;
+  const V zero = hn::Zero(d);
+  const auto lower_xy = hn::BitCast(pairs, hn::InterleaveLower(d, columns.x, columns.y));
+  const auto lower_z = hn::BitCast(pairs, hn::InterleaveLower(d, columns.z, zero));
+  const auto upper_xy = hn::BitCast(pairs, hn::InterleaveUpper(d, columns.x, columns.y));
+  const auto upper_z = hn::BitCast(pairs, hn::InterleaveUpper(d, columns.z, zero));
+  return {hn::BitCast(d, hn::InterleaveLower(pairs, lower_xy, lower_z)),
+          hn::BitCast(d, hn::InterleaveUpper(pairs, lower_xy, lower_z)),
+          hn::BitCast(d, hn::InterleaveLower(pairs, upper_xy, upper_z)),
+          hn::BitCast(d, hn::InterleaveUpper(pairs, upper_xy, upper_z))};
+}
+#endif
+
+// Positions of the corners of irregular triangles, of some blocks at once: what was just written piece by piece cannot
+// be read in one yet.
+template <typename P>
+class CornerPositions {
+ public:
+  template <typename T>
+  HWY_INLINE void fetch(const LeapfrogArrays<T>& arrays, std::size_t first, std::size_t last) {
+    for (std::size_t b = first; b < last; ++b) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        for (std::size_t l = 0; l < kBlockLanes; ++l) {
+          std::memcpy(corner_[b - first][k] + 4 * l,
+                      arrays.corner_x + 4 * static_cast<std::size_t>(arrays.irregular[b].vertex[k][l]), 4 * sizeof(P));
+        }
+      }
+    }
+  }
+  // Corner k of the triangles in lanes l, l + 1, ... of the block `b` after the first.
+  template <class DP>
+  HWY_INLINE Vec3<hn::Vec<DP>> load(DP dp, std::size_t b, std::size_t k, std::size_t l) const {
+    Vec3<hn::Vec<DP>> x;
+    hn::Vec<DP> none;
+    hn::LoadInterleaved4(dp, corner_[b][k] + 4 * l, x.x, x.y, x.z, none);
+    return x;
+  }
+
+ private:
+  alignas(64) P corner_[kBlocksAtOnce][3][4 * kBlockLanes];
+};
+
+// Fixed-point positions are transposed in registers instead.
+template <>
+class CornerPositions<std::int32_t> {
+ public:
+  HWY_INLINE void fetch(const LeapfrogArrays<float>& arrays, std::size_t first, std::size_t /*last*/) {
+    from_ = arrays.corner_x;
+    blocks_ = &arrays.irregular[first];
+  }
+  template <class DP>
+  HWY_INLINE Vec3<hn::Vec<DP>> load(DP dp, std::size_t b, std::size_t k, std::size_t l) const {
+    const mesh::VertexId* const vertex = blocks_[b].vertex[k].data();
+#if HWY_TARGET == HWY_SCALAR
+    Vec3<hn::Vec<DP>> x;
+    hn::Vec<DP> none;
+    const auto v = static_cast<std::size_t>(vertex[irregular_lane<float>(l)]);
+    hn::LoadInterleaved4(dp, from_ + 4 * v, x.x, x.y, x.z, none);
+    return x;
+#else
+    const auto load = [&](std::size_t i) HWY_ATTR { return load_fours(dp, from_, vertex + 4 * i + l / 4); };
+    return columns(dp, load(0), load(1), load(2), load(3));
+#endif
+  }
+
+ private:
+  const std::int32_t* from_ = nullptr;
+  const IrregularBlock<float>* blocks_ = nullptr;
+};
+
+// Of the triangles in lanes l, l + 1, ... of a block, of which `to` is the first place.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void store_corner(D d, const Vec3<V>& force, std::size_t l, hn::TFromD<D>* to) {
+  using T = hn::TFromD<D>;
+#if HWY_TARGET != HWY_SCALAR
+  if constexpr (std::is_same_v<T, float>) {
+    const std::array<V, 4> made = rows(d, force);
+    for (std::size_t i = 0; i < 4; ++i) hn::StoreU(made[i], d, to + 4 * (4 * i + l / 4));
+    return;
+  }
+#endif
+  hn::StoreInterleaved4(force.x, force.y, force.z, hn::Zero(d), d, to + 4 * irregular_lane<T>(l));
+}
+
+template <MembraneLaw kLaw, typename T>
+HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
+  using Position = PositionOf<T>;
+  using D = Fours<T>;
+  using V = hn::Vec<D>;
+  const D d;
+  const hn::Rebind<Position, D> dp;
+  const auto common = common_law(d, step);
+  const V unit = hn::Set(d, step.unit);
+  const LawLanes<T>* const laws = arrays.irregular_laws;
+  CornerPositions<Position> corners;
+  const std::size_t num_blocks = arrays.irregular.size();
+  for (std::size_t first = 0; first < num_blocks; first += kBlocksAtOnce) {
+    const std::size_t last = HWY_MIN(first + kBlocksAtOnce, num_blocks);
+    corners.fetch(arrays, first, last);
+    for (std::size_t b = first; b < last; b += 2) {
+      for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+        std::array<Triangles<V>, 2> t;
+        const std::array<StrainLanes<T>*, 2> before{&arrays.irregular[b].before, &arrays.irregular[b + 1].before};
+        for (std::size_t i = 0; i < 2; ++i) {
+          const auto x0 = corners.load(dp, b + i - first, 0, l);
+          const Vec3<V> d1 = edge(d, corners.load(dp, b + i - first, 1, l), x0, unit);
+          const Vec3<V> d2 = edge(d, corners.load(dp, b + i - first, 2, l), x0, unit);
+          if constexpr (kLaw == MembraneLaw::kGreen) {
+            set_edge_forces(d, laws == nullptr ? common.damping : damping_of(d, laws[b + i], l),
+                            arrays.irregular_edges[b + i], l, d1, d2, *before[i], t[i]);
+          } else {
+            set_metric(d, arrays.irregular[b + i].triangles, l, d1, d2, t[i]);
+          }
+        }
+        if constexpr (kLaw != MembraneLaw::kGreen) {
+          const std::array<const TriangleLanes<T>*, 2> lanes{&arrays.irregular[b].triangles,
+                                                             &arrays.irregular[b + 1].triangles};
+          if (laws == nullptr) {
+            corner_forces(d, common, common, lanes, l, before, t);
+          } else {
+            corner_forces(d, law_of(d, laws[b], l), law_of(d, laws[b + 1], l), lanes, l, before, t);
+          }
+        }
+        for (std::size_t i = 0; i < 2; ++i) {
+          const Vec3<V> sum = plus(t[i].force1, t[i].force2);
+          T* const to = arrays.corner_force + 4 * 3 * (b + i) * kBlockLanes;
+          store_corner(d, {hn::Neg(sum.x), hn::Neg(sum.y), hn::Neg(sum.z)}, l, to);
+          store_corner(d, t[i].force1, l, to + 4 * kBlockLanes);
+          store_corner(d, t[i].force2, l, to + 8 * kBlockLanes);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace kerf::fem
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard
