@@ -61,8 +61,8 @@ BendingSlice<T> make_bending_slice(const RowStore<BendingEntry>& rows, std::size
 template <typename T>
 struct FourEntries {
   static constexpr std::size_t kRows = 4;
-  std::array<mesh::VertexId, kRows> column{};
-  std::array<T, kRows> value{};  // N/m
+  std::array<std::int32_t, kRows> place{};  // 4 x column: of its x, y, z, 0 in an array of such
+  std::array<T, kRows> value{};             // N/m
 };
 
 // Of rows 4 group, ..., 4 group + 3, in the order of their columns; `made` is overwritten.
@@ -79,7 +79,7 @@ void make_four_rows(const RowStore<BendingEntry>& rows, int group, std::vector<F
     const std::span<const BendingEntry> row = v < rows.num_rows() ? rows.row(v) : std::span<const BendingEntry>();
     const auto at = static_cast<std::size_t>(r);
     for (std::size_t k = 0; k < made.size(); ++k) {
-      made[k].column[at] = k < row.size() ? row[k].column : v;
+      made[k].place[at] = 4 * (k < row.size() ? row[k].column : v);
       made[k].value[at] = k < row.size() ? static_cast<T>(row[k].value) : T{0};
     }
   }

@@ -206,7 +206,7 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
     const auto s = static_cast<std::size_t>(slot);
     vertices = turned_triangle(model.element_blocks()[s / kLanes], s % kLanes).vertices;
   }
-  for (std::size_t k = 0; k < 3; ++k) block.vertex[k][l] = vertices[k];
+  for (std::size_t k = 0; k < 3; ++k) block.from[k][l] = 4 * vertices[k];
 }
 
 template <typename T>

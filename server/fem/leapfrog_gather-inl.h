@@ -46,12 +46,12 @@ HWY_INLINE hn::Vec<D> joined(D d, hn::Vec<hn::Half<D>> high, hn::Vec<hn::Half<D>
 }
 #endif
 
-// x, y, z, 0 of the vertices at[0], at[1], ... of an array "x 4", side by side; where lanes are fewer than four, of the
-// first one's from component `part` on.
+// x, y, z, 0 from at[0], at[1], ... of an array "x 4" on, side by side; where lanes are fewer than four, of the first
+// one from component `part` on.
 template <class D>
-HWY_INLINE hn::Vec<D> load_fours(D d, const hn::TFromD<D>* from, const mesh::VertexId* at, std::size_t part = 0) {
+HWY_INLINE hn::Vec<D> load_fours(D d, const hn::TFromD<D>* from, const std::int32_t* at, std::size_t part = 0) {
   if constexpr (hn::MaxLanes(D()) <= 4) {
-    return hn::LoadU(d, from + 4 * static_cast<std::size_t>(at[0]) + part);
+    return hn::LoadU(d, from + static_cast<std::size_t>(at[0]) + part);
   } else {
     const hn::Half<D> half;
     constexpr std::size_t kVertices = hn::MaxLanes(hn::Half<D>()) / 4;
@@ -59,15 +59,19 @@ HWY_INLINE hn::Vec<D> load_fours(D d, const hn::TFromD<D>* from, const mesh::Ver
   }
 }
 
-// Each of four values four times, from the value of place `from` on.
+// values[first], values[first + 1], ... of four, each four times.
 template <class D>
-HWY_INLINE hn::Vec<D> spread(D d, const hn::TFromD<D>* values) {
+HWY_INLINE hn::Vec<D> spread(D d, const std::array<hn::TFromD<D>, 4>& values, std::size_t first) {
   if constexpr (hn::MaxLanes(D()) <= 4) {
-    return hn::Set(d, values[0]);
+    return hn::Set(d, values[first]);
+  } else if constexpr (std::is_same_v<hn::TFromD<D>, float>) {
+    const hn::RebindToSigned<D> di;
+    const auto which = hn::Add(hn::ShiftRight<2>(hn::Iota(di, 0)), hn::Set(di, static_cast<std::int32_t>(first)));
+    return hn::TableLookupLanes(hn::LoadDup128(d, values.data()), hn::IndicesFromVec(d, which));
   } else {
     const hn::Half<D> half;
     constexpr std::size_t kValues = hn::MaxLanes(hn::Half<D>()) / 4;
-    return joined(d, spread(half, values + kValues), spread(half, values));
+    return joined(d, spread(half, values, first + kValues), spread(half, values, first));
   }
 }
 
@@ -88,8 +92,8 @@ HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const Leapfro
       const auto xi = hn::LoadU(dp, arrays.bending_x + at);
       auto sum = hn::Zero(d);
       for (const FourEntries<T>& entry : entries) {
-        const auto xj = load_fours(dp, arrays.bending_x, entry.column.data() + part / 4, part % 4);
-        const auto value = spread(d, entry.value.data() + part / 4);
+        const auto xj = load_fours(dp, arrays.bending_x, entry.place.data() + part / 4, part % 4);
+        const auto value = spread(d, entry.value, part / 4);
         sum = hn::Add(sum, hn::Mul(value, converted(d, hn::Sub(xi, xj))));
       }
       hn::StoreU(hn::Mul(sum, scale), d, arrays.gathered + at);
@@ -136,8 +140,7 @@ class CornerPositions {
     for (std::size_t b = first; b < last; ++b) {
       for (std::size_t k = 0; k < 3; ++k) {
         for (std::size_t l = 0; l < kBlockLanes; ++l) {
-          std::memcpy(corner_[b - first][k] + 4 * l,
-                      arrays.corner_x + 4 * static_cast<std::size_t>(arrays.irregular[b].vertex[k][l]), 4 * sizeof(P));
+          std::memcpy(corner_[b - first][k] + 4 * l, arrays.corner_x + arrays.irregular[b].from[k][l], 4 * sizeof(P));
         }
       }
     }
@@ -160,26 +163,25 @@ template <>
 class CornerPositions<std::int32_t> {
  public:
   HWY_INLINE void fetch(const LeapfrogArrays<float>& arrays, std::size_t first, std::size_t /*last*/) {
-    from_ = arrays.corner_x;
+    corner_x_ = arrays.corner_x;
     blocks_ = &arrays.irregular[first];
   }
   template <class DP>
   HWY_INLINE Vec3<hn::Vec<DP>> load(DP dp, std::size_t b, std::size_t k, std::size_t l) const {
-    const mesh::VertexId* const vertex = blocks_[b].vertex[k].data();
+    const std::int32_t* const from = blocks_[b].from[k].data();
 #if HWY_TARGET == HWY_SCALAR
     Vec3<hn::Vec<DP>> x;
     hn::Vec<DP> none;
-    const auto v = static_cast<std::size_t>(vertex[irregular_lane<float>(l)]);
-    hn::LoadInterleaved4(dp, from_ + 4 * v, x.x, x.y, x.z, none);
+    hn::LoadInterleaved4(dp, corner_x_ + from[irregular_lane<float>(l)], x.x, x.y, x.z, none);
     return x;
 #else
-    const auto load = [&](std::size_t i) HWY_ATTR { return load_fours(dp, from_, vertex + 4 * i + l / 4); };
+    const auto load = [&](std::size_t i) HWY_ATTR { return load_fours(dp, corner_x_, from + 4 * i + l / 4); };
     return columns(dp, load(0), load(1), load(2), load(3));
 #endif
   }
 
  private:
-  const std::int32_t* from_ = nullptr;
+  const std::int32_t* corner_x_ = nullptr;
   const IrregularBlock<float>* blocks_ = nullptr;
 };
 

@@ -49,12 +49,13 @@ struct LawLanes {
 template <typename T>
 using StrainLanes = std::array<Lanes16<T>, 3>;
 
-// `vertex` is by place (see corner_place), the others by irregular_lane().
+// `from`, where corner_x has the vertices, 4 x their id, is by place (see corner_place), the others by
+// irregular_lane().
 template <typename T>
 struct IrregularBlock {
   TriangleLanes<T> triangles;
   StrainLanes<T> before{};
-  std::array<std::array<mesh::VertexId, kBlockLanes>, 3> vertex{};
+  std::array<std::array<std::int32_t, kBlockLanes>, 3> from{};
 };
 
 // The lane of the triangle at a place of an irregular block, and the place at a lane. Four floats of a vertex are as
