@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <iterator>
 #include <span>
-#include <vector>
 
 #include "server/fem/bending.h"
 #include "server/fem/membrane_layout.h"
@@ -65,22 +64,28 @@ struct FourEntries {
   std::array<T, kRows> value{};             // N/m
 };
 
-// Of rows 4 group, ..., 4 group + 3, in the order of their columns; `made` is overwritten.
+// Into row `group` of `made`: of rows 4 group, ..., 4 group + 3, in the order of their columns.
 template <typename T>
-void make_four_rows(const RowStore<BendingEntry>& rows, int group, std::vector<FourEntries<T>>& made) {
+void set_four_rows(const RowStore<BendingEntry>& rows, int group, RowStore<FourEntries<T>>& made) {
   constexpr auto kRows = static_cast<int>(FourEntries<T>::kRows);
-  made.clear();
+  std::array<std::span<const BendingEntry>, FourEntries<T>::kRows> four;
+  std::size_t longest = 0;
   for (int r = 0; r < kRows; ++r) {
     const mesh::VertexId v = kRows * group + r;
-    if (v < rows.num_rows()) made.resize(std::max(made.size(), rows.row(v).size()));
+    if (v >= rows.num_rows()) break;
+    four[static_cast<std::size_t>(r)] = rows.row(v);
+    longest = std::max(longest, rows.row(v).size());
   }
-  for (int r = 0; r < kRows; ++r) {
-    const mesh::VertexId v = kRows * group + r;
-    const std::span<const BendingEntry> row = v < rows.num_rows() ? rows.row(v) : std::span<const BendingEntry>();
-    const auto at = static_cast<std::size_t>(r);
-    for (std::size_t k = 0; k < made.size(); ++k) {
-      made[k].place[at] = 4 * (k < row.size() ? row[k].column : v);
-      made[k].value[at] = k < row.size() ? static_cast<T>(row[k].value) : T{0};
+  const std::span<FourEntries<T>> entries = made.resize_row(group, longest);
+  for (std::size_t r = 0; r < four.size(); ++r) {
+    const std::span<const BendingEntry> row = four[r];
+    for (std::size_t k = 0; k < row.size(); ++k) {
+      entries[k].place[r] = 4 * row[k].column;
+      entries[k].value[r] = static_cast<T>(row[k].value);
+    }
+    for (std::size_t k = row.size(); k < longest; ++k) {
+      entries[k].place[r] = 4 * (kRows * group + static_cast<int>(r));
+      entries[k].value[r] = 0;
     }
   }
 }

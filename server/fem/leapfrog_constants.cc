@@ -91,7 +91,7 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
   set(irregular_, num_irregular);
   set(corner_x_, 4 * n);
   set(bending_x_, 4 * n);
-  set(corner_force_, 12 * num_irregular);
+  set(corner_force_, 1 + 12 * num_irregular);
   set(gathered_, 4 * n);
   set(extra_, 4 * n);
   const std::span<const double> beta = model.materials().stiffness_damping();
@@ -119,7 +119,6 @@ void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout,
   });
   bending_rows_.clear();
   bending_rows_.reserve(like.bending_rows_.num_rows(), like.bending_rows_.num_entries());
-  four_rows_.reserve(like.four_rows_.capacity());
 }
 
 template <typename T>
@@ -170,7 +169,7 @@ void LeapfrogSweep<T>::follow_bending(const Model& model) {
       if (bending_rows_.row(group).empty()) row_groups_.insert(group);
     }
   }
-  for (const std::int32_t group : row_groups_.members()) set_bending_rows(model, group);
+  for (const std::int32_t group : row_groups_.members()) set_four_rows(model.bending_rows(), group, bending_rows_);
 }
 
 template <typename T>
@@ -216,16 +215,10 @@ void LeapfrogSweep<T>::set_slice(const Model& model, std::size_t block) {
 }
 
 template <typename T>
-void LeapfrogSweep<T>::set_bending_rows(const Model& model, int group) {
-  make_four_rows(model.bending_rows(), group, four_rows_);
-  bending_rows_.set_row(group, four_rows_);
-}
-
-template <typename T>
 void LeapfrogSweep<T>::set_bending_rows_of(const Model& model, std::size_t block) {
   const auto first = static_cast<int>(block) * kGroupsInBlock;
   const int last = std::min(first + kGroupsInBlock, bending_rows_.num_rows());
-  for (int group = first; group < last; ++group) set_bending_rows(model, group);
+  for (int group = first; group < last; ++group) set_four_rows(model.bending_rows(), group, bending_rows_);
 }
 
 template <typename T>

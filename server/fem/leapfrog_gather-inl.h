@@ -27,9 +27,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kBlocksAtOnce = 4;  // of irregular triangles, whose corners are fetched together
 
-// x, y, z, 0 of one vertex.
-template <typename T>
-using Four = hn::CappedTag<T, 4>;
 // Of up to four.
 template <typename T>
 using Fours = hn::CappedTag<T, HWY_HAVE_SCALABLE ? 4 : 16>;
@@ -51,7 +48,7 @@ HWY_INLINE hn::Vec<D> joined(D d, hn::Vec<hn::Half<D>> high, hn::Vec<hn::Half<D>
 template <class D>
 HWY_INLINE hn::Vec<D> load_fours(D d, const hn::TFromD<D>* from, const std::int32_t* at, std::size_t part = 0) {
   if constexpr (hn::MaxLanes(D()) <= 4) {
-    return hn::LoadU(d, from + static_cast<std::size_t>(at[0]) + part);
+    return hn::LoadU(d, from + static_cast<std::ptrdiff_t>(at[0]) + part);
   } else {
     const hn::Half<D> half;
     constexpr std::size_t kVertices = hn::MaxLanes(hn::Half<D>()) / 4;
@@ -97,6 +94,28 @@ HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const Leapfro
         sum = hn::Add(sum, hn::Mul(value, converted(d, hn::Sub(xi, xj))));
       }
       hn::StoreU(hn::Mul(sum, scale), d, arrays.gathered + at);
+    }
+  }
+}
+
+// To what is gathered of the vertices of a block, or else to 0: forces of irregular corners around them, and others.
+template <typename T>
+HWY_NOINLINE void add_corners(const LeapfrogArrays<T>& arrays, std::size_t block, bool is_gathered) {
+  constexpr std::size_t kVertices = CornerPlaces().size();
+  const Fours<T> d;
+  const std::size_t first = block * kBlockLanes / kVertices;
+  const std::size_t last =
+      HWY_MIN(first + kBlockLanes / kVertices, static_cast<std::size_t>(arrays.corners->num_rows()));
+  for (std::size_t group = first; group < last; ++group) {
+    const std::span<const CornerPlaces> corners = arrays.corners->row(static_cast<int>(group));
+    for (std::size_t part = 0; part < 4 * kVertices; part += hn::Lanes(d)) {
+      const std::size_t at = 4 * kVertices * group + part;
+      auto sum = is_gathered ? hn::LoadU(d, arrays.gathered + at) : hn::Zero(d);
+      for (const CornerPlaces& places : corners) {
+        sum = hn::Add(sum, load_fours(d, arrays.corner_force, places.data() + part / 4, part % 4));
+      }
+      if (arrays.extra_force != nullptr) sum = hn::Add(sum, hn::LoadU(d, arrays.extra_force + at));
+      hn::StoreU(sum, d, arrays.gathered + at);
     }
   }
 }

@@ -95,26 +95,13 @@ HWY_NOINLINE void bending_by_slice(const LeapfrogArrays<T>& arrays, const Leapfr
 // Bending forces of the vertices of the block, forces of irregular corners around them and others.
 template <typename T>
 HWY_INLINE void gather(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
-  const Four<T> d;
-  const std::size_t first = block * kBlockLanes;
-  const std::size_t last = HWY_MIN(first + kBlockLanes, static_cast<std::size_t>(arrays.corners->num_rows()));
   const bool bends = arrays.bending_rows != nullptr;
   if (bends) {
     const bool by_slice = arrays.bending_slices != nullptr && arrays.bending_slices[block].num_diagonals >= 0;
     by_slice ? bending_by_slice(arrays, step, block) : bending_by_rows(arrays, step, block);
     if (arrays.num_corners[block] == 0 && arrays.extra_force == nullptr) return;
   }
-  for (std::size_t i = first; i < last; ++i) {
-    for (std::size_t part = 0; part < 4; part += hn::Lanes(d)) {
-      T* const to = arrays.gathered + 4 * i + part;
-      auto sum = bends ? hn::LoadU(d, to) : hn::Zero(d);
-      for (const std::int32_t corner : arrays.corners->row(static_cast<int>(i))) {
-        sum = hn::Add(sum, hn::LoadU(d, arrays.corner_force + 4 * static_cast<std::size_t>(corner) + part));
-      }
-      if (arrays.extra_force != nullptr) sum = hn::Add(sum, hn::LoadU(d, arrays.extra_force + 4 * i + part));
-      hn::StoreU(sum, d, to);
-    }
-  }
+  add_corners(arrays, block, bends);
 }
 
 template <class D>

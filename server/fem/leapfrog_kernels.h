@@ -88,12 +88,12 @@ struct LeapfrogArrays {
   const LawLanes<T>* irregular_laws = nullptr;    // as irregular
   const T* mass_damping = nullptr;                // 1/s, of each vertex, or null: keep and scale are those of all
   Position* corner_x = nullptr;                   // x 4, of irregular triangles
-  T* corner_force = nullptr;                      // N, x 4, at corner_place()
+  T* corner_force = nullptr;                      // N, x 4, at corner_place(); before the first, four zeros
   T* gathered = nullptr;                          // N, x 4
   const T* extra_force = nullptr;                 // N, x 4, or null
   Position* bending_x = nullptr;                  // x 4, scratch
-  std::span<const std::int32_t> num_quads, num_corners;  // of each block of vertices
-  const RowStore<std::int32_t>* corners = nullptr;
+  std::span<const std::int32_t> num_quads, num_corners;    // of each block of vertices
+  const RowStore<CornerPlaces>* corners = nullptr;         // of four vertices
   const RowStore<FourEntries<T>>* bending_rows = nullptr;  // null: no bending in this substep; see bends_by_slice()
   const BendingSlice<T>* bending_slices = nullptr;         // of each block of vertices, or null: go by rows
 };

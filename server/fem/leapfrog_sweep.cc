@@ -61,7 +61,7 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
   arrays.irregular_laws = irregular_laws_.empty() ? nullptr : irregular_laws_.data();
   arrays.mass_damping = entries(mass_damping_);
   arrays.corner_x = entries(corner_x_);
-  arrays.corner_force = entries(corner_force_);
+  arrays.corner_force = entries(corner_force_) + kBlockLanes;  // after that of kNoCorner
   arrays.gathered = entries(gathered_);
   arrays.bending_x = entries(bending_x_);
   arrays.num_quads = layout_->num_quads();

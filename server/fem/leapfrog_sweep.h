@@ -90,8 +90,7 @@ class LeapfrogSweep {
   bool set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state);
   void set_laws(const Model& model, const LeapfrogTerms& terms);
   void set_slice(const Model& model, std::size_t block);
-  void set_bending_rows(const Model& model, int group);
-  // Those of a block that has no slice.
+  // Of a block that has no slice.
   void set_bending_rows_of(const Model& model, std::size_t block);
   void follow_bending(const Model& model);
   Position& position_at(std::size_t axis, std::size_t v);
@@ -116,7 +115,6 @@ class LeapfrogSweep {
   std::vector<BendingSlice<T>> slices_;    // where there is a pattern, and bending has no damping
   RowStore<FourEntries<T>> bending_rows_;  // one row of four vertices; empty where there is a slice
   std::vector<std::size_t> stale_slices_;  // unused, to be made anew: some in each step, as a cut must not wait for it
-  std::vector<FourEntries<T>> four_rows_;  // scratch
   IdSet row_groups_;                       // scratch
   Lanes16<T> speed_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m

@@ -30,6 +30,12 @@ std::size_t block_of(VertexId v) {
   return static_cast<std::size_t>(v) / kBlockLanes;
 }
 
+constexpr auto kGroup = static_cast<int>(CornerPlaces().size());  // vertices
+
+int group_of(VertexId v) {
+  return v / kGroup;
+}
+
 }  // namespace
 
 TurnedTriangle turned_triangle(const ElementBlock& block, std::size_t lane) {
@@ -56,7 +62,7 @@ void MembraneLayout::rebuild(const Model& model) {
   resize(model);
   for (TriangleId slot = 0; slot < model.num_slots(); ++slot) add(model, slot);
   touched_.clear();
-  for (VertexId v = 0; v < num_vertices_; ++v) set_corners(model, v);
+  for (int group = 0; group < corners_.num_rows(); ++group) set_corners(model, group);
 }
 
 bool MembraneLayout::follow(const Model& model) {
@@ -64,6 +70,7 @@ bool MembraneLayout::follow(const Model& model) {
   changed_lanes_.clear();
   touched_.clear();
   touched_.resize(static_cast<std::size_t>(std::max(num_vertices_, model.num_vertices())));
+  if (model.num_vertices() < num_vertices_) touched_.insert(group_of(model.num_vertices()));  // loses some of its four
   const std::span<const TriangleId> changed = model.changed_slots();
   for (const TriangleId slot : changed) remove(slot);
   resize(model);
@@ -78,8 +85,8 @@ bool MembraneLayout::follow(const Model& model) {
     rebuild(model);
     return false;
   }
-  for (const VertexId v : touched_.members()) {
-    if (v < num_vertices_) set_corners(model, v);
+  for (const std::int32_t group : touched_.members()) {
+    if (group < corners_.num_rows()) set_corners(model, group);
   }
   return true;
 }
@@ -113,16 +120,17 @@ void MembraneLayout::find_pattern(const Model& model) {
 }
 
 void MembraneLayout::resize(const Model& model) {
-  for (VertexId v = model.num_vertices(); v < num_vertices_; ++v) {
-    num_corners_[block_of(v)] -= static_cast<std::int32_t>(corners_.row(v).size());
-  }
   num_vertices_ = model.num_vertices();
+  const int num_groups = group_of(num_vertices_ + kGroup - 1);
+  for (int group = num_groups; group < corners_.num_rows(); ++group) {
+    num_corners_[block_of(kGroup * group)] -= count_corners(group);
+  }
   const std::size_t num_blocks = (static_cast<std::size_t>(num_vertices_) + kBlockLanes - 1) / kBlockLanes;
   places_.resize(static_cast<std::size_t>(model.num_slots()));
   quad_slots_.resize(2 * kBlockLanes * num_blocks, mesh::kNone);
   num_quads_.resize(num_blocks, 0);
   num_corners_.resize(num_blocks, 0);
-  corners_.resize(num_vertices_);
+  corners_.resize(num_groups);
   touched_.resize(static_cast<std::size_t>(num_vertices_));
 }
 
@@ -139,7 +147,7 @@ void MembraneLayout::remove(TriangleId slot) {
     lanes_[static_cast<std::size_t>(place.lane)] = mesh::kNone;
     free_lanes_.push_back(place.lane);
     changed_lanes_.push_back(place.lane);
-    for (const VertexId v : place.vertices) touched_.insert(v);
+    for (const VertexId v : place.vertices) touched_.insert(group_of(v));
     --num_solid_;
   }
   place = Place();
@@ -171,20 +179,34 @@ void MembraneLayout::add(const Model& model, TriangleId slot) {
   free_lanes_.pop_back();
   lanes_[static_cast<std::size_t>(place.lane)] = slot;
   changed_lanes_.push_back(place.lane);
-  for (const VertexId v : triangle.vertices) touched_.insert(v);
+  for (const VertexId v : triangle.vertices) touched_.insert(group_of(v));
 }
 
-void MembraneLayout::set_corners(const Model& model, VertexId vertex) {
+void MembraneLayout::set_corners(const Model& model, int group) {
   row_.clear();
-  for (const TriangleId slot : model.incident_slots().row(vertex)) {
-    const Place& place = places_[static_cast<std::size_t>(slot)];
-    if (place.lane == mesh::kNone) continue;
-    const int corner = (place.vertices[1] == vertex ? 1 : 0) + (place.vertices[2] == vertex ? 2 : 0);
-    row_.push_back(corner_place(place.lane, corner));
+  std::int32_t change = -count_corners(group);
+  for (int i = 0; i < kGroup && kGroup * group + i < num_vertices_; ++i) {
+    const VertexId vertex = kGroup * group + i;
+    std::size_t count = 0;
+    for (const TriangleId slot : model.incident_slots().row(vertex)) {
+      const Place& place = places_[static_cast<std::size_t>(slot)];
+      if (place.lane == mesh::kNone) continue;
+      if (count == row_.size()) row_.push_back({kNoCorner, kNoCorner, kNoCorner, kNoCorner});
+      const int corner = (place.vertices[1] == vertex ? 1 : 0) + (place.vertices[2] == vertex ? 2 : 0);
+      row_[count++][static_cast<std::size_t>(i)] = 4 * corner_place(place.lane, corner);
+    }
+    change += static_cast<std::int32_t>(count);
   }
-  std::int32_t& count = num_corners_[block_of(vertex)];
-  count += static_cast<std::int32_t>(row_.size()) - static_cast<std::int32_t>(corners_.row(vertex).size());
-  corners_.set_row(vertex, row_);
+  num_corners_[block_of(kGroup * group)] += change;
+  corners_.set_row(group, row_);
+}
+
+std::int32_t MembraneLayout::count_corners(int group) const {
+  std::int32_t count = 0;
+  for (const CornerPlaces& places : corners_.row(group)) {
+    for (const std::int32_t place : places) count += place != kNoCorner ? 1 : 0;
+  }
+  return count;
 }
 
 }  // namespace kerf::fem

@@ -24,6 +24,10 @@ inline std::int32_t corner_place(std::int32_t lane, int corner) {
   return (3 * (lane / kLanes16) + corner) * kLanes16 + lane % kLanes16;
 }
 
+// Of four neighbouring vertices one irregular corner each: 4 x corner_place(), or kNoCorner.
+using CornerPlaces = std::array<std::int32_t, 4>;
+inline constexpr std::int32_t kNoCorner = -4;
+
 // Where the triangles of a model are kept for vector code, each turned so that it begins with its lowest vertex.
 //   Regular ones, of the mesh's one pattern of quads: at their lowest vertex, so that the corners of neighbouring lanes
 //   are neighbours in memory.
@@ -52,8 +56,9 @@ class MembraneLayout {
   [[nodiscard]] std::span<const std::int32_t> num_corners() const { return num_corners_; }
   // Slot of each irregular lane, or kNone; of an even number of blocks.
   [[nodiscard]] std::span<const mesh::TriangleId> lanes() const { return lanes_; }
-  // corner_place() of the irregular triangles around each vertex.
-  [[nodiscard]] const RowStore<std::int32_t>& corners() const { return corners_; }
+  // The irregular triangles around each vertex, by ascending slot; a row for each four vertices, as long as
+  // the one with the most of them needs.
+  [[nodiscard]] const RowStore<CornerPlaces>& corners() const { return corners_; }
 
   // Vertices whose quads, and irregular lanes, the last follow() wrote; may repeat.
   [[nodiscard]] std::span<const mesh::VertexId> changed_quads() const { return changed_quads_; }
@@ -72,7 +77,9 @@ class MembraneLayout {
   void resize(const Model& model);
   void remove(mesh::TriangleId slot);
   void add(const Model& model, mesh::TriangleId slot);
-  void set_corners(const Model& model, mesh::VertexId vertex);
+  // Of four vertices.
+  void set_corners(const Model& model, int group);
+  [[nodiscard]] std::int32_t count_corners(int group) const;
 
   int num_vertices_ = 0;
   QuadOffsets offsets_{};
@@ -87,11 +94,11 @@ class MembraneLayout {
   std::vector<std::int32_t> num_quads_, num_corners_;
   std::vector<mesh::TriangleId> lanes_;
   std::vector<std::int32_t> free_lanes_;
-  RowStore<std::int32_t> corners_;
+  RowStore<CornerPlaces> corners_;
   std::vector<mesh::VertexId> changed_quads_;
   std::vector<std::int32_t> changed_lanes_;
-  IdSet touched_;                  // scratch, vertices of irregular triangles
-  std::vector<std::int32_t> row_;  // scratch
+  IdSet touched_;                  // scratch, of four vertices each, around irregular triangles
+  std::vector<CornerPlaces> row_;  // scratch
 };
 
 // Of a slot that has material: its corners from the lowest vertex on, and what corner that is in the model.

@@ -45,17 +45,22 @@ class RowStore {
 
   // Invalidates spans of rows.
   void set_row(int i, std::span<const Entry> content) {
+    std::copy(content.begin(), content.end(), resize_row(i, content.size()).begin());
+  }
+
+  // The row with so many entries, all to be written. Invalidates spans of rows.
+  std::span<Entry> resize_row(int i, std::size_t size) {
     Row& r = rows_[static_cast<std::size_t>(i)];
-    num_entries_ += content.size();
+    num_entries_ += size;
     num_entries_ -= r.size;
-    if (content.size() > r.capacity) {
+    if (size > r.capacity) {
       r.begin = entries_.size();
-      r.capacity = content.size();
-      entries_.resize(entries_.size() + content.size());
+      r.capacity = size;
+      entries_.resize(entries_.size() + size);
     }
-    r.size = content.size();
-    std::copy(content.begin(), content.end(), entries_.begin() + static_cast<std::ptrdiff_t>(r.begin));
+    r.size = size;
     if (entries_.size() > 2 * num_entries_ + kSlack) pack();
+    return {entries_.data() + r.begin, size};
   }
 
  private:
