@@ -2,7 +2,7 @@
 """Measures what the page tests/accuracy/PLOTS.md shows, into the tables beside this script; draw.py makes the page of them.
 
     cmake --preset release && cmake --build --preset release --target kerf scene_errors time_errors size_errors
-    tests/accuracy/plots/measure.py                       # everything, some ten minutes
+    tests/accuracy/plots/measure.py                       # everything, some half an hour
     tests/accuracy/plots/measure.py convergence --only bending
 
 convergence.csv   errors of scenes of tests/data/scenes/reference on coarser and finer meshes, against their references
@@ -226,7 +226,8 @@ MEASURES = {
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", choices=[*MEASURES, []], help="which tables (default: all)")
-    parser.add_argument("--only", default="", help="studies with this in their name, of convergence and profiles; of size 'wool 50 after' or a part of that")
+    parser.add_argument("--only", default="", help="studies with this in their name, of convergence and profiles; of size "
+                        "'wool 50 after' or a part of that")
     parser.add_argument("--bin", type=pathlib.Path, default=studies.ROOT / "build/release/bin", help="where the programs are")
     parser.add_argument("--out", type=pathlib.Path, default=studies.HERE, help="folder of the tables")
     given = parser.parse_args()

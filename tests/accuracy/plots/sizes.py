@@ -14,6 +14,8 @@ CUTS = ("before", "after")
 MATERIALS = {"soft": motion.MATERIAL, "wool": {"preset": "wool"}}
 # An S across the middle, half as wide as the sheet.
 SLIT = {"bezier": {"points": [{"x": x, "y": y} for x, y in ((0.25, 0.5), (0.4, 0.9), (0.6, 0.1), (0.75, 0.5))]}}
+SAME_TIME = 0.9  # -; noise of run times: only less than this part of a time is less
+SAME_ERROR = 1.02  # -; errors up to this many times another are no larger
 REACHED = 1e-9  # s; what a run may be short of its end
 
 KEYS = ["material", "side", "cut", "scheme", "solver", "newton_limit", "tick_hz"]
@@ -79,7 +81,8 @@ def measure(tools, case):
 
 
 def label(run):
-    return " ".join(str(run[key]) for key in ("scheme", "solver", "newton_limit") if run[key] != "") + f", {run['tick_hz']:g} Hz"
+    said = [str(run[key]) for key in ("scheme", "solver", "newton_limit") if run[key] != ""]
+    return f"{' '.join(said)}, {run['tick_hz']:g} Hz"
 
 
 def why_no_error(case, run, found):
@@ -100,4 +103,27 @@ def row(case, run, found):
 
 def chosen(description):
     """Of what an automatic integrator says of itself, which one it is; else nothing."""
-    return description.split(":")[1].split(";")[0].strip() if description.startswith("automatic") else ""
+    return description.split(": ")[1].split(";")[0] if description.startswith("automatic") else ""
+
+
+def dominating(rows, default):
+    """What dominates the default: faster, and with no larger error; the fastest first."""
+    return sorted((row for row in rivals(rows, default) if row["cpu_s_per_s"] < SAME_TIME * default["cpu_s_per_s"]
+                   and row["error_m"] <= SAME_ERROR * default["error_m"]), key=lambda row: row["cpu_s_per_s"])
+
+
+def nearest_within(rows, default, times):
+    """Of what takes at most so many times the default's time the one with the least error; None where that is the default's."""
+    near = [row for row in rivals(rows, default) if row["cpu_s_per_s"] <= times * default["cpu_s_per_s"]
+            and SAME_ERROR * row["error_m"] < default["error_m"]]
+    return min(near, key=lambda row: row["error_m"], default=None)
+
+
+def rivals(rows, default):
+    """Of its case what has an error and is no default, with its ticks or shorter ones: longer ones would do less."""
+    return [row for row in rows if all(row[column] == default[column] for column in ("material", "side", "cut"))
+            and row["scheme"] != "automatic" and row["error_m"] != "" and row["tick_hz"] >= default["tick_hz"]]
+
+
+def defaults(rows):
+    return [row for row in rows if row["scheme"] == "automatic" and row["error_m"] != ""]
