@@ -7,6 +7,8 @@
 The same tables give the same bytes with the same Matplotlib. Each picture tells in its metadata what it is made of.
 """
 
+import math
+
 import page
 import sizes
 import studies
@@ -205,7 +207,8 @@ def draw_size(plt, material, rows, ways):
             if mine:
                 axes.set_title(f"{mine[0]['vertices']:,.0f} vertices, {cut} the cut, at {1e3 * mine[0]['end_s']:.3g} ms", loc="left")
         bottom, top = line[0].get_ylim()
-        line[0].set_ylim(min(bottom, top / 100), top)  # two decades at least
+        margin = max(1, 10 / math.sqrt(top / bottom))  # two decades at least
+        line[0].set_ylim(bottom / margin, top * margin)
         line[0].set_ylabel("largest error (mm)")
     all_axes[1][0].annotate("real time", (1, 0.93), xycoords=("data", "axes fraction"), color="#777777", fontsize=8.5,
                             textcoords="offset points", xytext=(4, 0))
