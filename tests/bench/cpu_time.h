@@ -4,11 +4,20 @@
 
 namespace kerf::bench {
 
+inline double cpu_s(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 // Of the calling thread, s.
 inline double thread_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+  return cpu_s(CLOCK_THREAD_CPUTIME_ID);
+}
+
+// Of all threads, s.
+inline double process_cpu_s() {
+  return cpu_s(CLOCK_PROCESS_CPUTIME_ID);
 }
 
 }  // namespace kerf::bench

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string>
 #include <thread>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "server/base/check.h"
 #include "server/host/entropy.h"
 #include "server/host/host.h"
+#include "tests/bench/cpu_time.h"
 #include "tests/bench/scenes.h"
 #include "tests/support/scenes.h"
 
@@ -24,12 +24,6 @@ namespace {
 double allocated() {
   const struct mallinfo2 info = mallinfo2();
   return static_cast<double>(info.uordblks + info.hblkhd);
-}
-
-double process_cpu_s() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 void print_memory() {

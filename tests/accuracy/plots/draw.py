@@ -7,7 +7,10 @@
 The same tables give the same bytes with the same Matplotlib. Each picture tells in its metadata what it is made of.
 """
 
+import math
+
 import page
+import sizes
 import studies
 
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#7a5c00", "#56b4e9", "#000000", "#e69f00"]
@@ -172,6 +175,53 @@ def draw_work_precision(plt, rows, shown):
     save(plt, figure, "work_precision")
 
 
+DEFAULT = {"color": "#d4007f", "marker": "*", "markersize": 15, "markerfacecolor": "none", "markeredgewidth": 1.6,
+           "linestyle": "none", "zorder": 5}
+
+
+def draw_size_panel(axes, rows, ways):
+    """CPU seconds a simulated second against error, a line for each integrator and way of solving, a point for each tick."""
+    for scheme in dict.fromkeys(row["scheme"] for row in rows if row["scheme"] not in (sizes.REFERENCE, "automatic")):
+        for way in [{"solver": "", "newton_iterations": "", "style": "-"}, *ways]:
+            mine = [row for row in rows if row["scheme"] == scheme and row["error_m"] != ""
+                    and (row["solver"], row["newton_limit"]) == (way["solver"], way["newton_iterations"])]
+            axes.loglog([row["cpu_s_per_s"] for row in mine], [1e3 * row["error_m"] for row in mine], linestyle=way["style"],
+                        **look_of(scheme))
+    mine = sizes.defaults(rows)
+    axes.loglog([row["cpu_s_per_s"] for row in mine], [1e3 * row["error_m"] for row in mine], **DEFAULT)
+    axes.axvline(1, **GUIDE)
+    axes.margins(y=0.15)
+
+
+def draw_size(plt, material, rows, ways):
+    """Left before, right after the cut; from above small to large sheets."""
+    sides = list(dict.fromkeys(row["side"] for row in rows))
+    figure, all_axes = plt.subplots(len(sides) + 1, len(sizes.CUTS), figsize=(9.5, 2.7 * len(sides) + 1), layout="constrained",
+                                    sharex=True, sharey="row", height_ratios=[0.4] + len(sides) * [1])
+    for axes in all_axes[0]:
+        axes.axis("off")  # room for the legend
+    for line, side in zip(all_axes[1:], sides):
+        for axes, cut in zip(line, sizes.CUTS):
+            mine = [row for row in rows if (row["side"], row["cut"]) == (side, cut)]
+            draw_size_panel(axes, mine, ways)
+            if mine:
+                axes.set_title(f"{mine[0]['vertices']:,.0f} vertices, {cut} the cut, at {1e3 * mine[0]['end_s']:.3g} ms", loc="left")
+        bottom, top = line[0].get_ylim()
+        margin = max(1, 10 / math.sqrt(top / bottom))  # two decades at least
+        line[0].set_ylim(bottom / margin, top * margin)
+        line[0].set_ylabel("largest error (mm)")
+    all_axes[1][0].annotate("real time", (1, 0.93), xycoords=("data", "axes fraction"), color="#777777", fontsize=8.5,
+                            textcoords="offset points", xytext=(4, 0))
+    for axes in all_axes[-1]:
+        axes.set_xlabel("CPU time of a simulated second (s)")
+    schemes = [name for name in studies.studies()["schemes"] if name != "automatic"]
+    lines = [plt.Line2D([], [], label=name, **look_of(name)) for name in schemes]
+    lines += [plt.Line2D([], [], label=way["label"], color="#555555", linestyle=way["style"]) for way in ways]
+    lines.append(plt.Line2D([], [], label="the default", **DEFAULT))
+    figure.legend(handles=lines, loc="upper center", ncols=4)
+    save(plt, figure, f"size_{material}")
+
+
 def draw_run_time(plt, curves, rows):
     """Error against run time of one curve of each study."""
     figure, axes = plt.subplots(figsize=(8.2, 4), layout="constrained")
@@ -201,6 +251,8 @@ def main():
     for material, rows in drawn["time"]:
         draw_time(plt, material, rows, drawn["shown"])
     draw_work_precision(plt, studies.table(studies.TIME), drawn["shown"])
+    for material, rows in drawn["size"]:
+        draw_size(plt, material, rows, studies.studies()["ways"])
     draw_run_time(plt, *drawn["run_time"])
     page.PAGE.write_text(page.text())
 

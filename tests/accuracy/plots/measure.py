@@ -1,14 +1,15 @@
 #!/usr/bin/python3
 """Measures what the page tests/accuracy/PLOTS.md shows, into the tables beside this script; draw.py makes the page of them.
 
-    cmake --preset release && cmake --build --preset release --target kerf scene_errors time_errors
-    tests/accuracy/plots/measure.py                       # everything, some ten minutes
+    cmake --preset release && cmake --build --preset release --target kerf scene_errors time_errors size_errors
+    tests/accuracy/plots/measure.py                       # everything, some half an hour
     tests/accuracy/plots/measure.py convergence --only bending
 
 convergence.csv   errors of scenes of tests/data/scenes/reference on coarser and finer meshes, against their references
 profiles.csv      some of them row by row
 histories.csv     energy and momenta of a sheet that nothing pushes, and the energy of one that swings
 time.csv          errors of integrators over their step, and their run time (time_errors.cc)
+size.csv          the same of ticks of sheets of all sizes, before and after a cut (sizes.py, size_errors.cc)
 
 `fineness` is the number of cells a length over that of the scene's file; `edge` the side of a cell over the root of the
 sheet's area. Times (cpu_s) are of this machine; the rest is the same on all.
@@ -25,6 +26,7 @@ import sys
 import tempfile
 
 import motion
+import sizes
 import studies
 
 sys.path.insert(0, str(studies.SCENES))
@@ -192,18 +194,40 @@ def measure_time(tools, folder, _):
     (folder / studies.TIME).write_text(text_of(columns, rows))
 
 
+def measure_size(tools, folder, only):
+    """Writes after each case; what the file already says of others stays."""
+    out, cases = folder / studies.SIZE, sizes.cases()
+    wanted = [case for case in cases if only in f"{case['material']} {case['side']} {case['cut']}"]
+    known = {sizes.key(case): [] for case in cases}
+    if out.exists() and len(wanted) < len(cases):
+        with open(out, newline="") as old:
+            for row in list(csv.reader(old))[1:]:
+                known[tuple(row[:3])].append(row)
+    progress = Progress(sum(1 + len(sizes.runs(case)) for case in wanted))
+    for case in wanted:
+        rows = []
+        for what, row in sizes.measure(tools, case):
+            progress.show(what)
+            rows.append(row)
+        known[sizes.key(case)] = rows
+        out.write_text(text_of(sizes.COLUMNS, [row for rows in known.values() for row in rows]))
+    progress.end()
+
+
 MEASURES = {
     "convergence": lambda *given: measure_studies(*given[:2], "convergence", given[2]),
     "profiles": lambda *given: measure_studies(*given[:2], "profiles", given[2]),
     "histories": measure_histories,
     "time": measure_time,
+    "size": measure_size,
 }
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", choices=[*MEASURES, []], help="which tables (default: all)")
-    parser.add_argument("--only", default="", help="studies with this in their name, of convergence and profiles")
+    parser.add_argument("--only", default="", help="studies with this in their name, of convergence and profiles; of size "
+                        "'wool 50 after' or a part of that")
     parser.add_argument("--bin", type=pathlib.Path, default=studies.ROOT / "build/release/bin", help="where the programs are")
     parser.add_argument("--out", type=pathlib.Path, default=studies.HERE, help="folder of the tables")
     given = parser.parse_args()

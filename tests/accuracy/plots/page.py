@@ -2,6 +2,7 @@
 
 import json
 
+import sizes
 import studies
 
 PAGE = studies.HERE.parent / "PLOTS.md"
@@ -22,8 +23,9 @@ def order_text(found, uncertainty):
 def pictures():
     """What is drawn: of each picture what it is about and its rows."""
     said = studies.studies()
-    convergence, profiles, histories, time = (
-        studies.table(name) for name in (studies.CONVERGENCE, studies.PROFILES, studies.HISTORIES, studies.TIME))
+    convergence, profiles, histories, time, size = (
+        studies.table(name)
+        for name in (studies.CONVERGENCE, studies.PROFILES, studies.HISTORIES, studies.TIME, studies.SIZE))
     curves = [next(curve for curve in study["curves"] if curve["scene"] == said["run_time"][study["name"]])
               | {"study": study["name"]} for study in said["convergence"] if study["name"] in said["run_time"]]
     return {
@@ -34,6 +36,7 @@ def pictures():
                       for scene in said["histories"]["scenes"]],
         "time": [(material, [row for row in time if row["material"] == material]) for material in MATERIALS],
         "shown": said["solvings"],
+        "size": [(material, [row for row in size if row["material"] == material]) for material in MATERIALS],
         "run_time": (curves, [row for row in convergence for curve in curves
                               if (row["study"], row["curve"]) == (curve["study"], curve["label"])]),
     }
@@ -46,6 +49,7 @@ def digests():
     found |= {f"history_{scene}": studies.digest(scene, rows) for scene, rows in drawn["histories"]}
     found |= {f"time_{material}": studies.digest([material, drawn["shown"]], rows) for material, rows in drawn["time"]}
     found["work_precision"] = studies.digest(drawn["shown"], [row for _, rows in drawn["time"] for row in rows])
+    found |= {f"size_{material}": studies.digest([material, studies.studies()["ways"]], rows) for material, rows in drawn["size"]}
     found["run_time"] = studies.digest(*drawn["run_time"])
     return found
 
@@ -111,6 +115,54 @@ def time_table(rows):
     return lines
 
 
+def scheme_of(row):
+    solving = f", {row['solver'].replace('_', ' ').lower()}, {row['newton_limit']:g} Newton" if row["solver"] else ""
+    return f"{row['scheme']}{solving}"
+
+
+def against(default, other):
+    return (f"{scheme_of(other)}, {1e3 / other['tick_hz']:.3g} ms: {other['cpu_s_per_s'] / default['cpu_s_per_s']:.2g} x the time, "
+            f"{other['error_m'] / default['error_m']:.2g} x the error")
+
+
+def size_table(rows):
+    lines = ["| vertices | cut | tick (ms) | compared at (ms) | the default is | error (mm) | CPU s a s | on the front "
+             "| nearest in twice the time |", "|---|---|---|---|---|---|---|---|---|"]
+    for row in sizes.defaults(rows):
+        better, nearest = sizes.dominating(rows, row), sizes.nearest_within(rows, row, 2)
+        lines.append(f"| {row['vertices']:g} | {row['cut']} | {1e3 / row['tick_hz']:.3g} | {1e3 * row['end_s']:.3g} "
+                     f"| {row['integrator']} | {1e3 * row['error_m']:.2g} | {row['cpu_s_per_s']:.2g} "
+                     f"| {f'no: {against(row, better[0])}' if better else 'yes'} "
+                     f"| {against(row, nearest) if nearest else 'the default'} |")
+    return lines
+
+
+def front_words(rows):
+    """Whether the defaults lie on the front, as the table has it."""
+    found = [(row, sizes.dominating(rows, row)) for row in sizes.defaults(rows)]
+    off = [better for _, better in found if better]
+    by_mixed = [better for better in off if all(each["scheme"] == "explicit mixed" for each in better)]
+    lines = [f"The default lies on the front in **{len(found) - len(off)} of {len(found)}** cases: nothing else with ticks as long or "
+             "shorter takes less than", f"{sizes.SAME_TIME:g} of its time for no larger error (up to "
+             f"{100 * (sizes.SAME_ERROR - 1):.0f} %)."]
+    if by_mixed:
+        lines.append(f"In {len(by_mixed)} the explicit integrator in mixed precision, which has to be asked for, and nothing else is "
+                     "better.")
+    if len(off) > len(by_mixed):
+        lines.append(f"In {len(off) - len(by_mixed)} something else is; the table names the fastest.")
+    return [*lines, ""]
+
+
+def size_section(material, rows, words):
+    """Both what is said of each material and what was left out."""
+    left_out = dict.fromkeys((row["side"], row["cut"], scheme_of(row), row["tick_hz"], row["left_out"]) for row in rows
+                             if row["left_out"] and row["scheme"] != sizes.REFERENCE)
+    missing = [f"Without an error: {side:g} x {side:g}, {cut} the cut, {scheme}, {hz:g} Hz, which {why}."
+               for side, cut, scheme, hz, why in left_out]
+    return section(words["titles"][f"size_{material}"], f"size_{material}", words,
+                   [*front_words(rows), *size_table(rows), *([""] if missing else []), *missing])
+
+
 def section(title, name, words, table=()):
     return [f"## {title}", "", f"![{title}](plots/{name}.svg)", "", *words[name], "", *table, *([""] if table else [])]
 
@@ -133,4 +185,6 @@ def text():
     for material, rows in drawn["time"]:
         lines += section(words["titles"][material], f"time_{material}", words, time_table(rows))
     lines += section("Error against run time, in motion", "work_precision", words)
+    for material, rows in drawn["size"]:
+        lines += size_section(material, rows, words)
     return "\n".join(lines).rstrip() + "\n"

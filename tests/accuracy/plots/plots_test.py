@@ -10,12 +10,14 @@ import unittest
 
 import measure
 import page
+import sizes
 import studies
 
 OPTIONS = None
 SAME = 1e-3  # of an error, from one build to another
 SAME_IN_TIME = 0.02  # of an error in motion
 SAME_DRIFT = 1.5  # factor
+RUN_KEYS = ("scheme", "solver", "newton_limit", "tick_hz")
 
 
 def rows_of(study):
@@ -68,6 +70,30 @@ class Tables(unittest.TestCase):
             self.assertEqual(len(curves), 3 + 4 * len(studies.studies()["solvings"]))
             for curve in curves:
                 self.assertGreaterEqual(len(curve["rows"]), 4)
+
+    def test_size_has_every_run_of_every_case(self):
+        rows = studies.table(studies.SIZE)
+        for case in sizes.cases():
+            mine = [row for row in rows if sizes.key({**row, "side": f"{row['side']:g}"}) == sizes.key(case)]
+            wanted = [(sizes.REFERENCE, "", "", case["rates_hz"][0])] + [
+                tuple(run[name] for name in RUN_KEYS) for run in sizes.runs(case)]
+            self.assertEqual([tuple(row[name] for name in RUN_KEYS) for row in mine], wanted, str(case))
+            for row in mine:
+                self.assertNotEqual(row["error_m"] == "", row["left_out"] == "", "no error without a reason")
+                self.assertGreater(row["cpu_s_per_s"], 0)
+
+    def test_what_dominates_is_faster_and_no_farther_off(self):
+        def row(scheme, time, error, side=15, tick_hz=60):
+            return {"material": "soft", "side": side, "cut": "after", "scheme": scheme, "tick_hz": tick_hz, "cpu_s_per_s": time,
+                    "error_m": error}
+        default = row("automatic", 1.0, 1e-3)
+        others = [row("as fast", 0.95, 1e-4), row("nearer", 1.1, 1e-5), row("farther", 0.1, 1.1e-3),
+                  row("other sheet", 0.1, 1e-5, side=30), row("no error", 0.1, ""), row("long ticks", 0.1, 1e-5, tick_hz=30)]
+        self.assertEqual(sizes.dominating([default, *others], default), [])
+        self.assertEqual(sizes.nearest_within([default, *others], default, 2), others[1])
+        self.assertIsNone(sizes.nearest_within([default, *others[2:]], default, 2))
+        better = [row("far better", 0.1, 1e-4), row("as near", 0.5, 1.01e-3)]
+        self.assertEqual(sizes.dominating([default, *others, *reversed(better)], default), better)
 
 
 class Page(unittest.TestCase):
@@ -126,9 +152,21 @@ class Measured(unittest.TestCase):
                 self.assertAlmostEqual(now["error_fine_m"], then["error_fine_m"],
                                        delta=SAME_IN_TIME * then["error_fine_m"], msg=str(row))
 
+    def test_the_smallest_sheets_give_the_same_errors(self):
+        table = {tuple(row[name] for name in sizes.KEYS): row for row in studies.table(studies.SIZE)}
+        for cut in sizes.CUTS:
+            case = next(case for case in sizes.cases() if sizes.key(case) == ("soft", "15", cut))
+            for what, row in sizes.measure(OPTIONS.bin, {**case, "rates_hz": case["rates_hz"][:1]}):
+                now = {key: studies.number(value) for key, value in zip(sizes.COLUMNS, row)}
+                then = table[tuple(now[name] for name in sizes.KEYS)]
+                self.assertEqual(now["vertices"], then["vertices"])
+                self.assertEqual(now["integrator"], then["integrator"])
+                if now["scheme"] != sizes.REFERENCE:
+                    self.assertAlmostEqual(now["error_m"], then["error_m"], delta=SAME_IN_TIME * then["error_m"], msg=what)
+
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--bin", required=True, type=pathlib.Path, help="where kerf, scene_errors and time_errors are")
+    parser.add_argument("--bin", required=True, type=pathlib.Path, help="where kerf, scene_errors, time_errors and size_errors are")
     OPTIONS, rest = parser.parse_known_args()
     unittest.main(argv=[sys.argv[0]] + rest)

@@ -15,6 +15,7 @@ CONVERGENCE = "convergence.csv"
 PROFILES = "profiles.csv"
 HISTORIES = "histories.csv"
 TIME = "time.csv"
+SIZE = "size.csv"
 
 
 def studies():
