@@ -88,11 +88,9 @@ bool AutomaticIntegrator::choose(const Model& model) {
     if (options.kind != before) implicit_ = std::make_unique<ImplicitIntegrator>(options);
   }
   std::array<char, 256> text{};
-  std::snprintf(
-      text.data(), text.size(),
-      "automatic: %s; estimated per tick of %.4g s: %.0f explicit substeps %.1f ms, TR-BDF2 %.1f ms; condition "
-      "number %.1e",
-      choice, options_.tick, substeps, of_explicit * 1e-6, of_implicit * 1e-6, condition);
+  std::snprintf(text.data(), text.size(),
+                "automatic: %s; estimated per tick of %.4g s: %.0f explicit substeps %.1f ms, TR-BDF2 %.1f ms", choice,
+                options_.tick, substeps, of_explicit * 1e-6, of_implicit * 1e-6);
   explanation_ = text.data();
   return kind() != before;
 }

@@ -22,6 +22,7 @@ class AutomaticIntegrator final : public Integrator {
 
   void rebuild(const Model& model) override;
   void follow(const Model& model) override;
+  void prepare() override { chosen().prepare(); }
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override;

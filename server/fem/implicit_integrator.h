@@ -20,6 +20,7 @@ class ImplicitIntegrator final : public Integrator {
 
   void rebuild(const Model& model) override;
   void follow(const Model& model) override;
+  void prepare() override { solver_.prepare(); }
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override { return options_.kind; }

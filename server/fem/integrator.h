@@ -101,9 +101,13 @@ class Integrator {
   // The same where the last Model::follow is all that has changed since the call before, of either: what that left
   // alone need not be looked at.
   virtual void follow(const Model& model) { rebuild(model); }
+  // To be called between follow() and the next step, once for however many: what follow() put off till then, because
+  // further cuts would undo it. Allocates what step() needs.
+  virtual void prepare() {}
 
-  // Advances `state` by dt (s, > 0). Never allocates, throws or logs; on failure (kFrozen) `state` is left as it was.
-  // The result depends on the arguments alone, not on earlier calls. `contact` may be null.
+  // Advances `state` by dt (s, > 0). Never allocates, throws or logs; on
+  // failure (kFrozen) `state` is left as it was. The result depends on the arguments alone, not on earlier calls.
+  // `contact` may be null.
   virtual StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                          State& state) = 0;
 

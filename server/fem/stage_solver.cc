@@ -33,6 +33,7 @@ StageSolver::StageSolver(const IntegratorOptions& options)
 void StageSolver::rebuild(const Model& model) {
   matrix_.rebuild(model);
   resize(model);
+  prepare();
 }
 
 void StageSolver::follow(const Model& model) {
@@ -47,8 +48,14 @@ void StageSolver::resize(const Model& model) {
        {&force_, &residual_, &rhs_, &step_, &increment_, &velocity_, &damped_, &trial_, &start_, &best_}) {
     field->resize(model.num_vertices());
   }
+  is_analysed_ = false;
+}
+
+void StageSolver::prepare() {
+  if (is_analysed_) return;
   solver_->analyse(matrix_.blocks());
   if (repair_solver_) repair_solver_->analyse(matrix_.blocks());
+  is_analysed_ = true;
 }
 
 void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, bool predicted) {

@@ -45,6 +45,8 @@ class StageSolver {
   void rebuild(const Model& model);
   // The same where the last Model::follow is all that has changed since the call before.
   void follow(const Model& model);
+  // The pattern is analysed where follow() changed it.
+  void prepare();
   // What the stages so far left in the linear solver is to have no influence on those to come.
   void forget() { solver_->forget(); }
   // constant_force: 3 x V, N. state.x: where to start from; becomes the solution, state.v its velocity. False: no
@@ -104,6 +106,7 @@ class StageSolver {
   std::unique_ptr<LinearSolver> repair_solver_;  // where solver_ solves a different system: its steps may not descend
   StageContact contact_;
   TangentMatrix matrix_;
+  bool is_analysed_ = false;    // matrix_ by the linear solvers, as its pattern is now
   bool follows_loads_ = false;  // whether matrix_ has the tangent of follower loads
   bool is_solved_ = true;
   bool is_predicted_ = false;                                    // stress_ belongs to the solution of the last stage

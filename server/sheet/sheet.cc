@@ -75,6 +75,7 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
   const std::int32_t version_before = topology_version;
   const bool advancing = advance && !frozen;
   drain_commands(commands, observer, advancing, report);
+  if (topology_version != version_before) integrator->prepare();
   if (advancing) {
     {
       const StageScope scope(observer, Stage::kLoads, -1);

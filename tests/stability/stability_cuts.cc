@@ -19,7 +19,6 @@ using kerf::sheet::TickReport;
 
 struct Run {
   Sheet sheet;
-  double edge = 0.0;          // m, of the mesh as made
   double gain = 0.0;          // J, most over the energy at the start, over all ticks so far
   double start_energy = 0.0;  // J
   long num_applied = 0, num_ticks = 0, num_failed = 0, num_not_finite = 0;
@@ -31,18 +30,18 @@ double energy_of(const Sheet& sheet) {
   return energies.kinetic + energies.membrane + std::max(0.0, energies.bending) + energies.gravity;
 }
 
-void cut_once(kerf::SeededRandom& random, Run& run) {
+kerf::sheet::Command make_cut(kerf::SeededRandom& random, double edge) {
   const Eigen::Vector2d from(random.uniform(0.0, 1.0), random.uniform(0.0, 1.0));
   const double angle = random.uniform(0.0, 2.0 * std::numbers::pi);
-  const double length = run.edge * random.uniform(0.3, 2.0);
+  const double length = edge * random.uniform(0.3, 2.0);
   const Eigen::Vector2d along = length * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-  const std::vector<kerf::sheet::Command> commands{kerf::scenes::line_cut(from, from + along)};
-  if (run.sheet.apply(commands).topology_changed) ++run.num_applied;
+  return kerf::scenes::line_cut(from, from + along);
 }
 
-void advance(Run& run) {
-  const TickReport report = run.sheet.step({});
+void advance(Run& run, const std::vector<kerf::sheet::Command>& cuts) {
+  const TickReport report = run.sheet.step(cuts);
   const kerf::fem::State& state = run.sheet.state();
+  for (const kerf::Result<kerf::sheet::CommandReply>& reply : report.replies) run.num_applied += reply.ok() ? 1 : 0;
   ++run.num_ticks;
   run.flags |= report.stats.flags;
   run.num_failed += report.step_failed ? 1 : 0;
@@ -61,19 +60,20 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "%s\n", made.error().message.c_str());
     return 2;
   }
-  Run run{*std::move(made), 1.0 / (num_side - 1)};
+  Run run{*std::move(made)};
   run.start_energy = energy_of(run.sheet);
   kerf::SeededRandom random(29);
   const int num_between = std::max(1, num_cuts / 10);
+  std::vector<kerf::sheet::Command> cuts;
   for (int i = 1; i <= num_cuts; ++i) {
-    cut_once(random, run);
-    if (i % num_between == 0) advance(run);
-    if (i % std::max(1, num_cuts / 100) == 0) {
-      std::fprintf(stderr, "\r%d of %d cuts, %d vertices", i, num_cuts, run.sheet.mesh().num_vertices());
-    }
+    cuts.push_back(make_cut(random, 1.0 / (num_side - 1)));
+    if (i % num_between != 0) continue;
+    advance(run, cuts);
+    cuts.clear();
+    std::fprintf(stderr, "\r%d of %d cuts, %d vertices", i, num_cuts, run.sheet.mesh().num_vertices());
   }
   for (int i = 0; i < num_after; ++i) {
-    advance(run);
+    advance(run, {});
     std::fprintf(stderr, "\r%d of %d ticks after                        ", i + 1, num_after);
   }
   const bool is_valid = !run.sheet.mesh().find_violation();

@@ -100,7 +100,7 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   EXPECT_EQ(config.gravity, Eigen::Vector3d(0, 0, -9.81));
   EXPECT_EQ(config.wind.air_density, 0.0);
   EXPECT_EQ(config.tick_rate_hz, 60.0);
-  EXPECT_EQ(config.integrator.max_substeps, 2000);
+  EXPECT_EQ(config.integrator.max_substeps, 20000);
   EXPECT_EQ(config.integrator.newton_iterations, 2);
   EXPECT_EQ(config.integrator.solver_tolerance, 1e-4);
   EXPECT_EQ(config.integrator.solver, sheet::LinearSolverKind::kBlockJacobiCg);
