@@ -79,6 +79,7 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
     set(x_[c], n + 6 * pad_ + 1);
     set(v_[c], n + pad_ + 1);
     set(remainder_[c], std::is_same_v<T, float> ? n : 0);
+    set(v_remainder_[c], std::is_same_v<T, float> ? n : 0);
     set(mobility_[c], n);
     for (Field<T>& force : quad_force_) set(force[c], reach > 0 ? pad_ + n : 0);
   }

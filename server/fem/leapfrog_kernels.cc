@@ -116,6 +116,19 @@ HWY_INLINE hn::Vec<DP> drifted(D d, hn::Vec<DP> x, hn::Vec<D> change, float* rem
   return hn::Add(x, whole);
 }
 
+template <class D>
+HWY_INLINE hn::Vec<D> kicked(D /*d*/, hn::Vec<D> v, hn::Vec<D> change, double* /*remainder*/) {
+  return hn::Add(v, change);
+}
+// Compensated: what rounding takes off the sum is added to the next change.
+template <class D>
+HWY_INLINE hn::Vec<D> kicked(D d, hn::Vec<D> v, hn::Vec<D> change, float* remainder) {
+  const auto all = hn::Add(change, hn::Load(d, remainder));
+  const auto after = hn::Add(v, all);
+  hn::Store(hn::Sub(all, hn::Sub(after, v)), d, remainder);
+  return after;
+}
+
 // x + beta v, side by side.
 template <typename T>
 HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
@@ -143,7 +156,7 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
   const LanesOf<T> d;
   const LanesOf<PositionOf<T>> dp;
   using V = hn::Vec<LanesOf<T>>;
-  V keep = hn::Set(d, step.keep);
+  V lost = hn::Set(d, step.lost);
   V scale = hn::Set(d, step.scale);
   const V drift = hn::Set(d, step.drift);
   const bool has_corners = arrays.num_corners[block] > 0;
@@ -157,7 +170,7 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
     if (arrays.mass_damping != nullptr) {
       const V one = hn::Set(d, T{1});
       const V half = hn::Mul(hn::Set(d, step.scale * T{0.5}), hn::Load(d, arrays.mass_damping + at));
-      keep = hn::Div(hn::Sub(one, half), hn::Add(one, half));
+      lost = hn::Div(hn::Add(half, half), hn::Add(one, half));
       scale = hn::Div(hn::Set(d, step.scale), hn::Add(one, half));
     }
     for (std::size_t c = 0; c < 3; ++c) {
@@ -171,9 +184,11 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
       }
       const V mobility = hn::Load(d, arrays.mobility[c] + at);
       const V before = hn::Load(d, arrays.v[c] + at);
-      const V kicked =
-          hn::Add(combine(keep, before, hn::Mul(scale, mobility), f), hn::Mul(scale, hn::Set(d, step.gravity[c])));
-      const V v = hn::IfThenElse(hn::Eq(mobility, hn::Zero(d)), before, kicked);
+      const V change =
+          hn::Sub(hn::Add(hn::Mul(hn::Mul(scale, mobility), f), hn::Mul(scale, hn::Set(d, step.gravity[c]))),
+                  hn::Mul(lost, before));
+      const V v = kicked(d, before, hn::IfThenElse(hn::Eq(mobility, hn::Zero(d)), hn::Zero(d), change),
+                         std::is_same_v<T, float> ? arrays.v_remainder[c] + at : nullptr);
       fastest = hn::Max(fastest, hn::Abs(v));
       hn::Store(v, d, arrays.v[c] + at);
       x[c] = drifted(d, hn::Load(dp, arrays.x[c] + at), hn::Mul(drift, v),

@@ -77,6 +77,7 @@ struct LeapfrogArrays {
   std::array<Position*, 3> x{};
   std::array<T*, 3> v{};                          // m/s
   std::array<T*, 3> remainder{};                  // of x, in its unit; null where T is double
+  std::array<T*, 3> v_remainder{};                // of v, m/s; null where T is double
   std::array<const T*, 3> mobility{};             // 1/kg, 0 where the component is held
   const TriangleLanes<T>* quads = nullptr;        // 2 x num_blocks, or none
   const EdgeLanes<T>* quad_edges = nullptr;       // in their place of Green's strain
@@ -86,7 +87,7 @@ struct LeapfrogArrays {
   const EdgeLanes<T>* irregular_edges = nullptr;  // of Green's strain, in place of IrregularBlock::triangles
   const LawLanes<T>* quad_laws = nullptr;         // as quads, or null: those of LeapfrogStep
   const LawLanes<T>* irregular_laws = nullptr;    // as irregular
-  const T* mass_damping = nullptr;                // 1/s, of each vertex, or null: keep and scale are those of all
+  const T* mass_damping = nullptr;                // 1/s, of each vertex, or null: lost and scale are those of all
   Position* corner_x = nullptr;                   // x 4, of irregular triangles
   T* corner_force = nullptr;                      // N, x 4, at corner_place(); before the first, four zeros
   T* gathered = nullptr;                          // N, x 4
@@ -104,7 +105,7 @@ struct LeapfrogStep {
   std::array<T, 4> law{};      // N/m: C11, C22, C33, C12
   T unit = 1;                  // m, of a position
   T damping = 0;               // -, beta / h
-  T keep = 1;                  // -, of the velocity
+  T lost = 0;                  // -, of the velocity
   T scale = 0;                 // s, of forces
   std::array<T, 3> gravity{};  // m/s^2
   T drift = 0;                 // s / unit

@@ -47,6 +47,7 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
   arrays.x = entries(x_, 3 * pad_);
   arrays.v = entries(v_);
   arrays.remainder = entries(remainder_);
+  arrays.v_remainder = entries(v_remainder_);
   const std::array<T*, 3> mobility = entries(mobility_);
   arrays.mobility = {mobility[0], mobility[1], mobility[2]};
   if (!quads_before_.empty()) {
@@ -156,7 +157,7 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
   const bool same_damping = model.materials().has_one_mass_damping();
   const double half_damping = same_damping ? 0.5 * model.mass_damping(0) * kick.duration : 0.0;
   const double scale = kick.duration / (1.0 + half_damping);
-  step.keep = static_cast<T>((1.0 - half_damping) / (1.0 + half_damping));
+  step.lost = static_cast<T>(2.0 * half_damping / (1.0 + half_damping));
   step.scale = static_cast<T>(scale);
   for (std::size_t c = 0; c < 3; ++c) step.gravity[c] = static_cast<T>(terms.gravity[static_cast<int>(c)]);
   step.drift = static_cast<T>(kick.drift / unit_);
@@ -202,14 +203,23 @@ bool LeapfrogSweep<T>::set_position(VertexId v, const Eigen::Vector3d& position)
 }
 
 template <typename T>
+void LeapfrogSweep<T>::set_velocity(VertexId v, const Eigen::Vector3d& velocity) {
+  const auto i = static_cast<std::size_t>(v);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double all = velocity[static_cast<Eigen::Index>(c)];
+    at(v_[c], i) = static_cast<T>(all);
+    if constexpr (std::is_same_v<T, float>)
+      at(v_remainder_[c], i) = static_cast<float>(all - static_cast<double>(at(v_[c], i)));
+  }
+}
+
+template <typename T>
 bool LeapfrogSweep<T>::read(const State& state) {
   for (std::size_t i = 0; i < takes_part_.size(); ++i) {
     const auto v = static_cast<VertexId>(i);
     const bool takes_part = takes_part_[i] != 0;
     if (!set_position(v, takes_part ? Eigen::Vector3d(state.x.col(v)) : origin_)) return false;
-    for (std::size_t c = 0; c < 3; ++c) {
-      at(v_[c], i) = takes_part ? static_cast<T>(state.v(static_cast<Eigen::Index>(c), v)) : T{0};
-    }
+    set_velocity(v, takes_part ? Eigen::Vector3d(state.v.col(v)) : Eigen::Vector3d::Zero());
   }
   return true;
 }
@@ -241,6 +251,7 @@ Eigen::Vector3d LeapfrogSweep<T>::position(VertexId v) const {
 
 template <typename T>
 Eigen::Vector3d LeapfrogSweep<T>::velocity(VertexId v) const {
+  if constexpr (std::is_same_v<T, float>) return vector_at(v_, v) + vector_at(v_remainder_, v);
   return vector_at(v_, v);
 }
 
@@ -251,8 +262,7 @@ Eigen::Vector3d LeapfrogSweep<T>::mobility(VertexId v) const {
 
 template <typename T>
 bool LeapfrogSweep<T>::push(VertexId v, const Eigen::Vector3d& velocity, const Eigen::Vector3d& position) {
-  const auto i = static_cast<std::size_t>(v);
-  for (std::size_t c = 0; c < 3; ++c) at(v_[c], i) += static_cast<T>(velocity[static_cast<Eigen::Index>(c)]);
+  set_velocity(v, this->velocity(v) + velocity);
   return set_position(v, this->position(v) + position);
 }
 

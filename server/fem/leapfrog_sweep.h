@@ -44,7 +44,8 @@ inline std::array<double, 4> law_entries(const MaterialLaw& law) {
 // Positions, velocities and the constants of a model in the arrays that leapfrog_kernels.h works on.
 // T = float: arithmetic and velocities are floats. Positions are 32-bit integers, multiples of a power of two of a
 // metre from the middle of the sheet, so that edges are exact to that unit wherever the sheet is, with a float
-// remainder so that motion slower than a unit a substep is not lost.
+// remainder so that motion slower than a unit a substep is not lost; velocities have one too (Kahan 1965), or thousands
+// of short substeps would round what gravity adds to all of them the same way.
 template <typename T>
 class LeapfrogSweep {
  public:
@@ -95,12 +96,13 @@ class LeapfrogSweep {
   void follow_bending(const Model& model);
   Position& position_at(std::size_t axis, std::size_t v);
   bool set_position(mesh::VertexId v, const Eigen::Vector3d& position);
+  void set_velocity(mesh::VertexId v, const Eigen::Vector3d& velocity);
   [[nodiscard]] LeapfrogStep<T> step_of(const Model& model, const LeapfrogTerms& terms) const;
   [[nodiscard]] LeapfrogArrays<T> arrays();
 
   const MembraneLayout* layout_ = nullptr;
   Field<Position> x_;
-  Field<T> v_, remainder_, mobility_;
+  Field<T> v_, remainder_, v_remainder_, mobility_;
   std::vector<Lanes16<T>> mass_damping_;                 // of several
   std::vector<LawLanes<T>> quad_laws_, irregular_laws_;  // of several materials
   std::vector<std::uint8_t> takes_part_;                 // has mass, or is held

@@ -243,6 +243,25 @@ TEST(MixedPrecision, KeepsMotionSlowerThanItsUnitOfLength) {
   EXPECT_LT((moved.colwise() - way).cwiseAbs().maxCoeff(), 1e-2 * way.norm() + 2.0 * 0x1p-24);
 }
 
+// Some 10,000 substeps: what rounding takes off each change of velocity must not add up.
+TEST(MixedPrecision, FallsAsFastInManySubstepsAsInFew) {
+  const mesh::TriangleMesh mesh = square_grid(6);
+  const Model model(mesh, isotropic(1e12, 0.3, 5.0e-4, 1000.0));
+  const std::unique_ptr<Integrator> integrator = make_integrator(options_of(Precision::kMixed));
+  integrator->rebuild(model);
+  State state = rest_state(mesh);
+  const double height = model.centre_of_mass(state.x).z();
+  constexpr int kTicks = 18;
+  long substeps = 0;
+  Loads loads;
+  for (int i = 0; i < kTicks; ++i) substeps += integrator->step(model, loads, kTick, nullptr, state).substeps;
+  EXPECT_GT(substeps, 50'000);
+  const double time = kTicks * kTick;
+  const double way = 0.5 * loads.gravity.z() * time * time;
+  EXPECT_NEAR(model.centre_of_mass(state.x).z() - height, way, 4.0 * 0x1p-24 * std::abs(way));
+  EXPECT_NEAR(state.v.row(2).mean(), loads.gravity.z() * time, 4.0 * 0x1p-24 * std::abs(loads.gravity.z() * time));
+}
+
 TEST(MixedPrecision, IsTheSameFarFromTheOrigin) {
   const mesh::TriangleMesh mesh = square_grid(9);
   const Model model(mesh, soft_cloth());
