@@ -1,6 +1,5 @@
 #include "server/fem/automatic_integrator.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>

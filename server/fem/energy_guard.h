@@ -24,7 +24,7 @@ class EnergyGuard {
     kExceeded,
   };
 
-  // allowed_gain: -, that is let pass, of the energy at the start and of the work between. Methods of second order
+  // allowed_gain: -, that is let pass, of the energy at the start and of the work between. Methods that damp nothing
   // swing about the energy that they keep; cut off on one side only, they would damp.
   static Verdict enforce(const Model& model, const Loads& loads, double allowed_gain, const State& start, State& end);
 };

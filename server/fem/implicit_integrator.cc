@@ -72,19 +72,17 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   StepStats stats;
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
-  scratch_.contact = contact;
   scratch_.stage.contact = contact;
-  solver_.forget();
   bool done = false;
   for (int i = 0; i < num_attempts() && !done; ++i) {
     const Attempt attempt = attempt_after(i);
     if (attempt.kind != options_.kind) stats.flags |= kDamped;
     if (attempt.substeps > num_substeps()) stats.flags |= kSubstepped;
-    done = try_step(model, loads, attempt, dt, state, stats);
+    done = try_step(model, loads, attempt, dt, contact, state, stats);
     const bool is_last = i + 1 == num_attempts();
     if (done && contact == nullptr) done = keep_energy(model, loads, attempt.kind, state, stats) || is_last;
     if (done) break;
-    stats.flags &= ~kEnergyLimited;  // of the attempt that is thrown away
+    stats.flags &= ~(kEnergyLimited | kNotConverged);  // of the attempt that is thrown away
     state.x = scratch_.start.x;
     state.v = scratch_.start.v;
   }
@@ -107,8 +105,8 @@ ImplicitIntegrator::Attempt ImplicitIntegrator::attempt_after(int failures) cons
 }
 
 bool ImplicitIntegrator::try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt,
-                                  State& state, StepStats& stats) {
-  ContactConstraint* const contact = scratch_.contact;
+                                  ContactConstraint* contact, State& state, StepStats& stats) {
+  solver_.forget();
   const double h = dt / attempt.substeps;
   stats.residual = 0.0;
   stats.linear_residual = 0.0;
@@ -177,6 +175,7 @@ bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, c
   stage.momentum = momentum_of(model, stage.base.v);
   stage.start = &stage.base.x;
   stage.d = h;
+  stage.continues = false;
   set_ballistic(state, h, h * h, loads.gravity);
   stage.time_left = substep.time_left;
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);

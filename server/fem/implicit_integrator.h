@@ -34,7 +34,6 @@ class ImplicitIntegrator final : public Integrator {
     mesh::VertexField constant;  // 3 x V, N: external forces and wind
     mesh::VertexField damped;    // 3 x V, m
     Stage stage;
-    ContactConstraint* contact = nullptr;  // of the step
   };
 
   struct Attempt {
@@ -47,13 +46,14 @@ class ImplicitIntegrator final : public Integrator {
     double h = 0.0;          // s
     double time_left = 0.0;  // s, of the step after it
   };
+
   void resize(const Model& model);
   [[nodiscard]] int num_attempts() const {
     return options_.max_halvings + (options_.kind == IntegratorKind::kImplicitEuler ? 1 : 2);
   }
   [[nodiscard]] Attempt attempt_after(int failures) const;
-  bool try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt, State& state,
-                StepStats& stats);
+  bool try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt, ContactConstraint* contact,
+                State& state, StepStats& stats);
   // How many substeps a step has before it is divided.
   [[nodiscard]] int num_substeps() const { return options_.kind == IntegratorKind::kBdf2 ? kBdf2Substeps : 1; }
   bool keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state, StepStats& stats) const;

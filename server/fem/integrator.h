@@ -105,9 +105,8 @@ class Integrator {
   // further cuts would undo it. Allocates what step() needs.
   virtual void prepare() {}
 
-  // Advances `state` by dt (s, > 0). Never allocates, throws or logs; on
-  // failure (kFrozen) `state` is left as it was. The result depends on the arguments alone, not on earlier calls.
-  // `contact` may be null.
+  // Advances `state` by dt (s, > 0). Never allocates, throws or logs; on failure (kFrozen) `state` is left as it was.
+  // The result depends on the arguments alone, not on earlier calls. `contact` may be null.
   virtual StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                          State& state) = 0;
 

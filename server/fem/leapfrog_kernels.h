@@ -93,10 +93,11 @@ struct LeapfrogArrays {
   T* gathered = nullptr;                          // N, x 4
   const T* extra_force = nullptr;                 // N, x 4, or null
   Position* bending_x = nullptr;                  // x 4, scratch
-  std::span<const std::int32_t> num_quads, num_corners;    // of each block of vertices
-  const RowStore<CornerPlaces>* corners = nullptr;         // of four vertices
-  const RowStore<FourEntries<T>>* bending_rows = nullptr;  // null: no bending in this substep; see bends_by_slice()
-  const BendingSlice<T>* bending_slices = nullptr;         // of each block of vertices, or null: go by rows
+  std::span<const std::int32_t> num_quads, num_corners;  // of each block of vertices
+  const RowStore<CornerPlaces>* corners = nullptr;       // of four vertices
+  const RowStore<FourEntries<T>>* bending_rows =
+      nullptr;  // null: no bending in this substep; rows of blocks that have a slice may be empty
+  const BendingSlice<T>* bending_slices = nullptr;  // of each block of vertices, or null: go by rows
 };
 
 template <typename T>

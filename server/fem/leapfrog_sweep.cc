@@ -208,8 +208,9 @@ void LeapfrogSweep<T>::set_velocity(VertexId v, const Eigen::Vector3d& velocity)
   for (std::size_t c = 0; c < 3; ++c) {
     const double all = velocity[static_cast<Eigen::Index>(c)];
     at(v_[c], i) = static_cast<T>(all);
-    if constexpr (std::is_same_v<T, float>)
+    if constexpr (std::is_same_v<T, float>) {
       at(v_remainder_[c], i) = static_cast<float>(all - static_cast<double>(at(v_[c], i)));
+    }
   }
 }
 

@@ -115,7 +115,7 @@ class LeapfrogSweep {
   std::vector<Lanes16<Position>> corner_x_, bending_x_;
   std::vector<Lanes16<T>> corner_force_, gathered_, extra_;
   std::vector<BendingSlice<T>> slices_;    // where there is a pattern, and bending has no damping
-  RowStore<FourEntries<T>> bending_rows_;  // one row of four vertices; empty where there is a slice
+  RowStore<FourEntries<T>> bending_rows_;  // one row of four vertices; may be empty where there is a slice
   std::vector<std::size_t> stale_slices_;  // unused, to be made anew: some in each step, as a cut must not wait for it
   IdSet row_groups_;                       // scratch
   Lanes16<T> speed_;

@@ -56,8 +56,8 @@ class MembraneLayout {
   [[nodiscard]] std::span<const std::int32_t> num_corners() const { return num_corners_; }
   // Slot of each irregular lane, or kNone; of an even number of blocks.
   [[nodiscard]] std::span<const mesh::TriangleId> lanes() const { return lanes_; }
-  // The irregular triangles around each vertex, by ascending slot; a row for each four vertices, as long as
-  // the one with the most of them needs.
+  // The irregular triangles around each vertex, by ascending slot; a row for each four vertices, as long as the one
+  // with the most of them needs.
   [[nodiscard]] const RowStore<CornerPlaces>& corners() const { return corners_; }
 
   // Vertices whose quads, and irregular lanes, the last follow() wrote; may repeat.

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "server/base/check.h"
 #include "server/fem/bending_forces.h"
 #include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
 #include "server/fem/membrane.h"
+#include "server/fem/membrane_tangent.h"
 #include "server/fem/vertex_frames.h"
 
 namespace kerf::fem {
@@ -78,6 +80,7 @@ void StageSolver::constrain(const Problem& problem, const mesh::VertexField& x) 
 
 bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
                         const Stage& stage, State& state, StepStats& stats) {
+  KERF_CHECK(is_analysed_, "prepare() was called after follow()");
   const Problem problem{model, loads, constant_force, stage, model.materials().stiffness_damping()};
   contact_.begin(stage.contact, model, stage.d, stage.start != nullptr ? *stage.start : state.x);
   follows_loads_ = has_follower_loads(loads);

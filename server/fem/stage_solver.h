@@ -18,7 +18,7 @@ namespace kerf::fem {
 // Implicit Euler, the trapezoidal rule and BDF2 are this with their own base and d.
 struct Stage {
   State base;
-  // kg m/s, of base.v. Given, since internal forces that went into base.v add up to nothing but for their rounding.
+  // kg m/s, of base.v without what internal forces have put into it, which is nothing but their rounding.
   Eigen::Vector3d momentum = Eigen::Vector3d::Zero();
   double d = 0.0;               // s, > 0
   mesh::VertexField ballistic;  // m, where the stage ends under gravity alone: where the search begins

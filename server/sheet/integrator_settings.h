@@ -9,7 +9,7 @@
 namespace kerf::sheet {
 
 enum class IntegratorKind {
-  kAutomatic,         // the cheaper of the two at the sheet's stiffness, step and size
+  kAutomatic,         // see fem::AutomaticIntegrator
   kExplicitLeapfrog,  // stable substeps
   kImplicitEuler,     // Newton iterations; first order, strongly damped
   kTrapezoidal,       // likewise; second order, damps nothing

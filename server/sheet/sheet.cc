@@ -75,7 +75,6 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
   const std::int32_t version_before = topology_version;
   const bool advancing = advance && !frozen;
   drain_commands(commands, observer, advancing, report);
-  if (topology_version != version_before) integrator->prepare();
   if (advancing) {
     {
       const StageScope scope(observer, Stage::kLoads, -1);
@@ -116,6 +115,7 @@ void Sheet::Impl::stamp(TickReport& report) const {
 
 void Sheet::Impl::drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled,
                                  TickReport& report) {
+  const std::int32_t version_before = topology_version;
   std::int32_t number = 0;
   while (scheduled && next_scheduled < schedule.size() && config->commands[schedule[next_scheduled]].tick <= tick + 1) {
     const std::size_t index = schedule[next_scheduled++];
@@ -125,6 +125,9 @@ void Sheet::Impl::drain_commands(std::span<const Command> commands, StageObserve
   for (const Command& command : commands) {
     report.replies.push_back(do_command(command, {observer, number++}));
   }
+  if (topology_version == version_before) return;
+  const StageScope scope(observer, Stage::kModelUpdate, -1);
+  integrator->prepare();
 }
 
 void Sheet::Impl::set_loads() {

@@ -244,7 +244,7 @@ void measure_large(const char* name, const fem::Material& material) {
       name);
   for (const int side : {50, 100}) {
     System system = make_system(material, side);
-    std::printf("| %d | a product | | | | %.2f |\n", side * side, 1e3 * time_product(system));
+    std::printf("| %d | one product A x | | | | %.2f |\n", side * side, 1e3 * time_product(system));
     for (const fem::LinearSolverKind kind :
          {fem::LinearSolverKind::kDirect, fem::LinearSolverKind::kFactorCg, fem::LinearSolverKind::kBlockJacobiCg}) {
       const Row row{std::string(fem::name_of(kind).option), kind, {}};

@@ -243,7 +243,7 @@ TEST(MixedPrecision, KeepsMotionSlowerThanItsUnitOfLength) {
   EXPECT_LT((moved.colwise() - way).cwiseAbs().maxCoeff(), 1e-2 * way.norm() + 2.0 * 0x1p-24);
 }
 
-// Some 10,000 substeps: what rounding takes off each change of velocity must not add up.
+// Some 100,000 substeps: what rounding takes off each change of velocity must not add up.
 TEST(MixedPrecision, FallsAsFastInManySubstepsAsInFew) {
   const mesh::TriangleMesh mesh = square_grid(6);
   const Model model(mesh, isotropic(1e12, 0.3, 5.0e-4, 1000.0));

@@ -1,10 +1,11 @@
-// Cuts a hanging sheet very often, then lets it move: stability_cuts [cuts] [vertices a side] [ticks after].
+// Cuts a hanging sheet very often, then lets it move: stability_cuts [cuts] [vertices a side] [ticks after] [tr-bdf2].
 // Slits at random places, of up to two edge lengths, a tenth of them between one tick and the next. Ends with 1 where a
 // number is not finite, a step was given up, energy was gained, or mesh or model are not what fresh ones would be.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <numbers>
 #include <vector>
 
@@ -41,7 +42,10 @@ kerf::sheet::Command make_cut(kerf::SeededRandom& random, double edge) {
 void advance(Run& run, const std::vector<kerf::sheet::Command>& cuts) {
   const TickReport report = run.sheet.step(cuts);
   const kerf::fem::State& state = run.sheet.state();
-  for (const kerf::Result<kerf::sheet::CommandReply>& reply : report.replies) run.num_applied += reply.ok() ? 1 : 0;
+  for (const kerf::Result<kerf::sheet::CommandReply>& reply : report.replies) {
+    const bool is_applied = reply.ok() && reply->cut && reply->cut->status == kerf::cut::CutStatus::kApplied;
+    run.num_applied += is_applied ? 1 : 0;
+  }
   ++run.num_ticks;
   run.flags |= report.stats.flags;
   run.num_failed += report.step_failed ? 1 : 0;
@@ -55,7 +59,12 @@ int main(int argc, char** argv) {
   const int num_cuts = argc > 1 ? std::atoi(argv[1]) : 10'000;
   const int num_side = argc > 2 ? std::atoi(argv[2]) : 200;
   const int num_after = argc > 3 ? std::atoi(argv[3]) : 20;
-  kerf::Result<Sheet> made = Sheet::create(kerf::scenes::hanging(num_side));
+  kerf::sheet::SheetConfig config = kerf::scenes::hanging(num_side);
+  if (argc > 4 && std::strcmp(argv[4], "tr-bdf2") == 0) {
+    config.integrator.kind = kerf::sheet::IntegratorKind::kTrBdf2;
+    config.integrator.solver = kerf::sheet::LinearSolverKind::kDirect;
+  }
+  kerf::Result<Sheet> made = Sheet::create(config);
   if (!made) {
     std::fprintf(stderr, "%s\n", made.error().message.c_str());
     return 2;
@@ -72,6 +81,7 @@ int main(int argc, char** argv) {
     cuts.clear();
     std::fprintf(stderr, "\r%d of %d cuts, %d vertices", i, num_cuts, run.sheet.mesh().num_vertices());
   }
+  if (!cuts.empty()) advance(run, cuts);
   for (int i = 0; i < num_after; ++i) {
     advance(run, {});
     std::fprintf(stderr, "\r%d of %d ticks after                        ", i + 1, num_after);

@@ -81,6 +81,8 @@ class Tables(unittest.TestCase):
             for row in mine:
                 self.assertNotEqual(row["error_m"] == "", row["left_out"] == "", "no error without a reason")
                 self.assertGreater(row["cpu_s_per_s"], 0)
+                self.assertAlmostEqual(row["end_s"], case["end_s"], delta=1e-5 * case["end_s"])
+                self.assertEqual(row["reference_cfl"], case["reference_cfl"])
 
     def test_what_dominates_is_faster_and_no_farther_off(self):
         def row(scheme, time, error, side=15, tick_hz=60):
