@@ -80,6 +80,9 @@ class RpcWatchTest : public ::testing::Test {
     request.set_paused(paused);
     request.mutable_scene()->set_tick_rate_hz(tick_rate_hz);
     request.mutable_scene()->add_pins()->set_edge(v1::Region::TOP_CORNERS);
+    v1::Integrator& integrator = *request.mutable_scene()->mutable_integrator();
+    integrator.set_kind(v1::Integrator::EXPLICIT_LEAPFROG);
+    integrator.set_max_substeps(200);  // the motion need not keep up, it only has to be there
     v1::GridMesh& grid = *request.mutable_scene()->mutable_grid();
     grid.set_columns(10);
     grid.set_rows(10);

@@ -63,6 +63,7 @@ class WatchTest : public ::testing::Test {
     v1::Sheet sheet;
     ASSERT_TRUE(call("SheetService/CreateSheet",
                      R"({"sheet_id":"a","paused":true,"scene":{"pins":[{"edge":"TOP"}],
+                         "integrator":{"kind":"EXPLICIT_LEAPFROG","max_substeps":200},
                          "grid":{"columns":12,"rows":12,"width_m":1,"height_m":1}}})",
                      sheet));
   }
