@@ -16,12 +16,6 @@ double allowed_gain(IntegratorKind kind) {
   return kind == IntegratorKind::kTrapezoidal ? 1e-2 : 1e-6;
 }
 
-Eigen::Vector3d momentum_of(const Model& model, const mesh::VertexField& v) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (Eigen::Index i = 0; i < v.cols(); ++i) sum += model.mass()[static_cast<std::size_t>(i)] * v.col(i);
-  return sum;
-}
-
 std::string_view describe_scheme(IntegratorKind kind) {
   switch (kind) {
     case IntegratorKind::kTrBdf2:
@@ -157,7 +151,7 @@ void ImplicitIntegrator::begin_trapezoidal(const Model& model, const Loads& load
   evaluate_acceleration(model, loads, time_left, start);
   stage.base.x = start.x + stage.d * start.v;
   stage.base.v = start.v + stage.d * scratch_.force;
-  stage.momentum = momentum_of(model, start.v);
+  stage.momentum = model.momentum(start).linear;
   stage.momentum += stage.d * follower_resultant(model.element_blocks(), loads, start.x);
   for (Eigen::Index i = 0; i < start.v.cols(); ++i) {
     const Eigen::Vector3d a = loads.gravity - model.mass_damping(static_cast<int>(i)) * start.v.col(i);
@@ -172,7 +166,7 @@ bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, c
   Stage& stage = scratch_.stage;
   stage.base.x = state.x;
   stage.base.v = state.v;
-  stage.momentum = momentum_of(model, stage.base.v);
+  stage.momentum = model.momentum(stage.base).linear;
   stage.start = &stage.base.x;
   stage.d = h;
   stage.continues = false;
@@ -201,7 +195,7 @@ bool ImplicitIntegrator::advance_tr_bdf2(const Model& model, const Loads& loads,
 
   stage.base.x = kNew * state.x - kOld * start.x;
   stage.base.v = kNew * state.v - kOld * start.v;
-  stage.momentum = momentum_of(model, stage.base.v);
+  stage.momentum = model.momentum(stage.base).linear;
   set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
   stage.continues = true;
   stage.time_left = substep.time_left;
@@ -239,7 +233,7 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, co
     stage.continues = true;
     stage.base.x = (4.0 * start.x - before.x) / 3.0;
     stage.base.v = (4.0 * start.v - before.v) / 3.0;
-    stage.momentum = momentum_of(model, stage.base.v);
+    stage.momentum = model.momentum(stage.base).linear;
     set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
     stage.time_left = substep.time_left;
     evaluate_constant_force(model, loads, stage.d, stage.base);  // drag is limited by what it acts on
