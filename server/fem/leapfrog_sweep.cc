@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "server/fem/free_flight.h"
+
 namespace kerf::fem {
 namespace {
 
@@ -11,8 +13,10 @@ using mesh::VertexId;
 
 // Positions of floats reach this far from their origin, so that differences still fit into 32 bits.
 constexpr double kReach = 1 << 30;
-// -, unit over edge length, above which strains of fixed-point positions are too coarse.
+// -, unit over edge length, and over the height of any triangle, above which strains of fixed-point positions are too
+// coarse.
 constexpr double kCoarsest = 1.0 / (1 << 20);
+constexpr double kCoarsestAcross = 1e-5;
 
 template <typename T>
 T* entries(std::vector<Lanes16<T>>& blocks, std::size_t first_block = 0) {
@@ -141,7 +145,7 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
   unit_ = std::exp2(std::ceil(std::log2(std::max(reach, edge) / kReach)));
   origin_ = 0.5 * (low + high).matrix();
   room_ = travel;
-  return unit_ <= kCoarsest * edge;
+  return unit_ <= kCoarsest * edge && unit_ * model.largest_gradient() <= kCoarsestAcross;
 }
 
 template <typename T>
@@ -155,10 +159,9 @@ template <typename T>
 void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick) {
   LeapfrogStep<T> step = step_of(model, terms);
   const bool same_damping = model.materials().has_one_mass_damping();
-  const double half_damping = same_damping ? 0.5 * model.mass_damping(0) * kick.duration : 0.0;
-  const double scale = kick.duration / (1.0 + half_damping);
-  step.lost = static_cast<T>(2.0 * half_damping / (1.0 + half_damping));
-  step.scale = static_cast<T>(scale);
+  const KickFactors factors = kick_factors(same_damping ? model.mass_damping(0) : 0.0, kick.duration);
+  step.lost = static_cast<T>(factors.lost);
+  step.scale = static_cast<T>(factors.scale);
   for (std::size_t c = 0; c < 3; ++c) step.gravity[c] = static_cast<T>(terms.gravity[static_cast<int>(c)]);
   step.drift = static_cast<T>(kick.drift / unit_);
   step.bending_scale = static_cast<T>(kick.bending / kick.duration * unit_);

@@ -58,6 +58,7 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
                                     mass_.end());
   resize(mesh);
   set_elements(mesh, rewritten, bereft);
+  gradients_.update(rewritten);
   enter_phase(observer, "masses");
   for (const VertexId v : touched_.members()) set_lumped_mass(mesh, v);
   MassChange change = set_masses();
@@ -68,10 +69,13 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
   enter_phase(observer, "stability bound");
   changed_slots_.assign(rewritten.begin(), rewritten.end());
   for (int slot = num_slots_; slot < num_slots_before; ++slot) changed_slots_.push_back(slot);
-  stiffness_bound_.update(
-      {blocks_, incident_, rest_bending_.empty() ? bending_rows_ : bound_rows_, materials_, stiffness_, inverse_mass_},
-      changed_slots_, change.vertices, rows_.members());
+  stiffness_bound_.update(stiffness_problem(mesh), touched_.members(), change.vertices, rows_.members());
   return change;
+}
+
+StiffnessProblem Model::stiffness_problem(const mesh::TriangleMesh& mesh) const {
+  const RowStore<BendingEntry>& bending_rows = mesh.is_curved() ? bound_rows_ : bending_rows_;
+  return {blocks_, incident_, bending_rows, materials_, inverse_mass_, mesh.is_curved()};
 }
 
 std::vector<VertexId> Model::drop_slots(const mesh::TriangleMesh& mesh) {
@@ -89,6 +93,7 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   const auto num_vertices = static_cast<std::size_t>(mesh.num_vertices());
   num_slots_ = mesh.num_triangle_slots();
   blocks_.resize((static_cast<std::size_t>(num_slots_) + kLanes - 1) / kLanes);
+  gradients_.resize(static_cast<std::size_t>(num_slots_));
   lumped_mass_.resize(num_vertices, 0.0);
   stiffness_.resize(num_vertices, 0.0);
   mass_floor_.resize(num_vertices, 0.0);
@@ -200,6 +205,8 @@ void Model::write_element(TriangleId slot, const std::array<VertexId, 3>& vertic
   }
   block.area[l] = area;
   block.material[l] = material;
+  const Eigen::RowVector2d first = -Dm_inv.row(0) - Dm_inv.row(1);
+  gradients_.set(static_cast<std::size_t>(slot), std::max({first.norm(), Dm_inv.row(0).norm(), Dm_inv.row(1).norm()}));
   for (std::size_t k = 0; k < 3; ++k) block.vertex[k][l] = vertices[k];
 }
 

@@ -140,6 +140,8 @@ class Model {
   [[nodiscard]] double stiffness_bound() const { return stiffness_bound_.value(); }
   // The part of it that is of bending.
   [[nodiscard]] double bending_stiffness_bound() const { return stiffness_bound_.bending(); }
+  // 1/m, one over the least height of any triangle at rest; 0 without material.
+  [[nodiscard]] double largest_gradient() const { return gradients_.value(); }
 
   // f (3 x V, N), overwritten: membrane and bending forces at x (3 x V, m), no damping. f must have V columns.
   void internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const;
@@ -228,9 +230,12 @@ class Model {
   [[nodiscard]] bool has_material(mesh::TriangleId slot) const;
   [[nodiscard]] std::array<mesh::VertexId, 3> corners(mesh::TriangleId slot) const;
 
+  [[nodiscard]] StiffnessProblem stiffness_problem(const mesh::TriangleMesh& mesh) const;
+
   MaterialTable materials_;
   int num_slots_ = 0;
   std::vector<ElementBlock> blocks_;
+  RunningMaximum gradients_;           // 1/m, of the slots: 1 / least height
   std::vector<BendingPatch> patches_;  // one a slot; empty without bending
   RowStore<mesh::TriangleId> incident_;
   RowStore<BendingEdge> bending_edges_;  // one row a slot: at its edges to neighbours of higher slots

@@ -31,8 +31,7 @@ void Model::set_clamps(const mesh::TriangleMesh& mesh, std::vector<Clamp> clamps
   slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
   rows_.clear();
   make_patches(mesh, slots);
-  stiffness_bound_.update({blocks_, incident_, bending_rows_, materials_, stiffness_, inverse_mass_}, {}, {},
-                          rows_.members());
+  stiffness_bound_.update(stiffness_problem(mesh), {}, {}, rows_.members());
 }
 
 const Clamp* Model::find_clamp(VertexId vertex) const {

@@ -6,35 +6,15 @@
 
 #include <Eigen/LU>
 
-#include "server/fem/mass_redistribution.h"
-
 namespace kerf::fem {
 namespace {
 
-// >= the largest eigenvalue of a 3x3 matrix with real eigenvalues that are not negative, by at most 15 %: (tr
-// M^8)^(1/8), from the elementary symmetric functions of the eigenvalues, which go over into those of their squares
-// (Graeffe 1837).
-double largest_eigenvalue_bound(double trace, double minors, double determinant) {
-  if (!(trace > 0.0)) return 0.0;
-  double e1 = 1.0;
-  double e2 = minors / (trace * trace);
-  double e3 = determinant / (trace * trace * trace);
-  for (int squaring = 0; squaring < 3; ++squaring) {
-    const double next_e2 = e2 * e2 - 2.0 * e1 * e3;
-    e1 = e1 * e1 - 2.0 * e2;
-    e2 = next_e2;
-    e3 = e3 * e3;
-  }
-  return trace * std::sqrt(std::sqrt(std::sqrt(e1)));
-}
-
-// Of one triangle.
+// Of one triangle, in rest coordinates.
 struct Corners {
   std::array<mesh::VertexId, 3> vertex{};
-  std::array<double, 3> gx{}, gy{};  // 1/m
-  double area = 0.0;                 // m^2; 0: no material, the rest is not set
+  std::array<Eigen::Matrix<double, 3, 2>, 3> strain;  // 1/m, of the displacement of each; in material axes
   const MaterialLaw* law = nullptr;
-  std::size_t material = 0;
+  double area = 0.0;  // m^2
 };
 
 Corners corners_of(const StiffnessProblem& problem, mesh::TriangleId slot) {
@@ -42,45 +22,24 @@ Corners corners_of(const StiffnessProblem& problem, mesh::TriangleId slot) {
   const auto l = static_cast<std::size_t>(slot % kLanes);
   Corners corners;
   corners.area = block.area[l];
-  if (corners.area == 0.0) return corners;
   corners.law = &problem.materials.of(block, l);
-  corners.material = block.material[l];
-  corners.gx = {-block.g1[0][l] - block.g2[0][l], block.g1[0][l], block.g2[0][l]};
-  corners.gy = {-block.g1[1][l] - block.g2[1][l], block.g1[1][l], block.g2[1][l]};
-  for (std::size_t k = 0; k < 3; ++k) corners.vertex[k] = block.vertex[k][l];
+  const std::array<double, 3> gx{-block.g1[0][l] - block.g2[0][l], block.g1[0][l], block.g2[0][l]};
+  const std::array<double, 3> gy{-block.g1[1][l] - block.g2[1][l], block.g1[1][l], block.g2[1][l]};
+  for (std::size_t k = 0; k < 3; ++k) {
+    corners.vertex[k] = block.vertex[k][l];
+    corners.strain[k] << gx[k], 0.0, 0.0, gy[k], gy[k], gx[k];
+    // Triangles of one material have its axes in common.
+    if (!problem.materials.has_one()) corners.strain[k] *= corners.law->axes;
+  }
   return corners;
 }
 
-// Which corner of a slot the vertex is.
-std::size_t corner_at(const StiffnessProblem& problem, mesh::TriangleId slot, mesh::VertexId vertex) {
-  const ElementBlock& block = problem.blocks[static_cast<std::size_t>(slot / kLanes)];
-  const auto l = static_cast<std::size_t>(slot % kLanes);
-  return (block.vertex[1][l] == vertex ? 1U : 0U) + (block.vertex[2][l] == vertex ? 2U : 0U);
-}
-
-// Where corner k has the part own[k] of all[vertex[k]] of its vertex' mass.
-double membrane_bound(const StiffnessProblem& problem, std::span<const double> law_determinants, const Corners& corners,
-                      const std::array<double, 3>& own, std::span<const double> all) {
-  // G = sum over corners of A B B^T / (mass share), with strain-displacement matrices B, rows (gx, 0), (0, gy), (gy,
-  // gx): {xx, 0, xy}, {0, yy, xy}, {xy, xy, xx + yy}.
-  double xx = 0.0, xy = 0.0, yy = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const auto v = static_cast<std::size_t>(corners.vertex[k]);
-    const double weight = corners.area * all[v] * problem.inverse_mass[v] / own[k];
-    xx += weight * corners.gx[k] * corners.gx[k];
-    xy += weight * corners.gx[k] * corners.gy[k];
-    yy += weight * corners.gy[k] * corners.gy[k];
-  }
-  const Eigen::Matrix3d G{
-      {xx, 0.0, xy},
-      {0.0, yy, xy},
-      {xy, xy, xx + yy},
-  };
-  const Eigen::Matrix3d H = corners.law->membrane * G;  // its eigenvalues are those of L^T G L, L L^T the law
-  const double minors = H(0, 0) * H(1, 1) - H(0, 1) * H(1, 0) + H(0, 0) * H(2, 2) - H(0, 2) * H(2, 0) +
-                        H(1, 1) * H(2, 2) - H(1, 2) * H(2, 1);
-  return largest_eigenvalue_bound(H.trace(), minors,
-                                  law_determinants[corners.material] * (xx + yy) * (xx * yy - xy * xy));
+// Of a 2x2 matrix: its larger singular value.
+double spectral_norm(const Eigen::Matrix2d& A) {
+  const double half_squares = 0.5 * A.squaredNorm();
+  const double determinant = A.determinant();
+  const double difference = std::max(0.0, (half_squares - determinant) * (half_squares + determinant));
+  return std::sqrt(half_squares + std::sqrt(difference));
 }
 
 // roots: 1/sqrt(kg), of the inverse masses.
@@ -128,65 +87,105 @@ void RunningMaximum::update(std::span<const std::int32_t> changed) {
   }
 }
 
-void StiffnessBound::update(const StiffnessProblem& problem, std::span<const mesh::TriangleId> slots,
-                            std::span<const mesh::VertexId> vertices, std::span<const mesh::VertexId> rows) {
-  update_membrane(problem, slots, vertices);
-  update_bending(problem, vertices, rows);
+void StiffnessBound::update(const StiffnessProblem& problem, std::span<const mesh::VertexId> touched,
+                            std::span<const mesh::VertexId> weighed, std::span<const mesh::VertexId> rows) {
+  update_membrane(problem, touched, weighed);
+  update_bending(problem, weighed, rows);
 }
 
-void StiffnessBound::update_membrane(const StiffnessProblem& problem, std::span<const mesh::TriangleId> slots,
-                                     std::span<const mesh::VertexId> vertices) {
-  std::array<double, kMaxMaterials> law_determinants{};
-  for (std::size_t i = 0; i < problem.materials.size(); ++i) {
-    law_determinants[i] = problem.materials[i].membrane.determinant();
+void StiffnessBound::update_membrane(const StiffnessProblem& problem, std::span<const mesh::VertexId> touched,
+                                     std::span<const mesh::VertexId> weighed) {
+  const std::size_t num_vertices = problem.inverse_mass.size();
+  rows_.resize(static_cast<int>(num_vertices));
+  for (std::vector<Pair>& z : z_) z.resize(num_vertices);
+  membrane_.resize(num_vertices);
+  changed_.clear();
+  changed_.resize(num_vertices);
+  for (const mesh::VertexId v : weighed) changed_.insert(v);
+  for (const mesh::VertexId v : touched) {
+    changed_.insert(v);
+    set_row(problem, v);
   }
-  const std::size_t num_slots = problem.blocks.size() * kLanes;
-  weight_parts_.resize(num_slots);
-  weights_.resize(problem.stiffness.size(), 0.0);
-  membrane_.resize(num_slots);
-  changed_slots_.clear();
-  changed_slots_.resize(num_slots);
-  changed_vertices_.clear();
-  changed_vertices_.resize(weights_.size());
-  for (const mesh::TriangleId slot : slots) {
-    if (static_cast<std::size_t>(slot) < num_slots) changed_slots_.insert(slot);
-  }
-  for (const mesh::VertexId v : vertices) {
-    changed_vertices_.insert(v);
-    for (const mesh::TriangleId slot : problem.incident_slots.row(v)) changed_slots_.insert(slot);
-  }
-  for (const mesh::TriangleId slot : changed_slots_.members()) {
-    const Corners corners = corners_of(problem, slot);
-    if (corners.area == 0.0) continue;
-    std::array<double, 3> stiffness{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      stiffness[k] = corner_stiffness(corners.gx[k], corners.gy[k], corners.area, corners.law->membrane);
-    }
-    const double bound = membrane_bound(problem, law_determinants, corners, stiffness, problem.stiffness);
-    for (std::size_t k = 0; k < 3; ++k) {
-      weight_parts_[static_cast<std::size_t>(slot)][k] = bound * stiffness[k];
-      changed_vertices_.insert(corners.vertex[k]);
+  for (const mesh::VertexId v : changed_.members()) {
+    const double inverse_mass = problem.inverse_mass[static_cast<std::size_t>(v)];
+    const double scale = inverse_mass * std::sqrt(inverse_mass);
+    Pair& first = z_.front()[static_cast<std::size_t>(v)];
+    first = {};
+    for (const StiffnessBlock& block : rows_.row(v)) {
+      if (block.column == v) first = {scale * block.xx, scale * block.yy};
     }
   }
-  for (const mesh::VertexId v : changed_vertices_.members()) {
-    double weight = 0.0;
-    for (const mesh::TriangleId slot : problem.incident_slots.row(v)) {
-      weight += weight_parts_[static_cast<std::size_t>(slot)][corner_at(problem, slot, v)];
-      changed_slots_.insert(slot);
+  for (std::size_t pass = 0; pass < kPasses; ++pass) {
+    add_neighbours_of_changed();
+    for (const mesh::VertexId v : changed_.members()) {
+      z_[pass + 1][static_cast<std::size_t>(v)] = product(problem, v, z_[pass]);
     }
-    weights_[static_cast<std::size_t>(v)] = weight;
   }
-  for (const mesh::TriangleId slot : changed_slots_.members()) {
-    const Corners corners = corners_of(problem, slot);
-    const std::array<double, 3>& own = weight_parts_[static_cast<std::size_t>(slot)];
-    const bool is_solid = corners.area != 0.0;
-    membrane_.set(static_cast<std::size_t>(slot),
-                  is_solid ? membrane_bound(problem, law_determinants, corners, own, weights_) : 0.0);
+  add_neighbours_of_changed();
+  for (const mesh::VertexId v : changed_.members()) {
+    const Pair& z = z_.back()[static_cast<std::size_t>(v)];
+    const Pair next = product(problem, v, z_.back());
+    const bool has_material = z[0] > 0.0 && z[1] > 0.0;
+    membrane_.set(static_cast<std::size_t>(v), has_material ? std::max(next[0] / z[0], next[1] / z[1]) : 0.0);
   }
-  membrane_.update(changed_slots_.members());
+  membrane_.update(changed_.members());
 }
 
-void StiffnessBound::update_bending(const StiffnessProblem& problem, std::span<const mesh::VertexId> vertices,
+void StiffnessBound::set_row(const StiffnessProblem& problem, mesh::VertexId vertex) {
+  row_.clear();
+  for (const mesh::TriangleId slot : problem.incident_slots.row(vertex)) {
+    const Corners corners = corners_of(problem, slot);
+    const std::size_t own = (corners.vertex[1] == vertex ? 1U : 0U) + (corners.vertex[2] == vertex ? 2U : 0U);
+    const Eigen::Matrix<double, 2, 3> stress = corners.area * corners.strain[own].transpose() * corners.law->membrane;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Matrix2d K = stress * corners.strain[k];
+      StiffnessBlock& block = block_of_row(corners.vertex[k]);
+      if (problem.is_curved) {
+        const double norm = spectral_norm(K);
+        block.xx += norm;
+        block.yy += norm;
+      } else {
+        block.xx += K(0, 0);
+        block.xy += K(0, 1);
+        block.yx += K(1, 0);
+        block.yy += K(1, 1);
+      }
+    }
+  }
+  for (StiffnessBlock& block : row_) {
+    for (double* entry : {&block.xx, &block.xy, &block.yx, &block.yy}) *entry = std::abs(*entry);
+  }
+  rows_.set_row(vertex, row_);
+}
+
+StiffnessBlock& StiffnessBound::block_of_row(mesh::VertexId column) {
+  for (StiffnessBlock& block : row_) {
+    if (block.column == column) return block;
+  }
+  row_.emplace_back().column = column;
+  return row_.back();
+}
+
+void StiffnessBound::add_neighbours_of_changed() {
+  const std::size_t size = changed_.size();
+  for (std::size_t i = 0; i < size; ++i) {
+    for (const StiffnessBlock& block : rows_.row(changed_.members()[i])) changed_.insert(block.column);
+  }
+}
+
+StiffnessBound::Pair StiffnessBound::product(const StiffnessProblem& problem, mesh::VertexId row,
+                                             const std::vector<Pair>& z) const {
+  const double inverse_mass = problem.inverse_mass[static_cast<std::size_t>(row)];
+  double x = 0.0, y = 0.0;
+  for (const StiffnessBlock& block : rows_.row(row)) {
+    const Pair& at = z[static_cast<std::size_t>(block.column)];
+    x += block.xx * at[0] + block.xy * at[1];
+    y += block.yx * at[0] + block.yy * at[1];
+  }
+  return {inverse_mass * x, inverse_mass * y};
+}
+
+void StiffnessBound::update_bending(const StiffnessProblem& problem, std::span<const mesh::VertexId> weighed,
                                     std::span<const mesh::VertexId> rows) {
   const auto num_rows = static_cast<std::size_t>(problem.bending_rows.num_rows());
   if (num_rows == 0) return;
@@ -195,7 +194,7 @@ void StiffnessBound::update_bending(const StiffnessProblem& problem, std::span<c
   changed_rows_.resize(num_rows);
   roots_.resize(num_rows, 0.0);
   for (const mesh::VertexId row : rows) changed_rows_.insert(row);
-  for (const mesh::VertexId v : vertices) {
+  for (const mesh::VertexId v : weighed) {
     changed_rows_.insert(v);
     roots_[static_cast<std::size_t>(v)] = std::sqrt(problem.inverse_mass[static_cast<std::size_t>(v)]);
     for (const BendingEntry& entry : problem.bending_rows.row(v)) changed_rows_.insert(entry.column);

@@ -30,7 +30,7 @@ struct IntegratorSettings {
   std::int32_t max_linear_iterations = 1000;                   // implicit: of a solve by conjugate gradients, 1..100000
   fem::CovarianceRootOptions covariance_root{};                // power 0.01..2, newton_schulz_iterations 1..50
   double highest_mode_damping = 0.05;                          // explicit: -, 0..0.5, see fem::IntegratorOptions
-  Precision precision = Precision::kDouble;
+  Precision precision = Precision::kMixed;
 };
 
 // Ranges; fields are named as in kerf.v1.Scene ("integrator.max_substeps").

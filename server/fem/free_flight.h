@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "server/fem/loads.h"
+#include "server/fem/model.h"
+#include "server/fem/state.h"
+
+namespace kerf::fem {
+
+// What a leapfrog kick does under gravity g and mass damping: v' = (1 - lost) v + scale (f / m + g). Midpoint rule.
+struct KickFactors {
+  double scale = 0.0;  // s
+  double lost = 0.0;   // -
+};
+KickFactors kick_factors(double mass_damping, double duration);
+
+// Where the centre of mass of a sheet goes on which nothing acts but gravity and a mass damping that is the same
+// everywhere, substep for substep: known to round-off in double, whatever precision the sheet itself is moved with.
+class FreeFlight {
+ public:
+  static bool holds(const Model& model, const Loads& loads);
+
+  FreeFlight(const Model& model, const State& state);
+  // One kick, and a drift (s).
+  void substep(const KickFactors& factors, const Eigen::Vector3d& gravity, double drift);
+  // Moves the sheet as a whole, so that its centre is where it should be, and as fast.
+  void centre(const Model& model, State& state) const;
+
+ private:
+  Eigen::Vector3d x_;  // m
+  Eigen::Vector3d v_;  // m/s
+};
+
+}  // namespace kerf::fem
