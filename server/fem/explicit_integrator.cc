@@ -132,6 +132,14 @@ int ExplicitIntegrator::bending_interval(double h, double strain) const {
   return 1;
 }
 
+int ExplicitIntegrator::even_interval(int substeps, int longest) const {
+  const int most = std::min(options_.max_substeps, substeps + substeps / 20);
+  for (int interval = longest; interval > 1; --interval) {
+    if ((substeps + interval - 1) / interval * interval <= most) return interval;
+  }
+  return 1;
+}
+
 StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                                    State& state) {
   KERF_CHECK(state.x.cols() == scratch_.force.cols() && model.num_vertices() == scratch_.force.cols(),
@@ -142,18 +150,17 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
 
   const GreenStretch stretch = stretch_at(model, state.x);
   const double longest = options_.cfl * critical_step(stretch.stiffening);
-  double planned = substeps_below(longest, dt);
-  double h = dt / planned;
+  const double planned = substeps_below(longest, dt);
+  Plan plan{dt, 0, stretch.tension};
   if (planned > options_.max_substeps) {
-    planned = options_.max_substeps;
-    h = longest;
+    plan.substeps = options_.max_substeps;
+    plan.duration = longest * plan.substeps;
     stats.flags |= kSubstepLimit;
+  } else {
+    plan.substeps = static_cast<int>(planned);
   }
-  stats.substeps = static_cast<int>(planned);
-  stats.simulated = h * planned;
   bool is_mixed = options_.precision == Precision::kMixed;
   for (int retry = 0;; ++retry) {
-    const Plan plan{h, stats.substeps, stretch.tension};
     if (is_mixed && !advance(model, loads, plan, contact, mixed_sweep_, state) && is_finite(state)) {
       is_mixed = false;
       stats.flags |= kWidened;
@@ -166,21 +173,20 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
       const bool is_kept = contact != nullptr || keeps_energy(model, loads, stats, state);
       // What stretches faster than the cfl number leaves room for has outrun its substeps.
-      const bool is_stable = h <= critical_step(stretch_at(model, state.x).stiffening);
+      const bool is_stable = plan.h() <= critical_step(stretch_at(model, state.x).stiffening);
       if ((is_kept && is_stable) || retry == kMaxRetries) break;
     }
     go_back(state);
     stats.flags &= ~kEnergyLimited;  // of the attempt that is thrown away
     if (retry == kMaxRetries) {
       stats.flags |= kFrozen;
-      stats.substeps = 0;
-      stats.simulated = 0.0;
       return stats;
     }
     stats.flags |= kSubstepped;
-    stats.substeps *= 2;
-    h *= 0.5;
+    plan.substeps *= 2;
   }
+  stats.substeps = plan.substeps;
+  stats.simulated = plan.duration;
   if (stats.max_strain > options_.strain_limit) stats.flags |= kStrainLimit;
   return stats;
 }
@@ -202,12 +208,11 @@ void ExplicitIntegrator::go_back(State& state) const {
 }
 
 template <typename T>
-bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, const Plan& plan, ContactConstraint* contact,
+bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& plan, ContactConstraint* contact,
                                  LeapfrogSweep<T>& sweep, State& state) {
-  const double h = plan.h;
-  const double duration = h * plan.substeps;
+  const double duration = plan.duration;
   const double bending_beta = is_uniform(bending_beta_) ? damping_of(bending_beta_, 0) : 0.0;
-  const LeapfrogTerms terms{loads.gravity, beta_, bending_beta, h};
+  LeapfrogTerms terms{loads.gravity, beta_, bending_beta, plan.h()};
   const bool has_forces = has_forces_on_vertices(model, loads) || (model.has_bending() && !is_uniform(bending_beta_));
   if (contact != nullptr) contact->begin(state.x);
   // Rounding of floats adds up over substeps to a drift that double does not have.
@@ -215,18 +220,25 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, const P
   if (std::is_same_v<T, float> && contact == nullptr && FreeFlight::holds(model, loads)) flight.emplace(model, state);
   set_pins(loads, duration, state);
   if (!sweep.begin(model, loads, terms, duration, state)) return false;
-  const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
-  const int interval = bending_interval(h, is_green ? plan.tension : sweep.tension());
+  int interval = 1;
+  if (model.has_bending()) {
+    const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
+    interval = even_interval(plan.substeps, bending_interval(plan.h(), is_green ? plan.tension : sweep.tension()));
+    if (plan.substeps % interval != 0) {
+      plan.substeps += interval - plan.substeps % interval;
+      terms.h = plan.h();
+      if (!sweep.begin(model, loads, terms, duration, state)) return false;
+    }
+  }
+  const double h = plan.h();
   for (int i = 0; i <= plan.substeps; ++i) {
     const bool last = i == plan.substeps;
     const double time_left = last ? 0.0 : duration - h * i;
     LeapfrogKick kick;
     kick.duration = i == 0 || last ? 0.5 * h : h;
     kick.drift = last ? 0.0 : h;
-    if (i % interval == 0 || last) {
-      const int before = i == 0 ? 0 : (last && i % interval != 0 ? i % interval : interval);
-      const int after = std::min(interval, plan.substeps - i);
-      kick.bending = 0.5 * h * (before + after);
+    if (i % interval == 0) {
+      kick.bending = i == 0 || last ? 0.5 * h * interval : h * interval;
     }
     if (has_forces) {
       sweep.write(state);

@@ -61,9 +61,11 @@ class ExplicitIntegrator final : public Integrator {
     State start;              // to go back to
   };
   struct Plan {
-    double h = 0.0;  // s
+    double duration = 0.0;  // s
     int substeps = 0;
     double tension = 0.0;  // -, of Green's strain: see GreenStretch
+
+    [[nodiscard]] double h() const { return duration / substeps; }  // s
   };
 
   // s, of a sheet so many times as stiff as at rest; infinite without material.
@@ -73,10 +75,13 @@ class ExplicitIntegrator final : public Integrator {
   void go_back(State& state) const;
   // Whether the substeps resolved the motion well enough; else its energy is limited.
   bool keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const;
-  // False: the precision of the sweep does not do.
+  // The longest interval, no longer than `longest`, of which a step can have a whole number at the cost of a twentieth
+  // more substeps: the last one of a step, if it were shorter, would beat with modes of the step's own pace.
+  [[nodiscard]] int even_interval(int substeps, int longest) const;
+  // Of at least the plan's substeps: those made are put into it. False: the precision of the sweep does not do.
   template <typename T>
-  bool advance(const Model& model, const Loads& loads, const Plan& plan, ContactConstraint* contact,
-               LeapfrogSweep<T>& sweep, State& state);
+  bool advance(const Model& model, const Loads& loads, Plan& plan, ContactConstraint* contact, LeapfrogSweep<T>& sweep,
+               State& state);
   // Into scratch_.force, those of bending as their impulse wants.
   void set_forces(const Model& model, const Loads& loads, const LeapfrogKick& kick, const State& state);
   template <typename T>

@@ -225,6 +225,14 @@ TEST(MixedPrecision, FollowsDoubleThroughASwing) {
   for (const MembraneLaw law : kLaws) expect_mixed_follows_double(law);
 }
 
+// Forces of 0: what the sheet does by itself is not put right by where its centre must be (FreeFlight).
+Loads pushed_by_nothing(const State& state) {
+  Loads loads = no_loads();
+  loads.external_forces = mesh::VertexField(state.x.cols());
+  loads.external_forces.setZero();
+  return loads;
+}
+
 TEST(MixedPrecision, KeepsMotionSlowerThanItsUnitOfLength) {
   const mesh::TriangleMesh mesh = square_grid(6);
   const Model model(mesh, soft_cloth());
@@ -235,7 +243,7 @@ TEST(MixedPrecision, KeepsMotionSlowerThanItsUnitOfLength) {
   const Eigen::Vector3d velocity(1e-7, -3e-8, 7e-8);  // m/s; about a unit of 2^-30 m in a tick
   state.v.colwise() = velocity;
   constexpr int kTicks = 600;
-  state = stepped(model, *integrator, state, kTicks, no_loads());
+  state = stepped(model, *integrator, state, kTicks, pushed_by_nothing(state));
   const Eigen::Vector3d way = kTicks * kTick * velocity;
   const mesh::VertexField moved = state.x - start;
   EXPECT_LT((model.centre_of_mass(moved) - way).norm(), 1e-2 * way.norm());
@@ -253,7 +261,8 @@ TEST(MixedPrecision, FallsAsFastInManySubstepsAsInFew) {
   const double height = model.centre_of_mass(state.x).z();
   constexpr int kTicks = 18;
   long substeps = 0;
-  Loads loads;
+  Loads loads = pushed_by_nothing(state);
+  loads.gravity = Loads().gravity;
   for (int i = 0; i < kTicks; ++i) substeps += integrator->step(model, loads, kTick, nullptr, state).substeps;
   EXPECT_GT(substeps, 50'000);
   const double time = kTicks * kTick;
@@ -276,6 +285,37 @@ TEST(MixedPrecision, IsTheSameFarFromTheOrigin) {
   EXPECT_LT(moved.x.row(2).minCoeff(), -0.2);
   // Positions there are rounded to 1e-12 m, edges as well.
   EXPECT_LT(((far_moved.x.colwise() - there) - moved.x).cwiseAbs().maxCoeff(), 1e-5);
+}
+
+// Forces a thousand times its weight, whose rounding does not add up to 0.
+TEST(MixedPrecision, KeepsTheWayOfAFreeSheetToRoundOff) {
+  for (const mesh::TriangleMesh& mesh : meshes()) {
+    Material material = soft_cloth();
+    material.mass_damping = 0.7;
+    const Model model(mesh, material);
+    std::vector<State> results;
+    for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+      const std::unique_ptr<Integrator> integrator = make_integrator(options_of(precision));
+      integrator->rebuild(model);
+      results.push_back(stepped(model, *integrator, crumpled_state(mesh), 60));
+    }
+    const auto apart = [&](auto what) { return (what(results[1]) - what(results[0])).norm(); };
+    EXPECT_GT((results[1].x - results[0].x).norm(), 1e-6);
+    EXPECT_LT(apart([&](const State& s) { return model.centre_of_mass(s.x); }), 1e-12);
+    EXPECT_LT(apart([&](const State& s) { return model.momentum(s).linear; }), 1e-12 * model.total_mass());
+  }
+}
+
+TEST(MixedPrecision, MakesAStepInDoubleWhereATriangleIsTooFlat) {
+  for (const double width : {0.1, 1e-4}) {
+    const mesh::TriangleMesh mesh = mesh::make_grid({.num_x = 5, .num_y = 2, .width = 1.0, .height = width}).value();
+    const Model model(mesh, soft_cloth());
+    const std::unique_ptr<Integrator> integrator = make_integrator(options_of(Precision::kMixed));
+    integrator->rebuild(model);
+    State state = rest_state(mesh);
+    const StepStats stats = integrator->step(model, Loads(), 1e-4, nullptr, state);
+    EXPECT_EQ(stats.flags, width < 1e-3 ? kWidened : kNoFlags) << width;
+  }
 }
 
 TEST(MixedPrecision, MakesAStepInDoubleWhereItCannotHoldTheSheet) {
