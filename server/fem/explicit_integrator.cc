@@ -104,13 +104,31 @@ void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
       sweep.rebuild(model, layout_);
     }
   };
-  is_double_current_ = options_.precision == Precision::kDouble;
+  const bool is_mixed = options_.precision == Precision::kMixed;
+  if (is_mixed) set(mixed_sweep_);
+  // Of mixed precision: where the sheet is in double now, it will be in the next step as well.
+  is_double_current_ = !is_mixed || (follows && is_double_current_ && was_in_double_);
   if (is_double_current_) {
     set(double_sweep_);
   } else {
-    set(mixed_sweep_);
     double_sweep_.reserve(model, layout_, mixed_sweep_);
   }
+}
+
+bool ExplicitIntegrator::is_quiet(const Model& model, const State& state) const {
+  constexpr double kNoise = 0x1p-28;    // -, of strains in mixed precision
+  constexpr double kAboveNoise = 64.0;  // -
+  Eigen::Array3d low = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Array3d high = -low;
+  double speed_squared = 0.0;
+  for (Eigen::Index v = 0; v < state.x.cols(); ++v) {
+    if (model.mass()[static_cast<std::size_t>(v)] == 0.0) continue;
+    low = low.min(state.x.col(v).array());
+    high = high.max(state.x.col(v).array());
+    speed_squared = std::max(speed_squared, state.v.col(v).squaredNorm());
+  }
+  const double extent = (high - low).maxCoeff();
+  return std::sqrt(speed_squared) < kAboveNoise * kNoise * omega_ * extent;
 }
 
 double ExplicitIntegrator::planned_substeps(double dt) const {
@@ -159,16 +177,19 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   } else {
     plan.substeps = static_cast<int>(planned);
   }
-  bool is_mixed = options_.precision == Precision::kMixed;
+  bool is_mixed = options_.precision == Precision::kMixed && !is_quiet(model, state);
   for (int retry = 0;; ++retry) {
     if (is_mixed && !advance(model, loads, plan, contact, mixed_sweep_, state) && is_finite(state)) {
       is_mixed = false;
       stats.flags |= kWidened;
       go_back(state);
+    }
+    if (!is_mixed) {
       if (!is_double_current_) double_sweep_.rebuild(model, layout_);
       is_double_current_ = true;
+      advance(model, loads, plan, contact, double_sweep_, state);
     }
-    if (!is_mixed) advance(model, loads, plan, contact, double_sweep_, state);
+    was_in_double_ = !is_mixed;
     if (is_finite(state)) {
       stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
       const bool is_kept = contact != nullptr || keeps_energy(model, loads, stats, state);
@@ -256,7 +277,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   }
   if (!sweep.stayed_inside(duration)) return false;
   sweep.write(state);
-  if (flight) flight->centre(model, state);
+  if (flight) flight->put_right(model, state);
   set_pins(loads, 0.0, state);
   drift_massless(model, duration, state);
   if (contact != nullptr) contact->enforce(h, state);

@@ -26,6 +26,7 @@ namespace kerf::fem {
 // The bound is that of the sheet at rest. Stretched with Green's strain it is stiffer, see GreenStretch: of that
 // law a step begins with the substep of the sheet as it is, and is made again with shorter ones where the sheet ends so
 // stretched that they were too long.
+// In mixed precision steps of a sheet that is nearly at rest are made in double.
 // Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
 // respects it.
 class ExplicitIntegrator final : public Integrator {
@@ -73,6 +74,9 @@ class ExplicitIntegrator final : public Integrator {
   void resize(const Model& model);
   void set_sweeps(const Model& model, bool follows);
   void go_back(State& state) const;
+  // So slow that its motion is not far above the noise of mixed precision: strains of 2^-28 or so, of which come
+  // velocities of omega times that of its extent. Else a stiff sheet would not come to rest.
+  [[nodiscard]] bool is_quiet(const Model& model, const State& state) const;
   // Whether the substeps resolved the motion well enough; else its energy is limited.
   bool keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const;
   // The longest interval, no longer than `longest`, of which a step can have a whole number at the cost of a twentieth
@@ -100,6 +104,7 @@ class ExplicitIntegrator final : public Integrator {
   MembraneLayout layout_;
   LeapfrogSweep<double> double_sweep_;  // of mixed precision: only where that does not do
   bool is_double_current_ = false;
+  bool was_in_double_ = false;  // the last step
   LeapfrogSweep<float> mixed_sweep_;
   Scratch scratch_;
   std::string explanation_;

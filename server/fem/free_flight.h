@@ -16,7 +16,8 @@ struct KickFactors {
 KickFactors kick_factors(double mass_damping, double duration);
 
 // Where the centre of mass of a sheet goes on which nothing acts but gravity and a mass damping that is the same
-// everywhere, substep for substep: known to round-off in double, whatever precision the sheet itself is moved with.
+// everywhere, and what is left of its spin, substep for substep: known to round-off in double, whatever precision the
+// sheet itself is moved with.
 class FreeFlight {
  public:
   static bool holds(const Model& model, const Loads& loads);
@@ -24,12 +25,15 @@ class FreeFlight {
   FreeFlight(const Model& model, const State& state);
   // One kick, and a drift (s).
   void substep(const KickFactors& factors, const Eigen::Vector3d& gravity, double drift);
-  // Moves the sheet as a whole, so that its centre is where it should be, and as fast.
-  void centre(const Model& model, State& state) const;
+  // Moves the sheet as a whole, so that its centre is where it should be, and as fast, and adds a rigid rotation to its
+  // velocities, so that it has the angular momentum that it should have. Along a line that all its mass lies on nothing
+  // turns.
+  void put_right(const Model& model, State& state) const;
 
  private:
-  Eigen::Vector3d x_;  // m
-  Eigen::Vector3d v_;  // m/s
+  Eigen::Vector3d x_;     // m
+  Eigen::Vector3d v_;     // m/s
+  Eigen::Vector3d spin_;  // kg m^2/s, about the centre
 };
 
 }  // namespace kerf::fem

@@ -70,7 +70,7 @@ struct IntegratorOptions {
   double tick = 1.0 / 60.0;  // s, the dt that step() will be called with; kAutomatic's estimate only
 
   // Explicit. Substep = dt / ceil(dt / (cfl * stable step)).
-  double cfl = 0.9;                    // -, (0, 1)
+  double cfl = 0.95;                   // -, (0, 1)
   double highest_mode_damping = 0.05;  // -, [0, 0.5]: damping ratio of the fastest mode, added as Kelvin-Voigt damping.
                                        // Upper limit of the material's own stiffness_damping as well. Without any, the
                                        // scheme may gain energy in a crumpled sheet

@@ -119,7 +119,7 @@ void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout,
     if (array.capacity() < size) array.reserve(size + size / 4);
   });
   bending_rows_.clear();
-  bending_rows_.reserve(like.bending_rows_.num_rows(), like.bending_rows_.num_entries());
+  bending_rows_.make_room(like.bending_rows_.num_rows(), like.bending_rows_.num_entries());
 }
 
 template <typename T>

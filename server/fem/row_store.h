@@ -33,10 +33,12 @@ class RowStore {
     num_entries_ = 0;
   }
 
-  // Room for so many rows with so many entries in all, written once each after clear(). Invalidates spans of rows.
-  void reserve(int num_rows, std::size_t num_entries) {
-    rows_.reserve(static_cast<std::size_t>(num_rows));
-    entries_.reserve(num_entries);
+  // Room for so many rows with so many entries in all, written once each after clear(), and a quarter more where it has
+  // to grow. Invalidates spans of rows.
+  void make_room(int num_rows, std::size_t num_entries) {
+    const auto n = static_cast<std::size_t>(num_rows);
+    if (rows_.capacity() < n) rows_.reserve(n + n / 4);
+    if (entries_.capacity() < num_entries) entries_.reserve(num_entries + num_entries / 4);
   }
 
   // Room for a quarter more, so that rows may outgrow their places for some time before all are moved. Invalidates

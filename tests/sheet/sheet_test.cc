@@ -30,6 +30,7 @@ TEST(Sheet, FallsAsGalileiSaysWhenNothingHoldsIt) {
     config.pins.clear();
     config.material.mass_damping = 0.0;
     config.integrator.kind = kind;
+    config.integrator.precision = Precision::kDouble;
     Sheet sheet = make(config);
     run(sheet, 30);
     EXPECT_EQ(sheet.tick(), 30);

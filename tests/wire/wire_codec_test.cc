@@ -109,7 +109,7 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   EXPECT_EQ(config.integrator.covariance_root.power, 0.5);
   EXPECT_EQ(config.integrator.covariance_root.newton_schulz_iterations, 5);
   EXPECT_EQ(config.integrator.highest_mode_damping, 0.05);
-  EXPECT_EQ(config.integrator.precision, sheet::Precision::kDouble);
+  EXPECT_EQ(config.integrator.precision, sheet::Precision::kMixed);
   scene.mutable_wind();
   EXPECT_EQ(decoded(scene).wind.air_density, 1.2);
   EXPECT_EQ(decoded(scene).wind.drag_coefficient, 1.0);
