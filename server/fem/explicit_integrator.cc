@@ -177,12 +177,14 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   } else {
     plan.substeps = static_cast<int>(planned);
   }
-  bool is_mixed = options_.precision == Precision::kMixed && !is_quiet(model, state);
+  bool is_mixed = options_.precision == Precision::kMixed;
+  const bool was_quiet = is_mixed && is_quiet(model, state);
   for (int retry = 0;; ++retry) {
-    if (is_mixed && !advance(model, loads, plan, contact, mixed_sweep_, state) && is_finite(state)) {
-      is_mixed = false;
-      stats.flags |= kWidened;
-      go_back(state);
+    if (is_mixed) {
+      const bool fits = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
+      is_mixed = fits && !(was_quiet && is_quiet(model, state));
+      if (!fits) stats.flags |= kWidened;
+      if (!is_mixed) go_back(state);
     }
     if (!is_mixed) {
       if (!is_double_current_) double_sweep_.rebuild(model, layout_);

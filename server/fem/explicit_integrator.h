@@ -26,7 +26,7 @@ namespace kerf::fem {
 // The bound is that of the sheet at rest. Stretched with Green's strain it is stiffer, see GreenStretch: of that
 // law a step begins with the substep of the sheet as it is, and is made again with shorter ones where the sheet ends so
 // stretched that they were too long.
-// In mixed precision steps of a sheet that is nearly at rest are made in double.
+// In mixed precision a step of a sheet that was and is nearly at rest is made anew in double.
 // Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
 // respects it.
 class ExplicitIntegrator final : public Integrator {
