@@ -40,9 +40,10 @@ double membrane_energy(std::span<const ElementBlock> blocks, const MaterialTable
 // Largest |principal strain| U - I of any triangle with material, -.
 double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::VertexField& x);
 
-// How much stiffer than at rest, at most, a membrane with Green's strain is at x: both bound the largest eigenvalue of
-// M^-1 K in units of StiffnessBound's bound at rest. With the larger principal stretch lambda and stress sigma, N/m, of
-// a triangle and c = MaterialLaw::least_membrane, the largest of all triangles:
+// How much stiffer than at rest, at most, the triangles of a membrane with Green's strain are at x, and so the largest
+// eigenvalue of M^-1 K in units of StiffnessBound's bound at rest, of a sheet whose triangles turn together. With the
+// larger principal stretch lambda and stress sigma, N/m, of a triangle and c = MaterialLaw::least_membrane, the largest
+// of all triangles:
 //   stiffening = lambda^2 + tension, >= 1. The material stiffness at x is that at rest of displacements U R^T dx, no
 //   longer than lambda dx.
 //   tension = max(0, sigma) / c. The geometric stiffness is at most sigma A sum |grad dx|^2, and that at rest, for

@@ -141,15 +141,11 @@ def front_words(rows):
     """Whether the defaults lie on the front, as the table has it."""
     found = [(row, sizes.dominating(rows, row)) for row in sizes.defaults(rows)]
     off = [better for _, better in found if better]
-    by_mixed = [better for better in off if all(each["scheme"] == "explicit mixed" for each in better)]
     lines = [f"The default lies on the front in **{len(found) - len(off)} of {len(found)}** cases: nothing else with ticks as long or "
              "shorter takes less than", f"{sizes.SAME_TIME:g} of its time for no larger error (up to "
              f"{100 * (sizes.SAME_ERROR - 1):.0f} %)."]
-    if by_mixed:
-        lines.append(f"In {len(by_mixed)} the explicit integrator in mixed precision, which has to be asked for, and nothing else is "
-                     "better.")
-    if len(off) > len(by_mixed):
-        lines.append(f"In {len(off) - len(by_mixed)} something else is; the table names the fastest.")
+    if off:
+        lines.append(f"In {len(off)} something else is better; the table names the fastest.")
     return [*lines, ""]
 
 
