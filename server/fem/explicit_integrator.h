@@ -15,20 +15,18 @@ namespace kerf::fem {
 // begins and ends with x and v at one time. Second order, symplectic, conserves linear and angular momentum to
 // round-off where no load acts.
 //
-// Substep: h = dt / ceil(dt / (cfl h_crit)), h_crit = 2 / omega (sqrt(1 + xi^2) - xi), omega^2 =
-// Model::stiffness_bound(); Kelvin-Voigt damping beta = 2 xi / omega with xi between highest_mode_damping and
-// kMaxModeDamping, whichever lets the material's own stiffness_damping through; of several materials each has its xi,
-// and the largest bounds the step: with K and C the sums of the elements' stiffness and damping and any mode of the
-// step, u.C u <= beta_max u.K u. Mass damping by the midpoint rule.
-// Bending acts more slowly than the membrane and kicks once in several substeps (impulse method: Grubmueller et
-// al. 1991, "Generalized Verlet algorithm for efficient molecular dynamics simulations with long-range interactions";
-// Tuckerman, Berne, Martyna 1992): see bending_interval().
-// The bound is that of the sheet at rest. Stretched with Green's strain it is stiffer, see GreenStretch: of that
-// law a step begins with the substep of the sheet as it is, and is made again with shorter ones where the sheet ends so
-// stretched that they were too long.
-// In mixed precision a step of a sheet that was and is nearly at rest is made anew in double.
-// Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
-// respects it.
+// Substep: h = dt / n, n >= dt / (cfl h_crit), no more above than a whole number of bending kicks asks for, h_crit = 2
+// / omega (sqrt(1 + xi^2) - xi), omega^2 = Model::stiffness_bound(); Kelvin-Voigt damping beta = 2 xi / omega with xi
+// between highest_mode_damping and kMaxModeDamping, whichever lets the material's own stiffness_damping through; of
+// several materials each has its xi, and the largest bounds the step: with K and C the sums of the elements' stiffness
+// and damping and any mode of the step, u.C u <= beta_max u.K u. Mass damping by the midpoint rule. Bending acts more
+// slowly than the membrane and kicks once in several substeps (impulse method: Grubmueller et al. 1991, "Generalized
+// Verlet algorithm for efficient molecular dynamics simulations with long-range interactions"; Tuckerman, Berne,
+// Martyna 1992): see bending_interval(). The bound is that of the sheet at rest. Stretched with Green's strain it is
+// stiffer, see GreenStretch: of that law a step begins with the substep of the sheet as it is, and is made again with
+// shorter ones where the sheet ends so stretched that they were too long. In mixed precision a step of a sheet that was
+// and is nearly at rest is made anew in double, at the cost of both. Contact is enforced after each drift, in the last
+// substep after the closing kick, so that what leaves the step respects it.
 class ExplicitIntegrator final : public Integrator {
  public:
   // Damping ratio of the fastest mode, -, above which the stable step shrinks faster than damping is worth.
@@ -44,7 +42,7 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override { return IntegratorKind::kExplicit; }
 
-  // Substeps a step of dt takes.
+  // Substeps a step of dt takes at least.
   [[nodiscard]] double planned_substeps(double dt) const;
   // Substeps of h from one kick of the bending forces to the next, n <= kMaxBendingInterval, in a sheet of which the
   // largest strain in tension is as given, -. Kicks are stable by themselves where n h omega_b < 2, omega_b^2 =
@@ -79,6 +77,9 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] bool is_quiet(const Model& model, const State& state) const;
   // Whether the substeps resolved the motion well enough; else its energy is limited.
   bool keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const;
+  // Of the co-rotational law: what the step takes of a sheet that is stretched, -, so much that irregular meshes are
+  // stiffer than at rest; 0 where it is not.
+  [[nodiscard]] int substeps_stretched(double duration, double strain) const;
   // The longest interval, no longer than `longest`, of which a step can have a whole number at the cost of a twentieth
   // more substeps: the last one of a step, if it were shorter, would beat with modes of the step's own pace.
   [[nodiscard]] int even_interval(int substeps, int longest) const;
@@ -102,7 +103,7 @@ class ExplicitIntegrator final : public Integrator {
   double xi_ = 0.0;                   // -, the least
   double bending_omega_ = 0.0;        // 1/s
   MembraneLayout layout_;
-  LeapfrogSweep<double> double_sweep_;  // of mixed precision: only where that does not do
+  LeapfrogSweep<double> double_sweep_;  // of mixed precision: where that does not do, and of sheets nearly at rest
   bool is_double_current_ = false;
   bool was_in_double_ = false;  // the last step
   LeapfrogSweep<float> mixed_sweep_;

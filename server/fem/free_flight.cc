@@ -1,5 +1,8 @@
 #include "server/fem/free_flight.h"
 
+#include <algorithm>
+#include <span>
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
@@ -70,7 +73,11 @@ void FreeFlight::substep(const KickFactors& factors, const Eigen::Vector3d& grav
 
 void FreeFlight::put_right(const Model& model, State& state) const {
   const Motion motion = motion_of(model, state);
-  const Eigen::Vector3d rotation = rotation_of(inertia_of(model, state.x, motion.x), spin_ - motion.spin);
+  const std::span<const double> damping = model.materials().stiffness_damping();
+  const bool keeps_spin =
+      !model.has_bending() || std::all_of(damping.begin(), damping.end(), [](double own) { return own == 0.0; });
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
+  if (keeps_spin) rotation = rotation_of(inertia_of(model, state.x, motion.x), spin_ - motion.spin);
   for (int v = 0; v < model.num_vertices(); ++v) {
     if (model.mass()[static_cast<std::size_t>(v)] == 0.0) continue;
     const Eigen::Vector3d r = state.x.col(v) - motion.x;

@@ -17,7 +17,8 @@ KickFactors kick_factors(double mass_damping, double duration);
 
 // Where the centre of mass of a sheet goes on which nothing acts but gravity and a mass damping that is the same
 // everywhere, and what is left of its spin, substep for substep: known to round-off in double, whatever precision the
-// sheet itself is moved with.
+// sheet itself is moved with. Damped bending brakes the spin of a sheet that is bent (bending_forces.h): there it is
+// left as it is.
 class FreeFlight {
  public:
   static bool holds(const Model& model, const Loads& loads);
@@ -26,8 +27,7 @@ class FreeFlight {
   // One kick, and a drift (s).
   void substep(const KickFactors& factors, const Eigen::Vector3d& gravity, double drift);
   // Moves the sheet as a whole, so that its centre is where it should be, and as fast, and adds a rigid rotation to its
-  // velocities, so that it has the angular momentum that it should have. Along a line that all its mass lies on nothing
-  // turns.
+  // velocities, so that it has the angular momentum that it should have, but none about a line that all its mass is on.
   void put_right(const Model& model, State& state) const;
 
  private:

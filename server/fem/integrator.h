@@ -22,8 +22,8 @@ enum StepFlags : std::uint32_t {
   kFrozen = 1U << 4,        // no finite step was found: the state is as it was before
   kRepaired = 1U << 5,      // the fast nonlinear iteration failed; a line-searched one took its place
   kEnergyLimited = 1U << 6,  // the step would have ended with more energy than it began with: see EnergyGuard
-  kWidened = 1U << 7,        // mixed precision could not hold the sheet's extent or speed: the step was made in double
-  kDamped = 1U << 8,         // a step of second order failed: implicit Euler's took its place
+  kWidened = 1U << 7,  // the sheet was too large, too fast or a triangle too flat for mixed precision: made in double
+  kDamped = 1U << 8,   // a step of second order failed: implicit Euler's took its place
 };
 
 // In the order of their bits; what metrics and results call them.
@@ -69,13 +69,14 @@ struct IntegratorOptions {
   IntegratorKind kind = IntegratorKind::kAutomatic;
   double tick = 1.0 / 60.0;  // s, the dt that step() will be called with; kAutomatic's estimate only
 
-  // Explicit. Substep = dt / ceil(dt / (cfl * stable step)).
+  // Explicit. Substep <= cfl * stable step.
   double cfl = 0.95;                   // -, (0, 1)
   double highest_mode_damping = 0.05;  // -, [0, 0.5]: damping ratio of the fastest mode, added as Kelvin-Voigt damping.
                                        // Upper limit of the material's own stiffness_damping as well. Without any, the
                                        // scheme may gain energy in a crumpled sheet
   int max_substeps = 20000;            // a step
-  Precision precision = Precision::kMixed;  // kMixed: a step that floats cannot hold is made in double (kWidened)
+  Precision precision = Precision::kMixed;  // kMixed: a step that floats cannot hold is made in double (kWidened), and
+                                            // one of a sheet nearly at rest
 
   // Implicit.
   int newton_iterations = 5;       // a substep, >= 1

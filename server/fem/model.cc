@@ -95,7 +95,6 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   blocks_.resize((static_cast<std::size_t>(num_slots_) + kLanes - 1) / kLanes);
   gradients_.resize(static_cast<std::size_t>(num_slots_));
   lumped_mass_.resize(num_vertices, 0.0);
-  stiffness_.resize(num_vertices, 0.0);
   mass_floor_.resize(num_vertices, 0.0);
   mass_tile_.resize(num_vertices);
   if (!materials_.has_one_mass_damping()) mass_damping_.resize(num_vertices, 0.0);
@@ -214,7 +213,6 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
   // What all triangles have in common is a factor of the sums.
   const bool is_mixed = !materials_.has_one();
   double mass = 0.0;
-  double stiffness = 0.0;
   double floor = 0.0;
   double damping = 0.0;
   for (const TriangleId slot : incident_.row(vertex)) {
@@ -230,13 +228,11 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
     const double part = corner_stiffness(g[0], g[1], block.area[l], law.membrane);
     const double part_mass = (is_mixed ? law.surface_density : 1.0) * block.area[l];
     mass += part_mass;
-    stiffness += part;
     floor += (is_mixed ? law.unit_floor : 1.0) * part;
     damping += part_mass * law.material.mass_damping;
   }
   const auto v = static_cast<std::size_t>(vertex);
   lumped_mass_[v] = (is_mixed ? 1.0 : materials_[0].surface_density) * mass / 3.0;
-  stiffness_[v] = stiffness;
   if (!materials_.has_one_mass_damping()) mass_damping_[v] = mass > 0.0 ? damping / mass : 0.0;
   mass_tile_[v] = mass_tile(mesh.edge_lengths(), mesh.rest_position(vertex));
   const double edge_length = mesh.edge_lengths().at(mesh.rest_position(vertex));
@@ -296,11 +292,11 @@ std::uint64_t Model::hash() const {
     hash.add(rest.energy);
     hash.add_span(std::span<const double>(rest.excess));
   }
-  for (const std::vector<double>* field :
-       {&lumped_mass_, &stiffness_, &mass_floor_, &mass_damping_, &mass_, &inverse_mass_}) {
+  for (const std::vector<double>* field : {&lumped_mass_, &mass_floor_, &mass_damping_, &mass_, &inverse_mass_}) {
     hash.add_span(std::span<const double>(*field));
   }
   hash.add(stiffness_bound());
+  hash.add(largest_gradient());
   for (int i = 0; i < incident_.num_rows(); ++i) hash.add_span(incident_.row(i));
   for (int i = 0; i < bending_rows_.num_rows(); ++i) {
     const std::span<const BendingEntry> row = bending_rows_.row(i);

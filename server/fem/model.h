@@ -246,7 +246,6 @@ class Model {
   std::vector<RestBending> rest_bending_;  // one a slot
   RowStore<BendingEntry> bound_rows_;      // sums of |Q_ij| + RestBending::excess
   std::vector<double> lumped_mass_;        // kg, length V; a third of each triangle's
-  std::vector<double> stiffness_;          // N/m, length V; trace of the membrane stiffness at rest
   std::vector<double> mass_floor_;         // kg, length V; below which a vertex is given mass
   std::vector<double> mass_damping_;       // 1/s, length V; empty where all materials have the same
   std::vector<MassTile> mass_tile_;        // length V

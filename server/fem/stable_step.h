@@ -62,7 +62,7 @@ struct StiffnessBlock {
 //   Bending: largest absolute row sum of M^-1/2 Q M^-1/2 (Gershgorin).
 // The membrane part holds at rest. Of the co-rotational law, folds lower the largest eigenvalue, by up to 5 % where the
 // sheet is crumpled, and strains of 100 % raise it by some 20 %: what the safety factor of the explicit integrator
-// (IntegratorOptions::cfl) is for. For Green's strain see GreenStretch.
+// (IntegratorOptions::cfl) is for, and its substeps_stretched(). For Green's strain see GreenStretch.
 class StiffnessBound {
  public:
   static constexpr std::size_t kPasses = 2;
@@ -88,7 +88,7 @@ class StiffnessBound {
                       std::span<const mesh::VertexId> rows);
 
   RowStore<StiffnessBlock> rows_;                 // the vertex itself among them; empty without material
-  std::array<std::vector<Pair>, kPasses + 1> z_;  // 1/s^2 and powers of it, length V, after each pass
+  std::array<std::vector<Pair>, kPasses + 1> z_;  // 1/(s^2 sqrt(kg)), times 1/s^2 a pass, length V
   std::vector<double> roots_;                     // 1/sqrt(kg), length V, of the inverse masses; empty without bending
   RunningMaximum membrane_;                       // of the vertices
   RunningMaximum bending_;                        // of the rows

@@ -174,6 +174,7 @@ TEST_P(GreenIntegrators, SwingAlike) {
   IntegratorOptions exact;
   exact.kind = IntegratorKind::kExplicit;
   exact.cfl = 0.2;
+  exact.precision = Precision::kDouble;
   exact.highest_mode_damping = 0.0;
   const auto swing = [&](Integrator& integrator) {
     integrator.rebuild(model);

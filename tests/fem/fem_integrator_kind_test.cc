@@ -64,6 +64,24 @@ TEST(ExplicitIntegrator, BendsATautSheetWithoutResonance) {
   }
 }
 
+TEST(ExplicitIntegrator, TakesMoreSubstepsOfASheetThatIsStretchedFar) {
+  const mesh::TriangleMesh mesh = jittered_square(9);
+  const Model model(mesh, isotropic(1e6, 0.49, 1e-4, 1000.0));
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kExplicit;
+  const std::unique_ptr<Integrator> integrator = make_integrator(options);
+  integrator->rebuild(model);
+  const auto substeps = [&](double stretch) {
+    State state = rest_state(mesh);
+    state.x *= stretch;
+    Loads loads;
+    for (int v = 0; v < mesh.num_vertices(); ++v) loads.pins.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
+    return integrator->step(model, loads, 0.1, nullptr, state).substeps;
+  };
+  EXPECT_EQ(substeps(1.2), substeps(1.0));
+  EXPECT_NEAR(substeps(2.0), (1.0 + 1.0 / 8) * substeps(1.0), 0.03 * substeps(1.0));
+}
+
 TEST(ExplicitIntegrator, ShortensTheStepItCannotAffordAndSaysSo) {
   const mesh::TriangleMesh mesh = square_grid(6);
   const Model model(mesh, find_preset("wool").value());

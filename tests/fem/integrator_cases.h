@@ -21,6 +21,7 @@ inline void PrintTo(const IntegratorCase& tested, std::ostream* out) {
 inline IntegratorCase integrator_case(std::string name, IntegratorKind kind, LinearSolverKind solver) {
   IntegratorCase result{std::move(name), {}};
   result.options.kind = kind;
+  result.options.precision = Precision::kDouble;
   result.options.linear_solver = solver;
   return result;
 }

@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/failing_integrator.h"
@@ -25,12 +26,18 @@ TEST(Sheet, StartsAsConfigured) {
 }
 
 TEST(Sheet, FallsAsGalileiSaysWhenNothingHoldsIt) {
-  for (const IntegratorKind kind : {IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler}) {
+  // Rounding of the rest shape makes waves: strains of some 2^-24 times their speed.
+  const fem::Material cloth = scenes::hanging(8).material;
+  const double waves = 8.0 * 0x1p-24 * std::sqrt(cloth.youngs_modulus_1 / cloth.density);  // m/s
+  using Case = std::tuple<IntegratorKind, Precision, double>;
+  for (const auto& [kind, precision, noise] : {Case{IntegratorKind::kExplicitLeapfrog, Precision::kDouble, 0.0},
+                                               Case{IntegratorKind::kExplicitLeapfrog, Precision::kMixed, waves},
+                                               Case{IntegratorKind::kImplicitEuler, Precision::kMixed, 0.0}}) {
     SheetConfig config = scenes::hanging(8);
     config.pins.clear();
     config.material.mass_damping = 0.0;
     config.integrator.kind = kind;
-    config.integrator.precision = Precision::kDouble;
+    config.integrator.precision = precision;
     Sheet sheet = make(config);
     run(sheet, 30);
     EXPECT_EQ(sheet.tick(), 30);
@@ -38,9 +45,9 @@ TEST(Sheet, FallsAsGalileiSaysWhenNothingHoldsIt) {
     // The leapfrog is exact. Implicit Euler moves by the velocity at the end of each tick: dt / 2 later.
     const double late = kind == IntegratorKind::kImplicitEuler ? sheet.dt() : 0.0;
     for (Eigen::Index i = 0; i < sheet.state().x.cols(); ++i) {
-      EXPECT_NEAR(sheet.state().v(2, i), -9.81 * t, 1e-10);
+      EXPECT_NEAR(sheet.state().v(2, i), -9.81 * t, 1e-10 + noise);
       const double start = sheet.mesh().rest_position(static_cast<mesh::VertexId>(i)).y();
-      EXPECT_NEAR(sheet.state().x(2, i), start - 0.5 * 9.81 * t * (t + late), 1e-11);
+      EXPECT_NEAR(sheet.state().x(2, i), start - 0.5 * 9.81 * t * (t + late), 1e-11 + noise * sheet.dt());
     }
   }
 }
