@@ -57,6 +57,10 @@ Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSetting
     settings.covariance_root.newton_schulz_iterations = root.newton_schulz_iterations();
   }
   if (message.has_highest_mode_damping()) settings.highest_mode_damping = message.highest_mode_damping();
+  const bool is_undamped = settings.highest_mode_damping == 0.0;
+  if (is_undamped && message.precision() == v1::Integrator::PRECISION_UNSPECIFIED) {
+    settings.precision = sheet::Precision::kDouble;  // nothing would take out what rounding puts in
+  }
   return Nothing{};
 }
 

@@ -110,6 +110,10 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   EXPECT_EQ(config.integrator.covariance_root.newton_schulz_iterations, 5);
   EXPECT_EQ(config.integrator.highest_mode_damping, 0.05);
   EXPECT_EQ(config.integrator.precision, sheet::Precision::kMixed);
+  scene.mutable_integrator()->set_highest_mode_damping(0.0);
+  EXPECT_EQ(decoded(scene).integrator.precision, sheet::Precision::kDouble);
+  scene.mutable_integrator()->set_precision(v1::Integrator::MIXED);
+  EXPECT_EQ(decoded(scene).integrator.precision, sheet::Precision::kMixed);
   scene.mutable_wind();
   EXPECT_EQ(decoded(scene).wind.air_density, 1.2);
   EXPECT_EQ(decoded(scene).wind.drag_coefficient, 1.0);
