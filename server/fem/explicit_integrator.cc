@@ -67,6 +67,11 @@ void ExplicitIntegrator::plan(const Model& model) {
     xi_ = std::min(xi_, damping_ratio);
   }
   bending_omega_ = std::sqrt(model.bending_stiffness_bound());
+  wave_speed_ = 0.0;
+  for (const MaterialLaw& law : model.materials()) {
+    const double stiffest = law.membrane.diagonal().maxCoeff();
+    wave_speed_ = std::max(wave_speed_, std::sqrt(stiffest / law.surface_density));
+  }
   critical_step_ = critical_step(1.0);
   explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
 }
@@ -117,8 +122,9 @@ void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
 }
 
 bool ExplicitIntegrator::is_quiet(const Model& model, const State& state) const {
-  constexpr double kNoise = 0x1p-28;    // -, of strains in mixed precision
-  constexpr double kAboveNoise = 64.0;  // -
+  constexpr double kAboveNoise = 8.0;  // -
+  constexpr double kNoise = 0x1p-20;  // -, of strains, gathered over many substeps: measured, many materials and meshes
+  constexpr double kCoarseness = 0x1p-28;  // -, unit of positions over the extent of the sheet
   Eigen::Array3d low = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Array3d high = -low;
   double speed_squared = 0.0;
@@ -129,7 +135,8 @@ bool ExplicitIntegrator::is_quiet(const Model& model, const State& state) const 
     speed_squared = std::max(speed_squared, state.v.col(v).squaredNorm());
   }
   const double extent = (high - low).maxCoeff();
-  return std::sqrt(speed_squared) < kAboveNoise * kNoise * omega_ * extent;
+  const double noise = std::max(kNoise, kCoarseness * extent * model.largest_gradient());
+  return std::sqrt(speed_squared) < kAboveNoise * noise * wave_speed_;
 }
 
 double ExplicitIntegrator::planned_substeps(double dt) const {
@@ -165,6 +172,14 @@ int ExplicitIntegrator::even_interval(int substeps, int longest) const {
     if ((substeps + interval - 1) / interval * interval <= most) return interval;
   }
   return 1;
+}
+
+int ExplicitIntegrator::set_substeps(const Model& model, int least, double tension, Plan& plan) const {
+  plan.substeps = least;
+  if (!model.has_bending()) return 1;
+  const int interval = even_interval(least, bending_interval(plan.h(), tension));
+  plan.substeps = (least + interval - 1) / interval * interval;
+  return interval;
 }
 
 StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
@@ -244,25 +259,24 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
                                  LeapfrogSweep<T>& sweep, State& state) {
   const double duration = plan.duration;
   const double bending_beta = is_uniform(bending_beta_) ? damping_of(bending_beta_, 0) : 0.0;
-  LeapfrogTerms terms{loads.gravity, beta_, bending_beta, plan.h()};
+  LeapfrogTerms terms{loads.gravity, beta_, bending_beta, 0.0};
   const bool has_forces = has_forces_on_vertices(model, loads) || (model.has_bending() && !is_uniform(bending_beta_));
   if (contact != nullptr) contact->begin(state.x);
   // Rounding of floats adds up over substeps to a drift that double does not have.
   std::optional<FreeFlight> flight;
   if (std::is_same_v<T, float> && contact == nullptr && FreeFlight::holds(model, loads)) flight.emplace(model, state);
   set_pins(loads, duration, state);
-  if (!sweep.begin(model, loads, terms, duration, state)) return false;
+  const int least = plan.substeps;
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
-  const int planned = plan.substeps;
-  if (!is_green) plan.substeps = std::max(planned, substeps_stretched(duration, sweep.tension()));
-  int interval = 1;
-  if (model.has_bending()) {
-    interval = even_interval(plan.substeps, bending_interval(plan.h(), is_green ? plan.tension : sweep.tension()));
-    plan.substeps = (plan.substeps + interval - 1) / interval * interval;
-  }
-  if (plan.substeps != planned) {
+  int interval = set_substeps(model, least, plan.tension, plan);
+  terms.h = plan.h();
+  if (!sweep.begin(model, loads, terms, duration, state)) return false;
+  if (!is_green) {
+    const int expected = plan.substeps;
+    interval =
+        set_substeps(model, std::max(least, substeps_stretched(duration, sweep.tension())), sweep.tension(), plan);
     terms.h = plan.h();
-    if (!sweep.begin(model, loads, terms, duration, state)) return false;
+    if (plan.substeps != expected && !sweep.begin(model, loads, terms, duration, state)) return false;
   }
   const double h = plan.h();
   for (int i = 0; i <= plan.substeps; ++i) {

@@ -62,7 +62,7 @@ class ExplicitIntegrator final : public Integrator {
   struct Plan {
     double duration = 0.0;  // s
     int substeps = 0;
-    double tension = 0.0;  // -, of Green's strain: see GreenStretch
+    double tension = 0.0;  // -, of Green's strain: see GreenStretch; else 0, what it is is seen as the step begins
 
     [[nodiscard]] double h() const { return duration / substeps; }  // s
   };
@@ -72,8 +72,8 @@ class ExplicitIntegrator final : public Integrator {
   void resize(const Model& model);
   void set_sweeps(const Model& model, bool follows);
   void go_back(State& state) const;
-  // So slow that its motion is not far above the noise of mixed precision: strains of 2^-28 or so, of which come
-  // velocities of omega times that of its extent. Else a stiff sheet would not come to rest.
+  // So slow that its motion is not far above the noise of mixed precision: strains of that noise make waves, which
+  // move at the strain times the speed of waves, however fine the mesh is. Else a stiff sheet would not come to rest.
   [[nodiscard]] bool is_quiet(const Model& model, const State& state) const;
   // Whether the substeps resolved the motion well enough; else its energy is limited.
   bool keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const;
@@ -83,6 +83,9 @@ class ExplicitIntegrator final : public Integrator {
   // The longest interval, no longer than `longest`, of which a step can have a whole number at the cost of a twentieth
   // more substeps: the last one of a step, if it were shorter, would beat with modes of the step's own pace.
   [[nodiscard]] int even_interval(int substeps, int longest) const;
+  // At least so many, of a sheet with that tension, -, as many as bending kicks of one length want. Returns the
+  // interval of these kicks.
+  int set_substeps(const Model& model, int least, double tension, Plan& plan) const;
   // Of at least the plan's substeps: those made are put into it. False: the precision of the sweep does not do.
   template <typename T>
   bool advance(const Model& model, const Loads& loads, Plan& plan, ContactConstraint* contact, LeapfrogSweep<T>& sweep,
@@ -102,6 +105,7 @@ class ExplicitIntegrator final : public Integrator {
   std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h
   double xi_ = 0.0;                   // -, the least
   double bending_omega_ = 0.0;        // 1/s
+  double wave_speed_ = 0.0;           // m/s, of stretching, in the stiffest material
   MembraneLayout layout_;
   LeapfrogSweep<double> double_sweep_;  // of mixed precision: where that does not do, and of sheets nearly at rest
   bool is_double_current_ = false;

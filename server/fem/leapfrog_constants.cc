@@ -1,5 +1,6 @@
 // What LeapfrogSweep has of a model.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <type_traits>
 
@@ -36,18 +37,18 @@ TurnedConstants turned_constants(const Model& model, TriangleId slot) {
 }
 
 template <typename T>
-void set_triangle(const Model& model, TriangleId slot, TriangleLanes<T>& to, std::size_t l) {
+void set_triangle(const Model& model, TriangleId slot, double unit, TriangleLanes<T>& to, std::size_t l) {
   const TurnedConstants turned = turned_constants(model, slot);
   for (std::size_t c = 0; c < 2; ++c) {
-    to.g1[c].lane[l] = static_cast<T>(turned.g[1][c]);
-    to.g2[c].lane[l] = static_cast<T>(turned.g[2][c]);
+    to.g1[c].lane[l] = static_cast<T>(unit * turned.g[1][c]);
+    to.g2[c].lane[l] = static_cast<T>(unit * turned.g[2][c]);
   }
-  to.minus_area.lane[l] = static_cast<T>(-turned.area);
+  to.minus_area.lane[l] = static_cast<T>(-turned.area / unit);
 }
 
 // Edge k is as long as the gradient of the corner opposite it times twice the area.
 template <typename T>
-void set_edges(const Model& model, TriangleId slot, EdgeLanes<T>& to, std::size_t l) {
+void set_edges(const Model& model, TriangleId slot, double unit, EdgeLanes<T>& to, std::size_t l) {
   constexpr std::array<std::array<std::size_t, 3>, 3> kEnds{{{0, 1, 2}, {0, 2, 1}, {1, 2, 0}}};  // and the one opposite
   const TurnedConstants turned = turned_constants(model, slot);
   Eigen::Matrix3d N;
@@ -57,13 +58,32 @@ void set_edges(const Model& model, TriangleId slot, EdgeLanes<T>& to, std::size_
     const Eigen::Vector2d gb(turned.g[b][0], turned.g[b][1]);
     N.col(static_cast<Eigen::Index>(k)) = -Eigen::Vector3d(ga[0] * gb[0], ga[1] * gb[1], ga[0] * gb[1] + ga[1] * gb[0]);
     const double height_inverse = std::hypot(turned.g[opposite][0], turned.g[opposite][1]);
-    const double length = 2.0 * turned.area * height_inverse;
+    const double length = 2.0 * turned.area * height_inverse / unit;
     to.length_squared[k].lane[l] = static_cast<T>(length * length);
   }
   const Eigen::Matrix3d C = slot == mesh::kNone ? Eigen::Matrix3d::Zero() : model.law(slot).membrane;
   const Eigen::Matrix3d H = 0.5 * turned.area * N.transpose() * C * N;
   const std::array<double, 6> entries{H(0, 0), H(1, 1), H(2, 2), H(0, 1), H(0, 2), H(1, 2)};
-  for (std::size_t k = 0; k < entries.size(); ++k) to.stiffness[k].lane[l] = static_cast<T>(entries[k]);
+  for (std::size_t k = 0; k < entries.size(); ++k)
+    to.stiffness[k].lane[l] = static_cast<T>(unit * unit * unit * entries[k]);
+}
+
+template <typename T>
+void scale(Lanes16<T>& lanes, T by) {
+  for (T& value : lanes.lane) value *= by;
+}
+template <typename T>
+void change_unit(TriangleLanes<T>& triangles, T by) {
+  for (std::size_t c = 0; c < 2; ++c) {
+    scale(triangles.g1[c], by);
+    scale(triangles.g2[c], by);
+  }
+  scale(triangles.minus_area, 1 / by);
+}
+template <typename T>
+void change_unit(EdgeLanes<T>& edges, T by) {
+  for (Lanes16<T>& length_squared : edges.length_squared) scale(length_squared, 1 / (by * by));
+  for (Lanes16<T>& stiffness : edges.stiffness) scale(stiffness, by * by * by);
 }
 
 }  // namespace
@@ -81,7 +101,7 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
     set(remainder_[c], std::is_same_v<T, float> ? n : 0);
     set(v_remainder_[c], std::is_same_v<T, float> ? n : 0);
     set(mobility_[c], n);
-    for (Field<T>& force : quad_force_) set(force[c], reach > 0 ? pad_ + n : 0);
+    for (Field<T>& force : quad_force_) set(force[c], reach > 0 ? 1 + std::bit_ceil(pad_ + 2 * kQuadBlocksAhead) : 0);
   }
   set(takes_part_, kBlockLanes * n);
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
@@ -180,14 +200,10 @@ void LeapfrogSweep<T>::set_quads(const Model& model, const MembraneLayout& layou
     const std::size_t at = 2 * block + static_cast<std::size_t>(kind);
     const std::size_t l = static_cast<std::size_t>(v) % kBlockLanes;
     if (quad_edges_.empty()) {
-      set_triangle(model, layout.quad_slot(kind, v), quads_[at], l);
+      set_triangle(model, layout.quad_slot(kind, v), unit_of_constants_, quads_[at], l);
     } else {
-      set_edges(model, layout.quad_slot(kind, v), quad_edges_[at], l);
+      set_edges(model, layout.quad_slot(kind, v), unit_of_constants_, quad_edges_[at], l);
     }
-  }
-  if (layout.num_quads()[block] > 0) return;
-  for (Field<T>& force : quad_force_) {
-    for (std::vector<Lanes16<T>>& blocks : force) blocks[pad_ + block] = {};
   }
 }
 
@@ -197,9 +213,9 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
   const std::size_t l = lane % kBlockLanes;
   const TriangleId slot = layout.lanes()[lane];
   if (irregular_edges_.empty()) {
-    set_triangle(model, slot, block.triangles, irregular_lane<T>(l));
+    set_triangle(model, slot, unit_of_constants_, block.triangles, irregular_lane<T>(l));
   } else {
-    set_edges(model, slot, irregular_edges_[lane / kBlockLanes], irregular_lane<T>(l));
+    set_edges(model, slot, unit_of_constants_, irregular_edges_[lane / kBlockLanes], irregular_lane<T>(l));
   }
   std::array<VertexId, 3> vertices{0, 0, 0};
   if (slot != mesh::kNone) {
@@ -207,6 +223,17 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
     vertices = turned_triangle(model.element_blocks()[s / kLanes], s % kLanes).vertices;
   }
   for (std::size_t k = 0; k < 3; ++k) block.from[k][l] = 4 * vertices[k];
+}
+
+template <typename T>
+void LeapfrogSweep<T>::set_unit_of_constants() {
+  if (unit_ == unit_of_constants_) return;
+  const auto by = static_cast<T>(unit_ / unit_of_constants_);
+  for (TriangleLanes<T>& triangles : quads_) change_unit(triangles, by);
+  for (IrregularBlock<T>& block : irregular_) change_unit(block.triangles, by);
+  for (EdgeLanes<T>& edges : quad_edges_) change_unit(edges, by);
+  for (EdgeLanes<T>& edges : irregular_edges_) change_unit(edges, by);
+  unit_of_constants_ = unit_;
 }
 
 template <typename T>

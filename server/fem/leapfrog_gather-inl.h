@@ -226,44 +226,41 @@ HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const Leapfr
   const D d;
   const hn::Rebind<Position, D> dp;
   const auto common = common_law(d, step);
-  const V unit = hn::Set(d, step.unit);
   const LawLanes<T>* const laws = arrays.irregular_laws;
   CornerPositions<Position> corners;
   const std::size_t num_blocks = arrays.irregular.size();
   for (std::size_t first = 0; first < num_blocks; first += kBlocksAtOnce) {
     const std::size_t last = HWY_MIN(first + kBlocksAtOnce, num_blocks);
     corners.fetch(arrays, first, last);
-    for (std::size_t b = first; b < last; b += 2) {
+    StretchLanes<T> stretches[kBlocksAtOnce];
+    for (std::size_t b = first; kLaw == MembraneLaw::kCorotational && b < last; ++b) {
       for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
-        std::array<Triangles<V>, 2> t;
-        const std::array<StrainLanes<T>*, 2> before{&arrays.irregular[b].before, &arrays.irregular[b + 1].before};
-        for (std::size_t i = 0; i < 2; ++i) {
-          const auto x0 = corners.load(dp, b + i - first, 0, l);
-          const Vec3<V> d1 = edge(d, corners.load(dp, b + i - first, 1, l), x0, unit);
-          const Vec3<V> d2 = edge(d, corners.load(dp, b + i - first, 2, l), x0, unit);
-          if constexpr (kLaw == MembraneLaw::kGreen) {
-            set_edge_forces(d, laws == nullptr ? common.damping : damping_of(d, laws[b + i], l),
-                            arrays.irregular_edges[b + i], l, d1, d2, *before[i], t[i]);
-          } else {
-            set_metric(d, arrays.irregular[b + i].triangles, l, d1, d2, t[i]);
-          }
+        const auto x0 = corners.load(dp, b - first, 0, l);
+        const Vec3<V> d1 = edge(d, corners.load(dp, b - first, 1, l), x0);
+        const Vec3<V> d2 = edge(d, corners.load(dp, b - first, 2, l), x0);
+        set_gradients(d, arrays.irregular[b].triangles, l, d1, d2, stretches[b - first]);
+      }
+    }
+    if (kLaw == MembraneLaw::kCorotational) set_strains(stretches, last - first);
+    for (std::size_t b = first; b < last; ++b) {
+      for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+        IrregularBlock<T>& block = arrays.irregular[b];
+        CornerForces<V> forces;
+        if constexpr (kLaw == MembraneLaw::kGreen) {
+          const auto x0 = corners.load(dp, b - first, 0, l);
+          const Vec3<V> d1 = edge(d, corners.load(dp, b - first, 1, l), x0);
+          const Vec3<V> d2 = edge(d, corners.load(dp, b - first, 2, l), x0);
+          forces = edge_forces(d, laws == nullptr ? common.damping : damping_of(d, laws[b], l),
+                               arrays.irregular_edges[b], l, d1, d2, block.before);
+        } else {
+          forces = corner_forces(d, laws == nullptr ? common : law_of(d, laws[b], l), block.triangles, l,
+                                 stretches[b - first], block.before);
         }
-        if constexpr (kLaw != MembraneLaw::kGreen) {
-          const std::array<const TriangleLanes<T>*, 2> lanes{&arrays.irregular[b].triangles,
-                                                             &arrays.irregular[b + 1].triangles};
-          if (laws == nullptr) {
-            corner_forces(d, common, common, lanes, l, before, t);
-          } else {
-            corner_forces(d, law_of(d, laws[b], l), law_of(d, laws[b + 1], l), lanes, l, before, t);
-          }
-        }
-        for (std::size_t i = 0; i < 2; ++i) {
-          const Vec3<V> sum = plus(t[i].force1, t[i].force2);
-          T* const to = arrays.corner_force + 4 * 3 * (b + i) * kBlockLanes;
-          store_corner(d, {hn::Neg(sum.x), hn::Neg(sum.y), hn::Neg(sum.z)}, l, to);
-          store_corner(d, t[i].force1, l, to + 4 * kBlockLanes);
-          store_corner(d, t[i].force2, l, to + 8 * kBlockLanes);
-        }
+        const Vec3<V> sum = plus(forces.force1, forces.force2);
+        T* const to = arrays.corner_force + 4 * 3 * b * kBlockLanes;
+        store_corner(d, {hn::Neg(sum.x), hn::Neg(sum.y), hn::Neg(sum.z)}, l, to);
+        store_corner(d, forces.force1, l, to + 4 * kBlockLanes);
+        store_corner(d, forces.force2, l, to + 8 * kBlockLanes);
       }
     }
   }

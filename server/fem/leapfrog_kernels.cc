@@ -15,8 +15,6 @@ namespace kerf::fem {
 namespace HWY_NAMESPACE {
 namespace {
 
-constexpr std::size_t kChunk = 8;  // blocks of vertices whose forces are made before any of them is moved
-
 template <class DP>
 HWY_INLINE Vec3<hn::Vec<DP>> load3(DP d, const std::array<hn::TFromD<DP>*, 3>& from, std::ptrdiff_t at) {
   return {hn::LoadU(d, from[0] + at), hn::LoadU(d, from[1] + at), hn::LoadU(d, from[2] + at)};
@@ -28,45 +26,105 @@ HWY_INLINE void store3(D d, const Vec3<hn::Vec<D>>& value, const std::array<hn::
   hn::Store(value.z, d, to[2] + at);
 }
 
+template <typename T>
+HWY_INLINE std::ptrdiff_t in_ring(const LeapfrogArrays<T>& arrays, std::ptrdiff_t at) {
+  return at & (arrays.quad_ring - 1);
+}
+template <class D>
+HWY_INLINE void store_quad_force(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, std::size_t k,
+                                 const Vec3<hn::Vec<D>>& force, std::ptrdiff_t place) {
+  store3(d, force, arrays.quad_force[k], place);
+  if (place < static_cast<std::ptrdiff_t>(kBlockLanes))
+    store3(d, force, arrays.quad_force[k], place + arrays.quad_ring);
+}
+
+template <typename T>
+void clear_quad_forces(const LeapfrogArrays<T>& arrays, std::ptrdiff_t block) {
+  const LanesOf<T> d;
+  const Vec3<hn::Vec<LanesOf<T>>> none{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  const std::ptrdiff_t place = in_ring(arrays, block * static_cast<std::ptrdiff_t>(kBlockLanes));
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    for (std::size_t k = 0; k < 4; ++k) store_quad_force(d, arrays, k, none, place + static_cast<std::ptrdiff_t>(l));
+  }
+}
+
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE std::array<Vec3<V>, 3> quad_edges(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, std::ptrdiff_t at) {
+  const hn::Rebind<PositionOf<hn::TFromD<D>>, D> dp;
+  const auto x0 = load3(dp, arrays.x, at);
+  return {edge(d, load3(dp, arrays.x, at + arrays.offsets[0]), x0),
+          edge(d, load3(dp, arrays.x, at + arrays.offsets[1]), x0),
+          edge(d, load3(dp, arrays.x, at + arrays.offsets[2]), x0)};
+}
+
+// Of the two triangles of each quad.
+template <typename T>
+HWY_NOINLINE void set_quad_gradients(const LeapfrogArrays<T>& arrays, std::size_t block, StretchLanes<T>* to) {
+  const LanesOf<T> d;
+  const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const auto edges = quad_edges(d, arrays, static_cast<std::ptrdiff_t>(block * kBlockLanes + l));
+    set_gradients(d, lanes[0], l, edges[0], edges[1], to[0]);
+    set_gradients(d, lanes[1], l, edges[1], edges[2], to[1]);
+  }
+}
+
 template <MembraneLaw kLaw, typename T>
-HWY_NOINLINE void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
+HWY_NOINLINE void set_quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block,
+                                  StretchLanes<T>* stretches) {
   const LanesOf<T> d;
   const auto common = common_law(d, step);
-  const auto unit = hn::Set(d, step.unit);
-  const LawLanes<T>* const laws = arrays.quad_laws;
-  const LanesOf<PositionOf<T>> dp;
+  const LawLanes<T>* const laws = arrays.quad_laws == nullptr ? nullptr : arrays.quad_laws + 2 * block;
+  StrainLanes<T>* const before = arrays.quads_before + 2 * block;
   using V = hn::Vec<LanesOf<T>>;
   for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
     const auto at = static_cast<std::ptrdiff_t>(block * kBlockLanes + l);
-    const auto x0 = load3(dp, arrays.x, at);
-    const Vec3<V> d1 = edge(d, load3(dp, arrays.x, at + arrays.offsets[0]), x0, unit);
-    const Vec3<V> d2 = edge(d, load3(dp, arrays.x, at + arrays.offsets[1]), x0, unit);
-    const Vec3<V> d3 = edge(d, load3(dp, arrays.x, at + arrays.offsets[2]), x0, unit);
-    std::array<Triangles<V>, 2> t;
-    const std::array<StrainLanes<T>*, 2> before{arrays.quads_before + 2 * block, arrays.quads_before + 2 * block + 1};
+    std::array<CornerForces<V>, 2> forces;
     if constexpr (kLaw == MembraneLaw::kGreen) {
-      const EdgeLanes<T>* const edges = arrays.quad_edges + 2 * block;
-      set_edge_forces(d, laws == nullptr ? common.damping : damping_of(d, laws[2 * block], l), edges[0], l, d1, d2,
-                      *before[0], t[0]);
-      set_edge_forces(d, laws == nullptr ? common.damping : damping_of(d, laws[2 * block + 1], l), edges[1], l, d2, d3,
-                      *before[1], t[1]);
+      const EdgeLanes<T>* const lanes = arrays.quad_edges + 2 * block;
+      const auto edges = quad_edges(d, arrays, at);
+      for (std::size_t k = 0; k < 2; ++k) {
+        const V damping = laws == nullptr ? common.damping : damping_of(d, laws[k], l);
+        forces[k] = edge_forces(d, damping, lanes[k], l, edges[k], edges[k + 1], before[k]);
+      }
     } else {
       const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
-      set_metric(d, lanes[0], l, d1, d2, t[0]);
-      set_metric(d, lanes[1], l, d2, d3, t[1]);
-      if (laws == nullptr) {
-        corner_forces(d, common, common, {lanes, lanes + 1}, l, before, t);
-      } else {
-        corner_forces(d, law_of(d, laws[2 * block], l), law_of(d, laws[2 * block + 1], l), {lanes, lanes + 1}, l,
-                      before, t);
+      for (std::size_t k = 0; k < 2; ++k) {
+        forces[k] =
+            corner_forces(d, laws == nullptr ? common : law_of(d, laws[k], l), lanes[k], l, stretches[k], before[k]);
       }
     }
-    const Vec3<V> middle = plus(t[0].force2, t[1].force1);
-    const Vec3<V> others = plus(plus(t[0].force1, t[1].force2), middle);
-    store3(d, others, arrays.quad_force[0], at);
-    store3(d, t[0].force1, arrays.quad_force[1], at);
-    store3(d, middle, arrays.quad_force[2], at);
-    store3(d, t[1].force2, arrays.quad_force[3], at);
+    const Vec3<V> middle = plus(forces[0].force2, forces[1].force1);
+    const Vec3<V> others = plus(plus(forces[0].force1, forces[1].force2), middle);
+    const std::ptrdiff_t place = in_ring(arrays, at);
+    store_quad_force(d, arrays, 0, others, place);
+    store_quad_force(d, arrays, 1, forces[0].force1, place);
+    store_quad_force(d, arrays, 2, middle, place);
+    store_quad_force(d, arrays, 3, forces[1].force2, place);
+  }
+}
+
+// Of blocks first to last, kQuadBlocksAhead at most.
+template <MembraneLaw kLaw, typename T>
+void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t first, std::size_t last) {
+  StretchLanes<T> stretches[2 * kQuadBlocksAhead];
+  if constexpr (kLaw == MembraneLaw::kCorotational) {
+    std::size_t num_stretches = 0;
+    for (std::size_t b = first; b < last; ++b) {
+      if (arrays.num_quads[b] == 0) continue;
+      set_quad_gradients(arrays, b, stretches + num_stretches);
+      num_stretches += 2;
+    }
+    set_strains(stretches, num_stretches);
+  }
+  StretchLanes<T>* next = stretches;
+  for (std::size_t b = first; b < last; ++b) {
+    if (arrays.num_quads[b] == 0) {
+      clear_quad_forces(arrays, static_cast<std::ptrdiff_t>(b));
+    } else {
+      set_quad_forces<kLaw>(arrays, step, b, next);
+      next += 2;
+    }
   }
 }
 
@@ -151,22 +209,25 @@ HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const L
 }
 
 template <typename T>
-HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, bool gathered, std::size_t block,
-                       T* speed) {
+HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, bool gathered, std::size_t first,
+                       std::size_t last, T* speed) {
   const LanesOf<T> d;
   const LanesOf<PositionOf<T>> dp;
   using V = hn::Vec<LanesOf<T>>;
   V lost = hn::Set(d, step.lost);
   V scale = hn::Set(d, step.scale);
   const V drift = hn::Set(d, step.drift);
-  const bool has_corners = arrays.num_corners[block] > 0;
-  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
-    const std::size_t i = block * kBlockLanes + l;
+  for (std::size_t i = first * kBlockLanes; i < last * kBlockLanes; i += hn::Lanes(d)) {
+    const bool has_corners = arrays.num_corners[i / kBlockLanes] > 0;
+    T* const fastest_of = speed + i % kBlockLanes;
     const auto at = static_cast<std::ptrdiff_t>(i);
+    const std::array<std::ptrdiff_t, 4> from{in_ring(arrays, at), in_ring(arrays, at - arrays.offsets[0]),
+                                             in_ring(arrays, at - arrays.offsets[1]),
+                                             in_ring(arrays, at - arrays.offsets[2])};
     std::array<V, 4> sum{hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     if (gathered || has_corners) hn::LoadInterleaved4(d, arrays.gathered + 4 * i, sum[0], sum[1], sum[2], sum[3]);
     std::array<hn::Vec<LanesOf<PositionOf<T>>>, 3> x;
-    V fastest = hn::Load(d, speed + l);
+    V fastest = hn::Load(d, fastest_of);
     if (arrays.mass_damping != nullptr) {
       const V one = hn::Set(d, T{1});
       const V half = hn::Mul(hn::Set(d, step.scale * T{0.5}), hn::Load(d, arrays.mass_damping + at));
@@ -176,10 +237,10 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
     for (std::size_t c = 0; c < 3; ++c) {
       V f = sum[c];
       if (arrays.quads_before != nullptr) {
-        const V near = hn::Sub(hn::LoadU(d, arrays.quad_force[1][c] + at - arrays.offsets[0]),
-                               hn::Load(d, arrays.quad_force[0][c] + at));
-        const V far = hn::Add(hn::LoadU(d, arrays.quad_force[2][c] + at - arrays.offsets[1]),
-                              hn::LoadU(d, arrays.quad_force[3][c] + at - arrays.offsets[2]));
+        const V near =
+            hn::Sub(hn::LoadU(d, arrays.quad_force[1][c] + from[1]), hn::Load(d, arrays.quad_force[0][c] + from[0]));
+        const V far =
+            hn::Add(hn::LoadU(d, arrays.quad_force[2][c] + from[2]), hn::LoadU(d, arrays.quad_force[3][c] + from[3]));
         f = hn::Add(f, hn::Add(near, far));
       }
       const V mobility = hn::Load(d, arrays.mobility[c] + at);
@@ -195,7 +256,7 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
                      std::is_same_v<T, float> ? arrays.remainder[c] + at : nullptr);
       hn::Store(x[c], dp, arrays.x[c] + at);
     }
-    hn::Store(fastest, d, speed + l);
+    hn::Store(fastest, d, fastest_of);
     if (has_corners) hn::StoreInterleaved4(x[0], x[1], x[2], hn::Zero(dp), dp, arrays.corner_x + 4 * i);
   }
 }
@@ -210,13 +271,12 @@ void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* sp
   for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
     if (gather_all || arrays.num_corners[b] > 0) gather(arrays, step, b);
   }
-  for (std::size_t first = 0; first < arrays.num_blocks + kChunk; first += kChunk) {
-    for (std::size_t b = first; b < HWY_MIN(first + kChunk, arrays.num_blocks); ++b) {
-      if (arrays.num_quads[b] > 0) quad_forces<kLaw>(arrays, step, b);
-    }
-    for (std::size_t b = first < kChunk ? 0 : first - kChunk; b < HWY_MIN(first, arrays.num_blocks); ++b) {
-      move(arrays, step, gather_all, b, speed);
-    }
+  const bool has_quads = arrays.quads_before != nullptr;
+  for (std::ptrdiff_t b = -arrays.quad_reach; b < 0; ++b) clear_quad_forces(arrays, b);
+  for (std::size_t first = 0; first < arrays.num_blocks + kQuadBlocksAhead; first += kQuadBlocksAhead) {
+    const std::size_t last = HWY_MIN(first + kQuadBlocksAhead, arrays.num_blocks);
+    if (has_quads && first < last) quad_forces<kLaw>(arrays, step, first, last);
+    if (first > 0) move(arrays, step, gather_all, first - kQuadBlocksAhead, HWY_MIN(first, arrays.num_blocks), speed);
   }
 }
 
@@ -246,7 +306,7 @@ T start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
   }
   for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
     if (arrays.num_quads[b] == 0) continue;
-    quad_forces<kLaw>(arrays, step, b);
+    quad_forces<kLaw>(arrays, step, b, b + 1);
     for (std::size_t k = 0; kHasStrains && k < 2; ++k) {
       largest = larger_strain(d, arrays.quads_before[2 * b + k], largest);
     }

@@ -20,12 +20,13 @@ namespace kerf::fem {
 template <typename T>
 using PositionOf = std::conditional_t<std::is_same_v<T, float>, std::int32_t, T>;
 
-// Constants of kBlockLanes triangles; see ElementBlock. Without material all 0.
+// Constants of kBlockLanes triangles; see ElementBlock. Without material all 0. Lengths are in the unit of positions,
+// those of forces in N as before.
 template <typename T>
 struct TriangleLanes {
   using Lanes = Lanes16<T>;
-  std::array<Lanes, 2> g1{}, g2{};  // 1/m
-  Lanes minus_area{};               // m^2
+  std::array<Lanes, 2> g1{}, g2{};  // 1/unit
+  Lanes minus_area{};               // m unit, so that force is of 1/unit, N/m and m unit: N
 };
 
 // The same of kBlockLanes triangles with Green's strain, by their edges d1, d2 from corner 0 and d3 = d2 - d1:
@@ -35,8 +36,8 @@ struct TriangleLanes {
 // gradients of the edge's ends.
 template <typename T>
 struct EdgeLanes {
-  std::array<Lanes16<T>, 3> length_squared{};  // m^2, L_k^2
-  std::array<Lanes16<T>, 6> stiffness{};       // N/m^3, H11, H22, H33, H12, H13, H23
+  std::array<Lanes16<T>, 3> length_squared{};  // unit^2, L_k^2
+  std::array<Lanes16<T>, 6> stiffness{};       // N/unit^3, H11, H22, H33, H12, H13, H23
 };
 
 // Of kBlockLanes triangles: C11, C22, C33, C12, N/m, and damping as in LeapfrogStep.
@@ -45,7 +46,7 @@ struct LawLanes {
   std::array<Lanes16<T>, 5> value{};
 };
 
-// e11, e22, 2 e12 of kBlockLanes triangles in the substep before; of Green's strain s_k, m^2.
+// e11, e22, 2 e12 of kBlockLanes triangles in the substep before; of Green's strain s_k, unit^2.
 template <typename T>
 using StrainLanes = std::array<Lanes16<T>, 3>;
 
@@ -66,7 +67,11 @@ constexpr std::size_t irregular_lane(std::size_t place) {
   return std::is_same_v<T, float> ? 4 * (place % 4) + place / 4 : place;
 }
 
-// Arrays of vertices have kBlockLanes x num_blocks entries, and those of positions, velocities and quad forces, zeros
+// Blocks of vertices of which all forces of quads are made before any of them is moved: enough that no step of the
+// arithmetic waits for the one before, few enough to stay in the first cache.
+inline constexpr std::size_t kQuadBlocksAhead = 4;
+
+// Arrays of vertices have kBlockLanes x num_blocks entries, and those of positions and velocities, zeros
 // beyond both ends as far as offsets reach. "x 4": x, y, z and a 0 of one vertex side by side.
 template <typename T>
 struct LeapfrogArrays {
@@ -75,14 +80,18 @@ struct LeapfrogArrays {
   std::size_t num_blocks = 0;  // of vertices
   QuadOffsets offsets{};
   std::array<Position*, 3> x{};
-  std::array<T*, 3> v{};                          // m/s
-  std::array<T*, 3> remainder{};                  // of x, in its unit; null where T is double
-  std::array<T*, 3> v_remainder{};                // of v, m/s; null where T is double
-  std::array<const T*, 3> mobility{};             // 1/kg, 0 where the component is held
-  const TriangleLanes<T>* quads = nullptr;        // 2 x num_blocks, or none
-  const EdgeLanes<T>* quad_edges = nullptr;       // in their place of Green's strain
-  StrainLanes<T>* quads_before = nullptr;         // as either
-  std::array<std::array<T*, 3>, 4> quad_force{};  // N, at the quad's lowest vertex, corner 0's times -1
+  std::array<T*, 3> v{};                     // m/s
+  std::array<T*, 3> remainder{};             // of x, in its unit; null where T is double
+  std::array<T*, 3> v_remainder{};           // of v, m/s; null where T is double
+  std::array<const T*, 3> mobility{};        // 1/kg, 0 where the component is held
+  const TriangleLanes<T>* quads = nullptr;   // 2 x num_blocks, or none
+  const EdgeLanes<T>* quad_edges = nullptr;  // in their place of Green's strain
+  StrainLanes<T>* quads_before = nullptr;    // as either
+  // N, at the quad's lowest vertex, corner 0's times -1: of the last quad_ring vertices, a power of two, and behind
+  // them once more of the first block, so that a vector may begin anywhere.
+  std::array<std::array<T*, 3>, 4> quad_force{};
+  std::ptrdiff_t quad_ring = 0;
+  std::ptrdiff_t quad_reach = 0;  // blocks, of offsets; 0 without quads
   std::span<IrregularBlock<T>> irregular;
   const EdgeLanes<T>* irregular_edges = nullptr;  // of Green's strain, in place of IrregularBlock::triangles
   const LawLanes<T>* quad_laws = nullptr;         // as quads, or null: those of LeapfrogStep
@@ -104,7 +113,6 @@ template <typename T>
 struct LeapfrogStep {
   MembraneLaw membrane_law = MembraneLaw::kCorotational;
   std::array<T, 4> law{};      // N/m: C11, C22, C33, C12
-  T unit = 1;                  // m, of a position
   T damping = 0;               // -, beta / h
   T lost = 0;                  // -, of the velocity
   T scale = 0;                 // s, of forces

@@ -58,7 +58,9 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
     arrays.quads = quads_.data();
     arrays.quad_edges = quad_edges_.data();
     arrays.quads_before = quads_before_.data();
-    for (std::size_t k = 0; k < 4; ++k) arrays.quad_force[k] = entries(quad_force_[k], pad_);
+    for (std::size_t k = 0; k < 4; ++k) arrays.quad_force[k] = entries(quad_force_[k]);
+    arrays.quad_ring = static_cast<std::ptrdiff_t>((quad_force_[0][0].size() - 1) * kBlockLanes);
+    arrays.quad_reach = static_cast<std::ptrdiff_t>(pad_);
   }
   arrays.irregular = irregular_;
   arrays.irregular_edges = irregular_edges_.data();
@@ -81,7 +83,6 @@ LeapfrogStep<T> LeapfrogSweep<T>::step_of(const Model& model, const LeapfrogTerm
   LeapfrogStep<T> step;
   step.membrane_law = model.materials().membrane_law();
   for (std::size_t k = 0; k < law.size(); ++k) step.law[k] = static_cast<T>(law[k]);
-  step.unit = static_cast<T>(unit_);
   step.damping = static_cast<T>(damping_of(terms.damping, 0) / terms.h);
   step.bending_damping = static_cast<T>(terms.bending_damping / unit_);
   return step;
@@ -98,6 +99,7 @@ bool LeapfrogSweep<T>::begin(const Model& model, const Loads& loads, const Leapf
   set_mobility(model, loads);
   set_laws(model, terms);
   if (!set_frame(model, terms, duration, state)) return false;
+  set_unit_of_constants();
   // One substep back, so that the rate of strain in the first kick is that of the velocities.
   for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
     if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
@@ -182,25 +184,24 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
 }
 
 template <typename T>
-PositionOf<T>& LeapfrogSweep<T>::position_at(std::size_t axis, std::size_t v) {
-  return at(x_[axis], 3 * pad_ * kBlockLanes + v);
-}
-
-template <typename T>
 bool LeapfrogSweep<T>::set_position(VertexId v, const Eigen::Vector3d& position) {
+  // Added and taken off again, rounds to the nearest whole number.
+  constexpr double kRounding = 0x1.8p52;
   const auto i = static_cast<std::size_t>(v);
+  const double per_metre = 1.0 / unit_;  // exact, a power of two
   for (std::size_t c = 0; c < 3; ++c) {
     const auto axis = static_cast<Eigen::Index>(c);
+    Position& x = at(x_[c], 3 * pad_ * kBlockLanes + i);
     if constexpr (std::is_same_v<T, float>) {
-      const double all = (position[axis] - origin_[axis]) / unit_;
+      const double all = (position[axis] - origin_[axis]) * per_metre;
       if (!(std::abs(all) <= kReach)) return false;
-      const double whole = std::nearbyint(all);
-      position_at(c, i) = static_cast<std::int32_t>(whole);
+      const double whole = (all + kRounding) - kRounding;
+      x = static_cast<std::int32_t>(whole);
       at(remainder_[c], i) = static_cast<float>(all - whole);
     } else {
-      position_at(c, i) = position[axis];
+      x = position[axis];
     }
-    entries(corner_x_)[4 * i + c] = position_at(c, i);
+    entries(corner_x_)[4 * i + c] = x;
   }
   return true;
 }

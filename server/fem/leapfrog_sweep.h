@@ -89,12 +89,13 @@ class LeapfrogSweep {
   void set_lane(const Model& model, const MembraneLayout& layout, std::size_t lane);
   void set_mobility(const Model& model, const Loads& loads);
   bool set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state);
+  // Those of triangles and edges in the unit of positions: exact, as units are powers of two.
+  void set_unit_of_constants();
   void set_laws(const Model& model, const LeapfrogTerms& terms);
   void set_slice(const Model& model, std::size_t block);
   // Of a block that has no slice.
   void set_bending_rows_of(const Model& model, std::size_t block);
   void follow_bending(const Model& model);
-  Position& position_at(std::size_t axis, std::size_t v);
   bool set_position(mesh::VertexId v, const Eigen::Vector3d& position);
   void set_velocity(mesh::VertexId v, const Eigen::Vector3d& velocity);
   [[nodiscard]] LeapfrogStep<T> step_of(const Model& model, const LeapfrogTerms& terms) const;
@@ -110,7 +111,7 @@ class LeapfrogSweep {
   std::vector<EdgeLanes<T>> quad_edges_, irregular_edges_;  // of Green's strain
   std::vector<StrainLanes<T>> quads_before_;                // as quads_ or quad_edges_
   std::vector<IrregularBlock<T>> irregular_;
-  std::size_t pad_ = 0;  // blocks before the first vertex in quad_force_; three times that in x_
+  std::size_t pad_ = 0;  // blocks that offsets reach; three times that are before the first vertex in x_
   std::array<Field<T>, 4> quad_force_;
   std::vector<Lanes16<Position>> corner_x_, bending_x_;
   std::vector<Lanes16<T>> corner_force_, gathered_, extra_;
@@ -121,6 +122,7 @@ class LeapfrogSweep {
   Lanes16<T> speed_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
   double unit_ = 1.0;                                 // m
+  double unit_of_constants_ = 1.0;                    // m
   double room_ = 0.0;                                 // m, that the sheet can travel
   double tension_ = 0.0;                              // -
 };

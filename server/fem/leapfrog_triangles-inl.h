@@ -58,7 +58,7 @@ HWY_INLINE V dot(const Vec3<V>& a, const Vec3<V>& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
 
-// A difference of positions, in their unit and in m.
+// A difference of positions, in their unit.
 template <class D>
 HWY_INLINE hn::Vec<D> converted(D d, hn::Vec<hn::Rebind<std::int32_t, D>> difference) {
   return hn::ConvertTo(d, difference);
@@ -68,13 +68,9 @@ HWY_INLINE hn::Vec<D> converted(D /*d*/, hn::Vec<D> difference) {
   return difference;
 }
 template <class D, class P>
-HWY_INLINE hn::Vec<D> length(D d, P difference, hn::Vec<D> unit) {
-  return std::is_same_v<hn::TFromD<D>, float> ? hn::Mul(converted(d, difference), unit) : converted(d, difference);
-}
-template <class D, class P>
-HWY_INLINE Vec3<hn::Vec<D>> edge(D d, const Vec3<P>& to, const Vec3<P>& from, hn::Vec<D> unit) {
-  return {length(d, hn::Sub(to.x, from.x), unit), length(d, hn::Sub(to.y, from.y), unit),
-          length(d, hn::Sub(to.z, from.z), unit)};
+HWY_INLINE Vec3<hn::Vec<D>> edge(D d, const Vec3<P>& to, const Vec3<P>& from) {
+  return {converted(d, hn::Sub(to.x, from.x)), converted(d, hn::Sub(to.y, from.y)),
+          converted(d, hn::Sub(to.z, from.z))};
 }
 
 // Membrane law, N/m, and damping, -: see LawLanes.
@@ -98,48 +94,81 @@ HWY_INLINE hn::Vec<D> damping_of(D d, const LawLanes<hn::TFromD<D>>& lanes, std:
   return hn::Load(d, &lanes.value[4].lane[l]);
 }
 
-// Triangles with edges d1, d2 from corner 0; formulas in membrane.h, with R = F S^-1 and c = F^T F, det S = d,
-// tr S = s, S = (c + d I) / s.
-template <class V>
-struct Triangles {
-  Vec3<V> f1, f2;  // columns of F
-  V g1x, g1y, g2x, g2y;
-  V c11, c22, c12, trace;
-  V det, s, both;  // both: 1 / (s det)
-  Vec3<V> force1, force2;
+template <typename T>
+using TriangleValues = std::array<T, kBlockLanes>;  // of kBlockLanes triangles; not initialised
+
+// Between the stages in which forces are made, each for some blocks at a time: in one go, each block would wait for its
+// own square roots, one after the other. Formulas in membrane.h, with F = R S, c = F^T F, d = det S, s = tr S.
+template <typename T>
+struct alignas(64) StretchLanes {
+  std::array<TriangleValues<T>, 3> f1, f2;       // columns of F
+  TriangleValues<T> c11, c22, c12, det_squared;  // det S squared
+  TriangleValues<T> inverse_trace, inverse_det;  // 1 / s, 1 / d
+
+  // What set_strains() puts in place of what it needs no longer: S - I and S12.
+  TriangleValues<T>& strain1() { return c11; }
+  TriangleValues<T>& strain2() { return c22; }
+  TriangleValues<T>& S12() { return c12; }
 };
 
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE void set_metric(D d, const TriangleLanes<hn::TFromD<D>>& lanes, std::size_t l, const Vec3<V>& d1,
-                           const Vec3<V>& d2, Triangles<V>& t) {
-  t.g1x = hn::Load(d, &lanes.g1[0].lane[l]);
-  t.g1y = hn::Load(d, &lanes.g1[1].lane[l]);
-  t.g2x = hn::Load(d, &lanes.g2[0].lane[l]);
-  t.g2y = hn::Load(d, &lanes.g2[1].lane[l]);
-  t.f1 = combine(d1, t.g1x, d2, t.g2x);
-  t.f2 = combine(d1, t.g1y, d2, t.g2y);
-  t.c11 = dot(t.f1, t.f1);
-  t.c22 = dot(t.f2, t.f2);
-  t.c12 = dot(t.f1, t.f2);
-  t.trace = hn::Add(t.c11, t.c22);
-  const Vec3<V> normal{hn::Sub(hn::Mul(t.f1.y, t.f2.z), hn::Mul(t.f1.z, t.f2.y)),
-                       hn::Sub(hn::Mul(t.f1.z, t.f2.x), hn::Mul(t.f1.x, t.f2.z)),
-                       hn::Sub(hn::Mul(t.f1.x, t.f2.y), hn::Mul(t.f1.y, t.f2.x))};
-  t.det = dot(normal, normal);  // squared
+template <class D>
+HWY_INLINE Vec3<hn::Vec<D>> load3(D d, const std::array<TriangleValues<hn::TFromD<D>>, 3>& from, std::size_t l) {
+  return {hn::Load(d, &from[0][l]), hn::Load(d, &from[1][l]), hn::Load(d, &from[2][l])};
+}
+template <class D>
+HWY_INLINE void store3(D d, const Vec3<hn::Vec<D>>& value, std::array<TriangleValues<hn::TFromD<D>>, 3>& to,
+                       std::size_t l) {
+  hn::Store(value.x, d, &to[0][l]);
+  hn::Store(value.y, d, &to[1][l]);
+  hn::Store(value.z, d, &to[2][l]);
 }
 
+// First stage, of triangles with edges d1, d2 from corner 0.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE void set_det(D d, Triangles<V>& t) {
-  using T = hn::TFromD<D>;
-  const V least = hn::Add(hn::Mul(t.trace, hn::Set(d, kLeastFlatness<T>)), hn::Set(d, kTiny<T>));
-  t.det = hn::Max(hn::Sqrt(t.det), least);
+HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, std::size_t l, const Vec3<V>& d1,
+                              const Vec3<V>& d2, StretchLanes<hn::TFromD<D>>& to) {
+  const Vec3<V> f1 = combine(d1, hn::Load(d, &lanes.g1[0].lane[l]), d2, hn::Load(d, &lanes.g2[0].lane[l]));
+  const Vec3<V> f2 = combine(d1, hn::Load(d, &lanes.g1[1].lane[l]), d2, hn::Load(d, &lanes.g2[1].lane[l]));
+  const Vec3<V> normal{hn::Sub(hn::Mul(f1.y, f2.z), hn::Mul(f1.z, f2.y)),
+                       hn::Sub(hn::Mul(f1.z, f2.x), hn::Mul(f1.x, f2.z)),
+                       hn::Sub(hn::Mul(f1.x, f2.y), hn::Mul(f1.y, f2.x))};
+  store3(d, f1, to.f1, l);
+  store3(d, f2, to.f2, l);
+  hn::Store(dot(f1, f1), d, &to.c11[l]);
+  hn::Store(dot(f2, f2), d, &to.c22[l]);
+  hn::Store(dot(f1, f2), d, &to.c12[l]);
+  hn::Store(dot(normal, normal), d, &to.det_squared[l]);
 }
 
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE void set_inverses(D d, Triangles<V>& t) {
-  t.s = hn::Sqrt(hn::Add(t.trace, hn::Add(t.det, t.det)));
-  t.both = hn::Div(hn::Set(d, hn::TFromD<D>{1}), hn::Mul(t.s, t.det));
+// Second stage. The differences in S - I = (c + (d - s) I) / s are exact where strains are small.
+template <typename T>
+HWY_INLINE void set_strains(StretchLanes<T>* blocks, std::size_t num_blocks) {
+  const LanesOf<T> d;
+  for (std::size_t b = 0; b < num_blocks; ++b) {
+    StretchLanes<T>& t = blocks[b];
+    for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+      const auto c11 = hn::Load(d, &t.c11[l]);
+      const auto c22 = hn::Load(d, &t.c22[l]);
+      const auto trace = hn::Add(c11, c22);
+      const auto least = hn::Add(hn::Mul(trace, hn::Set(d, kLeastFlatness<T>)), hn::Set(d, kTiny<T>));
+      const auto det = hn::Max(hn::Sqrt(hn::Load(d, &t.det_squared[l])), least);
+      const auto s = hn::Sqrt(hn::Add(trace, hn::Add(det, det)));
+      const auto both = hn::Div(hn::Set(d, T{1}), hn::Mul(s, det));
+      const auto inverse_s = hn::Mul(both, det);
+      const auto shift = hn::Sub(det, s);
+      hn::Store(hn::Mul(hn::Add(c11, shift), inverse_s), d, &t.strain1()[l]);
+      hn::Store(hn::Mul(hn::Add(c22, shift), inverse_s), d, &t.strain2()[l]);
+      hn::Store(hn::Mul(hn::Load(d, &t.c12[l]), inverse_s), d, &t.S12()[l]);
+      hn::Store(inverse_s, d, &t.inverse_trace[l]);
+      hn::Store(hn::Mul(both, s), d, &t.inverse_det[l]);
+    }
+  }
 }
+
+template <class V>
+struct CornerForces {
+  Vec3<V> force1, force2;
+};
 
 // What of a strain of the substep before is to be added to that of now for damping: beta times the rate of strain
 // between them, which is when velocities are. Keeps the strain for the next.
@@ -150,54 +179,46 @@ HWY_INLINE V damped(D d, V damping, V strain, hn::TFromD<D>* before) {
   return hn::Add(strain, hn::Mul(damping, change));
 }
 
-// Forces on corners 1 and 2. The differences in e = S - I = (c + (d - s) I) / s are exact where strains are small.
+// In the second Piola-Kirchhoff form: R T = F N, and N = S^-1 T is symmetric for any symmetric sigma.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE void set_forces(D d, const Law<V>& law, const TriangleLanes<hn::TFromD<D>>& lanes, std::size_t l,
-                           StrainLanes<hn::TFromD<D>>& before, Triangles<V>& t) {
-  const V inverse_s = hn::Mul(t.both, t.det);
-  const V inverse_det = hn::Mul(t.both, t.s);
-  const V shift = hn::Sub(t.det, t.s);
-  const V S11 = hn::Mul(hn::Add(t.c11, t.det), inverse_s);
-  const V S22 = hn::Mul(hn::Add(t.c22, t.det), inverse_s);
-  const V S12 = hn::Mul(t.c12, inverse_s);
-  const V slant = hn::Neg(hn::Mul(S12, inverse_det));
-  const Vec3<V> R1 = combine(t.f1, hn::Mul(S22, inverse_det), t.f2, slant);
-  const Vec3<V> R2 = combine(t.f1, slant, t.f2, hn::Mul(S11, inverse_det));
-
-  const V e1 = damped(d, law.damping, hn::Mul(hn::Add(t.c11, shift), inverse_s), &before[0].lane[l]);
-  const V e2 = damped(d, law.damping, hn::Mul(hn::Add(t.c22, shift), inverse_s), &before[1].lane[l]);
-  const V e3 = damped(d, law.damping, hn::Add(S12, S12), &before[2].lane[l]);
+HWY_INLINE CornerForces<V> corner_forces(D d, const Law<V>& law, const TriangleLanes<hn::TFromD<D>>& lanes,
+                                         std::size_t l, StretchLanes<hn::TFromD<D>>& stretch,
+                                         StrainLanes<hn::TFromD<D>>& before) {
+  const V one = hn::Set(d, hn::TFromD<D>{1});
+  const V strain1 = hn::Load(d, &stretch.strain1()[l]);
+  const V strain2 = hn::Load(d, &stretch.strain2()[l]);
+  const V S12 = hn::Load(d, &stretch.S12()[l]);
+  const V S11 = hn::Add(strain1, one);
+  const V S22 = hn::Add(strain2, one);
+  // From here on times the factor that forces have: -A / det S.
+  const V factor = hn::Mul(hn::Load(d, &lanes.minus_area.lane[l]), hn::Load(d, &stretch.inverse_det[l]));
+  const V e1 = hn::Mul(damped(d, law.damping, strain1, &before[0].lane[l]), factor);
+  const V e2 = hn::Mul(damped(d, law.damping, strain2, &before[1].lane[l]), factor);
+  const V e3 = hn::Mul(damped(d, law.damping, hn::Add(S12, S12), &before[2].lane[l]), factor);
   const V sigma1 = combine(law.C11, e1, law.C12, e2);
   const V sigma2 = combine(law.C12, e1, law.C22, e2);
   const V sigma3 = hn::Mul(law.C33, e3);
-  const V a = hn::Mul(combine(S12, hn::Sub(sigma1, sigma2), sigma3, hn::Sub(S22, S11)), inverse_s);
-  const V minus_area = hn::Load(d, &lanes.minus_area.lane[l]);
-  // The forces R T g, by way of two components a corner.
-  const V T11 = hn::Mul(minus_area, sigma1);
-  const V T12 = hn::Mul(minus_area, hn::Sub(sigma3, a));
-  const V T21 = hn::Mul(minus_area, hn::Add(sigma3, a));
-  const V T22 = hn::Mul(minus_area, sigma2);
-  t.force1 = combine(R1, combine(T11, t.g1x, T12, t.g1y), R2, combine(T21, t.g1x, T22, t.g1y));
-  t.force2 = combine(R1, combine(T11, t.g2x, T12, t.g2y), R2, combine(T21, t.g2x, T22, t.g2y));
-}
-
-// Of two vectors of triangles side by side: one waits for its square roots while the other computes.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE void corner_forces(D d, const Law<V>& law0, const Law<V>& law1,
-                              std::array<const TriangleLanes<hn::TFromD<D>>*, 2> lanes, std::size_t l,
-                              std::array<StrainLanes<hn::TFromD<D>>*, 2> before, std::array<Triangles<V>, 2>& t) {
-  set_det(d, t[0]);
-  set_det(d, t[1]);
-  set_inverses(d, t[0]);
-  set_inverses(d, t[1]);
-  set_forces(d, law0, *lanes[0], l, *before[0], t[0]);
-  set_forces(d, law1, *lanes[1], l, *before[1], t[1]);
+  const V a = hn::Mul(combine(S12, hn::Sub(sigma1, sigma2), sigma3, hn::Sub(strain2, strain1)),
+                      hn::Load(d, &stretch.inverse_trace[l]));
+  const V T12 = hn::Sub(sigma3, a);
+  const V T21 = hn::Add(sigma3, a);
+  const V N11 = hn::Sub(hn::Mul(S22, sigma1), hn::Mul(S12, T21));
+  const V N12 = hn::Sub(hn::Mul(S22, T12), hn::Mul(S12, sigma2));
+  const V N22 = hn::Sub(hn::Mul(S11, sigma2), hn::Mul(S12, T12));
+  const Vec3<V> f1 = load3(d, stretch.f1, l);
+  const Vec3<V> f2 = load3(d, stretch.f2, l);
+  const auto force = [&](const std::array<Lanes16<hn::TFromD<D>>, 2>& g) HWY_ATTR {
+    const V gx = hn::Load(d, &g[0].lane[l]);
+    const V gy = hn::Load(d, &g[1].lane[l]);
+    return combine(f1, combine(N11, gx, N12, gy), f2, combine(N12, gx, N22, gy));
+  };
+  return {force(lanes.g1), force(lanes.g2)};
 }
 
 // Of triangles with Green's strain; see EdgeLanes.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE void set_edge_forces(D d, V damping, const EdgeLanes<hn::TFromD<D>>& lanes, std::size_t l, const Vec3<V>& d1,
-                                const Vec3<V>& d2, StrainLanes<hn::TFromD<D>>& before, Triangles<V>& t) {
+HWY_INLINE CornerForces<V> edge_forces(D d, V damping, const EdgeLanes<hn::TFromD<D>>& lanes, std::size_t l,
+                                       const Vec3<V>& d1, const Vec3<V>& d2, StrainLanes<hn::TFromD<D>>& before) {
   const auto strain = [&](std::size_t k, const Vec3<V>& side) HWY_ATTR {
     const V excess = hn::Sub(dot(side, side), hn::Load(d, &lanes.length_squared[k].lane[l]));
     return damped(d, damping, excess, &before[k].lane[l]);
@@ -213,8 +234,7 @@ HWY_INLINE void set_edge_forces(D d, V damping, const EdgeLanes<hn::TFromD<D>>& 
   const V t1 = hn::Add(combine(H(0), s1, H12, s2), hn::Mul(H13, s3));
   const V t2 = hn::Add(combine(H12, s1, H(1), s2), hn::Mul(H23, s3));
   const V t3 = hn::Add(combine(H13, s1, H23, s2), hn::Mul(H(2), s3));
-  t.force1 = combine(d3, t3, d1, hn::Neg(t1));
-  t.force2 = combine(d3, hn::Neg(t3), d2, hn::Neg(t2));
+  return {combine(d3, t3, d1, hn::Neg(t1)), combine(d3, hn::Neg(t3), d2, hn::Neg(t2))};
 }
 
 }  // namespace

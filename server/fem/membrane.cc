@@ -298,16 +298,31 @@ GreenStretch green_stretch(std::span<const ElementBlock> blocks, const MaterialT
   return largest;
 }
 
+// Principal stretches are (s +- q / s) / 2 with c = F^T F, s = tr S = sqrt(tr c + 2 det F) and
+// q = sqrt((c11 - c22)^2 + 4 c12^2): of their distances from 1 the larger is |s / 2 - 1| + q / (2 s).
 double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::VertexField& x) {
+  constexpr double kTiny = 1e-150;
   double largest = 0.0;
-  LaneFrames frames;
+  Lane strain;
+  LaneEdges edges;
+  Lane3 f1;
+  Lane3 f2;
   for (const ElementBlock& block : blocks) {
-    frames_at(block, x, frames);
+    gather_edges(block, x, edges);
+    multiply_by_dm_inverse(block, edges, f1, f2);
     for (std::size_t l = 0; l < kLanes; ++l) {
-      if (block.area[l] == 0.0) continue;
-      const double larger = larger_principal(frames.S11[l], frames.S22[l], frames.S12[l]);
-      const double smaller = -larger_principal(-frames.S11[l], -frames.S22[l], frames.S12[l]);
-      largest = std::max({largest, std::abs(larger - 1.0), std::abs(smaller - 1.0)});
+      const double n1 = f1[1][l] * f2[2][l] - f1[2][l] * f2[1][l];
+      const double n2 = f1[2][l] * f2[0][l] - f1[0][l] * f2[2][l];
+      const double n3 = f1[0][l] * f2[1][l] - f1[1][l] * f2[0][l];
+      const double c11 = f1[0][l] * f1[0][l] + f1[1][l] * f1[1][l] + f1[2][l] * f1[2][l];
+      const double c22 = f2[0][l] * f2[0][l] + f2[1][l] * f2[1][l] + f2[2][l] * f2[2][l];
+      const double c12 = f1[0][l] * f2[0][l] + f1[1][l] * f2[1][l] + f1[2][l] * f2[2][l];
+      const double s = std::sqrt(c11 + c22 + 2.0 * std::sqrt(n1 * n1 + n2 * n2 + n3 * n3));
+      const double q = std::sqrt((c11 - c22) * (c11 - c22) + 4.0 * (c12 * c12));
+      strain[l] = std::abs(0.5 * s - 1.0) + 0.5 * q / (s + kTiny);
+    }
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (block.area[l] > 0.0) largest = std::max(largest, strain[l]);
     }
   }
   return largest;

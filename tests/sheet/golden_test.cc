@@ -59,10 +59,10 @@ SheetConfig implicit_over_sphere() {
 }
 
 const Golden kGolden[] = {
-    {"hanging 50x50, three cuts", [] { return scenes::hanging_with_three_cuts(50); }, 45, 0x294285434209f54e},
+    {"hanging 50x50, three cuts", [] { return scenes::hanging_with_three_cuts(50); }, 45, 0x26f38fc5aaa128c4},
     {"stiff, implicit, three cuts", stiff_implicit, 40, 0x2866d4488eeb6efb},
-    {"pulled in the wind", pulled_in_the_wind, 40, 0x51bbb08156dabb84},
-    {"cut over a sphere", cut_over_sphere, 60, 0x7a8e1ea0ba1b0243},
+    {"pulled in the wind", pulled_in_the_wind, 40, 0x4e5cd3bfae21da0e},
+    {"cut over a sphere", cut_over_sphere, 60, 0x299b711c36d34119},
     {"implicit over a sphere", implicit_over_sphere, 40, 0xfa8f8c33d68f7103},
 };
 
