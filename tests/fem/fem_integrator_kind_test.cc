@@ -1,6 +1,8 @@
 // What only one kind of integrator does, and how the automatic one chooses. What all do: fem_integrator_test.cc.
 #include <cmath>
+#include <vector>
 
+#include "server/cut/cut.h"
 #include "tests/fem/integrator_cases.h"
 
 namespace kerf::fem {
@@ -247,6 +249,47 @@ TEST(AutomaticIntegrator, TakesExplicitUnlessSheetsAreStiffAndSaysWhy) {
   EXPECT_EQ(integrator->kind(), IntegratorKind::kImplicitEuler);
   State state = rest_state(mesh);
   EXPECT_EQ(integrator->step(beyond, Loads{}, kTick, nullptr, state).substeps, 1);
+}
+
+TEST(AutomaticIntegrator, GoesFromExplicitToImplicitByACutAndBack) {
+  mesh::TriangleMesh mesh = square_grid(20);
+  const mesh::TriangleMesh before = mesh;
+  Model model(mesh, soft_cloth());
+  State state = rest_state(mesh);
+  const std::unique_ptr<Integrator> uncut = make_integrator({});
+  uncut->rebuild(model);
+  IntegratorOptions options;
+  options.max_substeps = uncut->step(model, Loads{}, kTick, nullptr, state).substeps * 11 / 10;
+  const std::unique_ptr<Integrator> integrator = make_integrator(options);
+  integrator->rebuild(model);
+  const auto expect_bits_of_a_fresh_start = [&](const mesh::TriangleMesh& now, IntegratorKind kind) {
+    EXPECT_EQ(integrator->kind(), kind) << integrator->explanation();
+    const std::unique_ptr<Integrator> fresh = make_integrator(options);
+    fresh->rebuild(model);
+    State followed = rest_state(now);
+    State made = followed;
+    for (int i = 0; i < 3; ++i) {
+      integrator->prepare();
+      EXPECT_EQ(integrator->step(model, Loads{}, kTick, nullptr, followed).flags & kFrozen, 0U);
+      fresh->step(model, Loads{}, kTick, nullptr, made);
+    }
+    EXPECT_TRUE(equal_bits(followed, made));
+  };
+  expect_bits_of_a_fresh_start(mesh, IntegratorKind::kExplicit);
+
+  const Result<cut::CutPlan> plan = cut::plan(mesh, {cut::Polyline{{{0.2, 0.37}, {0.83, 0.41}}}, {}, {}});
+  ASSERT_TRUE(plan.ok());
+  Result<cut::CutOutcome> outcome = cut::apply(mesh, *plan);
+  ASSERT_TRUE(outcome.ok());
+  std::vector<mesh::TriangleId> rewritten = outcome->edit.rewritten_triangles;
+  model.follow(mesh, rewritten);
+  integrator->follow(model);
+  expect_bits_of_a_fresh_start(mesh, IntegratorKind::kTrBdf2);
+
+  std::erase_if(rewritten, [&](mesh::TriangleId slot) { return slot >= before.num_triangle_slots(); });
+  model.follow(before, rewritten);
+  integrator->follow(model);
+  expect_bits_of_a_fresh_start(before, IntegratorKind::kExplicit);
 }
 
 TEST(AutomaticIntegrator, SolvesLargeSheetsWithTheFloatFactor) {

@@ -184,8 +184,8 @@ const std::vector<StartKind>& start_kinds() {
 
 std::string Case::name() const {
   std::array<char, 160> text{};
-  std::snprintf(text.data(), text.size(), "%s, E %.0e Pa, nu %.2f, dt %.4g s, aspect %.0e", start_kinds()[start].name,
-                youngs_modulus, poissons_ratio, dt, aspect);
+  std::snprintf(text.data(), text.size(), "%s, E %.0e Pa, nu %.2f, dt %.4g s, aspect %.0e%s", start_kinds()[start].name,
+                youngs_modulus, poissons_ratio, dt, aspect, precision == fem::Precision::kDouble ? ", double" : "");
   return text.data();
 }
 
@@ -221,6 +221,7 @@ Outcome run(const Case& tested, int num_steps) {
   const fem::Model model(start.mesh, material(tested));
   fem::IntegratorOptions options;
   options.tick = tested.dt;
+  options.precision = tested.precision;
   const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
   integrator->rebuild(model);
 

@@ -35,6 +35,7 @@ struct Case {
   double poissons_ratio = 0.3;    // -; 0.63 with a shear modulus of its own, else isotropic
   double dt = 1.0 / 60.0;         // s
   double aspect = 1.0;            // -
+  fem::Precision precision = fem::IntegratorOptions().precision;
 
   [[nodiscard]] std::string name() const;
 };

@@ -52,6 +52,13 @@ TEST_P(StabilityMatrixCase, StaysFiniteAndKeepsItsEnergy) {
 
 INSTANTIATE_TEST_SUITE_P(Share, StabilityMatrixCase, testing::ValuesIn(matrix(kTestedPerStart)));
 
+// Where users ask for double precision.
+std::vector<Case> in_double(std::vector<Case> cases) {
+  for (Case& each : cases) each.precision = fem::Precision::kDouble;
+  return cases;
+}
+INSTANTIATE_TEST_SUITE_P(ShareInDouble, StabilityMatrixCase, testing::ValuesIn(in_double(matrix(2))));
+
 // Cases beyond the share that once gained energy without end, or lost momentum: bending kicks in resonance with a taut
 // strip, gains let pass in each of many steps, bending energy of slivers that rounding made negative, energy taken from
 // the motion of the centre.
