@@ -14,9 +14,8 @@ namespace kerf::fem {
 //  - TR-BDF2: of the implicit schemes on the front of error against time (tests/accuracy/PLOTS.md).
 //  - Implicit Euler above a condition number of kSecondOrderCondition, where the forces at the start of a step, which
 //    the trapezoidal rule follows, are mostly rounding.
-//  - The float factor in TR-BDF2 of 2,000 vertices and more, where it takes 0.3 to 0.9 of the direct solver's time;
-//  else
-//    the direct solver, as slivers and stiffer sheets have matrices that floats lose.
+// Both with the direct solver: sheets that are too stiff for explicit steps are also those whose matrices a float
+// factor may lose.
 class AutomaticIntegrator final : public Integrator {
  public:
   explicit AutomaticIntegrator(const IntegratorOptions& options);
@@ -35,8 +34,7 @@ class AutomaticIntegrator final : public Integrator {
 
   IntegratorOptions options_;
   ExplicitIntegrator explicit_;
-  std::unique_ptr<Integrator> implicit_;                 // null while the explicit integrator is the choice
-  LinearSolverKind solver_ = LinearSolverKind::kDirect;  // of implicit_
+  std::unique_ptr<Integrator> implicit_;  // null while the explicit integrator is the choice
   std::string explanation_;
 };
 

@@ -1,6 +1,7 @@
 #include "server/fem/explicit_integrator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -41,6 +42,20 @@ bool has_forces_on_vertices(const Model& model, const Loads& loads) {
          !model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty();
 }
 
+// m/s, of stretching, in the stiffest material that a triangle has; 0 without triangles.
+double fastest_wave(const Model& model) {
+  std::array<bool, kMaxMaterials> has{};
+  for (const ElementBlock& block : model.element_blocks()) {
+    for (std::size_t l = 0; l < kLanes; ++l) has[block.material[l]] = has[block.material[l]] || block.area[l] > 0.0;
+  }
+  double fastest_squared = 0.0;
+  for (std::size_t i = 0; i < model.materials().size(); ++i) {
+    const MaterialLaw& law = model.materials()[i];
+    if (has[i]) fastest_squared = std::max(fastest_squared, law.membrane.diagonal().maxCoeff() / law.surface_density);
+  }
+  return std::sqrt(fastest_squared);
+}
+
 // What has no mass and is not held keeps its velocity.
 void drift_massless(const Model& model, double duration, State& state) {
   for (std::size_t v = 0; v < model.inverse_mass().size(); ++v) {
@@ -67,11 +82,6 @@ void ExplicitIntegrator::plan(const Model& model) {
     xi_ = std::min(xi_, damping_ratio);
   }
   bending_omega_ = std::sqrt(model.bending_stiffness_bound());
-  wave_speed_ = 0.0;
-  for (const MaterialLaw& law : model.materials()) {
-    const double stiffest = law.membrane.diagonal().maxCoeff();
-    wave_speed_ = std::max(wave_speed_, std::sqrt(stiffest / law.surface_density));
-  }
   critical_step_ = critical_step(1.0);
   explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
 }
@@ -136,7 +146,7 @@ bool ExplicitIntegrator::is_quiet(const Model& model, const State& state) const 
   }
   const double extent = (high - low).maxCoeff();
   const double noise = std::max(kNoise, kCoarseness * extent * model.largest_gradient());
-  return std::sqrt(speed_squared) < kAboveNoise * noise * wave_speed_;
+  return std::sqrt(speed_squared) < kAboveNoise * noise * fastest_wave(model);
 }
 
 double ExplicitIntegrator::planned_substeps(double dt) const {
@@ -204,11 +214,15 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   bool is_mixed = options_.precision == Precision::kMixed;
   const bool was_quiet = is_mixed && is_quiet(model, state);
   for (int retry = 0;; ++retry) {
+    const int least = plan.substeps;
     if (is_mixed) {
       const bool fits = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
       is_mixed = fits && !(was_quiet && is_quiet(model, state));
       if (!fits) stats.flags |= kWidened;
-      if (!is_mixed) go_back(state);
+      if (!is_mixed) {
+        go_back(state);
+        plan.substeps = least;
+      }
     }
     if (!is_mixed) {
       if (!is_double_current_) double_sweep_.rebuild(model, layout_);

@@ -105,7 +105,6 @@ class ExplicitIntegrator final : public Integrator {
   std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h
   double xi_ = 0.0;                   // -, the least
   double bending_omega_ = 0.0;        // 1/s
-  double wave_speed_ = 0.0;           // m/s, of stretching, in the stiffest material
   MembraneLayout layout_;
   LeapfrogSweep<double> double_sweep_;  // of mixed precision: where that does not do, and of sheets nearly at rest
   bool is_double_current_ = false;

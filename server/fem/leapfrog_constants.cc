@@ -82,8 +82,13 @@ void change_unit(TriangleLanes<T>& triangles, T by) {
 }
 template <typename T>
 void change_unit(EdgeLanes<T>& edges, T by) {
-  for (Lanes16<T>& length_squared : edges.length_squared) scale(length_squared, 1 / (by * by));
-  for (Lanes16<T>& stiffness : edges.stiffness) scale(stiffness, by * by * by);
+  // One factor at a time: the cube of a unit may be too small for floats where what it scales is not.
+  for (Lanes16<T>& length_squared : edges.length_squared) {
+    for (int i = 0; i < 2; ++i) scale(length_squared, 1 / by);
+  }
+  for (Lanes16<T>& stiffness : edges.stiffness) {
+    for (int i = 0; i < 3; ++i) scale(stiffness, by);
+  }
 }
 
 }  // namespace
@@ -144,9 +149,6 @@ void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout,
 
 template <typename T>
 void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout) {
-  for (Field<T>& force : quad_force_) {
-    for (std::vector<Lanes16<T>>& blocks : force) blocks.clear();
-  }
   resize(model, layout);
   const auto num_lanes = static_cast<VertexId>(kBlockLanes * layout.num_blocks());
   for (VertexId v = 0; !quads_before_.empty() && v < num_lanes; ++v) set_quads(model, layout, v);

@@ -34,8 +34,9 @@ template <class D>
 HWY_INLINE void store_quad_force(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, std::size_t k,
                                  const Vec3<hn::Vec<D>>& force, std::ptrdiff_t place) {
   store3(d, force, arrays.quad_force[k], place);
-  if (place < static_cast<std::ptrdiff_t>(kBlockLanes))
+  if (place < static_cast<std::ptrdiff_t>(kBlockLanes)) {
     store3(d, force, arrays.quad_force[k], place + arrays.quad_ring);
+  }
 }
 
 template <typename T>

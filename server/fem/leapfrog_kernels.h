@@ -20,13 +20,13 @@ namespace kerf::fem {
 template <typename T>
 using PositionOf = std::conditional_t<std::is_same_v<T, float>, std::int32_t, T>;
 
-// Constants of kBlockLanes triangles; see ElementBlock. Without material all 0. Lengths are in the unit of positions,
-// those of forces in N as before.
+// Constants of kBlockLanes triangles; see ElementBlock. Without material all 0. Lengths along edges are in the
+// unit of positions.
 template <typename T>
 struct TriangleLanes {
   using Lanes = Lanes16<T>;
   std::array<Lanes, 2> g1{}, g2{};  // 1/unit
-  Lanes minus_area{};               // m unit, so that force is of 1/unit, N/m and m unit: N
+  Lanes minus_area{};               // m^2/unit
 };
 
 // The same of kBlockLanes triangles with Green's strain, by their edges d1, d2 from corner 0 and d3 = d2 - d1:

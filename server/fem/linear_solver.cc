@@ -10,32 +10,8 @@
 namespace kerf::fem {
 namespace {
 
-// A factor that needs more iterations has lost the matrix to rounding; so many take as long as one in double.
-constexpr int kMostFactorIterations = 30;
-
-// Conjugate gradients with the float factor, and where they do not converge, a factor in double.
-class FactorCgSolver final : public LinearSolver {
- public:
-  explicit FactorCgSolver(int max_iterations) : gradients_(make_factor_preconditioner(), max_iterations) {}
-
-  void analyse(const BlockMatrix& A) override {
-    gradients_.analyse(A);
-    direct_.analyse(A);  // now, as no solve may allocate
-  }
-  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override {
-    const LinearStats by_gradients = gradients_.solve(A, b, tolerance, x);
-    if (by_gradients.converged) return by_gradients;
-    LinearStats by_factor = direct_.solve(A, b, tolerance, x);
-    by_factor.iterations += by_gradients.iterations;
-    return by_factor;
-  }
-  void forget() override { gradients_.forget(); }
-  std::vector<Eigen::Matrix3d>* frames() override { return gradients_.frames(); }
-
- private:
-  ConjugateGradient gradients_;
-  DirectSolver direct_;
-};
+// A factor that needs more iterations has lost the matrix to rounding; each takes as long as a hundred plain ones.
+constexpr int kMostFactorIterations = 100;
 
 std::unique_ptr<Preconditioner> make_diagonal(LinearSolverKind kind) {
   switch (kind) {
@@ -59,7 +35,8 @@ std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_
     case LinearSolverKind::kAsCgm:
       return std::make_unique<CovarianceRootSolver>(kind, root, max_iterations);
     case LinearSolverKind::kFactorCg:
-      return std::make_unique<FactorCgSolver>(std::min(max_iterations, kMostFactorIterations));
+      return std::make_unique<ConjugateGradient>(make_factor_preconditioner(),
+                                                 std::min(max_iterations, kMostFactorIterations));
     default:
       return std::make_unique<ConjugateGradient>(make_diagonal(kind), max_iterations);
   }

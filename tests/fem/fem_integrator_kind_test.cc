@@ -292,22 +292,5 @@ TEST(AutomaticIntegrator, GoesFromExplicitToImplicitByACutAndBack) {
   expect_bits_of_a_fresh_start(before, IntegratorKind::kExplicit);
 }
 
-TEST(AutomaticIntegrator, SolvesLargeSheetsWithTheFloatFactor) {
-  IntegratorOptions options;
-  options.max_substeps = 1000;
-  const std::unique_ptr<Integrator> integrator = make_integrator(options);
-  for (const auto& [side, solver] : {std::pair(44, "TR-BDF2, direct"), {45, "TR-BDF2, conjugate gradients"}}) {
-    const mesh::TriangleMesh mesh = square_grid(side);
-    integrator->rebuild(Model(mesh, isotropic(1.0e10, 0.3, 5.0e-4, 1000.0)));
-    EXPECT_NE(integrator->explanation().find(solver), std::string_view::npos) << integrator->explanation();
-  }
-  Model model(square_grid(45), isotropic(1.0e10, 0.3, 5.0e-4, 1000.0));
-  integrator->rebuild(model);
-  State state = rest_state(square_grid(45));
-  const StepStats stats = integrator->step(model, Loads{}, kTick, nullptr, state);
-  EXPECT_EQ(stats.flags & ~kNotConverged, 0U);
-  EXPECT_LT(stats.linear_residual, 1e-3);
-}
-
 }  // namespace
 }  // namespace kerf::fem
