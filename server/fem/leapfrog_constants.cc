@@ -100,13 +100,14 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
   const auto reach = static_cast<std::size_t>(*std::max_element(layout.offsets().begin(), layout.offsets().end()));
   const std::size_t num_irregular = layout.lanes().size() / kBlockLanes;
   pad_ = (reach + kBlockLanes - 1) / kBlockLanes;
+  const std::size_t ring = std::bit_ceil(pad_ + std::min(2 * kQuadBlocksAhead, n));
   for (std::size_t c = 0; c < 3; ++c) {
     set(x_[c], n + 6 * pad_ + 1);
     set(v_[c], n + pad_ + 1);
     set(remainder_[c], std::is_same_v<T, float> ? n : 0);
     set(v_remainder_[c], std::is_same_v<T, float> ? n : 0);
     set(mobility_[c], n);
-    for (Field<T>& force : quad_force_) set(force[c], reach > 0 ? 1 + std::bit_ceil(pad_ + 2 * kQuadBlocksAhead) : 0);
+    for (Field<T>& force : quad_force_) set(force[c], reach > 0 ? ring + 1 : 0);
   }
   set(takes_part_, kBlockLanes * n);
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
