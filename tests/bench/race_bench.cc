@@ -37,6 +37,7 @@ struct Sheet {
   std::string name;
   double compared_at;  // s, with the reference
   mesh::TriangleMesh mesh;
+  fem::Material material = cloth();
 };
 
 struct Run {
@@ -62,7 +63,7 @@ Run run(Scene& scene, const fem::IntegratorOptions& options, double duration) {
 }
 
 fem::State state_of(const Sheet& sheet, const fem::IntegratorOptions& options, fem::MembraneLaw law) {
-  Scene scene(sheet.mesh, 0.0, false, law);
+  Scene scene(sheet.mesh, 0.0, false, law, sheet.material);
   run(scene, options, sheet.compared_at);
   return scene.state;
 }
@@ -74,7 +75,7 @@ bool measure(const Sheet& sheet) {
     const fem::IntegratorOptions options = explicit_options(variant.precision);
     const fem::State tested = state_of(sheet, options, variant.law);
     const double error = (tested.x - reference.x).colwise().norm().maxCoeff();
-    Scene swing(sheet.mesh, 2.0, false, variant.law);
+    Scene swing(sheet.mesh, 2.0, false, variant.law, sheet.material);
     Run result = run(swing, options, 2.0);
     std::sort(result.ms.begin(), result.ms.end());
     const double median = result.ms[result.ms.size() / 2];
@@ -96,6 +97,7 @@ bool measure_sheets(std::string_view only) {
       {"50x50 Delaunay", 0.3, mesh::make_jittered_grid({.num_x = 50, .num_y = 50}, 1).value()},
       // Later its flaps buckle, which way depends on damping: 1.2 mm at 0.3 s from that alone.
       {"50x50, 20 cuts", 0.1, cut_grid(50)},
+      {"50x50, wool", 0.3, grid(50), *fem::find_preset("wool")},
   };
   std::printf(
       "| mesh | precision | substeps | median ms | worst ms | us a substep | error mm | largest strain |\n"

@@ -10,8 +10,7 @@
 namespace kerf::bench {
 namespace {
 
-fem::Material cloth(double mass_damping) {
-  fem::Material material = fem::isotropic(2.0e6, 0.3, 5.0e-4, 400.0);
+fem::Material damped(fem::Material material, double mass_damping) {
   material.mass_damping = mass_damping;
   return material;
 }
@@ -32,6 +31,10 @@ class Own : public Contender {
 
 }  // namespace
 
+fem::Material cloth() {
+  return fem::isotropic(2.0e6, 0.3, 5.0e-4, 400.0);
+}
+
 mesh::TriangleMesh grid(int side) {
   return mesh::make_grid({.num_x = side, .num_y = side}).value();
 }
@@ -45,8 +48,8 @@ mesh::TriangleMesh cut_grid(int side) {
   return mesh;
 }
 
-Scene::Scene(mesh::TriangleMesh sheet, double drag, bool hangs, fem::MembraneLaw law)
-    : mesh(std::move(sheet)), air_drag(drag), model(mesh, cloth(drag), law) {
+Scene::Scene(mesh::TriangleMesh sheet, double drag, bool hangs, fem::MembraneLaw law, const fem::Material& material)
+    : mesh(std::move(sheet)), air_drag(drag), model(mesh, damped(material, drag), law) {
   state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
   state.v = state.x;
   for (int v = 0; v < mesh.num_vertices(); ++v) {

@@ -15,14 +15,18 @@ namespace kerf::bench {
 
 inline constexpr double kTick = 1.0 / 60.0;  // s
 
+// E h = 1000 N/m, 0.2 kg/m^2; no damping.
+fem::Material cloth();
+
 // A square of 1 m, side x side vertices.
 mesh::TriangleMesh grid(int side);
 // The same with 20 kirigami slits.
 mesh::TriangleMesh cut_grid(int side);
 
-// The race's cloth, pinned along the upper edge, at rest; flat, horizontal or hanging.
+// Pinned along the upper edge, at rest; flat, horizontal or hanging.
 struct Scene {
-  Scene(mesh::TriangleMesh sheet, double drag, bool hangs, fem::MembraneLaw law = fem::MembraneLaw::kCorotational);
+  Scene(mesh::TriangleMesh sheet, double drag, bool hangs, fem::MembraneLaw law = fem::MembraneLaw::kCorotational,
+        const fem::Material& material = cloth());
 
   mesh::TriangleMesh mesh;
   double air_drag;  // 1/s, >= 0: the material's mass_damping
