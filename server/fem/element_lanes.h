@@ -53,6 +53,20 @@ inline void multiply_by_dm_inverse(const ElementBlock& block, const LaneEdges& d
 // Frame of a triangle collapsed to a line (any unit vector across the line serves as normal) or to a point.
 void repair_collapsed_lane(const Lane3& f1, const Lane3& f2, std::size_t lane, LaneFrames& frames);
 
+// Of one lane: n = f1 x f2 with its square, and F^T F.
+struct LaneMetric {
+  double n1, n2, n3, d_squared, c11, c22, c12;
+};
+inline LaneMetric metric_of(const Lane3& f1, const Lane3& f2, std::size_t l) {
+  const double n1 = f1[1][l] * f2[2][l] - f1[2][l] * f2[1][l];
+  const double n2 = f1[2][l] * f2[0][l] - f1[0][l] * f2[2][l];
+  const double n3 = f1[0][l] * f2[1][l] - f1[1][l] * f2[0][l];
+  const double c11 = f1[0][l] * f1[0][l] + f1[1][l] * f1[1][l] + f1[2][l] * f1[2][l];
+  const double c22 = f2[0][l] * f2[0][l] + f2[1][l] * f2[1][l] + f2[2][l] * f2[2][l];
+  const double c12 = f1[0][l] * f2[0][l] + f1[1][l] * f2[1][l] + f1[2][l] * f2[2][l];
+  return {n1, n2, n3, n1 * n1 + n2 * n2 + n3 * n3, c11, c22, c12};
+}
+
 inline void polar_decomposition(const Lane3& __restrict f1, const Lane3& __restrict f2, LaneFrames& __restrict frames) {
   // Below this ratio of |f1 x f2| to |f1|^2 + |f2|^2, squared, the normal is all rounding; the second term catches
   // triangles shrunk to 1e-15 of their size.
@@ -61,13 +75,7 @@ inline void polar_decomposition(const Lane3& __restrict f1, const Lane3& __restr
   constexpr double kTiny = 1e-150;
   Lane excess;  // > 0: regular
   for (std::size_t l = 0; l < kLanes; ++l) {
-    const double n1 = f1[1][l] * f2[2][l] - f1[2][l] * f2[1][l];
-    const double n2 = f1[2][l] * f2[0][l] - f1[0][l] * f2[2][l];
-    const double n3 = f1[0][l] * f2[1][l] - f1[1][l] * f2[0][l];
-    const double c11 = f1[0][l] * f1[0][l] + f1[1][l] * f1[1][l] + f1[2][l] * f1[2][l];
-    const double c22 = f2[0][l] * f2[0][l] + f2[1][l] * f2[1][l] + f2[2][l] * f2[2][l];
-    const double c12 = f1[0][l] * f2[0][l] + f1[1][l] * f2[1][l] + f1[2][l] * f2[2][l];
-    const double d_squared = n1 * n1 + n2 * n2 + n3 * n3;
+    const auto [n1, n2, n3, d_squared, c11, c22, c12] = metric_of(f1, f2, l);
     const double trace = c11 + c22;
     excess[l] = d_squared - (kCollapsedSquared * (trace * trace) + kPointSquared);
     const double d = std::sqrt(d_squared);

@@ -42,18 +42,24 @@ bool has_forces_on_vertices(const Model& model, const Loads& loads) {
          !model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty();
 }
 
-// m/s, of stretching, in the stiffest material that a triangle has; 0 without triangles.
+// m/s, of stretching.
+double wave_speed(const MaterialLaw& law) {
+  return std::sqrt(law.membrane.diagonal().maxCoeff() / law.surface_density);
+}
+
+// In the stiffest material that a triangle has.
 double fastest_wave(const Model& model) {
+  const MaterialTable& materials = model.materials();
+  if (materials.has_one()) return wave_speed(materials[0]);
   std::array<bool, kMaxMaterials> has{};
   for (const ElementBlock& block : model.element_blocks()) {
     for (std::size_t l = 0; l < kLanes; ++l) has[block.material[l]] = has[block.material[l]] || block.area[l] > 0.0;
   }
-  double fastest_squared = 0.0;
-  for (std::size_t i = 0; i < model.materials().size(); ++i) {
-    const MaterialLaw& law = model.materials()[i];
-    if (has[i]) fastest_squared = std::max(fastest_squared, law.membrane.diagonal().maxCoeff() / law.surface_density);
+  double fastest = 0.0;
+  for (std::size_t i = 0; i < materials.size(); ++i) {
+    if (has[i]) fastest = std::max(fastest, wave_speed(materials[i]));
   }
-  return std::sqrt(fastest_squared);
+  return fastest;
 }
 
 // What has no mass and is not held keeps its velocity.

@@ -64,8 +64,8 @@ void set_edges(const Model& model, TriangleId slot, double unit, EdgeLanes<T>& t
   const Eigen::Matrix3d C = slot == mesh::kNone ? Eigen::Matrix3d::Zero() : model.law(slot).membrane;
   const Eigen::Matrix3d H = 0.5 * turned.area * N.transpose() * C * N;
   const std::array<double, 6> entries{H(0, 0), H(1, 1), H(2, 2), H(0, 1), H(0, 2), H(1, 2)};
-  for (std::size_t k = 0; k < entries.size(); ++k)
-    to.stiffness[k].lane[l] = static_cast<T>(unit * unit * unit * entries[k]);
+  const double cube = unit * unit * unit;
+  for (std::size_t k = 0; k < entries.size(); ++k) to.stiffness[k].lane[l] = static_cast<T>(cube * entries[k]);
 }
 
 template <typename T>

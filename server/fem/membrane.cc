@@ -311,14 +311,9 @@ double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::Ve
     gather_edges(block, x, edges);
     multiply_by_dm_inverse(block, edges, f1, f2);
     for (std::size_t l = 0; l < kLanes; ++l) {
-      const double n1 = f1[1][l] * f2[2][l] - f1[2][l] * f2[1][l];
-      const double n2 = f1[2][l] * f2[0][l] - f1[0][l] * f2[2][l];
-      const double n3 = f1[0][l] * f2[1][l] - f1[1][l] * f2[0][l];
-      const double c11 = f1[0][l] * f1[0][l] + f1[1][l] * f1[1][l] + f1[2][l] * f1[2][l];
-      const double c22 = f2[0][l] * f2[0][l] + f2[1][l] * f2[1][l] + f2[2][l] * f2[2][l];
-      const double c12 = f1[0][l] * f2[0][l] + f1[1][l] * f2[1][l] + f1[2][l] * f2[2][l];
-      const double s = std::sqrt(c11 + c22 + 2.0 * std::sqrt(n1 * n1 + n2 * n2 + n3 * n3));
-      const double q = std::sqrt((c11 - c22) * (c11 - c22) + 4.0 * (c12 * c12));
+      const LaneMetric m = metric_of(f1, f2, l);
+      const double s = std::sqrt(m.c11 + m.c22 + 2.0 * std::sqrt(m.d_squared));
+      const double q = std::sqrt((m.c11 - m.c22) * (m.c11 - m.c22) + 4.0 * (m.c12 * m.c12));
       strain[l] = std::abs(0.5 * s - 1.0) + 0.5 * q / (s + kTiny);
     }
     for (std::size_t l = 0; l < kLanes; ++l) {
