@@ -27,6 +27,9 @@ struct AnalyzeArguments {
   bool resting = false;
   std::int32_t steps = 0;
   double tolerance = 0.0;
+  bool dynamic = false;
+  std::int64_t ticks = 0;
+  std::int32_t every = 1;
   std::string csv;
 };
 
@@ -43,10 +46,18 @@ int analyze(const Session& session, const AnalyzeArguments& arguments) {
     const Result<std::string> json = disk.read_file(arguments.file, kMaxRequestBytes);
     if (!json) return refuse(json.error());
     if (const Status read = wire::from_json(*json, request); !read) return refuse(read.error());
+    if (arguments.dynamic && request.has_analysis()) {
+      return misuse("--dynamic stands for the analysis, and " + arguments.file + " has one: leave either out");
+    }
+  }
+  if (arguments.dynamic) {
+    v1::DynamicAnalysis& dynamic = *request.mutable_analysis()->mutable_dynamic();
+    dynamic.set_ticks(arguments.ticks);
+    dynamic.set_measure_every(arguments.every);
   } else if (arguments.modes > 0) {
     request.mutable_analysis()->mutable_modes()->set_count(arguments.modes);
     if (arguments.resting) set_static(arguments, *request.mutable_analysis()->mutable_modes()->mutable_about());
-  } else {
+  } else if (arguments.file.empty()) {
     set_static(arguments, *request.mutable_analysis()->mutable_static_());
   }
   request.set_name("sheets/" + arguments.id);
@@ -63,6 +74,7 @@ int analyze(const Session& session, const AnalyzeArguments& arguments) {
   } else {
     std::string text = response.name() + " as it was at tick " + std::to_string(response.tick());
     if (response.has_static_()) text += "\n  " + describe(response.static_());
+    if (response.has_dynamic()) text += "\n  " + describe(response.dynamic());
     for (const v1::Table& table : response.tables()) text += excerpt(table);
     std::printf("%s\n", text.c_str());
   }
@@ -75,9 +87,11 @@ void add_analyze_command(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<AnalyzeArguments>();
   CLI::App* analyzing =
       app.add_subcommand("analyze",
-                         "Equilibrium or vibrations of a sheet as it is now, on a copy: the sheet itself goes on.\n"
+                         "Equilibrium or vibrations of a sheet as it is now, or what it does next, on a copy:\n"
+                         "the sheet itself goes on.\n"
                          "Examples: kerf analyze cloth\n"
                          "          kerf analyze cloth --modes 6\n"
+                         "          kerf analyze cloth --dynamic --ticks 120 --csv tables/\n"
                          "          kerf analyze cloth --request probes.json --csv tables/");
   analyzing->add_option("SHEET", arguments->id, "Its id")->required();
   auto* modes =
@@ -91,9 +105,22 @@ void add_analyze_command(CLI::App& app, Session& session) {
                         ->add_option("--tolerance", arguments->tolerance,
                                      "Forces out of balance over loads and reactions at an equilibrium (default: 1e-9)")
                         ->check(CLI::Range(1e-13, 0.1));
+  auto* dynamic = analyzing
+                      ->add_flag("--dynamic", arguments->dynamic,
+                                 "Go on from now for --ticks, with what acts on the sheet, and measure its probes")
+                      ->excludes(modes)
+                      ->excludes(steps)
+                      ->excludes(tolerance);
+  analyzing->add_option("--ticks", arguments->ticks, "So many ticks (default: 0, the state as it is)")
+      ->check(CLI::Range(std::int64_t{0}, std::int64_t{100'000}))
+      ->needs(dynamic);
+  analyzing->add_option("--every", arguments->every, "Measure after each so many ticks, and at the end (default: 1)")
+      ->check(CLI::Range(1, 10'000'000))
+      ->needs(dynamic);
   analyzing
       ->add_option("--request", arguments->file,
-                   "A file with the whole request: kerf.v1.AnalyzeSheetRequest as JSON, probes included")
+                   "A file with the whole request: kerf.v1.AnalyzeSheetRequest as JSON, probes included;\n"
+                   "or with --dynamic all but its analysis")
       ->excludes(modes)
       ->excludes(steps)
       ->excludes(tolerance);

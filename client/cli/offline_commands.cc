@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 #include <variant>
@@ -15,14 +13,13 @@
 #include <nlohmann/json.hpp>
 
 #include "client/cli/commands.h"
+#include "client/cli/scene_options.h"
 #include "client/cli/scene_run.h"
 #include "client/cli/tables.h"
 #include "server/host/disk.h"
-#include "server/sheet/integrator_settings.h"
 #include "server/sheet/recording.h"
 #include "server/wire/recording_codec.h"
 #include "server/wire/reply_codec.h"
-#include "server/wire/scene_codec.h"
 
 namespace kerf::cli {
 namespace {
@@ -35,10 +32,8 @@ struct RunArguments {
   std::string out;
   std::string record;
   std::string csv;
-  std::string integrator;
   std::string membrane_law;
-  std::string precision;
-  std::string solver;
+  IntegratorArguments integrator;
 };
 
 // A bar on stderr while a person looks on, redrawn when the percentage changes, or `always`.
@@ -61,21 +56,6 @@ class ProgressBar {
   bool live_ = isatty(STDERR_FILENO) != 0;
   int shown_ = -1;
 };
-
-std::vector<std::string> solver_options() {
-  std::vector<std::string> options;
-  for (const fem::LinearSolverName& name : fem::kLinearSolverNames) options.emplace_back(name.option);
-  return options;
-}
-
-Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path) {
-  const Result<std::string> json = disk.read_file(path, wire::kMaxSceneFileBytes);
-  if (!json) return json.error();
-  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  return wire::decode_scene_file(*json, [&disk, &folder](const std::string& file) {
-    return disk.read_file((folder / file).string(), sheet::kMaxMeshFileBytes);
-  });
-}
 
 std::string summary(const v1::RunResult& result) {
   char text[512];
@@ -106,30 +86,18 @@ std::string summary(const v1::RunResult& result) {
     all += text;
   }
   all.pop_back();
-  const std::map<std::string, std::int64_t> flagged(result.flagged_ticks().begin(), result.flagged_ticks().end());
   if (result.has_static_()) all += "\n  " + describe(result.static_());
   for (const v1::Table& table : result.tables()) all += excerpt(table);
-  for (const auto& [flag, ticks] : flagged) all += "\n  " + flag + " in " + std::to_string(ticks) + " ticks";
-  return all;
+  return all + describe_flags(result.flagged_ticks());
 }
 
 int run(const Session& session, const RunArguments& arguments) {
   host::RealDisk disk;
   Result<sheet::SheetConfig> config = read_scene(disk, arguments.scene);
   if (!config) return refuse(config.error());
-  if (arguments.integrator == "explicit") config->integrator.kind = sheet::IntegratorKind::kExplicitLeapfrog;
-  if (arguments.integrator == "implicit") config->integrator.kind = sheet::IntegratorKind::kImplicitEuler;
-  if (arguments.integrator == "trapezoidal") config->integrator.kind = sheet::IntegratorKind::kTrapezoidal;
-  if (arguments.integrator == "bdf2") config->integrator.kind = sheet::IntegratorKind::kBdf2;
-  if (arguments.integrator == "tr-bdf2") config->integrator.kind = sheet::IntegratorKind::kTrBdf2;
+  apply(arguments.integrator, config->integrator);
   if (arguments.membrane_law == "green") config->membrane_law = fem::MembraneLaw::kGreen;
   if (arguments.membrane_law == "corotational") config->membrane_law = fem::MembraneLaw::kCorotational;
-  if (arguments.precision == "mixed") config->integrator.precision = sheet::Precision::kMixed;
-  if (arguments.precision == "double") config->integrator.precision = sheet::Precision::kDouble;
-  for (const fem::LinearSolverName& name : fem::kLinearSolverNames) {
-    if (arguments.solver == name.option) config->integrator.solver = name.kind;
-  }
-  if (arguments.integrator == "auto") config->integrator.kind = sheet::IntegratorKind::kAutomatic;
 
   const Result<SceneRun> done = [&] {
     ProgressBar bar;
@@ -207,26 +175,12 @@ void add_offline_commands(CLI::App& app, Session& session) {
       ->add_option("--csv", arguments->csv, "Write the tables of the scene's probes and modes to this folder, as CSV")
       ->check(CLI::ExistingDirectory);
   running->add_option("--record", arguments->record, "Write a recording for `kerf replay`");
-  running
-      ->add_option("--integrator", arguments->integrator,
-                   "Instead of the scene's: explicit, implicit (Euler), trapezoidal,\n"
-                   "bdf2, tr-bdf2 or auto")
-      ->check(CLI::IsMember({"explicit", "implicit", "trapezoidal", "bdf2", "tr-bdf2", "auto"}));
+  add_integrator_options(*running, "the scene's", arguments->integrator);
   running
       ->add_option("--membrane-law", arguments->membrane_law,
                    "Instead of the scene's: corotational, or green (Saint Venant-Kirchhoff),\n"
                    "cheaper in explicit steps, stiffer under tension")
       ->check(CLI::IsMember({"corotational", "green"}));
-  running
-      ->add_option("--precision", arguments->precision,
-                   "Of the explicit integrator, instead of the scene's: double or mixed")
-      ->check(CLI::IsMember({"double", "mixed"}));
-  running
-      ->add_option(
-          "--solver", arguments->solver,
-          "Of the implicit integrators' linear systems, instead of the scene's:\n"
-          "block-jacobi-cg, factor-cg, jacobi-cg, cg or direct; es-cgm and as-cgm, which solve a different system")
-      ->check(CLI::IsMember(solver_options()));
   running->callback(
       [&session, arguments] { session.action = [&session, arguments] { return run(session, *arguments); }; });
 

@@ -95,6 +95,10 @@ int misuse(const std::string& message) {
   return kWrongUsage;
 }
 
+std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks) {
+  return {flagged_ticks.begin(), flagged_ticks.end()};
+}
+
 std::string describe(const v1::Sheet& sheet) {
   const std::string text =
       format("%-20s %-8s tick %-8lld %6d vertices %6d triangles %3d %s  x%.2f real time", sheet.name().c_str(),
@@ -102,7 +106,12 @@ std::string describe(const v1::Sheet& sheet) {
              sheet.num_triangles(), sheet.pieces(), sheet.pieces() == 1 ? "piece" : "pieces", sheet.real_time_factor());
   const std::string solves =
       sheet.linear_iterations() > 0 ? format("  linear residual %.2g", sheet.linear_residual()) : std::string();
-  return sheet.state_hash().empty() ? text + solves : text + solves + "  hash " + sheet.state_hash();
+  const std::string hash = sheet.state_hash().empty() ? std::string() : "  hash " + sheet.state_hash();
+  std::string flags;
+  for (const auto& [flag, ticks] : by_name(sheet.flagged_ticks())) {
+    flags += format("%s %s %lld", flags.empty() ? "  ticks flagged" : ",", flag.c_str(), static_cast<long long>(ticks));
+  }
+  return text + solves + hash + flags;
 }
 
 static std::string notes(const v1::CutResult& result) {

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 
+#include <google/protobuf/map.h>
 #include <grpcpp/support/status.h>
 
 #include "kerf/v1/cuts.pb.h"
@@ -38,6 +41,9 @@ std::string to_script_json(const google::protobuf::Message& message, int indent 
 int refuse(const grpc::Status& status, const std::string& server);
 int refuse(const Error& error);
 int misuse(const std::string& message);
+
+// Protocol Buffers keep them in no order.
+std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks);
 
 // For people.
 std::string describe(const v1::Sheet& sheet);

@@ -79,24 +79,20 @@ void describe_end(const sheet::Sheet& sheet, v1::RunResult& result) {
 // Steps a dynamic scene, and records it where asked to.
 Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions& options, SceneRun& run) {
   const std::int64_t scene_ticks = sheet.config().ticks > 0 ? sheet.config().ticks : kDefaultTicks;
-  const std::int64_t ticks = options.ticks > 0 ? options.ticks : scene_ticks;
+  sheet::DynamicAnalysis analysis = std::get<sheet::DynamicAnalysis>(sheet.config().analysis);
+  analysis.ticks = options.ticks > 0 ? options.ticks : scene_ticks;
   if (options.record) run.recording = wire::encode_recording_header(sheet.config(), options.build);
   StageTimer timer;
   const auto after = [&](const sheet::TickReport& report) {
-    run.result.set_simulated_s(run.result.simulated_s() + report.stats.simulated);
     for (std::size_t i = 0; i < report.scheduled.size(); ++i) {
       if (report.scheduled[i].reply) add_cuts(*report.scheduled[i].reply, timer.time(i), run.result);
     }
     timer.clear();
     run.result.set_linear_iterations(run.result.linear_iterations() + report.stats.linear_iterations);
     run.result.set_linear_residual(std::max(run.result.linear_residual(), report.stats.linear_residual));
-    for (std::size_t bit = 0; bit < fem::kStepFlagNames.size(); ++bit) {
-      if ((report.stats.flags >> bit & 1U) == 0) continue;
-      ++(*run.result.mutable_flagged_ticks())[std::string(fem::kStepFlagNames[bit])];
-    }
     if (options.record) run.recording += wire::encode_recorded_tick({report.tick, {}, sheet.state_hash()});
   };
-  return analysis::run_dynamic(sheet, ticks, sheet.config().probes, options.watch, after, &timer);
+  return analysis::run_dynamic(sheet, analysis, sheet.config().probes, options.watch, after, &timer);
 }
 
 }  // namespace
@@ -128,6 +124,10 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
   }
   for (const analysis::Table& table : outcome->tables) *run.result.add_tables() = wire::encode_table(table);
   if (outcome->statics) *run.result.mutable_static_() = wire::encode_statics(*outcome->statics);
+  if (outcome->dynamics) {
+    run.result.set_simulated_s(outcome->dynamics->simulated);
+    wire::encode_flags(outcome->dynamics->flagged_ticks, *run.result.mutable_flagged_ticks());
+  }
   describe_end(sheet, run.result);
   return run;
 }

@@ -11,9 +11,12 @@
 
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/scene_options.h"
 #include "client/cpp/client.h"
 #include "server/host/disk.h"
+#include "server/wire/integrator_codec.h"
 #include "server/wire/mesh_source_codec.h"
+#include "server/wire/scene_codec.h"
 
 namespace kerf::cli {
 namespace {
@@ -30,6 +33,8 @@ struct CreateArguments {
   std::string pin = "top";
   std::string material;
   std::vector<std::string> parts;  // of other materials: x0,y0,x1,y1=PRESET
+  std::string scene;               // a file, instead of all of the above
+  IntegratorArguments integrator;
 };
 
 void print(const Session& session, const v1::Sheet& sheet) {
@@ -83,15 +88,38 @@ int add_parts(const std::vector<std::string>& parts, v1::Scene& scene) {
   return kDone;
 }
 
-int create_sheet(const Session& session, const CreateArguments& arguments) {
-  v1::CreateSheetRequest request;
-  request.set_sheet_id(arguments.id);
-  v1::Scene& scene = *request.mutable_scene();
+// What a scene file says, the files that it names included; kDone, or the exit code of what is wrong, which has been
+// said.
+int add_scene_file(const CreateArguments& arguments, v1::Scene& scene) {
+  host::RealDisk disk;
+  Result<sheet::SheetConfig> config = read_scene(disk, arguments.scene);
+  if (!config) return refuse(config.error());
+  apply(arguments.integrator, config->integrator);
+  scene = wire::encode_scene(*config);
+  return kDone;
+}
+
+// The sheet that the options describe; likewise.
+int add_options(const CreateArguments& arguments, v1::Scene& scene) {
   if (const int code = add_mesh(arguments, scene); code != kDone) return code;
   if (!arguments.material.empty()) scene.mutable_material()->set_preset(arguments.material);
   if (const int code = add_parts(arguments.parts, scene); code != kDone) return code;
   if (arguments.pin == "top") scene.add_pins()->set_edge(v1::Region::TOP);
   if (arguments.pin == "corners") scene.add_pins()->set_edge(v1::Region::CORNERS);
+  if (arguments.integrator.empty()) return kDone;
+  sheet::IntegratorSettings settings;
+  apply(arguments.integrator, settings);
+  *scene.mutable_integrator() = wire::encode_integrator(settings);
+  return kDone;
+}
+
+int create_sheet(const Session& session, const CreateArguments& arguments) {
+  v1::CreateSheetRequest request;
+  request.set_sheet_id(arguments.id);
+  v1::Scene& scene = *request.mutable_scene();
+  const int code = arguments.scene.empty() ? add_options(arguments, scene) : add_scene_file(arguments, scene);
+  if (code != kDone) return code;
+  scene.clear_sheet_id();
 
   client::Client client(session.server);
   v1::Sheet sheet;
@@ -163,7 +191,7 @@ int step_sheet(const Session& session, const std::string& id, std::int32_t ticks
 void add_create(CLI::App& sheet, Session& session) {
   const auto arguments = std::make_shared<CreateArguments>();
   CLI::App* create = sheet.add_subcommand("create",
-                                          "Create a sheet from a grid or a mesh file.\n"
+                                          "Create a sheet from a grid, a mesh file or a scene file.\n"
                                           "Example: kerf sheet create flag --grid 50x50 --size 1x1 --pin top");
   create->add_option("ID", arguments->id, "Name of the sheet: a small letter, then letters, digits, dashes")
       ->required();
@@ -180,6 +208,12 @@ void add_create(CLI::App& sheet, Session& session) {
                                         "The same from a PLY file, text or binary; s t, u v or texture_u texture_v");
   for (CLI::Option* file : {obj, ply}) file->excludes(grid)->excludes(size);
   obj->excludes(ply);
+  CLI::Option* scene = create->add_option(
+      "--scene", arguments->scene,
+      "Everything from this scene file, the JSON form of kerf.v1.Scene, as `kerf run` reads it, but its\n"
+      "sheet_id and analysis; its probes are what `kerf analyze` measures. A call takes 1 MiB");
+  for (CLI::Option* other : {grid, size, obj, ply}) scene->excludes(other);
+  add_integrator_options(*create, "the default, or the scene's", arguments->integrator);
   create
       ->add_option("--rest", arguments->rest,
                    "Rest shape of a mesh file: flat (its texture coordinates, or its plane), surface\n"
@@ -187,15 +221,18 @@ void add_create(CLI::App& sheet, Session& session) {
       ->check(CLI::IsMember({"auto", "flat", "surface"}))
       ->excludes(grid)
       ->excludes(size)
+      ->excludes(scene)
       ->capture_default_str();
   create->add_option("--pin", arguments->pin, "What is held: top (the edge y = height), corners, none")
       ->check(CLI::IsMember({"top", "corners", "none"}))
+      ->excludes(scene)
       ->capture_default_str();
-  create->add_option("--material", arguments->material, "Material preset; `kerf info` lists them");
+  create->add_option("--material", arguments->material, "Material preset; `kerf info` lists them")->excludes(scene);
   create
       ->add_option("--part", arguments->parts,
                    "A part of another material, x0,y0,x1,y1=PRESET: what is in this box, in metres on the\n"
                    "undeformed sheet; any number of times, a later one over those before")
+      ->excludes(scene)
       ->take_all();
   create->callback(
       [&session, arguments] { session.action = [&session, arguments] { return create_sheet(session, *arguments); }; });

@@ -24,6 +24,13 @@ std::string to_csv(const v1::Table& table) {
   return text;
 }
 
+// What acts on the sheet in time and was left out, on a line of its own.
+std::string left_out(const v1::StaticResult& statics) {
+  std::string line;
+  for (int i = 0; i < statics.left_out_size(); ++i) line += (i == 0 ? "\n  left out: " : ", ") + statics.left_out(i);
+  return line;
+}
+
 }  // namespace
 
 std::string excerpt(const v1::Table& table) {
@@ -67,14 +74,42 @@ Status write_csv(host::Disk& disk, const std::string& folder,
 
 std::string describe(const v1::StaticResult& statics) {
   char text[256];
+  if (!statics.converged() && statics.load() == 0.0) {
+    std::snprintf(text, sizeof text, "no equilibrium, %lld Newton steps in %lld solves",
+                  static_cast<long long>(statics.newton_iterations()), static_cast<long long>(statics.solves()));
+    return text + left_out(statics);
+  }
   std::snprintf(text, sizeof text, "equilibrium at load %.6g%s, residual %.1e, %lld Newton steps in %lld solves",
                 statics.load(), statics.stable() ? "" : " (unstable)", statics.residual(),
                 static_cast<long long>(statics.newton_iterations()), static_cast<long long>(statics.solves()));
+  return text + left_out(statics);
+}
+
+std::string describe(const v1::DynamicResult& dynamics) {
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "%lld ticks, %.6g s: kinetic %.4g J, membrane %.4g J, bending %.4g J, gravity %.4g J; state hash %s",
+                static_cast<long long>(dynamics.ticks()), dynamics.simulated_s(), dynamics.energies().kinetic_j(),
+                dynamics.energies().membrane_j(), dynamics.energies().bending_j(), dynamics.energies().gravity_j(),
+                dynamics.state_hash().c_str());
+  return text + describe_flags(dynamics.flagged_ticks());
+}
+
+std::string describe_flags(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks) {
+  std::string text;
+  for (const auto& [flag, ticks] : by_name(flagged_ticks)) {
+    text += "\n  " + flag + " in " + std::to_string(ticks) + " ticks";
+  }
   return text;
 }
 
 int check_converged(const v1::StaticResult& statics) {
   if (statics.converged()) return kDone;
+  if (!statics.reason().empty()) {
+    std::fprintf(stderr, "kerf: no equilibrium was found beyond load %.6g: %s\n", statics.load(),
+                 statics.reason().c_str());
+    return kRefused;
+  }
   std::fprintf(stderr,
                "kerf: no equilibrium was found beyond load %.6g; what was found up to there is in the results. More "
                "steps, more max_iterations, or an imperfection where a sheet buckles may help\n",

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
+#include <google/protobuf/map.h>
 #include <google/protobuf/repeated_ptr_field.h>
 
 #include "kerf/v1/analysis.pb.h"
@@ -18,6 +20,9 @@ Status write_csv(host::Disk& disk, const std::string& folder,
 // The first rows and the last of a table, each line begun with a newline.
 std::string excerpt(const v1::Table& table);
 std::string describe(const v1::StaticResult& statics);
+std::string describe(const v1::DynamicResult& dynamics);
+// A line each, begun with a newline.
+std::string describe_flags(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks);
 
 // An exit code; says how far it came where that is not to the end.
 int check_converged(const v1::StaticResult& statics);

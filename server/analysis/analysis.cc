@@ -46,6 +46,28 @@ Status keep(std::vector<sheet::ScheduledReply> scheduled, std::vector<sheet::Sch
   return Nothing{};
 }
 
+std::string describe(const sheet::UnheldPiece& unheld, std::int32_t num_pieces) {
+  const std::string what =
+      num_pieces == 1 ? "the sheet"
+                      : text("the piece at material point (%.4g, %.4g)", unheld.material.x(), unheld.material.y());
+  std::array<char, 240> line{};
+  std::snprintf(
+      line.data(), line.size(),
+      "nothing holds %s along %c, where gravity and loads on it add up to %.4g N: hold it by a constraint or a "
+      "pin, or balance the loads",
+      what.c_str(), "xyz"[unheld.component], unheld.force);
+  return line.data();
+}
+
+// What of the scene a static analysis leaves out.
+std::vector<std::string> left_out_of(const sheet::Sheet& sheet) {
+  std::vector<std::string> names;
+  if (sheet.wind().air_density > 0.0 && !sheet.wind().velocity.isZero(0.0)) names.emplace_back("wind");
+  if (!sheet.config().colliders.empty()) names.emplace_back("colliders");
+  if (!sheet.grabs().empty()) names.emplace_back("grabs");
+  return names;
+}
+
 // From one load to the next, in smaller steps where need be. False: not to the end, or stopped.
 class LoadPath {
  public:
@@ -78,6 +100,11 @@ class LoadPath {
       if (watch_ && !watch_({stats_.load, text("load %.4g, residual %.1e", load, stats.residual)})) stopped_ = true;
       return !stopped_;
     };
+    if (const std::optional<sheet::UnheldPiece> unheld = sheet_.find_unheld(load)) {
+      stats_.reason = describe(*unheld, sheet_.mesh().num_pieces());
+      return false;
+    }
+    stats_.reason.clear();
     const fem::EquilibriumStats found = sheet_.settle(load, options_, report);
     ++stats_.solves;
     stats_.iterations += found.iterations;
@@ -97,39 +124,41 @@ class LoadPath {
 
 }  // namespace
 
-Result<Outcome> run_dynamic(sheet::Sheet& sheet, std::int64_t ticks, const std::vector<sheet::Probe>& requests,
-                            const Watch& watch, const std::function<void(const sheet::TickReport&)>& after,
+Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& analysis,
+                            const std::vector<sheet::Probe>& requests, const Watch& watch,
+                            const std::function<void(const sheet::TickReport&)>& after,
                             sheet::StageObserver* observer) {
   Result<Probes> probes = Probes::create(requests, sheet);
   if (!probes) return probes.error();
   const bool measures = !probes->columns().empty();
   Outcome outcome;
+  DynamicStats stats;
   Table table = table_of(*probes, "time_s");
-  double time = 0.0;
   const auto measure = [&](const mesh::VertexField& v_before, double dt) {
-    std::vector<double> row{time};
+    std::vector<double> row{stats.simulated};
     probes->measure(sheet, v_before, dt, row);
     table.rows.push_back(std::move(row));
   };
   if (measures) measure({}, 0.0);
   mesh::VertexField v_before;
-  for (std::int64_t i = 1; i <= ticks; ++i) {
+  for (std::int64_t i = 1; i <= analysis.ticks && !sheet.frozen() && !outcome.stopped; ++i) {
+    const bool measures_now = measures && (i % analysis.measure_every == 0 || i == analysis.ticks);
     const std::int32_t version = sheet.topology_version();
-    if (measures) v_before = sheet.state().v;
+    if (measures_now) v_before = sheet.state().v;
     sheet::TickReport report = sheet.step({}, observer);
     if (after) after(report);
     if (Status s = keep(std::move(report.scheduled), outcome.scheduled); !s) return s.error();
-    time += report.stats.simulated;
+    ++stats.ticks;
+    stats.simulated += report.stats.simulated;
+    fem::count_flags(report.stats.flags, stats.flagged_ticks);
     // Velocities of other vertices say nothing of the acceleration of these.
     const bool is_same = version == sheet.topology_version();
-    if (measures) measure(v_before, is_same ? report.stats.simulated : 0.0);
-    const Progress progress{static_cast<double>(i) / static_cast<double>(ticks),
-                            "tick " + std::to_string(i) + " of " + std::to_string(ticks)};
-    if (watch && !watch(progress)) {
-      outcome.stopped = true;
-      break;
-    }
+    if (measures_now) measure(v_before, is_same ? report.stats.simulated : 0.0);
+    const Progress progress{static_cast<double>(i) / static_cast<double>(analysis.ticks),
+                            "tick " + std::to_string(i) + " of " + std::to_string(analysis.ticks)};
+    outcome.stopped = watch && !watch(progress);
   }
+  outcome.dynamics = stats;
   if (measures) outcome.tables.push_back(std::move(table));
   return outcome;
 }
@@ -154,6 +183,8 @@ Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& ana
     table.rows.push_back(std::move(row));
   }
   outcome.stopped = path.stopped();
+  if (stats.converged) stats.reason.clear();
+  stats.left_out = left_out_of(sheet);
   outcome.statics = stats;
   if (!probes->columns().empty()) outcome.tables.push_back(std::move(table));
   return outcome;
@@ -162,12 +193,13 @@ Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& ana
 Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analysis,
                           const std::vector<sheet::Probe>& probes, const Watch& watch) {
   Outcome outcome;
+  const bool is_live = !analysis.about && sheet.tick() > 0;
   if (analysis.about) {
     Result<Outcome> about = run_static(sheet, *analysis.about, probes, watch);
     if (!about) return about.error();
     outcome = std::move(about).value();
     if (outcome.stopped || !outcome.statics->converged) return outcome;
-  } else if (sheet.tick() == 0) {
+  } else if (!is_live) {
     // A live sheet is taken as it is; a scene's cuts are its shape.
     sheet::TickReport report = sheet.begin_load_step();
     if (Status s = keep(std::move(report.scheduled), outcome.scheduled); !s) return s.error();
@@ -183,6 +215,8 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
                                 std::to_string(num_free) + " components that nothing holds, and as many modes",
                             "analysis.modes.count");
   }
+  // A live sheet is in balance with the forces of its steps.
+  if (!is_live) sheet.bend_by_angles();
   const fem::Modes modes = fem::find_modes(sheet.model(), sheet.loads(), sheet.state().x, analysis.count);
   if (!modes.converged) {
     return Error{ErrorCode::kInternal, "MODES_NOT_CONVERGED",

@@ -39,10 +39,6 @@ std::vector<std::string> components_of(Quantity quantity) {
   }
 }
 
-bool is_in_plane(Quantity quantity) {
-  return quantity == Quantity::kStrain || quantity == Quantity::kStress;
-}
-
 // The solid slot with these corners.
 mesh::TriangleId slot_of(const fem::Model& model, const mesh::TriangleMesh& mesh, const sheet::MaterialPoint& point) {
   for (const mesh::TriangleId slot : model.incident_slots().row(point.vertices[0])) {
@@ -73,6 +69,22 @@ std::vector<double> border_lengths(const mesh::TriangleMesh& mesh, const std::ve
     }
   }
   return lengths;
+}
+
+// Area of the triangles that have all corners in the region, m^2, shared out among its vertices.
+std::vector<double> areas_around(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region) {
+  std::vector<double> areas(region.size(), 0.0);
+  for (const mesh::TriangleId t : sheet::triangles_in(mesh, region)) {
+    for (const mesh::VertexId v : mesh.vertices(t)) {
+      areas[static_cast<std::size_t>(std::lower_bound(region.begin(), region.end(), v) - region.begin())] +=
+          sheet::rest_area(mesh, t) / 3.0;
+    }
+  }
+  return areas;
+}
+
+bool is_zero(const std::vector<double>& weights) {
+  return std::all_of(weights.begin(), weights.end(), [](double weight) { return weight == 0.0; });
 }
 
 // Of sums, means and extremes of rows of equal length.
@@ -128,12 +140,22 @@ class InPlane {
     }
     return tensor(of_slots_[static_cast<std::size_t>(slot)]);
   }
-  Vector at(const sheet::Sheet& sheet, mesh::VertexId vertex) {
-    if (of_vertices_.empty()) {
+  Vector at(const sheet::Sheet& sheet, mesh::VertexId vertex, fem::Recovery recovery) {
+    std::vector<Eigen::Vector3d>& recovered = recovery == fem::Recovery::kPatch ? by_patches_ : of_vertices_;
+    if (recovered.empty()) {
       in(sheet, 0);
-      of_vertices_ = fem::vertex_field(sheet.model(), of_slots_, fem::Recovery::kMean);
+      recovered = fem::vertex_field(sheet.model(), of_slots_, recovery);
     }
-    return tensor(of_vertices_[static_cast<std::size_t>(vertex)]);
+    return tensor(recovered[static_cast<std::size_t>(vertex)]);
+  }
+  // Between vertices.
+  Vector by_patches(const sheet::Sheet& sheet, const sheet::MaterialPoint& point) {
+    Vector sum = Vector::Zero(3);
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (point.vertices[k] == mesh::kNone) continue;
+      sum += point.weights[static_cast<Eigen::Index>(k)] * at(sheet, point.vertices[k], fem::Recovery::kPatch);
+    }
+    return sum;
   }
 
  private:
@@ -144,14 +166,14 @@ class InPlane {
   }
 
   fem::MembraneField field_;
-  std::vector<Eigen::Vector3d> of_slots_, of_vertices_;  // empty before they are asked for
+  std::vector<Eigen::Vector3d> of_slots_, of_vertices_, by_patches_;  // empty before they are asked for
 };
 
 Vector of_whole_sheet(const sheet::Sheet& sheet, Quantity quantity) {
   const fem::Model& model = sheet.model();
   const fem::State& state = sheet.state();
   if (quantity == Quantity::kEnergy) {
-    const fem::Energies e = model.energies(state, sheet.loads().gravity);
+    const sheet::Energies e = sheet.energies();
     Vector energies(5);
     energies << e.kinetic, e.membrane, e.bending, e.gravity, e.total();
     return energies;
@@ -182,16 +204,22 @@ struct Probes::Context {
   double dt;
   mesh::VertexField reaction{};  // empty before it is asked for
   InPlane strain{fem::MembraneField::kBiotStrain};
-  InPlane stress{fem::MembraneField::kBiotStress};
+  InPlane biot_stress{fem::MembraneField::kBiotStress};
+  InPlane cauchy_stress{fem::MembraneField::kCauchyStress};
 
+  [[nodiscard]] InPlane& field_of(const Probe& probe) {
+    if (probe.quantity == Quantity::kStrain) return strain;
+    return probe.measure == sheet::StressMeasure::kCauchy ? cauchy_stress : biot_stress;
+  }
   [[nodiscard]] Vector value(const Probe& probe, const Place& place) {
     const fem::State& state = sheet.state();
     if (probe.quantity == Quantity::kOpening) return opening(*place.lips, state.x);
     if (probe.quantity == Quantity::kPosition) return place.point.of(state.x);
     if (probe.quantity == Quantity::kVelocity) return place.point.of(state.v);
     if (probe.quantity == Quantity::kDisplacement) return Eigen::Vector3d(place.point.of(state.x) - place.start);
-    InPlane& field = probe.quantity == Quantity::kStress ? stress : strain;
-    return place.vertex != mesh::kNone ? field.at(sheet, place.vertex) : field.in(sheet, place.slot);
+    InPlane& field = field_of(probe);
+    if (probe.recovery == fem::Recovery::kPatch) return field.by_patches(sheet, place.point);
+    return place.vertex != mesh::kNone ? field.at(sheet, place.vertex, probe.recovery) : field.in(sheet, place.slot);
   }
   [[nodiscard]] Vector value(const Probe& probe, const Member& member) {
     const fem::State& state = sheet.state();
@@ -203,9 +231,9 @@ struct Probes::Context {
       case Quantity::kDisplacement:
         return state.x.col(member.id) - member.start;
       case Quantity::kStrain:
-        return strain.in(sheet, member.id);
       case Quantity::kStress:
-        return stress.in(sheet, member.id);
+        return probe.recovery == fem::Recovery::kPatch ? field_of(probe).at(sheet, member.id, probe.recovery)
+                                                       : field_of(probe).in(sheet, member.id);
       default:
         if (reaction.cols() == 0) reaction = reactions(sheet, v_before, dt);
         return reaction.col(member.id);
@@ -221,9 +249,25 @@ Status Probes::check(const sheet::Sheet& sheet, const Probe& probe, const std::s
   }
   if (!probe.region) return Nothing{};
   const std::string field = path + ".region";
-  if (const auto found = find_vertices(sheet.mesh(), *probe.region, field); !found) return found.error();
-  if (!members_of(sheet, probe).empty()) return Nothing{};
+  const Result<std::vector<mesh::VertexId>> found = find_vertices(sheet.mesh(), *probe.region, field);
+  if (!found) return found.error();
+  const bool may_fill = found->empty() && sheet::schedules_cuts(sheet.config());
+  if (may_fill || !members_of(sheet, probe).empty()) return Nothing{};
   return invalid_argument("REGION_EMPTY", field + " has nothing of the sheet in it", field);
+}
+
+std::vector<std::string> Probes::columns_of(const std::vector<Probe>& requests) {
+  std::vector<std::string> columns;
+  for (const Probe& probe : requests) {
+    const bool is_each = !probe.points.empty() && probe.reduce == Reduce::kEach;
+    for (std::size_t p = 0; p < (is_each ? probe.points.size() : 1); ++p) {
+      const std::string number = is_each && probe.points.size() > 1 ? "[" + std::to_string(p) + "]" : "";
+      for (const std::string& component : components_of(probe.quantity)) {
+        columns.push_back(probe.name + number + "." + component);
+      }
+    }
+  }
+  return columns;
 }
 
 Result<Probes> Probes::create(std::vector<Probe> requests, const sheet::Sheet& sheet) {
@@ -232,14 +276,8 @@ Result<Probes> Probes::create(std::vector<Probe> requests, const sheet::Sheet& s
   for (std::size_t i = 0; i < probes.requests_.size(); ++i) {
     const Probe& probe = probes.requests_[i];
     if (Status s = check(sheet, probe, "probes[" + std::to_string(i) + "]"); !s) return s.error();
-    const bool is_each = !probe.points.empty() && probe.reduce == Reduce::kEach;
-    for (std::size_t p = 0; p < (is_each ? probe.points.size() : 1); ++p) {
-      const std::string number = is_each && probe.points.size() > 1 ? "[" + std::to_string(p) + "]" : "";
-      for (const std::string& component : components_of(probe.quantity)) {
-        probes.columns_.push_back(probe.name + number + "." + component);
-      }
-    }
   }
+  probes.columns_ = columns_of(probes.requests_);
   probes.locate(sheet);
   return probes;
 }
@@ -286,16 +324,19 @@ std::vector<Probes::Member> Probes::members_of(const sheet::Sheet& sheet, const 
   }
   const std::vector<mesh::VertexId> vertices = find_vertices(mesh, region, "").value();
   std::vector<Member> members;
-  if (is_in_plane(probe.quantity)) {
+  const bool is_field = is_in_plane(probe.quantity);
+  if (is_field && probe.recovery == fem::Recovery::kMean) {
     for (const mesh::TriangleId t : sheet::triangles_in(mesh, vertices)) {
       members.push_back({t, sheet::rest_area(mesh, t), Eigen::Vector3d::Zero()});
     }
     return members;
   }
-  const std::vector<double> lengths = border_lengths(mesh, vertices);
-  const bool is_border = std::any_of(lengths.begin(), lengths.end(), [](double length) { return length > 0.0; });
+  std::vector<double> weights(vertices.size(), 0.0);
+  if (is_field) weights = areas_around(mesh, vertices);
+  if (is_zero(weights)) weights = border_lengths(mesh, vertices);
+  if (is_zero(weights)) weights.assign(vertices.size(), 1.0);
   for (std::size_t i = 0; i < vertices.size(); ++i) {
-    members.push_back({vertices[i], is_border ? lengths[i] : 1.0, sheet.start_of(mesh.rest_position(vertices[i]))});
+    members.push_back({vertices[i], weights[i], sheet.start_of(mesh.rest_position(vertices[i]))});
   }
   return members;
 }

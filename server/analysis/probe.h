@@ -19,10 +19,12 @@ namespace kerf::analysis {
 class Probes {
  public:
   // `requests`: valid. Errors: kInvalidArgument with the field of kerf.v1.Scene: POINT_OUTSIDE, UNKNOWN_VERTEX,
-  // REGION_EMPTY. A point of an opening may lie on a cut that is still to come.
+  // REGION_EMPTY. A point of an opening may lie on a cut that is still to come, and a region have its vertices from one
+  // that is scheduled.
   static Result<Probes> create(std::vector<sheet::Probe> requests, const sheet::Sheet& sheet);
 
   // "name.x", "name[3].xx", ...; as many as measure() appends.
+  static std::vector<std::string> columns_of(const std::vector<sheet::Probe>& requests);
   [[nodiscard]] const std::vector<std::string>& columns() const { return columns_; }
 
   // Appends the numbers of the sheet as it is. v_before: 3 x V, m/s, of dt (s) before, for the forces that accelerate
@@ -39,7 +41,7 @@ class Probes {
     std::optional<LipPair> lips;
     bool exists = false;
   };
-  // A vertex or triangle of a region.
+  // A vertex of a region, or a triangle, of fields that are taken of triangles.
   struct Member {
     std::int32_t id = 0;
     double weight = 0.0;                              // -, share in the mean

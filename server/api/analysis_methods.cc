@@ -4,12 +4,16 @@
 
 #include "kerf/v1/sheets.pb.h"
 #include "server/analysis/analysis.h"
+#include "server/analysis/probe.h"
 #include "server/api/core.h"
 #include "server/wire/analysis_codec.h"
+#include "server/wire/reply_codec.h"
 
 // SheetService.AnalyzeSheet.
 namespace kerf::api {
 namespace {
+
+constexpr std::int64_t kMaxMeasuredNumbers = 2'000'000;  // in the table of a dynamic analysis: 16 MB
 
 struct Request {
   std::string name;
@@ -25,10 +29,8 @@ Result<Request> decode(const v1::AnalyzeSheetRequest& message) {
   Result<sheet::Analysis> analysis = wire::decode_analysis(message.analysis());
   if (!analysis) return analysis.error();
   request.analysis = std::move(analysis).value();
-  if (std::holds_alternative<sheet::DynamicAnalysis>(request.analysis)) {
-    return invalid_argument("CHOICE_MISSING",
-                            "analysis must be static or modes; time passes for the sheet itself: see StepSheet",
-                            "analysis.kind");
+  if (message.analysis().kind_case() == v1::Analysis::KIND_NOT_SET) {
+    return invalid_argument("CHOICE_MISSING", "analysis must be dynamic, static or modes", "analysis.kind");
   }
   if (const Status status = sheet::validate(request.analysis); !status.ok()) return status.error();
   Result<std::vector<sheet::Probe>> probes = wire::decode_probes(message.probes());
@@ -40,19 +42,52 @@ Result<Request> decode(const v1::AnalyzeSheetRequest& message) {
   return request;
 }
 
+// Whether a dynamic analysis can be done at all, and its table be sent.
+Status check(const sheet::Sheet& sheet, const sheet::DynamicAnalysis& analysis,
+             const std::vector<sheet::Probe>& probes) {
+  if (sheet.frozen() && analysis.ticks > 0) {
+    return Error{ErrorCode::kFailedPrecondition, "SHEET_FROZEN",
+                 "the sheet is frozen at tick " + std::to_string(sheet.tick()) +
+                     ", where no finite step was found: reset it, or ask for 0 ticks",
+                 "name"};
+  }
+  const auto columns = static_cast<std::int64_t>(analysis::Probes::columns_of(probes).size()) + 1;
+  const std::int64_t rows = analysis.ticks / analysis.measure_every + 2;
+  if (columns == 1 || rows * columns <= kMaxMeasuredNumbers) return Nothing{};
+  return Error{ErrorCode::kResourceExhausted, "TABLE_TOO_LARGE",
+               std::to_string(rows) + " rows of " + std::to_string(columns) + " columns are more than the " +
+                   std::to_string(kMaxMeasuredNumbers) + " numbers that one answer may have; measure less often, " +
+                   "or at fewer points",
+               "analysis.dynamic.measure_every"};
+}
+
+Result<analysis::Outcome> run(sheet::Sheet& sheet, const Request& request, const analysis::Watch& watch) {
+  const std::vector<sheet::Probe> probes = request.wants_scene_probes ? sheet.config().probes : request.probes;
+  if (const auto* in_time = std::get_if<sheet::DynamicAnalysis>(&request.analysis)) {
+    if (Status status = check(sheet, *in_time, probes); !status) return status.error();
+    return analysis::run_dynamic(sheet, *in_time, probes, watch, {}, nullptr);
+  }
+  if (const auto* of_loads = std::get_if<sheet::StaticAnalysis>(&request.analysis)) {
+    return analysis::run_static(sheet, *of_loads, probes, watch);
+  }
+  return analysis::run_modes(sheet, std::get<sheet::ModalAnalysis>(request.analysis), probes, watch);
+}
+
 Result<v1::AnalyzeSheetResponse> analyze(sheet::Sheet& sheet, const Request& request, const analysis::Watch& watch) {
   v1::AnalyzeSheetResponse response;
   response.set_name(request.name);
   response.set_tick(sheet.tick());
   response.set_topology_version(sheet.topology_version());
-  const std::vector<sheet::Probe>& probes = request.wants_scene_probes ? sheet.config().probes : request.probes;
-  const auto* of_loads = std::get_if<sheet::StaticAnalysis>(&request.analysis);
-  const Result<analysis::Outcome> outcome =
-      of_loads != nullptr ? analysis::run_static(sheet, *of_loads, probes, watch)
-                          : analysis::run_modes(sheet, std::get<sheet::ModalAnalysis>(request.analysis), probes, watch);
+  const Result<analysis::Outcome> outcome = run(sheet, request, watch);
   if (!outcome) return outcome.error();
   for (const analysis::Table& table : outcome->tables) *response.add_tables() = wire::encode_table(table);
   if (outcome->statics) *response.mutable_static_() = wire::encode_statics(*outcome->statics);
+  if (outcome->dynamics) {
+    v1::DynamicResult& dynamic = *response.mutable_dynamic();
+    dynamic = wire::encode_dynamics(*outcome->dynamics);
+    *dynamic.mutable_energies() = wire::encode_energies(sheet.energies());
+    dynamic.set_state_hash(wire::encode_hash(sheet.state_hash()));
+  }
   if (request.wants_positions) {
     const mesh::VertexField& x = sheet.state().x;
     response.set_positions(x.data(), sizeof(double) * static_cast<std::size_t>(x.size()));

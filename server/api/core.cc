@@ -83,6 +83,7 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   sheet.set_linear_iterations(status.linear_iterations);
   sheet.set_linear_residual(status.linear_residual);
   sheet.set_settings_version(status.stats.settings_version);
+  wire::encode_flags(status.flagged_ticks, *sheet.mutable_flagged_ticks());
   return sheet;
 }
 

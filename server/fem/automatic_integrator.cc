@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <string_view>
 
 #include "server/fem/implicit_integrator.h"
 
@@ -21,6 +22,7 @@ constexpr double kFactorNsPerVertexToThreeHalves = 100.0;
 constexpr double kStages = 2.0;  // of TR-BDF2
 constexpr double kPreferenceForExplicit = 2.0;
 constexpr double kSecondOrderCondition = 1e9;  // 1 + dt^2 lambda_max
+constexpr int kLeastForFactorCg = 2000;        // vertices: below, a factor in double takes no longer
 
 IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
   options.kind = kind;
@@ -75,23 +77,30 @@ bool AutomaticIntegrator::choose(const Model& model) {
   const double of_implicit = implicit_cost(model, options_);
   const double condition = 1.0 + options_.tick * options_.tick * model.stiffness_bound();
   const IntegratorKind before = kind();
-  const char* choice = "explicit";
+  std::string_view scheme = "explicit";
+  std::string_view solver;
+  bool is_other = before != IntegratorKind::kExplicit;
   if (substeps <= options_.max_substeps && of_explicit <= kPreferenceForExplicit * of_implicit) {
     implicit_.reset();
   } else {
     const bool is_second_order = condition <= kSecondOrderCondition;
-    choice = is_second_order ? "TR-BDF2, direct solver" : "implicit Euler, direct solver";
     IntegratorOptions options =
         with_kind(options_, is_second_order ? IntegratorKind::kTrBdf2 : IntegratorKind::kImplicitEuler);
-    options.linear_solver = LinearSolverKind::kDirect;
-    if (options.kind != before) implicit_ = std::make_unique<ImplicitIntegrator>(options);
+    const bool is_large = is_second_order && model.num_vertices() >= kLeastForFactorCg;
+    options.linear_solver = is_large ? LinearSolverKind::kFactorCg : LinearSolverKind::kDirect;
+    scheme = is_second_order ? "TR-BDF2, " : "implicit Euler, ";
+    solver = name_of(options.linear_solver).description;
+    is_other = options.kind != before || options.linear_solver != solver_;
+    solver_ = options.linear_solver;
+    if (is_other) implicit_ = std::make_unique<ImplicitIntegrator>(options);
   }
   std::array<char, 256> text{};
   std::snprintf(text.data(), text.size(),
-                "automatic: %s; estimated per tick of %.4g s: %.0f explicit substeps %.1f ms, TR-BDF2 %.1f ms", choice,
+                "; estimated per tick of %.4g s: %.0f explicit substeps %.1f ms, TR-BDF2, direct solver %.1f ms",
                 options_.tick, substeps, of_explicit * 1e-6, of_implicit * 1e-6);
-  explanation_ = text.data();
-  return kind() != before;
+  explanation_ = "automatic: ";
+  explanation_.append(scheme).append(solver).append(text.data());
+  return is_other;
 }
 
 }  // namespace kerf::fem

@@ -37,11 +37,10 @@ struct BendingEntry {
 };
 
 // The fit of a patch: w = conditions x, of which a missing neighbour's row is 0, and E = 1/2 w.law w, so that
-// Q = conditions^T law conditions. Moments, Voigt (m11, m22, m12), are moments w.
+// Q = conditions^T law conditions.
 struct BendingFit {
   Eigen::Matrix<double, 3, 6> conditions = Eigen::Matrix<double, 3, 6>::Zero();  // -
   Eigen::Matrix3d law = Eigen::Matrix3d::Zero();                                 // N/m
-  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();                             // N/m; D kappa = moments w
 };
 
 // What is across an edge of a triangle: nothing, another triangle, or a clamp, which holds the slope of the sheet
@@ -58,15 +57,13 @@ struct PatchGeometry {
 
 // D: plate law, N m, Voigt (k11, k22, 2 k12); its inverse is enough. Fit: P_r = phi(X_r) - sum_k lambda_k(X_r) phi(X_k)
 // with phi(d) = (d1^2/2, d2^2/2, d1 d2/2) about corner 0 and barycentrics lambda; kappa = D^-1 P^T G^+ w,
-// G = P D^-1 P^T, w_r = x_r - sum_k lambda_k x_k, so that kappa.D kappa = w.G^+ w. Eigenvalues below 0.001 of the
-// largest are cut from the pseudo-inverse G^+: the six points may lie on a conic, where the fit is not unique. At a
-// clamped edge the derivative of x along the outward normal nu in its middle M, times the height h of the triangle over
-// it, takes the place of the vertex across: P_r = h (phi_nu(M) - sum_k lambda_k,nu phi(X_k)), w_r = h x_nu - sum_k h
-// lambda_k,nu x_k, and row 3 + r of Q is that of h x_nu.
+// G = P D^-1 P^T, w_r = x_r - sum_k lambda_k x_k, so that kappa.D kappa = w.G^+ w. Eigenvalues below kEigenvalueCutOff
+// of the largest are cut from the pseudo-inverse G^+: the six points may lie on a conic, where the fit is not unique.
+// At a clamped edge the derivative of x along the outward normal nu in its middle M, times the height h of the triangle
+// over it, takes the place of the vertex across: P_r = h (phi_nu(M) - sum_k lambda_k,nu phi(X_k)), w_r = h x_nu - sum_k
+// h lambda_k,nu x_k, and row 3 + r of Q is that of h x_nu. For many patches see bending_lanes.h.
+inline constexpr double kEigenvalueCutOff = 0.001;  // -; below it the fit amplifies a near-conic's noise
 BendingFit fit_bending(const PatchGeometry& patch, const Eigen::Matrix3d& D_inverse);
-
-// Upper triangle of Q by rows, as in BendingPatch.
-std::array<double, 21> bending_stiffness(const BendingFit& fit);
 
 // h nu of a clamped edge: m, material axes.
 Eigen::Vector2d clamp_arm(const std::array<Eigen::Vector2d, 3>& corners, std::size_t edge);

@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <Eigen/Core>
-
 #include "server/fem/bending.h"
 #include "server/mesh/ids.h"
 
@@ -41,15 +39,13 @@ inline constexpr double kKinkPenalty = 1.5;
 // Of each entry of J times l, -, below which an edge needs no term.
 inline constexpr double kNegligibleKink = 1e-6;
 
-// What one patch has at the edge opposite corner `edge`. The fit is that of the geometry; D, N m, its plate law.
+// What one patch has at one of its edges; see PatchLanes.
 struct BendingSide {
   std::array<double, 6> slope{};   // 1/m; derivative of x along the outward normal, in the middle of the edge
   std::array<double, 6> moment{};  // N/m; normal moment
   double length = 0.0;             // m; l
   double penalty = 0.0;            // N m; its share of p
 };
-BendingSide bending_side(const PatchGeometry& patch, const BendingFit& fit, const Eigen::Matrix3d& D,
-                         const Eigen::Matrix3d& D_inverse, std::size_t edge);
 
 // For each place in the second triangle's patch its place in BendingEdge, where the edge is opposite corner
 // `first_edge` of the first and `second_edge` of the second triangle.

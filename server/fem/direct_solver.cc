@@ -1,9 +1,16 @@
 #include "server/fem/direct_solver.h"
 
+#include <utility>
+
 namespace kerf::fem {
 
 void DirectSolver::analyse(const BlockMatrix& A) {
   factor_.analyse(A);
+  residual_.resize(A.num_rows());
+}
+
+void DirectSolver::analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes) {
+  factor_.analyse(A, std::move(supernodes));
   residual_.resize(A.num_rows());
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "server/fem/linear_solver.h"
 #include "server/fem/supernodal_cholesky.h"
 #include "server/mesh/vertex_field.h"
@@ -10,6 +12,8 @@ namespace kerf::fem {
 class DirectSolver final : public LinearSolver {
  public:
   void analyse(const BlockMatrix& A) override;
+  // With what another factor has found of the same pattern.
+  void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
   LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override;
   // With the matrix of the last solve(), which must have found it positive definite.
   void solve_again(const mesh::VertexField& b, mesh::VertexField& x) { factor_.solve(b, x); }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/fem/bending_forces.h"
+#include "server/fem/angle_bending.h"
 #include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
 #include "server/fem/membrane.h"
@@ -19,6 +19,7 @@ constexpr double kShiftGrowth = 10.0;
 constexpr double kLargestExactShift = 1e-5;
 constexpr double kShiftDecay = 0.1;
 constexpr double kLeastShift = 1e-13;
+constexpr double kRounding = 1e-12;  // of eigenvalues of M^-1 K, likewise: those of free motions are as far from 0
 constexpr double kLargestShift = 1e3;
 constexpr double kLinearTolerance = 1e-6;
 constexpr int kMaxVenture = 6;         // steps
@@ -39,6 +40,7 @@ void EquilibriumSolver::rebuild(const Model& model) {
   matrix_.rebuild(model);
   skew_ = {};
   solver_.analyse(matrix_.blocks());
+  moments_.clear();
   stress_.resize(model.element_blocks().size() * kLanes);
   for (mesh::VertexField* field : {&force_, &residual_, &rhs_, &step_, &trial_, &venture_, &best_})
     field->resize(model.num_vertices());
@@ -53,7 +55,7 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   double best = stats.residual;
   int since_best = 0;
   step_.setZero();
-  predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
+  predict(model, x);
   const double first_shift = kFirstShift * model.stiffness_bound();
   used_shift_ = 0.0;
   projects_ = false;
@@ -66,7 +68,7 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
       if (stats.iterations == options_.max_iterations || !find_step(model, loads, x, false, stats)) break;
       ++stats.iterations;
       progress = search_line(model, loads, stats, x);
-      predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
+      predict(model, x);
     }
     if (progress == Progress::kNone) break;
     if (stats.residual < best || progress == Progress::kDescended ||
@@ -89,6 +91,11 @@ EquilibriumStats EquilibriumSolver::solve(const Model& model, const Loads& loads
   // The last step says whether the place that it began at was stable.
   if (stats.converged) stats.shift = is_stable(model, loads, x) ? 0.0 : std::max(used_shift_, first_shift);
   return stats;
+}
+
+void EquilibriumSolver::predict(const Model& model, const mesh::VertexField& x) {
+  predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
+  if (model.angle_bending() != nullptr) moments_ = model.angle_bending()->predicted_moments(x, step_);
 }
 
 double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const mesh::VertexField& x) {
@@ -132,8 +139,7 @@ double EquilibriumSolver::evaluate(const Model& model, const Loads& loads, const
 
 double EquilibriumSolver::energy(const Model& model, const Loads& loads, const mesh::VertexField& x,
                                  const mesh::VertexField& origin) const {
-  double sum = membrane_energy(model.element_blocks(), model.materials(), x) + bending_energy(model.bending_rows(), x) +
-               clamp_energy(model.clamp_forces(), x) + rest_bending_energy(model.rest_bending(), x);
+  double sum = membrane_energy(model.element_blocks(), model.materials(), x) + model.bending_energy(x);
   const bool has_external = loads.external_forces.cols() > 0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];
@@ -160,7 +166,7 @@ void EquilibriumSolver::assemble(const Model& model, const Loads& loads, const m
   const std::span<const Eigen::Vector3d> stress(stress_);
   matrix_.set_mass(model, shift);
   matrix_.add_membrane(model, x, predicted ? stress : stress.first(0), {}, 1.0, project);
-  matrix_.add_bending(model, {});
+  matrix_.add_bending_at(model, x, std::span<const double>(moments_).first(predicted ? moments_.size() : 0), project);
   for (const Grab& grab : loads.grabs) {
     Grab spring = grab;
     spring.damping = 0.0;
@@ -204,7 +210,7 @@ bool EquilibriumSolver::find_step(const Model& model, const Loads& loads, const 
 }
 
 bool EquilibriumSolver::is_stable(const Model& model, const Loads& loads, const mesh::VertexField& x) {
-  assemble(model, loads, x, false, false, 0.0);
+  assemble(model, loads, x, false, false, kRounding * model.stiffness_bound());
   return solver_.solve(matrix_.blocks(), rhs_, kLinearTolerance, step_).iterations > 0;
 }
 
@@ -238,14 +244,14 @@ EquilibriumSolver::Progress EquilibriumSolver::venture(const Model& model, const
     if (i == 0) {
       slope = residual_.cwiseProduct(step_).sum();
       if (slope <= kDiscernible * rounding(model, x, before)) {
-        predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
+        predict(model, x);
         x += step_;
         stats.residual = evaluate(model, loads, x);
         stats.shift = 0.0;
         return Progress::kBlind;
       }
     }
-    predict_stress(model.element_blocks(), model.materials(), venture_, step_, stress_);
+    predict(model, venture_);
     venture_ += step_;
     stats.residual = evaluate(model, loads, venture_);
     if (!std::isfinite(stats.residual)) break;
@@ -277,7 +283,7 @@ void EquilibriumSolver::lengthen_step(const Model& model, const Loads& loads, do
     step_ *= 2.0;
     venture_ = trial_;
   }
-  predict_stress(model.element_blocks(), model.materials(), x, step_, stress_);
+  predict(model, x);
   stats.residual = evaluate(model, loads, venture_);
 }
 

@@ -26,8 +26,8 @@ struct EquilibriumStats {
   double residual = 0.0;
   int iterations = 0;  // Newton steps
   double shift = 0.0;  // 1/s^2, times the masses, added to the stiffness in the last step; 0: it is positive definite
-                       // by itself there, so that an equilibrium is stable. Where the whole sheet, or a part, is free
-                       // to move, rounding decides
+                       // by itself there, so that an equilibrium is stable; there, up to 1e-12 of the largest
+                       // eigenvalue, so that free motions, of the whole sheet or a part, count as neutral
 };
 
 // Where a sheet is at rest under constant loads: a local minimum of elastic energy minus the work of the loads, by
@@ -38,11 +38,11 @@ struct EquilibriumStats {
 //
 // A linear step of a sheet that hardly stretches turns it, and a turn made linearly stretches it, so that its energy
 // rises however good the step is, and steps cut back until it falls are tiny. Hence the watchdog technique
-// (Chamberlain, Powell, Lemarechal, Pedersen 1982): up to six full steps, in which the tangent has the stress that the
-// linear step before predicted (mixed integration points; see StageSolver), are taken as one as soon as the energy is
-// below that at its beginning; else they are forgotten, for one step with the true stress, cut back until the energy
-// falls. So it never rises, up to rounding, from one call of `watch` to the next. Bending by any angle takes some five
-// steps.
+// (Chamberlain, Powell, Lemarechal, Pedersen 1982): up to six full steps, in which the tangent has the stress, and the
+// moments at folds, that the linear step before predicted (mixed integration points; see StageSolver), are taken as one
+// as soon as the energy is below that at its beginning; else they are forgotten, for one step with the true stress, cut
+// back until the energy falls. So it never rises, up to rounding, from one call of `watch` to the next. Bending by any
+// angle takes some five steps.
 //
 // Wind and the velocities of pins and grabs are left out.
 class EquilibriumSolver {
@@ -64,6 +64,8 @@ class EquilibriumSolver {
                               const mesh::VertexField& origin) const;
   // J, what it leaves of a difference between `energy`, that at x, and another.
   [[nodiscard]] static double rounding(const Model& model, const mesh::VertexField& x, double energy);
+  // Into stress_ and moments_, as step_ from x would change them to first order.
+  void predict(const Model& model, const mesh::VertexField& x);
   // The linear system of a step: matrix_, rhs_.
   void assemble(const Model& model, const Loads& loads, const mesh::VertexField& x, bool predicted, bool project,
                 double shift);
@@ -95,6 +97,7 @@ class EquilibriumSolver {
   double unbalanced_ = 0.0;              // -, of the last evaluate(), over loads and reactions alone
   TangentMatrix skew_;                   // where there are follower loads
   std::vector<Eigen::Vector3d> stress_;  // one a lane, N/m, for the tangent
+  std::vector<double> moments_;          // J, one a fold of bending by angles, likewise
   mesh::VertexField force_, residual_, rhs_, step_, trial_, venture_, best_;  // 3 x V
 };
 

@@ -38,7 +38,7 @@ double substeps_below(double longest, double dt) {
 }
 
 bool has_forces_on_vertices(const Model& model, const Loads& loads) {
-  return loads.external_forces.cols() > 0 || loads.wind.air_density > 0.0 || has_follower_loads(loads) ||
+  return loads.has_external_forces() || has_wind_drag(loads.wind) || has_follower_loads(loads) ||
          !model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty();
 }
 
@@ -155,8 +155,17 @@ bool ExplicitIntegrator::is_quiet(const Model& model, const State& state) const 
   return std::sqrt(speed_squared) < kAboveNoise * noise * fastest_wave(model);
 }
 
+double ExplicitIntegrator::cfl() const {
+  // A sheet shaken until it held 360 J of waves, undamped, then left alone, blew up with 0.95 and 0.92, gained 2 % of
+  // its energy a second with 0.85, 0.5 % with 0.78 and 0.2 % with 0.7; with 0.95 and a damping ratio of 0.002 it came
+  // to rest.
+  constexpr double kUndampedCfl = 0.7;     // -
+  constexpr double kDampingRatio = 0.002;  // -
+  return xi_ < kDampingRatio ? std::min(options_.cfl, kUndampedCfl) : options_.cfl;
+}
+
 double ExplicitIntegrator::planned_substeps(double dt) const {
-  return substeps_below(options_.cfl * critical_step_, dt);
+  return substeps_below(cfl() * critical_step_, dt);
 }
 
 int ExplicitIntegrator::bending_interval(double h, double strain) const {
@@ -178,7 +187,7 @@ int ExplicitIntegrator::substeps_stretched(double duration, double strain) const
   constexpr double kLittle = 0.25;         // -: up to here the cfl number has room for it
   constexpr double kStiffening = 1.0 / 8;  // -, of omega per strain: 0.5 and 1 take 1.06 and 1.09 times, 2 takes 1.19
   if (strain <= kLittle) return 0;
-  const double wanted = substeps_below(options_.cfl * critical_step_ / (1.0 + kStiffening * strain), duration);
+  const double wanted = substeps_below(cfl() * critical_step_ / (1.0 + kStiffening * strain), duration);
   return static_cast<int>(std::min<double>(wanted, options_.max_substeps));
 }
 
@@ -207,9 +216,9 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   scratch_.start.v = state.v;
 
   const GreenStretch stretch = stretch_at(model, state.x);
-  const double longest = options_.cfl * critical_step(stretch.stiffening);
+  const double longest = cfl() * critical_step(stretch.stiffening);
   const double planned = substeps_below(longest, dt);
-  Plan plan{dt, 0, stretch.tension};
+  Plan plan{dt, 0, stretch.tension, 0};
   if (planned > options_.max_substeps) {
     plan.substeps = options_.max_substeps;
     plan.duration = longest * plan.substeps;
@@ -253,6 +262,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     plan.substeps *= 2;
   }
   stats.substeps = plan.substeps;
+  stats.load_phases = plan.load_phases;
   stats.simulated = plan.duration;
   if (stats.max_strain > options_.strain_limit) stats.flags |= kStrainLimit;
   return stats;
@@ -311,6 +321,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     if (has_forces) {
       sweep.write(state);
       set_forces(model, loads, kick, state);
+      ++plan.load_phases;
       kick.forces = &scratch_.force;
     }
     sweep.substep(model, terms, kick);

@@ -63,10 +63,14 @@ class ExplicitIntegrator final : public Integrator {
     double duration = 0.0;  // s
     int substeps = 0;
     double tension = 0.0;  // -, of Green's strain: see GreenStretch; else 0, what it is is seen as the step begins
+    int load_phases = 0;   // see StepStats
 
     [[nodiscard]] double h() const { return duration / substeps; }  // s
   };
 
+  // -, (0, 1), of the stable step. Less where nothing takes from the fastest modes what others of a sheet that strains
+  // a little everywhere put into them.
+  [[nodiscard]] double cfl() const;
   // s, of a sheet so many times as stiff as at rest; infinite without material.
   [[nodiscard]] double critical_step(double stiffening) const;
   void resize(const Model& model);

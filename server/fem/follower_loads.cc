@@ -68,7 +68,9 @@ struct Slope {
 }  // namespace
 
 bool has_follower_loads(const Loads& loads) {
-  return !loads.edge_moments.empty() || !loads.pressure.empty();
+  return std::any_of(loads.pressure.begin(), loads.pressure.end(), [](double each) { return each != 0.0; }) ||
+         std::any_of(loads.edge_moments.begin(), loads.edge_moments.end(),
+                     [](const EdgeMoment& each) { return each.moment != 0.0; });
 }
 
 void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& loads, const mesh::VertexField& x,
@@ -91,6 +93,12 @@ Vector3d follower_resultant(std::span<const ElementBlock> blocks, const Loads& l
   for_pressed(blocks, loads, [&](double pressure, const ElementBlock& block, std::size_t lane) {
     sum += 0.5 * pressure * doubled_area(block, lane, x);
   });
+  return sum;
+}
+
+double edge_moment_energy(const Loads& loads) {
+  double sum = 0.0;
+  for (const EdgeMoment& each : loads.edge_moments) sum += 0.5 * each.compliance * each.moment * each.moment;
   return sum;
 }
 

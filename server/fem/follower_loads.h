@@ -18,6 +18,7 @@ namespace kerf::fem {
 // deformations"), of a moment to the turning of its edge.
 enum class MatrixPart { kSymmetric, kSkew };
 
+// Whether any of them is not 0.
 [[nodiscard]] bool has_follower_loads(const Loads& loads);
 
 // f (3 x V, N) += forces at x (3 x V, m). Slots, then moments, in order.
@@ -27,6 +28,9 @@ void add_follower_forces(std::span<const ElementBlock> blocks, const Loads& load
 // N, sum of the forces at x; moments have none.
 [[nodiscard]] Eigen::Vector3d follower_resultant(std::span<const ElementBlock> blocks, const Loads& loads,
                                                  const mesh::VertexField& x);
+
+// J, bending energy that moments have put into the sheet beside that of its vertices; see EdgeMoment::compliance.
+[[nodiscard]] double edge_moment_energy(const Loads& loads);
 
 // J, on the straight way `from` one field of positions `to` another (3 x V, m). Of pressure exact; a moment's is that
 // of its turn about the mean direction of its edge, by less than half a turn.

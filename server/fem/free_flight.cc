@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "server/fem/follower_loads.h"
+#include "server/fem/wind_drag.h"
 
 namespace kerf::fem {
 namespace {
@@ -54,7 +55,7 @@ KickFactors kick_factors(double mass_damping, double duration) {
 
 bool FreeFlight::holds(const Model& model, const Loads& loads) {
   const bool is_held = !loads.pins.empty() || !loads.grabs.empty() || !model.clamp_forces().forces.empty();
-  const bool is_pushed = loads.external_forces.cols() > 0 || loads.wind.air_density > 0.0 || has_follower_loads(loads);
+  const bool is_pushed = loads.has_external_forces() || has_wind_drag(loads.wind) || has_follower_loads(loads);
   return !is_held && !is_pushed && model.materials().has_one_mass_damping() && model.total_mass() > 0.0;
 }
 

@@ -126,7 +126,7 @@ bool ImplicitIntegrator::keep_energy(const Model& model, const Loads& loads, Int
 
 bool ImplicitIntegrator::advance(const Model& model, const Loads& loads, const Substep& substep, State& state,
                                  StepStats& stats) {
-  evaluate_constant_force(model, loads, substep.h, state);
+  evaluate_constant_force(model, loads, substep.h, state, stats);
   switch (substep.kind) {
     case IntegratorKind::kTrBdf2:
       return advance_tr_bdf2(model, loads, substep, state, stats);
@@ -236,7 +236,7 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, co
     stage.momentum = model.momentum(stage.base).linear;
     set_ballistic(stage.base, stage.d, stage.d * stage.d, loads.gravity);
     stage.time_left = substep.time_left;
-    evaluate_constant_force(model, loads, stage.d, stage.base);  // drag is limited by what it acts on
+    evaluate_constant_force(model, loads, stage.d, stage.base, stats);  // drag is limited by what it acts on
     if (!solver_.solve(model, loads, scratch_.constant, stage, state, stats)) return false;
   }
   before.x = start.x;
@@ -244,13 +244,16 @@ bool ImplicitIntegrator::advance_bdf2(const Model& model, const Loads& loads, co
   return true;
 }
 
-void ImplicitIntegrator::evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state) {
+void ImplicitIntegrator::evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state,
+                                                 StepStats& stats) {
   if (loads.external_forces.cols() > 0) {
     scratch_.constant = loads.external_forces;
   } else {
     scratch_.constant.setZero();
   }
+  if (!has_wind_drag(loads.wind)) return;
   add_wind_drag(model.element_blocks(), model.materials(), loads.wind, h, state, scratch_.constant);
+  ++stats.load_phases;
 }
 
 void ImplicitIntegrator::evaluate_acceleration(const Model& model, const Loads& loads, double time_left,

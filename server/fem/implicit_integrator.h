@@ -65,7 +65,7 @@ class ImplicitIntegrator final : public Integrator {
   bool advance_trapezoidal(const Model& model, const Loads& loads, const Substep& substep, State& state,
                            StepStats& stats);
   bool advance_bdf2(const Model& model, const Loads& loads, const Substep& substep, State& state, StepStats& stats);
-  void evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state);
+  void evaluate_constant_force(const Model& model, const Loads& loads, double h, const State& state, StepStats& stats);
   // Into scratch_.force: acceleration at `state`, m/s^2, 0 where the mass is 0.
   void evaluate_acceleration(const Model& model, const Loads& loads, double time_left, const State& state);
 

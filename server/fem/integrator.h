@@ -32,6 +32,12 @@ inline constexpr std::array<std::string_view, 9> kStepFlagNames{"not_converged",
                                                                 "energy_limited", "widened",    "damped"};
 static_assert(kDamped == 1U << (kStepFlagNames.size() - 1));
 
+// Steps that reported each flag, by bit.
+using FlagCounts = std::array<std::int64_t, kStepFlagNames.size()>;
+inline void count_flags(std::uint32_t flags, FlagCounts& counts) {
+  for (std::size_t bit = 0; bit < counts.size(); ++bit) counts[bit] += flags >> bit & 1U;
+}
+
 inline constexpr double kWorstLinearResidual = 1e6;
 
 // What a step did. Degradation is a value: the caller decides what it means.
@@ -46,6 +52,9 @@ struct StepStats {
   double residual = 0.0;    // largest final Newton residual of a substep, relative (see IntegratorOptions); 0: explicit
   double max_strain = 0.0;  // -, largest |principal strain| at the end of the step
   double simulated = 0.0;   // s, time the state advanced: dt, 0 when frozen, less than dt with kSubstepLimit
+  // Times that forces on vertices were summed that are neither of the membrane nor linear in positions: external ones,
+  // wind, follower loads, clamps, a curved rest shape. Of implicit integrators, of wind alone. 0 where there are none.
+  int load_phases = 0;
 };
 
 enum class IntegratorKind {
@@ -69,7 +78,7 @@ struct IntegratorOptions {
   IntegratorKind kind = IntegratorKind::kAutomatic;
   double tick = 1.0 / 60.0;  // s, the dt that step() will be called with; kAutomatic's estimate only
 
-  // Explicit. Substep <= cfl * stable step.
+  // Explicit. Substep <= cfl * stable step; at most 0.7 of it without damping.
   double cfl = 0.95;                   // -, (0, 1)
   double highest_mode_damping = 0.05;  // -, [0, 0.5]: damping ratio of the fastest mode, added as Kelvin-Voigt damping.
                                        // Upper limit of the material's own stiffness_damping as well. Without any, the

@@ -1,17 +1,48 @@
 #include "server/fem/linear_solver.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "server/fem/conjugate_gradient.h"
 #include "server/fem/covariance_root_solver.h"
 #include "server/fem/direct_solver.h"
+#include "server/fem/factor_preconditioner.h"
 #include "server/fem/preconditioner.h"
 
 namespace kerf::fem {
 namespace {
 
-// A factor that needs more iterations has lost the matrix to rounding; each takes as long as a hundred plain ones.
-constexpr int kMostFactorIterations = 100;
+// With an old factor and then a new one: one that needs more has lost the matrix to rounding.
+constexpr int kMostFactorIterations = 2 * FactorPreconditioner::kMostPatience;
+
+// Conjugate gradients with the float factor, and where they do not converge, a factor in double.
+class FactorCgSolver final : public LinearSolver {
+ public:
+  explicit FactorCgSolver(int max_iterations)
+      : FactorCgSolver(std::make_unique<FactorPreconditioner>(), max_iterations) {}
+
+  void analyse(const BlockMatrix& A) override {
+    gradients_.analyse(A);
+    direct_.analyse(A, factor_.supernodes());
+  }
+  LinearStats solve(const BlockMatrix& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x) override {
+    const LinearStats by_gradients = gradients_.solve(A, b, tolerance, x);
+    if (by_gradients.converged) return by_gradients;
+    LinearStats by_factor = direct_.solve(A, b, tolerance, x);
+    by_factor.iterations += by_gradients.iterations;
+    return by_factor;
+  }
+  void forget() override { gradients_.forget(); }
+  std::vector<Eigen::Matrix3d>* frames() override { return gradients_.frames(); }
+
+ private:
+  FactorCgSolver(std::unique_ptr<FactorPreconditioner> factor, int max_iterations)
+      : factor_(*factor), gradients_(std::move(factor), max_iterations) {}
+
+  const FactorPreconditioner& factor_;  // of gradients_
+  ConjugateGradient gradients_;
+  DirectSolver direct_;
+};
 
 std::unique_ptr<Preconditioner> make_diagonal(LinearSolverKind kind) {
   switch (kind) {
@@ -35,8 +66,7 @@ std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_
     case LinearSolverKind::kAsCgm:
       return std::make_unique<CovarianceRootSolver>(kind, root, max_iterations);
     case LinearSolverKind::kFactorCg:
-      return std::make_unique<ConjugateGradient>(make_factor_preconditioner(),
-                                                 std::min(max_iterations, kMostFactorIterations));
+      return std::make_unique<FactorCgSolver>(std::min(max_iterations, kMostFactorIterations));
     default:
       return std::make_unique<ConjugateGradient>(make_diagonal(kind), max_iterations);
   }

@@ -10,7 +10,8 @@ enum class LinearSolverKind {
   kPlainCg,        // conjugate gradients without a preconditioner
   kJacobiCg,       // preconditioned with the inverse diagonal
   kBlockJacobiCg,  // preconditioned with the inverse 3x3 diagonal blocks, which follow the rotation of the sheet
-  kFactorCg,       // preconditioned with a Cholesky factor in single precision that turns with the sheet
+  kFactorCg,       // preconditioned with a Cholesky factor in single precision that turns with the sheet; kDirect where
+                   // that does not converge
   kDirect,         // Cholesky factor in double precision
   kEsCgm,          // a dense matrix in place of A: *solves a different system*; see CovarianceRoot
   kAsCgm,          // likewise

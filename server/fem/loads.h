@@ -58,7 +58,11 @@ struct EdgeMoment {
   std::array<double, 6> weight{};  // -, sum 0: sum_a weight[a] x(vertex[a]) is the slope across the edge times `arm`
   std::size_t edge = 0;            // 0..2, opposite that corner
   double arm = 0.0;                // m, > 0, height of the triangle over the edge at rest
-  double moment = 0.0;             // N m; > 0 turns the outside of the edge toward the triangle's normal
+  // 1/(N m), >= 0: how far the slope gives way to the moment by itself, whatever the vertices do. The border triangle,
+  // of which the vertices alone say that nothing bends it there, has the energy compliance moment^2 / 2, but for what
+  // two moments on one triangle, at a corner of the sheet, do to each other. 0 where the rest shape is curved.
+  double compliance = 0.0;
+  double moment = 0.0;  // N m; > 0 turns the outside of the edge toward the triangle's normal
 };
 
 // Everything that acts on the sheet from outside during one step.
@@ -72,6 +76,8 @@ struct Loads {
   std::vector<EdgeMoment> edge_moments;
   std::vector<Pin> pins;    // each vertex at most once
   std::vector<Grab> grabs;  // a grab that touches a wholly pinned vertex moves only the others
+
+  [[nodiscard]] bool has_external_forces() const { return external_forces.cols() > 0 && !external_forces.isZero(0.0); }
 };
 
 }  // namespace kerf::fem

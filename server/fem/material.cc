@@ -1,6 +1,7 @@
 #include "server/fem/material.h"
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -14,16 +15,29 @@ struct Field {
 };
 
 constexpr std::array<Field, 10> kFields{{
-    {"youngs_modulus_1_pa", &Material::youngs_modulus_1, MaterialRanges::kYoungsModulus},
+    {"youngs_modulus_pa", &Material::youngs_modulus_1, MaterialRanges::kYoungsModulus},
     {"youngs_modulus_2_pa", &Material::youngs_modulus_2, MaterialRanges::kYoungsModulus},
     {"shear_modulus_pa", &Material::shear_modulus, MaterialRanges::kShearModulus},
-    {"poissons_ratio_12", &Material::poissons_ratio_12, MaterialRanges::kPoissonsRatio12},
+    {"poissons_ratio", &Material::poissons_ratio_12, MaterialRanges::kPoissonsRatio12},
     {"direction_rad", &Material::direction, MaterialRanges::kDirection},
     {"thickness_m", &Material::thickness, MaterialRanges::kThickness},
-    {"density_kg_m3", &Material::density, MaterialRanges::kDensity},
+    {"density_kgpm3", &Material::density, MaterialRanges::kDensity},
     {"bending_scale", &Material::bending_scale, MaterialRanges::kBendingScale},
     {"mass_damping_per_s", &Material::mass_damping, MaterialRanges::kMassDamping},
     {"stiffness_damping_s", &Material::stiffness_damping, MaterialRanges::kStiffnessDamping},
+}};
+
+struct OptionalField {
+  std::string_view name;
+  std::optional<double> Material::*member;
+  Range range;
+};
+
+constexpr std::array<OptionalField, 4> kBendingFields{{
+    {"bending_stiffness_1_nm", &Material::bending_stiffness_1, MaterialRanges::kBendingStiffness},
+    {"bending_stiffness_2_nm", &Material::bending_stiffness_2, MaterialRanges::kBendingStiffness},
+    {"bending_coupling_nm", &Material::bending_coupling, MaterialRanges::kBendingCoupling},
+    {"twisting_stiffness_nm", &Material::twisting_stiffness, MaterialRanges::kBendingStiffness},
 }};
 
 std::string number(double value) {
@@ -35,6 +49,45 @@ std::string number(double value) {
 // nu12 nu21 = nu12^2 E2 / E1: must stay below 1 for C to be positive definite.
 double poisson_product(const Material& m) {
   return m.poissons_ratio_12 * m.poissons_ratio_12 * m.youngs_modulus_2 / m.youngs_modulus_1;
+}
+
+Status check_range(double value, const Range& range, const std::string& path) {
+  if (value >= range.low && value <= range.high) return Nothing{};  // false for NaN
+  return invalid_argument(
+      "MATERIAL_OUT_OF_RANGE",
+      path + " is " + number(value) + "; choose a value in [" + number(range.low) + ", " + number(range.high) + "]",
+      path);
+}
+
+// Of stiffnesses that are given in part, or that do not go together.
+Status check_bending(const Material& m, const std::string& prefix) {
+  bool has_given = false;
+  const OptionalField* absent = nullptr;  // of those that must not be 0
+  for (const OptionalField& field : kBendingFields) {
+    const std::optional<double>& value = m.*field.member;
+    if (!value && field.member != &Material::bending_coupling) absent = &field;
+    if (!value) continue;
+    has_given = true;
+    if (Status s = check_range(*value, field.range, prefix + "." + std::string(field.name)); !s) return s;
+  }
+  if (!has_given) return Nothing{};
+  if (absent != nullptr && m.bending_scale == 0.0) {
+    const std::string path = prefix + "." + std::string(absent->name);
+    return invalid_argument("MATERIAL_NOT_POSITIVE_DEFINITE",
+                            path +
+                                " is not given, and derived with a bending_scale of 0; give it too, or a bending_scale "
+                                "above 0, or no bending stiffness at all",
+                            path);
+  }
+  const Eigen::Matrix3d D = bending_law(m);
+  const double limit = std::sqrt(D(0, 0) * D(1, 1));
+  if (std::abs(D(0, 1)) < limit) return Nothing{};
+  const std::string path = prefix + ".bending_coupling_nm";
+  return invalid_argument("MATERIAL_NOT_POSITIVE_DEFINITE",
+                          path + " is " + number(D(0, 1)) + (m.bending_coupling ? "" : ", derived") +
+                              "; with stiffnesses of " + number(D(0, 0)) + " and " + number(D(1, 1)) +
+                              " N m give one between -" + number(limit) + " and " + number(limit),
+                          path);
 }
 
 }  // namespace
@@ -53,21 +106,16 @@ Material isotropic(double youngs_modulus, double poissons_ratio, double thicknes
 Status validate(const Material& material, std::string_view prefix) {
   const auto path = [prefix](std::string_view field) { return std::string(prefix) + "." + std::string(field); };
   for (const auto& [name, member, range] : kFields) {
-    const double value = material.*member;
-    if (value >= range.low && value <= range.high) continue;  // false for NaN
-    return invalid_argument("MATERIAL_OUT_OF_RANGE",
-                            path(name) + " is " + number(value) + "; choose a value in [" + number(range.low) + ", " +
-                                number(range.high) + "]",
-                            path(name));
+    if (Status s = check_range(material.*member, range, path(name)); !s) return s;
   }
   const double product = poisson_product(material);
   if (!(product < 1.0)) {
     return invalid_argument("MATERIAL_NOT_POSITIVE_DEFINITE",
-                            path("poissons_ratio_12") + ": poissons_ratio_12^2 E2 / E1 is " + number(product) +
-                                "; choose values that make it less than 1",
-                            path("poissons_ratio_12"));
+                            path("poissons_ratio") + "^2 youngs_modulus_2_pa / youngs_modulus_pa is " +
+                                number(product) + "; choose values that make it less than 1",
+                            path("poissons_ratio"));
   }
-  return Nothing{};
+  return check_bending(material, std::string(prefix));
 }
 
 Eigen::Matrix3d membrane_law(const Material& m) {
@@ -85,7 +133,18 @@ Eigen::Matrix3d membrane_law(const Material& m) {
 }
 
 Eigen::Matrix3d bending_law(const Material& m) {
-  return (m.bending_scale * m.thickness * m.thickness / 12.0) * membrane_law(m);
+  Eigen::Matrix3d D = (m.bending_scale * m.thickness * m.thickness / 12.0) * membrane_law(m);
+  if (m.bending_stiffness_1) D(0, 0) = *m.bending_stiffness_1;
+  if (m.bending_stiffness_2) D(1, 1) = *m.bending_stiffness_2;
+  if (m.bending_coupling) D(0, 1) = D(1, 0) = *m.bending_coupling;
+  if (m.twisting_stiffness) D(2, 2) = *m.twisting_stiffness;
+  return D;
+}
+
+Material without_bending(Material material) {
+  material.bending_scale = 0.0;
+  for (const OptionalField& field : kBendingFields) (material.*field.member).reset();
+  return material;
 }
 
 }  // namespace kerf::fem

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -24,6 +25,9 @@ struct MaterialRanges {
   static constexpr Range kThickness{1e-6, 1.0};
   static constexpr Range kDensity{1e-2, 1e5};
   static constexpr Range kBendingScale{0.0, 1e3};
+  // From those of the softest and thinnest solid plate to the hardest and thickest one, at the largest bending_scale.
+  static constexpr Range kBendingStiffness{1e-25, 1e14};
+  static constexpr Range kBendingCoupling{-1e14, 1e14};
   static constexpr Range kMassDamping{0.0, 1e3};
   static constexpr Range kStiffnessDamping{0.0, 1.0};
 };
@@ -52,6 +56,12 @@ struct Material {
   double mass_damping = 0.0;        // 1/s, Rayleigh alpha: force -alpha m v
   double stiffness_damping = 0.0;   // s, Rayleigh beta: stress C (e + beta de/dt). The explicit integrator
                                     // limits it to what its step can carry (see integrator.h)
+  // N m: of the plate law M11 = D11 k11 + D12 k22, M22 = D12 k11 + D22 k22, M12 = D66 2 k12, in material axes, as
+  // measured; each one that is absent is that of C t^2 / 12 times bending_scale.
+  std::optional<double> bending_stiffness_1{};  // D11
+  std::optional<double> bending_stiffness_2{};  // D22
+  std::optional<double> bending_coupling{};     // D12, D12^2 < D11 D22
+  std::optional<double> twisting_stiffness{};   // D66
 
   bool operator==(const Material&) const = default;
 };
@@ -60,15 +70,19 @@ struct Material {
 Material isotropic(double youngs_modulus, double poissons_ratio, double thickness, double density);
 
 // Every field in its range of MaterialRanges, else INVALID_ARGUMENT with the field path below `prefix`, e.g.
-// "material.youngs_modulus_1_pa".
+// "material.youngs_modulus_pa".
 Status validate(const Material& material, std::string_view prefix = "material");
 
 // Membrane law C in N/m (thickness included), in material axes, for Voigt strain (e11, e22, 2 e12). Symmetric positive
 // definite for a valid material.
 Eigen::Matrix3d membrane_law(const Material& material);
 
-// Plate law D = bending_scale C t^2 / 12 in N m, for Voigt curvature (k11, k22, 2 k12).
+// Plate law D in N m, for Voigt curvature (k11, k22, 2 k12): what is given, else of bending_scale C t^2 / 12. Symmetric
+// positive definite, or 0, for a valid material.
 Eigen::Matrix3d bending_law(const Material& material);
+
+// The same membrane, which does not resist bending.
+Material without_bending(Material material);
 
 // Declared materials by name; NOT_FOUND lists the names. Values and their sources: material_presets.cc.
 Result<Material> find_preset(std::string_view name);

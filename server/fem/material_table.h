@@ -26,7 +26,7 @@ struct MaterialLaw {
   double surface_density = 0.0;     // kg/m^2
   double unit_floor = 0.0;          // kg/m^2 / (N/m); mass floor of a vertex over its stiffness, for edges of 1 m
 
-  [[nodiscard]] bool has_bending() const { return material.bending_scale > 0.0; }
+  [[nodiscard]] bool has_bending() const { return bending(0, 0) > 0.0; }
 };
 
 // The materials of a sheet, 1..kMaxMaterials, by ElementBlock::material.

@@ -106,8 +106,7 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   if (!has_bending()) return;
   patched_.resize(static_cast<std::size_t>(num_slots_));
   rows_.resize(num_vertices);
-  row_place_.resize(num_vertices + 1, -1);
-  row_place_[0] = 0;
+  row_sum_.resize(num_vertices);
   patches_.resize(static_cast<std::size_t>(num_slots_));
   bending_rows_.resize(mesh.num_vertices());
   edged_.resize(static_cast<std::size_t>(num_slots_));

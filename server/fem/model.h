@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,7 @@
 #include "server/fem/material_table.h"
 #include "server/fem/rest_bending.h"
 #include "server/fem/row_store.h"
+#include "server/fem/row_sum.h"
 #include "server/fem/stable_step.h"
 #include "server/fem/state.h"
 #include "server/mesh/ids.h"
@@ -30,6 +32,8 @@ class TriangleMesh;
 }
 
 namespace kerf::fem {
+
+class AngleBending;
 
 // Energies of a state, J.
 struct Energies {
@@ -60,7 +64,7 @@ struct MassChange {
 //   Bending: quadratic patch of a triangle and its up to three neighbours, W = A/2 kappa.D kappa (see bending.h), and
 //            the work of moments on the kinks between patches (see bending_edge.h); where the rest shape is curved the
 //            patch is unfolded along its edges, kappa is measured from that of the rest shape (see rest_bending.h), and
-//            kinks are left out.
+//            kinks are left out. For equilibria and vibrations see bend_by_angles().
 //   Mass: a third of each triangle's to each corner; vertices far too light for their stiffness, as along a cut, are
 //         given some of their neighbours' (see mass_redistribution.h).
 //   Materials: a triangle has that of its number, region(t) of the mesh; no edit moves the borders between regions, so
@@ -89,6 +93,14 @@ class Model {
   // Holds the slope of the sheet at border edges both ends of which are among these; sorted by vertex, unique; replaces
   // those before. Bending only, and where the rest shape is flat.
   void set_clamps(const mesh::TriangleMesh& mesh, std::vector<Clamp> clamps);
+
+  // Until the mesh or the clamps change, or bend_by_matrix(), forces and energies of bending are those of angles (see
+  // angle_bending.h), for equilibria and vibrations; damping, rows and bounds stay those of Q. Nothing where the rest
+  // shape is curved, or without bending. O(V). In no hash.
+  void bend_by_angles(const mesh::TriangleMesh& mesh);
+  void bend_by_matrix() { angle_bending_.reset(); }
+  // Null where bending is that of Q.
+  [[nodiscard]] const AngleBending* angle_bending() const { return angle_bending_.get(); }
 
   // A moment along the border edge opposite corner `edge` of a solid slot, in N m per m of the edge at rest; see
   // EdgeMoment. Until the mesh or the clamps change. None at a clamped edge, which takes it. Where the rest shape is
@@ -121,7 +133,8 @@ class Model {
   [[nodiscard]] bool has_bending() const { return materials_.has_bending(); }
   // What of it is at edges; one row a slot, empty without bending.
   [[nodiscard]] const RowStore<BendingEdge>& bending_edges() const { return bending_edges_; }
-  // Q in N/m, one row a vertex: bending force on vertex i = -sum_j Q_ij x_j. Empty rows without bending.
+  // Q in N/m, one row a vertex: bending force on vertex i = -sum_j Q_ij x_j, but for angles. Empty rows without
+  // bending.
   [[nodiscard]] const RowStore<BendingEntry>& bending_rows() const { return bending_rows_; }
   // What clamps add to the bending force -Q x.
   [[nodiscard]] const ClampForces& clamp_forces() const { return clamp_forces_; }
@@ -151,6 +164,7 @@ class Model {
   void add_bending_forces(const mesh::VertexField& x, const mesh::VertexField& v, std::span<const double> beta,
                           mesh::VertexField& damped, mesh::VertexField& f) const;
   [[nodiscard]] BendingTerms bending_terms() const { return {blocks_, patches_, bending_edges_}; }
+  [[nodiscard]] double bending_energy(const mesh::VertexField& x) const;  // J
   // gravity: m/s^2.
   [[nodiscard]] Energies energies(const State& state, const Eigen::Vector3d& gravity) const;
   [[nodiscard]] Momentum momentum(const State& state) const;
@@ -201,20 +215,24 @@ class Model {
   // kNone throughout for a slot without material.
   [[nodiscard]] std::array<mesh::VertexId, 6> patch_vertices(const mesh::TriangleMesh& mesh,
                                                              mesh::TriangleId slot) const;
-  struct PatchFit {
-    PatchGeometry geometry;
-    BendingFit fit;
+  // Positions on the rest surface, as of make_rest_bending.
+  struct PatchSurface {
+    std::array<Eigen::Vector3d, 6> at;  // m
+    bool is_bent = false;
   };
-  // Of a solid slot of a flat rest shape; valid until the next call.
-  const PatchFit& fit_at(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
+  // Stiffness of the patches in patched_, sides of those in fitted_; of a curved rest shape what that adds.
+  void fit_patches(const mesh::TriangleMesh& mesh);
+  // Of a solid slot of a flat rest shape.
+  [[nodiscard]] PatchGeometry flat_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
+  // Of a curved one.
+  [[nodiscard]] PatchGeometry curved_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot,
+                                           PatchSurface& surface) const;
   // What clamps hold at each edge of a slot, h x_nu: see fit_bending; 0 elsewhere.
   [[nodiscard]] std::array<Eigen::Vector3d, 3> held_slopes(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
   // entry(a, b): of the Q of these vertices, kNone where what is held takes their place. Into clamp_forces_.
   template <typename Entry>
   void add_clamp_forces_of(std::span<const mesh::VertexId> vertices, std::span<const Eigen::Vector3d> held,
                            const Entry& entry);
-  // Of a curved rest shape; leaves what that adds in rest_bending_.
-  BendingPatch make_curved_patch(const mesh::TriangleMesh& mesh, mesh::TriangleId slot);
   // Row `vertex` of Q: the sum over the patches that the vertex is in, by ascending slot, then over the edges. Of a
   // curved rest shape also that of what bounds the stiffness.
   void sum_bending_row(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
@@ -224,9 +242,10 @@ class Model {
   template <typename Entries>
   void add_patches_to_row(const Entries& entries);
   void add_edges_to_row(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
-  void reserve_row(std::size_t more);
-  void add_to_row(mesh::VertexId column, double entry);
-  void finish_row(mesh::VertexId vertex, RowStore<BendingEntry>& rows);
+  struct RowOfEdge {
+    const BendingEdge* edge = nullptr;
+    std::size_t place = 0;  // of the vertex
+  };
   [[nodiscard]] bool has_material(mesh::TriangleId slot) const;
   [[nodiscard]] std::array<mesh::VertexId, 3> corners(mesh::TriangleId slot) const;
 
@@ -242,6 +261,7 @@ class Model {
   RowStore<BendingEntry> bending_rows_;
   std::vector<Clamp> clamps_;  // sorted by vertex
   ClampForces clamp_forces_;
+  std::shared_ptr<const AngleBending> angle_bending_;
   // Of a curved rest shape; empty else.
   std::vector<RestBending> rest_bending_;  // one a slot
   RowStore<BendingEntry> bound_rows_;      // sums of |Q_ij| + RestBending::excess
@@ -256,22 +276,19 @@ class Model {
   std::vector<mesh::TriangleId> changed_slots_;
 
   // Scratch of apply().
-  IndexSet touched_;                                    // vertices of rewritten slots, before and after
-  IdSet rewritten_;                                     // slots
-  IdSet patched_;                                       // slots whose patch is made anew
-  IdSet edged_;                                         // slots whose row of bending_edges_ is made anew
-  IndexSet fitted_;                                     // slots whose fit is in fits_
-  std::vector<PatchFit> fits_;                          // by place in fitted_
-  std::vector<BendingEdge> edge_row_;                   // of one slot
-  IdSet rows_;                                          // rows of Q that are summed anew
-  std::vector<std::int32_t> row_patches_, row_sorted_;  // of one row: see find_patches_at
-  std::vector<mesh::TriangleId> row_owners_;            // of one row: slots whose edges the vertex may be in
-  std::int32_t row_size_ = 1;                           // of one row: places taken; 0 is for what missing vertices have
-  std::vector<mesh::VertexId> row_columns_;             // of one row, in the order they are met
-  std::vector<double> row_values_;                      // of one row, by place in row_columns_
-  std::vector<std::uint32_t> row_order_;                // of one row
-  std::vector<BendingEntry> row_;                       // of one row
-  std::vector<std::int32_t> row_place_;                 // column + 1 -> its place in row_columns_, or -1
+  IndexSet touched_;                                     // vertices of rewritten slots, before and after
+  IdSet rewritten_;                                      // slots
+  IdSet patched_;                                        // slots whose patch is made anew
+  IdSet edged_;                                          // slots whose row of bending_edges_ is made anew
+  IndexSet fitted_;                                      // slots whose patch is fitted anew
+  std::vector<std::array<BendingSide, 3>> sides_;        // by place in fitted_, of a flat rest shape
+  std::vector<BendingEdge> edge_row_;                    // of one slot
+  IdSet rows_;                                           // rows of Q that are summed anew
+  std::vector<std::int32_t> row_patches_, row_sorted_;   // of one row: see find_patches_at
+  std::vector<RowOfEdge> row_edges_, row_edges_sorted_;  // of one row
+  std::vector<std::int32_t> row_keys_;                   // of row_edges_
+  std::vector<std::int32_t> row_order_;                  // of one row
+  RowSum row_sum_;
 };
 
 }  // namespace kerf::fem

@@ -2,8 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "server/base/check.h"
+#include "server/fem/bending_lanes.h"
 #include "server/fem/model.h"
 #include "server/mesh/triangle_mesh.h"
 
@@ -14,25 +16,6 @@ using mesh::TriangleId;
 using mesh::VertexId;
 
 constexpr std::size_t kMostFitsKept = 4096;  // from one edit to the next; those of a whole sheet are not
-
-// The place of each of some different keys in ascending order. Of few it is counted as the number of keys below:
-// without a branch that could not be predicted.
-void place_in_order(std::span<const std::int32_t> keys, std::vector<std::uint32_t>& places) {
-  constexpr std::size_t kFew = 64;
-  const std::size_t size = keys.size();
-  places.assign(size, 0);
-  if (size <= kFew) {
-    for (const std::int32_t key : keys) {
-      for (std::size_t i = 0; i < size; ++i) places[i] += key < keys[i] ? 1U : 0U;
-    }
-    return;
-  }
-  std::vector<std::int32_t> sorted(keys.begin(), keys.end());
-  std::sort(sorted.begin(), sorted.end());
-  for (std::size_t i = 0; i < size; ++i) {
-    places[i] = static_cast<std::uint32_t>(std::lower_bound(sorted.begin(), sorted.end(), keys[i]) - sorted.begin());
-  }
-}
 
 // Turned about the edge into the plane, where the edge is at `edge` and the triangle on its left: on its right.
 Eigen::Vector2d unfolded(const std::array<Eigen::Vector2d, 2>& edge, const std::array<Eigen::Vector3d, 2>& surface,
@@ -45,6 +28,25 @@ Eigen::Vector2d unfolded(const std::array<Eigen::Vector2d, 2>& edge, const std::
   return edge[0] + distance * direction + height * Eigen::Vector2d(direction.y(), -direction.x());
 }
 
+// The vertex is one of the edge's.
+std::size_t place_in(const BendingEdge& edge, VertexId vertex) {
+  std::size_t place = 0;
+  for (std::size_t i = 1; i < 8; ++i) place += edge.vertex[i] == vertex ? i : 0;
+  return place;
+}
+
+// Calls visit(t) for each slot and its neighbours; may repeat.
+template <typename Visit>
+void for_each_with_neighbours(const mesh::TriangleMesh& mesh, std::span<const TriangleId> slots, const Visit& visit) {
+  for (const TriangleId slot : slots) {
+    visit(slot);
+    for (int k = 0; k < 3; ++k) {
+      const TriangleId other = mesh.neighbour(slot, k);
+      if (other != mesh::kNone) visit(other);
+    }
+  }
+}
+
 }  // namespace
 
 void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<TriangleId>& rewritten) {
@@ -54,32 +56,55 @@ void Model::set_bending(const mesh::TriangleMesh& mesh, const std::vector<Triang
 }
 
 void Model::make_patches(const mesh::TriangleMesh& mesh, std::span<const TriangleId> rewritten) {
+  angle_bending_.reset();
   patched_.clear();
   fitted_.clear();
-  const auto set_patch = [&](TriangleId slot) {
+  for_each_with_neighbours(mesh, rewritten, [&](TriangleId slot) {
     if (!patched_.insert(slot)) return;
+    fitted_.insert(slot);
     BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
-    if (mesh.is_curved()) {
-      patch = make_curved_patch(mesh, slot);
-    } else {
-      patch.vertex = patch_vertices(mesh, slot);
-      // Where its triangle does not bend a patch has its vertices none the less: they are columns of the matrix.
-      const bool bends = has_material(slot) && law(slot).has_bending();
-      patch.stiffness = bends ? bending_stiffness(fit_at(mesh, slot).fit) : std::array<double, 21>{};
-    }
+    // Where its triangle does not bend a patch has its vertices none the less: they are columns of the matrix.
+    patch.vertex = patch_vertices(mesh, slot);
+    patch.stiffness.fill(0.0);
+    if (mesh.is_curved()) rest_bending_[static_cast<std::size_t>(slot)] = RestBending();
     mark_rows(patch.vertex);
-  };
-  for (const TriangleId slot : rewritten) {
-    set_patch(slot);
-    for (int k = 0; k < 3; ++k) {
-      const TriangleId other = mesh.neighbour(slot, k);
-      if (other != mesh::kNone) set_patch(other);
-    }
+  });
+  if (!mesh.is_curved()) {  // moments on kinks need those across an edge as well
+    for_each_with_neighbours(mesh, patched_.members(), [&](TriangleId slot) { fitted_.insert(slot); });
   }
+  fit_patches(mesh);
   if (!mesh.is_curved()) make_edges(mesh);
   for (const VertexId v : rows_.members()) sum_bending_row(mesh, v);
-  if (fits_.size() > kMostFitsKept) fits_ = {};
+  if (sides_.size() > kMostFitsKept) sides_ = {};
   if (!clamps_.empty() || !clamp_forces_.forces.empty()) sum_clamp_forces(mesh);
+}
+
+void Model::fit_patches(const mesh::TriangleMesh& mesh) {
+  if (!mesh.is_curved() && sides_.size() < fitted_.size()) sides_.resize(fitted_.size());
+  PatchLanes lanes;
+  std::array<TriangleId, kBlockLanes> slots{};
+  std::array<PatchSurface, kBlockLanes> surfaces;
+  std::size_t count = 0;
+  const auto fit = [&] {
+    lanes.fit(count);
+    for (std::size_t l = 0; l < count; ++l) {
+      const auto slot = static_cast<std::size_t>(slots[l]);
+      if (patched_.contains(slots[l])) patches_[slot].stiffness = lanes.stiffness_of(l);
+      if (surfaces[l].is_bent) rest_bending_[slot] = make_rest_bending(surfaces[l].at, lanes.fit_of(l));
+      if (mesh.is_curved()) continue;
+      std::array<BendingSide, 3>& sides = sides_[static_cast<std::size_t>(fitted_.place(slots[l]))];
+      for (std::size_t k = 0; k < 3; ++k) sides[k] = lanes.side_of(l, k);
+    }
+    count = 0;
+  };
+  for (const TriangleId slot : fitted_.members()) {
+    if (!has_material(slot) || !law(slot).has_bending()) continue;
+    const PatchGeometry patch = mesh.is_curved() ? curved_patch(mesh, slot, surfaces[count]) : flat_patch(mesh, slot);
+    lanes.set(count, patch, law(slot).bending, law(slot).inverse_bending);
+    slots[count++] = slot;
+    if (count == kBlockLanes) fit();
+  }
+  if (count > 0) fit();
 }
 
 void Model::mark_rows(std::span<const VertexId> vertices) {
@@ -124,16 +149,14 @@ bool Model::make_edge(const mesh::TriangleMesh& mesh, TriangleId slot, TriangleI
   const std::array<std::size_t, 6> places = places_of_second(first, second);
   edge.first_edge = k;
   edge.material = {material_at(mesh, slot), material_at(mesh, other)};
-  const std::array<VertexId, 6> mine = patch_vertices(mesh, slot);
-  const std::array<VertexId, 6> theirs = patch_vertices(mesh, other);
+  const std::array<VertexId, 6>& mine = patches_[static_cast<std::size_t>(slot)].vertex;
+  const std::array<VertexId, 6>& theirs = patches_[static_cast<std::size_t>(other)].vertex;
   std::copy(mine.begin(), mine.end(), edge.vertex.begin());
   for (std::size_t i = 0; i < 6; ++i) edge.vertex[places[i]] = theirs[i];
-  const auto side = [&](TriangleId at, std::size_t opposite) {
-    const PatchFit& patch = fit_at(mesh, at);
-    return bending_side(patch.geometry, patch.fit, law(at).bending, law(at).inverse_bending, opposite);
+  const auto side = [&](TriangleId at, std::size_t opposite) -> const BendingSide& {
+    return sides_[static_cast<std::size_t>(fitted_.place(at))][opposite];
   };
-  const BendingSide from = side(slot, first);
-  return join_sides(from, side(other, second), places, edge);
+  return join_sides(side(slot, first), side(other, second), places, edge);
 }
 
 void Model::sum_bending_row(const mesh::TriangleMesh& mesh, VertexId vertex) {
@@ -141,13 +164,13 @@ void Model::sum_bending_row(const mesh::TriangleMesh& mesh, VertexId vertex) {
   const auto stiffness = [this](std::size_t slot, int a, int b) { return patches_[slot].at(a, b); };
   add_patches_to_row(stiffness);
   if (bending_edges_.num_entries() > 0) add_edges_to_row(mesh, vertex);
-  finish_row(vertex, bending_rows_);
+  row_sum_.move_to(bending_rows_, vertex);
   if (rest_bending_.empty()) return;
   const auto bound = [this](std::size_t slot, int a, int b) {
     return std::abs(patches_[slot].at(a, b)) + rest_bending_[slot].excess_at(a, b);
   };
   add_patches_to_row(bound);
-  finish_row(vertex, bound_rows_);
+  row_sum_.move_to(bound_rows_, vertex);
 }
 
 void Model::find_patches_at(const mesh::TriangleMesh& mesh, VertexId vertex) {
@@ -162,70 +185,55 @@ void Model::find_patches_at(const mesh::TriangleMesh& mesh, VertexId vertex) {
   }
   place_in_order(row_patches_, row_order_);
   row_sorted_.resize(row_patches_.size());
-  for (std::size_t i = 0; i < row_patches_.size(); ++i) row_sorted_[row_order_[i]] = row_patches_[i];
-}
-
-void Model::reserve_row(std::size_t more) {
-  const std::size_t most = static_cast<std::size_t>(row_size_) + more;
-  if (row_values_.size() < most) row_values_.resize(most), row_columns_.resize(most);
-}
-
-// Hardly any branch below could be predicted, hence none is made: what a missing vertex has goes to place 0.
-void Model::add_to_row(VertexId column, double entry) {
-  std::int32_t* const place_of = row_place_.data() + 1;
-  const bool is_new = place_of[column] < 0;
-  const std::int32_t place = is_new ? row_size_ : place_of[column];
-  row_size_ += is_new ? 1 : 0;
-  place_of[column] = place;
-  row_columns_[static_cast<std::size_t>(place)] = column;
-  double& value = row_values_[static_cast<std::size_t>(place)];
-  value = (is_new ? -0.0 : value) + entry;  // -0.0 + x is x, of any sign
+  for (std::size_t i = 0; i < row_patches_.size(); ++i) {
+    row_sorted_[static_cast<std::size_t>(row_order_[i])] = row_patches_[i];
+  }
 }
 
 template <typename Entries>
 void Model::add_patches_to_row(const Entries& entries) {
-  reserve_row(6 * row_sorted_.size());
   for (const std::int32_t patch_row : row_sorted_) {
     const auto slot = static_cast<std::size_t>(patch_row / 8);
-    const BendingPatch& patch = patches_[slot];
-    for (int b = 0; b < 6; ++b) add_to_row(patch.vertex[static_cast<std::size_t>(b)], entries(slot, patch_row % 8, b));
+    std::array<double, 6> row{};
+    for (int b = 0; b < 6; ++b) row[static_cast<std::size_t>(b)] = entries(slot, patch_row % 8, b);
+    row_sum_.add(patches_[slot].vertex, row);
   }
 }
 
 // An edge that the vertex has a part in is one of a triangle whose patch the vertex is in.
 void Model::add_edges_to_row(const mesh::TriangleMesh& mesh, VertexId vertex) {
-  row_owners_.clear();
+  constexpr std::size_t kFirstOfSecond = 6;  // place in BendingEdge
+  row_edges_.clear();
+  row_keys_.clear();
+  const auto note = [this](TriangleId owner, const BendingEdge& edge, std::size_t place) {
+    row_keys_.push_back(4 * owner + edge.first_edge);
+    row_edges_.push_back({&edge, place});
+  };
+  TriangleId before = mesh::kNone;
   for (const std::int32_t patch_row : row_sorted_) {
     const TriangleId slot = patch_row / 8;
-    if (!bending_edges_.row(slot).empty()) row_owners_.push_back(slot);
-    for (int k = 0; k < 3; ++k) {
-      const TriangleId other = mesh.neighbour(slot, k);
-      if (other != mesh::kNone && other < slot && !bending_edges_.row(other).empty()) row_owners_.push_back(other);
+    if (std::exchange(before, slot) == slot) continue;  // across two edges
+    for (const BendingEdge& edge : bending_edges_.row(slot)) note(slot, edge, place_in(edge, vertex));
+    if (patch_row % 8 < 3) continue;  // the patches of all its neighbours have the vertex
+    for (const TriangleId other : mesh.record(slot).neighbours) {
+      if (other == mesh::kNone || other > slot) continue;
+      for (const BendingEdge& edge : bending_edges_.row(other)) {
+        if (mesh.neighbour(other, edge.first_edge) != slot) continue;
+        const std::size_t place = place_in(edge, vertex);
+        if (place >= kFirstOfSecond) note(other, edge, place);
+      }
     }
   }
-  std::sort(row_owners_.begin(), row_owners_.end());
-  row_owners_.erase(std::unique(row_owners_.begin(), row_owners_.end()), row_owners_.end());
-  reserve_row(24 * row_owners_.size());
-  for (const TriangleId owner : row_owners_) {
-    for (const BendingEdge& edge : bending_edges_.row(owner)) {
-      const auto at = std::find(edge.vertex.begin(), edge.vertex.end(), vertex);
-      if (at == edge.vertex.end()) continue;
-      const auto a = static_cast<std::size_t>(at - edge.vertex.begin());
-      for (std::size_t b = 0; b < 8; ++b) add_to_row(edge.vertex[b], edge.at(a, b));
-    }
+  place_in_order(row_keys_, row_order_);
+  row_edges_sorted_.resize(row_edges_.size());
+  for (std::size_t i = 0; i < row_edges_.size(); ++i) {
+    row_edges_sorted_[static_cast<std::size_t>(row_order_[i])] = row_edges_[i];
   }
-}
-
-void Model::finish_row(VertexId vertex, RowStore<BendingEntry>& rows) {
-  const std::span<const VertexId> columns(row_columns_.data() + 1, static_cast<std::size_t>(row_size_ - 1));
-  place_in_order(columns, row_order_);
-  row_.resize(columns.size());
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    row_[row_order_[i]] = {row_values_[1 + i], columns[i]};
-    row_place_[static_cast<std::size_t>(columns[i] + 1)] = -1;
+  for (const auto& [edge, a] : row_edges_sorted_) {
+    std::array<double, 8> row{};
+    for (std::size_t b = 0; b < 8; ++b) row[b] = edge->at(a, b);
+    row_sum_.add(edge->vertex, row);
   }
-  row_size_ = 1;
-  rows.set_row(vertex, row_);
 }
 
 std::size_t Model::corner_across(const mesh::TriangleMesh& mesh, TriangleId slot, TriangleId from) {
@@ -246,58 +254,43 @@ std::array<VertexId, 6> Model::patch_vertices(const mesh::TriangleMesh& mesh, Tr
   return made;
 }
 
-const Model::PatchFit& Model::fit_at(const mesh::TriangleMesh& mesh, TriangleId slot) {
-  if (fitted_.contains(slot)) return fits_[static_cast<std::size_t>(fitted_.place(slot))];
-  fitted_.insert(slot);
-  if (fits_.size() < fitted_.size()) fits_.resize(fitted_.size());
-  PatchFit& made = fits_[fitted_.size() - 1];
+PatchGeometry Model::flat_patch(const mesh::TriangleMesh& mesh, TriangleId slot) const {
   const std::array<VertexId, 6> vertex = patch_vertices(mesh, slot);
-  const MaterialLaw& own = law(slot);
+  const Eigen::Matrix2d& axes = law(slot).axes;
+  PatchGeometry patch;
   for (std::size_t k = 0; k < 3; ++k) {
-    made.geometry.corners[k] = own.axes * mesh.rest_position(vertex[k]);
-    made.geometry.opposite[k].setZero();
-    made.geometry.edges[k] = PatchEdge::kFree;
+    patch.corners[k] = axes * mesh.rest_position(vertex[k]);
+    patch.opposite[k].setZero();
     if (vertex[3 + k] != mesh::kNone) {
-      made.geometry.opposite[k] = own.axes * mesh.rest_position(vertex[3 + k]);
-      made.geometry.edges[k] = PatchEdge::kNeighbour;
+      patch.opposite[k] = axes * mesh.rest_position(vertex[3 + k]);
+      patch.edges[k] = PatchEdge::kNeighbour;
       continue;
     }
     Eigen::Matrix<double, 3, 2> gradient;
-    if (find_clamped_edge(mesh, slot, k, gradient)) made.geometry.edges[k] = PatchEdge::kClamped;
+    if (find_clamped_edge(mesh, slot, k, gradient)) patch.edges[k] = PatchEdge::kClamped;
   }
-  made.fit = fit_bending(made.geometry, own.inverse_bending);
-  return made;
+  return patch;
 }
 
-BendingPatch Model::make_curved_patch(const mesh::TriangleMesh& mesh, TriangleId slot) {
-  RestBending& rest = rest_bending_[static_cast<std::size_t>(slot)];
-  rest = RestBending();
-  BendingPatch patch;
-  if (!has_material(slot)) return patch;
+PatchGeometry Model::curved_patch(const mesh::TriangleMesh& mesh, TriangleId slot, PatchSurface& surface) const {
   const mesh::Facet* const facet = mesh.facet(slot);
-  const MaterialLaw& own = law(slot);
-  const Eigen::Matrix2d edges = own.axes * mesh.rest_edges(slot);
-  PatchGeometry geometry{{Eigen::Vector2d::Zero(), edges.col(0), edges.col(1)}, {}, {}};
-  const std::array<Eigen::Vector2d, 3>& X = geometry.corners;
-  std::array<Eigen::Vector3d, 6> surface;  // m
-  bool is_bent = false;
-  patch.vertex = patch_vertices(mesh, slot);
-  for (std::size_t k = 0; k < 3; ++k) surface[k] = facet->at(mesh.rest_position(patch.vertex[k]));
+  const Eigen::Matrix2d edges = law(slot).axes * mesh.rest_edges(slot);
+  PatchGeometry patch{{Eigen::Vector2d::Zero(), edges.col(0), edges.col(1)}, {}, {}};
+  const std::array<Eigen::Vector2d, 3>& X = patch.corners;
+  std::array<Eigen::Vector3d, 6>& at = surface.at;
+  surface.is_bent = false;
+  const std::array<VertexId, 6> vertex = patch_vertices(mesh, slot);
+  for (std::size_t k = 0; k < 3; ++k) at[k] = facet->at(mesh.rest_position(vertex[k]));
   for (std::size_t k = 0; k < 3; ++k) {
-    geometry.opposite[k].setZero();
-    surface[3 + k] = surface[0];
+    patch.opposite[k].setZero();
+    at[3 + k] = at[0];
     const TriangleId across = mesh.neighbour(slot, static_cast<int>(k));
     if (across == mesh::kNone) continue;
-    geometry.edges[k] = PatchEdge::kNeighbour;
-    is_bent = is_bent || mesh.facet(across) != facet;
-    surface[3 + k] = mesh.facet(across)->at(mesh.rest_position(patch.vertex[3 + k]));
-    geometry.opposite[k] =
-        unfolded({X[(k + 1) % 3], X[(k + 2) % 3]}, {surface[(k + 1) % 3], surface[(k + 2) % 3]}, surface[3 + k]);
+    patch.edges[k] = PatchEdge::kNeighbour;
+    surface.is_bent = surface.is_bent || mesh.facet(across) != facet;
+    at[3 + k] = mesh.facet(across)->at(mesh.rest_position(vertex[3 + k]));
+    patch.opposite[k] = unfolded({X[(k + 1) % 3], X[(k + 2) % 3]}, {at[(k + 1) % 3], at[(k + 2) % 3]}, at[3 + k]);
   }
-  if (!own.has_bending()) return patch;
-  const BendingFit fit = fit_bending(geometry, own.inverse_bending);
-  patch.stiffness = bending_stiffness(fit);
-  if (is_bent) rest = make_rest_bending(surface, fit);
   return patch;
 }
 

@@ -153,6 +153,7 @@ EdgeMoment Model::edge_moment(const mesh::TriangleMesh& mesh, TriangleId slot, i
   const auto row = static_cast<Eigen::Index>(k);
   constexpr double kLeastLaw = 1e-3;  // -; below it the others leave the slope open
   const bool is_coupled = fit.law(row, row) > kLeastLaw * fit.law.trace();
+  if (is_coupled && is_flat) made.compliance = 1.0 / (fit.law(row, row) * made.arm * made.arm);
   for (Eigen::Index a = 0; a < 6; ++a) {
     if (a == 3 + row) continue;
     double weight = -fit.conditions(row, a);

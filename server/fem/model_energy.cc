@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 
+#include "server/fem/angle_bending.h"
 #include "server/fem/bending_forces.h"
 #include "server/fem/membrane.h"
 #include "server/fem/model.h"
@@ -23,6 +24,7 @@ double Model::rest_area() const {
 void Model::internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const {
   f.setZero();
   add_membrane_forces(blocks_, materials_, {}, x, x, f);
+  if (angle_bending_ != nullptr) return angle_bending_->add_forces(x, f);
   fem::add_bending_forces(bending_rows_, x, f);
   add_clamp_forces(clamp_forces_, f);
   add_rest_bending_forces(rest_bending(), x, x, {}, f);
@@ -31,22 +33,28 @@ void Model::internal_forces(const mesh::VertexField& x, mesh::VertexField& f) co
 void Model::add_bending_forces(const mesh::VertexField& x, const mesh::VertexField& v, std::span<const double> beta,
                                mesh::VertexField& damped, mesh::VertexField& f) const {
   if (!has_bending()) return;
-  if (is_uniform(beta)) {
+  if (is_uniform(beta) && angle_bending_ == nullptr) {
     damped = x + damping_of(beta, 0) * v;
     fem::add_bending_forces(bending_rows_, damped, f);
   } else {
-    fem::add_bending_forces(bending_rows_, x, f);
+    if (angle_bending_ == nullptr) fem::add_bending_forces(bending_rows_, x, f);
     add_bending_damping(bending_terms(), beta, v, f);
   }
+  if (angle_bending_ != nullptr) return angle_bending_->add_forces(x, f);
   add_clamp_forces(clamp_forces_, f);
   add_rest_bending_forces(rest_bending(), x, v, beta, f);
+}
+
+double Model::bending_energy(const mesh::VertexField& x) const {
+  if (angle_bending_ != nullptr) return angle_bending_->energy(x);
+  return fem::bending_energy(bending_rows_, x) + clamp_energy(clamp_forces_, x) +
+         rest_bending_energy(rest_bending(), x);
 }
 
 Energies Model::energies(const State& state, const Eigen::Vector3d& gravity) const {
   Energies energies;
   energies.membrane = membrane_energy(blocks_, materials_, state.x);
-  energies.bending = bending_energy(bending_rows_, state.x) + clamp_energy(clamp_forces_, state.x) +
-                     rest_bending_energy(rest_bending(), state.x);
+  energies.bending = bending_energy(state.x);
   for (int i = 0; i < num_vertices(); ++i) {
     const double m = mass_[static_cast<std::size_t>(i)];
     energies.gravity -= m * gravity.dot(state.x.col(i));

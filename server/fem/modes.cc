@@ -59,7 +59,7 @@ Matrix stiffness_matrix(const Model& model, const Loads& loads, const mesh::Vert
   tangent.rebuild(model);
   tangent.set_mass(model, 0.0);
   tangent.add_membrane(model, x, {}, {}, 1.0, false);
-  tangent.add_bending(model, {});
+  tangent.add_bending_at(model, x, {}, false);
   for (Grab spring : loads.grabs) {
     spring.damping = 0.0;
     tangent.add_grabs({&spring, 1}, 1.0);

@@ -39,7 +39,4 @@ enum class Diagonal {
 };
 std::unique_ptr<Preconditioner> make_diagonal_preconditioner(Diagonal diagonal);
 
-// A Cholesky factor in single precision of an earlier matrix, if there was one, in frames that turn with the sheet.
-std::unique_ptr<Preconditioner> make_factor_preconditioner();
-
 }  // namespace kerf::fem

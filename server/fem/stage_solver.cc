@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "server/base/check.h"
-#include "server/fem/bending_forces.h"
 #include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
 #include "server/fem/membrane.h"
@@ -318,10 +317,7 @@ double StageSolver::merit(const Problem& problem, const mesh::VertexField& x, co
   const Model& model = problem.model;
   const double d = stage.d;
   double potential = membrane_energy(model.element_blocks(), model.materials(), x);
-  if (model.has_bending()) {
-    potential += bending_energy(model.bending_rows(), x) + clamp_energy(model.clamp_forces(), x) +
-                 rest_bending_energy(model.rest_bending(), x);
-  }
+  if (model.has_bending()) potential += model.bending_energy(x);
   double kinetic = 0.0;
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const double m = model.mass()[static_cast<std::size_t>(i)];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 namespace kerf::fem {
 namespace {
@@ -26,8 +27,15 @@ PanelView<T> SupernodalCholesky<T>::view(Storage& storage, const std::vector<std
 
 template <typename T>
 void SupernodalCholesky<T>::analyse(const BlockMatrix& A) {
-  supernodes_.analyse(A);
-  const int size = supernodes_.size();
+  auto supernodes = std::make_shared<Supernodes>();
+  supernodes->analyse(A);
+  analyse(A, std::move(supernodes));
+}
+
+template <typename T>
+void SupernodalCholesky<T>::analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes) {
+  supernodes_ = std::move(supernodes);
+  const int size = supernodes_->size();
   panel_begin_.resize(index(size));
   update_begin_.resize(index(size));
   std::size_t panels = 0;
@@ -40,7 +48,7 @@ void SupernodalCholesky<T>::analyse(const BlockMatrix& A) {
   for (int s = 0; s < size; ++s) {
     panel_begin_[index(s)] = panels;
     panels += width(s) * stride_of(rows(s));
-    const std::span<const int> children = supernodes_.children(s);
+    const std::span<const int> children = supernodes_->children(s);
     if (!children.empty()) top = update_begin_[index(children.front())];
     update_begin_[index(s)] = top;
     const std::size_t below = rows(s) - width(s);
@@ -55,8 +63,12 @@ void SupernodalCholesky<T>::analyse(const BlockMatrix& A) {
     }
   }
   scratch_begin_ = highest;
-  panels_.assign(panels + 1, {});
-  updates_.assign(highest + widest + 1, {});
+  num_panels_ = panels + 1;
+  num_updates_ = highest + widest + 1;
+  panels_.clear();
+  panels_.reserve(num_panels_);
+  updates_.clear();
+  updates_.reserve(num_updates_);
   front_.assign(stride_of(longest) + 1, {});
   diagonal_.assign(3 * index(A.num_rows()), T{0});
   work_.assign(3 * index(A.num_rows()), T{0});
@@ -65,19 +77,19 @@ void SupernodalCholesky<T>::analyse(const BlockMatrix& A) {
 
 template <typename T>
 void SupernodalCholesky<T>::assemble(const BlockMatrix& A, std::span<const Eigen::Matrix3d> frames, int s) {
-  const std::span<const int> rows = supernodes_.rows(s);
+  const std::span<const int> rows = supernodes_->rows(s);
   for (std::size_t i = 0; i < rows.size(); ++i) place_[index(rows[i])] = static_cast<int>(i);
   const PanelView<T> to = panel(s);
-  for (int j = 0; j < supernodes_.width(s); ++j) {
-    const int new_column = supernodes_.first(s) + j;
-    const int column = supernodes_.old_from_new(new_column);
+  for (int j = 0; j < supernodes_->width(s); ++j) {
+    const int new_column = supernodes_->first(s) + j;
+    const int column = supernodes_->old_from_new(new_column);
     for (int at = A.row_begin(column); at < A.row_end(column); ++at) {
       const int row = A.column(at);
-      if (supernodes_.new_from_old(row) < new_column) continue;
+      if (supernodes_->new_from_old(row) < new_column) continue;
       // Block (row, column) of a symmetric matrix.
       Eigen::Matrix3d block = A.block(at).transpose();
       if (!frames.empty()) block = frames[index(row)].transpose() * block * frames[index(column)];
-      T* const entry = to.entries + 3 * index(place_[index(supernodes_.new_from_old(row))]) + 3 * index(j) * to.stride;
+      T* const entry = to.entries + 3 * index(place_[index(supernodes_->new_from_old(row))]) + 3 * index(j) * to.stride;
       for (std::size_t b = 0; b < 3; ++b) {
         for (std::size_t a = 0; a < 3; ++a) {
           entry[a + b * to.stride] = static_cast<T>(block(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)));
@@ -91,7 +103,7 @@ void SupernodalCholesky<T>::assemble(const BlockMatrix& A, std::span<const Eigen
 
 template <typename T>
 void SupernodalCholesky<T>::extend_add(int c, int s) {
-  const std::span<const int> places = supernodes_.rows_in_parent(c);
+  const std::span<const int> places = supernodes_->rows_in_parent(c);
   const std::size_t from_rows = 3 * places.size();
   const std::size_t from_stride = kBlockLanes * stride_of(from_rows);
   const T* from = updates_[update_begin_[index(c)]].lane.data();
@@ -118,16 +130,17 @@ void SupernodalCholesky<T>::extend_add(int c, int s) {
 template <typename T>
 bool SupernodalCholesky<T>::factorise(const BlockMatrix& A, std::span<const Eigen::Matrix3d> frames,
                                       PivotRule<T>& rule) {
-  std::fill(panels_.begin(), panels_.end(), Lanes16<T>{});
-  for (int s = 0; s < supernodes_.size(); ++s) {
+  panels_.assign(num_panels_, Lanes16<T>{});
+  updates_.resize(num_updates_);
+  for (int s = 0; s < supernodes_->size(); ++s) {
     assemble(A, frames, s);
     const PanelView<T> own = panel(s);
     const std::size_t below = own.rows - own.width;
     const std::size_t update_size = below * stride_of(below);
     const auto scratch = updates_.begin() + static_cast<std::ptrdiff_t>(scratch_begin_);
     std::fill(scratch, scratch + static_cast<std::ptrdiff_t>(update_size), Lanes16<T>{});
-    for (const int c : supernodes_.children(s)) extend_add(c, s);
-    if (!factor_panel(own, diagonal_.data() + 3 * index(supernodes_.first(s)), rule)) return false;
+    for (const int c : supernodes_->children(s)) extend_add(c, s);
+    if (!factor_panel(own, diagonal_.data() + 3 * index(supernodes_->first(s)), rule)) return false;
     if (below == 0) continue;
     subtract_outer_product(own, {scratch->lane.data(), kBlockLanes * stride_of(below), below, below});
     std::copy(scratch, scratch + static_cast<std::ptrdiff_t>(update_size),
@@ -138,10 +151,10 @@ bool SupernodalCholesky<T>::factorise(const BlockMatrix& A, std::span<const Eige
 
 template <typename T>
 void SupernodalCholesky<T>::solve(const mesh::VertexField& b, mesh::VertexField& x) {
-  const int n = supernodes_.num_vertices();
+  const int n = supernodes_->num_vertices();
   for (int i = 0; i < n; ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      work_[3 * index(i) + c] = static_cast<T>(b(static_cast<Eigen::Index>(c), supernodes_.old_from_new(i)));
+      work_[3 * index(i) + c] = static_cast<T>(b(static_cast<Eigen::Index>(c), supernodes_->old_from_new(i)));
     }
   }
   T* const w = front_.front().lane.data();
@@ -149,30 +162,30 @@ void SupernodalCholesky<T>::solve(const mesh::VertexField& b, mesh::VertexField&
     const PanelView<T> own = panel(s);
     return PanelView<const T>{own.entries, own.stride, own.rows, own.width};
   };
-  for (int s = 0; s < supernodes_.size(); ++s) {
+  for (int s = 0; s < supernodes_->size(); ++s) {
     const PanelView<const T> own = front_of(s);
-    T* const columns = work_.data() + 3 * index(supernodes_.first(s));
+    T* const columns = work_.data() + 3 * index(supernodes_->first(s));
     std::copy(columns, columns + own.width, w);
     std::fill(w + own.width, w + own.rows, T{0});
     substitute_forward(own, w);
     std::copy(w, w + own.width, columns);
-    const std::span<const int> vertices = supernodes_.rows(s);
+    const std::span<const int> vertices = supernodes_->rows(s);
     for (std::size_t i = own.width / 3; i < vertices.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) work_[3 * index(vertices[i]) + c] += w[3 * i + c];
     }
   }
-  for (int s = supernodes_.size(); s-- > 0;) {
+  for (int s = supernodes_->size(); s-- > 0;) {
     const PanelView<const T> own = front_of(s);
-    const std::span<const int> vertices = supernodes_.rows(s);
+    const std::span<const int> vertices = supernodes_->rows(s);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) w[3 * i + c] = work_[3 * index(vertices[i]) + c];
     }
     substitute_backward(own, w);
-    std::copy(w, w + own.width, work_.data() + 3 * index(supernodes_.first(s)));
+    std::copy(w, w + own.width, work_.data() + 3 * index(supernodes_->first(s)));
   }
   for (int i = 0; i < n; ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      x(static_cast<Eigen::Index>(c), supernodes_.old_from_new(i)) = static_cast<double>(work_[3 * index(i) + c]);
+      x(static_cast<Eigen::Index>(c), supernodes_->old_from_new(i)) = static_cast<double>(work_[3 * index(i) + c]);
     }
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -20,8 +21,11 @@ namespace kerf::fem {
 template <typename T>
 class SupernodalCholesky {
  public:
-  // Takes the sparsity pattern; allocates all that the others need.
+  // Takes the sparsity pattern; allocates all that the others need. Memory is not touched before the first factor.
   void analyse(const BlockMatrix& A);
+  // The same with what another one, of whatever precision, has found of the same pattern.
+  void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
+  [[nodiscard]] const std::shared_ptr<const Supernodes>& supernodes() const { return supernodes_; }
   // Of Q^T A Q, Q having the 3x3 blocks of `frames` on its diagonal, or A itself where it is empty. A has the pattern
   // that was analysed. False: A was found not positive definite, or, where `rule` replaces small pivots, not finite; no
   // factor is left.
@@ -37,18 +41,19 @@ class SupernodalCholesky {
   using Storage = std::vector<Lanes16<T>>;
 
   [[nodiscard]] PanelView<T> panel(int s) { return view(panels_, panel_begin_, s, width(s)); }
-  [[nodiscard]] std::size_t width(int s) const { return 3 * static_cast<std::size_t>(supernodes_.width(s)); }
-  [[nodiscard]] std::size_t rows(int s) const { return 3 * supernodes_.rows(s).size(); }
+  [[nodiscard]] std::size_t width(int s) const { return 3 * static_cast<std::size_t>(supernodes_->width(s)); }
+  [[nodiscard]] std::size_t rows(int s) const { return 3 * supernodes_->rows(s).size(); }
   PanelView<T> view(Storage& storage, const std::vector<std::size_t>& begin, int s, std::size_t width);
 
   void assemble(const BlockMatrix& A, std::span<const Eigen::Matrix3d> frames, int s);
   // Adds what child c hands up to the front of s.
   void extend_add(int c, int s);
 
-  Supernodes supernodes_;
-  std::vector<std::size_t> panel_begin_;   // of each supernode in panels_, in units of Lanes16
-  std::vector<std::size_t> update_begin_;  // of what it hands up, in updates_: a stack
-  std::size_t scratch_begin_ = 0;          // behind the stack, where updates are made
+  std::shared_ptr<const Supernodes> supernodes_;
+  std::vector<std::size_t> panel_begin_;          // of each supernode in panels_, in units of Lanes16
+  std::vector<std::size_t> update_begin_;         // of what it hands up, in updates_: a stack
+  std::size_t scratch_begin_ = 0;                 // behind the stack, where updates are made
+  std::size_t num_panels_ = 0, num_updates_ = 0;  // Lanes16 of panels_, updates_
   Storage panels_, updates_;
   std::vector<T> diagonal_;  // 3 N, of the matrix, in the order of elimination
   std::vector<T> work_;      // 3 N, a right-hand side in that order

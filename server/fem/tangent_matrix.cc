@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "server/fem/angle_bending.h"
 #include "server/fem/bending_forces.h"
 #include "server/fem/membrane_tangent.h"
 
@@ -109,6 +110,12 @@ void TangentMatrix::add_bending(const Model& model, const MaterialScale& materia
     }
   }
   if (!is_same) add_bending_damping(model, material_scale);
+}
+
+void TangentMatrix::add_bending_at(const Model& model, const mesh::VertexField& x, std::span<const double> moments,
+                                   bool project) {
+  if (model.angle_bending() == nullptr) return add_bending(model, {});
+  model.angle_bending()->add_stiffness(x, moments, project, matrix_);
 }
 
 void TangentMatrix::add_bending_damping(const Model& model, const MaterialScale& scale) {

@@ -40,6 +40,9 @@ class TangentMatrix {
   void add_membrane(const Model& model, const mesh::VertexField& x, std::span<const Eigen::Vector3d> stress,
                     const MaterialScale& material_scale, double geometric_scale, bool project);
   void add_bending(const Model& model, const MaterialScale& scale);
+  // The stiffness of the model's bending at x (3 x V, m), of angles where that is what it has; for `moments` and
+  // `project` see AngleBending::add_stiffness.
+  void add_bending_at(const Model& model, const mesh::VertexField& x, std::span<const double> moments, bool project);
   // Of springs and dampers, d^2 stiffness + d damping.
   void add_grabs(std::span<const Grab> grabs, double d);
 

@@ -14,9 +14,13 @@ double limited(double rate, double duration_per_mass) {
 
 }  // namespace
 
+bool has_wind_drag(const Wind& wind) {
+  return wind.air_density > 0.0 && !(wind.normal_drag == 0.0 && wind.tangential_drag == 0.0);
+}
+
 void add_wind_drag(std::span<const ElementBlock> blocks, const MaterialTable& materials, const Wind& wind,
                    double duration, const State& state, mesh::VertexField& f) {
-  if (wind.air_density <= 0.0) return;
+  if (!has_wind_drag(wind)) return;
   const double normal_factor = 0.5 * wind.air_density * wind.normal_drag;
   const double tangential_factor = 0.5 * wind.air_density * wind.tangential_drag;
   for (const ElementBlock& block : blocks) {

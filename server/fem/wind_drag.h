@@ -12,6 +12,9 @@
 
 namespace kerf::fem {
 
+// Whether the air does anything.
+[[nodiscard]] bool has_wind_drag(const Wind& wind);
+
 // f (3 x V, N) += air drag at x (3 x V, m) and v (3 x V, m/s); see Wind. `materials` have the mass per area at rest.
 // The force acts over a kick of `duration` (s). Where the drag rate r of a triangle is so high that the kick would
 // carry it past the velocity of the air, it is divided by sqrt(1 + (r duration)^2). Slots in order.

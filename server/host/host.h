@@ -59,6 +59,7 @@ struct SheetStatus {
   std::string integrator;                            // which one runs and why
   std::int32_t linear_iterations = 0;                // of the last tick, see fem::StepStats
   double linear_residual = 0.0;                      // -, likewise
+  fem::FlagCounts flagged_ticks{};                   // since the sheet was made, resets included
 };
 
 struct CommandTimings {

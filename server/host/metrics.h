@@ -43,8 +43,7 @@ struct HostMetrics {
   std::int64_t commands_refused = 0;  // by a full queue, by validation or by the sheet
   std::int64_t overruns = 0;          // ticks that ended after their deadline
   std::int64_t sleeps = 0;            // times a sheet fell asleep
-  // Ticks that reported the flag of that bit, see fem::StepFlags and fem::kStepFlagNames.
-  std::array<std::int64_t, fem::kStepFlagNames.size()> flagged_ticks{};
+  fem::FlagCounts flagged_ticks{};
   double slipped_s = 0.0;              // s, simulated time given up
   double tick_cpu_s = 0.0;             // s, thread CPU time of all ticks
   std::int64_t linear_iterations = 0;  // of implicit integrators

@@ -230,6 +230,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.integrator = sheet_.integrator_description();
   status.linear_iterations = last_step_.linear_iterations;
   status.linear_residual = last_step_.linear_residual;
+  status.flagged_ticks = flagged_ticks_;
   return status;
 }
 

@@ -121,7 +121,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::mutex queue_mutex_;
   std::vector<Pending> queue_;  // guarded by queue_mutex_
 
-  fem::StepStats last_step_;  // of the last tick
+  fem::StepStats last_step_;         // of the last tick
+  fem::FlagCounts flagged_ticks_{};  // of all
 
   mutable std::mutex status_mutex_;
   std::shared_ptr<const SheetStatus> last_status_;  // guarded by status_mutex_

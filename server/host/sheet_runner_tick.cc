@@ -48,6 +48,7 @@ bool SheetRunner::run_once(bool advance) {
     pace_.add_cpu(cpu);
   }
   if (report.advanced) last_step_ = report.stats;
+  fem::count_flags(report.stats.flags, flagged_ticks_);
   note_status();
   publish();
   count(report, results, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
@@ -138,8 +139,7 @@ void SheetRunner::count(const sheet::TickReport& report, const std::vector<Resul
       m.tick_duration.add(seconds(wall));
     }
     if (report.step_failed) ++m.failed_ticks;
-    for (std::size_t bit = 0; bit < m.flagged_ticks.size(); ++bit)
-      m.flagged_ticks[bit] += report.stats.flags >> bit & 1U;
+    fem::count_flags(report.stats.flags, m.flagged_ticks);
     if (report.advanced && report.stats.newton_iterations > 0) {
       m.linear_iterations += report.stats.linear_iterations;
       m.linear_residual.add(report.stats.linear_residual);

@@ -69,6 +69,19 @@ Status validate_place(const Probe& probe, const std::string& path) {
   return Nothing{};
 }
 
+// Choices that only some quantities have.
+Status validate_field(const Probe& probe, const std::string& path) {
+  if (probe.recovery != fem::Recovery::kMean && !is_in_plane(probe.quantity)) {
+    return invalid_argument("RECOVERY_UNUSED", path + ".recovery is of STRAIN and STRESS; leave it out",
+                            path + ".recovery");
+  }
+  if (probe.measure != StressMeasure::kBiot && probe.quantity != Quantity::kStress) {
+    return invalid_argument("STRESS_MEASURE_UNUSED", path + ".stress_measure is of STRESS; leave it out",
+                            path + ".stress_measure");
+  }
+  return Nothing{};
+}
+
 Status validate(const Probe& probe, const std::string& path) {
   if (!is_valid_name(probe.name)) {
     return invalid_argument("PROBE_NAME", path + ".name must match [a-z][a-z0-9_]{0,62}", path + ".name");
@@ -84,17 +97,27 @@ Status validate(const Probe& probe, const std::string& path) {
   if (probe.side) {
     if (Status s = check_vector(*probe.side, kMaxMaterialCoordinate, path + ".side"); !s) return s;
   }
+  if (Status s = validate_field(probe, path); !s) return s;
   return validate_place(probe, path);
+}
+
+Status validate(const DynamicAnalysis& analysis) {
+  if (Status s = check_integer(analysis.ticks, 0, kMaxAnalyzedTicks, "analysis.dynamic.ticks"); !s) return s;
+  return check_integer(analysis.measure_every, 1, kMaxMeasureEvery, "analysis.dynamic.measure_every");
 }
 
 }  // namespace
 
+bool is_in_plane(Quantity quantity) {
+  return quantity == Quantity::kStrain || quantity == Quantity::kStress;
+}
+
 Status validate(const Analysis& analysis) {
+  if (const auto* in_time = std::get_if<DynamicAnalysis>(&analysis)) return validate(*in_time);
   if (const auto* of_loads = std::get_if<StaticAnalysis>(&analysis)) return validate(*of_loads, "analysis.static");
-  const auto* modes = std::get_if<ModalAnalysis>(&analysis);
-  if (modes == nullptr) return Nothing{};
-  if (Status s = check_integer(modes->count, 1, kMaxModes, "analysis.modes.count"); !s) return s;
-  return modes->about ? validate(*modes->about, "analysis.modes.about") : Nothing{};
+  const auto& modes = std::get<ModalAnalysis>(analysis);
+  if (Status s = check_integer(modes.count, 1, kMaxModes, "analysis.modes.count"); !s) return s;
+  return modes.about ? validate(*modes.about, "analysis.modes.about") : Nothing{};
 }
 
 Status validate(const std::vector<Probe>& probes) {

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
+#include "server/fem/recovered_fields.h"
 #include "server/sheet/region.h"
 
 // What is done with a scene and what is measured: kerf.v1.Analysis and Probe without Protocol Buffers. No effect on a
@@ -23,9 +24,14 @@ inline constexpr double kMinResidual = 1.0e-13;
 inline constexpr double kMaxResidual = 0.1;
 inline constexpr std::int32_t kMaxStaticIterations = 100'000;
 inline constexpr std::int32_t kMaxModes = 200;
+inline constexpr std::int64_t kMaxAnalyzedTicks = 100'000;
+inline constexpr std::int32_t kMaxMeasureEvery = 10'000'000;
 
-// SheetConfig::ticks steps in time.
-struct DynamicAnalysis {};
+// Steps in time.
+struct DynamicAnalysis {
+  std::int64_t ticks = 0;          // 0..kMaxAnalyzedTicks; of a scene 0: SheetConfig::ticks
+  std::int32_t measure_every = 1;  // ticks, 1..kMaxMeasureEvery; the start and the end are measured anyway
+};
 
 // Equilibria under a load that grows from 0 to 1.
 struct StaticAnalysis {
@@ -49,7 +55,7 @@ enum class Quantity {
   kVelocity,         // m/s, x y z
   kReaction,         // N, x y z
   kStrain,           // -, xx yy xy in material coordinates, co-rotational; xy: half the shear angle
-  kStress,           // Pa, xx yy xy: its conjugate
+  kStress,           // Pa, xx yy xy: of Probe::measure
   kEnergy,           // J, kinetic, membrane, bending, gravity, total
   kMomentum,         // kg m/s, x y z
   kAngularMomentum,  // kg m^2/s, x y z about the centre of mass
@@ -60,6 +66,12 @@ enum class Quantity {
 
 enum class Reduce { kEach, kMean, kSum, kMin, kMax };
 
+// Of stress; see fem::MembraneField.
+enum class StressMeasure {
+  kBiot,    // force by undeformed area
+  kCauchy,  // force by area as it is
+};
+
 // What is measured after each tick, or at each load. See kerf.v1.Probe.
 struct Probe {
   std::string name;  // [a-z][a-z0-9_]{0,62}, unique
@@ -67,8 +79,13 @@ struct Probe {
   std::vector<Eigen::Vector2d> points;  // m, material; at most kMaxProbePoints
   std::optional<Region> region;
   Reduce reduce = Reduce::kEach;
-  std::optional<Eigen::Vector2d> side;  // m, material: of a cut, the side of this point
+  std::optional<Eigen::Vector2d> side;            // m, material: of a cut, the side of this point
+  fem::Recovery recovery = fem::Recovery::kMean;  // of strain and stress; kMean where a place is no vertex: triangles
+  StressMeasure measure = StressMeasure::kBiot;   // of stress
 };
+
+// Strain or stress: constant in each triangle.
+[[nodiscard]] bool is_in_plane(Quantity quantity);
 
 // Fields are named as in kerf.v1.Scene ("analysis.static.loads[2]", "probes[1].points[0].x").
 Status validate(const Analysis& analysis);

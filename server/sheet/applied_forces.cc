@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -25,6 +26,18 @@ std::vector<VertexId> vertices_of(const mesh::TriangleMesh& mesh, Region region)
     std::erase_if(*listed, [&](VertexId v) { return v >= mesh.num_vertices() || !mesh.has_material(v); });
   }
   return find_vertices(mesh, region, "").value();
+}
+
+// -, unit, world: of the sheet as it starts, in its plane, away from the material.
+Eigen::Vector3d outward_normal(const mesh::TriangleMesh& mesh, const BorderEdge& edge, const BuiltMesh& initial) {
+  const std::array<VertexId, 3>& corner = mesh.vertices(edge.slot);
+  const Eigen::Vector2d centroid =
+      (mesh.rest_position(corner[0]) + mesh.rest_position(corner[1]) + mesh.rest_position(corner[2])) / 3.0;
+  const Eigen::Vector2d along = mesh.rest_position(edge.ends[1]) - mesh.rest_position(edge.ends[0]);
+  const Eigen::Matrix<double, 3, 2> gradient = initial.gradient_at(initial.at(centroid));
+  const Eigen::Vector3d tangent = (gradient * along).normalized();
+  const Eigen::Vector3d right = gradient * Eigen::Vector2d(along.y(), -along.x());
+  return (right - right.dot(tangent) * tangent).normalized();
 }
 
 struct Place {
@@ -56,16 +69,10 @@ Status check_point(const PointForce& point, const mesh::TriangleMesh& mesh, cons
   return invalid_argument("POINT_OUTSIDE", field + " is not a point of the sheet", field);
 }
 
-// Whether lips may come to a region that has no border yet.
-bool schedules_cuts(const SheetConfig& config) {
-  return std::any_of(config.commands.begin(), config.commands.end(), [](const ScheduledCommand& scheduled) {
-    return std::holds_alternative<Cut>(scheduled.command) || std::holds_alternative<CutBatch>(scheduled.command);
-  });
-}
-
 }  // namespace
 
-Result<AppliedForces> AppliedForces::create(std::shared_ptr<const SheetConfig> config, const mesh::TriangleMesh& mesh) {
+Result<AppliedForces> AppliedForces::create(std::shared_ptr<const SheetConfig> config, const BuiltMesh& initial) {
+  const mesh::TriangleMesh& mesh = initial.mesh;
   AppliedForces forces(std::move(config));
   const std::vector<Load>& loads = forces.config_->loads;
   forces.shares_.resize(loads.size());
@@ -88,7 +95,7 @@ Result<AppliedForces> AppliedForces::create(std::shared_ptr<const SheetConfig> c
                                              : " has no triangle of the sheet, all corners of which are in it";
     return invalid_argument("NOTHING_LOADED", field + what, field);
   }
-  forces.follow(mesh);
+  forces.follow(mesh, initial);
   return forces;
 }
 
@@ -100,17 +107,18 @@ double AppliedForces::last_change() const {
   return last;
 }
 
-void AppliedForces::follow(const mesh::TriangleMesh& mesh) {
+void AppliedForces::follow(const mesh::TriangleMesh& mesh, const BuiltMesh& initial) {
   for (std::size_t i = 0; i < shares_.size(); ++i) {
     Shares& shares = shares_[i];
     shares.forces.clear();
     shares.pressed.clear();
     shares.moments.clear();
-    std::visit([&](const auto& load) { follow(load, mesh, shares); }, config_->loads[i].kind);
+    std::visit([&](const auto& load) { follow(load, mesh, initial, shares); }, config_->loads[i].kind);
   }
 }
 
-void AppliedForces::follow(const PointForce& load, const mesh::TriangleMesh& mesh, Shares& shares) {
+void AppliedForces::follow(const PointForce& load, const mesh::TriangleMesh& mesh, const BuiltMesh& /*initial*/,
+                           Shares& shares) {
   const auto* vertex = std::get_if<VertexId>(&load.point);
   if (vertex != nullptr && *vertex < mesh.num_vertices() && mesh.has_material(*vertex)) {
     shares.forces.push_back({*vertex, load.force});
@@ -123,15 +131,27 @@ void AppliedForces::follow(const PointForce& load, const mesh::TriangleMesh& mes
   }
 }
 
-void AppliedForces::follow(const EdgeForce& load, const mesh::TriangleMesh& mesh, Shares& shares) {
+void AppliedForces::follow(const EdgeForce& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial,
+                           Shares& shares) {
   const std::vector<BorderEdge> edges = edges_in(mesh, vertices_of(mesh, load.region));
-  const double unit = load.is_total ? total_length(edges) : 1.0;
+  const double unit = load.is_total && !load.normal ? total_length(edges) : 1.0;
   for (const BorderEdge& edge : edges) {
-    for (const VertexId v : edge.ends) shares.forces.push_back({v, 0.5 * edge.length / unit * load.force});
+    Eigen::Vector3d force = load.force;
+    if (load.normal) force = *load.normal * outward_normal(mesh, edge, initial);
+    for (std::size_t k = 0; k < 2; ++k) {
+      double integral = 0.5 * edge.length;  // m, of factor and linear shape function
+      if (load.factor) {
+        const double here = load.factor->at(mesh.rest_position(edge.ends[k]));
+        const double there = load.factor->at(mesh.rest_position(edge.ends[1 - k]));
+        integral = (2.0 * here + there) / 6.0 * edge.length;
+      }
+      shares.forces.push_back({edge.ends[k], integral / unit * force});
+    }
   }
 }
 
-void AppliedForces::follow(const AreaForce& load, const mesh::TriangleMesh& mesh, Shares& shares) {
+void AppliedForces::follow(const AreaForce& load, const mesh::TriangleMesh& mesh, const BuiltMesh& /*initial*/,
+                           Shares& shares) {
   const std::vector<mesh::TriangleId> triangles = triangles_in(mesh, vertices_of(mesh, load.region));
   double unit = load.is_total ? 0.0 : 1.0;
   for (const mesh::TriangleId t : triangles) unit += load.is_total ? rest_area(mesh, t) : 0.0;
@@ -141,11 +161,13 @@ void AppliedForces::follow(const AreaForce& load, const mesh::TriangleMesh& mesh
   }
 }
 
-void AppliedForces::follow(const Pressure& load, const mesh::TriangleMesh& mesh, Shares& shares) {
+void AppliedForces::follow(const Pressure& load, const mesh::TriangleMesh& mesh, const BuiltMesh& /*initial*/,
+                           Shares& shares) {
   shares.pressed = triangles_in(mesh, vertices_of(mesh, load.region));
 }
 
-void AppliedForces::follow(const EdgeMoment& load, const mesh::TriangleMesh& mesh, Shares& shares) {
+void AppliedForces::follow(const EdgeMoment& load, const mesh::TriangleMesh& mesh, const BuiltMesh& /*initial*/,
+                           Shares& shares) {
   const std::vector<BorderEdge> edges = edges_in(mesh, vertices_of(mesh, load.region));
   const double unit = load.is_total ? total_length(edges) : 1.0;
   for (const BorderEdge& edge : edges) shares.moments.push_back({edge.slot, edge.edge, load.moment / unit});
@@ -157,6 +179,7 @@ void AppliedForces::set(const Instant& now, const mesh::TriangleMesh& mesh, cons
   loads.external_forces.setZero();
   loads.pressure.clear();
   loads.edge_moments.clear();
+  std::map<std::pair<mesh::TriangleId, int>, double> moments;  // by slot and edge: of all loads, as the edge gives way
   for (std::size_t i = 0; i < shares_.size(); ++i) {
     const double factor = config_->loads[i].history.at(now.time, now.absent);
     for (const Share& share : shares_[i].forces) loads.external_forces.col(share.vertex) += factor * share.force;
@@ -166,9 +189,10 @@ void AppliedForces::set(const Instant& now, const mesh::TriangleMesh& mesh, cons
         loads.pressure[static_cast<std::size_t>(t)] += factor * pressure->pressure;
       }
     }
-    for (const EdgeShare& share : shares_[i].moments) {
-      loads.edge_moments.push_back(model.edge_moment(mesh, share.slot, share.edge, factor * share.moment));
-    }
+    for (const EdgeShare& share : shares_[i].moments) moments[{share.slot, share.edge}] += factor * share.moment;
+  }
+  for (const auto& [edge, moment] : moments) {
+    loads.edge_moments.push_back(model.edge_moment(mesh, edge.first, edge.second, moment));
   }
 }
 

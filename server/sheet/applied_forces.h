@@ -10,6 +10,7 @@
 #include "server/fem/model.h"
 #include "server/mesh/triangle_mesh.h"
 #include "server/sheet/held_vertices.h"
+#include "server/sheet/mesh_source.h"
 #include "server/sheet/sheet_config.h"
 
 namespace kerf::sheet {
@@ -19,7 +20,7 @@ class AppliedForces {
  public:
   // Errors: kInvalidArgument UNKNOWN_VERTEX, POINT_OUTSIDE; NOTHING_LOADED: a region has no border edge, and no cut
   // that may bring one is scheduled, or it has no triangle.
-  static Result<AppliedForces> create(std::shared_ptr<const SheetConfig> config, const mesh::TriangleMesh& mesh);
+  static Result<AppliedForces> create(std::shared_ptr<const SheetConfig> config, const BuiltMesh& initial);
 
   [[nodiscard]] bool empty() const { return shares_.empty(); }
   // Whether anything changes with time, and the time after which nothing does; -infinity: none.
@@ -28,7 +29,7 @@ class AppliedForces {
 
   // After cuts, or after some were taken back: regions and points are looked up again. What has no place any more acts
   // no more; a force on a vertex that goes acts where that was.
-  void follow(const mesh::TriangleMesh& mesh);
+  void follow(const mesh::TriangleMesh& mesh, const BuiltMesh& initial);
 
   // Overwrites the external forces, pressure and edge moments of `loads`. `model`: of the mesh, with the clamps in
   // force.
@@ -55,11 +56,11 @@ class AppliedForces {
   explicit AppliedForces(std::shared_ptr<const SheetConfig> config) : config_(std::move(config)) {}
 
   std::shared_ptr<const SheetConfig> config_;
-  static void follow(const PointForce& load, const mesh::TriangleMesh& mesh, Shares& shares);
-  static void follow(const EdgeForce& load, const mesh::TriangleMesh& mesh, Shares& shares);
-  static void follow(const AreaForce& load, const mesh::TriangleMesh& mesh, Shares& shares);
-  static void follow(const Pressure& load, const mesh::TriangleMesh& mesh, Shares& shares);
-  static void follow(const EdgeMoment& load, const mesh::TriangleMesh& mesh, Shares& shares);
+  static void follow(const PointForce& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial, Shares& shares);
+  static void follow(const EdgeForce& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial, Shares& shares);
+  static void follow(const AreaForce& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial, Shares& shares);
+  static void follow(const Pressure& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial, Shares& shares);
+  static void follow(const EdgeMoment& load, const mesh::TriangleMesh& mesh, const BuiltMesh& initial, Shares& shares);
 
   std::vector<Shares> shares_;  // of each load
 };

@@ -59,6 +59,15 @@ Status validate(const Constraint& constraint, const std::string& path) {
   return invalid_argument("SLOPE_ALONE", path + ".slope can be held where all of x, y and z are", path + ".slope");
 }
 
+Status validate_factor(const LinearFactor& factor, const std::string& path) {
+  if (Status s = check_vector(factor.zero, kMaxMaterialCoordinate, path + ".zero"); !s) return s;
+  if (Status s = check_number(factor.slope.x(), -kMaxFactorSlope, kMaxFactorSlope, path + ".by_x"); !s) return s;
+  if (Status s = check_number(factor.slope.y(), -kMaxFactorSlope, kMaxFactorSlope, path + ".by_y"); !s) return s;
+  if (!factor.slope.isZero(0.0)) return Nothing{};
+  return invalid_argument("FACTOR_ZERO", path + " is 0 everywhere; give by_x or by_y, or leave the factor out",
+                          path + ".by_x");
+}
+
 struct ValidateLoad {
   const std::string& path;
 
@@ -74,6 +83,10 @@ struct ValidateLoad {
   }
   Status operator()(const EdgeForce& edge) const {
     if (Status s = validate(edge.region, path + ".edge.region"); !s) return s;
+    if (edge.factor) {
+      if (Status s = validate_factor(*edge.factor, path + ".edge.factor"); !s) return s;
+    }
+    if (edge.normal) return check_number(*edge.normal, -kMaxForce, kMaxForce, path + ".edge.normal_npm");
     return check_vector(edge.force, kMaxForce, path + (edge.is_total ? ".edge.force_n" : ".edge.force_npm"));
   }
   Status operator()(const AreaForce& area) const {

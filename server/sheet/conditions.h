@@ -22,6 +22,7 @@ inline constexpr double kMaxHistoryTime = 1.0e7;    // s, or load
 inline constexpr double kMaxHistoryFactor = 1.0e6;  // -
 inline constexpr double kMaxAngle = 1.0e4;          // rad
 inline constexpr double kMaxForce = 1.0e12;         // N, N/m or Pa, a component
+inline constexpr double kMaxFactorSlope = 1.0e6;    // 1/m
 inline constexpr double kMaxSpeed = 1.0e6;          // m/s, rad/s
 
 // The unit of time of what follows: seconds since the sheet was made; in a static analysis the load, which grows from 0
@@ -61,11 +62,21 @@ struct PointForce {
   Eigen::Vector3d force{0.0, 0.0, 0.0};                 // N
 };
 
-// Evenly along undeformed border edges, lips among them, both ends of which are in the region.
+// Of what is carried at material point X: slope . (X - zero).
+struct LinearFactor {
+  Eigen::Vector2d zero{0.0, 0.0};   // m
+  Eigen::Vector2d slope{0.0, 0.0};  // 1/m, not zero; |.| <= kMaxFactorSlope each
+
+  [[nodiscard]] double at(const Eigen::Vector2d& material) const { return slope.dot(material - zero); }
+};
+
+// Along undeformed border edges, lips among them, both ends of which are in the region; evenly without a factor.
 struct EdgeForce {
   Region region;
-  Eigen::Vector3d force{0.0, 0.0, 0.0};  // N in all, or N/m
+  Eigen::Vector3d force{0.0, 0.0, 0.0};  // N in all where the factor is 1, or N/m
   bool is_total = true;
+  std::optional<double> normal = {};  // N/m, in place of the force: along the outward normal as placed
+  std::optional<LinearFactor> factor = {};
 };
 
 // Evenly over undeformed triangles all corners of which are in the region.

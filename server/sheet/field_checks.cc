@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <sstream>
+#include <string_view>
 
 namespace kerf::sheet {
 
@@ -13,6 +14,15 @@ std::string text(double value) {
   std::ostringstream out;
   out << value;
   return out.str();
+}
+
+// Errors of a curve call it that of a cut.
+Error renamed(Error error, const std::string& field) {
+  constexpr std::string_view kCurve = "cut.curve";
+  for (std::string* text : {&error.field, &error.message}) {
+    if (const std::size_t at = text->find(kCurve); at != std::string::npos) text->replace(at, kCurve.size(), field);
+  }
+  return error;
 }
 
 }  // namespace
@@ -58,6 +68,11 @@ Status check_length(const Eigen::Vector3d& value, double limit, const std::strin
   if (value.norm() <= limit) return Nothing{};
   return invalid_argument("OUT_OF_RANGE", field + " has length " + text(value.norm()) + "; the limit is " + text(limit),
                           field);
+}
+
+Status check_curve(const cut::Curve& curve, const std::string& field) {
+  if (const Status valid = cut::validate(curve); !valid) return renamed(valid.error(), field);
+  return Nothing{};
 }
 
 Status check_vertex_id(mesh::VertexId vertex, const std::string& field) {

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
+#include "server/cut/curve.h"
 #include "server/mesh/ids.h"
 
 // Checks of single request fields. All errors are kInvalidArgument, reason NOT_FINITE, OUT_OF_RANGE or as named, with
@@ -21,6 +22,8 @@ Status check_vector(const Eigen::Vector3d& value, double limit, const std::strin
 Status check_vector(const Eigen::Vector2d& value, double limit, const std::string& field);
 // The same with a limit on the length, too.
 Status check_length(const Eigen::Vector3d& value, double limit, const std::string& field);
+// Those of cut::validate(), whose errors it has.
+Status check_curve(const cut::Curve& curve, const std::string& field);
 // Of a vertex: not negative; whether it exists is the sheet's to say. kInvalidArgument UNKNOWN_VERTEX.
 Status check_vertex_id(mesh::VertexId vertex, const std::string& field);
 

@@ -21,18 +21,6 @@ bool is_over(const Constraint& constraint, const Instant& now) {
   return constraint.until && now.time >= *constraint.until;
 }
 
-// -, of where the sheet starts by material coordinates, in the triangle that the point is in.
-Eigen::Matrix<double, 3, 2> gradient_at(const BuiltMesh& initial, const MaterialPoint& point) {
-  const std::array<VertexId, 3>& corner = point.vertices;
-  Eigen::Matrix2d rest;
-  rest << initial.mesh.rest_position(corner[1]) - initial.mesh.rest_position(corner[0]),
-      initial.mesh.rest_position(corner[2]) - initial.mesh.rest_position(corner[0]);
-  Eigen::Matrix<double, 3, 2> edges;
-  edges << initial.positions.col(corner[1]) - initial.positions.col(corner[0]),
-      initial.positions.col(corner[2]) - initial.positions.col(corner[0]);
-  return edges * rest.inverse();
-}
-
 // In the plane x[component] = const that all vertices start in.
 int find_plane(const mesh::TriangleMesh& mesh, const Eigen::Matrix3Xd& x) {
   const double slack = kRegionTolerance * mesh.bounding_box().sizes().maxCoeff();
@@ -45,10 +33,9 @@ int find_plane(const mesh::TriangleMesh& mesh, const Eigen::Matrix3Xd& x) {
 }  // namespace
 
 void HeldVertices::place(const Constraint& constraint, const BuiltMesh& initial, Start& start) {
-  const std::optional<MaterialPoint> found = find_material_point(initial.mesh, start.material);
-  const MaterialPoint point = found ? *found : nearest_material_point(initial.mesh, start.material);
+  const MaterialPoint point = initial.at(start.material);
   start.x = point.of(initial.positions);
-  if (constraint.slope) start.gradient = gradient_at(initial, point);
+  if (constraint.slope) start.gradient = initial.gradient_at(point);
 }
 
 Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> config, const BuiltMesh& initial) {
@@ -58,6 +45,8 @@ Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> con
     const std::string field = "constraints[" + std::to_string(c) + "].region";
     const Result<std::vector<VertexId>> found = find_vertices(initial.mesh, constraint.region, field);
     if (!found) return found.error();
+    const bool is_listed = std::holds_alternative<std::vector<VertexId>>(constraint.region);
+    if (found->empty() && (is_listed || !schedules_cuts(*held.config_))) return no_vertex_in(field);
     Group group(found->size());
     for (std::size_t i = 0; i < group.size(); ++i) {
       group[i].vertex = (*found)[i];

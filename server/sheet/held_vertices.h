@@ -29,7 +29,8 @@ struct Instant {
 // The vertices that a sheet's constraints hold, and where; follows its cuts. Without constraints it does nothing.
 class HeldVertices {
  public:
-  // Errors: kInvalidArgument UNKNOWN_VERTEX; NOT_PLANAR.
+  // Errors: kInvalidArgument UNKNOWN_VERTEX; REGION_EMPTY: a region names no vertex, and no cut that may bring
+  // some is scheduled; NOT_PLANAR.
   static Result<HeldVertices> create(std::shared_ptr<const SheetConfig> config, const BuiltMesh& initial);
 
   [[nodiscard]] bool empty() const { return groups_.empty() && !plane_; }

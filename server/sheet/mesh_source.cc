@@ -83,6 +83,21 @@ Result<BuiltMesh> build(const OutlineSource& outline, const Placement& placement
 
 }  // namespace
 
+MaterialPoint BuiltMesh::at(const Eigen::Vector2d& material) const {
+  const std::optional<MaterialPoint> found = find_material_point(mesh, material);
+  return found ? *found : nearest_material_point(mesh, material);
+}
+
+Eigen::Matrix<double, 3, 2> BuiltMesh::gradient_at(const MaterialPoint& point) const {
+  const std::array<mesh::VertexId, 3>& corner = point.vertices;
+  Eigen::Matrix2d rest;
+  rest << mesh.rest_position(corner[1]) - mesh.rest_position(corner[0]),
+      mesh.rest_position(corner[2]) - mesh.rest_position(corner[0]);
+  Eigen::Matrix<double, 3, 2> edges;
+  edges << positions.col(corner[1]) - positions.col(corner[0]), positions.col(corner[2]) - positions.col(corner[0]);
+  return edges * rest.inverse();
+}
+
 Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement, std::int32_t max_vertices) {
   Result<BuiltMesh> built = std::visit([&](const auto& s) { return build(s, placement, max_vertices); }, source);
   if (built) {

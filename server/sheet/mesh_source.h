@@ -6,6 +6,7 @@
 
 #include "server/base/result.h"
 #include "server/mesh/triangle_mesh.h"
+#include "server/sheet/material_point.h"
 #include "server/sheet/sheet_config.h"
 
 namespace kerf::sheet {
@@ -14,6 +15,11 @@ namespace kerf::sheet {
 struct BuiltMesh {
   mesh::TriangleMesh mesh;
   Eigen::Matrix3Xd positions;  // 3 x V, m
+
+  // Where a material point (m) lies on the mesh, or what of it comes nearest.
+  [[nodiscard]] MaterialPoint at(const Eigen::Vector2d& material) const;
+  // -, of where the sheet starts by material coordinates, in the triangle that the point is in.
+  [[nodiscard]] Eigen::Matrix<double, 3, 2> gradient_at(const MaterialPoint& point) const;
 };
 
 // Builds what a valid source describes. Errors: those of the mesh importers and of outline_source.h, the field named as

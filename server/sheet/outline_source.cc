@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <variant>
 
@@ -31,20 +30,6 @@ constexpr double kFlatnessOfSizes = 0.05;
 
 std::string indexed(const std::string& field, std::size_t index) {
   return field + "[" + std::to_string(index) + "]";
-}
-
-// Errors of a curve call it that of a cut.
-Error renamed(Error error, const std::string& field) {
-  constexpr std::string_view kCurve = "cut.curve";
-  for (std::string* text : {&error.field, &error.message}) {
-    if (const std::size_t at = text->find(kCurve); at != std::string::npos) text->replace(at, kCurve.size(), field);
-  }
-  return error;
-}
-
-Status check_curve(const cut::Curve& curve, const std::string& field) {
-  if (const Status valid = cut::validate(curve); !valid) return renamed(valid.error(), field);
-  return Nothing{};
 }
 
 Status check_sizing(const OutlineSizing& sizing, const std::string& field) {

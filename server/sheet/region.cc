@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "server/sheet/curve_region.h"
 #include "server/sheet/field_checks.h"
 
 namespace kerf::sheet {
@@ -26,6 +27,11 @@ Status validate_line(const MaterialLine& line, const std::string& field) {
     return invalid_argument("LINE_EMPTY", field + ".b must not be a: a point has no sides", field + ".b");
   }
   return check_number(line.within, 0.0, kMaxMaterialCoordinate, field + ".within_m");
+}
+
+Status validate_curve(const MaterialCurve& curve, const std::string& field) {
+  if (Status s = check_curve(curve.curve, field + ".curve"); !s) return s;
+  return check_number(curve.within, 0.0, kMaxMaterialCoordinate, field + ".within_m");
 }
 
 double size_of(const mesh::TriangleMesh& mesh) {
@@ -92,11 +98,9 @@ Status add_listed(const mesh::TriangleMesh& mesh, const std::vector<mesh::Vertex
   return Nothing{};
 }
 
-// Whether the material around v, which lies on the line, is on its left.
-bool is_on_left(const mesh::TriangleMesh& mesh, mesh::VertexId v, const MaterialLine& line,
+// Whether the material around v lies towards `left` of it.
+bool is_on_left(const mesh::TriangleMesh& mesh, mesh::VertexId v, const Eigen::Vector2d& left,
                 std::vector<mesh::TriangleId>& fan) {
-  const Eigen::Vector2d along = line.b - line.a;
-  const Eigen::Vector2d left(-along.y(), along.x());
   double sum = 0.0;
   mesh.triangles_around(v, fan);
   for (const mesh::TriangleId t : fan) {
@@ -126,7 +130,22 @@ void add_along(const mesh::TriangleMesh& mesh, const MaterialLine& line, std::ve
     if (!mesh.has_material(v)) continue;
     if (distance_to(line, mesh.rest_position(v)) > within) continue;
     const bool wants_left = line.side == MaterialLine::Side::kLeft;
-    if (line.side != MaterialLine::Side::kBoth && is_on_left(mesh, v, line, fan) != wants_left) continue;
+    const Eigen::Vector2d along = line.b - line.a;
+    const Eigen::Vector2d left(-along.y(), along.x());
+    if (line.side != MaterialLine::Side::kBoth && is_on_left(mesh, v, left, fan) != wants_left) continue;
+    found.push_back(v);
+  }
+}
+
+void add_along(const mesh::TriangleMesh& mesh, const MaterialCurve& curve, std::vector<mesh::VertexId>& found) {
+  const CurveRegion region(curve, mesh);
+  const bool wants_left = curve.side == MaterialLine::Side::kLeft;
+  std::vector<mesh::TriangleId> fan;
+  for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+    if (!mesh.has_material(v)) continue;
+    const Eigen::Vector2d at = mesh.rest_position(v);
+    if (!region.reaches(at)) continue;
+    if (curve.side != MaterialLine::Side::kBoth && is_on_left(mesh, v, region.left_at(at), fan) != wants_left) continue;
     found.push_back(v);
   }
 }
@@ -147,6 +166,19 @@ bool holds(const Region& region, const Eigen::Vector2d& at, double size) {
   return line->side == MaterialLine::Side::kBoth || (line->side == MaterialLine::Side::kLeft) == (left > 0.0);
 }
 
+std::vector<mesh::TriangleId> triangles_along(const mesh::TriangleMesh& mesh, const MaterialCurve& curve) {
+  const CurveRegion region(curve, mesh);
+  const bool wants_left = curve.side == MaterialLine::Side::kLeft;
+  std::vector<mesh::TriangleId> found;
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (!mesh.is_solid(t)) continue;
+    const Eigen::Vector2d at = centroid(mesh, t);
+    if (!region.reaches(at)) continue;
+    if (curve.side == MaterialLine::Side::kBoth || (region.offset(at) > 0.0) == wants_left) found.push_back(t);
+  }
+  return found;
+}
+
 // `path`: of the region.
 Status add_region(const mesh::TriangleMesh& mesh, const Region& region, const std::string& path,
                   std::vector<mesh::VertexId>& found) {
@@ -158,6 +190,11 @@ Status add_region(const mesh::TriangleMesh& mesh, const Region& region, const st
     add_along(mesh, *line, found);
   } else if (const auto* nearest = std::get_if<NearestVertex>(&region)) {
     found.push_back(nearest_vertex(mesh, nearest->point));
+  } else if (const auto* curve = std::get_if<MaterialCurve>(&region)) {
+    add_along(mesh, *curve, found);
+  } else if (const auto* border = std::get_if<NearestBorder>(&region)) {
+    const std::vector<mesh::VertexId> vertices = border_vertices(mesh, border->point);
+    found.insert(found.end(), vertices.begin(), vertices.end());
   } else if (const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&region)) {
     return add_listed(mesh, *ids, path, found);
   } else {
@@ -184,6 +221,10 @@ Status validate(const Region& region, const std::string& field) {
   if (const auto* line = std::get_if<MaterialLine>(&region)) return validate_line(*line, field + ".line");
   if (const auto* nearest = std::get_if<NearestVertex>(&region)) {
     return check_vector(nearest->point, kMaxMaterialCoordinate, field + ".nearest");
+  }
+  if (const auto* curve = std::get_if<MaterialCurve>(&region)) return validate_curve(*curve, field + ".curve");
+  if (const auto* border = std::get_if<NearestBorder>(&region)) {
+    return check_vector(border->point, kMaxMaterialCoordinate, field + ".border");
   }
   const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&region);
   if (ids == nullptr) return Nothing{};
@@ -215,11 +256,22 @@ Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh
   return found;
 }
 
-Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const std::vector<Region>& regions,
-                                                  const std::string& field) {
+Error no_vertex_in(const std::string& field) {
+  return invalid_argument("REGION_EMPTY",
+                          field +
+                              " names no vertex of the sheet; move it onto the sheet, give a line or a curve a "
+                              "larger within_m, or leave it out",
+                          field);
+}
+
+Result<std::vector<mesh::VertexId>> find_pins(const mesh::TriangleMesh& mesh, const std::vector<Region>& regions,
+                                              const std::string& field) {
   std::vector<mesh::VertexId> found;
   for (std::size_t i = 0; i < regions.size(); ++i) {
-    if (Status s = add_region(mesh, regions[i], field + "[" + std::to_string(i) + "]", found); !s) return s.error();
+    const std::string path = field + "[" + std::to_string(i) + "]";
+    const std::size_t before = found.size();
+    if (Status s = add_region(mesh, regions[i], path, found); !s) return s.error();
+    if (found.size() == before) return no_vertex_in(path);
   }
   sort_unique(found);
   return found;
@@ -253,10 +305,13 @@ std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const
 
 Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& mesh, const Region& region,
                                                      const std::string& field) {
-  if (std::holds_alternative<RegionEdge>(region) || std::holds_alternative<NearestVertex>(region)) {
+  if (std::holds_alternative<RegionEdge>(region) || std::holds_alternative<NearestVertex>(region) ||
+      std::holds_alternative<NearestBorder>(region)) {
     return invalid_argument("REGION_WITHOUT_TRIANGLES",
-                            field + " names vertices, no triangles; give a box, a line, vertices or all", field);
+                            field + " names vertices, no triangles; give a box, a line, a curve, vertices or all",
+                            field);
   }
+  if (const auto* curve = std::get_if<MaterialCurve>(&region)) return triangles_along(mesh, *curve);
   if (std::holds_alternative<std::vector<mesh::VertexId>>(region)) {
     Result<std::vector<mesh::VertexId>> vertices = find_vertices(mesh, region, field);
     if (!vertices) return vertices.error();

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include "server/base/result.h"
+#include "server/cut/curve.h"
 #include "server/mesh/ids.h"
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/triangle_mesh.h"
@@ -45,6 +46,18 @@ struct MaterialLine {
   Side side = Side::kBoth;
 };
 
+// All closer to a curve than `within`, in material coordinates.
+struct MaterialCurve {
+  cut::Curve curve;
+  double within = 0.0;  // m, 0..kMaxMaterialCoordinate; 0: kCurveTolerance of the sheet's edge length there, as built
+  MaterialLine::Side side = MaterialLine::Side::kBoth;  // looking along the curve
+};
+
+// The whole border around the hole, or around the outside, that comes nearest to a material point.
+struct NearestBorder {
+  Eigen::Vector2d point{0.0, 0.0};  // m
+};
+
 // The one vertex that is nearest to a material point; of several the smallest id.
 struct NearestVertex {
   Eigen::Vector2d point{0.0, 0.0};  // m
@@ -53,23 +66,28 @@ struct NearestVertex {
 struct WholeSheet {};
 
 // Vertices of the sheet.
-using Region =
-    std::variant<RegionEdge, MaterialBox, std::vector<mesh::VertexId>, MaterialLine, NearestVertex, WholeSheet>;
+using Region = std::variant<RegionEdge, MaterialBox, std::vector<mesh::VertexId>, MaterialLine, NearestVertex,
+                            WholeSheet, MaterialCurve, NearestBorder>;
 
 // A vertex counts as on an edge or a line within this.
 inline constexpr double kRegionTolerance = 1.0e-9;  // -, of the larger side of the material bounding box
+// And as on a curve within this: lips keep to their curve within 0.02 where a cut does not ask for more.
+inline constexpr double kCurveTolerance = 0.05;  // -, of the edge length there
 
 // Ranges only; whether a listed vertex exists is the sheet's to say. `field`: the path of the list ("pins"), or of the
 // region.
 Status validate(const std::vector<Region>& regions, const std::string& field);
 Status validate(const Region& region, const std::string& field);
 
-// Vertices that the regions name on the mesh as it is now: sorted, unique. `regions` must be valid. Errors:
+// Vertices that a region names on the mesh as it is now, perhaps none: sorted, unique. `region` must be valid. Errors:
 // kInvalidArgument UNKNOWN_VERTEX with the path below `field`.
-Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const std::vector<Region>& regions,
-                                                  const std::string& field);
 Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const Region& region,
                                                   const std::string& field);
+// Those of all regions together, each of which must name some: REGION_EMPTY. `field`: the path of the list.
+Result<std::vector<mesh::VertexId>> find_pins(const mesh::TriangleMesh& mesh, const std::vector<Region>& regions,
+                                              const std::string& field);
+// kInvalidArgument REGION_EMPTY, of a region that names no vertex.
+Error no_vertex_in(const std::string& field);
 
 // A border edge of the opened mesh, lips among them, both ends of which are in a region.
 struct BorderEdge {
@@ -83,9 +101,9 @@ struct BorderEdge {
 std::vector<BorderEdge> edges_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region);
 // Solid slots all corners of which are in the region.
 std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const std::vector<mesh::VertexId>& region);
-// Solid slots that a region names by itself: of a box or a line those whose centroid is in it, on its side; of listed
-// vertices those all corners of which are listed. Ascending. Errors: those of find_vertices, and kInvalidArgument
-// REGION_WITHOUT_TRIANGLES for edges of the bounding box and a nearest vertex.
+// Solid slots that a region names by itself: of a box, a line or a curve those whose centroid is in it, on its side; of
+// listed vertices those all corners of which are listed. Ascending. Errors: those of find_vertices, and
+// kInvalidArgument REGION_WITHOUT_TRIANGLES for edges of the bounding box, a border and a nearest vertex.
 Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& mesh, const Region& region,
                                                      const std::string& field);
 // m^2, in material coordinates, of a solid slot.

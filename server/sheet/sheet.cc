@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/fem/condition.h"
+#include "server/fem/follower_loads.h"
 #include "server/sheet/material_point.h"
 #include "server/sheet/mesh_source.h"
 #include "server/sheet/region.h"
@@ -43,7 +44,7 @@ Status check_condition(const SheetConfig& config, const fem::Model& model) {
                           fem::describe_condition(condition) +
                               ": steps of this length would be all rounding; make the material softer or heavier, the "
                               "mesh coarser, or the tick rate higher",
-                          "material.youngs_modulus_1_pa");
+                          "material.youngs_modulus_pa");
 }
 
 }  // namespace
@@ -154,6 +155,7 @@ void Sheet::Impl::set_loads() {
 
 void Sheet::Impl::integrate(TickReport& report) {
   last_good = state;
+  model.bend_by_matrix();
   report.stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
   if (!state.x.allFinite() || !state.v.allFinite()) report.stats.flags |= fem::kFrozen;
   report.step_failed = (report.stats.flags & fem::kFrozen) != 0;
@@ -243,14 +245,14 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
                  ""};
   }
   if (Status s = check_vertex_limit(config.integrator, built->mesh.num_vertices()); !s) return s.error();
-  Result<std::vector<mesh::VertexId>> pinned = find_vertices(built->mesh, config.pins, "pins");
+  Result<std::vector<mesh::VertexId>> pinned = find_pins(built->mesh, config.pins, "pins");
   if (!pinned) return pinned.error();
   Result<std::vector<fem::Material>> materials = assign_materials(config, built->mesh);
   if (!materials) return materials.error();
   auto shared = std::make_shared<const SheetConfig>(std::move(config));
   Result<HeldVertices> held = HeldVertices::create(shared, *built);
   if (!held) return held.error();
-  Result<AppliedForces> applied = AppliedForces::create(shared, built->mesh);
+  Result<AppliedForces> applied = AppliedForces::create(shared, *built);
   if (!applied) return applied.error();
   Eigen::Matrix3Xd velocities = initial_velocities(*shared, *built, *materials);
   auto initial = std::make_shared<const InitialState>(
@@ -268,6 +270,15 @@ TickReport Sheet::step(std::span<const Command> commands, StageObserver* observe
 fem::EquilibriumStats Sheet::settle(double load, const fem::EquilibriumOptions& options,
                                     const fem::EquilibriumSolver::Watch& watch) {
   return impl_->settle(load, options, watch);
+}
+
+void Sheet::bend_by_angles() {
+  impl_->model.bend_by_angles(impl_->mesh);
+}
+
+std::optional<UnheldPiece> Sheet::find_unheld(double load) {
+  impl_->set_conditions({load, load}, 0.0);
+  return sheet::find_unheld(impl_->mesh, impl_->model, impl_->loads);
 }
 
 TickReport Sheet::begin_load_step() {
@@ -310,8 +321,7 @@ const fem::Loads& Sheet::loads() const {
 }
 Eigen::Vector3d Sheet::start_of(const Eigen::Vector2d& material) const {
   const BuiltMesh& built = impl_->initial->built;
-  const std::optional<MaterialPoint> found = find_material_point(built.mesh, material);
-  return (found ? *found : nearest_material_point(built.mesh, material)).of(built.positions);
+  return built.at(material).of(built.positions);
 }
 const Eigen::Vector3d& Sheet::gravity() const {
   return impl_->full_gravity;
@@ -350,7 +360,8 @@ bool Sheet::at_rest() const {
 
 Energies Sheet::energies() const {
   const fem::Energies energies = impl_->model.energies(impl_->state, impl_->loads.gravity);
-  return {energies.kinetic, energies.membrane, energies.bending, energies.gravity};
+  const double bending = energies.bending + fem::edge_moment_energy(impl_->loads);
+  return {energies.kinetic, energies.membrane, bending, energies.gravity};
 }
 
 std::uint64_t Sheet::state_hash() const {

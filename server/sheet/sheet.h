@@ -24,6 +24,7 @@
 #include "server/sheet/sheet_config.h"
 #include "server/sheet/snapshot.h"
 #include "server/sheet/undo_history.h"
+#include "server/sheet/unheld.h"
 
 namespace kerf::sheet {
 
@@ -69,8 +70,9 @@ struct TickReport {
 struct Energies {
   double kinetic = 0.0;   // J
   double membrane = 0.0;  // J
-  double bending = 0.0;   // J
+  double bending = 0.0;   // J, with what moments store at the border; see fem::edge_moment_energy
   double gravity = 0.0;   // J, zero at z = 0 for gravity along -z: -sum m g . x
+  [[nodiscard]] double total() const { return kinetic + membrane + bending + gravity; }
 };
 
 // A point held by a Grab.
@@ -121,9 +123,14 @@ class Sheet {
 
   // Puts the sheet into equilibrium, at rest, under `load` (-, 0..1): what has no history follows the load, histories
   // are read at it. From where it is now; where none is found the state is left as it is. Time does not advance; wind,
-  // contact and grabs are left out. `watch`: see fem::EquilibriumSolver.
+  // contact and grabs are left out. `watch`: see fem::EquilibriumSolver. Bends by angles, see bend_by_angles().
   fem::EquilibriumStats settle(double load, const fem::EquilibriumOptions& options,
                                const fem::EquilibriumSolver::Watch& watch);
+  // Until the next step, or until the mesh or what is clamped changes, the model bends by angles (see
+  // fem::AngleBending): what equilibria and vibrations are found with, as steps in time are not.
+  void bend_by_angles();
+  // What of the sheet has no equilibrium under that load, as nothing holds it: settle() would search in vain.
+  std::optional<UnheldPiece> find_unheld(double load);
   // ++tick with the scheduled commands that are due, and nothing else: a step of a static analysis.
   TickReport begin_load_step();
 

@@ -180,7 +180,7 @@ Status Sheet::Impl::release(const Release& release) {
 }
 
 Status Sheet::Impl::set_pins(const SetPins& pins) {
-  Result<std::vector<mesh::VertexId>> found = find_vertices(mesh, pins.pins, "set_pins.pins");
+  Result<std::vector<mesh::VertexId>> found = find_pins(mesh, pins.pins, "set_pins.pins");
   if (!found) return found.error();
   pin(std::move(found).value());
   ++pins_version;

@@ -34,7 +34,7 @@ void Sheet::Impl::set_slopes(const Instant& at) {
 
 void Sheet::Impl::follow_conditions(std::span<const mesh::MeshEdit* const> edits) {
   if (!held_vertices.empty()) held_vertices.follow(mesh, edits, initial->built);
-  if (!applied_forces.empty()) applied_forces.follow(mesh);
+  if (!applied_forces.empty()) applied_forces.follow(mesh, initial->built);
   conditions_changed = true;
 }
 
@@ -42,6 +42,7 @@ fem::EquilibriumStats Sheet::Impl::settle(double load, const fem::EquilibriumOpt
                                           const fem::EquilibriumSolver::Watch& watch) {
   set_conditions({load, load}, 0.0);
   loads.grabs.clear();
+  model.bend_by_angles(mesh);
   fem::EquilibriumSolver solver(options);
   solver.rebuild(model);
   mesh::VertexField x = state.x;

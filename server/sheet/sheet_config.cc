@@ -1,5 +1,6 @@
 #include "server/sheet/sheet_config.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/sheet/field_checks.h"
@@ -117,6 +118,12 @@ Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
 }
 
 }  // namespace
+
+bool schedules_cuts(const SheetConfig& config) {
+  return std::any_of(config.commands.begin(), config.commands.end(), [](const ScheduledCommand& scheduled) {
+    return std::holds_alternative<Cut>(scheduled.command) || std::holds_alternative<CutBatch>(scheduled.command);
+  });
+}
 
 bool is_valid_sheet_id(std::string_view id) {
   if (id.empty() || id.size() > kMaxSheetIdBytes || id[0] < 'a' || id[0] > 'z') return false;

@@ -121,7 +121,7 @@ struct SheetConfig {
   std::vector<Load> loads;                   // at most kMaxLoads
   History gravity_history;                   // factor on gravity; default 1
   bool planar = false;                       // keeps to the plane it starts in, perpendicular to x, y or z, and does
-                                             // not bend: every bending_scale is set to 0
+                                             // not bend: see fem::without_bending
   std::optional<InitialVelocity> initial_velocity;  // default: at rest
   std::vector<ScheduledCommand> commands;  // at most kMaxScheduledCommands; equal ticks are done in the given order
   std::int64_t ticks = 0;                  // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation
@@ -129,6 +129,9 @@ struct SheetConfig {
   std::vector<Probe> probes;               // what it measures; at most kMaxProbes
   std::string description;                 // for people; at most 1000 bytes; no effect on the simulation
 };
+
+// Whether cuts are scheduled, which may bring vertices and lips to a region that has none yet.
+bool schedules_cuts(const SheetConfig& config);
 
 // Whether `id` matches [a-z][a-z0-9-]{0,62}.
 bool is_valid_sheet_id(std::string_view id);

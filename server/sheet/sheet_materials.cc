@@ -47,8 +47,8 @@ Status validate(const std::vector<RegionMaterial>& materials, const fem::Materia
 
 Result<std::vector<fem::Material>> assign_materials(SheetConfig& config, mesh::TriangleMesh& mesh) {
   if (config.planar) {
-    config.material.bending_scale = 0.0;
-    for (RegionMaterial& part : config.materials) part.material.bending_scale = 0.0;
+    config.material = fem::without_bending(config.material);
+    for (RegionMaterial& part : config.materials) part.material = fem::without_bending(part.material);
   }
   std::vector<fem::Material> given{config.material};
   std::vector<std::int32_t> numbers(static_cast<std::size_t>(mesh.num_triangle_slots()), 0);

@@ -6,8 +6,10 @@
 #include <utility>
 #include <variant>
 
+#include "server/wire/choices.h"
 #include "server/wire/geometry_codec.h"
 #include "server/wire/region_codec.h"
+#include "server/wire/reply_codec.h"
 
 namespace kerf::wire {
 namespace {
@@ -36,6 +38,16 @@ constexpr std::array<std::pair<v1::Probe::Reduce, Reduce>, 5> kReductions{{
     {v1::Probe::SUM, Reduce::kSum},
     {v1::Probe::MIN, Reduce::kMin},
     {v1::Probe::MAX, Reduce::kMax},
+}};
+
+constexpr std::array<std::pair<v1::Probe::Recovery, fem::Recovery>, 2> kRecoveries{{
+    {v1::Probe::OF_TRIANGLES, fem::Recovery::kMean},
+    {v1::Probe::PATCH, fem::Recovery::kPatch},
+}};
+
+constexpr std::array<std::pair<v1::Probe::StressMeasure, sheet::StressMeasure>, 2> kStressMeasures{{
+    {v1::Probe::BIOT, sheet::StressMeasure::kBiot},
+    {v1::Probe::CAUCHY, sheet::StressMeasure::kCauchy},
 }};
 
 template <typename Message, typename Value, std::size_t count>
@@ -82,6 +94,13 @@ void encode_static(const sheet::StaticAnalysis& analysis, v1::StaticAnalysis& me
   message.set_max_iterations(analysis.max_iterations);
 }
 
+sheet::DynamicAnalysis decode_dynamic(const v1::DynamicAnalysis& message) {
+  sheet::DynamicAnalysis analysis;
+  analysis.ticks = message.ticks();
+  if (message.measure_every() != 0) analysis.measure_every = message.measure_every();
+  return analysis;
+}
+
 Result<sheet::Probe> decode_probe(const v1::Probe& message, const std::string& path) {
   sheet::Probe probe;
   probe.name = message.name();
@@ -103,6 +122,13 @@ Result<sheet::Probe> decode_probe(const v1::Probe& message, const std::string& p
     probe.reduce = *reduce;
   }
   if (message.has_side()) probe.side = decode_vector(message.side());
+  if (Status s = decode_choice(kRecoveries, message.recovery(), path + ".recovery", probe.recovery); !s) {
+    return s.error();
+  }
+  if (Status s = decode_choice(kStressMeasures, message.stress_measure(), path + ".stress_measure", probe.measure);
+      !s) {
+    return s.error();
+  }
   return probe;
 }
 
@@ -113,6 +139,8 @@ void encode_probe(const sheet::Probe& probe, v1::Probe& message) {
   if (probe.region) encode_region(*probe.region, *message.mutable_region());
   message.set_reduce(find_message(kReductions, probe.reduce));
   if (probe.side) encode_vector(*probe.side, *message.mutable_side());
+  if (sheet::is_in_plane(probe.quantity)) message.set_recovery(encode_choice(kRecoveries, probe.recovery));
+  if (probe.quantity == Quantity::kStress) message.set_stress_measure(encode_choice(kStressMeasures, probe.measure));
 }
 
 }  // namespace
@@ -123,7 +151,7 @@ Result<sheet::Analysis> decode_analysis(const v1::Analysis& message) {
     if (!analysis) return analysis.error();
     return sheet::Analysis(std::move(analysis).value());
   }
-  if (!message.has_modes()) return sheet::Analysis(sheet::DynamicAnalysis{});
+  if (!message.has_modes()) return sheet::Analysis(decode_dynamic(message.dynamic()));
   sheet::ModalAnalysis modes;
   if (message.modes().count() != 0) modes.count = message.modes().count();
   if (message.modes().has_about()) {
@@ -162,12 +190,27 @@ v1::StaticResult encode_statics(const analysis::StaticStats& stats) {
   message.set_newton_iterations(stats.iterations);
   message.set_solves(stats.solves);
   message.set_stable(stats.is_stable);
+  message.set_reason(stats.reason);
+  message.mutable_left_out()->Assign(stats.left_out.begin(), stats.left_out.end());
+  return message;
+}
+
+v1::DynamicResult encode_dynamics(const analysis::DynamicStats& stats) {
+  v1::DynamicResult message;
+  message.set_ticks(stats.ticks);
+  message.set_simulated_s(stats.simulated);
+  encode_flags(stats.flagged_ticks, *message.mutable_flagged_ticks());
   return message;
 }
 
 Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config) {
   Result<sheet::Analysis> analysis = decode_analysis(scene.analysis());
   if (!analysis) return analysis.error();
+  if (scene.analysis().dynamic().ticks() != 0) {
+    return invalid_argument("TICKS_TWICE",
+                            "analysis.dynamic.ticks is of AnalyzeSheet; a scene says it by its own ticks",
+                            "analysis.dynamic.ticks");
+  }
   config.analysis = std::move(analysis).value();
   Result<std::vector<sheet::Probe>> probes = decode_probes(scene.probes());
   if (!probes) return probes.error();
@@ -183,7 +226,8 @@ void encode_analysis(const sheet::SheetConfig& config, v1::Scene& scene) {
     message.set_count(modes->count);
     if (modes->about) encode_static(*modes->about, *message.mutable_about());
   } else {
-    scene.mutable_analysis()->mutable_dynamic();
+    const auto& in_time = std::get<sheet::DynamicAnalysis>(config.analysis);
+    scene.mutable_analysis()->mutable_dynamic()->set_measure_every(in_time.measure_every);
   }
   for (const sheet::Probe& probe : config.probes) encode_probe(probe, *scene.add_probes());
 }

@@ -19,6 +19,7 @@ Result<std::vector<sheet::Probe>> decode_probes(const google::protobuf::Repeated
 // What came of an analysis.
 v1::Table encode_table(const analysis::Table& table);
 v1::StaticResult encode_statics(const analysis::StaticStats& stats);
+v1::DynamicResult encode_dynamics(const analysis::DynamicStats& stats);  // energies and hash left out
 
 // The scene's analysis and probes, with the defaults that analysis.proto documents for zeros.
 Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config);

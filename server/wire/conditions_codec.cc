@@ -64,6 +64,32 @@ void encode_constraint(const sheet::Constraint& constraint, v1::Constraint& mess
   message.set_slope(constraint.slope);
 }
 
+sheet::EdgeForce decode_edge_force(const v1::EdgeForce& message, sheet::Region region) {
+  sheet::EdgeForce edge;
+  edge.region = std::move(region);
+  edge.is_total = message.has_force_n();
+  edge.force = decode_vector(edge.is_total ? message.force_n() : message.force_npm());
+  if (message.amount_case() == v1::EdgeForce::kNormalNpm) edge.normal = message.normal_npm();
+  if (message.has_factor()) {
+    edge.factor =
+        sheet::LinearFactor{decode_vector(message.factor().zero()), {message.factor().by_x(), message.factor().by_y()}};
+  }
+  return edge;
+}
+
+void encode_edge_force(const sheet::EdgeForce& edge, v1::EdgeForce& message) {
+  encode_region(edge.region, *message.mutable_region());
+  if (edge.normal) {
+    message.set_normal_npm(*edge.normal);
+  } else {
+    encode_vector(edge.force, edge.is_total ? *message.mutable_force_n() : *message.mutable_force_npm());
+  }
+  if (!edge.factor) return;
+  encode_vector(edge.factor->zero, *message.mutable_factor()->mutable_zero());
+  message.mutable_factor()->set_by_x(edge.factor->slope.x());
+  message.mutable_factor()->set_by_y(edge.factor->slope.y());
+}
+
 Result<sheet::Load> decode_load(const v1::Load& message, const std::string& path) {
   sheet::Load load;
   load.history = decode_history(message.history());
@@ -85,12 +111,9 @@ Result<sheet::Load> decode_load(const v1::Load& message, const std::string& path
       Result<sheet::Region> region = decode_region(message.edge().region(), path + ".edge.region");
       if (!region) return region.error();
       if (message.edge().amount_case() == v1::EdgeForce::AMOUNT_NOT_SET) {
-        return choice_missing(path + ".edge.amount", "force_n or force_npm");
+        return choice_missing(path + ".edge.amount", "force_n, force_npm or normal_npm");
       }
-      const bool is_total = !message.edge().has_force_npm();
-      load.kind =
-          sheet::EdgeForce{std::move(region).value(),
-                           decode_vector(is_total ? message.edge().force_n() : message.edge().force_npm()), is_total};
+      load.kind = decode_edge_force(message.edge(), std::move(region).value());
       return load;
     }
     case v1::Load::kArea: {
@@ -139,9 +162,7 @@ void encode_load(const sheet::Load& load, v1::Load& message) {
     }
     encode_vector(point->force, *message.mutable_point()->mutable_force_n());
   } else if (const auto* edge = std::get_if<sheet::EdgeForce>(&load.kind)) {
-    v1::EdgeForce& to = *message.mutable_edge();
-    encode_region(edge->region, *to.mutable_region());
-    encode_vector(edge->force, edge->is_total ? *to.mutable_force_n() : *to.mutable_force_npm());
+    encode_edge_force(*edge, *message.mutable_edge());
   } else if (const auto* area = std::get_if<sheet::AreaForce>(&load.kind)) {
     v1::AreaForce& to = *message.mutable_area();
     encode_region(area->region, *to.mutable_region());

@@ -150,9 +150,25 @@ class Checker {
 
   bool value(const FieldDescriptor& field, const std::string& path) {
     if (!field.is_repeated()) return single(field, path);
+    if (field.is_map()) return map(*field.message_type()->FindFieldByName("value"), path);
     if (peek() != '[') return fail("JSON_TYPE", "expected an array" + found(), path);
     std::size_t index = 0;
     return list('[', ']', path, [&] { return single(field, path + "[" + std::to_string(index++) + "]"); });
+  }
+
+  // Of strings, as all maps of the protocol are, to values.
+  bool map(const FieldDescriptor& element, const std::string& path) {
+    if (peek() != '{') return fail("JSON_TYPE", "expected an object" + found(), path);
+    std::set<std::string> seen;
+    return list('{', '}', path, [&] {
+      std::string key;
+      skip_blanks();
+      token_ = at_;
+      if (!quoted(key, path)) return false;
+      const std::string member = path + "." + key;
+      if (!seen.insert(key).second) return fail("JSON_DUPLICATE_FIELD", "given twice", member);
+      return expect(':', member) && single(element, member);
+    });
   }
 
   bool single(const FieldDescriptor& field, const std::string& path) {

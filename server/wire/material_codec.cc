@@ -37,6 +37,14 @@ constexpr Field kFields[] = {
      Ranges::kMassDamping},
     {"stiffness_damping_s", &v1::Material::has_stiffness_damping_s, &v1::Material::stiffness_damping_s,
      Ranges::kStiffnessDamping},
+    {"bending_stiffness_1_nm", &v1::Material::has_bending_stiffness_1_nm, &v1::Material::bending_stiffness_1_nm,
+     Ranges::kBendingStiffness},
+    {"bending_stiffness_2_nm", &v1::Material::has_bending_stiffness_2_nm, &v1::Material::bending_stiffness_2_nm,
+     Ranges::kBendingStiffness},
+    {"bending_coupling_nm", &v1::Material::has_bending_coupling_nm, &v1::Material::bending_coupling_nm,
+     Ranges::kBendingCoupling},
+    {"twisting_stiffness_nm", &v1::Material::has_twisting_stiffness_nm, &v1::Material::twisting_stiffness_nm,
+     Ranges::kBendingStiffness},
 };
 
 constexpr std::array<std::pair<v1::MembraneLaw, fem::MembraneLaw>, 2> kMembraneLaws{{
@@ -83,6 +91,10 @@ void put_over(const v1::Material& given, fem::Material& material) {
   if (given.has_bending_scale()) material.bending_scale = given.bending_scale();
   if (given.has_mass_damping_per_s()) material.mass_damping = given.mass_damping_per_s();
   if (given.has_stiffness_damping_s()) material.stiffness_damping = given.stiffness_damping_s();
+  if (given.has_bending_stiffness_1_nm()) material.bending_stiffness_1 = given.bending_stiffness_1_nm();
+  if (given.has_bending_stiffness_2_nm()) material.bending_stiffness_2 = given.bending_stiffness_2_nm();
+  if (given.has_bending_coupling_nm()) material.bending_coupling = given.bending_coupling_nm();
+  if (given.has_twisting_stiffness_nm()) material.twisting_stiffness = given.twisting_stiffness_nm();
 }
 
 }  // namespace
@@ -95,12 +107,7 @@ Result<fem::Material> decode_material(const v1::Material& given, const std::stri
   }
   fem::Material material = *preset;
   put_over(given, material);
-  if (const Status status = fem::validate(material, path); !status.ok()) {
-    // Each number is in range by itself; what is left is their combination, which the message calls by other names.
-    Error error = status.error();
-    error.field = path + ".poissons_ratio";
-    return error;
-  }
+  if (const Status status = fem::validate(material, path); !status.ok()) return status.error();
   return material;
 }
 
@@ -116,6 +123,10 @@ v1::Material encode_material(const fem::Material& material) {
   message.set_bending_scale(material.bending_scale);
   message.set_mass_damping_per_s(material.mass_damping);
   message.set_stiffness_damping_s(material.stiffness_damping);
+  if (material.bending_stiffness_1) message.set_bending_stiffness_1_nm(*material.bending_stiffness_1);
+  if (material.bending_stiffness_2) message.set_bending_stiffness_2_nm(*material.bending_stiffness_2);
+  if (material.bending_coupling) message.set_bending_coupling_nm(*material.bending_coupling);
+  if (material.twisting_stiffness) message.set_twisting_stiffness_nm(*material.twisting_stiffness);
   return message;
 }
 

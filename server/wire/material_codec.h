@@ -12,7 +12,7 @@ namespace kerf::wire {
 // scene.proto), MATERIAL_NOT_POSITIVE_DEFINITE; fields begin with `path` ("material").
 Result<fem::Material> decode_material(const v1::Material& material, const std::string& path);
 
-// Every number given, no preset named.
+// Every number given, no preset named; bending stiffnesses where the material has them given.
 v1::Material encode_material(const fem::Material& material);
 
 // Errors: UNKNOWN_ENUM_VALUE, "membrane_law".

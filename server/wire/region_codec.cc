@@ -48,30 +48,45 @@ v1::Region::Edge encode_edge(sheet::RegionEdge edge) {
   return v1::Region::EDGE_UNSPECIFIED;
 }
 
-Result<sheet::Region> decode_line(const v1::MaterialLine& message, const std::string& path) {
-  sheet::MaterialLine line{decode_vector(message.a()), decode_vector(message.b()), message.within_m(),
-                           sheet::MaterialLine::Side::kBoth};
-  switch (message.side()) {
+Result<sheet::MaterialLine::Side> decode_side(v1::MaterialLine::Side side, const std::string& path) {
+  switch (side) {
     case v1::MaterialLine::SIDE_UNSPECIFIED:
     case v1::MaterialLine::BOTH:
-      return sheet::Region(line);
+      return sheet::MaterialLine::Side::kBoth;
     case v1::MaterialLine::LEFT_OF_LINE:
-      line.side = sheet::MaterialLine::Side::kLeft;
-      return sheet::Region(line);
+      return sheet::MaterialLine::Side::kLeft;
     case v1::MaterialLine::RIGHT_OF_LINE:
-      line.side = sheet::MaterialLine::Side::kRight;
-      return sheet::Region(line);
+      return sheet::MaterialLine::Side::kRight;
     default:
-      return unknown_enum(path + ".side", static_cast<int>(message.side()));
+      return unknown_enum(path, static_cast<int>(side));
   }
+}
+
+v1::MaterialLine::Side encode_side(sheet::MaterialLine::Side side) {
+  if (side == sheet::MaterialLine::Side::kBoth) return v1::MaterialLine::SIDE_UNSPECIFIED;
+  return side == sheet::MaterialLine::Side::kLeft ? v1::MaterialLine::LEFT_OF_LINE : v1::MaterialLine::RIGHT_OF_LINE;
+}
+
+Result<sheet::Region> decode_line(const v1::MaterialLine& message, const std::string& path) {
+  const Result<sheet::MaterialLine::Side> side = decode_side(message.side(), path + ".side");
+  if (!side) return side.error();
+  return sheet::Region(
+      sheet::MaterialLine{decode_vector(message.a()), decode_vector(message.b()), message.within_m(), *side});
+}
+
+Result<sheet::Region> decode_along(const v1::MaterialCurve& message, const std::string& path) {
+  Result<DecodedCurve> curve = decode_curve(message.curve(), path + ".curve", {});
+  if (!curve) return curve.error();
+  const Result<sheet::MaterialLine::Side> side = decode_side(message.side(), path + ".side");
+  if (!side) return side.error();
+  return sheet::Region(sheet::MaterialCurve{std::move(curve->curve), message.within_m(), *side});
 }
 
 void encode_line(const sheet::MaterialLine& line, v1::MaterialLine& message) {
   encode_vector(line.a, *message.mutable_a());
   encode_vector(line.b, *message.mutable_b());
   message.set_within_m(line.within);
-  if (line.side == sheet::MaterialLine::Side::kLeft) message.set_side(v1::MaterialLine::LEFT_OF_LINE);
-  if (line.side == sheet::MaterialLine::Side::kRight) message.set_side(v1::MaterialLine::RIGHT_OF_LINE);
+  message.set_side(encode_side(line.side));
 }
 
 }  // namespace
@@ -89,13 +104,17 @@ Result<sheet::Region> decode_region(const v1::Region& region, const std::string&
       return decode_line(region.line(), path + ".line");
     case v1::Region::kNearest:
       return sheet::Region(sheet::NearestVertex{decode_vector(region.nearest())});
+    case v1::Region::kCurve:
+      return decode_along(region.curve(), path + ".curve");
+    case v1::Region::kBorder:
+      return sheet::Region(sheet::NearestBorder{decode_vector(region.border())});
     case v1::Region::kAll:
       if (region.all()) return sheet::Region(sheet::WholeSheet{});
       break;
     case v1::Region::REGION_NOT_SET:
       break;
   }
-  return choice_missing(path + ".region", "edge, box, vertices, line, nearest or all");
+  return choice_missing(path + ".region", "edge, box, vertices, line, nearest, all, curve or border");
 }
 
 Result<std::vector<sheet::Region>> decode_pins(const RegionMessages& pins, const std::string& path) {
@@ -118,6 +137,12 @@ void encode_region(const sheet::Region& region, v1::Region& message) {
     encode_line(*line, *message.mutable_line());
   } else if (const auto* nearest = std::get_if<sheet::NearestVertex>(&region)) {
     encode_vector(nearest->point, *message.mutable_nearest());
+  } else if (const auto* curve = std::get_if<sheet::MaterialCurve>(&region)) {
+    encode_curve(curve->curve, *message.mutable_curve()->mutable_curve());
+    message.mutable_curve()->set_within_m(curve->within);
+    message.mutable_curve()->set_side(encode_side(curve->side));
+  } else if (const auto* border = std::get_if<sheet::NearestBorder>(&region)) {
+    encode_vector(border->point, *message.mutable_border());
   } else if (const auto* vertices = std::get_if<std::vector<mesh::VertexId>>(&region)) {
     message.mutable_vertices()->mutable_vertices()->Assign(vertices->begin(), vertices->end());
   } else {

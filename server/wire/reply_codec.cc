@@ -109,4 +109,10 @@ v1::Energies encode_energies(const sheet::Energies& energies) {
   return message;
 }
 
+void encode_flags(const fem::FlagCounts& counts, google::protobuf::Map<std::string, std::int64_t>& message) {
+  for (std::size_t bit = 0; bit < counts.size(); ++bit) {
+    if (counts[bit] > 0) message[std::string(fem::kStepFlagNames[bit])] = counts[bit];
+  }
+}
+
 }  // namespace kerf::wire

@@ -25,4 +25,7 @@ v1::Piece encode_piece(const sheet::Piece& piece);
 
 v1::Energies encode_energies(const sheet::Energies& energies);
 
+// By the flags' names, those that were reported at all.
+void encode_flags(const fem::FlagCounts& counts, google::protobuf::Map<std::string, std::int64_t>& message);
+
 }  // namespace kerf::wire

@@ -7,12 +7,16 @@
 
 namespace kerf::accuracy {
 
-Result<cli::SceneRun> run_scene_file(const std::filesystem::path& file) {
+Result<sheet::SheetConfig> read_scene_file(const std::filesystem::path& file) {
   std::stringstream text;
   text << std::ifstream(file).rdbuf();
-  const auto config = wire::decode_scene_file(text.str(), [](const std::string& other) {
+  return wire::decode_scene_file(text.str(), [](const std::string& other) {
     return Result<std::string>(invalid_argument("NO_FILES", "a reference scene names no other file", other));
   });
+}
+
+Result<cli::SceneRun> run_scene_file(const std::filesystem::path& file) {
+  const Result<sheet::SheetConfig> config = read_scene_file(file);
   if (!config) return config.error();
   return cli::run_scene(*config, {});
 }

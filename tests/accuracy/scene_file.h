@@ -6,8 +6,10 @@
 
 namespace kerf::accuracy {
 
-// Does what the scene file says, as `kerf run` does. Errors: those of the file and of the run; a scene that names
-// another file is refused (NO_FILES).
+// Errors: those of the file; a scene that names another file is refused (NO_FILES).
+Result<sheet::SheetConfig> read_scene_file(const std::filesystem::path& file);
+
+// Does what the scene file says, as `kerf run` does. Errors: those of read_scene_file and of the run.
 Result<cli::SceneRun> run_scene_file(const std::filesystem::path& file);
 
 }  // namespace kerf::accuracy

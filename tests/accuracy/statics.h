@@ -68,6 +68,7 @@ struct Cantilever {
       clamps.push_back({v, Eigen::Matrix<double, 3, 2>::Identity()});
     }
     model.set_clamps(mesh, clamps);
+    model.bend_by_angles(mesh);
     rest = x;
   }
   // Of the end, m: mean over its vertices.

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "tests/sheet/sheet_calls.h"
+#include "tests/support/failing_integrator.h"
 
 namespace kerf::analysis {
 namespace {
@@ -175,7 +176,7 @@ TEST(DynamicAnalysis, TablesTheProbesFromTheStartAndAfterEachTick) {
   sheet::Sheet sheet = sheet::make(config);
   int reports = 0;
   const Result<Outcome> outcome = run_dynamic(
-      sheet, 30, config.probes, {}, [&](const sheet::TickReport&) { ++reports; }, nullptr);
+      sheet, {.ticks = 30}, config.probes, {}, [&](const sheet::TickReport&) { ++reports; }, nullptr);
   ASSERT_TRUE(outcome.ok());
   EXPECT_EQ(reports, 30);
   const Table& table = outcome->tables.at(0);
@@ -184,6 +185,35 @@ TEST(DynamicAnalysis, TablesTheProbesFromTheStartAndAfterEachTick) {
   for (const std::vector<double>& row : table.rows) {
     EXPECT_NEAR(row[3], 0.5 - 0.5 * 9.81 * row[0] * row[0], 1e-9);
   }
+}
+
+TEST(DynamicAnalysis, MeasuresEverySoManyTicksAndAtTheEnd) {
+  SheetConfig config = scenes::hanging(5);
+  config.probes = {{"c", sheet::Quantity::kCentreOfMass, {}, {}, sheet::Reduce::kEach, {}},
+                   {"r", sheet::Quantity::kReaction, {}, sheet::WholeSheet{}, sheet::Reduce::kSum, {}}};
+  const auto table_of = [&](const sheet::DynamicAnalysis& analysis) {
+    sheet::Sheet sheet = sheet::make(config);
+    return run_dynamic(sheet, analysis, config.probes, {}, {}, nullptr).value().tables.at(0).rows;
+  };
+  const auto all = table_of({.ticks = 10});
+  ASSERT_EQ(all.size(), 11U);
+  const auto some = table_of({.ticks = 10, .measure_every = 4});
+  EXPECT_EQ(some, (std::vector<std::vector<double>>{all[0], all[4], all[8], all[10]}));
+  EXPECT_EQ(table_of({.ticks = 8, .measure_every = 4}), (std::vector<std::vector<double>>{all[0], all[4], all[8]}));
+  EXPECT_EQ(table_of({.ticks = 0}), (std::vector<std::vector<double>>{all[0]}));
+}
+
+TEST(DynamicAnalysis, EndsWhereTheSheetFreezesAndCountsItsFlags) {
+  SheetConfig config = scenes::hanging(5);
+  config.gravity = {0.0, 0.0, scenes::kGivesUp};
+  config.probes = {{"e", sheet::Quantity::kEnergy, {}, {}, sheet::Reduce::kEach, {}}};
+  sheet::Sheet sheet = sheet::Sheet::create(config, scenes::make_failing_integrator).value();
+  const Result<Outcome> outcome = run_dynamic(sheet, {.ticks = 10}, config.probes, {}, {}, nullptr);
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_EQ(outcome->dynamics->ticks, sheet::Sheet::kMaxFailedSteps);
+  EXPECT_EQ(outcome->dynamics->simulated, 0.0);
+  EXPECT_EQ(outcome->dynamics->flagged_ticks[4], sheet::Sheet::kMaxFailedSteps) << fem::kStepFlagNames[4];
+  EXPECT_EQ(outcome->tables.at(0).rows.size(), 1U + sheet::Sheet::kMaxFailedSteps);
 }
 
 }  // namespace

@@ -95,6 +95,80 @@ TEST(Probes, GiveStrainAndStressInMaterialAxesHoweverTheFibresRun) {
   }
 }
 
+// One strain everywhere, whichever way it is asked for.
+TEST(Probes, PatchesOfAUniformFieldAreThatFieldEverywhere) {
+  Eigen::Matrix<double, 3, 2> gradient;
+  gradient << 2e-3, 1e-3, 1e-3, -1e-3, 0.0, 0.0;
+  SheetConfig config = stretched(gradient);
+  config.material.direction = 0.6;
+  sheet::Sheet sheet = sheet::make(config);
+  ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
+  std::vector<Probe> probes{at_points("inside", Quantity::kStrain, {{0.31, 0.72}, {0.5, 0.5}, {0.0, 1.0}, {0.3, 0.0}}),
+                            over("all", Quantity::kStrain, sheet::WholeSheet{}, Reduce::kMean),
+                            over("edge", Quantity::kStrain, sheet::RegionEdge::kTop, Reduce::kMean),
+                            over("most", Quantity::kStrain, sheet::RegionEdge::kTop, Reduce::kMax)};
+  for (Probe& probe : probes) probe.recovery = fem::Recovery::kPatch;
+  const auto found = measure(sheet, probes);
+  EXPECT_EQ(found.size(), 21U);
+  for (const auto& [column, value] : found) {
+    EXPECT_NEAR(value, column.ends_with("xx") ? 2e-3 : column.ends_with("yy") ? -1e-3 : 1e-3, 1e-12) << column;
+  }
+}
+
+// Held to x = X + k X^2 / 2 along X: strain k X, of which triangles have a mean each, and a patch the line.
+TEST(Probes, PatchesFollowALinearFieldWhereTrianglesStepAlongIt) {
+  constexpr double kSlope = 1e-4;  // 1/m
+  SheetConfig config = stretched(Eigen::Matrix<double, 3, 2>::Zero());
+  config.material.poissons_ratio_12 = 0.0;
+  const sheet::Sheet flat = sheet::make(config);
+  std::vector<mesh::VertexId> all;
+  config.constraints[0].displacements.setZero(3, flat.mesh().num_vertices());
+  for (mesh::VertexId v = 0; v < flat.mesh().num_vertices(); ++v) {
+    const double x = flat.mesh().rest_position(v).x();
+    all.push_back(v);
+    config.constraints[0].displacements(0, v) = 0.5 * kSlope * x * x;
+  }
+  config.constraints[0].region = all;
+  sheet::Sheet sheet = sheet::make(config);
+  ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
+  Probe patch = at_points("patch", Quantity::kStrain, {{0.25, 0.5}, {0.3, 0.61}, {1.0, 0.5}, {0.9, 0.45}});
+  patch.recovery = fem::Recovery::kPatch;
+  Probe mean = at_points("mean", Quantity::kStrain, {{1.0, 0.5}});
+  Probe middle = over("middle", Quantity::kStrain, sheet::WholeSheet{}, Reduce::kMean);
+  middle.recovery = fem::Recovery::kPatch;
+  Probe edge = over("edge", Quantity::kStrain, sheet::RegionEdge::kRight, Reduce::kMax);
+  edge.recovery = fem::Recovery::kPatch;
+  auto found = measure(sheet, {patch, mean, middle, edge});
+  EXPECT_NEAR(found.at("patch[0].xx"), 0.25 * kSlope, 1e-9);
+  EXPECT_NEAR(found.at("patch[1].xx"), 0.3 * kSlope, 1e-9);
+  EXPECT_NEAR(found.at("patch[2].xx"), kSlope, 1e-9);
+  EXPECT_NEAR(found.at("patch[3].xx"), 0.9 * kSlope, 1e-9);
+  EXPECT_NEAR(found.at("middle.xx"), 0.5 * kSlope, 1e-9) << "weighted by area";
+  EXPECT_NEAR(found.at("edge.xx"), kSlope, 1e-9);
+  EXPECT_LT(found.at("mean.xx"), 0.9 * kSlope) << "triangles on one side alone";
+}
+
+// Pulled along x and squeezed along y, F = diag(1.2, 0.9): Cauchy's stress is P F^T / det F.
+TEST(Probes, CauchyStressIsForceByAreaAsItIs) {
+  Eigen::Matrix<double, 3, 2> gradient;
+  gradient << 0.2, 0.0, 0.0, -0.1, 0.0, 0.0;
+  sheet::Sheet sheet = sheet::make(stretched(gradient));
+  ASSERT_TRUE(sheet.settle(1.0, {}, {}).converged);
+  Probe biot = at_points("biot", Quantity::kStress, {{0.31, 0.72}});
+  Probe cauchy = biot;
+  cauchy.name = "cauchy";
+  cauchy.measure = sheet::StressMeasure::kCauchy;
+  Probe by_patch = cauchy;
+  by_patch.name = "patch";
+  by_patch.recovery = fem::Recovery::kPatch;
+  auto found = measure(sheet, {biot, cauchy, by_patch});
+  const double q = 2.0e6 / (1.0 - 0.25 * 0.25);
+  EXPECT_NEAR(found.at("biot.xx"), q * (0.2 - 0.25 * 0.1), 1e-3);
+  EXPECT_NEAR(found.at("cauchy.xx"), found.at("biot.xx") / 0.9, 1e-3);
+  EXPECT_NEAR(found.at("cauchy.yy"), found.at("biot.yy") / 1.2, 1e-3);
+  EXPECT_NEAR(found.at("patch.xx"), found.at("cauchy.xx"), 1e-3);
+}
+
 TEST(Probes, ReactionsBalanceTheLoads) {
   SheetConfig config = stretched(Eigen::Matrix<double, 3, 2>::Zero());
   config.constraints[0].region = sheet::RegionEdge::kBottom;
@@ -235,6 +309,29 @@ TEST(Probes, ASideChoosesTheLip) {
   auto found = measure(sheet, {upper, lower});
   EXPECT_GT(std::abs(found.at("upper.y")), 1e-3);
   EXPECT_LT(std::abs(found.at("lower.y")), 1e-12);
+}
+
+TEST(Probes, OfLipsWaitForTheCutThatMakesThem) {
+  SheetConfig config = scenes::hanging(9);
+  const cut::Circle arc{{0.5, 0.5}, 0.19};
+  const Probe rim = over("rim", Quantity::kPosition, sheet::MaterialCurve{arc}, Reduce::kMean);
+  const sheet::Sheet uncut = sheet::make(config);
+  const Result<Probes> refused = Probes::create({rim}, uncut);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().reason, "REGION_EMPTY");
+  sheet::Cut slit;
+  slit.curve = arc;
+  config.commands = {{1, slit}};
+  sheet::Sheet sheet = sheet::make(config);
+  Result<Probes> probes = Probes::create({rim}, sheet);
+  ASSERT_TRUE(probes.ok());
+  std::vector<double> row;
+  probes->measure(sheet, {}, 0.0, row);
+  EXPECT_TRUE(std::isnan(row.at(0)));
+  sheet.step({});
+  row.clear();
+  probes->measure(sheet, {}, 0.0, row);
+  EXPECT_NEAR(row.at(0), 0.5, 1e-3);
 }
 
 TEST(Probes, RefuseWhatIsNotThereAndSayNaNOfWhatIsCutAway) {

@@ -14,6 +14,7 @@
 
 #include "server/base/check.h"
 #include "server/fem/covariance_root.h"
+#include "server/fem/factor_preconditioner.h"
 #include "server/fem/integrator.h"
 #include "server/fem/linear_solver.h"
 #include "server/fem/membrane.h"
@@ -116,7 +117,7 @@ Eigen::MatrixXd scaled(const Eigen::MatrixXd& A, Eigen::Index block) {
 // L^T P^-1 L, A = L L^T, of the same eigenvalues as P^-1 A, P being the float factor of A.
 Eigen::MatrixXd factor_preconditioned(const System& system) {
   const fem::BlockMatrix& A = system.tangent.blocks();
-  const std::unique_ptr<fem::Preconditioner> preconditioner = fem::make_factor_preconditioner();
+  const std::unique_ptr<fem::Preconditioner> preconditioner = std::make_unique<fem::FactorPreconditioner>();
   preconditioner->analyse(A);
   *preconditioner->frames() = system.frames;
   KERF_CHECK(preconditioner->prepare(A), "A is positive definite");

@@ -143,6 +143,44 @@ class Sheets(Case):
         pathlib.Path(path("larger.obj")).write_bytes(b"#" * ((1 << 20) + 1))
         self.refused("sheet", "create", "none", "--obj", path("larger.obj"), says="FILE_TOO_LARGE")
 
+    def test_sheets_with_an_integrator_of_their_own(self):
+        made = self.json_of("sheet", "create", "euler", "--grid", "6x6", "--integrator", "implicit", "--solver", "direct")
+        self.assertEqual((made["scene"]["integrator"]["kind"], made["scene"]["integrator"]["solver"]),
+                         ("IMPLICIT_EULER", "DIRECT"))
+        self.assertIn("implicit: Euler, one step a tick; direct solver", made["integrator"])
+        made = self.json_of("sheet", "create", "leap", "--grid", "6x6", "--integrator", "explicit", "--precision", "double")
+        self.assertEqual((made["scene"]["integrator"]["kind"], made["scene"]["integrator"]["precision"]),
+                         ("EXPLICIT_LEAPFROG", "DOUBLE"))
+        self.refused("sheet", "create", "none", "--integrator", "magic", code=2, says="--integrator")
+        self.refused("sheet", "create", "none", "--precision", "half", code=2, says="--precision")
+        self.refused("sheet", "create", "none", "--solver", "guess", code=2, says="--solver")
+
+    def test_sheets_from_scene_files(self):
+        pathlib.Path(path("scene-panel.ply")).write_bytes(panel("binary_little_endian"))
+        scene = {"sheet_id": "of-the-file", "ply": {"file": "scene-panel.ply"}, "material": {"preset": "denim"},
+                 "gravity_mps2": {"z": -1.5}, "integrator": {"kind": "BDF2"},
+                 "constraints": [{"region": {"border": {}}}],
+                 "commands": [{"tick": 3, "command": {"cut": {"curve": {"polyline": {"points": [
+                     {"x": 0.5, "y": -1}, {"x": 0.5, "y": 4}]}}}}}]}
+        pathlib.Path(path("live.json")).write_text(json.dumps(scene))
+        made = self.json_of("sheet", "create", "live", "--scene", path("live.json"))
+        self.assertEqual((made["name"], made["num_vertices"]), ("sheets/live", 8))
+        self.assertEqual((made["scene"]["gravity_mps2"]["z"], made["scene"]["integrator"]["kind"]), (-1.5, "BDF2"))
+        self.json_of("sheet", "pause", "live")
+        self.json_of("sheet", "step", "live", "4")
+        self.assertEqual(self.json_of("sheet", "get", "live")["pieces"], 2)
+        made = self.json_of("sheet", "create", "live-again", "--scene", path("live.json"), "--integrator", "tr-bdf2")
+        self.assertEqual(made["scene"]["integrator"]["kind"], "TR_BDF2")
+        self.refused("sheet", "create", "none", "--scene", path("missing.json"), says="FILE_NOT_FOUND")
+        scene["constraints"] = [{"region": {"box": {"min": {"x": 5, "y": 5}, "max": {"x": 6, "y": 6}}}}]
+        pathlib.Path(path("empty.json")).write_text(json.dumps(scene))
+        self.refused("sheet", "create", "none", "--scene", path("live.json"), "--grid", "5x5", code=2, says="--grid")
+        self.refused("sheet", "create", "none", "--scene", path("live.json"), "--pin", "none", code=2, says="--pin")
+        self.refused("sheet", "create", "none", "--scene", path("live.json"), "--material", "silk", code=2)
+        del scene["commands"]
+        pathlib.Path(path("empty.json")).write_text(json.dumps(scene))
+        self.refused("sheet", "create", "none", "--scene", path("empty.json"), says="constraints[0].region")
+
     def test_refusals(self):
         self.refused("sheet", "create", "Bad_Name", says="sheet_id")
         self.refused("sheet", "create", "huge", "--grid", "1000x1000", says="500000")
@@ -521,6 +559,10 @@ class Offline(Case):
         done = kerf("--json", "run", free)
         self.assertEqual((done.returncode, json.loads(done.stdout)["static"]["converged"]), (1, False))
         self.assertIn("no equilibrium was found beyond load 0", done.stderr)
+        self.assertIn("nothing holds the sheet", done.stderr)
+        self.assertIn("along y", done.stderr)
+        windy = self.scene("windy.json", **{**pulled, "wind": {"velocity_mps": {"x": 1}}})
+        self.assertIn("left out: wind", kerf("run", windy).stdout)
         self.refused("run", self.scene("pulled.json", **pulled), "--record", path("no.rec"), says="dynamic")
         self.refused("run", self.scene("odd.json", probes=[{"name": "a", "quantity": "POSITION", "points": [{"x": 9}]}]),
                      says="probes[0].points[0]")
@@ -548,6 +590,58 @@ class Offline(Case):
         self.refused("analyze", "rests", "--modes", "0", code=2)
         self.refused("analyze", "rests", "--resting", code=2)
         self.json_of("sheet", "delete", "rests")
+
+    def test_ticks_to_come_of_a_live_sheet(self):
+        falls = {"grid": {"columns": 8, "rows": 8, "width_m": 1, "height_m": 1}, "pins": [{"edge": "TOP"}],
+                 "probes": [{"name": "low", "quantity": "POSITION", "points": [{"x": 0.5, "y": 0}]},
+                            {"name": "all", "quantity": "ENERGY"}]}
+        pathlib.Path(path("falls.json")).write_text(json.dumps(falls))
+        self.json_of("sheet", "create", "falls", "--scene", path("falls.json"))
+        self.json_of("sheet", "pause", "falls")
+        folder = path("ticks")
+        os.makedirs(folder, exist_ok=True)
+        before = self.json_of("sheet", "get", "falls")
+        self.assertEqual(before["flagged_ticks"], {})
+        ahead = self.json_of("analyze", "falls", "--dynamic", "--ticks", "30", "--every", "12", "--csv", folder)
+        self.assertEqual(self.json_of("sheet", "get", "falls")["state_hash"], before["state_hash"])
+        self.assertEqual((ahead["tick"], ahead["dynamic"]["ticks"]), (before["tick"], 30))
+        rows = [row["values"] for row in ahead["tables"][0]["rows"]]
+        self.assertEqual([round(60 * row[0]) for row in rows], [0, 12, 24, 30])
+        self.assertAlmostEqual(rows[3][-1], sum(rows[3][-5:-1]), 12)
+        lines = pathlib.Path(folder, "probes.csv").read_text().splitlines()
+        self.assertEqual(lines[0], "time_s,low.x,low.y,low.z,all.kinetic,all.membrane,all.bending,all.gravity,all.total")
+        self.assertEqual([float(cell) for cell in lines[4].split(",")], rows[3])
+        self.assertEqual(self.json_of("sheet", "step", "falls", "30")["state_hash"], ahead["dynamic"]["state_hash"])
+        people = kerf("analyze", "falls", "--dynamic").stdout
+        self.assertIn(f"falls as it was at tick {before['tick'] + 30}", people)
+        self.assertIn("0 ticks, 0 s: kinetic", people)
+        pathlib.Path(path("ahead.json")).write_text(json.dumps({"analysis": {"dynamic": {"ticks": 2}}, "probes": [
+            {"name": "top", "quantity": "STRESS", "region": {"edge": "TOP"}, "recovery": "PATCH", "stress_measure": "CAUCHY"}]}))
+        asked = self.json_of("analyze", "falls", "--request", path("ahead.json"))["tables"][0]
+        self.assertEqual((asked["columns"], len(asked["rows"])), (["time_s", "top.xx", "top.yy", "top.xy"], 3))
+        self.refused("analyze", "falls", "--dynamic", "--request", path("ahead.json"), code=2, says="analysis")
+        pathlib.Path(path("probes.json")).write_text(json.dumps({"probes": [{"name": "all", "quantity": "MOMENTUM"}]}))
+        beside = self.json_of("analyze", "falls", "--dynamic", "--ticks", "4", "--request", path("probes.json"))["tables"][0]
+        self.assertEqual((beside["columns"][3], len(beside["rows"])), ("all.z", 5))
+        self.assertTrue(all(math.isfinite(value) for row in asked["rows"] for value in row["values"]))
+        self.refused("analyze", "falls", "--ticks", "3", code=2)
+        self.refused("analyze", "falls", "--dynamic", "--ticks", "100001", code=2)
+        self.refused("analyze", "falls", "--dynamic", "--modes", "3", code=2)
+        self.json_of("sheet", "delete", "falls")
+
+    def test_flags_of_a_live_sheets_ticks_are_counted(self):
+        scene = self.scene("limited.json", integrator={"kind": "EXPLICIT_LEAPFROG", "max_substeps": 1})
+        self.json_of("sheet", "create", "short", "--scene", scene)
+        live = int(self.json_of("sheet", "pause", "short")["flagged_ticks"].get("substep_limit", 0))
+        self.json_of("sheet", "step", "short", "5")
+        counted = str(live + 5)
+        self.assertEqual(self.json_of("sheet", "get", "short")["flagged_ticks"]["substep_limit"], counted)
+        listed = next(sheet for sheet in self.json_of("sheet", "list")["sheets"] if sheet["name"] == "sheets/short")
+        self.assertEqual(listed["flagged_ticks"]["substep_limit"], counted)
+        self.assertIn("ticks flagged substep_limit " + counted, kerf("sheet", "list").stdout)
+        self.json_of("sheet", "reset", "short")
+        self.assertEqual(self.json_of("sheet", "get", "short")["flagged_ticks"]["substep_limit"], counted)
+        self.json_of("sheet", "delete", "short")
 
     def test_energies_and_cpu_time_are_told(self):
         # Nothing moves and nothing is stretched: all there is is weight at a height.

@@ -378,8 +378,17 @@ class Sheets(Case):
             rest = sheet.analyze(request={"analysis": {"static": {"steps": 2}}, "probes": probes})
             self.assertEqual(rest.tables[0].columns[3], "top.z")
             self.assertEqual(len(rest.tables[0].rows), 2)
+            ahead = sheet.analyze(ticks=6, measure_every=4, request={"probes": probes})
+            self.assertEqual([round(row.values[0] * 60) for row in ahead.tables[0].rows], [0, 4, 6])
+            self.assertEqual(sheet.step(6).state_hash, ahead.dynamic.state_hash)
+            self.assertEqual(sheet.analyze(ticks=0).dynamic.ticks, 0)
+            for wrong in ({"modes": 1}, {"about_equilibrium": True}):
+                with self.assertRaises(ValueError):
+                    sheet.analyze(request={}, **wrong)
             with self.assertRaises(ValueError):
-                sheet.analyze(modes=1, request={})
+                sheet.analyze(modes=1, ticks=1)
+            with self.assertRaises(ValueError):
+                sheet.analyze(ticks=1, request={"analysis": {"static": {}}})
         finally:
             sheet.delete()
 

@@ -1,5 +1,6 @@
 // The contract of every element: zero force at rest, invariance under rigid motion, force = -dE/dx and stiffness =
-// -df/dx by finite differences, symmetry, positive semidefiniteness where promised, no NaN whatever the shape.
+// -df/dx by finite differences, symmetry, positive semidefiniteness where promised, no NaN whatever the shape. On one
+// mesh; fem_element_contract_test.cc has all of them, and all states.
 #include <functional>
 #include <numbers>
 
@@ -7,47 +8,12 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
-#include "server/fem/bending_forces.h"
-#include "server/fem/membrane.h"
-#include "server/fem/membrane_tangent.h"
+#include "server/fem/bending_lanes.h"
+#include "tests/fem/elements.h"
 #include "tests/fem/fem_fixture.h"
 
 namespace kerf::fem {
 namespace {
-
-template <typename Of, MembraneLaw kLaw = MembraneLaw::kCorotational>
-struct Membrane {
-  explicit Membrane(const mesh::TriangleMesh& mesh) : model(mesh, Of::material(), kLaw) {}
-  double energy(const mesh::VertexField& x) const {
-    return membrane_energy(model.element_blocks(), model.materials(), x);
-  }
-  mesh::VertexField forces(const mesh::VertexField& x) const {
-    mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
-    add_membrane_forces(model.element_blocks(), model.materials(), {}, x, x, f);
-    return f;
-  }
-  Eigen::MatrixXd stiffness(const mesh::VertexField& x, bool project) const {
-    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * x.cols(), 3 * x.cols());
-    LaneFrames frames;
-    ElementMatrix element;
-    for (const ElementBlock& block : model.element_blocks()) {
-      frames_at(block, x, frames);
-      for (std::size_t l = 0; l < kLanes; ++l) {
-        if (block.area[l] == 0.0) continue;
-        const MembraneTangent tangent(block, l, frames, model.materials());
-        tangent.stiffness(tangent.stress(), 1.0, 1.0, project, element);
-        for (std::size_t i = 0; i < 3; ++i) {
-          for (std::size_t j = 0; j < 3; ++j) {
-            K.block<3, 3>(3 * block.vertex[i][l], 3 * block.vertex[j][l]) +=
-                element.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * j));
-          }
-        }
-      }
-    }
-    return K;
-  }
-  Model model;
-};
 
 struct Isotropic {
   static Material material() { return isotropic(1.0e6, 0.3, 1.0e-3, 300.0); }
@@ -59,27 +25,20 @@ struct Wool {
   static Material material() { return find_preset("wool").value(); }
 };
 
-struct Bending {
-  explicit Bending(const mesh::TriangleMesh& mesh) : model(mesh, orthotropic_cloth()) {}
-  double energy(const mesh::VertexField& x) const { return bending_energy(model.bending_rows(), x); }
-  mesh::VertexField forces(const mesh::VertexField& x) const {
-    mesh::VertexField f = Eigen::Matrix3Xd::Zero(3, x.cols());
-    add_bending_forces(model.bending_rows(), x, f);
-    return f;
-  }
-  Eigen::MatrixXd stiffness(const mesh::VertexField& x, bool /*project*/) const {
-    Eigen::MatrixXd K = Eigen::MatrixXd::Zero(3 * x.cols(), 3 * x.cols());
-    for (int i = 0; i < model.bending_rows().num_rows(); ++i) {
-      for (const BendingEntry& entry : model.bending_rows().row(i)) {
-        K.block<3, 3>(3 * i, 3 * entry.column) = entry.value * Eigen::Matrix3d::Identity();
-      }
-    }
-    return K;
-  }
-  Model model;
+template <typename Of, MembraneLaw kLaw = MembraneLaw::kCorotational>
+struct Membrane : MembraneElement {
+  explicit Membrane(const mesh::TriangleMesh& mesh) : MembraneElement(mesh, Of::material(), kLaw) {}
 };
 
-template <typename Element>
+struct Bending : BendingElement {
+  explicit Bending(const mesh::TriangleMesh& mesh) : BendingElement(mesh, orthotropic_cloth()) {}
+};
+
+struct BendingByAngles : AngleBendingElement {
+  explicit BendingByAngles(const mesh::TriangleMesh& mesh) : AngleBendingElement(mesh, orthotropic_cloth()) {}
+};
+
+template <typename Tested>
 class ElementContract : public testing::Test {
  protected:
   static constexpr int kSide = 5;
@@ -94,14 +53,14 @@ class ElementContract : public testing::Test {
   double force_scale() { return element_.forces(deformed(0.1)).cwiseAbs().maxCoeff(); }
 
   mesh::TriangleMesh mesh_;
-  Element element_;
+  Tested element_;
   mesh::VertexField rest_;
   SeededRandom random_{7};
 };
 
-using Elements =
-    testing::Types<Membrane<Isotropic>, Membrane<Orthotropic>, Membrane<Wool>, Membrane<Isotropic, MembraneLaw::kGreen>,
-                   Membrane<Orthotropic, MembraneLaw::kGreen>, Membrane<Wool, MembraneLaw::kGreen>, Bending>;
+using Elements = testing::Types<Membrane<Isotropic>, Membrane<Orthotropic>, Membrane<Wool>,
+                                Membrane<Isotropic, MembraneLaw::kGreen>, Membrane<Orthotropic, MembraneLaw::kGreen>,
+                                Membrane<Wool, MembraneLaw::kGreen>, Bending, BendingByAngles>;
 TYPED_TEST_SUITE(ElementContract, Elements);
 
 TYPED_TEST(ElementContract, ExertsNoForceAtRestAnywhere) {
@@ -332,6 +291,13 @@ TEST(BendingElement, CylinderHasThePlateEnergyInEveryDirection) {
   }
 }
 
+std::array<double, 21> stiffness_of(const PatchGeometry& patch, const Eigen::Matrix3d& D) {
+  PatchLanes lanes;
+  lanes.set(0, patch, D, D.inverse());
+  lanes.fit(1);
+  return lanes.stiffness_of(0);
+}
+
 TEST(BendingElement, SixPointsOnAConicGiveAFiniteStiffness) {
   // Corners and opposite corners of a regular hexagon lie on one circle, and on many conics besides.
   std::array<Eigen::Vector2d, 6> hexagon;
@@ -340,11 +306,10 @@ TEST(BendingElement, SixPointsOnAConicGiveAFiniteStiffness) {
     hexagon[static_cast<std::size_t>(i)] = {std::cos(angle), std::sin(angle)};
   }
   const Eigen::Matrix3d D = bending_law(isotropic(1.0e6, 0.3, 1.0e-3, 300.0));
-  const std::array<double, 21> Q =
-      bending_stiffness(fit_bending({{hexagon[0], hexagon[2], hexagon[4]},
-                                     {hexagon[3], hexagon[5], hexagon[1]},
-                                     {PatchEdge::kNeighbour, PatchEdge::kNeighbour, PatchEdge::kNeighbour}},
-                                    D.inverse()));
+  const std::array<double, 21> Q = stiffness_of({{hexagon[0], hexagon[2], hexagon[4]},
+                                                 {hexagon[3], hexagon[5], hexagon[1]},
+                                                 {PatchEdge::kNeighbour, PatchEdge::kNeighbour, PatchEdge::kNeighbour}},
+                                                D);
   for (const double q : Q) {
     EXPECT_TRUE(std::isfinite(q));
     EXPECT_LT(std::abs(q), 1e3 * D(0, 0));
@@ -384,7 +349,7 @@ TEST(BendingElement, StiffnessIsThatOfTheFitWhicheverNeighboursThereAre) {
     const Eigen::Matrix<double, 3, 6> B =
         D.inverse() * P.transpose() * G.completeOrthogonalDecomposition().pseudoInverse() * W;
     const Eigen::Matrix<double, 6, 6> expected = area * B.transpose() * D * B;
-    const std::array<double, 21> Q = bending_stiffness(fit_bending({X, opposite, edges}, D.inverse()));
+    const std::array<double, 21> Q = stiffness_of({X, opposite, edges}, D);
     std::size_t at = 0;
     for (int i = 0; i < 6; ++i) {
       for (int j = i; j < 6; ++j) EXPECT_NEAR(Q[at++], expected(i, j), 1e-11 * D(0, 0)) << present;

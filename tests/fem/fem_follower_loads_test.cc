@@ -338,5 +338,26 @@ TEST(Pressure, BendsACantileverToTheSolutionOfItsDifferentialEquation) {
   }
 }
 
+// To a part of a circle of radius EI / M, with the energy M^2 L / (2 EI).
+TEST(EdgeMoment, BendsAStripToACircleAndStoresItsEnergy) {
+  const Material material = isotropic(1.0e8, 0.0, 1.0e-3, 1000.0);
+  const double stiffness = 1.0e8 * 1e-9 / 12.0;  // N m
+  Strip strip(20, 2, 1.0, 0.1, material);
+  std::vector<Clamp> clamps;
+  for (int j = 0; j < 3; ++j) clamps.push_back({21 * j, Eigen::Matrix<double, 3, 2>::Identity()});
+  strip.model.set_clamps(strip.mesh, clamps);
+  strip.model.bend_by_angles(strip.mesh);
+  for (const double turn : {0.5, 1.5, 3.0, 6.0}) {
+    strip.loads.edge_moments = moments_at_right(strip.model, strip.mesh, turn * stiffness);
+    EXPECT_TRUE(strip.settle().converged) << turn;
+    const Vector3d tip = strip.x.col(41);
+    EXPECT_NEAR(tip.x(), std::sin(turn) / turn, 1e-3) << turn;
+    EXPECT_NEAR(tip.z(), (1.0 - std::cos(turn)) / turn, 1e-3) << turn;
+    const double expected = 0.5 * turn * turn * stiffness * 0.1;
+    EXPECT_NEAR(strip.model.bending_energy(strip.x) + edge_moment_energy(strip.loads), expected, 1e-4 * expected)
+        << turn;
+  }
+}
+
 }  // namespace
 }  // namespace kerf::fem

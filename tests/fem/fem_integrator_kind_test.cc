@@ -1,5 +1,6 @@
 // What only one kind of integrator does, and how the automatic one chooses. What all do: fem_integrator_test.cc.
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "server/cut/cut.h"
@@ -64,6 +65,37 @@ TEST(ExplicitIntegrator, BendsATautSheetWithoutResonance) {
       EXPECT_LT(energy_of_a_taut_sheet(options, thickness, strain), 1.1) << thickness << " m, stretched by " << strain;
     }
   }
+}
+
+// Undamped modes of the pace of substeps are swung up by others in a sheet that strains a little everywhere, unless
+// substeps are shorter.
+TEST(ExplicitIntegrator, KeepsAShakenSheetBoundedWithoutDamping) {
+  constexpr double kPeriod = 1.0 / 3.0;  // s
+  constexpr int kTicksASpan = 3;         // between changes of the border's velocity
+  const mesh::TriangleMesh mesh = jittered_square(12, 1.0, 4);
+  const Model model(mesh, isotropic(1e9, 0.45, 5e-4, 500.0));
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kExplicit;
+  options.precision = Precision::kDouble;
+  options.highest_mode_damping = 0.0;
+  const std::unique_ptr<Integrator> integrator = make_integrator(options);
+  integrator->rebuild(model);
+  State state = rest_state(mesh);
+  const auto swing = [](int span) -> Eigen::Vector3d {
+    return std::sin(2.0 * std::numbers::pi / kPeriod * kTick * kTicksASpan * span) * Eigen::Vector3d(0.0, 0.3, 0.2);
+  };
+  for (int i = 0; i < 420; ++i) {
+    const int span = i / kTicksASpan;
+    const Eigen::Vector3d velocity = (swing(span + 1) - swing(span)) / (kTick * kTicksASpan);
+    const Eigen::Vector3d moved = swing(span) + kTick * (i + 1 - span * kTicksASpan) * velocity;
+    Loads loads;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+      const Eigen::Vector2d at = mesh.rest_position(v);
+      if (at.x() < 1e-6) loads.pins.push_back(Pin{v, Eigen::Vector3d(at.x(), at.y(), 0.0) + moved, velocity});
+    }
+    integrator->step(model, loads, kTick, nullptr, state);
+  }
+  EXPECT_LT(internal_energy(model, state), 500.0);  // J
 }
 
 TEST(ExplicitIntegrator, TakesMoreSubstepsOfASheetThatIsStretchedFar) {
@@ -290,6 +322,42 @@ TEST(AutomaticIntegrator, GoesFromExplicitToImplicitByACutAndBack) {
   model.follow(before, rewritten);
   integrator->follow(model);
   expect_bits_of_a_fresh_start(before, IntegratorKind::kExplicit);
+}
+
+// The solver is chosen with the size: the bits are those of TR-BDF2 with the one that is asked for.
+TEST(AutomaticIntegrator, SolvesLargeSheetsWithTheFloatFactor) {
+  IntegratorOptions options;
+  options.max_substeps = 1000;
+  const std::unique_ptr<Integrator> integrator = make_integrator(options);
+  mesh::TriangleMesh mesh = mesh::make_grid({.num_x = 44, .num_y = 45}).value();
+  Model model(mesh, isotropic(1.0e10, 0.3, 5.0e-4, 1000.0));
+  integrator->rebuild(model);
+  const auto expect_bits_of = [&](LinearSolverKind solver) {
+    IntegratorOptions asked;
+    asked.kind = IntegratorKind::kTrBdf2;
+    asked.linear_solver = solver;
+    const std::unique_ptr<Integrator> expected = make_integrator(asked);
+    expected->rebuild(model);
+    integrator->prepare();
+    State state = rest_state(mesh);
+    Loads loads;
+    for (const int corner : {0, 43}) loads.pins.push_back({corner, state.x.col(corner), Eigen::Vector3d::Zero()});
+    State other = state;
+    integrator->step(model, loads, kTick, nullptr, state);
+    expected->step(model, loads, kTick, nullptr, other);
+    EXPECT_TRUE(equal_bits(state, other)) << integrator->explanation();
+    EXPECT_NE(integrator->explanation().find(name_of(solver).description), std::string_view::npos);
+  };
+  ASSERT_LT(model.num_vertices(), 2000);
+  expect_bits_of(LinearSolverKind::kDirect);
+  const Result<cut::CutPlan> plan = cut::plan(mesh, {cut::Polyline{{{0.2, 0.37}, {0.83, 0.41}}}, {}, {}});
+  ASSERT_TRUE(plan.ok());
+  Result<cut::CutOutcome> outcome = cut::apply(mesh, *plan);
+  ASSERT_TRUE(outcome.ok());
+  model.follow(mesh, outcome->edit.rewritten_triangles);
+  integrator->follow(model);
+  ASSERT_GE(model.num_vertices(), 2000);
+  expect_bits_of(LinearSolverKind::kFactorCg);
 }
 
 }  // namespace

@@ -154,6 +154,22 @@ TEST(FactorCg, WhatWasForgottenHasNoInfluence) {
   EXPECT_NE(solved(false, true), solved(false, false));
 }
 
+TEST(FactorCg, LeavesWhatFloatsLoseToAFactorInDouble) {
+  const System system = random_system(9, 1e4, 17);
+  SeededRandom random(2);
+  const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);
+  const auto solved = [&](LinearSolverKind kind) {
+    const std::unique_ptr<LinearSolver> solver = make_linear_solver(kind, 1);  // one iteration is not enough
+    solver->analyse(system.A);
+    mesh::VertexField x = Eigen::Matrix3Xd::Zero(3, b.cols());
+    const LinearStats stats = solver->solve(system.A, b, 1e-10, x);
+    EXPECT_TRUE(stats.converged);
+    EXPECT_EQ(stats.iterations, kind == LinearSolverKind::kDirect ? 1 : 2);
+    return x;
+  };
+  EXPECT_EQ(solved(LinearSolverKind::kFactorCg), solved(LinearSolverKind::kDirect));
+}
+
 class ConjugateGradients : public testing::TestWithParam<LinearSolverKind> {};
 
 TEST_P(ConjugateGradients, StopAtTheIterationLimitAndSaySo) {

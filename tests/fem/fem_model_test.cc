@@ -90,13 +90,13 @@ TEST(Material, RefusesEveryFieldThatIsNotFiniteOrOutOfRangeByName) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   const std::vector<std::pair<double Material::*, std::string>> fields{
-      {&Material::youngs_modulus_1, "youngs_modulus_1_pa"},
+      {&Material::youngs_modulus_1, "youngs_modulus_pa"},
       {&Material::youngs_modulus_2, "youngs_modulus_2_pa"},
       {&Material::shear_modulus, "shear_modulus_pa"},
-      {&Material::poissons_ratio_12, "poissons_ratio_12"},
+      {&Material::poissons_ratio_12, "poissons_ratio"},
       {&Material::direction, "direction_rad"},
       {&Material::thickness, "thickness_m"},
-      {&Material::density, "density_kg_m3"},
+      {&Material::density, "density_kgpm3"},
       {&Material::bending_scale, "bending_scale"},
       {&Material::mass_damping, "mass_damping_per_s"},
       {&Material::stiffness_damping, "stiffness_damping_s"}};

@@ -260,6 +260,35 @@ TEST_F(RpcServerTest, ACancelledStepEnds) {
   EXPECT_LT(stepped.tick(), kTicks);
 }
 
+// The one behind it would wait in vain: 100,000 ticks of this sheet take minutes.
+TEST_F(RpcServerTest, ADynamicAnalysisEndsAtItsDeadline) {
+  v1::CreateSheetRequest made;
+  made.set_sheet_id("heavy");
+  made.set_paused(true);
+  v1::GridMesh& grid = *made.mutable_scene()->mutable_grid();
+  grid.set_columns(60);
+  grid.set_rows(60);
+  grid.set_width_m(1.0);
+  grid.set_height_m(1.0);
+  v1::Sheet heavy;
+  ASSERT_TRUE(client_->call(&v1::SheetService::Stub::CreateSheet, client_->sheets(), made, heavy).ok());
+  v1::AnalyzeSheetRequest request;
+  request.set_name("sheets/heavy");
+  request.mutable_analysis()->mutable_dynamic()->set_ticks(100'000);
+  v1::AnalyzeSheetResponse response;
+  EXPECT_EQ(client_
+                ->call(&v1::SheetService::Stub::AnalyzeSheet, client_->sheets(), request, response,
+                       std::chrono::milliseconds(200))
+                .error_code(),
+            StatusCode::DEADLINE_EXCEEDED);
+  request.mutable_analysis()->mutable_dynamic()->set_ticks(2);
+  const grpc::Status second = client_->call(&v1::SheetService::Stub::AnalyzeSheet, client_->sheets(), request, response,
+                                            std::chrono::seconds(20));
+  ASSERT_TRUE(second.ok()) << second.error_message();
+  EXPECT_EQ(response.dynamic().ticks(), 2);
+  EXPECT_EQ(get("sheets/heavy").state_hash(), heavy.state_hash());
+}
+
 TEST_F(RpcServerTest, StopAnswersWhatIsUnderWay) {
   create("a");
   v1::StepSheetRequest request;

@@ -10,14 +10,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// 1 m x 1 m in the plane z = 0, free, without gravity.
-SheetConfig flat(std::int32_t n) {
-  SheetConfig config = scenes::hanging(n);
-  config.placement.y_axis = {0.0, 1.0, 0.0};
-  config.pins.clear();
-  config.gravity.setZero();
-  return config;
-}
+using scenes::flat;
 
 Constraint hold(Region region) {
   Constraint constraint;
@@ -334,6 +327,22 @@ TEST(Forces, PressureAndMomentsStayWhereTheyActThroughCuts) {
   EXPECT_NEAR(pressed(), 3.0 + 0.5, 0.02) << "half of its history, on half of the sheet, to the nearest triangle";
 }
 
+// Two moments at one edge are one: what they store at the border goes by their sum.
+TEST(Forces, MomentsOfSeveralLoadsAddUpEdgeByEdge) {
+  const auto stored = [](const std::vector<double>& moments) {
+    SheetConfig config = flat(5);
+    for (const double moment : moments) config.loads.push_back({EdgeMoment{RegionEdge::kTop, moment, false}, {}});
+    const Sheet sheet = make(config);
+    EXPECT_EQ(sheet.loads().edge_moments.size(), 4U);
+    return sheet.energies().bending;
+  };
+  const double once = stored({0.5});
+  EXPECT_GT(once, 0.0);
+  EXPECT_EQ(stored({0.25, 0.25}), once);
+  EXPECT_NEAR(stored({0.75, -0.25}), once, 1e-12 * once);
+  EXPECT_LT(std::abs(stored({0.5, -0.5})), 1e-12 * once);
+}
+
 TEST(Forces, WithoutAnythingToActOnAreRefused) {
   SheetConfig config = flat(5);
   config.loads = {{EdgeForce{NearestVertex{{0.0, 0.0}}, {1.0, 0.0, 0.0}, true}, {}}};
@@ -397,6 +406,24 @@ TEST(Settling, FindsTheEquilibriumOfTheLoadAndLeavesTheTickAlone) {
   }
   EXPECT_EQ(sheet.tick(), 0);
   EXPECT_EQ(sheet.state().v.cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST(Settling, BendsByAnglesUntilTheNextStep) {
+  SheetConfig config = flat(9);
+  config.pins = {RegionEdge::kTop};
+  config.integrator.kind = IntegratorKind::kTrBdf2;
+  Sheet sheet = make(config);
+  Sheet other = sheet;
+  EXPECT_TRUE(sheet.settle(1.0, {}, {}).converged);
+  EXPECT_NE(sheet.model().angle_bending(), nullptr);
+  EXPECT_EQ(other.model().angle_bending(), nullptr);
+  other = sheet;
+  other.bend_by_angles();
+  for (Sheet* each : {&sheet, &other}) {
+    each->step({});
+    EXPECT_EQ(each->model().angle_bending(), nullptr);
+  }
+  EXPECT_EQ(sheet.state_hash(), other.state_hash());
 }
 
 TEST(Settling, LeavesTheStateAloneWhereNoEquilibriumIsFound) {

@@ -19,7 +19,10 @@ fem::Material heavy() {
   return m;
 }
 fem::Material third() {
-  return fem::isotropic(1.0e5, 0.4, 2.0e-3, 700.0);
+  fem::Material m = fem::isotropic(1.0e5, 0.4, 2.0e-3, 700.0);
+  m.bending_stiffness_1 = 2.0e-5;  // as if measured
+  m.bending_coupling = -1.0e-6;
+  return m;
 }
 
 MaterialBox box(double x0, double y0, double x1, double y1) {

@@ -9,6 +9,7 @@
 #include "server/cut/cut.h"
 #include "server/mesh/grid_mesh.h"
 #include "server/mesh/mesh_import.h"
+#include "server/mesh/regions.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::stability {
@@ -32,7 +33,8 @@ Start resting(mesh::TriangleMesh mesh) {
   fem::State state = at_rest(mesh);
   fem::Loads loads;
   loads.gravity.setZero();
-  return {"", std::move(mesh), std::move(state), std::move(loads)};
+  Start start{"", std::move(mesh), std::move(state), std::move(loads)};
+  return start;
 }
 
 Start resting_grid(double aspect) {
@@ -135,6 +137,25 @@ Start after_cuts(double aspect) {
   return start;
 }
 
+// The lightest and the heaviest material that there may be, 1e7 times as heavy, side by side; stretched and moving, so
+// that each pulls the other.
+Start density_jump(double aspect) {
+  Start start = resting_grid(aspect);
+  std::vector<std::int32_t> regions(static_cast<std::size_t>(start.mesh.num_triangle_slots()), 0);
+  for (mesh::TriangleId t = 0; t < start.mesh.num_triangle_slots(); ++t) {
+    if (!start.mesh.is_solid(t)) continue;
+    const std::array<mesh::VertexId, 3> corner = start.mesh.vertices(t);
+    double x = 0.0;
+    for (const mesh::VertexId v : corner) x += start.mesh.rest_position(v).x() / 3.0;
+    regions[static_cast<std::size_t>(t)] = x > 0.5 ? 1 : 0;
+  }
+  start.mesh = mesh::with_regions(start.mesh, regions);
+  start.densities = {fem::MaterialRanges::kDensity.low, fem::MaterialRanges::kDensity.high};
+  start.state.x *= 1.5;
+  start.state.v = random_field(3, start.state.x.cols(), 10.0);
+  return start;
+}
+
 std::vector<StartKind> make_kinds() {
   std::vector<StartKind> kinds;
   kinds.push_back(shaped("random box", [](fem::State& s) { s.x = random_field(1, s.x.cols(), 1.0); }));
@@ -159,15 +180,15 @@ std::vector<StartKind> make_kinds() {
   kinds.push_back({"one triangle", one_triangle});
   kinds.push_back({"after 200 cuts", after_cuts});
   kinds.push_back({"island of one triangle", island});
+  kinds.push_back({"density jump of 1e7", density_jump});
   return kinds;
 }
 
-fem::Material material(const Case& tested) {
+fem::Material material(const Case& tested, double density) {
   constexpr double kThickness = 1.0e-3;  // m
-  constexpr double kDensity = 300.0;     // kg/m^3
   const bool is_isotropic = tested.poissons_ratio <= 0.5;
   fem::Material made =
-      fem::isotropic(tested.youngs_modulus, is_isotropic ? tested.poissons_ratio : 0.3, kThickness, kDensity);
+      fem::isotropic(tested.youngs_modulus, is_isotropic ? tested.poissons_ratio : 0.3, kThickness, density);
   if (!is_isotropic) {
     made.poissons_ratio_12 = tested.poissons_ratio;
     made.shear_modulus = 0.51 / 3.1 * tested.youngs_modulus;  // as in the thesis' table 4.1
@@ -216,12 +237,15 @@ std::vector<Case> matrix(std::size_t per_start) {
   return cases;
 }
 
-Outcome run(const Case& tested, int num_steps) {
+Outcome run(const Case& tested, int num_steps, const Budget& budget) {
   Start start = start_kinds()[tested.start].make(tested.aspect);
-  const fem::Model model(start.mesh, material(tested));
+  std::vector<fem::Material> materials;
+  for (const double density : start.densities) materials.push_back(material(tested, density));
+  const fem::Model model(start.mesh, materials);
   fem::IntegratorOptions options;
   options.tick = tested.dt;
   options.precision = tested.precision;
+  options.kind = tested.kind;
   const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
   integrator->rebuild(model);
 
@@ -236,20 +260,19 @@ Outcome run(const Case& tested, int num_steps) {
   const Eigen::Vector3d centre = model.centre_of_mass(state.x);
   const Eigen::Vector3d drift_velocity = model.momentum(state).linear / model.total_mass();
   const double size = (state.x.colwise() - centre).norm();
-  double simulated = 0.0;
-  num_steps = std::min(num_steps, static_cast<int>(kMostVertexSteps / model.num_vertices()));
-  long num_substeps = 0;
-  for (int i = 0; i < num_steps && num_substeps < kMostSubsteps && outcome.finite; ++i) {
+  const long most_steps = std::min<long>(num_steps, budget.vertex_steps / model.num_vertices());
+  while (outcome.num_steps < most_steps && outcome.num_substeps < budget.substeps && outcome.finite) {
     const fem::StepStats stats = integrator->step(model, loads, tested.dt, nullptr, state);
     for (std::size_t bit = 0; bit < outcome.flags.size(); ++bit) outcome.flags[bit] += (stats.flags >> bit) & 1U;
-    simulated += stats.simulated;
-    num_substeps += stats.substeps;
+    outcome.simulated += stats.simulated;
+    ++outcome.num_steps;
+    outcome.num_substeps += stats.substeps;
     outcome.finite = fem::is_finite(state);
     outcome.gain = std::max(outcome.gain, (model.energies(state, loads.gravity).total() - before) / scale);
     if (!loads.pins.empty()) continue;
-    const Eigen::Vector3d expected = centre + simulated * drift_velocity;
+    const Eigen::Vector3d expected = centre + outcome.simulated * drift_velocity;
     outcome.drift = std::max(outcome.drift, (model.centre_of_mass(state.x) - expected).norm() /
-                                                (1.0 + size + simulated * drift_velocity.norm()));
+                                                (1.0 + size + outcome.simulated * drift_velocity.norm()));
   }
   return outcome;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -19,7 +20,8 @@ struct Start {
   std::string name;
   mesh::TriangleMesh mesh;
   fem::State state;
-  fem::Loads loads;  // with gravity only where something is pinned
+  fem::Loads loads;                      // with gravity only where something is pinned
+  std::vector<double> densities{300.0};  // kg/m^3, by region of the mesh
 };
 
 // By name; `aspect` >= 1: width of the sheet, 1 m, over its height.
@@ -36,6 +38,7 @@ struct Case {
   double dt = 1.0 / 60.0;         // s
   double aspect = 1.0;            // -
   fem::Precision precision = fem::IntegratorOptions().precision;
+  fem::IntegratorKind kind = fem::IntegratorKind::kAutomatic;
 
   [[nodiscard]] std::string name() const;
 };
@@ -49,16 +52,23 @@ std::vector<Case> matrix(std::size_t per_start = kPerStart);
 struct Outcome {
   double condition = 1.0;  // -, 1 + dt^2 lambda_max(M^-1 K), an upper bound
   bool finite = true;      // in every step
-  double gain = 0.0;       // -, highest energy over that of the start, less 1; of m g 1 m where the start has none
+  double gain = 0.0;       // -, highest energy less that of the start, over the larger of that and m g 1 m
   double drift = 0.0;      // -, of the centre of mass off its ballistic path, over the size and what it has gone
   std::array<int, fem::kStepFlagNames.size()> flags{};  // steps with each
+  int num_steps = 0;                                    // done
+  long num_substeps = 0;                                // that they were divided into
+  double simulated = 0.0;                               // s, that they advanced the sheet by
   bool is_explicit = false;
   std::string integrator;
 };
-// Ends before num_steps once kMostSubsteps are done, which stiff ticks are divided into, or kMostVertexSteps, which is
-// some 30 steps after 200 cuts.
-inline constexpr long kMostVertexSteps = 60'000;
-inline constexpr long kMostSubsteps = 50'000;
-Outcome run(const Case& tested, int num_steps);
+
+// Where a run ends before its num_steps are done; Outcome::num_steps tells.
+struct Budget {
+  long vertex_steps = std::numeric_limits<long>::max();  // steps times vertices
+  long substeps = std::numeric_limits<long>::max();      // that stiff steps are divided into
+};
+// Of the cases of the matrix: 1,666 steps of a grid, some 30 of a sheet after 200 cuts.
+inline constexpr Budget kMatrixBudget{60'000, 50'000};
+Outcome run(const Case& tested, int num_steps, const Budget& budget);
 
 }  // namespace kerf::stability

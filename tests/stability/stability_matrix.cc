@@ -1,4 +1,5 @@
-// Runs the stability matrix and prints what came of it, by start: stability_matrix [cases per start] [steps]
+// Runs the stability matrix and prints what came of it, by start: stability_matrix [cases per start] [steps] [start]
+// With a start, those of it alone.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -43,13 +44,17 @@ void print(const char* name, const Row& row) {
 
 int main(int argc, char** argv) {
   const std::size_t per_start = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : kerf::stability::kPerStart;
+  const std::string only = argc > 3 ? argv[3] : "";
   const int num_steps = argc > 2 ? std::atoi(argv[2]) : 600;
-  const std::vector<Case> cases = kerf::stability::matrix(per_start);
+  std::vector<Case> cases = kerf::stability::matrix(per_start);
+  if (!only.empty()) {
+    std::erase_if(cases, [&](const Case& each) { return kerf::stability::start_kinds()[each.start].name != only; });
+  }
   std::vector<Row> rows(kerf::stability::start_kinds().size());
   Row all;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     std::fprintf(stderr, "\r%zu of %zu: %-80s", i + 1, cases.size(), cases[i].name().c_str());
-    const Outcome outcome = kerf::stability::run(cases[i], num_steps);
+    const Outcome outcome = kerf::stability::run(cases[i], num_steps, kerf::stability::kMatrixBudget);
     rows[cases[i].start].add(outcome);
     all.add(outcome);
     const bool is_accurate = kerf::fem::rate_condition(outcome.condition) == kerf::fem::ConditionClass::kAccurate;
@@ -68,7 +73,7 @@ int main(int argc, char** argv) {
   for (std::size_t i = 0; i < kerf::fem::kStepFlagNames.size(); ++i) std::printf("---|");
   std::printf("\n");
   for (std::size_t start = 0; start < rows.size(); ++start) {
-    print(kerf::stability::start_kinds()[start].name, rows[start]);
+    if (rows[start].cases > 0) print(kerf::stability::start_kinds()[start].name, rows[start]);
   }
   print("all", all);
   return all.not_finite == 0 ? 0 : 1;

@@ -23,6 +23,15 @@ inline sheet::SheetConfig hanging(std::int32_t n) {
   return config;
 }
 
+// 1 m x 1 m in the plane z = 0, free, without gravity.
+inline sheet::SheetConfig flat(std::int32_t n) {
+  sheet::SheetConfig config = hanging(n);
+  config.placement.y_axis = {0.0, 1.0, 0.0};
+  config.pins.clear();
+  config.gravity.setZero();
+  return config;
+}
+
 inline sheet::Cut bezier_cut(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c,
                              const Eigen::Vector2d& d) {
   sheet::Cut cut;

@@ -86,6 +86,37 @@ inline std::vector<BadScene> bad_conditions() {
       {"loads[7].moment.moment_nm", [=](v1::Scene& s) { s.mutable_loads(7)->mutable_moment()->set_moment_nm(nan); }},
       {"loads[8].moment.moment_nm_per_m",
        [=](v1::Scene& s) { s.mutable_loads(8)->mutable_moment()->set_moment_nm_per_m(nan); }},
+      {"loads[9].edge.region.curve.curve",
+       [](v1::Scene& s) { s.mutable_loads(9)->mutable_edge()->mutable_region()->mutable_curve()->clear_curve(); }},
+      {"loads[9].edge.region.curve.curve.circle.radius_m",
+       [](v1::Scene& s) {
+         v1::MaterialCurve& curve = *s.mutable_loads(9)->mutable_edge()->mutable_region()->mutable_curve();
+         curve.mutable_curve()->mutable_circle()->set_radius_m(-1.0);
+       }},
+      {"loads[9].edge.region.curve.curve.svg.file",
+       [](v1::Scene& s) {
+         v1::MaterialCurve& curve = *s.mutable_loads(9)->mutable_edge()->mutable_region()->mutable_curve();
+         curve.mutable_curve()->mutable_svg()->set_file("/etc/passwd");
+       }},
+      {"loads[9].edge.region.curve.within_m",
+       [](v1::Scene& s) { s.mutable_loads(9)->mutable_edge()->mutable_region()->mutable_curve()->set_within_m(-1.0); }},
+      {"loads[9].edge.region.curve.side",
+       [](v1::Scene& s) {
+         s.mutable_loads(9)->mutable_edge()->mutable_region()->mutable_curve()->set_side(
+             static_cast<v1::MaterialLine::Side>(4));
+       }},
+      {"loads[9].edge.normal_npm", [=](v1::Scene& s) { s.mutable_loads(9)->mutable_edge()->set_normal_npm(nan); }},
+      {"loads[9].edge.factor.by_x",
+       [](v1::Scene& s) { s.mutable_loads(9)->mutable_edge()->mutable_factor()->set_by_x(1.1e6); }},
+      {"loads[9].edge.factor.by_x",
+       [](v1::Scene& s) {
+         s.mutable_loads(9)->mutable_edge()->mutable_factor()->set_by_x(0.0);
+         s.mutable_loads(9)->mutable_edge()->mutable_factor()->set_by_y(0.0);
+       }},
+      {"loads[9].edge.factor.zero.x",
+       [=](v1::Scene& s) { s.mutable_loads(9)->mutable_edge()->mutable_factor()->mutable_zero()->set_x(nan); }},
+      {"loads[10].edge.region.border.x",
+       [=](v1::Scene& s) { s.mutable_loads(10)->mutable_edge()->mutable_region()->mutable_border()->set_x(nan); }},
       {"loads",
        [](v1::Scene& s) {
          for (int i = 0; i < 59; ++i) *s.add_loads() = s.loads(0);
@@ -126,6 +157,17 @@ inline std::vector<BadScene> bad_analyses() {
       {"probes[0].side.x", [=](v1::Scene& s) { s.mutable_probes(0)->mutable_side()->set_x(nan); }},
       {"probes[0].reduce", [](v1::Scene& s) { s.mutable_probes(0)->set_reduce(static_cast<v1::Probe::Reduce>(9)); }},
       {"probes[0].region", [](v1::Scene& s) { s.mutable_probes(0)->set_quantity(v1::Probe::REACTION); }},
+      {"probes[0].recovery", [](v1::Scene& s) { s.mutable_probes(0)->set_recovery(v1::Probe::PATCH); }},
+      {"probes[3].recovery",
+       [](v1::Scene& s) { s.mutable_probes(3)->set_recovery(static_cast<v1::Probe::Recovery>(3)); }},
+      {"probes[3].stress_measure",
+       [](v1::Scene& s) { s.mutable_probes(3)->set_stress_measure(static_cast<v1::Probe::StressMeasure>(-1)); }},
+      {"probes[4].stress_measure", [](v1::Scene& s) { s.mutable_probes(4)->set_stress_measure(v1::Probe::CAUCHY); }},
+      {"analysis.dynamic.ticks", [](v1::Scene& s) { s.mutable_analysis()->mutable_dynamic()->set_ticks(1); }},
+      {"analysis.dynamic.measure_every",
+       [](v1::Scene& s) { s.mutable_analysis()->mutable_dynamic()->set_measure_every(-1); }},
+      {"analysis.dynamic.measure_every",
+       [](v1::Scene& s) { s.mutable_analysis()->mutable_dynamic()->set_measure_every(10'000'001); }},
       {"probes[1].reduce", [](v1::Scene& s) { s.mutable_probes(1)->set_reduce(v1::Probe::EACH); }},
       {"probes[1].points", [](v1::Scene& s) { s.mutable_probes(1)->set_quantity(v1::Probe::OPENING); }},
       {"probes[2].points", [](v1::Scene& s) { s.mutable_probes(2)->add_points(); }},

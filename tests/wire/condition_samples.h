@@ -92,6 +92,19 @@ inline void add_conditions(v1::Scene& scene) {
   load = scene.add_loads();
   load->mutable_moment()->mutable_region()->set_edge(v1::Region::RIGHT);
   load->mutable_moment()->set_moment_nm_per_m(0.2);
+  load = scene.add_loads();
+  v1::MaterialCurve& lip = *load->mutable_edge()->mutable_region()->mutable_curve();
+  set(lip.mutable_curve()->mutable_circle()->mutable_center(), 0.1, 0.2);
+  lip.mutable_curve()->mutable_circle()->set_radius_m(0.05);
+  lip.set_within_m(0.001);
+  lip.set_side(v1::MaterialLine::RIGHT_OF_LINE);
+  load->mutable_edge()->set_normal_npm(-0.5);
+  set(load->mutable_edge()->mutable_factor()->mutable_zero(), 0.1, 0.0);
+  load->mutable_edge()->mutable_factor()->set_by_x(3.0);
+  load->mutable_edge()->mutable_factor()->set_by_y(-4.0);
+  load = scene.add_loads();
+  set(load->mutable_edge()->mutable_region()->mutable_border(), 0.1, 0.3);
+  load->mutable_edge()->set_normal_npm(0.0);
   scene.mutable_gravity_history()->add_times(0.0);
   scene.mutable_gravity_history()->add_factors(0.5);
   v1::InitialVelocity& velocity = *scene.mutable_initial_velocity();
@@ -118,6 +131,13 @@ inline void add_conditions(v1::Scene& scene) {
   probe->mutable_side()->set_y(0.1);
   add_probe("top", v1::Probe::REACTION, v1::Probe::SUM)->mutable_region()->set_edge(v1::Region::TOP);
   add_probe("energy", v1::Probe::ENERGY, v1::Probe::EACH);
+  probe = add_probe("peak", v1::Probe::STRESS, v1::Probe::MAX);
+  probe->mutable_region()->set_all(true);
+  probe->set_recovery(v1::Probe::PATCH);
+  probe->set_stress_measure(v1::Probe::CAUCHY);
+  probe = add_probe("strain", v1::Probe::STRAIN, v1::Probe::MEAN);
+  probe->mutable_region()->set_edge(v1::Region::TOP);
+  probe->set_recovery(v1::Probe::OF_TRIANGLES);
 }
 
 }  // namespace kerf::testing

@@ -146,6 +146,10 @@ inline v1::Scene full_scene() {
   material->set_bending_scale(0.7);
   material->set_mass_damping_per_s(0.1);
   material->set_stiffness_damping_s(0.001);
+  material->set_bending_stiffness_1_nm(2.0e-6);
+  material->set_bending_stiffness_2_nm(1.5e-6);
+  material->set_bending_coupling_nm(-3.0e-7);
+  material->set_twisting_stiffness_nm(5.0e-7);
   for (const double density : {500.0, 600.0}) {
     v1::RegionMaterial* part = scene.add_materials();
     set(part->mutable_region()->mutable_box()->mutable_min(), 0.0, 0.0);
@@ -275,6 +279,20 @@ inline std::vector<BadScene> bad_numbers() {
       {"material.bending_scale", [](v1::Scene& s) { s.mutable_material()->set_bending_scale(-1e-9); }},
       {"material.mass_damping_per_s", [](v1::Scene& s) { s.mutable_material()->set_mass_damping_per_s(1001.0); }},
       {"material.stiffness_damping_s", [](v1::Scene& s) { s.mutable_material()->set_stiffness_damping_s(1.1); }},
+      {"material.bending_stiffness_1_nm", [](v1::Scene& s) { s.mutable_material()->set_bending_stiffness_1_nm(0.0); }},
+      {"material.bending_stiffness_1_nm", [=](v1::Scene& s) { s.mutable_material()->set_bending_stiffness_1_nm(nan); }},
+      {"material.bending_stiffness_2_nm",
+       [](v1::Scene& s) { s.mutable_material()->set_bending_stiffness_2_nm(1.1e14); }},
+      {"material.bending_coupling_nm", [](v1::Scene& s) { s.mutable_material()->set_bending_coupling_nm(1.8e-6); }},
+      {"material.bending_coupling_nm", [](v1::Scene& s) { s.mutable_material()->set_bending_coupling_nm(-1.1e14); }},
+      {"material.twisting_stiffness_nm", [](v1::Scene& s) { s.mutable_material()->set_twisting_stiffness_nm(9e-26); }},
+      {"material.twisting_stiffness_nm",
+       [](v1::Scene& s) {
+         s.mutable_material()->set_bending_scale(0.0);
+         s.mutable_material()->clear_twisting_stiffness_nm();
+       }},
+      {"materials[0].material.bending_stiffness_1_nm",
+       [](v1::Scene& s) { s.mutable_materials(0)->mutable_material()->set_bending_stiffness_1_nm(-1.0); }},
       {"materials[0].region.region", [](v1::Scene& s) { s.mutable_materials(0)->clear_region(); }},
       {"materials[1].region.box.max",
        [](v1::Scene& s) { s.mutable_materials(1)->mutable_region()->mutable_box()->mutable_max()->set_y(-1.0); }},

@@ -76,6 +76,26 @@ TEST(SceneCodec, EveryMeshSourceComesBackUnchanged) {
   expect_equal(from_file, scene);
 }
 
+TEST(SceneCodec, EveryAnalysisComesBackUnchanged) {
+  v1::Scene scene = full_scene();
+  scene.mutable_analysis()->mutable_dynamic()->set_measure_every(7);
+  expect_equal(encode_scene(decoded(scene)), scene);
+  scene.mutable_analysis()->mutable_dynamic()->set_measure_every(0);
+  EXPECT_EQ(encode_scene(decoded(scene)).analysis().dynamic().measure_every(), 1);
+  scene.clear_analysis();
+  EXPECT_TRUE(encode_scene(decoded(scene)).analysis().has_dynamic());
+}
+
+TEST(SceneCodec, BendingThatIsNotGivenStaysDerived) {
+  v1::Scene scene = full_scene();
+  scene.mutable_material()->clear_bending_coupling_nm();
+  scene.mutable_material()->clear_twisting_stiffness_nm();
+  const sheet::SheetConfig config = decoded(scene);
+  EXPECT_EQ(config.material.bending_stiffness_1, 2.0e-6);
+  EXPECT_EQ(config.material.twisting_stiffness, std::nullopt);
+  expect_equal(encode_scene(config), scene);
+}
+
 TEST(SceneCodec, EveryLinearSolverRoundTrips) {
   const v1::Scene scene = full_scene();
   for (const fem::LinearSolverName& name : fem::kLinearSolverNames) {
@@ -599,6 +619,37 @@ TEST(Json, NoTruncationOrByteFlipGetsThroughUnnoticedOrCrashes) {
     const Status status = from_json(damaged, scene);
     EXPECT_TRUE(status.ok() || status.error().code == ErrorCode::kInvalidArgument);
   }
+}
+
+TEST(Json, MapsAreObjectsWhoseNamesAreFree) {
+  v1::RunResult result;
+  (*result.mutable_flagged_ticks())["substepped"] = 3;
+  (*result.mutable_flagged_ticks())["not_converged"] = 12;
+  v1::RunResult read;
+  ASSERT_TRUE(from_json(to_json(result), read).ok());
+  expect_equal(read, result);
+  ASSERT_TRUE(from_json(R"({"flagged_ticks": {}})", read).ok());
+  EXPECT_TRUE(read.flagged_ticks().empty());
+  const auto refusal = [](const char* json) {
+    v1::RunResult message;
+    const Status status = from_json(json, message);
+    return status.ok() ? "fine" : status.error().reason + " " + status.error().field;
+  };
+  EXPECT_EQ(refusal(R"({"flagged_ticks": {"a": 1.5}})"), "JSON_TYPE flagged_ticks.a");
+  EXPECT_EQ(refusal(R"({"flagged_ticks": {"a": 1, "a": 2}})"), "JSON_DUPLICATE_FIELD flagged_ticks.a");
+  EXPECT_EQ(refusal(R"({"flagged_ticks": [1]})"), "JSON_TYPE flagged_ticks");
+  EXPECT_EQ(refusal(R"({"flagged_ticks": {"a" 1}})"), "JSON_SYNTAX flagged_ticks.a");
+}
+
+TEST(ReplyCodec, TellsOfFlagsThatWereReported) {
+  fem::FlagCounts counts{};
+  fem::count_flags(fem::kSubstepped | fem::kDamped, counts);
+  fem::count_flags(fem::kDamped, counts);
+  v1::RunResult message;
+  encode_flags(counts, *message.mutable_flagged_ticks());
+  EXPECT_EQ(message.flagged_ticks().size(), 2U);
+  EXPECT_EQ(message.flagged_ticks().at("substepped"), 1);
+  EXPECT_EQ(message.flagged_ticks().at("damped"), 2);
 }
 
 TEST(Json, NotANumberReachesValidation) {

@@ -125,26 +125,36 @@ class Sheet:
             request.page_token = page.next_page_token
 
     def analyze(
-        self, *, modes: int = 0, about_equilibrium: bool = False, request: Optional[Mapping[str, Any]] = None
+        self,
+        *,
+        modes: int = 0,
+        about_equilibrium: bool = False,
+        ticks: Optional[int] = None,
+        measure_every: int = 1,
+        request: Optional[Mapping[str, Any]] = None,
     ) -> sheets_pb2.AnalyzeSheetResponse:
-        """The equilibrium of the sheet as it is now, or with `modes` so many of its lowest vibrations: on a copy.
+        """The equilibrium of the sheet as it is now, or with `modes` so many of its lowest vibrations, or with `ticks` what it
+        does in so many ticks to come (0: how it is): on a copy.
 
-        request: kerf.v1.AnalyzeSheetRequest as a mapping, for load steps and probes; then nothing else may be given.
-        `tables` of the answer holds what the probes measured ("probes") and the vibrations ("modes"): `columns`, and `rows`
-        of `values`, one a column.
+        request: kerf.v1.AnalyzeSheetRequest as a mapping, for load steps and probes; beside it only ticks and measure_every
+        may be given, and then it has no analysis of its own. `tables` of the answer holds what the probes measured ("probes",
+        in time at the start, after each `measure_every` ticks and at the end) and the vibrations ("modes"): `columns`, and
+        `rows` of `values`, one a column.
         """
-        if request is not None:
-            if modes or about_equilibrium:
-                raise ValueError("give either a request, or modes")
-            message = json_format.ParseDict(dict(request), sheets_pb2.AnalyzeSheetRequest())
-        else:
-            message = sheets_pb2.AnalyzeSheetRequest()
-            if modes:
-                message.analysis.modes.count = modes
-                if about_equilibrium:
-                    message.analysis.modes.about.SetInParent()
-            else:
-                message.analysis.static.SetInParent()
+        if ticks is not None and modes:
+            raise ValueError("give either ticks, or modes")
+        if request is not None and (modes or about_equilibrium or (ticks is not None and "analysis" in request)):
+            raise ValueError("give the analysis either in the request, or beside it")
+        message = json_format.ParseDict(dict(request or {}), sheets_pb2.AnalyzeSheetRequest())
+        if ticks is not None:
+            message.analysis.dynamic.ticks = ticks
+            message.analysis.dynamic.measure_every = measure_every
+        elif modes:
+            message.analysis.modes.count = modes
+            if about_equilibrium:
+                message.analysis.modes.about.SetInParent()
+        elif request is None:
+            message.analysis.static.SetInParent()
         message.name = self.name
         return self._server.call(self._server.sheet_service.AnalyzeSheet, message)
 

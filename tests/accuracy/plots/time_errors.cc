@@ -64,7 +64,7 @@ struct ExplicitScheme {
 std::vector<ExplicitScheme> explicit_schemes() {
   return {{"explicit", "double", fem::Precision::kDouble, 0.05, {0.95, 0.6, 0.4, 0.2}},
           {"explicit", "mixed", fem::Precision::kMixed, 0.05, {0.95, 0.6, 0.4, 0.2}},
-          {"explicit undamped", "double", fem::Precision::kDouble, 0.0, {0.95, 0.6, 0.4, 0.2}}};
+          {"explicit undamped", "double", fem::Precision::kDouble, 0.0, {0.7, 0.6, 0.4, 0.2}}};
 }
 
 class Table {

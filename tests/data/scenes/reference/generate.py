@@ -565,6 +565,56 @@ def several_materials():
                   probe("border", "DISPLACEMENT", points=[(5, 0.5)])])
 
 
+def circle(radius):
+    return {"circle": {"center": {}, "radius_m": radius}}
+
+
+def quarters(radius):
+    """A circle with a vertex on each axis."""
+    ends = [(0, radius), (-radius, 0), (0, -radius), (radius, 0)]
+    arcs = [{"arc": {"semi_axis_x_m": radius, "semi_axis_y_m": radius, "counter_clockwise": True, "end": xy(*end)}}
+            for end in ends]
+    return {"path": {"subpaths": [{"start": xy(radius, 0), "segments": arcs, "closed": True}]}}
+
+
+def ring():
+    case = "16a_thick_ring"
+    shape = reference(case)["geometry"]
+    a, b, thickness = shape["a"], shape["b"], reference(case)["material"]["thickness"]
+    mesh = {"boundary": quarters(b), "holes": [quarters(a)], "edge_length_m": (b - a) / cells(20)}
+    scene(case, "A ring with a pressure in its hole.", {"outline": mesh}, material(case), static(), planar=True,
+          constraints=[hold({"nearest": xy(b, 0)}, "y"), hold({"nearest": xy(-b, 0)}, "y"),
+                       hold({"nearest": xy(0, b)}, "x")],
+          loads=[{"edge": {"region": {"border": xy(a, 0)}, "normal_npm": -shape["p"] * thickness}}],
+          probes=[probe("inner", "DISPLACEMENT", points=[(a, 0), (-a, 0)]),
+                  probe("outer", "DISPLACEMENT", points=[(b, 0), (-b, 0)]),
+                  probe("stress", "STRESS", points=[(0.15, 0), (-0.15, 0)], reduce="MEAN"),
+                  probe("energy", "ENERGY")])
+
+
+def in_plane_bending():
+    case = "16b_in_plane_bending"
+    shape = reference(case)["geometry"]
+    length, height = shape["L"], shape["H"]
+    scene(case, "A strip bent in its plane by a linear traction.", {"grid": grid(160, 16, length, height)},
+          material(case), static(), planar=True,
+          constraints=[hold(edge("LEFT"), "x"), hold({"nearest": xy(0, 0.5 * height)}, "y")],
+          loads=[{"edge": {"region": edge("RIGHT"), "force_npm": {"x": shape["q"]},
+                           "factor": {"zero": xy(length, 0.5 * height), "by_y": 2 / height}}}],
+          probes=[probe("end", "DISPLACEMENT", points=[(length, 0.5 * height), (length, height)]),
+                  probe("energy", "ENERGY")])
+
+
+def clamped_disc():
+    case = "16c_clamped_circular_plate"
+    radius = reference(case)["geometry"]["R"]
+    scene(case, "A round plate clamped all around its border sags a little under a pressure from above.",
+          {"outline": {"boundary": circle(radius), "edge_length_m": radius / cells(32)}}, material(case), static(),
+          constraints=[hold({"curve": {"curve": circle(radius)}}, slope=True)],
+          loads=[{"pressure": {"region": {"all": True}, "pressure_pa": -4}}],
+          probes=[probe("line", "DISPLACEMENT", points=[(0, 0), (0.5 * radius, 0)]), probe("energy", "ENERGY")])
+
+
 def text_of(whole):
     """One line a member, and of the lists of members."""
     lines = []
@@ -583,7 +633,8 @@ def scenes(fineness=1.0):
     FINENESS = fineness
     SCENES.clear()
     for make in (patch, uniaxial, clamped_strip, cook, kirsch, holes, slits, catenaries, cantilevers, plate, annulus,
-                 vibrations, motion, off_axis, curtain, kirigami, flap, several_materials):
+                 vibrations, motion, off_axis, curtain, kirigami, flap, several_materials,
+                 ring, in_plane_bending, clamped_disc):
         make()
     return dict(SCENES)
 

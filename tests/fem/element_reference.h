@@ -1,0 +1,53 @@
+#pragma once
+
+#include <limits>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/fem/model.h"
+
+// What the energy of a sheet and its derivatives are by the definitions of membrane.h, bending.h and bending_edge.h,
+// taken from the constants of a model in long double, and how far double precision may be off them.
+//
+// The noise of a triangle. Differences of positions and their products with the gradients g of its corners, whose size
+// is G = |g1| + |g2|, leave in F an error of
+//   delta = u (1 + |d1| |g1| + |d2| |g2|) + moved G,   u = 2^-53,
+// where positions are themselves off by `moved`. On a sliver |d| |g| is its aspect ratio and this is far more than u,
+// of a sheet of ordinary triangles a few u. Its stretch S changes by as much, its rotation R by that over the smaller
+// principal stretch s, by which the normal turns (s is 1 in the law of Green's strain, which has no rotation). With the
+// law's norm |C|, the area A and the strain e:
+//   energy  A |C| (|e| + delta) delta,   force  A G |C| (1 + |e| / s) delta,
+//   stiffness  A G^2 |C| (1 + |e| / s) (u + delta / s),
+// of Green's strain, of which delta makes |F| delta, with 1 + |F|^2 in place of 1 + |e| / s.
+// Of bending, with differences d of positions, each entry of Q has u of the sum of its terms, and the force on a vertex
+// u sum |Q| |d| + moved sum |Q|.
+namespace kerf::fem {
+
+struct Reference {
+  explicit Reference(Eigen::Index num_vertices);
+
+  long double energy = 0.0L;  // J
+  Eigen::Matrix3Xd forces;    // N, 3 x V, minus the gradient of the energy; of smooth vertices
+  Eigen::MatrixXd stiffness;  // N/m, 3V x 3V, its second derivative; where both vertices are smooth
+  // Errors of double precision, to be multiplied by a number of roundings.
+  double energy_noise = 0.0;        // J
+  Eigen::VectorXd force_noise;      // N, length V
+  Eigen::MatrixXd stiffness_noise;  // N/m, V x V
+  // Largest force there can be on a vertex, N, length V, whatever frame a collapsed triangle is given.
+  Eigen::VectorXd force_bound;
+  // Whether the energy has derivatives there that double precision resolves: not at a corner of a triangle of the
+  // co-rotational law that is collapsed to a line or a point, where S = sqrt(F^T F) has a kink.
+  std::vector<bool> is_smooth;
+};
+
+// x (3 x V, m), known to within `moved` (m).
+Reference membrane_reference(const Model& model, const mesh::VertexField& x, double moved);
+Reference bending_reference(const Model& model, const mesh::VertexField& x, double moved);
+
+// N/m, of the terms that the stiffness of one triangle is summed of: A G^2 |C| (1 + |e| / s), without s where it is not
+// resolved or the law is that of Green's strain. They cancel each other on a sliver that is folded nearly to a line.
+double stiffness_terms(const ElementBlock& block, std::size_t lane, const MaterialTable& materials,
+                       const mesh::VertexField& x);
+
+}  // namespace kerf::fem

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cmath>
+
+#include <Eigen/Core>
+
+namespace kerf::fem {
+
+// A function of N variables at one place with its first and second derivatives, by forward differentiation (Griewank
+// and Walther 2008, "Evaluating Derivatives", chapter 3): exact but for the rounding of long double, with no step whose
+// size would have to suit a mesh.
+template <int N>
+struct Jet {
+  using Gradient = Eigen::Matrix<long double, N, 1>;
+  using Hessian = Eigen::Matrix<long double, N, N>;
+
+  long double value = 0.0L;
+  Gradient gradient = Gradient::Zero();
+  Hessian hessian = Hessian::Zero();
+
+  static Jet variable(long double value, int index) {
+    Jet made;
+    made.value = value;
+    made.gradient[index] = 1.0L;
+    return made;
+  }
+  // f of a jet, from f, f' and f'' at its value.
+  [[nodiscard]] Jet through(long double f, long double slope, long double curvature) const {
+    Jet made;
+    made.value = f;
+    made.gradient = slope * gradient;
+    made.hessian = slope * hessian + curvature * (gradient * gradient.transpose());
+    return made;
+  }
+
+  friend Jet operator+(const Jet& a, const Jet& b) {
+    Jet sum;
+    sum.value = a.value + b.value;
+    sum.gradient = a.gradient + b.gradient;
+    sum.hessian = a.hessian + b.hessian;
+    return sum;
+  }
+  friend Jet operator-(const Jet& a, const Jet& b) { return a + -1.0L * b; }
+  friend Jet operator+(Jet a, long double b) {
+    a.value += b;
+    return a;
+  }
+  friend Jet operator-(const Jet& a, long double b) { return a + -b; }
+  friend Jet operator*(long double a, const Jet& b) { return b.through(a * b.value, a, 0.0L); }
+  friend Jet operator*(const Jet& a, const Jet& b) {
+    Jet product;
+    product.value = a.value * b.value;
+    product.gradient = a.value * b.gradient + b.value * a.gradient;
+    product.hessian = a.value * b.hessian + b.value * a.hessian + a.gradient * b.gradient.transpose() +
+                      b.gradient * a.gradient.transpose();
+    return product;
+  }
+  friend Jet operator/(const Jet& a, const Jet& b) {
+    const long double inverse = 1.0L / b.value;
+    return a * b.through(inverse, -inverse * inverse, 2.0L * inverse * inverse * inverse);
+  }
+};
+
+// Of a positive value.
+template <int N>
+Jet<N> sqrt(const Jet<N>& a) {
+  const long double root = std::sqrt(a.value);
+  return a.through(root, 0.5L / root, -0.25L / (root * a.value));
+}
+
+}  // namespace kerf::fem

@@ -1,0 +1,134 @@
+// Errors name fields as kerf.v1 does, so that whoever reads one finds the field in the request.
+#include <functional>
+#include <limits>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <google/protobuf/descriptor.h>
+#include <gtest/gtest.h>
+
+#include "kerf/v1/scene.pb.h"
+#include "server/fem/material.h"
+#include "server/sheet/sheet.h"
+#include "server/wire/scene_codec.h"
+#include "tests/wire/scene_samples.h"
+
+namespace kerf::wire {
+namespace {
+
+using google::protobuf::Descriptor;
+using google::protobuf::FieldDescriptor;
+
+// Whether "loads[2].edge.region.line.a.x" is a field of the message, or, at its end, one of its choices ("mesh").
+bool exists(const Descriptor* message, const std::string& path) {
+  std::istringstream names(std::regex_replace(path, std::regex(R"(\[\d+\])"), ""));
+  std::string name;
+  while (std::getline(names, name, '.')) {
+    if (message == nullptr) return false;
+    const FieldDescriptor* const field = message->FindFieldByName(name);
+    if (field == nullptr) return message->FindOneofByName(name) != nullptr && names.eof();
+    message = field->type() == FieldDescriptor::TYPE_MESSAGE ? field->message_type() : nullptr;
+  }
+  return true;
+}
+
+void expect_named(const Error& error) {
+  EXPECT_TRUE(exists(v1::Scene::descriptor(), error.field)) << error.reason << " " << error.field;
+  EXPECT_NE(error.message.find(error.field), std::string::npos) << error.field << " is not in: " << error.message;
+}
+
+TEST(FieldNames, ThePathsOfThisTestAreTold) {
+  EXPECT_TRUE(exists(v1::Scene::descriptor(), "loads[2].edge.region.line.a.x"));
+  EXPECT_TRUE(exists(v1::Scene::descriptor(), "mesh"));
+  EXPECT_FALSE(exists(v1::Scene::descriptor(), "material.youngs_modulus_1_pa"));
+  EXPECT_FALSE(exists(v1::Scene::descriptor(), "mesh.grid"));
+  EXPECT_FALSE(exists(v1::Scene::descriptor(), "tick_rate_hz.x"));
+}
+
+TEST(FieldNames, OfScenesThatAreRefusedAreThoseOfTheProto) {
+  for (const testing::BadScene& bad : testing::bad_scenes()) {
+    v1::Scene scene = testing::full_scene();
+    bad.spoil(scene);
+    const Result<sheet::SheetConfig> config = decode_scene(scene);
+    ASSERT_FALSE(config.ok()) << bad.field;
+    EXPECT_TRUE(exists(v1::Scene::descriptor(), config.error().field)) << config.error().field;
+  }
+}
+
+TEST(FieldNames, OfMaterialsAreThoseOfTheProto) {
+  for (double fem::Material::*const member :
+       {&fem::Material::youngs_modulus_1, &fem::Material::youngs_modulus_2, &fem::Material::shear_modulus,
+        &fem::Material::poissons_ratio_12, &fem::Material::direction, &fem::Material::thickness,
+        &fem::Material::density, &fem::Material::bending_scale, &fem::Material::mass_damping,
+        &fem::Material::stiffness_damping}) {
+    fem::Material material;
+    material.*member = std::numeric_limits<double>::quiet_NaN();
+    expect_named(fem::validate(material, "materials[3].material").error());
+  }
+  fem::Material material;
+  material.youngs_modulus_2 = 100.0 * material.youngs_modulus_1;
+  const Error error = fem::validate(material).error();
+  EXPECT_EQ(error.reason, "MATERIAL_NOT_POSITIVE_DEFINITE");
+  EXPECT_EQ(error.field, "material.poissons_ratio");
+  EXPECT_NE(error.message.find("youngs_modulus_2_pa"), std::string::npos) << error.message;
+}
+
+// A sheet that Sheet::create refuses, once its scene was found to be one.
+Error refusal(const std::function<void(sheet::SheetConfig&)>& spoil) {
+  sheet::SheetConfig config;
+  config.mesh = sheet::GridSource{4, 4, 1.0, 1.0, sheet::GridPattern::kUniformDiagonals, 0};
+  spoil(config);
+  const Result<sheet::Sheet> sheet = sheet::Sheet::create(config);
+  return sheet ? Error{} : sheet.error();
+}
+
+TEST(FieldNames, OfSheetsThatCannotBeMadeAreThoseOfTheProto) {
+  const sheet::MaterialBox nowhere{{2.0, 2.0}, {3.0, 3.0}};
+  const Error stiff = refusal([](sheet::SheetConfig& c) {
+    c.mesh = sheet::GridSource{4, 4, 1e-5, 1e-5, sheet::GridPattern::kUniformDiagonals, 0};
+    c.material = fem::isotropic(1.0e12, 0.3, 1.0e-3, 0.01);
+    c.tick_rate_hz = 1.0;
+  });
+  EXPECT_EQ(stiff.reason, "SHEET_TOO_STIFF");
+  EXPECT_EQ(stiff.field, "material.youngs_modulus_pa");
+  EXPECT_TRUE(exists(v1::Scene::descriptor(), stiff.field));
+  for (const Error& error : {refusal([&](sheet::SheetConfig& c) { c.pins = {nowhere}; }),
+                             refusal([&](sheet::SheetConfig& c) { c.constraints.emplace_back().region = nowhere; }),
+                             refusal([&](sheet::SheetConfig& c) {
+                               c.materials = {{nowhere, c.material}};
+                             }),
+                             refusal([&](sheet::SheetConfig& c) {
+                               c.materials = {{sheet::RegionEdge::kTop, c.material}};
+                             }),
+                             refusal([&](sheet::SheetConfig& c) {
+                               c.loads = {{sheet::EdgeForce{nowhere, {1.0, 0.0, 0.0}, true}, {}}};
+                             }),
+                             refusal([&](sheet::SheetConfig& c) {
+                               c.loads = {{sheet::EdgeMoment{nowhere, 1.0, true}, {}}};
+                             }),
+                             refusal([&](sheet::SheetConfig& c) {
+                               c.loads = {{sheet::AreaForce{nowhere, {1.0, 0.0, 0.0}, true}, {}}};
+                             }),
+                             refusal([&](sheet::SheetConfig& c) {
+                               c.loads = {{sheet::Pressure{nowhere, 1.0}, {}}};
+                             }),
+                             refusal([](sheet::SheetConfig& c) {
+                               c.loads = {{sheet::PointForce{Eigen::Vector2d(2.0, 2.0), {1.0, 0.0, 0.0}}, {}}};
+                             }),
+                             refusal([](sheet::SheetConfig& c) {
+                               c.loads = {{sheet::PointForce{mesh::VertexId{99}, {1.0, 0.0, 0.0}}, {}}};
+                             }),
+                             refusal([](sheet::SheetConfig& c) { c.pins = {std::vector<mesh::VertexId>{99}}; }),
+                             refusal([](sheet::SheetConfig& c) {
+                               c.planar = true;
+                               c.placement.y_axis = Eigen::Vector3d(0.0, 1.0, 1.0).normalized();
+                             })}) {
+    ASSERT_FALSE(error.field.empty()) << error.reason;
+    expect_named(error);
+  }
+}
+
+}  // namespace
+}  // namespace kerf::wire
