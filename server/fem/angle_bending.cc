@@ -1,13 +1,10 @@
 #include "server/fem/angle_bending.h"
 
-#include <algorithm>
-
 #include "server/fem/block_matrix.h"
 
 namespace kerf::fem {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using mesh::VertexField;
 using mesh::VertexId;
@@ -38,20 +35,50 @@ Eigen::Matrix<double, 12, 12> hessian_of(const AngleBending::Fold& fold, const H
   return made;
 }
 
-// A sum of gradients of folds, by vertex.
-class GradientSum {
+// All folds at one state.
+struct FoldStates {
+  std::vector<Hinge> hinges;
+  std::vector<double> theta;                       // rad
+  std::vector<std::array<Vector3d, 4>> gradients;  // 1/m, as of gradient_of()
+};
+
+FoldStates fold_states(const std::vector<AngleBending::Fold>& folds, const VertexField& x) {
+  FoldStates made;
+  made.hinges.reserve(folds.size());
+  made.theta.reserve(folds.size());
+  made.gradients.reserve(folds.size());
+  for (const AngleBending::Fold& fold : folds) {
+    made.hinges.push_back(hinge_at(fold, x));
+    made.theta.push_back(made.hinges.back().theta());
+    made.gradients.push_back(gradient_of(fold, made.hinges.back()));
+  }
+  return made;
+}
+
+// N sums of gradients of folds, by vertex.
+template <int N>
+class GradientSums {
  public:
-  void add(double factor, const AngleBending::Fold& fold, const std::array<Vector3d, 4>& gradient) {
+  void add(int sum, double factor, const AngleBending::Fold& fold, const std::array<Vector3d, 4>& gradient) {
     for (std::size_t i = 0; i < 4; ++i) {
-      if (fold.vertex[i] != mesh::kNone) at(fold.vertex[i]) += factor * gradient[i];
+      if (fold.vertex[i] != mesh::kNone) at(fold.vertex[i]).col(sum) += factor * gradient[i];
     }
   }
-  [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] VertexId vertex(std::size_t i) const { return vertices_[i]; }
-  [[nodiscard]] const Vector3d& value(std::size_t i) const { return values_[i]; }
+
+  // matrix += sum over r, s of law_rs (sum r) (sum s)^T; law: symmetric.
+  void add_products(const Eigen::Matrix<double, N, N>& law, BlockMatrix& matrix) const {
+    for (std::size_t i = 0; i < size_; ++i) {
+      const Sums weighed = values_[i] * law;
+      for (std::size_t j = 0; j < size_; ++j) {
+        matrix.block(matrix.find(vertices_[i], vertices_[j])) += weighed * values_[j].transpose();
+      }
+    }
+  }
 
  private:
-  Vector3d& at(VertexId vertex) {
+  using Sums = Eigen::Matrix<double, 3, N>;
+
+  Sums& at(VertexId vertex) {
     std::size_t place = 0;
     while (place < size_ && vertices_[place] != vertex) ++place;
     if (place == size_) {
@@ -63,27 +90,8 @@ class GradientSum {
 
   std::size_t size_ = 0;
   std::array<VertexId, 8> vertices_{};  // of two patches
-  std::array<Vector3d, 8> values_;
+  std::array<Sums, 8> values_;
 };
-
-// K += a b^T + b a^T, of sums over the same folds.
-void add_products(const GradientSum& a, const GradientSum& b, BlockMatrix& matrix) {
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < a.size(); ++j) {
-      matrix.block(matrix.find(a.vertex(i), a.vertex(j))) +=
-          a.value(i) * b.value(j).transpose() + b.value(i) * a.value(j).transpose();
-    }
-  }
-}
-
-// K += a b^T
-void add_product(const GradientSum& a, const GradientSum& b, BlockMatrix& matrix) {
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      matrix.block(matrix.find(a.vertex(i), b.vertex(j))) += a.value(i) * b.value(j).transpose();
-    }
-  }
-}
 
 }  // namespace
 
@@ -133,86 +141,57 @@ double AngleBending::energy(const VertexField& x) const {
 }
 
 void AngleBending::add_forces(const VertexField& x, VertexField& f) const {
-  std::vector<double> theta;
-  std::vector<std::array<Vector3d, 4>> gradients;
-  theta.reserve(folds.size());
-  gradients.reserve(folds.size());
-  for (const Fold& fold : folds) {
-    const Hinge hinge = hinge_at(fold, x);
-    theta.push_back(hinge.theta());
-    gradients.push_back(gradient_of(fold, hinge));
-  }
-  const std::vector<double> moment = moments_at(theta);
+  const FoldStates now = fold_states(folds, x);
+  const std::vector<double> moment = moments_at(now.theta);
   for (std::size_t e = 0; e < folds.size(); ++e) {
     for (std::size_t i = 0; i < 4; ++i) {
-      if (folds[e].vertex[i] != mesh::kNone) f.col(folds[e].vertex[i]) -= moment[e] * gradients[e][i];
+      if (folds[e].vertex[i] != mesh::kNone) f.col(folds[e].vertex[i]) -= moment[e] * now.gradients[e][i];
     }
   }
 }
 
 std::vector<double> AngleBending::predicted_moments(const VertexField& x, const VertexField& step) const {
-  std::vector<double> theta;
-  theta.reserve(folds.size());
-  for (const Fold& fold : folds) {
-    const Hinge hinge = hinge_at(fold, x);
-    const std::array<Vector3d, 4> gradient = gradient_of(fold, hinge);
-    double then = hinge.theta();
+  FoldStates then = fold_states(folds, x);
+  for (std::size_t e = 0; e < folds.size(); ++e) {
     for (std::size_t i = 0; i < 4; ++i) {
-      if (fold.vertex[i] != mesh::kNone) then += gradient[i].dot(step.col(fold.vertex[i]));
+      if (folds[e].vertex[i] != mesh::kNone) then.theta[e] += then.gradients[e][i].dot(step.col(folds[e].vertex[i]));
     }
-    theta.push_back(then);
   }
-  return moments_at(theta);
+  return moments_at(then.theta);
 }
 
 void AngleBending::add_stiffness(const VertexField& x, std::span<const double> moments, bool project,
                                  BlockMatrix& matrix) const {
-  std::vector<double> theta;
-  std::vector<std::array<Vector3d, 4>> gradients;
-  std::vector<Hinge> hinges;
-  theta.reserve(folds.size());
-  gradients.reserve(folds.size());
-  hinges.reserve(folds.size());
-  for (const Fold& fold : folds) {
-    hinges.push_back(hinge_at(fold, x));
-    theta.push_back(hinges.back().theta());
-    gradients.push_back(gradient_of(fold, hinges.back()));
-  }
+  const FoldStates now = fold_states(folds, x);
   for (const Patch& patch : patches) {
-    for (std::size_t r = 0; r < 3; ++r) {
-      if (patch.fold[r] < 0) continue;
-      const auto own = static_cast<std::size_t>(patch.fold[r]);
-      GradientSum by_row;
-      GradientSum weighed;
-      by_row.add(1.0, folds[own], gradients[own]);
-      for (std::size_t s = 0; s < 3; ++s) {
-        if (patch.fold[s] < 0) continue;
-        const auto other = static_cast<std::size_t>(patch.fold[s]);
-        weighed.add(patch.stiffness(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(s)), folds[other],
-                    gradients[other]);
-      }
-      add_product(by_row, weighed, matrix);
+    GradientSums<3> angles;
+    for (int r = 0; r < 3; ++r) {
+      const int fold = patch.fold[static_cast<std::size_t>(r)];
+      if (fold < 0) continue;
+      const auto at = static_cast<std::size_t>(fold);
+      angles.add(r, 1.0, folds[at], now.gradients[at]);
     }
+    angles.add_products(patch.stiffness, matrix);
   }
+  const Eigen::Matrix2d kink_by_load{{0.0, 1.0}, {1.0, 0.0}};
   for (const Kink& edge : kinks) {
-    GradientSum kink;
-    GradientSum load;
+    GradientSums<2> kink_and_load;
     for (std::size_t i = 0; i < edge.fold.size() && edge.fold[i] >= 0; ++i) {
       const auto at = static_cast<std::size_t>(edge.fold[i]);
-      kink.add(edge.kink[i], folds[at], gradients[at]);
-      load.add(edge.load[i], folds[at], gradients[at]);
+      kink_and_load.add(0, edge.kink[i], folds[at], now.gradients[at]);
+      kink_and_load.add(1, edge.load[i], folds[at], now.gradients[at]);
     }
-    add_products(kink, load, matrix);
+    kink_and_load.add_products(kink_by_load, matrix);
   }
   if (project) return;
   std::vector<double> at_x;
   if (moments.empty()) {
-    at_x = moments_at(theta);
+    at_x = moments_at(now.theta);
     moments = at_x;
   }
   for (std::size_t e = 0; e < folds.size(); ++e) {
     if (moments[e] == 0.0) continue;
-    const Eigen::Matrix<double, 12, 12> turn = moments[e] * hessian_of(folds[e], hinges[e]);
+    const Eigen::Matrix<double, 12, 12> turn = moments[e] * hessian_of(folds[e], now.hinges[e]);
     for (std::size_t i = 0; i < 4; ++i) {
       for (std::size_t j = 0; j < 4; ++j) {
         if (folds[e].vertex[i] == mesh::kNone || folds[e].vertex[j] == mesh::kNone) continue;

@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include "server/fem/cross_matrix.h"
+
 namespace kerf::fem {
 namespace {
 
@@ -12,14 +14,6 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kLeastArm = 0.05;  // -, of the arm at rest; see EdgeMoment
-
-Matrix3d cross_matrix(const Vector3d& a) {
-  return Matrix3d{
-      {0.0, -a.z(), a.y()},
-      {a.z(), 0.0, -a.x()},
-      {-a.y(), a.x(), 0.0},
-  };
-}
 
 // visit(slot, block, lane) of every triangle that pressure acts on.
 template <typename Visit>

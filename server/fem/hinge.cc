@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "server/fem/cross_matrix.h"
 #include "server/fem/rest_bending.h"
 
 namespace kerf::fem {
@@ -15,16 +16,8 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
-constexpr std::array<double, 2> kSign{1.0,
-                                      -1.0};  // normals point the same way, where the second corner is on the right
-
-Matrix3d cross_matrix(const Vector3d& a) {
-  return Matrix3d{
-      {0.0, -a.z(), a.y()},
-      {a.z(), 0.0, -a.x()},
-      {-a.y(), a.x(), 0.0},
-  };
-}
+// Of both corners: normals point the same way though the second one is on the right.
+constexpr std::array<double, 2> kSign{1.0, -1.0};
 
 }  // namespace
 

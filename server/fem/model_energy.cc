@@ -33,14 +33,18 @@ void Model::internal_forces(const mesh::VertexField& x, mesh::VertexField& f) co
 void Model::add_bending_forces(const mesh::VertexField& x, const mesh::VertexField& v, std::span<const double> beta,
                                mesh::VertexField& damped, mesh::VertexField& f) const {
   if (!has_bending()) return;
-  if (is_uniform(beta) && angle_bending_ == nullptr) {
+  if (angle_bending_ != nullptr) {
+    add_bending_damping(bending_terms(), beta, v, f);
+    angle_bending_->add_forces(x, f);
+    return;
+  }
+  if (is_uniform(beta)) {
     damped = x + damping_of(beta, 0) * v;
     fem::add_bending_forces(bending_rows_, damped, f);
   } else {
-    if (angle_bending_ == nullptr) fem::add_bending_forces(bending_rows_, x, f);
+    fem::add_bending_forces(bending_rows_, x, f);
     add_bending_damping(bending_terms(), beta, v, f);
   }
-  if (angle_bending_ != nullptr) return angle_bending_->add_forces(x, f);
   add_clamp_forces(clamp_forces_, f);
   add_rest_bending_forces(rest_bending(), x, v, beta, f);
 }

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "server/fem/cross_matrix.h"
 #include "server/fem/material_table.h"
 
 namespace kerf::fem {
@@ -53,14 +54,6 @@ struct Frame {
 
 std::array<Vector3d, 3> corners_at(const BendingPatch& patch, const mesh::VertexField& field) {
   return {field.col(patch.vertex[0]), field.col(patch.vertex[1]), field.col(patch.vertex[2])};
-}
-
-Matrix3d cross_matrix(const Vector3d& a) {
-  return Matrix3d{
-      {0.0, -a.z(), a.y()},
-      {a.z(), 0.0, -a.x()},
-      {-a.y(), a.x(), 0.0},
-  };
 }
 
 // Of the stiffness at rest, the Gauss-Newton matrix of w - F w0, which is exact there, less that of w alone.

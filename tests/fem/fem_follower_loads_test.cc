@@ -253,6 +253,13 @@ struct Strip {
       loads.pins.push_back({v, x.col(v), Vector3d::Zero(), {is_root, true, is_root}});
     }
   }
+  void clamp_root() {
+    std::vector<Clamp> clamps;
+    for (const Pin& pin : loads.pins) {
+      if (pin.fixed[0]) clamps.push_back({pin.vertex, Eigen::Matrix<double, 3, 2>::Identity()});
+    }
+    model.set_clamps(mesh, clamps);
+  }
   EquilibriumStats settle() {
     EquilibriumSolver solver({});
     solver.rebuild(model);
@@ -322,9 +329,7 @@ TEST(Pressure, BendsACantileverToTheSolutionOfItsDifferentialEquation) {
   const Material material = isotropic(1.0e8, 0.0, 1.0e-3, 1000.0);
   const double stiffness = 1.0e8 * 1e-9 / 12.0;  // N m
   Strip strip(40, 2, 0.3, 0.05, material);
-  std::vector<Clamp> clamps;
-  for (int j = 0; j < 3; ++j) clamps.push_back({41 * j, Eigen::Matrix<double, 3, 2>::Identity()});
-  strip.model.set_clamps(strip.mesh, clamps);
+  strip.clamp_root();
   for (const double multiple : {2.0, 5.0, 10.0, 20.0}) {
     const double pressure = multiple * stiffness / 0.027;
     strip.loads.pressure.assign(static_cast<std::size_t>(strip.mesh.num_triangle_slots()), pressure);
@@ -343,9 +348,7 @@ TEST(EdgeMoment, BendsAStripToACircleAndStoresItsEnergy) {
   const Material material = isotropic(1.0e8, 0.0, 1.0e-3, 1000.0);
   const double stiffness = 1.0e8 * 1e-9 / 12.0;  // N m
   Strip strip(20, 2, 1.0, 0.1, material);
-  std::vector<Clamp> clamps;
-  for (int j = 0; j < 3; ++j) clamps.push_back({21 * j, Eigen::Matrix<double, 3, 2>::Identity()});
-  strip.model.set_clamps(strip.mesh, clamps);
+  strip.clamp_root();
   strip.model.bend_by_angles(strip.mesh);
   for (const double turn : {0.5, 1.5, 3.0, 6.0}) {
     strip.loads.edge_moments = moments_at_right(strip.model, strip.mesh, turn * stiffness);

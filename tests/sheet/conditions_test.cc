@@ -12,12 +12,6 @@ using Eigen::Vector3d;
 
 using scenes::flat;
 
-Constraint hold(Region region) {
-  Constraint constraint;
-  constraint.region = std::move(region);
-  return constraint;
-}
-
 Vector3d total_force(const Sheet& sheet) {
   return sheet.loads().external_forces.rowwise().sum();
 }
@@ -27,49 +21,6 @@ const fem::Pin* find_pin(const Sheet& sheet, mesh::VertexId v) {
     if (pin.vertex == v) return &pin;
   }
   return nullptr;
-}
-
-std::string refused(const SheetConfig& config) {
-  const Result<Sheet> sheet = Sheet::create(config);
-  return sheet ? "made" : sheet.error().reason + " " + sheet.error().field;
-}
-
-TEST(Regions, OfLinesNearestVerticesAndTheWholeSheet) {
-  const mesh::TriangleMesh mesh = make(flat(5)).mesh();
-  const auto found = [&](const Region& region) { return find_vertices(mesh, region, "pins[0]").value(); };
-  using Vertices = std::vector<mesh::VertexId>;
-  EXPECT_EQ(found(MaterialLine{{0.0, 0.5}, {0.5, 0.5}}), (Vertices{10, 11, 12}));
-  EXPECT_EQ(found(MaterialLine{{0.0, 0.0}, {1.0, 1.0}}), (Vertices{0, 6, 12, 18, 24}));
-  EXPECT_EQ(found(MaterialLine{{0.5, 0.5}, {0.5, 0.5}, 0.26}), (Vertices{7, 11, 12, 13, 17}));  // a disc
-  EXPECT_EQ(found(NearestVertex{{0.3, 0.3}}), (Vertices{6}));
-  EXPECT_EQ(found(NearestVertex{{0.125, 0.0}}), (Vertices{0}));  // of two
-  EXPECT_EQ(found(WholeSheet{}).size(), 25U);
-}
-
-TEST(Regions, TellTheTwoLipsOfACutApart) {
-  Sheet sheet = make(flat(9));
-  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.25, 0.5}, {0.75, 0.5})));
-  MaterialLine line{{0.25, 0.5}, {0.75, 0.5}};
-  const auto found = [&] { return find_vertices(sheet.mesh(), Region(line), "").value(); };
-  const std::size_t both = found().size();
-  line.side = MaterialLine::Side::kLeft;
-  const std::vector<mesh::VertexId> upper = found();
-  line.side = MaterialLine::Side::kRight;
-  const std::vector<mesh::VertexId> lower = found();
-  EXPECT_EQ(upper.size() + lower.size(), both);
-  EXPECT_GE(std::min(upper.size(), lower.size()), 3U);
-  const auto rise_around = [&](mesh::VertexId v) {
-    std::vector<mesh::TriangleId> fan;
-    sheet.mesh().triangles_around(v, fan);
-    double sum = 0.0;
-    for (const mesh::TriangleId t : fan) {
-      for (const mesh::VertexId w : sheet.mesh().vertices(t)) sum += sheet.mesh().rest_position(w).y() - 0.5;
-    }
-    return sum;
-  };
-  // Tips belong to both sides; every other vertex has its material on one.
-  for (const mesh::VertexId v : upper) EXPECT_GT(rise_around(v), -1e-9);
-  for (const mesh::VertexId v : lower) EXPECT_LT(rise_around(v), 1e-9);
 }
 
 TEST(Constraints, HoldTheChosenComponentsAndNoOthers) {
@@ -387,65 +338,6 @@ TEST(Integrators, AreThoseThatTheSceneAsksFor) {
     const double factor = kind == IntegratorKind::kImplicitEuler ? 2.0 : 1.0;
     EXPECT_NEAR(sheet.state().x(2, 12), factor * exact, 1e-6 * std::abs(exact)) << sheet.integrator_description();
   }
-}
-
-TEST(Settling, FindsTheEquilibriumOfTheLoadAndLeavesTheTickAlone) {
-  SheetConfig config = flat(9);
-  config.planar = true;
-  config.constraints = {hold(RegionEdge::kBottom), hold(NearestVertex{{0.5, 0.0}})};
-  config.constraints[0].held = {false, true, false};
-  config.loads = {{EdgeForce{RegionEdge::kTop, {0.0, 2.0, 0.0}, true}, {}}};
-  Sheet sheet = make(config);
-  const fem::Material& material = sheet.model().materials()[0].material;
-  for (const double load : {0.5, 1.0}) {
-    const fem::EquilibriumStats stats = sheet.settle(load, {}, {});
-    EXPECT_TRUE(stats.converged);
-    const double strain = 2.0 * load / (material.youngs_modulus_1 * material.thickness);
-    EXPECT_NEAR(sheet.state().x(1, 76), 1.0 + strain, 1e-9 * strain);
-    EXPECT_NEAR(sheet.state().x(0, 80) - sheet.state().x(0, 72), 1.0 - material.poissons_ratio_12 * strain, 1e-9);
-  }
-  EXPECT_EQ(sheet.tick(), 0);
-  EXPECT_EQ(sheet.state().v.cwiseAbs().maxCoeff(), 0.0);
-}
-
-TEST(Settling, BendsByAnglesUntilTheNextStep) {
-  SheetConfig config = flat(9);
-  config.pins = {RegionEdge::kTop};
-  config.integrator.kind = IntegratorKind::kTrBdf2;
-  Sheet sheet = make(config);
-  Sheet other = sheet;
-  EXPECT_TRUE(sheet.settle(1.0, {}, {}).converged);
-  EXPECT_NE(sheet.model().angle_bending(), nullptr);
-  EXPECT_EQ(other.model().angle_bending(), nullptr);
-  other = sheet;
-  other.bend_by_angles();
-  for (Sheet* each : {&sheet, &other}) {
-    each->step({});
-    EXPECT_EQ(each->model().angle_bending(), nullptr);
-  }
-  EXPECT_EQ(sheet.state_hash(), other.state_hash());
-}
-
-TEST(Settling, LeavesTheStateAloneWhereNoEquilibriumIsFound) {
-  SheetConfig config = flat(9);  // nothing holds it
-  config.loads = {{EdgeForce{RegionEdge::kTop, {0.0, 2.0, 0.0}, true}, {}}};
-  Sheet sheet = make(config);
-  fem::EquilibriumOptions options;
-  options.max_iterations = 5;
-  const std::uint64_t before = sheet.shape_hash();
-  EXPECT_FALSE(sheet.settle(1.0, options, {}).converged);
-  EXPECT_EQ(sheet.shape_hash(), before);
-}
-
-TEST(Settling, StopsWhenTheWatchSaysSo) {
-  SheetConfig config = flat(9);
-  config.pins = {RegionEdge::kTop};
-  config.gravity = {0.0, 0.0, -9.81};
-  Sheet sheet = make(config);
-  int calls = 0;
-  const fem::EquilibriumStats stats = sheet.settle(1.0, {}, [&](const fem::EquilibriumStats&) { return ++calls < 3; });
-  EXPECT_EQ(calls, 3);
-  EXPECT_FALSE(stats.converged);
 }
 
 }  // namespace

@@ -23,11 +23,6 @@ Vector3d force_at(const Sheet& sheet, mesh::VertexId v) {
   return sheet.loads().external_forces.col(v);
 }
 
-std::string refused(const SheetConfig& config) {
-  const Result<Sheet> sheet = Sheet::create(config);
-  return sheet ? "made" : sheet.error().reason + " " + sheet.error().field;
-}
-
 TEST(NormalForces, PointAwayFromTheMaterialAsTheSheetIsPlaced) {
   SheetConfig config = flat(5);
   config.placement.x_axis = Vector3d(1.0, 1.0, 0.0).normalized();

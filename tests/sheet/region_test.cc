@@ -1,4 +1,4 @@
-// Regions along curves and whole borders, and those that name nothing.
+// Regions along lines, curves and whole borders, and those that name nothing.
 #include "server/sheet/region.h"
 
 #include <algorithm>
@@ -25,17 +25,6 @@ SheetConfig ring() {
   return config;
 }
 
-Constraint hold(Region region) {
-  Constraint constraint;
-  constraint.region = std::move(region);
-  return constraint;
-}
-
-std::string refused(const SheetConfig& config) {
-  const Result<Sheet> sheet = Sheet::create(config);
-  return sheet ? "made" : sheet.error().reason + " " + sheet.error().field;
-}
-
 Vertices found(const Sheet& sheet, const Region& region) {
   return find_vertices(sheet.mesh(), region, "").value();
 }
@@ -48,6 +37,43 @@ Vertices where(const Sheet& sheet, Predicate holds) {
     if (sheet.mesh().has_material(v) && holds(sheet.mesh().rest_position(v))) vertices.push_back(v);
   }
   return vertices;
+}
+
+TEST(Regions, OfLinesNearestVerticesAndTheWholeSheet) {
+  const mesh::TriangleMesh mesh = make(flat(5)).mesh();
+  const auto found = [&](const Region& region) { return find_vertices(mesh, region, "pins[0]").value(); };
+  EXPECT_EQ(found(MaterialLine{{0.0, 0.5}, {0.5, 0.5}}), (Vertices{10, 11, 12}));
+  EXPECT_EQ(found(MaterialLine{{0.0, 0.0}, {1.0, 1.0}}), (Vertices{0, 6, 12, 18, 24}));
+  EXPECT_EQ(found(MaterialLine{{0.5, 0.5}, {0.5, 0.5}, 0.26}), (Vertices{7, 11, 12, 13, 17}));  // a disc
+  EXPECT_EQ(found(NearestVertex{{0.3, 0.3}}), (Vertices{6}));
+  EXPECT_EQ(found(NearestVertex{{0.125, 0.0}}), (Vertices{0}));  // of two
+  EXPECT_EQ(found(WholeSheet{}).size(), 25U);
+}
+
+TEST(Regions, TellTheTwoLipsOfACutApart) {
+  Sheet sheet = make(flat(9));
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.25, 0.5}, {0.75, 0.5})));
+  MaterialLine line{{0.25, 0.5}, {0.75, 0.5}};
+  const auto found = [&] { return find_vertices(sheet.mesh(), Region(line), "").value(); };
+  const std::size_t both = found().size();
+  line.side = MaterialLine::Side::kLeft;
+  const std::vector<mesh::VertexId> upper = found();
+  line.side = MaterialLine::Side::kRight;
+  const std::vector<mesh::VertexId> lower = found();
+  EXPECT_EQ(upper.size() + lower.size(), both);
+  EXPECT_GE(std::min(upper.size(), lower.size()), 3U);
+  const auto rise_around = [&](mesh::VertexId v) {
+    std::vector<mesh::TriangleId> fan;
+    sheet.mesh().triangles_around(v, fan);
+    double sum = 0.0;
+    for (const mesh::TriangleId t : fan) {
+      for (const mesh::VertexId w : sheet.mesh().vertices(t)) sum += sheet.mesh().rest_position(w).y() - 0.5;
+    }
+    return sum;
+  };
+  // Tips belong to both sides; every other vertex has its material on one.
+  for (const mesh::VertexId v : upper) EXPECT_GT(rise_around(v), -1e-9);
+  for (const mesh::VertexId v : lower) EXPECT_LT(rise_around(v), 1e-9);
 }
 
 TEST(CurveRegions, NameRoundBordersAndWhatIsWithinReach) {

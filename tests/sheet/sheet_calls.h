@@ -33,6 +33,18 @@ inline std::string reason(const Result<CommandReply>& reply) {
   return reply ? "done" : reply.error().reason;
 }
 
+// "made", or why a sheet of that configuration is refused and by which field.
+inline std::string refused(const SheetConfig& config) {
+  const Result<Sheet> sheet = Sheet::create(config);
+  return sheet ? "made" : sheet.error().reason + " " + sheet.error().field;
+}
+
+inline Constraint hold(Region region) {
+  Constraint constraint;
+  constraint.region = std::move(region);
+  return constraint;
+}
+
 // Free, and made of these triangles.
 inline SheetConfig of_arrays(const mesh::IndexedMesh& sheet) {
   SheetConfig config = scenes::hanging(4);
