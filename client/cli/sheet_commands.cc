@@ -38,7 +38,11 @@ struct CreateArguments {
 };
 
 void print(const Session& session, const v1::Sheet& sheet) {
-  std::printf("%s\n", (session.json ? to_script_json(sheet) : describe(sheet)).c_str());
+  if (session.json) {
+    std::printf("%s\n", to_script_json(sheet).c_str());
+  } else {
+    std::printf("%s\n  %s\n", describe(sheet).c_str(), sheet.integrator().c_str());
+  }
 }
 
 v1::RestShape rest_shape(const std::string& name) {

@@ -10,15 +10,19 @@
 namespace kerf::fem {
 namespace {
 
-// Nanoseconds on one core of 2024; only their ratios matter. Of the explicit integrator by race_bench (tests/bench), 50
-// x 50 vertices: in double 4 (regular) to 8 (irregular), in mixed precision 2 to 6.
-constexpr double kForceNsPerSlot = 6.0;
-constexpr double kMixedForceNsPerSlot = 3.0;
-constexpr double kForceNsPerBendingEntry = 0.8;
+// Nanoseconds on one core of 2024; only their ratios matter. Fitted to `size.csv` (tests/accuracy/plots), wool of 225
+// to 40,000 vertices before and after a cut: within a tenth of what ticks took.
+struct ExplicitCost {
+  double per_slot;
+  double per_bending_entry;
+};
+constexpr ExplicitCost kDoubleNs{4.2, 0.42};
+constexpr ExplicitCost kMixedNs{2.0, 0.2};
 constexpr double kTangentNsPerSlot = 400.0;
 // Factor and solve of a Newton iteration: 12 ms of 2,500 vertices. Factorisation of a planar mesh of V vertices grows
-// as V^1.5 (George 1973, nested dissection).
-constexpr double kFactorNsPerVertexToThreeHalves = 100.0;
+// as V^1.5 (George 1973, nested dissection); one in float that is kept while it serves costs less.
+constexpr double kDirectNsPerVertexToThreeHalves = 100.0;
+constexpr double kFactorCgNsPerVertexToThreeHalves = 60.0;
 constexpr double kStages = 2.0;  // of TR-BDF2
 constexpr double kPreferenceForExplicit = 2.0;
 constexpr double kSecondOrderCondition = 1e9;  // 1 + dt^2 lambda_max
@@ -33,14 +37,19 @@ double explicit_cost(const Model& model, const ExplicitIntegrator& integrator, c
   const double substeps = integrator.planned_substeps(options.tick);
   const double interval = integrator.bending_interval(options.tick / substeps, 0.0);
   const auto entries = static_cast<double>(model.bending_rows().num_entries());
-  const double per_slot = options.precision == Precision::kMixed ? kMixedForceNsPerSlot : kForceNsPerSlot;
-  return substeps * (per_slot * model.num_slots() + kForceNsPerBendingEntry * entries / interval);
+  const ExplicitCost ns = options.precision == Precision::kMixed ? kMixedNs : kDoubleNs;
+  return substeps * (ns.per_slot * model.num_slots() + ns.per_bending_entry * entries / interval);
+}
+
+LinearSolverKind implicit_solver(const Model& model) {
+  return model.num_vertices() >= kLeastForFactorCg ? LinearSolverKind::kFactorCg : LinearSolverKind::kDirect;
 }
 
 double implicit_cost(const Model& model, const IntegratorOptions& options) {
   const double V = model.num_vertices();
-  return kStages * options.newton_iterations *
-         (kTangentNsPerSlot * model.num_slots() + kFactorNsPerVertexToThreeHalves * V * std::sqrt(V));
+  const double per_factor = implicit_solver(model) == LinearSolverKind::kFactorCg ? kFactorCgNsPerVertexToThreeHalves
+                                                                                  : kDirectNsPerVertexToThreeHalves;
+  return kStages * options.newton_iterations * (kTangentNsPerSlot * model.num_slots() + per_factor * V * std::sqrt(V));
 }
 
 }  // namespace
@@ -86,8 +95,7 @@ bool AutomaticIntegrator::choose(const Model& model) {
     const bool is_second_order = condition <= kSecondOrderCondition;
     IntegratorOptions options =
         with_kind(options_, is_second_order ? IntegratorKind::kTrBdf2 : IntegratorKind::kImplicitEuler);
-    const bool is_large = is_second_order && model.num_vertices() >= kLeastForFactorCg;
-    options.linear_solver = is_large ? LinearSolverKind::kFactorCg : LinearSolverKind::kDirect;
+    options.linear_solver = is_second_order ? implicit_solver(model) : LinearSolverKind::kDirect;
     scheme = is_second_order ? "TR-BDF2, " : "implicit Euler, ";
     solver = name_of(options.linear_solver).description;
     is_other = options.kind != before || options.linear_solver != solver_;
@@ -96,8 +104,10 @@ bool AutomaticIntegrator::choose(const Model& model) {
   }
   std::array<char, 256> text{};
   std::snprintf(text.data(), text.size(),
-                "; estimated per tick of %.4g s: %.0f explicit substeps %.1f ms, TR-BDF2, direct solver %.1f ms",
-                options_.tick, substeps, of_explicit * 1e-6, of_implicit * 1e-6);
+                "; estimated per tick of %.4g s: %.0f explicit substeps in %s precision %.1f ms, TR-BDF2, %s %.1f ms%s",
+                options_.tick, substeps, options_.precision == Precision::kMixed ? "mixed" : "double",
+                of_explicit * 1e-6, name_of(implicit_solver(model)).description.data(), of_implicit * 1e-6,
+                condition <= kSecondOrderCondition ? "" : " (not solved well at a condition above 1e9)");
   explanation_ = "automatic: ";
   explanation_.append(scheme).append(solver).append(text.data());
   return is_other;

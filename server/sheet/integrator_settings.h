@@ -23,7 +23,7 @@ enum class Precision { kDouble, kMixed };  // explicit: see fem::Precision
 struct IntegratorSettings {
   IntegratorKind kind = IntegratorKind::kAutomatic;
   std::int32_t max_substeps = 20000;   // explicit: a tick, 1..100000
-  std::int32_t newton_iterations = 2;  // implicit: a tick, 1..100
+  std::int32_t newton_iterations = 2;  // implicit: a solve, 1..100
   double solver_tolerance = 1.0e-4;    // implicit: relative residual of the linear solver, 1e-14..0.1; below 1e-4 of
                                        // Newton's method as well
   LinearSolverKind solver = LinearSolverKind::kBlockJacobiCg;  // implicit; kAutomatic chooses for itself

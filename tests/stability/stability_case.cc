@@ -10,6 +10,7 @@
 #include "server/mesh/grid_mesh.h"
 #include "server/mesh/mesh_import.h"
 #include "server/mesh/regions.h"
+#include "server/sheet/integrator_settings.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::stability {
@@ -242,8 +243,7 @@ Outcome run(const Case& tested, int num_steps, const Budget& budget) {
   std::vector<fem::Material> materials;
   for (const double density : start.densities) materials.push_back(material(tested, density));
   const fem::Model model(start.mesh, materials);
-  fem::IntegratorOptions options;
-  options.tick = tested.dt;
+  fem::IntegratorOptions options = sheet::integrator_options({}, tested.dt);
   options.precision = tested.precision;
   options.kind = tested.kind;
   const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
