@@ -1,6 +1,7 @@
 // Errors name fields as kerf.v1 does, so that whoever reads one finds the field in the request.
 #include <functional>
 #include <limits>
+#include <optional>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -63,6 +64,13 @@ TEST(FieldNames, OfMaterialsAreThoseOfTheProto) {
         &fem::Material::poissons_ratio_12, &fem::Material::direction, &fem::Material::thickness,
         &fem::Material::density, &fem::Material::bending_scale, &fem::Material::mass_damping,
         &fem::Material::stiffness_damping}) {
+    fem::Material material;
+    material.*member = std::numeric_limits<double>::quiet_NaN();
+    expect_named(fem::validate(material, "materials[3].material").error());
+  }
+  for (std::optional<double> fem::Material::*const member :
+       {&fem::Material::bending_stiffness_1, &fem::Material::bending_stiffness_2, &fem::Material::bending_coupling,
+        &fem::Material::twisting_stiffness}) {
     fem::Material material;
     material.*member = std::numeric_limits<double>::quiet_NaN();
     expect_named(fem::validate(material, "materials[3].material").error());
