@@ -86,6 +86,19 @@ TEST(SceneCodec, EveryAnalysisComesBackUnchanged) {
   EXPECT_TRUE(encode_scene(decoded(scene)).analysis().has_dynamic());
 }
 
+// The number of steps has no check but the codec's.
+TEST(SceneCodec, LoadStepsAreLimited) {
+  v1::Scene scene = full_scene();
+  v1::StaticAnalysis* const analysis = scene.mutable_analysis()->mutable_static_();
+  analysis->set_steps(10'000);
+  const Result<sheet::SheetConfig> most = decode_scene(scene);
+  ASSERT_TRUE(most.ok()) << most.error().message;
+  EXPECT_EQ(std::get<sheet::StaticAnalysis>(most->analysis).loads.size(), 10'000U);
+  EXPECT_TRUE(sheet::validate(most->analysis).ok());
+  analysis->set_steps(10'001);
+  EXPECT_EQ(decode_scene(scene).error().field, "analysis.static.steps");
+}
+
 TEST(SceneCodec, BendingThatIsNotGivenStaysDerived) {
   v1::Scene scene = full_scene();
   scene.mutable_material()->clear_bending_coupling_nm();
