@@ -24,11 +24,18 @@ constexpr std::array<double, 2> kSign{1.0, -1.0};
 Hinge::Hinge(const std::array<Vector3d, 4>& x, const HingeSize& rest) : edge_(x[1] - x[0]) {
   const double least_length = std::max(kLeastArea * rest.length, std::numeric_limits<double>::min());
   squared_ = edge_.squaredNorm();
+  length_ = std::sqrt(squared_);
   is_short_ = !(squared_ > least_length * least_length);
-  if (is_short_) squared_ = least_length * least_length;
+  if (is_short_) {
+    squared_ = least_length * least_length;
+    share_ = length_ / least_length * (length_ / least_length);
+  }
   for (std::size_t i = 0; i < 2; ++i) {
     wings_[i] = make_wing(x[2 + i] - x[0], kSign[i], kLeastArea * rest.length * rest.height[i]);
   }
+  // The same share of both, without which their torques would not cancel.
+  for (std::size_t i = 0; i < 2; ++i) wings_[i].share = wings_[1 - i].own_share;
+  for (Wing& wing : wings_) wing.rate *= wing.share;
   if (wings_[0].unit.isZero(0.0) || wings_[1].unit.isZero(0.0)) return;
   // Exact at small angles and near pi, where an arc cosine is not.
   theta_ = 2.0 * std::atan2((wings_[0].unit - wings_[1].unit).norm(), (wings_[0].unit + wings_[1].unit).norm());
@@ -44,9 +51,11 @@ Hinge::Wing Hinge::make_wing(const Vector3d& corner, double sign, double least) 
   const double counted = std::max({size, least, std::numeric_limits<double>::min()});
   wing.over_squared = 1.0 / (counted * counted);
   if (size > 0.0) wing.unit = wing.normal / size;
-  wing.rate = std::sqrt(squared_) / counted * std::min(1.0, size / counted) * wing.unit;
+  const double part = std::min(1.0, size / counted);
+  wing.own_share = part * part;
+  wing.rate = length_ / counted * part * wing.unit;
   const double foot = edge_.dot(corner) / squared_;
-  wing.weight = {foot - 1.0, -foot, 1.0};
+  wing.weight = {foot - share_, -foot, share_};
   return wing;
 }
 
@@ -55,19 +64,18 @@ std::array<Vector3d, 4> Hinge::gradient() const {
   for (std::size_t k = 0; k < 2; ++k) {
     made[k] = wings_[0].weight[k] * wings_[0].rate + wings_[1].weight[k] * wings_[1].rate;
   }
-  made[2] = wings_[0].rate;
-  made[3] = wings_[1].rate;
+  made[2] = wings_[0].weight[2] * wings_[0].rate;
+  made[3] = wings_[1].weight[2] * wings_[1].rate;
   return made;
 }
 
 // Of rate weight^T.
 void Hinge::add_second_derivatives(const Wing& wing, double sign, std::size_t corner, Matrix12d& sum) const {
-  const double length = std::sqrt(squared_);
-  const Vector3d direction = is_short_ ? Vector3d(Vector3d::Zero()) : Vector3d(edge_ / length);
+  const Vector3d direction = length_ > 0.0 ? Vector3d(edge_ / length_) : Vector3d(Vector3d::Zero());
   Matrix3d by_normal = Matrix3d::Identity();
   if (!wing.has_collapsed) by_normal -= 2.0 * wing.unit * wing.unit.transpose();
-  by_normal *= length * wing.over_squared;
-  const Matrix3d by_length = wing.over_squared * wing.normal * direction.transpose();
+  by_normal *= wing.share * length_ * wing.over_squared;
+  const Matrix3d by_length = wing.share * wing.over_squared * wing.normal * direction.transpose();
   // By the edge and by the corner, both from the beginning of the edge.
   const Matrix3d rate_by_edge = by_length - sign * by_normal * cross_matrix(wing.corner);
   const Matrix3d rate_by_corner = sign * by_normal * cross_matrix(edge_);

@@ -15,9 +15,11 @@ struct HingeSize {
 // Two triangles that share an edge: the angle theta from one plane to the other, in (-pi, pi], positive where they fold
 // towards the side that their normals are on. Its gradient and second derivative: Tamstorf and Grinspun 2013, "Discrete
 // bending forces and their Jacobians", section 3, put together here from how each triangle turns about the edge.
-// Of triangles that have collapsed to less than kLeastArea of their area (rest_bending.h), and edges to less than that
-// of their length, derivatives are as if they had that, so that all numbers stay finite; the angle is the true one, 0
-// where a triangle has no plane at all. At pi, of a sheet that is folded onto itself, it jumps.
+// Where a triangle has collapsed to less than kLeastArea of its area (rest_bending.h), or the edge to less than that of
+// its length, the gradient is the true one times the square of what is left of that, so that all numbers stay finite
+// and forces keep their balance, without a resultant or a torque; the second derivative counts those factors in part.
+// The angle is the true one, 0 where a triangle has no plane at all. At pi, of a sheet that is folded onto itself, it
+// jumps.
 class Hinge {
  public:
   // x: both ends of the edge, then the corner on its left and that on its right, m.
@@ -37,8 +39,10 @@ class Hinge {
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // m^2; twice the area
     Eigen::Vector3d unit = Eigen::Vector3d::Zero();    // -
     Eigen::Vector3d rate = Eigen::Vector3d::Zero();    // 1/m
-    std::array<double, 3> weight{};                    // -
+    std::array<double, 3> weight{};                    // -, of sum 0
     double over_squared = 0.0;                         // 1/m^4; of the normal
+    double own_share = 1.0;                            // -, below 1 where it has collapsed, and
+    double share = 1.0;                                // that of the other wing
     bool has_collapsed = false;
   };
   [[nodiscard]] Wing make_wing(const Eigen::Vector3d& corner, double sign, double least) const;
@@ -46,7 +50,9 @@ class Hinge {
                               Eigen::Matrix<double, 12, 12>& sum) const;
 
   Eigen::Vector3d edge_;  // m
-  double squared_ = 0.0;  // m^2, of the edge
+  double length_ = 0.0;   // m, of the edge
+  double squared_ = 0.0;  // m^2, of the edge, or the least that counts
+  double share_ = 1.0;    // -, below 1 where the edge has collapsed
   bool is_short_ = false;
   std::array<Wing, 2> wings_;
   double theta_ = 0.0;

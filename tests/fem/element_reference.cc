@@ -182,6 +182,7 @@ Reference::Reference(Eigen::Index num_vertices)
     : forces(Eigen::Matrix3Xd::Zero(3, num_vertices)),
       stiffness(Eigen::MatrixXd::Zero(3 * num_vertices, 3 * num_vertices)),
       force_noise(Eigen::VectorXd::Zero(num_vertices)),
+      balance_noise(Eigen::VectorXd::Zero(num_vertices)),
       stiffness_noise(Eigen::MatrixXd::Zero(num_vertices, num_vertices)),
       force_bound(Eigen::VectorXd::Zero(num_vertices)),
       is_smooth(static_cast<std::size_t>(num_vertices), true) {}

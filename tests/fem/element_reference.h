@@ -7,8 +7,8 @@
 
 #include "server/fem/model.h"
 
-// What the energy of a sheet and its derivatives are by the definitions of membrane.h, bending.h and bending_edge.h,
-// taken from the constants of a model in long double, and how far double precision may be off them.
+// What the energy of a sheet and its derivatives are by the definitions of membrane.h, bending.h, bending_edge.h and
+// hinge.h, taken from the constants of a model in long double, and how far double precision may be off them.
 //
 // The noise of a triangle. Differences of positions and their products with the gradients g of its corners, whose size
 // is G = |g1| + |g2|, leave in F an error of
@@ -22,6 +22,9 @@
 // of Green's strain, of which delta makes |F| delta, with 1 + |F|^2 in place of 1 + |e| / s.
 // Of bending, with differences d of positions, each entry of Q has u of the sum of its terms, and the force on a vertex
 // u sum |Q| |d| + moved sum |Q|.
+// Of bending by angles, a triangle of doubled area n over an edge of length l, its corner at a distance of a, has its
+// normal off by (u l a + moved (l + a)) / n, at most 2: so is the angle, and its derivatives by that share of their
+// terms. Beside pi an angle is off by 2 pi.
 namespace kerf::fem {
 
 struct Reference {
@@ -33,17 +36,22 @@ struct Reference {
   // Errors of double precision, to be multiplied by a number of roundings.
   double energy_noise = 0.0;        // J
   Eigen::VectorXd force_noise;      // N, length V
+  Eigen::VectorXd balance_noise;    // N, length V, of angles: of their forces for the moments as they are, which must
+                                    // have no resultant and no torque, be the moments right or not
   Eigen::MatrixXd stiffness_noise;  // N/m, V x V
   // Largest force there can be on a vertex, N, length V, whatever frame a collapsed triangle is given.
   Eigen::VectorXd force_bound;
   // Whether the energy has derivatives there that double precision resolves: not at a corner of a triangle of the
-  // co-rotational law that is collapsed to a line or a point, where S = sqrt(F^T F) has a kink.
+  // co-rotational law that is collapsed to a line or a point, where S = sqrt(F^T F) has a kink; not at a vertex of a
+  // hinge that counts as collapsed, whose angle has other derivatives than those it is given (see hinge.h).
   std::vector<bool> is_smooth;
 };
 
 // x (3 x V, m), known to within `moved` (m).
 Reference membrane_reference(const Model& model, const mesh::VertexField& x, double moved);
 Reference bending_reference(const Model& model, const mesh::VertexField& x, double moved);
+// Of a model that bends by angles, without clamps.
+Reference angle_reference(const Model& model, const mesh::VertexField& x, double moved);
 
 // N/m, of the terms that the stiffness of one triangle is summed of: A G^2 |C| (1 + |e| / s), without s where it is not
 // resolved or the law is that of Green's strain. They cancel each other on a sliver that is folded nearly to a line.

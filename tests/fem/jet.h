@@ -68,4 +68,20 @@ Jet<N> sqrt(const Jet<N>& a) {
   return a.through(root, 0.5L / root, -0.25L / (root * a.value));
 }
 
+// Where not both are 0.
+template <int N>
+Jet<N> atan2(const Jet<N>& y, const Jet<N>& x) {
+  const long double squared = x.value * x.value + y.value * y.value;
+  const long double by_y = x.value / squared;
+  const long double by_x = -y.value / squared;
+  Jet<N> made;
+  made.value = std::atan2(y.value, x.value);
+  made.gradient = by_y * y.gradient + by_x * x.gradient;
+  const typename Jet<N>::Hessian mixed = y.gradient * x.gradient.transpose();
+  made.hessian = by_y * y.hessian + by_x * x.hessian +
+                 2.0L * by_y * by_x * (y.gradient * y.gradient.transpose() - x.gradient * x.gradient.transpose()) +
+                 (by_x * by_x - by_y * by_y) * (mixed + mixed.transpose());
+  return made;
+}
+
 }  // namespace kerf::fem
