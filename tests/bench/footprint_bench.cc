@@ -8,7 +8,6 @@
 #include <cstdlib>
 #include <string>
 #include <thread>
-#include <utility>
 
 #include "server/base/check.h"
 #include "server/host/entropy.h"
@@ -26,21 +25,35 @@ double allocated() {
   return static_cast<double>(info.uordblks + info.hblkhd);
 }
 
+struct Setting {
+  const char* name;
+  sheet::IntegratorKind kind;
+  sheet::Precision precision;
+};
+
+constexpr Setting kSettings[] = {
+    {"explicit, mixed", sheet::IntegratorKind::kExplicitLeapfrog, sheet::Precision::kMixed},
+    {"explicit, double", sheet::IntegratorKind::kExplicitLeapfrog, sheet::Precision::kDouble},
+    {"implicit", sheet::IntegratorKind::kImplicitEuler, sheet::Precision::kDouble},
+};
+
 void print_memory() {
-  std::printf("| vertices | integrator | bytes a vertex | with a snapshot |\n|---|---|---|---|\n");
-  constexpr std::pair<const char*, sheet::IntegratorKind> kKinds[] = {
-      {"explicit", sheet::IntegratorKind::kExplicitLeapfrog}, {"implicit", sheet::IntegratorKind::kImplicitEuler}};
+  std::printf("| vertices |");
+  for (const Setting& setting : kSettings) std::printf(" %s | with a snapshot |", setting.name);
+  std::printf("\n|---|---|---|---|---|---|---|\n");
   for (const int side : {15, 50, 100, 200}) {
-    for (const auto& [name, kind] : kKinds) {
+    std::printf("| %d |", side * side);
+    for (const Setting& setting : kSettings) {
       const double before = allocated();
-      sheet::Sheet sheet = race_cloth(side, kind, sheet::Precision::kDouble);
+      sheet::Sheet sheet = race_cloth(side, setting.kind, setting.precision);
       for (int tick = 0; tick < 2; ++tick) sheet.step({});
       const double used = allocated() - before;
       const auto snapshot = sheet.snapshot();
       const double watched = allocated() - before;
-      std::printf("| %d | %s | %.0f | %.0f |\n", side * side, name, used / (side * side), watched / (side * side));
-      std::fflush(stdout);
+      std::printf(" %.0f | %.0f |", used / (side * side), watched / (side * side));
     }
+    std::printf("\n");
+    std::fflush(stdout);
   }
 }
 

@@ -21,12 +21,7 @@ Entry own(const std::string& setting, const fem::IntegratorOptions& options) {
 }
 
 Entry implicit_euler(const std::string& setting, int newton_iterations, fem::LinearSolverKind solver) {
-  fem::IntegratorOptions options;
-  options.kind = fem::IntegratorKind::kImplicitEuler;
-  options.newton_iterations = newton_iterations;
-  options.linear_solver = solver;
-  options.max_linear_iterations = 10'000;
-  return own(setting, options);
+  return own(setting, implicit_options(fem::IntegratorKind::kImplicitEuler, newton_iterations, solver));
 }
 
 std::vector<Entry> own_entries() {

@@ -74,6 +74,15 @@ fem::IntegratorOptions reference_options() {
   return options;
 }
 
+fem::IntegratorOptions implicit_options(fem::IntegratorKind kind, int newton_iterations, fem::LinearSolverKind solver) {
+  fem::IntegratorOptions options;
+  options.kind = kind;
+  options.newton_iterations = newton_iterations;
+  options.linear_solver = solver;
+  options.max_linear_iterations = 10'000;
+  return options;
+}
+
 std::unique_ptr<Contender> make_own(const Scene& scene, const fem::IntegratorOptions& options) {
   return std::make_unique<Own>(scene, options);
 }
