@@ -246,6 +246,7 @@ Outcome run(const Case& tested, int num_steps, const Budget& budget) {
   fem::IntegratorOptions options = sheet::integrator_options({}, tested.dt);
   options.precision = tested.precision;
   options.kind = tested.kind;
+  if (tested.newton_iterations > 0) options.newton_iterations = tested.newton_iterations;
   const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
   integrator->rebuild(model);
 

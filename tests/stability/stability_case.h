@@ -39,6 +39,7 @@ struct Case {
   double aspect = 1.0;            // -
   fem::Precision precision = fem::IntegratorOptions().precision;
   fem::IntegratorKind kind = fem::IntegratorKind::kAutomatic;
+  int newton_iterations = 0;  // a solve; 0: as a new sheet has it
 
   [[nodiscard]] std::string name() const;
 };

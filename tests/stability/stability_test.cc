@@ -69,22 +69,25 @@ INSTANTIATE_TEST_SUITE_P(Mended, StabilityMatrixCase,
                                          find_case("random box, E 1e+03 Pa, nu 0.63, dt 0.001 s, aspect 9e+05"),
                                          find_case("1000 m/s at random, E 1e+09 Pa, nu 0.49, dt 0.1 s, aspect 1e+02")));
 
-// 1000 rad/s about the normal for 10,000 steps, by what users get, explicit here, and by both implicit ones.
+// 1000 rad/s about the normal for 10,000 steps, by what users get, explicit here, and by both implicit ones with five
+// Newton steps: with two, conjugate gradients to 1e-4 leave the centre where TR-BDF2 is 4e-9 off.
 TEST(StabilityOfSpin, NeverGainsEnergyNorLeavesItsPlace) {
   struct Spin {
     fem::IntegratorKind kind;
     double youngs_modulus, dt;  // Pa, s
+    int newton_iterations = 0;  // of a new sheet
   };
   constexpr double kTick = 1.0 / 60.0;
   for (const Spin& each :
        {Spin{fem::IntegratorKind::kAutomatic, 1e6, 1e-4}, Spin{fem::IntegratorKind::kAutomatic, 1e6, kTick},
-        Spin{fem::IntegratorKind::kAutomatic, 1e9, kTick}, Spin{fem::IntegratorKind::kTrBdf2, 1e6, kTick},
-        Spin{fem::IntegratorKind::kImplicitEuler, 1e6, kTick}}) {
+        Spin{fem::IntegratorKind::kAutomatic, 1e9, kTick}, Spin{fem::IntegratorKind::kTrBdf2, 1e6, kTick, 5},
+        Spin{fem::IntegratorKind::kImplicitEuler, 1e6, kTick, 5}}) {
     Case spin;
     while (std::string_view(start_kinds()[spin.start].name) != "1000 rad/s") ++spin.start;
     spin.kind = each.kind;
     spin.youngs_modulus = each.youngs_modulus;
     spin.dt = each.dt;
+    spin.newton_iterations = each.newton_iterations;
     const Outcome outcome = run(spin, kSpinSteps, {});
     SCOPED_TRACE(spin.name() + ": " + outcome.integrator);
     ASSERT_EQ(outcome.num_steps, kSpinSteps);
