@@ -640,7 +640,11 @@ TEST(Json, MapsAreObjectsWhoseNamesAreFree) {
   (*result.mutable_flagged_ticks())["not_converged"] = 12;
   v1::RunResult read;
   ASSERT_TRUE(from_json(to_json(result), read).ok());
-  expect_equal(read, result);
+  // Not by MessageDifferencer: under the thread sanitizer maps have another layout than in Debian's library, which it
+  // reads.
+  ASSERT_EQ(read.flagged_ticks_size(), 2);
+  EXPECT_EQ(read.flagged_ticks().at("substepped"), 3);
+  EXPECT_EQ(read.flagged_ticks().at("not_converged"), 12);
   ASSERT_TRUE(from_json(R"({"flagged_ticks": {}})", read).ok());
   EXPECT_TRUE(read.flagged_ticks().empty());
   const auto refusal = [](const char* json) {
