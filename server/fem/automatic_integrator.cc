@@ -10,8 +10,9 @@
 namespace kerf::fem {
 namespace {
 
-// Nanoseconds on one core of 2024; only their ratios matter. Fitted to `size.csv` (tests/accuracy/plots), wool of 225
-// to 40,000 vertices before and after a cut: within a tenth of what ticks took.
+// Nanoseconds on one core of 2024; only their ratios matter. Fitted to ticks of wool of 225 to 10,000 vertices before
+// and after a cut (tests/accuracy/plots/measure.py size, one hour): within an eighth from 900 vertices on, a quarter
+// too low at 277.
 struct ExplicitCost {
   double per_slot;
   double per_bending_entry;
@@ -20,8 +21,8 @@ constexpr ExplicitCost kDoubleNs{4.2, 0.42};
 constexpr ExplicitCost kMixedNs{2.0, 0.2};
 constexpr double kTangentNsPerSlot = 400.0;
 // Factor and solve of a Newton iteration: 12 ms of 2,500 vertices. Factorisation of a planar mesh of V vertices grows
-// as V^1.5 (George 1973, nested dissection). One in float that is kept while it serves took 70 of 2,500 and 10,000
-// vertices, 30 of 40,000.
+// as V^1.5 (George 1973, nested dissection). With one in float that is kept while it serves it was 70 ns V^1.5 of 2,500
+// and 10,000 vertices, 30 ns of 40,000: its constant lies between.
 constexpr double kDirectNsPerVertexToThreeHalves = 100.0;
 constexpr double kFactorCgNsPerVertexToThreeHalves = 45.0;
 constexpr double kStages = 2.0;  // of TR-BDF2

@@ -110,6 +110,7 @@ class Sheets(Case):
         done = kerf("sheet", "create", "people", "--grid", "5x5")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("25 vertices", done.stdout)
+        self.assertIn("automatic: explicit; estimated per tick", kerf("sheet", "get", "people").stdout)
         self.assertIn("sheets/people", kerf("sheet", "list").stdout)
         self.assertIn("materials", kerf("info").stdout)
 
