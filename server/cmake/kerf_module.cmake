@@ -38,9 +38,11 @@ if(KERF_SANITIZE)
   endif()
 endif()
 
-# kerf_module(name SOURCES ... DEPENDS ...): library kerf_<name> with alias kerf::<name>.
+# kerf_module(name SOURCES ... [ALONE ...] DEPENDS ...): library kerf_<name> with alias kerf::<name>. With KERF_UNITY its
+# sources are compiled some at a time, as most of the time goes into the headers they share; those named in ALONE as well
+# are not, and names in unnamed namespaces must be unique in a module.
 function(kerf_module name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;ALONE;DEPENDS" ${ARGN})
   if(NOT ARG_SOURCES)  # header-only
     add_library(kerf_${name} INTERFACE)
     add_library(kerf::${name} ALIAS kerf_${name})
@@ -52,6 +54,8 @@ function(kerf_module name)
   add_library(kerf::${name} ALIAS kerf_${name})
   target_include_directories(kerf_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(kerf_${name} PUBLIC kerf_flags ${ARG_DEPENDS} PRIVATE kerf_warnings)
+  set_target_properties(kerf_${name} PROPERTIES UNITY_BUILD ${KERF_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+  set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 # kerf_test(path/to/name_test.cc LABEL core DEPENDS ... [ARGS ...] [TIMEOUT seconds]): one binary and one ctest entry.
@@ -77,4 +81,33 @@ function(kerf_test source)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 ${ARG_ARGS})
   set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} FIXTURES_REQUIRED built)
+endfunction()
+
+# kerf_tests(name LABEL core SOURCES a_test.cc ... DEPENDS ... [SHARDS n] [TIMEOUT seconds]): the tests of a folder as one
+# program, compiled some files at a time (see kerf_module), and as n entries of ctest, <name>_1 to <name>_n, that share
+# its tests out among them.
+function(kerf_tests name)
+  cmake_parse_arguments(ARG "" "LABEL;SHARDS;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 600)
+  endif()
+  if(KERF_SANITIZE)
+    math(EXPR ARG_TIMEOUT "6 * ${ARG_TIMEOUT}")
+  endif()
+  if(NOT ARG_SHARDS)
+    set(ARG_SHARDS 1)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE kerf_flags kerf_warnings ${ARG_DEPENDS} GTest::gtest_main GTest::gmock)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ${KERF_UNITY} UNITY_BUILD_BATCH_SIZE 5)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    target_compile_options(${name} PRIVATE -Wno-maybe-uninitialized)  # false alarms on std::optional in std::variant
+  endif()
+  foreach(shard RANGE 1 ${ARG_SHARDS})
+    math(EXPR index "${shard} - 1")
+    add_test(NAME ${name}_${shard} COMMAND ${name} --gtest_brief=1)
+    set_tests_properties(${name}_${shard} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} FIXTURES_REQUIRED built
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=${ARG_SHARDS};GTEST_SHARD_INDEX=${index}")
+  endforeach()
 endfunction()

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "server/base/check.h"
+#include "server/base/sort_unique.h"
 
 namespace kerf::cut {
 
@@ -15,14 +16,14 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr int kMaxSteps = 1'000'000;  // triangles one segment may run through
+constexpr int kMaxCrossings = 1'000'000;  // triangles one segment may run through
 
 // Appends the triangles from `t`, which holds a, towards b, up to the one that holds b, and returns the last. Across
 // the edge that separates b from the triangle and that line ab passes; through an exact point over either edge there.
 TriangleId append_crossed(const mesh::TriangleMesh& mesh, TriangleId t, const LatticePoint& a, const LatticePoint& b,
                           std::vector<TriangleId>& crossed) {
   TriangleId previous = kNone;
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (int step = 0; step < kMaxCrossings; ++step) {
     if (mesh.is_solid(t)) crossed.push_back(t);
     TriangleId next = kNone;
     for (int k = 0; k < 3 && next == kNone; ++k) {
@@ -53,8 +54,7 @@ std::vector<TriangleId> crossed_triangles(const mesh::TriangleMesh& mesh, std::s
       a = b;
     }
   }
-  std::sort(crossed.begin(), crossed.end());
-  crossed.erase(std::unique(crossed.begin(), crossed.end()), crossed.end());
+  sort_unique(crossed);
   return crossed;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "server/base/sort_unique.h"
 #include "server/mesh/id_table.h"
 #include "server/mesh/lip_corner.h"
 #include "server/mesh/triangle_shape.h"
@@ -24,12 +25,6 @@ constexpr double kAngleRounding = 1.0e-6;
 
 double angle_of(double cosine) {
   return std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees;
-}
-
-template <typename Id>
-void sort_unique(std::vector<Id>& ids) {
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
 std::array<PointId, 3> sorted(std::array<PointId, 3> points) {

@@ -19,7 +19,7 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr int kMaxSteps = 1'000'000;  // triangles one segment may run through
+constexpr int kMaxSegmentTriangles = 1'000'000;  // triangles one segment may run through
 
 // Cuts one stroke up at the edges of the mesh.
 class Crossings {
@@ -51,7 +51,7 @@ class Crossings {
   void follow(const Vector2d& to) {
     const LatticePoint target = mesh_.lattice().nearest(to);
     TriangleId previous = kNone;
-    for (int step = 0; step < kMaxSteps; ++step) {
+    for (int step = 0; step < kMaxSegmentTriangles; ++step) {
       int exit = kNone;
       for (int k = 0; k < 3 && exit == kNone; ++k) {
         const LatticePoint& right = mesh_.at(mesh_.points(triangle_)[next_corner(k)]);

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr int kNone = -1;
+constexpr int kEndOfList = -1;
 constexpr int kMaxDepth = 64;       // splits of one chord; 2^-64 of a piece is below any rounding
 constexpr double kNoise = 1.0e-14;  // -, of the largest coordinate
 
@@ -26,7 +26,7 @@ class ChordLists {
     rounding_ = std::max(rounding_, subpath.rounding_m);
     heads_.push_back(static_cast<int>(chords_.size()));
     for (const RationalPiece& piece : subpath.pieces) add(piece);
-    chords_.back().next = kNone;
+    chords_.back().next = kEndOfList;
   }
 
   // Splits the chord farthest from its piece until none is too far, the limit is met, or only rounding is left.
@@ -57,7 +57,7 @@ class ChordLists {
     for (const int head : heads_) {
       Stroke stroke;
       stroke.points.push_back(chords_[static_cast<std::size_t>(head)].piece.start);
-      for (int at = head; at != kNone; at = chords_[static_cast<std::size_t>(at)].next) {
+      for (int at = head; at != kEndOfList; at = chords_[static_cast<std::size_t>(at)].next) {
         const Vector2d& end = chords_[static_cast<std::size_t>(at)].piece.end;
         if (stroke.points.back() != end) stroke.points.push_back(end);
       }
@@ -71,7 +71,7 @@ class ChordLists {
     RationalPiece piece;
     double deviation = 0.0;  // m; bound
     int depth = 0;           // splits so far
-    int next = kNone;
+    int next = kEndOfList;
   };
 
   void add(const RationalPiece& piece) {

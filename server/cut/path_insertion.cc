@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/base/sort_unique.h"
 #include "server/mesh/lattice_geometry.h"
 
 namespace kerf::cut {
@@ -35,11 +36,6 @@ Error budget_error() {
 Error rounding_error() {
   return {ErrorCode::kFailedPrecondition, "CUT_NOT_REPRESENTABLE",
           "a point of the cut could not be rounded to a valid position; shift the curve slightly", "cut.curve"};
-}
-
-void sort_unique(std::vector<PointId>& points) {
-  std::sort(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ using mesh::TriangleId;
 
 namespace {
 
-constexpr int kMaxSteps = 1'000'000;  // triangles one leg may cross
+constexpr int kMaxLegTriangles = 1'000'000;  // triangles one leg may cross
 
 Encounter met_point(PointId point, bool solid) {
   return {Encounter::Kind::kPoint, kNone, 0, point, false, solid};
@@ -113,7 +113,7 @@ Encounter PathWalk::follow(const PathPosition& from, const PathPosition& to) {
   const bool leaves = from_.point != kNone ? leave_point(exit, met) : leave_void_triangle(exit, met);
   if (!leaves) return met;
   const bool solid = mesh_.is_solid(exit.triangle);
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (int step = 0; step < kMaxLegTriangles; ++step) {
     const auto [t, k] = exit;
     const PointId right = mesh_.points(t)[next_corner(k)];
     const PointId left = mesh_.points(t)[previous_corner(k)];

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/cut/segment_distance.h"
+
 namespace kerf::cut {
 namespace {
 
@@ -39,14 +41,6 @@ double binomial(int n, int k) {
 
 Vector3d homogeneous(const Vector2d& point, double weight) {
   return {weight * point.x(), weight * point.y(), weight};
-}
-
-double distance_to_segment(const Vector2d& point, const Vector2d& a, const Vector2d& b) {
-  const Vector2d along = b - a;
-  const double length_squared = along.squaredNorm();
-  if (length_squared == 0.0) return (point - a).norm();
-  const double t = std::clamp((point - a).dot(along) / length_squared, 0.0, 1.0);
-  return (point - a - t * along).norm();
 }
 
 // x' W - x W' of a piece, x and W the numerator and the weight: the derivative of x / W times W^2 / n, so of its sign.

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "server/cut/segment_distance.h"
+
 namespace kerf::cut {
 
 using Eigen::Vector2d;
@@ -12,13 +14,6 @@ using Eigen::Vector2d;
 namespace {
 
 constexpr double kCosCorner = 0.94;  // cos 20 degrees
-
-double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d along = b - a;
-  const double squared = along.squaredNorm();
-  const double t = squared > 0.0 ? std::clamp((p - a).dot(along) / squared, 0.0, 1.0) : 0.0;
-  return (p - a - t * along).norm();
-}
 
 bool is_corner(const std::vector<Vector2d>& points, std::size_t i) {
   const Vector2d before = points[i] - points[i - 1];

@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "server/base/sort_unique.h"
+
 namespace kerf::cut {
 namespace {
 
@@ -53,8 +55,7 @@ class NearestLayer {
       stops.push_back(i->begin.at);
       stops.push_back(i->end.at);
     }
-    std::sort(stops.begin(), stops.end());
-    stops.erase(std::unique(stops.begin(), stops.end()), stops.end());
+    sort_unique(stops);
     active_.clear();
     const ViewInterval* next = first;
     for (std::size_t s = 0; s + 1 < stops.size(); ++s) {

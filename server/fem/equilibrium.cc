@@ -27,7 +27,7 @@ constexpr double kVentureDecay = 0.5;  // of the energy above that where it bega
 constexpr double kLinearDecrease =
     0.9;  // of the energy, over that of the slope: where it is convex a full step has 0.5
 constexpr int kMaxLengthenings = 20;
-constexpr int kMaxBacktracks = 40;
+constexpr int kMaxLineHalvings = 40;
 constexpr double kSufficientDecrease = 1e-4;
 constexpr double kDiscernible = 100.0;  // decrease of the energy, over what rounding leaves of it
 constexpr int kMaxBlindSteps = 10;      // without a better residual
@@ -302,7 +302,7 @@ EquilibriumSolver::Progress EquilibriumSolver::search_line(const Model& model, c
     return Progress::kBlind;
   }
   double scale = 1.0;
-  for (int i = 0; i < kMaxBacktracks; ++i, scale *= 0.5) {
+  for (int i = 0; i < kMaxLineHalvings; ++i, scale *= 0.5) {
     trial_ = x + scale * step_;
     const double after = energy(model, loads, trial_, x);
     if (!(after <= before - kSufficientDecrease * scale * slope + noise)) continue;

@@ -16,7 +16,7 @@ using mesh::VertexId;
 constexpr int kMaxRounds = 200;
 constexpr double kLeastGain = 1.001;  // of the worst mass / floor, in a round, as a factor
 
-std::size_t index(VertexId vertex) {
+std::size_t as_index(VertexId vertex) {
   return static_cast<std::size_t>(vertex);
 }
 
@@ -47,8 +47,8 @@ class Diffusion {
   // `members` must be in their canonical order: results depend on it.
   Diffusion(const MassProblem& problem, const IndexSet& members) : is_light_(members.size()) {
     for (const VertexId v : members.members()) {
-      mass_.push_back(problem.lumped[index(v)]);
-      floor_.push_back(problem.floor[index(v)]);
+      mass_.push_back(problem.lumped[as_index(v)]);
+      floor_.push_back(problem.floor[as_index(v)]);
       // At least the number of edges: a fan on the border has one more than triangles.
       degree_.push_back(static_cast<double>(problem.incident_slots.row(v).size() + 1));
       first_edge_.push_back(edges_.size());
@@ -152,8 +152,8 @@ void MassPass::dissolve(std::int32_t domain) {
   if (domain == kNone || domains_[static_cast<std::size_t>(domain)].empty()) return;
   std::vector<VertexId>& members = domains_[static_cast<std::size_t>(domain)];
   for (const VertexId member : members) {
-    if (index(member) >= domain_of_.size()) continue;
-    domain_of_[index(member)] = kNone;
+    if (as_index(member) >= domain_of_.size()) continue;
+    domain_of_[as_index(member)] = kNone;
     region_.insert(member);
   }
   members.clear();
@@ -166,7 +166,7 @@ bool MassPass::gather_reach(const MassProblem& problem) {
   reach_.clear();
   const std::size_t region_size = region_.size();
   for (const VertexId v : region_.members()) {
-    if (problem.lumped[index(v)] < light_below_ * problem.floor[index(v)]) reach_.insert(v);
+    if (problem.lumped[as_index(v)] < light_below_ * problem.floor[as_index(v)]) reach_.insert(v);
   }
   std::size_t begin = 0;
   for (int depth = 0; depth <= kReach; ++depth) {
@@ -175,7 +175,7 @@ bool MassPass::gather_reach(const MassProblem& problem) {
       const VertexId v = reach_.members()[begin];
       visit_neighbours(problem, v, [&](VertexId n, bool /*again*/) {
         if (!share_tile(problem, v, n)) return;
-        dissolve(domain_of_[index(n)]);
+        dissolve(domain_of_[as_index(n)]);
         if (depth < kReach) reach_.insert(n);
       });
     }
@@ -184,7 +184,7 @@ bool MassPass::gather_reach(const MassProblem& problem) {
 }
 
 bool MassPass::share_tile(const MassProblem& problem, VertexId a, VertexId b) const {
-  return problem.tiles[index(a)][grid_] == problem.tiles[index(b)][grid_];
+  return problem.tiles[as_index(a)][grid_] == problem.tiles[as_index(b)][grid_];
 }
 
 void MassPass::store_domain(std::vector<VertexId> members) {
@@ -195,7 +195,7 @@ void MassPass::store_domain(std::vector<VertexId> members) {
     domain = free_domains_.back();
     free_domains_.pop_back();
   }
-  for (const VertexId v : members) domain_of_[index(v)] = domain;
+  for (const VertexId v : members) domain_of_[as_index(v)] = domain;
   domains_[static_cast<std::size_t>(domain)] = std::move(members);
 }
 
@@ -212,14 +212,14 @@ std::span<const VertexId> MassPass::update(const MassProblem& problem, std::span
   domain_of_.resize(mass.size(), kNone);
   for (const std::int32_t domain : bereft) dissolve(domain);
   for (const VertexId v : touched) region_.insert(v);
-  for (const VertexId v : touched) dissolve(domain_of_[index(v)]);
+  for (const VertexId v : touched) dissolve(domain_of_[as_index(v)]);
   while (!gather_reach(problem)) {
   }
   for (const VertexId v : reach_.members()) region_.insert(v);
   mass_before_.clear();
   for (const VertexId v : region_.members()) {
-    mass_before_.push_back(mass[index(v)]);
-    mass[index(v)] = problem.lumped[index(v)];
+    mass_before_.push_back(mass[as_index(v)]);
+    mass[as_index(v)] = problem.lumped[as_index(v)];
   }
   // The connected parts of what was reached.
   for (const VertexId first : reach_.members()) {
@@ -235,7 +235,7 @@ std::span<const VertexId> MassPass::update(const MassProblem& problem, std::span
     for (const VertexId v : members) domain_.insert(v);
     Diffusion diffusion(problem, domain_);
     const std::vector<double>& result = diffusion.run();
-    for (std::size_t i = 0; i < members.size(); ++i) mass[index(members[i])] = result[i];
+    for (std::size_t i = 0; i < members.size(); ++i) mass[as_index(members[i])] = result[i];
     store_domain(std::move(members));
   }
   return region_.members();
@@ -247,7 +247,7 @@ std::span<const VertexId> MassRedistribution::update(const MassProblem& problem,
   const std::span<const VertexId> looked_at = first_.update(problem, touched, between_);
   touched_again_.assign(touched.begin(), touched.end());
   for (std::size_t i = 0; i < looked_at.size(); ++i) {
-    if (between_[index(looked_at[i])] != first_.mass_before()[i]) touched_again_.push_back(looked_at[i]);
+    if (between_[as_index(looked_at[i])] != first_.mass_before()[i]) touched_again_.push_back(looked_at[i]);
   }
   const MassProblem left{problem.incident_slots, problem.blocks, between_, problem.floor, problem.tiles};
   return second_.update(left, touched_again_, mass);

@@ -26,7 +26,7 @@ OffsetPair offsets_of(const TurnedTriangle& triangle) {
   return {triangle.vertices[1] - triangle.vertices[0], triangle.vertices[2] - triangle.vertices[0]};
 }
 
-std::size_t block_of(VertexId v) {
+std::size_t vertex_block(VertexId v) {
   return static_cast<std::size_t>(v) / kBlockLanes;
 }
 
@@ -123,7 +123,7 @@ void MembraneLayout::resize(const Model& model) {
   num_vertices_ = model.num_vertices();
   const int num_groups = group_of(num_vertices_ + kGroup - 1);
   for (int group = num_groups; group < corners_.num_rows(); ++group) {
-    num_corners_[block_of(kGroup * group)] -= count_corners(group);
+    num_corners_[vertex_block(kGroup * group)] -= count_corners(group);
   }
   const std::size_t num_blocks = (static_cast<std::size_t>(num_vertices_) + kBlockLanes - 1) / kBlockLanes;
   places_.resize(static_cast<std::size_t>(model.num_slots()));
@@ -140,7 +140,7 @@ void MembraneLayout::remove(TriangleId slot) {
   if (place.quad != mesh::kNone) {
     quad_slots_[static_cast<std::size_t>(place.quad)] = mesh::kNone;
     --num_regular_[static_cast<std::size_t>(place.quad % 2)];
-    --num_quads_[block_of(place.quad / 2)];
+    --num_quads_[vertex_block(place.quad / 2)];
     changed_quads_.push_back(place.quad / 2);
     --num_solid_;
   } else if (place.lane != mesh::kNone) {
@@ -166,7 +166,7 @@ void MembraneLayout::add(const Model& model, TriangleId slot) {
     KERF_DCHECK(quad_slots_[static_cast<std::size_t>(place.quad)] == mesh::kNone, "one triangle on a side of an edge");
     quad_slots_[static_cast<std::size_t>(place.quad)] = slot;
     ++num_regular_[kind];
-    ++num_quads_[block_of(triangle.vertices[0])];
+    ++num_quads_[vertex_block(triangle.vertices[0])];
     changed_quads_.push_back(triangle.vertices[0]);
     return;
   }
@@ -197,7 +197,7 @@ void MembraneLayout::set_corners(const Model& model, int group) {
     }
     change += static_cast<std::int32_t>(count);
   }
-  num_corners_[block_of(kGroup * group)] += change;
+  num_corners_[vertex_block(kGroup * group)] += change;
   corners_.set_row(group, row_);
 }
 

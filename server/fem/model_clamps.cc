@@ -3,6 +3,7 @@
 #include <array>
 
 #include "server/base/check.h"
+#include "server/base/sort_unique.h"
 #include "server/fem/model.h"
 #include "server/mesh/triangle_mesh.h"
 
@@ -27,8 +28,7 @@ void Model::set_clamps(const mesh::TriangleMesh& mesh, std::vector<Clamp> clamps
   note();
   clamps_ = std::move(clamps);
   note();
-  std::sort(slots.begin(), slots.end());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  sort_unique(slots);
   rows_.clear();
   make_patches(mesh, slots);
   stiffness_bound_.update(stiffness_problem(mesh), {}, {}, rows_.members());
@@ -58,8 +58,7 @@ void Model::sum_clamp_forces(const mesh::TriangleMesh& mesh) {
     const std::span<const TriangleId> around = incident_.row(clamp.vertex);
     slots.insert(slots.end(), around.begin(), around.end());
   }
-  std::sort(slots.begin(), slots.end());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  sort_unique(slots);
   std::vector<TriangleId> owners = slots;
   for (const TriangleId slot : slots) {
     const BendingPatch& patch = patches_[static_cast<std::size_t>(slot)];
@@ -74,8 +73,7 @@ void Model::sum_clamp_forces(const mesh::TriangleMesh& mesh) {
       if (other != mesh::kNone && other < slot) owners.push_back(other);
     }
   }
-  std::sort(owners.begin(), owners.end());
-  owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
+  sort_unique(owners);
   for (const TriangleId slot : owners) {
     for (const BendingEdge& edge : bending_edges_.row(slot)) {
       const TriangleId other = mesh.neighbour(slot, edge.first_edge);

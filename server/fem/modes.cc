@@ -24,7 +24,8 @@ constexpr double kShiftOfHighest = -1e-3;
 constexpr int kMaxRestarts = 1000;
 constexpr double kTolerance = 1e-10;  // -, relative
 constexpr double kSeparation = 1e-6;  // -, relative; eigenvalues closer together count as one
-constexpr double kRounding = 1e-12;   // of eigenvalues, over the largest: those of rigid motions are as far from 0
+constexpr double kEigenvalueRounding =
+    1e-12;  // of eigenvalues, over the largest: those of rigid motions are as far from 0
 constexpr int kMaxSearches = 8;
 
 // Numbers of the components that nothing holds, 3 a vertex; -1 for the others.
@@ -203,7 +204,7 @@ double shift_below(const Matrix& stiffness, const Matrix& mass, double unit) {
 int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorXd& values, int count, double unit) {
   for (Eigen::Index k = count; k > 0; --k) {
     const double gap = values[k] - values[k - 1];
-    if (!(gap > kSeparation * std::abs(values[k]) + kRounding * unit)) continue;
+    if (!(gap > kSeparation * std::abs(values[k]) + kEigenvalueRounding * unit)) continue;
     return std::max(0, num_below(stiffness, mass, values[k] - 0.5 * gap) - static_cast<int>(k));
   }
   return 0;

@@ -8,10 +8,6 @@
 namespace kerf::fem {
 namespace {
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 // In units of Lanes16, of a panel.
 std::size_t stride_of(std::size_t rows) {
   return (rows + kBlockLanes - 1) / kBlockLanes;

@@ -19,10 +19,6 @@ struct Allowance {
 constexpr Allowance kAllowances[] = {{16, 0.8}, {48, 0.1}};
 constexpr double kZerosOfLarge = 0.05;
 
-std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
-
 // Entries of a supernode's part of the factor.
 double entries(double columns, double below) {
   return columns * (columns + 1.0) / 2.0 + columns * below;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "server/base/sort_unique.h"
 #include "server/fem/angle_bending.h"
 #include "server/fem/bending_forces.h"
 #include "server/fem/membrane_tangent.h"
@@ -40,8 +41,7 @@ void TangentMatrix::find_columns(const Model& model, mesh::VertexId v) {
     const ElementBlock& block = model.element_blocks()[static_cast<std::size_t>(slot / kLanes)];
     for (std::size_t k = 0; k < 3; ++k) columns_.push_back(block.vertex[k][static_cast<std::size_t>(slot % kLanes)]);
   }
-  std::sort(columns_.begin(), columns_.end());
-  columns_.erase(std::unique(columns_.begin(), columns_.end()), columns_.end());
+  sort_unique(columns_);
 }
 
 void TangentMatrix::set_rows(const Model& model, std::span<const mesh::VertexId> vertices) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/base/check.h"
+#include "server/base/sort_unique.h"
 
 namespace kerf::fem {
 namespace {
@@ -147,8 +148,7 @@ std::vector<mesh::VertexId> touched_vertices(std::span<const mesh::RevertedEdit>
       touched.insert(touched.end(), gone.sources.begin(), gone.sources.end());
     }
   }
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  sort_unique(touched);
   touched.erase(std::lower_bound(touched.begin(), touched.end(), num_vertices), touched.end());
   return touched;
 }

@@ -10,6 +10,10 @@ namespace kerf::host {
 // Since an arbitrary start that is the same for all readings of one clock; never runs backwards.
 using Nanoseconds = std::chrono::nanoseconds;
 
+inline double seconds(Nanoseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
 enum class TimerId : std::uint64_t {};
 
 // All that the server knows of time. Real in the daemon; moved by hand in tests and simulation. Thread-safe.

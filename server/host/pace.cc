@@ -11,10 +11,6 @@ namespace {
 constexpr Nanoseconds kWindow = std::chrono::seconds(1);
 constexpr double kCpuWeight = 1.0 / 16.0;  // -, of the newest tick in the running mean
 
-double seconds(Nanoseconds time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 }  // namespace
 
 void Pace::start(Nanoseconds now) {

@@ -8,10 +8,6 @@ namespace kerf::host {
 
 namespace {
 
-double seconds(Nanoseconds time) {
-  return std::chrono::duration<double>(time).count();
-}
-
 Nanoseconds period_of(const sheet::Sheet& sheet) {
   return Nanoseconds(std::llround(1.0e9 * sheet.dt()));
 }

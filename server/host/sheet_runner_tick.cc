@@ -10,9 +10,6 @@ namespace kerf::host {
 
 namespace {
 
-double seconds(Nanoseconds time) {
-  return std::chrono::duration<double>(time).count();
-}
 double microseconds(Nanoseconds time) {
   return 1.0e6 * seconds(time);
 }

@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "server/base/sort_unique.h"
+
 namespace kerf::mesh {
 namespace {
 
@@ -75,8 +77,7 @@ Result<ImportedSheet> FaceList::assemble(RestShape rest_shape) const {
   for (const std::array<Corner, 3>& triangle : triangles_) {
     vertices.insert(vertices.end(), triangle.begin(), triangle.end());
   }
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   const auto num_vertices = static_cast<Eigen::Index>(vertices.size());
   ImportedSheet imported;
   imported.world.resize(3, num_vertices);

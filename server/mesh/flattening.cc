@@ -28,10 +28,6 @@ constexpr double kLeastWeight = 0.05;
 constexpr double kFacesNowhere = 0.05;
 constexpr double kGap = 0.1;  // between components, of the larger side of the next
 
-std::string id(std::int64_t number) {
-  return std::to_string(number);
-}
-
 Error refuse(std::string reason, std::string message) {
   return invalid_argument(std::move(reason), std::move(message), "surface");
 }
@@ -80,7 +76,7 @@ std::vector<Component> split_components(const Eigen::Matrix3Xd& surface, const E
 // Fills the loops; refuses what is no orientable surface with border and without handles.
 Status find_borders(Component& part) {
   std::map<std::pair<int, int>, int> sides;  // directed edge -> triangle
-  const auto name = [&](int v) { return id(part.vertices[v]); };
+  const auto name = [&](int v) { return std::to_string(part.vertices[v]); };
   for (std::size_t t = 0; t < part.triangles.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
       const std::pair<int, int> side{part.triangles[t][k], part.triangles[t][(k + 1) % 3]};
@@ -303,7 +299,8 @@ Status align(const Component& part, std::vector<Complex>& mapped) {
   }
   const double wanted = total_area(part);
   if (!(area > 0.0) || !(wanted > 0.0) || !std::isfinite(area)) {
-    return refuse("MESH_NOT_FLATTENABLE", "the surface with vertex " + id(part.vertices[0]) + " has no area");
+    return refuse("MESH_NOT_FLATTENABLE",
+                  "the surface with vertex " + std::to_string(part.vertices[0]) + " has no area");
   }
   const std::vector<Complex> target = project(part);
   const Complex from = mean(mapped);
@@ -326,8 +323,9 @@ bool has_area(const Component& part) {
 Result<Eigen::Matrix2Xd> flatten(const Eigen::Matrix3Xd& surface, const Eigen::Matrix3Xi& triangles,
                                  Flattening method) {
   if (surface.cols() > kMaxFlattenedVertices) {
-    return refuse("MESH_TOO_LARGE", id(surface.cols()) + " vertices; material coordinates are made for at most " +
-                                        id(kMaxFlattenedVertices) + ": give texture coordinates");
+    return refuse("MESH_TOO_LARGE", std::to_string(surface.cols()) +
+                                        " vertices; material coordinates are made for at most " +
+                                        std::to_string(kMaxFlattenedVertices) + ": give texture coordinates");
   }
   std::vector<Component> components = split_components(surface, triangles);
   Eigen::Matrix2Xd material(2, surface.cols());

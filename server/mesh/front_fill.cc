@@ -21,7 +21,7 @@ constexpr double kSmallEnough = 1.3;
 // A new point keeps this far from others and from fixed edges, as a fraction of the size wanted.  -
 constexpr double kLeastDistance = 0.6;
 constexpr double kLeastHeight = 0.45;
-constexpr std::size_t kMaxCavity = 256;
+constexpr std::size_t kMaxFrontCavity = 256;
 
 class FrontFill {
  public:
@@ -133,7 +133,7 @@ class FrontFill {
   // Whether no point and no fixed edge of the cavity of `at` (the triangles whose circles hold it) is too close.
   bool has_room(TriangleId start, const LatticePoint& at, double size) {
     cavity_.assign(1, start);
-    for (std::size_t i = 0; i < cavity_.size() && i < kMaxCavity; ++i) {
+    for (std::size_t i = 0; i < cavity_.size() && i < kMaxFrontCavity; ++i) {
       const TriangleId t = cavity_[i];
       for (int k = 0; k < 3; ++k) {
         const LatticePoint& p = mesh_.at(mesh_.points(t)[k]);

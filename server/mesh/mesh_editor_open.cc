@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "server/base/check.h"
+#include "server/base/sort_unique.h"
 #include "server/mesh/mesh_editor.h"
 #include "server/mesh/piece_split.h"
 
@@ -155,8 +156,7 @@ void MeshEditor::open_point(PointId p) {
 
 // Vertices of slots that were removed and that no solid slot has a corner at any more.
 void MeshEditor::drop_bereft_vertices() {
-  std::sort(bereft_vertices_.begin(), bereft_vertices_.end());
-  bereft_vertices_.erase(std::unique(bereft_vertices_.begin(), bereft_vertices_.end()), bereft_vertices_.end());
+  sort_unique(bereft_vertices_);
   for (const VertexId v : bereft_vertices_) {
     const std::array<VertexId, 3>& corners = mesh_.vertices(mesh_.triangle_at(v));
     if (std::find(corners.begin(), corners.end(), v) != corners.end()) continue;
@@ -214,8 +214,7 @@ void MeshEditor::drop_bereft_pieces(const std::vector<TriangleId>& seeds) {
 }
 
 void MeshEditor::open() {
-  std::sort(pending_.begin(), pending_.end());
-  pending_.erase(std::unique(pending_.begin(), pending_.end()), pending_.end());
+  sort_unique(pending_);
   for (const PointId p : pending_) open_point(p);
   drop_bereft_vertices();
   label_pieces();

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "server/base/check.h"
+#include "server/base/sort_unique.h"
 #include "server/mesh/barycentric.h"
 #include "server/mesh/mesh_editor.h"
 #include "server/mesh/mesh_walk.h"
@@ -83,8 +84,7 @@ std::vector<VertexSource> MeshEditor::moved_sources() const {
       if (v != kNone && v < log_.num_vertices && !is_listed) moved.push_back(v);
     }
   }
-  std::sort(moved.begin(), moved.end());
-  moved.erase(std::unique(moved.begin(), moved.end()), moved.end());
+  sort_unique(moved);
   std::vector<VertexSource> sources;
   sources.reserve(moved.size());
   for (const VertexId v : moved) sources.push_back(interpolate(v));

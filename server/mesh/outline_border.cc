@@ -14,11 +14,7 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kMinSize = 1e-9;  // m; of an outline
-// Vertices go to points of the contour this near, as a fraction of their distance: those lie on the curve that it
-// stands for.  -
-constexpr double kSnap = 0.1;
-constexpr int kSteps = 8;        // of the integral of 1 / size along an edge of that size
-constexpr int kBisections = 50;  // halve a station's interval to its rounding
+constexpr int kBisections = 50;    // halve a station's interval to its rounding
 
 Vector2d as_vector(const LatticePoint& p) {
   return difference({}, p);

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "server/base/sort_unique.h"
 #include "server/mesh/id_table.h"
 
 namespace kerf::mesh {
@@ -13,8 +14,7 @@ class ComponentGrowth {
  public:
   ComponentGrowth(const TriangleMesh& mesh, std::span<const TriangleId> seeds) : mesh_(mesh) {
     for (const TriangleId t : seeds) pieces_.push_back(mesh.piece(t));
-    std::sort(pieces_.begin(), pieces_.end());
-    pieces_.erase(std::unique(pieces_.begin(), pieces_.end()), pieces_.end());
+    sort_unique(pieces_);
     num_open_.assign(pieces_.size(), 0);
     for (const TriangleId t : seeds) {
       if (group_of_.has(t)) continue;

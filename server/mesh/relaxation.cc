@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/base/sort_unique.h"
 #include "server/mesh/lattice_geometry.h"
 #include "server/mesh/triangle_shape.h"
 
@@ -137,8 +138,7 @@ std::vector<PointId> relax(MeshEditor& editor, std::span<const PointId> candidat
       if (relaxation.improve(p, reach)) changed.push_back(p);
     }
   }
-  std::sort(changed.begin(), changed.end());
-  changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+  sort_unique(changed);
   return changed;
 }
 

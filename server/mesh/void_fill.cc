@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/base/check.h"
+#include "server/base/sort_unique.h"
 #include "server/mesh/delaunay.h"
 
 namespace kerf::mesh {
@@ -47,8 +48,7 @@ class VoidFill {
   Status triangulate_border() {
     std::vector<PointId> used;
     for (const BorderSide& side : border_) used.insert(used.end(), {side.from, side.to});
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    sort_unique(used);
     std::vector<LatticePoint> positions;
     positions.reserve(used.size());
     for (const PointId p : used) positions.push_back(records_.points[p].at);

@@ -9,7 +9,7 @@ namespace kerf::sheet {
 namespace {
 
 // Of a cut; 0 would refine nothing, and leave slivers that shorten every step.  degrees
-constexpr double kMinAngle = 5.0;
+constexpr double kMinCutAngle = 5.0;
 
 Status check_grab_id(const std::string& grab_id, const std::string& field) {
   if (grab_id.empty()) return invalid_argument("EMPTY", field + " must not be empty", field);
@@ -19,7 +19,7 @@ Status check_grab_id(const std::string& grab_id, const std::string& field) {
 Status validate_command(const Cut& cut) {
   if (Status s = cut::validate(cut.curve); !s) return s;
   if (Status s = check_number(cut.tolerance, cut::kMinTolerance, cut::kMaxTolerance, "cut.tolerance"); !s) return s;
-  if (Status s = check_number(cut.min_angle_deg, kMinAngle, cut::kMaxMinAngle, "cut.min_angle_deg"); !s) return s;
+  if (Status s = check_number(cut.min_angle_deg, kMinCutAngle, cut::kMaxMinAngle, "cut.min_angle_deg"); !s) return s;
   if (Status s = check_number(cut.tolerance_m.value_or(1.0), cut::kMinLength, cut::kMaxLength, "cut.tolerance_m"); !s) {
     return s;
   }

@@ -8,10 +8,6 @@ namespace kerf::sheet {
 
 namespace {
 
-std::string indexed(const std::string& field, std::size_t index) {
-  return field + "[" + std::to_string(index) + "]";
-}
-
 Status validate_displacements(const Constraint& constraint, const std::string& path) {
   const auto count = static_cast<std::size_t>(constraint.displacements.cols());
   if (count == 0) return Nothing{};

@@ -9,7 +9,7 @@ namespace kerf::sheet {
 
 namespace {
 
-constexpr double kFlatness = 0.01;  // -, of the reach; distance of the chords from the curve
+constexpr double kRegionFlatness = 0.01;  // -, of the reach; distance of the chords from the curve
 constexpr double kNoLength = std::numeric_limits<double>::min();
 constexpr double kTie = 1.0e-9;  // -, relative; chords this alike in distance meet at a joint
 
@@ -17,7 +17,7 @@ std::vector<mesh::SizeSource> chords_of(const MaterialCurve& curve, const mesh::
   const double reach = curve.within > 0.0 ? curve.within : kCurveTolerance * mesh.edge_lengths().least();
   const double finest = kRegionTolerance * mesh.bounding_box().sizes().maxCoeff();
   std::vector<mesh::SizeSource> chords;
-  for (const cut::Stroke& stroke : cut::flatten(curve.curve, std::max(kFlatness * reach, finest)).strokes) {
+  for (const cut::Stroke& stroke : cut::flatten(curve.curve, std::max(kRegionFlatness * reach, finest)).strokes) {
     for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
       chords.push_back({stroke.points[i], stroke.points[i + 1], kNoLength, 1.0});
     }

@@ -27,6 +27,10 @@ Error renamed(Error error, const std::string& field) {
 
 }  // namespace
 
+std::string indexed(const std::string& field, std::size_t index) {
+  return field + "[" + std::to_string(index) + "]";
+}
+
 Status check_number(double value, double low, double high, const std::string& field) {
   if (!std::isfinite(value)) return invalid_argument("NOT_FINITE", field + " must be a finite number", field);
   if (value >= low && value <= high) return Nothing{};

@@ -13,6 +13,9 @@
 // the field, the number and the limit in the message.
 namespace kerf::sheet {
 
+// field[index], what errors call an element.
+std::string indexed(const std::string& field, std::size_t index);
+
 Status check_number(double value, double low, double high, const std::string& field);
 Status check_integer(std::int64_t value, std::int64_t low, std::int64_t high, const std::string& field);
 // Of things listed, text or bytes; `unit` for the message: "bytes", "pin regions".

@@ -18,7 +18,7 @@ using Eigen::Vector2d;
 constexpr double kMinEdgeLength = 1.0e-9;  // m
 constexpr double kMinGrowth = 0.01;        // -
 constexpr double kMaxGrowth = 10.0;        // -
-constexpr double kMinAngle = 5.0;          // degrees
+constexpr double kMinOutlineAngle = 5.0;   // degrees
 
 // Distance of curves from their chords, as a fraction of the shortest edge length wanted; of small curves, which have
 // shorter edges, as a fraction of a tenth of their size; at least that of the border's size.  -
@@ -27,10 +27,6 @@ constexpr double kLeastFlatness = 1.0e-9;
 constexpr double kShareOfCurve = 0.1;
 // The same for curves that only say how long edges are.  -
 constexpr double kFlatnessOfSizes = 0.05;
-
-std::string indexed(const std::string& field, std::size_t index) {
-  return field + "[" + std::to_string(index) + "]";
-}
 
 Status check_sizing(const OutlineSizing& sizing, const std::string& field) {
   if (const auto* point = std::get_if<Vector2d>(&sizing.place)) {
@@ -206,7 +202,7 @@ Status validate(const OutlineSource& outline) {
   for (std::size_t i = 0; i < outline.sizes.size(); ++i) {
     if (Status s = check_sizing(outline.sizes[i], indexed("outline.sizes", i)); !s) return s;
   }
-  return check_number(outline.min_angle_deg, kMinAngle, mesh::kMaxOutlineAngle, "outline.min_angle_deg");
+  return check_number(outline.min_angle_deg, kMinOutlineAngle, mesh::kMaxOutlineAngle, "outline.min_angle_deg");
 }
 
 Result<mesh::TriangleMesh> mesh_outline(const OutlineSource& outline, std::int32_t max_vertices) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "server/base/sort_unique.h"
 #include "server/sheet/curve_region.h"
 #include "server/sheet/field_checks.h"
 
@@ -207,11 +208,6 @@ Status add_region(const mesh::TriangleMesh& mesh, const Region& region, const st
 
 bool has(const std::vector<mesh::VertexId>& sorted, mesh::VertexId v) {
   return std::binary_search(sorted.begin(), sorted.end(), v);
-}
-
-void sort_unique(std::vector<mesh::VertexId>& vertices) {
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
 }
 
 }  // namespace

@@ -16,10 +16,6 @@ constexpr double kAxisTolerance = 1.0e-6;    // -, on length and angle of the pl
 constexpr std::size_t kMaxDescriptionBytes = 1000;
 constexpr std::int64_t kMaxTicks = 10'000'000;
 
-std::string indexed(const std::string& field, std::size_t index) {
-  return field + "[" + std::to_string(index) + "]";
-}
-
 Status validate_source(const GridSource& grid) {
   if (Status s = check_integer(grid.columns, 2, kMaxGridSide, "grid.columns"); !s) return s;
   if (Status s = check_integer(grid.rows, 2, kMaxGridSide, "grid.rows"); !s) return s;

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "server/base/sort_unique.h"
 #include "server/cut/cut.h"
 #include "server/fem/transfer.h"
 #include "server/mesh/mesh_revert.h"
@@ -33,8 +34,7 @@ std::vector<mesh::TriangleId> rewritten_slots(const std::vector<DoneCut>& cuts, 
     const auto& rewritten = cut.edit.edit.rewritten_triangles;
     slots.insert(slots.end(), rewritten.begin(), std::lower_bound(rewritten.begin(), rewritten.end(), num_slots));
   }
-  std::sort(slots.begin(), slots.end());
-  slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  sort_unique(slots);
   return slots;
 }
 
@@ -245,8 +245,7 @@ void Sheet::Impl::take_back(const std::vector<DoneCut>& cuts, const CommandConte
       still_pinned.push_back(p.vertex);
     }
   }
-  std::sort(still_pinned.begin(), still_pinned.end());
-  still_pinned.erase(std::unique(still_pinned.begin(), still_pinned.end()), still_pinned.end());
+  sort_unique(still_pinned);
   finish_edit(std::move(still_pinned), {}, context.observer);
   topology.replace();
 }

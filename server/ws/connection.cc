@@ -48,7 +48,7 @@ HttpRequest to_request(Request& message) {
 }
 
 // What to tell a client whose request cannot be read; nothing where nobody listens any more.
-std::optional<HttpResponse> unreadable(const boost::system::error_code& error) {
+std::optional<HttpResponse> unreadable_request(const boost::system::error_code& error) {
   if (error == http::error::body_limit) {
     HttpResponse response =
         refusal({ErrorCode::kResourceExhausted, "REQUEST_TOO_LARGE", "the request's body exceeds the limit", {}});
@@ -149,7 +149,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   }
 
   asio::awaitable<void> refuse(boost::system::error_code error) {
-    const std::optional<HttpResponse> response = unreadable(error);
+    const std::optional<HttpResponse> response = unreadable_request(error);
     if (!response) co_return;
     const bool written = co_await write(*response, Framing());
     if (written) co_await discard_rest();

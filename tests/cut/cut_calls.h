@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -9,8 +10,15 @@
 #include "server/mesh/grid_mesh.h"
 #include "tests/audit/audited_cut.h"
 
+// Of each case; sanitizer builds take fewer.
+#ifndef KERF_PLACEMENTS
+#define KERF_PLACEMENTS 100
+#endif
+
 // A test's short ways to meshes and to cuts, each of which is checked.
 namespace kerf::cut {
+
+inline constexpr int kPlacements = KERF_PLACEMENTS;
 
 inline mesh::TriangleMesh grid(std::int32_t vertices) {
   return *mesh::make_grid({vertices, vertices, 1.0, 1.0});
@@ -31,6 +39,18 @@ inline int count_boundary_loops(const mesh::TriangleMesh& mesh) {
   audit::Census census;
   EXPECT_EQ(audit::find_flaw(mesh, &census).value_or(""), "");
   return static_cast<int>(census.loops);
+}
+
+// Neither refined nor relaxed.
+inline CutOptions plain() {
+  CutOptions options;
+  options.min_angle_deg = 0.0;
+  options.relax = false;
+  return options;
+}
+
+inline bool contains(const Stroke& stroke, const Eigen::Vector2d& point) {
+  return std::find(stroke.points.begin(), stroke.points.end(), point) != stroke.points.end();
 }
 
 inline Curve s_curve() {

@@ -11,11 +11,6 @@
 #include "tests/cut/cut_calls.h"
 #include "tests/support/meshes.h"
 
-// Placements of each case; sanitizer builds take fewer.
-#ifndef KERF_PLACEMENTS
-#define KERF_PLACEMENTS 100
-#endif
-
 namespace kerf::cut {
 namespace {
 
@@ -23,7 +18,6 @@ using Eigen::Vector2d;
 
 constexpr int kVertices = 13;         // a side
 constexpr double kCell = 1.0 / 12.0;  // edge length on a unit sheet
-constexpr int kPlacements = KERF_PLACEMENTS;
 
 // A similarity: curves are given on the unit square and carried onto a sheet of another size.
 struct Placement {
@@ -51,7 +45,7 @@ struct Placement {
   }
 };
 
-struct Case {
+struct PlacedCase {
   const char* name;
   std::vector<Curve> curves;  // cut one after the other
   int pieces;
@@ -65,7 +59,8 @@ mesh::TriangleMesh sheet(bool jittered, double size = 1.0, std::uint64_t seed = 
   return *made;
 }
 
-void check_case(const Case& item, mesh::TriangleMesh mesh, const Placement& place, const CutOptions& options = {}) {
+void check_case(const PlacedCase& item, mesh::TriangleMesh mesh, const Placement& place,
+                const CutOptions& options = {}) {
   CutStatus last = CutStatus::kNoIntersection;
   for (const Curve& curve : item.curves) last = cut(mesh, {place(curve), options, {}}).status;
   EXPECT_EQ(last, item.last);
@@ -115,12 +110,12 @@ std::vector<Curve> comb(int teeth) {
 }
 
 // All inside the sheet whatever the rotation and the shift of up to 0.1.
-std::vector<Case> cases_inside() {
+std::vector<PlacedCase> cases_inside() {
   const Curve slit = line({{0.3, 0.45}, {0.72, 0.55}});
   const Curve bezier = CubicBezier{{{0.3, 0.4}, {0.5, 0.8}, {0.5, 0.2}, {0.7, 0.6}}};
   const double tiny = 0.05 * kCell;
   const Vector2d c(0.513, 0.487);
-  std::vector<Case> cases{
+  std::vector<PlacedCase> cases{
       {"slit", {slit}, 1, 2},
       {"bezier slit", {bezier}, 1, 2},
       {"closed polygon", {line({{0.35, 0.35}, {0.65, 0.4}, {0.5, 0.7}, {0.35, 0.35}})}, 2, 3},
@@ -167,7 +162,7 @@ std::vector<Case> cases_inside() {
 
 TEST(CutCases, CountsHoldUnderRigidMotionAndScale) {
   SeededRandom random(11);
-  for (const Case& item : cases_inside()) {
+  for (const PlacedCase& item : cases_inside()) {
     for (int trial = 0; trial < kPlacements && !testing::Test::HasFailure(); ++trial) {
       SCOPED_TRACE(std::string(item.name) + " placement " + std::to_string(trial));
       const double sizes[] = {1.0, 1e-3, 250.0};
@@ -182,7 +177,7 @@ TEST(CutCases, CountsHoldUnderRigidMotionAndScale) {
 }
 
 // Placed with respect to elements and border; in place and off by far less than the snap distance.
-std::vector<Case> cases_in_place() {
+std::vector<PlacedCase> cases_in_place() {
   const double g = kCell;
   const auto at = [g](double i, double j) { return Vector2d(i * g, j * g); };
   return {
@@ -230,7 +225,7 @@ std::vector<Case> cases_in_place() {
 
 TEST(CutCases, CountsHoldRelativeToElementsAndBorder) {
   SeededRandom random(12);
-  for (const Case& item : cases_in_place()) {
+  for (const PlacedCase& item : cases_in_place()) {
     for (int trial = 0; trial < kPlacements / 5 + 4 && !testing::Test::HasFailure(); ++trial) {
       SCOPED_TRACE(std::string(item.name) + " trial " + std::to_string(trial));
       CutOptions options;

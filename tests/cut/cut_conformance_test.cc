@@ -6,19 +6,13 @@
 
 #include "server/base/random.h"
 #include "tests/audit/audited_cut.h"
+#include "tests/cut/cut_calls.h"
 #include "tests/cut/hard_cases.h"
-
-// Placements of each case; sanitizer builds take fewer.
-#ifndef KERF_PLACEMENTS
-#define KERF_PLACEMENTS 100
-#endif
 
 namespace kerf::cut {
 namespace {
 
 using Eigen::Vector2d;
-
-constexpr int kPlacements = KERF_PLACEMENTS;
 
 // A similarity, from cells to metres.
 struct Motion {
@@ -127,13 +121,6 @@ audit::Census census_of(const mesh::TriangleMesh& mesh) {
   audit::Census census;
   EXPECT_EQ(audit::find_flaw(mesh, &census).value_or(""), "");
   return census;
-}
-
-CutOptions plain() {
-  CutOptions options;
-  options.min_angle_deg = 0.0;
-  options.relax = false;
-  return options;
 }
 
 // Cuts, audits each cut, and counts.

@@ -11,13 +11,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-CutOptions plain() {
-  CutOptions options;
-  options.min_angle_deg = 0.0;
-  options.relax = false;
-  return options;
-}
-
 // Along edges nothing but vertices is added, one edge by itself excepted, so every number is known.
 TEST(CutContract, CountsVerticesExactlyAlongEdges) {
   struct Case {

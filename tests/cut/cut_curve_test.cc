@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
+#include "tests/cut/cut_calls.h"
 
 namespace kerf::cut {
 namespace {
@@ -34,10 +35,6 @@ Vector2d bezier_point(const CubicBezier& curve, std::size_t piece, double t) {
   const std::size_t i = 3 * piece;
   const double s = 1.0 - t;
   return s * s * s * p[i] + 3.0 * s * s * t * p[i + 1] + 3.0 * s * t * t * p[i + 2] + t * t * t * p[i + 3];
-}
-
-bool contains(const Stroke& stroke, const Vector2d& point) {
-  return std::find(stroke.points.begin(), stroke.points.end(), point) != stroke.points.end();
 }
 
 const Error& error_of(const Status& status) {

@@ -90,10 +90,10 @@ mesh::TriangleMesh graded(int cells) {
   return mesh::import_mesh(input).value();
 }
 
-using Segment = std::pair<Vector2d, Vector2d>;
+using Chord = std::pair<Vector2d, Vector2d>;
 
-std::vector<Segment> edges_with(const mesh::TriangleMesh& mesh, mesh::LockBits locks) {
-  std::vector<Segment> edges;
+std::vector<Chord> edges_with(const mesh::TriangleMesh& mesh, mesh::LockBits locks) {
+  std::vector<Chord> edges;
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
     for (int k = 0; k < 3; ++k) {
       if (!mesh.is_solid(t) || (mesh.locks(t, k) & locks) == 0) continue;
@@ -110,7 +110,7 @@ double distance_to_segment_m(const Eigen::Vector2d& point, const Eigen::Vector2d
   return (point - a - t * along).norm();
 }
 
-double distance_to(const Vector2d& point, const std::vector<Segment>& segments) {
+double distance_to(const Vector2d& point, const std::vector<Chord>& segments) {
   double nearest = std::numeric_limits<double>::infinity();
   for (const auto& [a, b] : segments) nearest = std::min(nearest, distance_to_segment_m(point, a, b));
   return nearest;
@@ -128,8 +128,8 @@ void check_both_ways(const mesh::TriangleMesh& sheet, const Sampled& sampled, co
   const CutReport report = cut(mesh, {sampled.curve, options, {}}).report;
   EXPECT_LE(report.deviation_of_tolerance, 1.0);
   EXPECT_GT(report.deviation_m, 0.0);
-  const std::vector<Segment> lips = edges_with(mesh, mesh::kLockCut);
-  const std::vector<Segment> open = edges_with(mesh, mesh::kLocksThatOpen);
+  const std::vector<Chord> lips = edges_with(mesh, mesh::kLockCut);
+  const std::vector<Chord> open = edges_with(mesh, mesh::kLocksThatOpen);
   ASSERT_FALSE(lips.empty());
   const auto expect_near = [&](const Vector2d& at, double distance, double slack) {
     EXPECT_LE(distance, report.deviation_m + slack);
@@ -147,7 +147,7 @@ void check_both_ways(const mesh::TriangleMesh& sheet, const Sampled& sampled, co
   // at most 1 / 0.011 but near the cusp, where chords are short.
   const auto* line = std::get_if<Polyline>(&sampled.curve);
   const std::vector<Vector2d>& ends = line != nullptr ? line->points : sampled.points;
-  std::vector<Segment> exact;
+  std::vector<Chord> exact;
   double longest = 0.0;
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
     exact.emplace_back(ends[i], ends[i + 1]);

@@ -34,10 +34,6 @@ Point bezier_point(const std::vector<Vector2d>& points, const std::vector<double
   return sum / weight;
 }
 
-bool contains(const Stroke& stroke, const Vector2d& point) {
-  return std::find(stroke.points.begin(), stroke.points.end(), point) != stroke.points.end();
-}
-
 // A quadratic or cubic segment of three or four points and as many weights.
 Path bezier(const std::vector<Vector2d>& p, const std::vector<double>& w) {
   if (p.size() == 3) return path_of(p[0], {QuadraticTo{p[1], p[2], {w[0], w[1], w[2]}}});

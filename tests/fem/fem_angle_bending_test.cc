@@ -94,13 +94,13 @@ TEST(Hinge, IsFlatInThePlaneHoweverNarrow) {
   }
 }
 
-struct TestedMesh {
+struct FoldedMesh {
   std::string name;
   mesh::TriangleMesh mesh;
 };
 
-std::vector<TestedMesh> tested_meshes() {
-  std::vector<TestedMesh> meshes;
+std::vector<FoldedMesh> folded_meshes() {
+  std::vector<FoldedMesh> meshes;
   for (const test::ZooMesh& each : test::zoo())
     meshes.push_back({each.name, test::must(mesh::import_mesh(each.sheet))});
   meshes.push_back({"grid", square_grid(7)});
@@ -129,7 +129,7 @@ double least_height(const mesh::TriangleMesh& mesh) {
 
 // Energies of small deflections are those of the quadratic form, to the square of the slopes.
 TEST(AngleBending, IsTheQuadraticFormOfSmallDeflections) {
-  for (const TestedMesh& tested : tested_meshes()) {
+  for (const FoldedMesh& tested : folded_meshes()) {
     SCOPED_TRACE(tested.name);
     const AngleBendingElement angles(tested.mesh, orthotropic_cloth());
     const Model model(tested.mesh, orthotropic_cloth());
@@ -162,7 +162,7 @@ TEST(AngleBending, IsTheQuadraticFormOfSmallDeflections) {
 
 // Where the quadratic form has an energy, of strains that change from place to place.
 TEST(AngleBending, HasNothingAgainstStrainInThePlane) {
-  for (const TestedMesh& tested : tested_meshes()) {
+  for (const FoldedMesh& tested : folded_meshes()) {
     SCOPED_TRACE(tested.name);
     const AngleBendingElement angles(tested.mesh, orthotropic_cloth());
     mesh::VertexField x = rest_state(tested.mesh).x;
@@ -183,7 +183,7 @@ TEST(AngleBending, HasNothingAgainstStrainInThePlane) {
 // Of any amplitude: no way to feed on a sheet that is folded however far.
 TEST(AngleBending, IsNeverNegative) {
   SeededRandom random(9);
-  for (const TestedMesh& tested : tested_meshes()) {
+  for (const FoldedMesh& tested : folded_meshes()) {
     SCOPED_TRACE(tested.name);
     const AngleBendingElement angles(tested.mesh, orthotropic_cloth());
     for (const double size : {0.01, 0.1, 1.0, 10.0}) {
@@ -248,7 +248,7 @@ TEST(AngleBending, TakesTheSlopesThatClampsHold) {
 // differences of the energy, and stiffness against those of forces.
 TEST(AngleBending, HasTheDerivativesOfItsEnergyOnEveryMesh) {
   SeededRandom random(11);
-  for (const TestedMesh& tested : tested_meshes()) {
+  for (const FoldedMesh& tested : folded_meshes()) {
     SCOPED_TRACE(tested.name);
     if (tested.name == "slivers") continue;  // differences resolve nothing there
     for (const bool has_membrane_part : {false, true}) {

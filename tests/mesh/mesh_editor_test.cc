@@ -10,14 +10,11 @@
 
 #include "server/base/random.h"
 #include "tests/mesh/edit_checks.h"
+#include "tests/mesh/mesh_measures.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::mesh {
 namespace {
-
-LatticePoint middle_of(const TriangleMesh& mesh, PointId p, PointId q) {
-  return {(mesh.at(p).x + mesh.at(q).x) / 2, (mesh.at(p).y + mesh.at(q).y) / 2};
-}
 
 LatticePoint centroid(const TriangleMesh& mesh, TriangleId t) {
   LatticePoint sum;

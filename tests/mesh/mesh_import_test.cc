@@ -9,18 +9,11 @@
 #include "server/base/random.h"
 #include "server/mesh/grid_mesh.h"
 #include "server/mesh/mesh_import.h"
+#include "tests/mesh/mesh_measures.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::mesh {
 namespace {
-
-double total_area(const TriangleMesh& mesh) {
-  double sum = 0.0;
-  for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (mesh.is_solid(t)) sum += mesh.area(t);
-  }
-  return sum;
-}
 
 bool has_lock(const TriangleMesh& mesh, VertexId v, LockBits lock) {
   return (mesh.locks_at_point(mesh.point(v)) & lock) != 0;

@@ -7,14 +7,11 @@
 
 #include "server/mesh/mesh_editor.h"
 #include "tests/mesh/edit_checks.h"
+#include "tests/mesh/mesh_measures.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::mesh {
 namespace {
-
-LatticePoint middle_of(const TriangleMesh& mesh, PointId p, PointId q) {
-  return {(mesh.at(p).x + mesh.at(q).x) / 2, (mesh.at(p).y + mesh.at(q).y) / 2};
-}
 
 // Cuts along existing edges, through the points listed.
 void cut_along(MeshEditor& editor, const std::vector<PointId>& path) {

@@ -7,18 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "server/base/random.h"
+#include "tests/mesh/mesh_measures.h"
 #include "tests/support/meshes.h"
 
 namespace kerf::mesh {
 namespace {
-
-double total_area(const TriangleMesh& mesh) {
-  double sum = 0.0;
-  for (TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (mesh.is_solid(t)) sum += mesh.area(t);
-  }
-  return sum;
-}
 
 TEST(Obj, ReadsEveryFormOfAFace) {
   const std::string text =

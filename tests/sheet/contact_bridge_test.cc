@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/sheet/sheet_calls.h"
+
 namespace kerf::sheet {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Horizontal planes; the origin lies 5, 1, 4, 2 and 3 m above them.
 ContactBridge over_five_planes(const std::vector<mesh::VertexId>& pinned) {

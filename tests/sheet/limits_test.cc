@@ -16,8 +16,6 @@ using Eigen::Vector3d;
 
 using scenes::flat;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 struct LimitedNumber {
   const char* field;  // as of the error
   double low;         // the least, and

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,9 @@
 
 // A test's short ways to make, step and command a sheet.
 namespace kerf::sheet {
+
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 inline Sheet make(SheetConfig config) {
   Result<Sheet> created = Sheet::create(std::move(config));

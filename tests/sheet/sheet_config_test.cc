@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "server/sheet/sheet.h"
+#include "tests/sheet/sheet_calls.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/meshes.h"
 #include "tests/support/scenes.h"
@@ -13,9 +14,6 @@ namespace kerf::sheet {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The field that is refused when a good config is spoilt, or "accepted".
 std::string field_of(const std::function<void(SheetConfig&)>& spoil) {

@@ -18,8 +18,6 @@ namespace {
 using Eigen::Vector2d;
 using std::numbers::pi;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 cut::Polyline rectangle(const Vector2d& low, const Vector2d& high) {
   return {{low, {high.x(), low.y()}, high, {low.x(), high.y()}, low}};
 }
