@@ -11,10 +11,10 @@ namespace kerf::fem {
 // Implicit Euler, TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2), the
 // trapezoidal rule, all of one substep a step, or BDF2 of kBdf2Substeps. A step that finds no finite solution, or ends
 // with too much energy (see EnergyGuard), is thrown away: one of second order, where its fast iteration failed too, is
-// made by implicit Euler, which damps, and one of implicit Euler in twice the substeps. Where no number of them does, one
-// linear step on a bound of the energy takes their place (StageSolver::solve_majorized), which cannot gain any, but damps
-// far more; where that does not hold, with contact among others, the last attempt is taken, stopped by the guard. Wind
-// drag is taken at the start of each substep, everything else at its end.
+// made by implicit Euler, which damps, and one of implicit Euler in twice the substeps. Where no number of them does,
+// one linear step on a bound of the energy takes their place (StageSolver::solve_majorized), which cannot gain any, but
+// damps far more; where that does not hold, with contact among others, the last attempt is taken, stopped by the guard.
+// Wind drag is taken at the start of each substep, everything else at its end.
 class ImplicitIntegrator final : public Integrator {
  public:
   // options.kind: neither kAutomatic nor kExplicit.
