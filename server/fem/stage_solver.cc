@@ -131,6 +131,7 @@ bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const 
   is_predicted_ = false;
   state.x = stage.base.x;
   const double reference = evaluate_residual(problem, state.x);
+  if (!std::isfinite(reference)) return false;  // solvers that stop at once would leave the state as if it were solved
   solve_next(problem, state.x, false, stats);
   ++stats.newton_iterations;
   state.x += step_;
