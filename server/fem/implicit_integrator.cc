@@ -1,5 +1,7 @@
 #include "server/fem/implicit_integrator.h"
 
+#include <algorithm>
+
 #include "server/base/check.h"
 #include "server/fem/energy_guard.h"
 #include "server/fem/follower_loads.h"
@@ -68,13 +70,16 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   scratch_.start.v = state.v;
   scratch_.stage.contact = contact;
   bool done = false;
-  for (int i = 0; i < num_attempts() && !done; ++i) {
+  const int last = num_attempts() + (contact == nullptr && StageSolver::can_majorize(model, loads) ? 1 : -1);
+  for (int i = 0; i <= last && !done; ++i) {
     const Attempt attempt = attempt_after(i);
+    stats.flags &= ~(kSubstepped | kMajorized);
+    if (attempt.is_majorized) stats.flags |= kMajorized;
     if (attempt.kind != options_.kind) stats.flags |= kDamped;
     if (attempt.substeps > num_substeps()) stats.flags |= kSubstepped;
     done = try_step(model, loads, attempt, dt, contact, state, stats);
-    const bool is_last = i + 1 == num_attempts();
-    if (done && contact == nullptr) done = keep_energy(model, loads, attempt.kind, state, stats) || is_last;
+    const bool is_taken = i == last || attempt.is_majorized;  // whatever it has gained, of the latter by rounding alone
+    if (done && contact == nullptr) done = keep_energy(model, loads, attempt.kind, state, stats) || is_taken;
     if (done) break;
     stats.flags &= ~(kEnergyLimited | kNotConverged);  // of the attempt that is thrown away
     state.x = scratch_.start.x;
@@ -92,6 +97,8 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
 }
 
 ImplicitIntegrator::Attempt ImplicitIntegrator::attempt_after(int failures) const {
+  if (failures == num_attempts()) return {IntegratorKind::kImplicitEuler, 1, true};
+  failures = std::min(failures, num_attempts() - 1);
   if (failures == 0 || options_.kind == IntegratorKind::kImplicitEuler) {
     return {options_.kind, num_substeps() << failures};
   }
@@ -109,7 +116,8 @@ bool ImplicitIntegrator::try_step(const Model& model, const Loads& loads, const 
   if (contact != nullptr) contact->begin(state.x);
   for (int i = 1; i <= attempt.substeps; ++i) {
     const double time_left = i == attempt.substeps ? 0.0 : dt - h * i;
-    if (!advance(model, loads, {attempt.kind, i - 1, h, time_left}, state, stats)) return false;
+    const Substep substep{attempt.kind, i - 1, h, time_left, attempt.is_majorized};
+    if (!advance(model, loads, substep, state, stats)) return false;
     if (contact != nullptr) contact->enforce(h, state);
     if (!is_finite(state)) return false;
   }
@@ -172,6 +180,7 @@ bool ImplicitIntegrator::advance_euler(const Model& model, const Loads& loads, c
   stage.continues = false;
   set_ballistic(state, h, h * h, loads.gravity);
   stage.time_left = substep.time_left;
+  if (substep.is_majorized) return solver_.solve_majorized(model, loads, scratch_.constant, stage, state, stats);
   return solver_.solve(model, loads, scratch_.constant, stage, state, stats);
 }
 

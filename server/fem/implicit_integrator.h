@@ -11,8 +11,10 @@ namespace kerf::fem {
 // Implicit Euler, TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2), the
 // trapezoidal rule, all of one substep a step, or BDF2 of kBdf2Substeps. A step that finds no finite solution, or ends
 // with too much energy (see EnergyGuard), is thrown away: one of second order, where its fast iteration failed too, is
-// made by implicit Euler, which damps, and one of implicit Euler in twice the substeps. Wind drag is taken at the start
-// of each substep, everything else at its end.
+// made by implicit Euler, which damps, and one of implicit Euler in twice the substeps. Where no number of them does,
+// one linear step on a bound of the energy takes their place (StageSolver::solve_majorized), which cannot gain any, but
+// damps far more; where that does not hold, with contact among others, the last attempt is taken, stopped by the guard.
+// Wind drag is taken at the start of each substep, everything else at its end.
 class ImplicitIntegrator final : public Integrator {
  public:
   // options.kind: neither kAutomatic nor kExplicit.
@@ -39,18 +41,21 @@ class ImplicitIntegrator final : public Integrator {
   struct Attempt {
     IntegratorKind kind;
     int substeps;
+    bool is_majorized = false;  // the whole step at once
   };
   struct Substep {
     IntegratorKind kind;
     int index = 0;           // from 0
     double h = 0.0;          // s
     double time_left = 0.0;  // s, of the step after it
+    bool is_majorized = false;
   };
 
   void resize(const Model& model);
   [[nodiscard]] int num_attempts() const {
     return options_.max_halvings + (options_.kind == IntegratorKind::kImplicitEuler ? 1 : 2);
   }
+  // After the last of num_attempts() the majorised one; should that fail, the last once more.
   [[nodiscard]] Attempt attempt_after(int failures) const;
   bool try_step(const Model& model, const Loads& loads, const Attempt& attempt, double dt, ContactConstraint* contact,
                 State& state, StepStats& stats);

@@ -7,6 +7,7 @@
 #include "server/base/check.h"
 #include "server/fem/follower_loads.h"
 #include "server/fem/grab_point.h"
+#include "server/fem/majorized_membrane.h"
 #include "server/fem/membrane.h"
 #include "server/fem/membrane_tangent.h"
 #include "server/fem/vertex_frames.h"
@@ -67,7 +68,11 @@ void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, b
     find_vertex_frames(problem.model.element_blocks(), x, *frames);
   }
   matrix_.set_mass(problem.model, 1.0, d);
-  matrix_.add_membrane(problem.model, x, predicted ? stress : stress.first(0), material_scale, d * d, true);
+  if (problem.is_majorized) {
+    matrix_.add_majorized_membrane(problem.model, x, d * d);
+  } else {
+    matrix_.add_membrane(problem.model, x, predicted ? stress : stress.first(0), material_scale, d * d, true);
+  }
   matrix_.add_bending(problem.model, material_scale);
   matrix_.add_grabs(problem.loads.grabs, d);
   if (follows_loads_) matrix_.add_follower_loads(problem.model, problem.loads, x, d * d, MatrixPart::kSymmetric);
@@ -99,9 +104,42 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
     found = repair(undamped, start_, state.x, stats);
   }
   if (!found || !state.x.allFinite()) return false;
-  if (loads.pins.empty() && loads.grabs.empty() && !contact_.touches()) restore_momentum(problem, state.x);
-  state.v = (state.x - stage.base.x) / stage.d;
-  for (const Pin& pin : loads.pins) state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
+  finish(problem, state);
+  return true;
+}
+
+void StageSolver::finish(const Problem& problem, State& state) const {
+  const std::vector<Pin>& pins = problem.loads.pins;
+  if (pins.empty() && problem.loads.grabs.empty() && !contact_.touches()) restore_momentum(problem, state.x);
+  state.v = (state.x - problem.stage.base.x) / problem.stage.d;
+  for (const Pin& pin : pins) state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
+}
+
+bool StageSolver::can_majorize(const Model& model, const Loads& loads) {
+  return model.materials().membrane_law() == MembraneLaw::kCorotational && model.rest_bending().rest.empty() &&
+         model.angle_bending() == nullptr && !has_follower_loads(loads);
+}
+
+bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
+                                  const Stage& stage, State& state, StepStats& stats) {
+  KERF_CHECK(is_analysed_ && can_majorize(model, loads) && stage.contact == nullptr, "see can_majorize()");
+  const Problem exact{model, loads, constant_force, stage, {}};
+  Problem problem = exact;
+  problem.is_majorized = true;
+  contact_.begin(nullptr, model, stage.d, stage.base.x);
+  follows_loads_ = false;
+  is_predicted_ = false;
+  state.x = stage.base.x;
+  const double reference = evaluate_residual(problem, state.x);
+  if (!std::isfinite(reference)) return false;  // solvers that stop at once would leave the state as if it were solved
+  solve_next(problem, state.x, false, stats);
+  ++stats.newton_iterations;
+  state.x += step_;
+  if (!state.x.allFinite()) return false;
+  const double residual = evaluate_residual(exact, state.x);
+  stats.residual = reference > 0.0 ? residual / reference : 0.0;
+  if (stats.residual > options_.newton_tolerance) stats.flags |= kNotConverged;
+  finish(exact, state);
   return true;
 }
 
@@ -257,7 +295,11 @@ double StageSolver::evaluate_residual(const Problem& problem, const mesh::Vertex
   const Model& model = problem.model;
   velocity_ = (x - stage.base.x) / stage.d;
   force_ = problem.constant_force;
-  add_membrane_forces(model.element_blocks(), model.materials(), problem.beta, x, velocity_, force_);
+  if (problem.is_majorized) {
+    add_majorized_forces(model.element_blocks(), model.materials(), x, force_);
+  } else {
+    add_membrane_forces(model.element_blocks(), model.materials(), problem.beta, x, velocity_, force_);
+  }
   model.add_bending_forces(x, velocity_, problem.beta, damped_, force_);
   add_follower_forces(model.element_blocks(), problem.loads, x, force_);
   add_grab_forces(problem, x);

@@ -54,6 +54,15 @@ class StageSolver {
   bool solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force, const Stage& stage,
              State& state, StepStats& stats);
 
+  // Whether solve_majorized() holds what it promises: of co-rotational sheets that are flat at rest and without loads
+  // that follow them. Contact it leaves out.
+  [[nodiscard]] static bool can_majorize(const Model& model, const Loads& loads);
+  // The stage of implicit Euler from stage.base, in one linear solve, with the membrane's energy bounded from above
+  // there (see MajorizedTriangle) and without stiffness damping: the step gains no energy, however far it goes. As of
+  // solve(), but for state.x before.
+  bool solve_majorized(const Model& model, const Loads& loads, const mesh::VertexField& constant_force,
+                       const Stage& stage, State& state, StepStats& stats);
+
  private:
   // What stays the same during one solve.
   struct Problem {
@@ -62,9 +71,13 @@ class StageSolver {
     const mesh::VertexField& constant_force;
     const Stage& stage;
     std::span<const double> beta;  // stiffness damping, see damping_of; none in a repair
+    bool is_majorized = false;     // the membrane, at the x that is asked for
   };
   // Makes room for the model, once its matrix is there.
   void resize(const Model& model);
+
+  // What follows a solution: momentum restored, velocities.
+  void finish(const Problem& problem, State& state) const;
 
   bool iterate(const Problem& problem, mesh::VertexField& x, StepStats& stats);
   // Whether `x`, where the iteration did not converge, is no higher in the potential than where it began.

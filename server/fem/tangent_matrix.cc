@@ -6,6 +6,7 @@
 #include "server/base/sort_unique.h"
 #include "server/fem/angle_bending.h"
 #include "server/fem/bending_forces.h"
+#include "server/fem/majorized_membrane.h"
 #include "server/fem/membrane_tangent.h"
 
 namespace kerf::fem {
@@ -92,6 +93,25 @@ void TangentMatrix::add_membrane(const Model& model, const mesh::VertexField& x,
         for (std::size_t j = 0; j < 3; ++j) {
           matrix_.block(row + places[3 * i + j]) +=
               K.block<3, 3>(static_cast<Eigen::Index>(3 * i), static_cast<Eigen::Index>(3 * j));
+        }
+      }
+    }
+  }
+}
+
+void TangentMatrix::add_majorized_membrane(const Model& model, const mesh::VertexField& x, double scale) {
+  const std::span<const ElementBlock> blocks = model.element_blocks();
+  LaneFrames frames;
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    frames_at(blocks[b], x, frames);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      if (blocks[b].area[l] == 0.0) continue;
+      const MajorizedTriangle triangle(blocks[b], l, frames, model.materials());
+      for (std::size_t i = 0; i < 3; ++i) {
+        const int row = matrix_.row_begin(blocks[b].vertex[i][l]);
+        for (std::size_t j = 0; j < 3; ++j) {
+          matrix_.block(row + places_[b * kLanes + l][3 * i + j]).diagonal().array() +=
+              scale * triangle.stiffness(static_cast<int>(i), static_cast<int>(j));
         }
       }
     }

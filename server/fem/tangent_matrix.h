@@ -39,6 +39,9 @@ class TangentMatrix {
   // place of that at x; or empty.
   void add_membrane(const Model& model, const mesh::VertexField& x, std::span<const Eigen::Vector3d> stress,
                     const MaterialScale& material_scale, double geometric_scale, bool project);
+  // scale times that of the quadratics that bound the membrane's energy from above at x (3 x V, m): see
+  // MajorizedTriangle.
+  void add_majorized_membrane(const Model& model, const mesh::VertexField& x, double scale);
   void add_bending(const Model& model, const MaterialScale& scale);
   // The stiffness of the model's bending at x (3 x V, m), of angles where that is what it has; for `moments` and
   // `project` see AngleBending::add_stiffness.
