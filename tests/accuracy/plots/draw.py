@@ -179,21 +179,45 @@ DEFAULT = {"color": "#d4007f", "marker": "*", "markersize": 15, "markerfacecolor
            "linestyle": "none", "zorder": 5}
 
 
-def draw_size_panel(axes, rows, ways):
-    """CPU seconds a simulated second against error, a line for each integrator and way of solving, a point for each tick."""
-    for scheme in dict.fromkeys(row["scheme"] for row in rows if row["scheme"] not in (sizes.REFERENCE, "automatic")):
-        for way in [{"solver": "", "newton_iterations": "", "style": "-"}, *ways]:
-            mine = [row for row in rows if row["scheme"] == scheme and row["error_m"] != ""
-                    and (row["solver"], row["newton_limit"]) == (way["solver"], way["newton_iterations"])]
-            axes.loglog([row["cpu_s_per_s"] for row in mine], [1e3 * row["error_m"] for row in mine], linestyle=way["style"],
-                        **look_of(scheme))
-    mine = sizes.defaults(rows)
-    axes.loglog([row["cpu_s_per_s"] for row in mine], [1e3 * row["error_m"] for row in mine], **DEFAULT)
+def draw_runs(axes, rows, **look):
+    """CPU seconds a simulated second against error, a point for each tick."""
+    axes.loglog([row["cpu_s_per_s"] for row in rows], [1e3 * row["error_m"] for row in rows], **look)
+
+
+def finish_size_panel(axes, rows):
+    draw_runs(axes, sizes.defaults(rows), **DEFAULT)
     axes.axvline(1, **GUIDE)
     axes.margins(y=0.15)
 
 
-def draw_size(plt, material, rows, ways):
+def draw_size_panel(axes, rows, ways):
+    """A line for each integrator and way of solving."""
+    for scheme in dict.fromkeys(row["scheme"] for row in rows if row["scheme"] not in (sizes.REFERENCE, "automatic")):
+        for way in [{"solver": "", "newton_iterations": "", "style": "-"}, *ways]:
+            mine = [row for row in rows if row["scheme"] == scheme and row["error_m"] != ""
+                    and (row["solver"], row["newton_limit"]) == (way["solver"], way["newton_iterations"])]
+            draw_runs(axes, mine, linestyle=way["style"], **look_of(scheme))
+    finish_size_panel(axes, rows)
+
+
+def draw_solvers_panel(axes, rows, ways):
+    """A line for each integrator and solver; hollow where that solves a different system."""
+    for scheme in dict.fromkeys(row["scheme"] for row in rows if row["scheme"].startswith("explicit")):  # no solver
+        draw_runs(axes, [row for row in rows if row["scheme"] == scheme], marker=look_of(scheme)["marker"], color="#000000")
+    for scheme in dict.fromkeys(row["scheme"] for row in rows if row["solver"]):
+        for way in ways:
+            mine = [row for row in rows if (row["scheme"], row["solver"], row["newton_limit"], row["error_m"] != "")
+                    == (scheme, way["solver"], way["newton_iterations"], True)]
+            draw_runs(axes, mine, marker=look_of(scheme)["marker"], **look_of_solver(ways, way))
+    finish_size_panel(axes, rows)
+
+
+def look_of_solver(ways, way):
+    is_other = way["solver"] in sizes.OTHER_SYSTEM
+    return {"color": COLOURS[ways.index(way)], "linewidth": 0.8, "markerfacecolor": "white" if is_other else None}
+
+
+def draw_sizes(plt, name, rows, draw_panel, legend):
     """Left before, right after the cut; from above small to large sheets."""
     sides = list(dict.fromkeys(row["side"] for row in rows))
     figure, all_axes = plt.subplots(len(sides) + 1, len(sizes.CUTS), figsize=(9.5, 2.7 * len(sides) + 1), layout="constrained",
@@ -203,7 +227,7 @@ def draw_size(plt, material, rows, ways):
     for line, side in zip(all_axes[1:], sides):
         for axes, cut in zip(line, sizes.CUTS):
             mine = [row for row in rows if (row["side"], row["cut"]) == (side, cut)]
-            draw_size_panel(axes, mine, ways)
+            draw_panel(axes, mine)
             if mine:
                 axes.set_title(f"{mine[0]['vertices']:,.0f} vertices, {cut} the cut, at {1e3 * mine[0]['end_s']:.3g} ms", loc="left")
         bottom, top = line[0].get_ylim()
@@ -214,12 +238,72 @@ def draw_size(plt, material, rows, ways):
                             textcoords="offset points", xytext=(4, 0))
     for axes in all_axes[-1]:
         axes.set_xlabel("CPU time of a simulated second (s)")
-    schemes = [name for name in studies.studies()["schemes"] if name != "automatic"]
-    lines = [plt.Line2D([], [], label=name, **look_of(name)) for name in schemes]
-    lines += [plt.Line2D([], [], label=way["label"], color="#555555", linestyle=way["style"]) for way in ways]
-    lines.append(plt.Line2D([], [], label="the default", **DEFAULT))
-    figure.legend(handles=lines, loc="upper center", ncols=4)
-    save(plt, figure, f"size_{material}")
+    figure.legend(handles=[*legend, plt.Line2D([], [], label="the default", **DEFAULT)], loc="upper center", ncols=4)
+    save(plt, figure, name)
+
+
+def schemes():
+    return [name for name in studies.studies()["schemes"] if name != "automatic"]
+
+
+def draw_size(plt, material, rows, ways):
+    drawn = [way for way in ways if "style" in way]
+    legend = [plt.Line2D([], [], label=name, **look_of(name)) for name in schemes()]
+    legend += [plt.Line2D([], [], label=way["label"], color="#555555", linestyle=way["style"]) for way in drawn]
+    draw_sizes(plt, f"size_{material}", rows, lambda axes, mine: draw_size_panel(axes, mine, drawn), legend)
+
+
+def draw_solvers(plt, material, rows, ways):
+    drawn = page.solvers_of(ways)
+    legend = [plt.Line2D([], [], label=name, color="#000000" if name.startswith("explicit") else "#777777", linestyle="none",
+                         marker=look_of(name)["marker"]) for name in schemes()]
+    legend += [plt.Line2D([], [], label=page.solver_label(way), marker="o", **look_of_solver(drawn, way)) for way in drawn]
+    draw_sizes(plt, f"solvers_{material}", rows, lambda axes, mine: draw_solvers_panel(axes, mine, drawn), legend)
+
+
+def look_in_threads(row):
+    if row["scheme"] == "automatic":
+        return {"color": DEFAULT["color"], "marker": "*", "markersize": 10}
+    return {**look_of(row["scheme"]), **({"color": COLOURS[0], "marker": "<"} if row["solver"] == "DIRECT" else {})}
+
+
+def draw_threads_panel(axes, rows):
+    """Of each run a filled point, one thread, and a hollow one, two."""
+    for row in rows:
+        look, error = look_in_threads(row), 1e3 * row["error_m"]
+        axes.loglog([row["one_wall_s_per_s"], row["two_wall_s_per_s"]], [error, error], **look)
+        axes.loglog([row["two_wall_s_per_s"]], [error], markerfacecolor="white", **look)
+    axes.set_title(f"{rows[0]['material']}, {rows[0]['vertices']:,.0f}, {rows[0]['cut']} the cut", loc="left")
+    for limits, set_limits, decades in ((axes.get_xlim(), axes.set_xlim, 3), (axes.get_ylim(), axes.set_ylim, 2)):
+        middle, half = math.sqrt(limits[0] * limits[1]), max(10 ** (decades / 2), 2 * math.sqrt(limits[1] / limits[0]))
+        set_limits(middle / half, middle * half)
+
+
+def draw_threads(plt, rows):
+    """Columns: material and cut; from above small to large sheets."""
+    sides = list(dict.fromkeys(row["side"] for row in rows))
+    columns = [(material, cut) for material in page.MATERIALS for cut in sizes.CUTS]
+    figure, all_axes = plt.subplots(len(sides) + 1, len(columns), figsize=(12, 2.1 * len(sides) + 0.8), layout="constrained",
+                                    height_ratios=[0.3] + len(sides) * [1])
+    for line, side in zip(all_axes[1:], sides):
+        for axes, column in zip(line, columns):
+            mine = [row for row in rows if (row["side"], (row["material"], row["cut"])) == (side, column)]
+            if mine:
+                draw_threads_panel(axes, mine)
+            else:
+                axes.axis("off")
+        line[0].set_ylabel("largest error (mm)")
+    for axes in all_axes[0]:
+        axes.axis("off")  # room for the legend
+    for i, column in enumerate(columns):
+        last = max(sides.index(row["side"]) for row in rows if (row["material"], row["cut"]) == column)
+        all_axes[1 + last][i].set_xlabel("wall s of a simulated s and sheet")
+    different = {(row["scheme"], row["solver"]): row for row in rows}
+    legend = [plt.Line2D([], [], label=page.scheme_in_threads(row), **look_in_threads(row)) for row in different.values()]
+    legend += [plt.Line2D([], [], label=label, color="#555555", marker="o", markerfacecolor=face, linestyle="none")
+               for label, face in (("one thread", None), ("two threads, a sheet each", "white"))]
+    figure.legend(handles=legend, loc="upper center", ncols=3)
+    save(plt, figure, "threads")
 
 
 def draw_run_time(plt, curves, rows):
@@ -253,6 +337,9 @@ def main():
     draw_work_precision(plt, studies.table(studies.TIME), drawn["shown"])
     for material, rows in drawn["size"]:
         draw_size(plt, material, rows, studies.studies()["ways"])
+    for material, rows in drawn["solvers"]:
+        draw_solvers(plt, material, rows, studies.studies()["ways"])
+    draw_threads(plt, drawn["threads"])
     draw_run_time(plt, *drawn["run_time"])
     page.PAGE.write_text(page.text())
 

@@ -2,14 +2,17 @@
 """Measures what the page tests/accuracy/PLOTS.md shows, into the tables beside this script; draw.py makes the page of them.
 
     cmake --preset release && cmake --build --preset release --target kerf scene_errors time_errors size_errors
-    tests/accuracy/plots/measure.py                       # everything, some half an hour
-    tests/accuracy/plots/measure.py convergence --only bending
+    tests/accuracy/plots/measure.py                       # everything, most of an hour
+    tests/accuracy/plots/measure.py convergence --only bending drape
+    tests/accuracy/plots/measure.py size --only 'wool 50' --solvers PLAIN_CG JACOBI_CG
+    tests/accuracy/plots/measure.py threads
 
 convergence.csv   errors of scenes of tests/data/scenes/reference on coarser and finer meshes, against their references
 profiles.csv      some of them row by row
 histories.csv     energy and momenta of a sheet that nothing pushes, and the energy of one that swings
 time.csv          errors of integrators over their step, and their run time (time_errors.cc)
 size.csv          the same of ticks of sheets of all sizes, before and after a cut (sizes.py, size_errors.cc)
+threads.csv       run times of some of them on one thread, and of two at once on two
 
 `fineness` is the number of cells a length over that of the scene's file; `edge` the side of a cell over the root of the
 sheet's area. Times (cpu_s) are of this machine; the rest is the same on all.
@@ -157,10 +160,14 @@ def merged(file, columns, rows, study_names):
     return text_of(columns, sorted(kept + rows, key=lambda row: order.index(str(row[0]))))
 
 
-def measure_studies(tools, folder, kind, only):
+def is_wanted(name, only):
+    return any(part in name for part in only)
+
+
+def measure_studies(tools, folder, kind, given):
     columns, file, measure = {"convergence": (CONVERGENCE_COLUMNS, folder / studies.CONVERGENCE, convergence),
                               "profiles": (PROFILE_COLUMNS, folder / studies.PROFILES, profile)}[kind]
-    wanted = [study for study in studies.studies()[kind] if only in study["name"]]
+    wanted = [study for study in studies.studies()[kind] if is_wanted(study["name"], given.only)]
     tasks = [(study, fineness) for study in wanted for fineness in study["fineness"]]
     progress, rows = Progress(max(1, len(tasks))), []
     for study, fineness in tasks:
@@ -194,45 +201,68 @@ def measure_time(tools, folder, _):
     (folder / studies.TIME).write_text(text_of(columns, rows))
 
 
-def measure_size(tools, folder, only):
-    """Writes after each case; what the file already says of others stays."""
-    out, cases = folder / studies.SIZE, sizes.cases()
-    wanted = [case for case in cases if only in f"{case['material']} {case['side']} {case['cut']}"]
-    known = {sizes.key(case): [] for case in cases}
-    if out.exists() and len(wanted) < len(cases):
-        with open(out, newline="") as old:
-            for row in list(csv.reader(old))[1:]:
-                known[tuple(row[:3])].append(row)
-    progress = Progress(sum(1 + len(sizes.runs(case)) for case in wanted))
+def wanted_cases(given):
+    return [case for case in sizes.cases() if is_wanted(f"{case['material']} {case['side']} {case['cut']}", given.only)]
+
+
+def known_rows(file):
+    """What a table of sizes says already, by keys."""
+    if not file.exists():
+        return {}
+    with open(file, newline="") as old:
+        return {tuple(row[:len(sizes.KEYS)]): row for row in list(csv.reader(old))[1:]}
+
+
+def measure_size(tools, folder, given):
+    """Writes after each case; what the file already says of others stays, and of other solvers where some are named."""
+    out = folder / studies.SIZE
+    known = known_rows(out)
+    wanted = [case for case in wanted_cases(given) if sizes.runs_of(case, given.solvers)]
+    progress = Progress(max(1, sum(1 + len(sizes.runs_of(case, given.solvers)) for case in wanted)))
     for case in wanted:
-        rows = []
-        for what, row in sizes.measure(tools, case):
+        for what, row in sizes.measure(tools, case, sizes.runs_of(case, given.solvers)):
             progress.show(what)
-            rows.append(row)
-        known[sizes.key(case)] = rows
-        out.write_text(text_of(sizes.COLUMNS, [row for rows in known.values() for row in rows]))
+            if not given.solvers or row[sizes.KEYS.index("solver")] in given.solvers:
+                known[tuple(row[:len(sizes.KEYS)])] = row
+        out.write_text(text_of(sizes.COLUMNS, sizes.in_order(known)))
+    progress.end()
+
+
+def measure_threads(tools, folder, given):
+    out = folder / studies.THREADS
+    known = known_rows(out)
+    wanted = [case for case in wanted_cases(given) if sizes.compared(case)]
+    progress = Progress(max(1, sum(len(sizes.compared(case)) for case in wanted)))
+    for case in wanted:
+        for what, row in sizes.measure_threads(tools, case):
+            progress.show(what)
+            known[tuple(row[:len(sizes.KEYS)])] = row
+        out.write_text(text_of(sizes.THREADS_COLUMNS, sizes.in_order(known)))
     progress.end()
 
 
 MEASURES = {
-    "convergence": lambda *given: measure_studies(*given[:2], "convergence", given[2]),
-    "profiles": lambda *given: measure_studies(*given[:2], "profiles", given[2]),
+    "convergence": lambda tools, folder, given: measure_studies(tools, folder, "convergence", given),
+    "profiles": lambda tools, folder, given: measure_studies(tools, folder, "profiles", given),
     "histories": measure_histories,
     "time": measure_time,
     "size": measure_size,
+    "threads": measure_threads,
 }
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="*", choices=[*MEASURES, []], help="which tables (default: all)")
-    parser.add_argument("--only", default="", help="studies with this in their name, of convergence and profiles; of size "
-                        "'wool 50 after' or a part of that")
+    parser.add_argument("--only", nargs="+", default=[""], help="studies with one of these in their name, of convergence and "
+                        "profiles; of size and threads 'wool 50 after' or a part of that")
+    parser.add_argument("--solvers", nargs="+", default=[], help="of size: rows of these alone, as studies.json names them; the "
+                        "default is run beside them, and what the table says of it stays")
     parser.add_argument("--bin", type=pathlib.Path, default=studies.ROOT / "build/release/bin", help="where the programs are")
     parser.add_argument("--out", type=pathlib.Path, default=studies.HERE, help="folder of the tables")
     given = parser.parse_args()
     for what in given.what or MEASURES:
-        MEASURES[what](given.bin, given.out, given.only)
+        MEASURES[what](given.bin, given.out, given)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,11 @@ MATERIALS = ("soft", "wool")
 DEFAULT_SOLVER = "block-jacobi-cg"
 
 
+def two_digits(value):
+    """Without an exponent where that is short."""
+    return f"{float(f'{value:.2g}'):,g}" if 1e-4 < value < 1e6 else f"{value:.2g}"
+
+
 def percent(value):
     return f"{100 * value:.2g} %"
 
@@ -23,9 +28,9 @@ def order_text(found, uncertainty):
 def pictures():
     """What is drawn: of each picture what it is about and its rows."""
     said = studies.studies()
-    convergence, profiles, histories, time, size = (
-        studies.table(name)
-        for name in (studies.CONVERGENCE, studies.PROFILES, studies.HISTORIES, studies.TIME, studies.SIZE))
+    convergence, profiles, histories, time, size, threads = (
+        studies.table(name) for name in (studies.CONVERGENCE, studies.PROFILES, studies.HISTORIES, studies.TIME, studies.SIZE,
+                                         studies.THREADS))
     curves = [next(curve for curve in study["curves"] if curve["scene"] == said["run_time"][study["name"]])
               | {"study": study["name"]} for study in said["convergence"] if study["name"] in said["run_time"]]
     return {
@@ -37,6 +42,9 @@ def pictures():
         "time": [(material, [row for row in time if row["material"] == material]) for material in MATERIALS],
         "shown": said["solvings"],
         "size": [(material, [row for row in size if row["material"] == material]) for material in MATERIALS],
+        "solvers": [(material, sizes.of_every_solver([row for row in size if row["material"] == material]))
+                    for material in MATERIALS],
+        "threads": sizes.with_errors(threads, size),
         "run_time": (curves, [row for row in convergence for curve in curves
                               if (row["study"], row["curve"]) == (curve["study"], curve["label"])]),
     }
@@ -50,6 +58,9 @@ def digests():
     found |= {f"time_{material}": studies.digest([material, drawn["shown"]], rows) for material, rows in drawn["time"]}
     found["work_precision"] = studies.digest(drawn["shown"], [row for _, rows in drawn["time"] for row in rows])
     found |= {f"size_{material}": studies.digest([material, studies.studies()["ways"]], rows) for material, rows in drawn["size"]}
+    found |= {f"solvers_{material}": studies.digest([material, studies.studies()["ways"]], rows)
+              for material, rows in drawn["solvers"]}
+    found["threads"] = studies.digest("threads", drawn["threads"])
     found["run_time"] = studies.digest(*drawn["run_time"])
     return found
 
@@ -149,14 +160,66 @@ def front_words(rows):
     return [*lines, ""]
 
 
-def size_section(material, rows, words):
-    """Both what is said of each material and what was left out."""
+def left_out_words(rows):
     left_out = dict.fromkeys((row["side"], row["cut"], scheme_of(row), row["tick_hz"], row["left_out"]) for row in rows
                              if row["left_out"] and row["scheme"] != sizes.REFERENCE)
-    missing = [f"Without an error: {side:g} x {side:g}, {cut} the cut, {scheme}, {hz:g} Hz, which {why}."
-               for side, cut, scheme, hz, why in left_out]
+    lines = [f"Without an error: {side:g} x {side:g}, {cut} the cut, {scheme}, {hz:g} Hz, which {why}."
+             for side, cut, scheme, hz, why in left_out]
+    return ["", *lines] if lines else []
+
+
+def size_section(material, rows, words):
+    """Both what is said of each material and what was left out."""
+    shown = [way["solver"] for way in studies.studies()["ways"] if "style" in way]
     return section(words["titles"][f"size_{material}"], f"size_{material}", words,
-                   [*front_words(rows), *size_table(rows), *([""] if missing else []), *missing])
+                   [*front_words(rows), *size_table(rows), *left_out_words([row for row in rows if row["solver"] in ["", *shown]])])
+
+
+SOLVERS_TABLE_SCHEME = "TR-BDF2"
+
+
+def solvers_of(ways):
+    """The ways of solving that differ by their solver alone."""
+    return [way for way in ways if way["newton_iterations"] == 2]
+
+
+def solvers_table(rows):
+    """One scheme at the longest ticks: times the default's time, and the error."""
+    solvers = {way["solver"]: solver_label(way) for way in solvers_of(studies.studies()["ways"])}
+    lines = ["| vertices | cut | the default | " + " | ".join(solvers.values()) + " |", "|---" * (3 + len(solvers)) + "|"]
+    for default in sizes.defaults(rows):
+        mine = {row["solver"]: row for row in rows if row["scheme"] == SOLVERS_TABLE_SCHEME and row["newton_limit"] == 2
+                and all(row[key] == default[key] for key in ("side", "cut", "tick_hz"))}
+        if default["tick_hz"] == min(row["tick_hz"] for row in rows if row["side"] == default["side"]):
+            lines.append(f"| {default['vertices']:g} | {default['cut']} | {1e3 * default['error_m']:.2g} mm | "
+                         + " | ".join(beside_default(mine.get(solver)) for solver in solvers) + " |")
+    return lines
+
+
+def beside_default(row):
+    if row is None:
+        return "-"
+    error = "no error" if row["error_m"] == "" else f"{two_digits(1e3 * row['error_m'])} mm"
+    return f"{two_digits(row['cpu_s_per_s'] / row['default_cpu_s_per_s'])} x, {error}"
+
+
+def solver_label(way):
+    return way["label"].replace(", 2 Newton steps", "")
+
+
+def scheme_in_threads(row):
+    return "the default" if row["scheme"] == "automatic" else scheme_of(row).replace(", 2 Newton", "")
+
+
+def threads_table(rows):
+    lines = ["| | vertices | cut | | error (mm) | one thread, wall s a s | two, wall s a s and sheet | gain | CPU time, two over one |",
+             "|---|---|---|---|---|---|---|---|---|"]
+    for row in rows:
+        lines.append(f"| {row['material']} | {row['vertices']:g} | {row['cut']} | {scheme_in_threads(row)} "
+                     f"| {two_digits(1e3 * row['error_m'])} | {two_digits(row['one_wall_s_per_s'])} "
+                     f"| {two_digits(row['two_wall_s_per_s'])} | {sizes.gain(row):.2f} "
+                     f"| {row['two_cpu_s_per_s'] / row['one_cpu_s_per_s']:.2f} |")
+    return lines
 
 
 def section(title, name, words, table=()):
@@ -183,4 +246,8 @@ def text():
     lines += section("Error against run time, in motion", "work_precision", words)
     for material, rows in drawn["size"]:
         lines += size_section(material, rows, words)
+    for material, rows in drawn["solvers"]:
+        lines += section(words["titles"][f"solvers_{material}"], f"solvers_{material}", words,
+                         [*solvers_table(rows), *left_out_words(rows)])
+    lines += section("Error against run time, on one thread and two", "threads", words, threads_table(drawn["threads"]))
     return "\n".join(lines).rstrip() + "\n"

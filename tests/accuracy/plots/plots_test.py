@@ -20,6 +20,12 @@ SAME_DRIFT = 1.5  # factor
 RUN_KEYS = ("scheme", "solver", "newton_limit", "tick_hz")
 
 
+def is_quick(case, run):
+    """Dense matrices take their time: one run in sixteen has to do."""
+    return run["solver"] not in sizes.OTHER_SYSTEM or (case["cut"], run["scheme"], run["solver"]) == (
+        "before", "implicit Euler", "ES_CGM")
+
+
 def rows_of(study):
     return [row for row in studies.table(studies.CONVERGENCE) if row["study"] == study["name"]]
 
@@ -83,6 +89,50 @@ class Tables(unittest.TestCase):
                 self.assertGreater(row["cpu_s_per_s"], 0)
                 self.assertAlmostEqual(row["end_s"], case["end_s"], delta=1e-5 * case["end_s"])
                 self.assertEqual(row["reference_cfl"], case["reference_cfl"])
+                self.assertEqual(row["default_cpu_s_per_s"] == "", row["scheme"] == sizes.REFERENCE)
+
+    def test_every_solver_is_run_with_every_implicit_scheme(self):
+        said = studies.studies()
+        implicit = [name for name, scheme in said["schemes"].items() if scheme.get("is_implicit")]
+        for case in sizes.cases():
+            if case["side"] == 15:
+                found = {(run["scheme"], run["solver"]) for run in sizes.runs(case)}
+                self.assertLessEqual({(scheme, way["solver"]) for scheme in implicit for way in said["ways"]}, found)
+
+    def test_solvers_alone_are_run_beside_the_default(self):
+        small, large = (next(case for case in sizes.cases() if case["side"] == side) for side in (15, 200))
+        for rate in small["rates_hz"]:
+            mine = [run for run in sizes.runs_of(small, ["JACOBI_CG", "ES_CGM"]) if run["tick_hz"] == rate]
+            self.assertEqual(mine[0]["scheme"], "automatic")
+            self.assertEqual({run["solver"] for run in mine[1:]}, {"JACOBI_CG", "ES_CGM"} if rate == 60 else {"JACOBI_CG"})
+        self.assertEqual(sizes.runs_of(large, ["JACOBI_CG"]), [])
+        self.assertEqual(sizes.runs_of(large, []), sizes.runs(large))
+
+    def test_times_of_two_runs_are_compared_by_the_default_of_each(self):
+        def row(scheme, solver, time, of_default):
+            return {"material": "soft", "side": 15, "cut": "after", "scheme": scheme, "solver": solver, "tick_hz": 60,
+                    "cpu_s_per_s": time, "default_cpu_s_per_s": of_default}
+        rows = [row(sizes.REFERENCE, "", 9.0, ""), row("automatic", "", 2.0, 2.0), row("BDF2", "DIRECT", 6.0, 2.0),
+                row("BDF2", "PLAIN_CG", 30.0, 3.0), {**row("BDF2", "DIRECT", 5.0, 1.0), "side": 200}]
+        found = sizes.of_every_solver(rows)
+        self.assertEqual([row["cpu_s_per_s"] for row in found], [2.0, 6.0, 20.0])
+        self.assertEqual({row["default_cpu_s_per_s"] for row in found}, {2.0})
+
+    def test_threads_has_every_run_that_is_compared(self):
+        rows = studies.table(studies.THREADS)
+        wanted = [sizes.row_key(case, run) for case in sizes.cases() for run in sizes.compared(case)]
+        self.assertEqual([tuple(f"{row[name]:g}" if isinstance(row[name], float) else row[name] for name in sizes.KEYS)
+                          for row in rows], wanted)
+        of_size = {tuple(row[name] for name in sizes.KEYS): row for row in studies.table(studies.SIZE)}
+        for row in sizes.with_errors(rows, of_size.values()):
+            alone = of_size[tuple(row[name] for name in sizes.KEYS)]
+            self.assertNotEqual(row["error_m"], "")
+            self.assertEqual((row["vertices"], row["end_s"]), (alone["vertices"], alone["end_s"]))
+            self.assertGreater(min(row["one_cpu_s_per_s"], row["two_cpu_s_per_s"]), 0)
+            self.assertGreaterEqual(row["rounds"], 3)
+
+    def test_a_second_thread_gains_what_both_take_less(self):
+        self.assertEqual(sizes.gain({"one_wall_s_per_s": 3.0, "two_wall_s_per_s": 2.0}), 1.5)
 
     def test_what_dominates_is_faster_and_no_farther_off(self):
         def row(scheme, time, error, side=15, tick_hz=60):
@@ -158,13 +208,22 @@ class Measured(unittest.TestCase):
         table = {tuple(row[name] for name in sizes.KEYS): row for row in studies.table(studies.SIZE)}
         for cut in sizes.CUTS:
             case = next(case for case in sizes.cases() if sizes.key(case) == ("soft", "15", cut))
-            for what, row in sizes.measure(OPTIONS.bin, {**case, "rates_hz": case["rates_hz"][:1]}):
+            wanted = [run for run in sizes.runs(case) if run["tick_hz"] == case["rates_hz"][0] and is_quick(case, run)]
+            for what, row in sizes.measure(OPTIONS.bin, case, wanted):
                 now = {key: studies.number(value) for key, value in zip(sizes.COLUMNS, row)}
                 then = table[tuple(now[name] for name in sizes.KEYS)]
                 self.assertEqual(now["vertices"], then["vertices"])
                 self.assertEqual(now["integrator"], then["integrator"])
                 if now["scheme"] != sizes.REFERENCE:
                     self.assertAlmostEqual(now["error_m"], then["error_m"], delta=SAME_IN_TIME * then["error_m"], msg=what)
+
+    def test_two_threads_end_the_smallest_sheets_as_one_does(self):
+        """size_errors fails where they do not."""
+        case = next(case for case in sizes.cases() if sizes.key(case) == ("soft", "15", "after"))
+        rows = [dict(zip(sizes.THREADS_COLUMNS, row)) for _, row in sizes.measure_threads(OPTIONS.bin, case)]
+        self.assertEqual([row["scheme"] for row in rows], [run["scheme"] for run in sizes.compared(case)])
+        for row in rows:
+            self.assertGreater(float(row["two_wall_s_per_s"]), 0)
 
 
 if __name__ == "__main__":

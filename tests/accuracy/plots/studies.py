@@ -16,6 +16,7 @@ PROFILES = "profiles.csv"
 HISTORIES = "histories.csv"
 TIME = "time.csv"
 SIZE = "size.csv"
+THREADS = "threads.csv"
 
 
 def studies():
