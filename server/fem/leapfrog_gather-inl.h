@@ -11,8 +11,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <span>
 #include <type_traits>
 
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include "server/fem/leapfrog_kernels.h"
@@ -72,6 +74,16 @@ HWY_INLINE hn::Vec<D> spread(D d, const std::array<hn::TFromD<D>, 4>& values, st
   }
 }
 
+// Groups of rows, of four vertices each, that are fetched before they are needed: rows that cuts have grown are not
+// where the rows before them end.
+inline constexpr std::size_t kGroupsAhead = 4;
+
+template <typename T>
+void fetch(std::span<const FourEntries<T>> entries) {
+  constexpr std::size_t kInLine = HWY_MAX(std::size_t{1}, 64 / sizeof(FourEntries<T>));
+  for (std::size_t i = 0; i < entries.size(); i += kInLine) hwy::Prefetch(entries.data() + i);
+}
+
 // Bending forces of the vertices of a block, as of bending_by_slice: the same sums, four rows side by side.
 template <typename T>
 HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
@@ -79,11 +91,12 @@ HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const Leapfro
   const Fours<T> d;
   const Fours<PositionOf<T>> dp;
   const auto scale = hn::Set(d, step.bending_scale);
+  const auto num_groups = static_cast<std::size_t>(arrays.bending_rows->num_rows());
   const std::size_t first = block * kBlockLanes / kRows;
-  const std::size_t last =
-      HWY_MIN(first + kBlockLanes / kRows, static_cast<std::size_t>(arrays.bending_rows->num_rows()));
+  const std::size_t last = HWY_MIN(first + kBlockLanes / kRows, num_groups);
   for (std::size_t group = first; group < last; ++group) {
     const std::span<const FourEntries<T>> entries = arrays.bending_rows->row(static_cast<int>(group));
+    if (group + kGroupsAhead < num_groups) fetch(arrays.bending_rows->row(static_cast<int>(group + kGroupsAhead)));
     for (std::size_t part = 0; part < 4 * kRows; part += hn::Lanes(d)) {
       const std::size_t at = 4 * kRows * group + part;
       const auto xi = hn::LoadU(dp, arrays.bending_x + at);

@@ -1,5 +1,5 @@
 // The tables of tests/bench/README.md "Linear solvers": what each makes of the same linear system of a step.
-//   solver_bench [wool|soft|large]
+//   solver_bench [wool|soft|large|cut [SIDE]]
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -15,13 +16,11 @@
 #include "server/base/check.h"
 #include "server/fem/covariance_root.h"
 #include "server/fem/factor_preconditioner.h"
-#include "server/fem/integrator.h"
 #include "server/fem/linear_solver.h"
-#include "server/fem/membrane.h"
 #include "server/fem/preconditioner.h"
-#include "server/fem/tangent_matrix.h"
-#include "server/fem/vertex_frames.h"
 #include "server/mesh/grid_mesh.h"
+#include "tests/bench/solver_cut.h"
+#include "tests/bench/solver_system.h"
 
 namespace kerf::bench {
 namespace {
@@ -31,55 +30,14 @@ constexpr int kSteps = 30;            // from the horizontal to where the system
 constexpr double kTolerance = 1e-6;
 constexpr int kMaxIterations = 10000;
 
-// One step of implicit Euler, linearised where it begins: A dx = b with A = M + h^2 K, b = M h v + h^2 (f + M g).
-struct System {
-  fem::TangentMatrix tangent;
-  mesh::VertexField b;                  // 3 x V, kg m
-  Eigen::MatrixXd dense;                // A
-  mesh::VertexField exact;              // 3 x V, m: dx
-  std::vector<Eigen::Matrix3d> frames;  // of the vertices
-};
-
 // A sheet that has fallen from the horizontal, two corners pinned.
 System make_system(const fem::Material& material, int side) {
   const mesh::TriangleMesh mesh = mesh::make_grid({.num_x = side, .num_y = side}).value();
   const fem::Model model(mesh, material);
-  fem::State state;
-  state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-  state.v = state.x;
-  for (int v = 0; v < mesh.num_vertices(); ++v) state.x.col(v).head<2>() = mesh.rest_position(v);
-  fem::Loads loads;
-  for (const int v : {side * (side - 1), side * side - 1}) {
-    loads.pins.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
-  }
-  fem::IntegratorOptions options;
-  options.kind = fem::IntegratorKind::kImplicitEuler;
-  options.linear_solver = fem::LinearSolverKind::kDirect;
-  options.newton_iterations = 50;
-  const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
-  integrator->rebuild(model);
-  for (int i = 0; i < kSteps; ++i) integrator->step(model, loads, kStep, nullptr, state);
-
-  System system;
-  const fem::MaterialScale scale{kStep * kStep, kStep, {}};
-  system.tangent.rebuild(model);
-  system.tangent.set_mass(model, 1.0);
-  system.tangent.add_membrane(model, state.x, {}, scale, kStep * kStep, true);
-  system.tangent.add_bending(model, scale);
-  mesh::VertexField force = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-  mesh::VertexField scratch(mesh.num_vertices());
-  fem::add_membrane_forces(model.element_blocks(), model.materials(), {}, state.x, state.v, force);
-  model.add_bending_forces(state.x, state.v, {}, scratch, force);
-  system.b.resize(mesh.num_vertices());
-  for (int v = 0; v < mesh.num_vertices(); ++v) {
-    const double m = model.mass()[static_cast<std::size_t>(v)];
-    system.b.col(v) = m * (kStep * state.v.col(v) + kStep * kStep * loads.gravity) + kStep * kStep * force.col(v);
-  }
-  system.exact = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-  system.tangent.constrain(model, loads.pins, 0.0, state.x, system.b, system.exact);
-  system.frames.resize(static_cast<std::size_t>(mesh.num_vertices()));
-  fem::find_vertex_frames(model.element_blocks(), state.x, system.frames);
-  return system;
+  const fem::Loads loads = corners_pinned(mesh, side);
+  fem::State state = flat(mesh);
+  fall(model, loads, kStep, kSteps, state);
+  return system_at(model, loads, state, kStep);
 }
 
 void solve_densely(System& system) {
@@ -271,5 +229,13 @@ int main(int argc, char** argv) {
     kerf::bench::measure_large("Wool", wool);
     kerf::bench::measure_large("Soft", soft);
   }
-  return 0;
+  bool is_right = true;
+  if (only.empty() || only == "cut") {
+    for (const int side : argc > 2 ? std::vector<int>{std::stoi(argv[2])} : std::vector<int>{50, 100}) {
+      for (const auto& [name, material] : {std::pair("Wool", wool), {"Soft", soft}}) {
+        is_right = kerf::bench::measure_after_cut(name, material, side) && is_right;
+      }
+    }
+  }
+  return is_right ? 0 : 1;
 }

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "server/mesh/ids.h"
+#include "server/mesh/triangle_mesh.h"
+
+// The same sheet with other numbers, as memory follows them.
+namespace kerf::bench {
+
+struct Numbering {
+  std::vector<mesh::VertexId> vertices;  // the new one of each vertex
+  std::vector<mesh::TriangleId> slots;   // the new one of each slot, void ones included
+};
+
+enum class Order {
+  kSame,         // as it is
+  kTriangles,    // triangles by place, along a Z curve
+  kNewVertices,  // and so are vertices that cuts have added, behind those of the grid
+  kRows,         // all vertices by rows of the grid, triangles by their lowest vertex
+  kCurve,        // all vertices by place, along a Z curve, triangles by their lowest vertex
+};
+
+// Of a unit square that was side x side vertices before it was cut.
+Numbering number(const mesh::TriangleMesh& mesh, int side, Order order);
+
+// A mesh of its own, as one imported in that order would be.
+mesh::TriangleMesh renumbered(const mesh::TriangleMesh& mesh, const Numbering& numbering);
+
+}  // namespace kerf::bench

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "server/fem/loads.h"
+#include "server/fem/model.h"
+#include "server/fem/state.h"
+#include "server/fem/tangent_matrix.h"
+#include "server/mesh/triangle_mesh.h"
+#include "server/mesh/vertex_field.h"
+
+// Linear systems that solvers are compared by.
+namespace kerf::bench {
+
+// One step of implicit Euler, linearised where it begins: A dx = b with A = M + h^2 K, b = M h v + h^2 (f + M g).
+struct System {
+  fem::TangentMatrix tangent;
+  mesh::VertexField b;                  // 3 x V, kg m
+  Eigen::MatrixXd dense;                // A; empty until it is asked for
+  mesh::VertexField exact;              // 3 x V, m: dx
+  std::vector<Eigen::Matrix3d> frames;  // of the vertices
+};
+
+// At a state; `step` (s): h.
+System system_at(const fem::Model& model, const fem::Loads& loads, const fem::State& state, double step);
+
+// Two corners pinned.
+fem::Loads corners_pinned(const mesh::TriangleMesh& mesh, int side);
+
+// Flat and at rest, at z = 0.
+fem::State flat(const mesh::TriangleMesh& mesh);
+
+// Carries the state on by implicit Euler, solved well.
+void fall(const fem::Model& model, const fem::Loads& loads, double step, int steps, fem::State& state);
+
+}  // namespace kerf::bench
