@@ -78,7 +78,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     if (attempt.kind != options_.kind) stats.flags |= kDamped;
     if (attempt.substeps > num_substeps()) stats.flags |= kSubstepped;
     done = try_step(model, loads, attempt, dt, contact, state, stats);
-    const bool is_taken = i == last || attempt.is_majorized;  // whatever it has gained, of the latter by rounding alone
+    const bool is_taken = i == last || attempt.is_majorized;  // whatever it has gained
     if (done && contact == nullptr) done = keep_energy(model, loads, attempt.kind, state, stats) || is_taken;
     if (done) break;
     stats.flags &= ~(kEnergyLimited | kNotConverged);  // of the attempt that is thrown away

@@ -22,9 +22,10 @@ enum StepFlags : std::uint32_t {
   kFrozen = 1U << 4,        // no finite step was found: the state is as it was before
   kRepaired = 1U << 5,      // the fast nonlinear iteration failed; a line-searched one took its place
   kEnergyLimited = 1U << 6,  // the step would have ended with more energy than it began with: see EnergyGuard
-  kWidened = 1U << 7,    // the sheet was too large, too fast or a triangle too flat for mixed precision: made in double
-  kDamped = 1U << 8,     // a step of second order failed: implicit Euler's took its place
-  kMajorized = 1U << 9,  // no attempt kept the energy: one linear step that cannot gain any took their place
+  kWidened = 1U << 7,  // the sheet was too large, too fast or a triangle too flat for mixed precision: made in double
+  kDamped = 1U << 8,   // a step of second order failed: implicit Euler's took its place
+  kMajorized =
+      1U << 9,  // no attempt was finite and kept the energy: one linear step that cannot gain any took their place
 };
 
 // In the order of their bits; what metrics and results call them.

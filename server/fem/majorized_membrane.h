@@ -20,7 +20,8 @@ namespace kerf::fem {
 // ends with more kinetic and potential energy than it began with, whatever step, stiffness and state: with p the
 // potential of that step and x1 - x0 = d v1,
 //   K1 - K0 <= (x1 - x0).M (v1 - v0) / d = -(x1 - x0).grad p(x1) <= p(x0) - p(x1),  and  W <= q, W(x0) = q(x0).
-// Conjugate gradients that begin with no displacement may stop anywhere: their residual is perpendicular to x1 - x0.
+// Conjugate gradients that begin at x0 may stop anywhere: their residual is perpendicular to x1 - x0. (Those that begin
+// anew on the way, as with a factor that is renewed, must end.)
 //
 // Why q >= W. R is the rotation that makes <R', F> largest, tr U, so that only U, F' = R' U, counts. Let Ca = C + B, B
 // positive semidefinite, be a law for which U.Ca U / 2 is concave as a function of X = F'^T F' = U^2. Then

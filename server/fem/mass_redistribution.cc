@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "server/base/as_index.h"
+
 namespace kerf::fem {
 namespace {
 
@@ -15,10 +17,6 @@ using mesh::VertexId;
 
 constexpr int kMaxRounds = 200;
 constexpr double kLeastGain = 1.001;  // of the worst mass / floor, in a round, as a factor
-
-std::size_t as_index(VertexId vertex) {
-  return static_cast<std::size_t>(vertex);
-}
 
 // Calls visit(n, again) for each neighbour n of `vertex` at least once; `again` is false where it is the first time.
 template <typename Visit>

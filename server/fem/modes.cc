@@ -22,10 +22,9 @@ constexpr double kShift = -1e-9;
 // much beside the others.
 constexpr double kShiftOfHighest = -1e-3;
 constexpr int kMaxRestarts = 1000;
-constexpr double kTolerance = 1e-10;  // -, relative
-constexpr double kSeparation = 1e-6;  // -, relative; eigenvalues closer together count as one
-constexpr double kEigenvalueRounding =
-    1e-12;  // of eigenvalues, over the largest: those of rigid motions are as far from 0
+constexpr double kTolerance = 1e-10;           // -, relative
+constexpr double kSeparation = 1e-6;           // -, relative; eigenvalues closer together count as one
+constexpr double kEigenvalueRounding = 1e-12;  // over the largest: rigid motions' are as far from 0
 constexpr int kMaxSearches = 8;
 
 // Numbers of the components that nothing holds, 3 a vertex; -1 for the others.

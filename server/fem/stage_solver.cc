@@ -109,10 +109,13 @@ bool StageSolver::solve(const Model& model, const Loads& loads, const mesh::Vert
 }
 
 void StageSolver::finish(const Problem& problem, State& state) const {
-  const std::vector<Pin>& pins = problem.loads.pins;
-  if (pins.empty() && problem.loads.grabs.empty() && !contact_.touches()) restore_momentum(problem, state.x);
+  if (is_free(problem)) restore_momentum(problem, state.x);
   state.v = (state.x - problem.stage.base.x) / problem.stage.d;
-  for (const Pin& pin : pins) state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
+  for (const Pin& pin : problem.loads.pins) state.v.col(pin.vertex) = pin.held(pin.velocity, state.v.col(pin.vertex));
+}
+
+bool StageSolver::is_free(const Problem& problem) const {
+  return problem.loads.pins.empty() && problem.loads.grabs.empty() && !contact_.touches();
 }
 
 bool StageSolver::can_majorize(const Model& model, const Loads& loads) {
@@ -130,6 +133,9 @@ bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const 
   follows_loads_ = false;
   is_predicted_ = false;
   state.x = stage.base.x;
+  // A free sheet begins where its momentum carries it: moved there afterwards it could gain energy after a solve that
+  // stopped early. The bound and bending do not change with it.
+  if (is_free(exact)) restore_momentum(exact, state.x);
   const double reference = evaluate_residual(problem, state.x);
   if (!std::isfinite(reference)) return false;  // solvers that stop at once would leave the state as if it were solved
   solve_next(problem, state.x, false, stats);
@@ -137,6 +143,7 @@ bool StageSolver::solve_majorized(const Model& model, const Loads& loads, const 
   state.x += step_;
   if (!state.x.allFinite()) return false;
   const double residual = evaluate_residual(exact, state.x);
+  if (!std::isfinite(residual)) return false;
   stats.residual = reference > 0.0 ? residual / reference : 0.0;
   if (stats.residual > options_.newton_tolerance) stats.flags |= kNotConverged;
   finish(exact, state);

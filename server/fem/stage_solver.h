@@ -87,6 +87,8 @@ class StageSolver {
   bool repair(const Problem& problem, const mesh::VertexField& start, mesh::VertexField& x, StepStats& stats);
   bool search_line(const Problem& problem, double merit, mesh::VertexField& x);
 
+  // Whether nothing holds the sheet or is touched by it.
+  [[nodiscard]] bool is_free(const Problem& problem) const;
   // Moves the whole of a free sheet so that its residual has no resultant: internal forces have none, so linear
   // momentum is conserved to round-off however loosely the stage was solved.
   void restore_momentum(const Problem& problem, mesh::VertexField& x) const;

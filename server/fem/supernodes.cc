@@ -6,6 +6,8 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
+#include "server/base/as_index.h"
+
 namespace kerf::fem {
 namespace {
 
@@ -57,23 +59,23 @@ void Supernodes::order(const BlockMatrix& A) {
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
   Eigen::AMDOrdering<int>()(graph, permutation);
   old_from_new_.assign(permutation.indices().begin(), permutation.indices().end());
-  new_from_old_.resize(index(n));
-  for (int j = 0; j < n; ++j) new_from_old_[index(old_from_new(j))] = j;
+  new_from_old_.resize(as_index(n));
+  for (int j = 0; j < n; ++j) new_from_old_[as_index(old_from_new(j))] = j;
 }
 
 // Liu 1986: paths to the roots found so far are shortened as they are gone.
 void Supernodes::find_tree(const BlockMatrix& A) {
   const int n = A.num_rows();
-  tree_.assign(index(n), -1);
-  std::vector<int> ancestor(index(n), -1);
+  tree_.assign(as_index(n), -1);
+  std::vector<int> ancestor(as_index(n), -1);
   for (int i = 0; i < n; ++i) {
     const int row = old_from_new(i);
     for (int at = A.row_begin(row); at < A.row_end(row); ++at) {
       int k = new_from_old(A.column(at));
       while (k != -1 && k < i) {
-        const int next = ancestor[index(k)];
-        ancestor[index(k)] = i;
-        if (next == -1) tree_[index(k)] = i;
+        const int next = ancestor[as_index(k)];
+        ancestor[as_index(k)] = i;
+        if (next == -1) tree_[as_index(k)] = i;
         k = next;
       }
     }
@@ -82,61 +84,61 @@ void Supernodes::find_tree(const BlockMatrix& A) {
 
 void Supernodes::postorder() {
   const int n = num_vertices();
-  std::vector<int> head(index(n), -1);
-  std::vector<int> next(index(n), -1);
+  std::vector<int> head(as_index(n), -1);
+  std::vector<int> next(as_index(n), -1);
   for (int j = n - 1; j >= 0; --j) {
-    const int parent = tree_[index(j)];
+    const int parent = tree_[as_index(j)];
     if (parent == -1) continue;
-    next[index(j)] = head[index(parent)];
-    head[index(parent)] = j;
+    next[as_index(j)] = head[as_index(parent)];
+    head[as_index(parent)] = j;
   }
   std::vector<int> post;  // columns as they were, in postorder
-  post.reserve(index(n));
+  post.reserve(as_index(n));
   std::vector<int> stack;
   for (int root = 0; root < n; ++root) {
-    if (tree_[index(root)] != -1) continue;
+    if (tree_[as_index(root)] != -1) continue;
     stack.push_back(root);
     while (!stack.empty()) {
       const int j = stack.back();
-      const int child = head[index(j)];
+      const int child = head[as_index(j)];
       if (child == -1) {
         post.push_back(j);
         stack.pop_back();
       } else {
-        head[index(j)] = next[index(child)];
+        head[as_index(j)] = next[as_index(child)];
         stack.push_back(child);
       }
     }
   }
-  std::vector<int> place(index(n));
-  for (int j = 0; j < n; ++j) place[index(post[index(j)])] = j;
-  std::vector<int> tree(index(n));
-  std::vector<int> old_from_new(index(n));
+  std::vector<int> place(as_index(n));
+  for (int j = 0; j < n; ++j) place[as_index(post[as_index(j)])] = j;
+  std::vector<int> tree(as_index(n));
+  std::vector<int> old_from_new(as_index(n));
   for (int j = 0; j < n; ++j) {
-    const int before = post[index(j)];
-    const int parent = tree_[index(before)];
-    tree[index(j)] = parent == -1 ? -1 : place[index(parent)];
-    old_from_new[index(j)] = old_from_new_[index(before)];
+    const int before = post[as_index(j)];
+    const int parent = tree_[as_index(before)];
+    tree[as_index(j)] = parent == -1 ? -1 : place[as_index(parent)];
+    old_from_new[as_index(j)] = old_from_new_[as_index(before)];
   }
   tree_.swap(tree);
   old_from_new_.swap(old_from_new);
-  for (int j = 0; j < n; ++j) new_from_old_[index(old_from_new_[index(j)])] = j;
+  for (int j = 0; j < n; ++j) new_from_old_[as_index(old_from_new_[as_index(j)])] = j;
 }
 
 // Row i of the factor is the part of the tree between the columns of row i of A and i.
 void Supernodes::count_entries(const BlockMatrix& A) {
   const int n = num_vertices();
-  count_.assign(index(n), 1);
-  std::vector<int> mark(index(n), -1);
+  count_.assign(as_index(n), 1);
+  std::vector<int> mark(as_index(n), -1);
   for (int i = 0; i < n; ++i) {
-    mark[index(i)] = i;
+    mark[as_index(i)] = i;
     const int row = old_from_new(i);
     for (int at = A.row_begin(row); at < A.row_end(row); ++at) {
       int k = new_from_old(A.column(at));
       if (k > i) continue;
-      for (; mark[index(k)] != i; k = tree_[index(k)]) {
-        mark[index(k)] = i;
-        ++count_[index(k)];
+      for (; mark[as_index(k)] != i; k = tree_[as_index(k)]) {
+        mark[as_index(k)] = i;
+        ++count_[as_index(k)];
       }
     }
   }
@@ -155,13 +157,14 @@ void Supernodes::find_supernodes() {
     Run run{j, j, 0.0};
     while (!runs.empty()) {
       const Run& before = runs.back();
-      const int parent = tree_[index(before.last)];
+      const int parent = tree_[as_index(before.last)];
       if (parent < run.first || parent > run.last) break;
-      const double below = count_[index(run.last)] - 1;
+      const double below = count_[as_index(run.last)] - 1;
       const int columns = run.last - before.first + 1;
       const double all = entries(columns, below);
       const double of_run = entries(run.last - run.first + 1, below) - run.zeros;
-      const double of_before = entries(before.last - before.first + 1, count_[index(before.last)] - 1) - before.zeros;
+      const double of_before =
+          entries(before.last - before.first + 1, count_[as_index(before.last)] - 1) - before.zeros;
       const double zeros = all - of_run - of_before;
       if (zeros > 0.0 && !is_worth_merging(columns, zeros, all)) break;
       run = {before.first, run.last, zeros};
@@ -176,33 +179,33 @@ void Supernodes::find_supernodes() {
 
 void Supernodes::find_rows(const BlockMatrix& A) {
   const int n = num_vertices();
-  std::vector<int> supernode_of(index(n));
+  std::vector<int> supernode_of(as_index(n));
   for (int s = 0; s < size(); ++s) {
-    for (int j = first(s); j < first(s + 1); ++j) supernode_of[index(j)] = s;
+    for (int j = first(s); j < first(s + 1); ++j) supernode_of[as_index(j)] = s;
   }
-  parent_.assign(index(size()), -1);
+  parent_.assign(as_index(size()), -1);
   for (int s = 0; s < size(); ++s) {
-    const int parent = tree_[index(first(s + 1) - 1)];
-    if (parent != -1) parent_[index(s)] = supernode_of[index(parent)];
+    const int parent = tree_[as_index(first(s + 1) - 1)];
+    if (parent != -1) parent_[as_index(s)] = supernode_of[as_index(parent)];
   }
-  children_begin_.assign(index(size() + 1), 0);
+  children_begin_.assign(as_index(size() + 1), 0);
   for (const int p : parent_) {
-    if (p != -1) ++children_begin_[index(p + 1)];
+    if (p != -1) ++children_begin_[as_index(p + 1)];
   }
   std::partial_sum(children_begin_.begin(), children_begin_.end(), children_begin_.begin());
-  children_.resize(index(children_begin_.back()));
+  children_.resize(as_index(children_begin_.back()));
   std::vector<int> next(children_begin_.begin(), children_begin_.end() - 1);
   for (int s = 0; s < size(); ++s) {
-    if (parent(s) != -1) children_[index(next[index(parent(s))]++)] = s;
+    if (parent(s) != -1) children_[as_index(next[as_index(parent(s))]++)] = s;
   }
 
   rows_begin_.assign(1, 0);
   rows_.clear();
-  std::vector<int> mark(index(n), -1);
+  std::vector<int> mark(as_index(n), -1);
   for (int s = 0; s < size(); ++s) {
     const auto add = [&](int i) {
-      if (i < first(s) || mark[index(i)] == s) return;
-      mark[index(i)] = s;
+      if (i < first(s) || mark[as_index(i)] == s) return;
+      mark[as_index(i)] = s;
       rows_.push_back(i);
     };
     for (int j = first(s); j < first(s + 1); ++j) add(j);
@@ -211,7 +214,8 @@ void Supernodes::find_rows(const BlockMatrix& A) {
       for (int at = A.row_begin(column); at < A.row_end(column); ++at) add(new_from_old(A.column(at)));
     }
     for (const int c : children(s)) {
-      for (int at = rows_begin_[index(c)] + width(c); at < rows_begin_[index(c + 1)]; ++at) add(rows_[index(at)]);
+      for (int at = rows_begin_[as_index(c)] + width(c); at < rows_begin_[as_index(c + 1)]; ++at)
+        add(rows_[as_index(at)]);
     }
     std::sort(rows_.begin() + rows_begin_.back(), rows_.end());
     rows_begin_.push_back(static_cast<int>(rows_.size()));
@@ -222,9 +226,9 @@ void Supernodes::find_rows(const BlockMatrix& A) {
     if (parent(s) == -1) continue;
     const std::span<const int> above = rows(parent(s));
     auto place = above.begin();
-    for (int at = rows_begin_[index(s)] + width(s); at < rows_begin_[index(s + 1)]; ++at) {
-      place = std::find(place, above.end(), rows_[index(at)]);
-      rows_in_parent_[index(at)] = static_cast<int>(place - above.begin());
+    for (int at = rows_begin_[as_index(s)] + width(s); at < rows_begin_[as_index(s + 1)]; ++at) {
+      place = std::find(place, above.end(), rows_[as_index(at)]);
+      rows_in_parent_[as_index(at)] = static_cast<int>(place - above.begin());
     }
   }
 }

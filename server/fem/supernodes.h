@@ -1,17 +1,11 @@
 #pragma once
 
-#include <cstddef>
 #include <span>
 #include <vector>
 
 #include "server/fem/block_matrix.h"
 
 namespace kerf::fem {
-
-// Of a vertex, row or column, for containers.
-inline std::size_t index(int i) {
-  return static_cast<std::size_t>(i);
-}
 
 // Symbolic Cholesky factorisation: an order of the vertices of a symmetric matrix of blocks that leaves the factor
 // sparse (approximate minimum degree: Amestoy, Davis, Duff 1996), and supernodes: runs of columns, in that order, that

@@ -1,6 +1,7 @@
 // The quadratic over the energy of a triangle, the step that is solved with it, and where integrators come to it.
 #include "server/fem/majorized_membrane.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -217,6 +218,12 @@ std::vector<State> bad_states(const mesh::TriangleMesh& mesh) {
   mesh::VertexField folded = rest.x;
   folded.row(0) = (rest.x.row(0).array() - 0.5).abs().matrix();
   add(folded, 0.1);
+  add(Eigen::Vector3d(1.0, 1e-5, 1.0).asDiagonal() * rest.x, 0.1);  // about as thin as the bound is told apart from
+  add(Eigen::Vector3d(1.0, 1e-7, 1.0).asDiagonal() * rest.x, 0.1);  // and thinner
+  // Thrown as a whole: what a solve that stops early leaves of its momentum must not be made up for afterwards.
+  State thrown{rest.x, Eigen::Matrix3Xd::Zero(3, n)};
+  thrown.v.row(2).setConstant(10.0);
+  states.push_back(thrown);
   return states;
 }
 
