@@ -24,6 +24,7 @@ void CorrectedFactor::analyse(const fem::BlockMatrix& A) {
 }
 
 bool CorrectedFactor::prepare(const fem::BlockMatrix& A) {
+  if (A_ == &A) return true;  // for start(), before conjugate gradients ask for it
   A_ = &A;
   for (int i = 0; i < A_SS_.num_rows(); ++i) {
     const int row = part_[static_cast<std::size_t>(i)];
