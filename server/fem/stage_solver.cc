@@ -66,6 +66,7 @@ void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, b
   if (std::vector<Eigen::Matrix3d>* const frames = solver_->frames()) {
     find_vertex_frames(problem.model.element_blocks(), x, *frames);
   }
+  if (mesh::VertexField* const positions = solver_->positions()) *positions = x;
   matrix_.set_mass(problem.model, 1.0, d);
   matrix_.add_membrane(problem.model, x, predicted ? stress : stress.first(0), material_scale, d * d, true);
   matrix_.add_bending(problem.model, material_scale);

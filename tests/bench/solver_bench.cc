@@ -1,7 +1,8 @@
 // The tables of tests/bench/README.md "Linear solvers": what each makes of the same linear system of a step.
-//   solver_bench [wool|soft|large]
+//   solver_bench [wool|soft|large [VERTICES ALONG A SIDE]]
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <limits>
 #include <memory>
@@ -15,71 +16,21 @@
 #include "server/base/check.h"
 #include "server/fem/covariance_root.h"
 #include "server/fem/factor_preconditioner.h"
-#include "server/fem/integrator.h"
 #include "server/fem/linear_solver.h"
-#include "server/fem/membrane.h"
+#include "server/fem/material.h"
+#include "server/fem/multigrid_preconditioner.h"
 #include "server/fem/preconditioner.h"
-#include "server/fem/tangent_matrix.h"
-#include "server/fem/vertex_frames.h"
-#include "server/mesh/grid_mesh.h"
+#include "tests/bench/solver_large_bench.h"
+#include "tests/bench/solver_systems.h"
 
 namespace kerf::bench {
 namespace {
 
-constexpr double kStep = 1.0 / 60.0;  // s
-constexpr int kSteps = 30;            // from the horizontal to where the system is taken
 constexpr double kTolerance = 1e-6;
 constexpr int kMaxIterations = 10000;
 
-// One step of implicit Euler, linearised where it begins: A dx = b with A = M + h^2 K, b = M h v + h^2 (f + M g).
-struct System {
-  fem::TangentMatrix tangent;
-  mesh::VertexField b;                  // 3 x V, kg m
-  Eigen::MatrixXd dense;                // A
-  mesh::VertexField exact;              // 3 x V, m: dx
-  std::vector<Eigen::Matrix3d> frames;  // of the vertices
-};
-
-// A sheet that has fallen from the horizontal, two corners pinned.
 System make_system(const fem::Material& material, int side) {
-  const mesh::TriangleMesh mesh = mesh::make_grid({.num_x = side, .num_y = side}).value();
-  const fem::Model model(mesh, material);
-  fem::State state;
-  state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-  state.v = state.x;
-  for (int v = 0; v < mesh.num_vertices(); ++v) state.x.col(v).head<2>() = mesh.rest_position(v);
-  fem::Loads loads;
-  for (const int v : {side * (side - 1), side * side - 1}) {
-    loads.pins.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
-  }
-  fem::IntegratorOptions options;
-  options.kind = fem::IntegratorKind::kImplicitEuler;
-  options.linear_solver = fem::LinearSolverKind::kDirect;
-  options.newton_iterations = 50;
-  const std::unique_ptr<fem::Integrator> integrator = fem::make_integrator(options);
-  integrator->rebuild(model);
-  for (int i = 0; i < kSteps; ++i) integrator->step(model, loads, kStep, nullptr, state);
-
-  System system;
-  const fem::MaterialScale scale{kStep * kStep, kStep, {}};
-  system.tangent.rebuild(model);
-  system.tangent.set_mass(model, 1.0);
-  system.tangent.add_membrane(model, state.x, {}, scale, kStep * kStep, true);
-  system.tangent.add_bending(model, scale);
-  mesh::VertexField force = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-  mesh::VertexField scratch(mesh.num_vertices());
-  fem::add_membrane_forces(model.element_blocks(), model.materials(), {}, state.x, state.v, force);
-  model.add_bending_forces(state.x, state.v, {}, scratch, force);
-  system.b.resize(mesh.num_vertices());
-  for (int v = 0; v < mesh.num_vertices(); ++v) {
-    const double m = model.mass()[static_cast<std::size_t>(v)];
-    system.b.col(v) = m * (kStep * state.v.col(v) + kStep * kStep * loads.gravity) + kStep * kStep * force.col(v);
-  }
-  system.exact = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-  system.tangent.constrain(model, loads.pins, 0.0, state.x, system.b, system.exact);
-  system.frames.resize(static_cast<std::size_t>(mesh.num_vertices()));
-  fem::find_vertex_frames(model.element_blocks(), state.x, system.frames);
-  return system;
+  return linearise(let_fall(material, side), 1.0 / 60.0);
 }
 
 void solve_densely(System& system) {
@@ -114,12 +65,12 @@ Eigen::MatrixXd scaled(const Eigen::MatrixXd& A, Eigen::Index block) {
   return result;
 }
 
-// L^T P^-1 L, A = L L^T, of the same eigenvalues as P^-1 A, P being the float factor of A.
-Eigen::MatrixXd factor_preconditioned(const System& system) {
+// L^T P^-1 L, A = L L^T, of the same eigenvalues as P^-1 A.
+Eigen::MatrixXd preconditioned(const System& system, std::unique_ptr<fem::Preconditioner> preconditioner) {
   const fem::BlockMatrix& A = system.tangent.blocks();
-  const std::unique_ptr<fem::Preconditioner> preconditioner = std::make_unique<fem::FactorPreconditioner>();
   preconditioner->analyse(A);
-  *preconditioner->frames() = system.frames;
+  if (std::vector<Eigen::Matrix3d>* const frames = preconditioner->frames()) *frames = system.frames;
+  if (mesh::VertexField* const positions = preconditioner->positions()) *positions = system.positions;
   KERF_CHECK(preconditioner->prepare(A), "A is positive definite");
   Eigen::MatrixXd inverse(system.dense.rows(), system.dense.cols());
   mesh::VertexField unit = Eigen::Matrix3Xd::Zero(3, A.num_rows());
@@ -150,6 +101,7 @@ std::vector<Row> rows() {
       {"Jacobi CG", Kind::kJacobiCg, {}},
       {"block-Jacobi CG", Kind::kBlockJacobiCg, {}},
       {"factor CG", Kind::kFactorCg, {}},
+      {"multigrid CG", Kind::kMultigridCg, {}},
       {"ES-CGM, p = 1/2, *solves a different system*", Kind::kEsCgm, {EigenvalueNorm::kPower, 0.5, 1}},
       {"ES-CGM, log, *solves a different system*", Kind::kEsCgm, {EigenvalueNorm::kLog, 0.5, 1}},
       {"AS-CGM, 1 iteration, *solves a different system*", Kind::kAsCgm, {EigenvalueNorm::kPower, 0.5, 1}},
@@ -174,7 +126,9 @@ Eigen::MatrixXd matrix_of(const Row& row, const System& system) {
     case fem::LinearSolverKind::kBlockJacobiCg:
       return scaled(system.dense, 3);
     case fem::LinearSolverKind::kFactorCg:
-      return factor_preconditioned(system);
+      return preconditioned(system, std::make_unique<fem::FactorPreconditioner>());
+    case fem::LinearSolverKind::kMultigridCg:
+      return preconditioned(system, std::make_unique<fem::MultigridPreconditioner>());
     default:
       return system.dense;
   }
@@ -183,26 +137,24 @@ Eigen::MatrixXd matrix_of(const Row& row, const System& system) {
 struct Solved {
   mesh::VertexField x;
   fem::LinearStats stats;
-  double analysis = 0.0;  // s, CPU
-  double seconds = 0.0;
+  double seconds = 0.0;  // CPU
 };
 
 Solved solve(const Row& row, const System& system) {
   const std::unique_ptr<fem::LinearSolver> solver = fem::make_linear_solver(row.kind, kMaxIterations, row.root);
   Solved solved;
-  const std::clock_t start = std::clock();
   solver->analyse(system.tangent.blocks());
   if (std::vector<Eigen::Matrix3d>* const frames = solver->frames()) *frames = system.frames;
+  if (mesh::VertexField* const positions = solver->positions()) *positions = system.positions;
   solved.x = Eigen::Matrix3Xd::Zero(3, system.b.cols());
   const std::clock_t begin = std::clock();
   solved.stats = solver->solve(system.tangent.blocks(), system.b, kTolerance, solved.x);
   solved.seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  solved.analysis = static_cast<double>(begin - start) / CLOCKS_PER_SEC;
   return solved;
 }
 
 void report(const Row& row, const System& system) {
-  const auto [x, stats, analysis, seconds] = solve(row, system);
+  const auto [x, stats, seconds] = solve(row, system);
   const Eigen::MatrixXd matrix = matrix_of(row, system);
   const bool is_other = fem::name_of(row.kind).solves_different_system;
   const Eigen::VectorXd own = is_other ? Eigen::VectorXd(system.b.reshaped() - matrix * x.reshaped())
@@ -228,36 +180,6 @@ void measure(const char* name, const fem::Material& material) {
   }
 }
 
-// s, CPU, of A x.
-double time_product(System& system) {
-  constexpr int kProducts = 50;
-  mesh::VertexField y(system.b.cols());
-  const std::clock_t begin = std::clock();
-  for (int i = 0; i < kProducts; ++i) system.tangent.blocks().multiply(system.b, y);
-  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC / kProducts;
-}
-
-// Sheets too large for dense matrices: from nothing, the factor included.
-void measure_large(const char* name, const fem::Material& material) {
-  std::printf(
-      "%s\n\n| vertices | solver | iterations | true residual | ms, analysis of the pattern | ms, solve |\n"
-      "|---|---|---|---|---|---|\n",
-      name);
-  for (const int side : {50, 100}) {
-    System system = make_system(material, side);
-    std::printf("| %d | one product A x | | | | %.2f |\n", side * side, 1e3 * time_product(system));
-    for (const fem::LinearSolverKind kind :
-         {fem::LinearSolverKind::kDirect, fem::LinearSolverKind::kFactorCg, fem::LinearSolverKind::kBlockJacobiCg}) {
-      const Row row{std::string(fem::name_of(kind).option), kind, {}};
-      const Solved solved = solve(row, system);
-      std::printf("| %d | %s | %d | %.2g | %.1f | %.1f |\n", side * side, row.name.c_str(), solved.stats.iterations,
-                  solved.stats.residual, 1e3 * solved.analysis, 1e3 * solved.seconds);
-      std::fflush(stdout);
-    }
-  }
-  std::printf("\n");
-}
-
 }  // namespace
 }  // namespace kerf::bench
 
@@ -268,8 +190,9 @@ int main(int argc, char** argv) {
   if (only.empty() || only == "wool") kerf::bench::measure("Wool", wool);
   if (only.empty() || only == "soft") kerf::bench::measure("Soft", soft);
   if (only.empty() || only == "large") {
-    kerf::bench::measure_large("Wool", wool);
-    kerf::bench::measure_large("Soft", soft);
+    const int only_side = argc > 2 ? std::atoi(argv[2]) : 0;
+    kerf::bench::measure_large("Wool", wool, only_side);
+    kerf::bench::measure_large("Soft", soft, only_side);
   }
   return 0;
 }
