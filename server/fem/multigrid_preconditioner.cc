@@ -50,22 +50,22 @@ void MultigridPreconditioner::analyse(const BlockMatrix& A) {
 void MultigridPreconditioner::set_coarse_pattern(const BlockMatrix& A) {
   coarse_ = {};
   coarse_.resize(2 * aggregates_.size());
-  std::vector<int> coupled;
+  std::vector<int> neighbours;
   std::vector<int> columns;
   std::vector<int> seen(index(aggregates_.size()), -1);
   for (int g = 0; g < aggregates_.size(); ++g) {
-    coupled.clear();
+    neighbours.clear();
     for (const int i : aggregates_.members(g)) {
       for (int at = A.row_begin(i); at < A.row_end(i); ++at) {
         const int other = aggregates_.of(A.column(at));
         if (seen[index(other)] == g) continue;
         seen[index(other)] = g;
-        coupled.push_back(other);
+        neighbours.push_back(other);
       }
     }
-    std::sort(coupled.begin(), coupled.end());
+    std::sort(neighbours.begin(), neighbours.end());
     columns.clear();
-    for (const int other : coupled) columns.insert(columns.end(), {2 * other, 2 * other + 1});
+    for (const int other : neighbours) columns.insert(columns.end(), {2 * other, 2 * other + 1});
     coarse_.set_row(2 * g, columns);
     coarse_.set_row(2 * g + 1, columns);
   }

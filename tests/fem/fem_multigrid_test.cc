@@ -184,20 +184,26 @@ TEST(Multigrid, IsSymmetricAndPositive) {
   }
 }
 
-// What pins hold has a row of its own, and no body moves it.
+// What pins hold has a row of its own, whose entry says nothing about the others.
 TEST(Multigrid, LeavesPinnedVerticesOutOfBodies) {
-  const Rolled sheet = rolled_grid(12);
-  const BlockMatrix& A = sheet.tangent.blocks();
+  Rolled sheet = rolled_grid(12);
+  BlockMatrix& A = sheet.tangent.blocks();
   MultigridPreconditioner multigrid;
   multigrid.analyse(A);
   set_places(sheet, multigrid);
-  ASSERT_TRUE(multigrid.prepare(A));
   SeededRandom random(6);
   mesh::VertexField r = random_field(random, sheet.b.cols(), 1e-3);
-  mesh::VertexField z(sheet.b.cols());
-  multigrid.apply(r, z);
-  const Eigen::Vector3d expected = r.col(11) / A.block(A.diagonal(11))(0, 0);
-  EXPECT_LT((z.col(11) - expected).norm(), 1e-5 * expected.norm());
+  r.col(11).setZero();
+  const auto applied = [&] {
+    EXPECT_TRUE(multigrid.prepare(A));
+    mesh::VertexField z(sheet.b.cols());
+    multigrid.apply(r, z);
+    return z;
+  };
+  const mesh::VertexField before = applied();
+  A.block(A.diagonal(11)) *= 1e4;
+  EXPECT_EQ(applied(), before);
+  EXPECT_EQ(before.col(11).norm(), 0.0);
 }
 
 TEST(Multigrid, SolvesWhatHasNoBodies) {
