@@ -38,7 +38,7 @@ void add_integrator_options(CLI::App& app, const std::string& instead, Integrato
   app.add_option("--solver", arguments.solver,
                  "Of the implicit integrators' linear systems, instead of " + instead +
                      ":\nblock-jacobi-cg, factor-cg, multigrid-cg, jacobi-cg, cg or direct; es-cgm and as-cgm, which "
-                     "solve a different system")
+                     "solve a\ndifferent system")
       ->check(CLI::IsMember(solver_options()));
 }
 
