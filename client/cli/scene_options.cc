@@ -37,8 +37,8 @@ void add_integrator_options(CLI::App& app, const std::string& instead, Integrato
       ->check(CLI::IsMember({"double", "mixed"}));
   app.add_option("--solver", arguments.solver,
                  "Of the implicit integrators' linear systems, instead of " + instead +
-                     ":\nblock-jacobi-cg, factor-cg, jacobi-cg, cg or direct; es-cgm and as-cgm, which solve a "
-                     "different system")
+                     ":\nblock-jacobi-cg, factor-cg, multigrid-cg, jacobi-cg, cg or direct; es-cgm and as-cgm, which "
+                     "solve a\ndifferent system")
       ->check(CLI::IsMember(solver_options()));
 }
 

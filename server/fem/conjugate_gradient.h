@@ -24,6 +24,7 @@ class ConjugateGradient final : public LinearSolver {
 
   void forget() override { preconditioner_->forget(); }
   std::vector<Eigen::Matrix3d>* frames() override { return preconditioner_->frames(); }
+  mesh::VertexField* positions() override { return preconditioner_->positions(); }
 
  private:
   // multiply(x, y): y = A x; renew(): see Preconditioner.

@@ -7,6 +7,7 @@
 #include "server/fem/covariance_root_solver.h"
 #include "server/fem/direct_solver.h"
 #include "server/fem/factor_preconditioner.h"
+#include "server/fem/multigrid_preconditioner.h"
 #include "server/fem/preconditioner.h"
 
 namespace kerf::fem {
@@ -67,6 +68,8 @@ std::unique_ptr<LinearSolver> make_linear_solver(LinearSolverKind kind, int max_
       return std::make_unique<CovarianceRootSolver>(kind, root, max_iterations);
     case LinearSolverKind::kFactorCg:
       return std::make_unique<FactorCgSolver>(std::min(max_iterations, kMostFactorIterations));
+    case LinearSolverKind::kMultigridCg:
+      return std::make_unique<ConjugateGradient>(std::make_unique<MultigridPreconditioner>(), max_iterations);
     default:
       return std::make_unique<ConjugateGradient>(make_diagonal(kind), max_iterations);
   }

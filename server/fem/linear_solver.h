@@ -37,6 +37,8 @@ class LinearSolver {
   // Where the solver wants to know how vertices have turned, a rotation of each (see find_vertex_frames), to be set
   // before a solve; null for others.
   virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
+  // Likewise where they are, 3 x N, m, up to a translation.
+  virtual mesh::VertexField* positions() { return nullptr; }
 };
 
 // max_iterations limits the iterative solvers; the direct one ignores it.

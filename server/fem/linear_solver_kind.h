@@ -12,6 +12,7 @@ enum class LinearSolverKind {
   kBlockJacobiCg,  // preconditioned with the inverse 3x3 diagonal blocks, which follow the rotation of the sheet
   kFactorCg,       // preconditioned with a Cholesky factor in single precision that turns with the sheet; kDirect where
                    // that does not converge
+  kMultigridCg,    // preconditioned with two levels of multigrid by aggregation: memory grows with the vertices
   kDirect,         // Cholesky factor in double precision
   kEsCgm,          // a dense matrix in place of A: *solves a different system*; see CovarianceRoot
   kAsCgm,          // likewise
@@ -25,11 +26,12 @@ struct LinearSolverName {
 };
 
 // In the order of the enumeration.
-inline constexpr std::array<LinearSolverName, 7> kLinearSolverNames{{
+inline constexpr std::array<LinearSolverName, 8> kLinearSolverNames{{
     {LinearSolverKind::kPlainCg, "cg", "plain conjugate gradients"},
     {LinearSolverKind::kJacobiCg, "jacobi-cg", "Jacobi-preconditioned conjugate gradients"},
     {LinearSolverKind::kBlockJacobiCg, "block-jacobi-cg", "block-Jacobi-preconditioned conjugate gradients"},
     {LinearSolverKind::kFactorCg, "factor-cg", "factor-preconditioned conjugate gradients"},
+    {LinearSolverKind::kMultigridCg, "multigrid-cg", "multigrid-preconditioned conjugate gradients"},
     {LinearSolverKind::kDirect, "direct", "direct solver"},
     {LinearSolverKind::kEsCgm, "es-cgm", "ES-CGM, which solves a different system", true},
     {LinearSolverKind::kAsCgm, "as-cgm", "AS-CGM, which solves a different system", true},

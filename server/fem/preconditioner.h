@@ -28,8 +28,9 @@ class Preconditioner {
   virtual bool renew(const BlockMatrix& /*A*/) { return false; }
   // Matrices that follow have nothing to do with those before.
   virtual void forget() {}
-  // See LinearSolver::frames().
+  // See LinearSolver.
   virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
+  virtual mesh::VertexField* positions() { return nullptr; }
 };
 
 enum class Diagonal {

@@ -67,6 +67,7 @@ void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, b
   if (std::vector<Eigen::Matrix3d>* const frames = solver_->frames()) {
     find_vertex_frames(problem.model.element_blocks(), x, *frames);
   }
+  if (mesh::VertexField* const positions = solver_->positions()) *positions = x;
   matrix_.set_mass(problem.model, 1.0, d);
   if (problem.is_majorized) {
     matrix_.add_majorized_membrane(problem.model, x, d * d);

@@ -19,11 +19,12 @@ constexpr std::array<std::pair<v1::Integrator::Kind, Kind>, 6> kKinds{{
     {v1::Integrator::BDF2, Kind::kBdf2},
     {v1::Integrator::TR_BDF2, Kind::kTrBdf2},
 }};
-constexpr std::array<std::pair<v1::Integrator::Solver, Solver>, 7> kSolvers{{
+constexpr std::array<std::pair<v1::Integrator::Solver, Solver>, 8> kSolvers{{
     {v1::Integrator::PLAIN_CG, Solver::kPlainCg},
     {v1::Integrator::JACOBI_CG, Solver::kJacobiCg},
     {v1::Integrator::BLOCK_JACOBI_CG, Solver::kBlockJacobiCg},
     {v1::Integrator::FACTOR_CG, Solver::kFactorCg},
+    {v1::Integrator::MULTIGRID_CG, Solver::kMultigridCg},
     {v1::Integrator::DIRECT, Solver::kDirect},
     {v1::Integrator::ES_CGM, Solver::kEsCgm},
     {v1::Integrator::AS_CGM, Solver::kAsCgm},

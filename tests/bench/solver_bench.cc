@@ -1,7 +1,8 @@
 // The tables of tests/bench/README.md "Linear solvers": what each makes of the same linear system of a step.
-//   solver_bench [wool|soft|large|cut [SIDE]]
+//   solver_bench [wool|soft|large [SIDE]|cut [SIDE]]
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <limits>
 #include <memory>
@@ -17,16 +18,17 @@
 #include "server/fem/covariance_root.h"
 #include "server/fem/factor_preconditioner.h"
 #include "server/fem/linear_solver.h"
+#include "server/fem/material.h"
+#include "server/fem/multigrid_preconditioner.h"
 #include "server/fem/preconditioner.h"
 #include "server/mesh/grid_mesh.h"
 #include "tests/bench/solver_cut.h"
+#include "tests/bench/solver_large_bench.h"
 #include "tests/bench/solver_system.h"
 
 namespace kerf::bench {
 namespace {
 
-constexpr double kStep = 1.0 / 60.0;  // s
-constexpr int kSteps = 30;            // from the horizontal to where the system is taken
 constexpr double kTolerance = 1e-6;
 constexpr int kMaxIterations = 10000;
 
@@ -72,12 +74,12 @@ Eigen::MatrixXd scaled(const Eigen::MatrixXd& A, Eigen::Index block) {
   return result;
 }
 
-// L^T P^-1 L, A = L L^T, of the same eigenvalues as P^-1 A, P being the float factor of A.
-Eigen::MatrixXd factor_preconditioned(const System& system) {
+// L^T P^-1 L, A = L L^T, of the same eigenvalues as P^-1 A.
+Eigen::MatrixXd preconditioned(const System& system, std::unique_ptr<fem::Preconditioner> preconditioner) {
   const fem::BlockMatrix& A = system.tangent.blocks();
-  const std::unique_ptr<fem::Preconditioner> preconditioner = std::make_unique<fem::FactorPreconditioner>();
   preconditioner->analyse(A);
-  *preconditioner->frames() = system.frames;
+  if (std::vector<Eigen::Matrix3d>* const frames = preconditioner->frames()) *frames = system.frames;
+  if (mesh::VertexField* const positions = preconditioner->positions()) *positions = system.positions;
   KERF_CHECK(preconditioner->prepare(A), "A is positive definite");
   Eigen::MatrixXd inverse(system.dense.rows(), system.dense.cols());
   mesh::VertexField unit = Eigen::Matrix3Xd::Zero(3, A.num_rows());
@@ -108,6 +110,7 @@ std::vector<Row> rows() {
       {"Jacobi CG", Kind::kJacobiCg, {}},
       {"block-Jacobi CG", Kind::kBlockJacobiCg, {}},
       {"factor CG", Kind::kFactorCg, {}},
+      {"multigrid CG", Kind::kMultigridCg, {}},
       {"ES-CGM, p = 1/2, *solves a different system*", Kind::kEsCgm, {EigenvalueNorm::kPower, 0.5, 1}},
       {"ES-CGM, log, *solves a different system*", Kind::kEsCgm, {EigenvalueNorm::kLog, 0.5, 1}},
       {"AS-CGM, 1 iteration, *solves a different system*", Kind::kAsCgm, {EigenvalueNorm::kPower, 0.5, 1}},
@@ -132,7 +135,9 @@ Eigen::MatrixXd matrix_of(const Row& row, const System& system) {
     case fem::LinearSolverKind::kBlockJacobiCg:
       return scaled(system.dense, 3);
     case fem::LinearSolverKind::kFactorCg:
-      return factor_preconditioned(system);
+      return preconditioned(system, std::make_unique<fem::FactorPreconditioner>());
+    case fem::LinearSolverKind::kMultigridCg:
+      return preconditioned(system, std::make_unique<fem::MultigridPreconditioner>());
     default:
       return system.dense;
   }
@@ -141,26 +146,24 @@ Eigen::MatrixXd matrix_of(const Row& row, const System& system) {
 struct Solved {
   mesh::VertexField x;
   fem::LinearStats stats;
-  double analysis = 0.0;  // s, CPU
-  double seconds = 0.0;
+  double seconds = 0.0;  // CPU
 };
 
 Solved solve(const Row& row, const System& system) {
   const std::unique_ptr<fem::LinearSolver> solver = fem::make_linear_solver(row.kind, kMaxIterations, row.root);
   Solved solved;
-  const std::clock_t start = std::clock();
   solver->analyse(system.tangent.blocks());
   if (std::vector<Eigen::Matrix3d>* const frames = solver->frames()) *frames = system.frames;
+  if (mesh::VertexField* const positions = solver->positions()) *positions = system.positions;
   solved.x = Eigen::Matrix3Xd::Zero(3, system.b.cols());
   const std::clock_t begin = std::clock();
   solved.stats = solver->solve(system.tangent.blocks(), system.b, kTolerance, solved.x);
   solved.seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-  solved.analysis = static_cast<double>(begin - start) / CLOCKS_PER_SEC;
   return solved;
 }
 
 void report(const Row& row, const System& system) {
-  const auto [x, stats, analysis, seconds] = solve(row, system);
+  const auto [x, stats, seconds] = solve(row, system);
   const Eigen::MatrixXd matrix = matrix_of(row, system);
   const bool is_other = fem::name_of(row.kind).solves_different_system;
   const Eigen::VectorXd own = is_other ? Eigen::VectorXd(system.b.reshaped() - matrix * x.reshaped())
@@ -186,36 +189,6 @@ void measure(const char* name, const fem::Material& material) {
   }
 }
 
-// s, CPU, of A x.
-double time_product(System& system) {
-  constexpr int kProducts = 50;
-  mesh::VertexField y(system.b.cols());
-  const std::clock_t begin = std::clock();
-  for (int i = 0; i < kProducts; ++i) system.tangent.blocks().multiply(system.b, y);
-  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC / kProducts;
-}
-
-// Sheets too large for dense matrices: from nothing, the factor included.
-void measure_large(const char* name, const fem::Material& material) {
-  std::printf(
-      "%s\n\n| vertices | solver | iterations | true residual | ms, analysis of the pattern | ms, solve |\n"
-      "|---|---|---|---|---|---|\n",
-      name);
-  for (const int side : {50, 100}) {
-    System system = make_system(material, side);
-    std::printf("| %d | one product A x | | | | %.2f |\n", side * side, 1e3 * time_product(system));
-    for (const fem::LinearSolverKind kind :
-         {fem::LinearSolverKind::kDirect, fem::LinearSolverKind::kFactorCg, fem::LinearSolverKind::kBlockJacobiCg}) {
-      const Row row{std::string(fem::name_of(kind).option), kind, {}};
-      const Solved solved = solve(row, system);
-      std::printf("| %d | %s | %d | %.2g | %.1f | %.1f |\n", side * side, row.name.c_str(), solved.stats.iterations,
-                  solved.stats.residual, 1e3 * solved.analysis, 1e3 * solved.seconds);
-      std::fflush(stdout);
-    }
-  }
-  std::printf("\n");
-}
-
 }  // namespace
 }  // namespace kerf::bench
 
@@ -226,8 +199,9 @@ int main(int argc, char** argv) {
   if (only.empty() || only == "wool") kerf::bench::measure("Wool", wool);
   if (only.empty() || only == "soft") kerf::bench::measure("Soft", soft);
   if (only.empty() || only == "large") {
-    kerf::bench::measure_large("Wool", wool);
-    kerf::bench::measure_large("Soft", soft);
+    const int only_side = argc > 2 ? std::atoi(argv[2]) : 0;
+    kerf::bench::measure_large("Wool", wool, only_side);
+    kerf::bench::measure_large("Soft", soft, only_side);
   }
   bool is_right = true;
   if (only.empty() || only == "cut") {

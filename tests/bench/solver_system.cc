@@ -29,6 +29,7 @@ System system_at(const fem::Model& model, const fem::Loads& loads, const fem::St
   system.tangent.constrain(model, loads.pins, 0.0, state.x, system.b, system.exact);
   system.frames.resize(static_cast<std::size_t>(num_vertices));
   fem::find_vertex_frames(model.element_blocks(), state.x, system.frames);
+  system.positions = state.x;
   return system;
 }
 

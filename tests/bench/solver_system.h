@@ -21,6 +21,7 @@ struct System {
   Eigen::MatrixXd dense;                // A; empty until it is asked for
   mesh::VertexField exact;              // 3 x V, m: dx
   std::vector<Eigen::Matrix3d> frames;  // of the vertices
+  mesh::VertexField positions;          // 3 x V, m
 };
 
 // At a state; `step` (s): h.

@@ -697,8 +697,8 @@ class Offline(Case):
     def test_every_linear_solver_ends_near_the_direct_one(self):
         scene = self.scene("solvers.json", integrator={"solver_tolerance": 1e-9, "max_linear_iterations": 100000})
         results = {solver: self.json_of("run", scene, "--integrator", "implicit", "--solver", solver)
-                   for solver in ("direct", "cg", "jacobi-cg", "block-jacobi-cg", "factor-cg")}
-        self.assertEqual(len({result["state_hash"] for result in results.values()}), 5)
+                   for solver in ("direct", "cg", "jacobi-cg", "block-jacobi-cg", "factor-cg", "multigrid-cg")}
+        self.assertEqual(len({result["state_hash"] for result in results.values()}), 6)
         exact = results["direct"]["energies"]["kinetic_j"]
         for solver, result in results.items():
             self.assertAlmostEqual(result["energies"]["kinetic_j"], exact, delta=1e-6 * exact, msg=solver)

@@ -86,7 +86,7 @@ TEST_P(LinearSolverContract, RepeatsBitForBit) {
 INSTANTIATE_TEST_SUITE_P(All, LinearSolverContract,
                          testing::Values(LinearSolverKind::kPlainCg, LinearSolverKind::kJacobiCg,
                                          LinearSolverKind::kBlockJacobiCg, LinearSolverKind::kFactorCg,
-                                         LinearSolverKind::kDirect),
+                                         LinearSolverKind::kMultigridCg, LinearSolverKind::kDirect),
                          [](const testing::TestParamInfo<LinearSolverKind>& tested) {
                            return name_of_test(tested.param);
                          });
@@ -187,7 +187,7 @@ TEST_P(ConjugateGradients, StopAtTheIterationLimitAndSaySo) {
 
 INSTANTIATE_TEST_SUITE_P(All, ConjugateGradients,
                          testing::Values(LinearSolverKind::kPlainCg, LinearSolverKind::kJacobiCg,
-                                         LinearSolverKind::kBlockJacobiCg),
+                                         LinearSolverKind::kBlockJacobiCg, LinearSolverKind::kMultigridCg),
                          [](const testing::TestParamInfo<LinearSolverKind>& tested) {
                            return name_of_test(tested.param);
                          });

@@ -41,6 +41,7 @@ inline std::vector<IntegratorCase> all_integrators() {
       integrator_case("ImplicitEulerJacobiCg", IntegratorKind::kImplicitEuler, LinearSolverKind::kJacobiCg),
       integrator_case("ImplicitEulerDirect", IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
       integrator_case("TrBdf2FactorCg", IntegratorKind::kTrBdf2, LinearSolverKind::kFactorCg),
+      integrator_case("TrBdf2MultigridCg", IntegratorKind::kTrBdf2, LinearSolverKind::kMultigridCg),
       integrator_case("TrBdf2Direct", IntegratorKind::kTrBdf2, LinearSolverKind::kDirect),
       integrator_case("Bdf2Direct", IntegratorKind::kBdf2, LinearSolverKind::kDirect),
   };

@@ -115,6 +115,7 @@ INSTANTIATE_TEST_SUITE_P(Integrators, FollowedCuts,
                          testing::Values(settings(IntegratorKind::kExplicitLeapfrog, LinearSolverKind::kBlockJacobiCg),
                                          settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kBlockJacobiCg),
                                          settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
+                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kMultigridCg),
                                          settings(IntegratorKind::kAutomatic, LinearSolverKind::kBlockJacobiCg)));
 
 }  // namespace

@@ -73,11 +73,13 @@ IntegratorSettings settings(IntegratorKind kind, LinearSolverKind solver) {
 INSTANTIATE_TEST_SUITE_P(Integrators, SheetAllocation,
                          testing::Values(settings(IntegratorKind::kExplicitLeapfrog, LinearSolverKind::kDirect),
                                          settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
-                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kBlockJacobiCg)),
+                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kBlockJacobiCg),
+                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kMultigridCg)),
                          [](const testing::TestParamInfo<IntegratorSettings>& tested) {
                            if (tested.param.kind == IntegratorKind::kExplicitLeapfrog) return std::string("Explicit");
-                           return std::string(tested.param.solver == LinearSolverKind::kDirect ? "ImplicitDirect"
-                                                                                               : "ImplicitIterative");
+                           if (tested.param.solver == LinearSolverKind::kDirect) return std::string("ImplicitDirect");
+                           const bool is_multigrid = tested.param.solver == LinearSolverKind::kMultigridCg;
+                           return std::string(is_multigrid ? "ImplicitMultigrid" : "ImplicitIterative");
                          });
 
 }  // namespace
