@@ -191,8 +191,9 @@ def nearest_within(rows, default, times):
 
 
 def rivals(rows, default):
-    """Of its case what has an error and is no default, with its ticks or shorter ones: longer ones would do less."""
-    return [row for row in rows if all(row[column] == default[column] for column in ("material", "side", "cut"))
+    """Of its case what has an error and is no default, with its ticks or shorter ones: longer ones would do less. Times are
+    those of scaled()."""
+    return [row for row in scaled(rows) if all(row[column] == default[column] for column in ("material", "side", "cut"))
             and row["scheme"] != "automatic" and row["error_m"] != "" and row["tick_hz"] >= default["tick_hz"]]
 
 
@@ -201,13 +202,18 @@ def defaults(rows):
 
 
 def of_every_solver(rows):
-    """Those of sheets that every solver for sparse matrices is run on; times as many times the default's of the table as they
-    were of the default's in the same run: tables are made in several."""
+    """Those of sheets that every solver for sparse matrices is run on, with the times of scaled()."""
     sides = {row["side"] for row in rows if row["solver"] == "PLAIN_CG"}
+    return [row for row in scaled(rows) if row["side"] in sides]
+
+
+def scaled(rows):
+    """All but references; times as many times the default's of the table as they were of the default's in the same run:
+    tables are made in several."""
     of_default = {case_of(row): row["cpu_s_per_s"] for row in rows if row["scheme"] == "automatic"}
     return [{**row, "cpu_s_per_s": row["cpu_s_per_s"] / row["default_cpu_s_per_s"] * of_default[case_of(row)],
              "default_cpu_s_per_s": of_default[case_of(row)]}
-            for row in rows if row["side"] in sides and row["scheme"] != REFERENCE]
+            for row in rows if row["scheme"] != REFERENCE]
 
 
 def case_of(row):
