@@ -55,6 +55,10 @@ function(kerf_module name)
   target_include_directories(kerf_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(kerf_${name} PUBLIC kerf_flags ${ARG_DEPENDS} PRIVATE kerf_warnings)
   set_target_properties(kerf_${name} PROPERTIES UNITY_BUILD ${KERF_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+  if(KERF_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    # False alarms on std::variant, where so much is inlined.
+    target_compile_options(kerf_${name} PRIVATE $<$<CONFIG:Release>:-Wno-maybe-uninitialized>)
+  endif()
   set_source_files_properties(${ARG_ALONE} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 

@@ -74,13 +74,14 @@ HWY_INLINE hn::Vec<D> spread(D d, const std::array<hn::TFromD<D>, 4>& values, st
   }
 }
 
-// Groups of rows, of four vertices each, that are fetched before they are needed: rows that cuts have grown are not
-// where the rows before them end.
+// Fetches the rows of a group, of four vertices, before they are needed, where they do not begin where the rows of the
+// group before end: cuts have made them grow then. The processor sees the others coming.
 inline constexpr std::size_t kGroupsAhead = 4;
 
 template <typename T>
-void fetch(std::span<const FourEntries<T>> entries) {
+HWY_INLINE void fetch_moved(std::span<const FourEntries<T>> before, std::span<const FourEntries<T>> entries) {
   constexpr std::size_t kInLine = HWY_MAX(std::size_t{1}, 64 / sizeof(FourEntries<T>));
+  if (before.data() + before.size() == entries.data()) return;
   for (std::size_t i = 0; i < entries.size(); i += kInLine) hwy::Prefetch(entries.data() + i);
 }
 
@@ -96,7 +97,10 @@ HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const Leapfro
   const std::size_t last = HWY_MIN(first + kBlockLanes / kRows, num_groups);
   for (std::size_t group = first; group < last; ++group) {
     const std::span<const FourEntries<T>> entries = arrays.bending_rows->row(static_cast<int>(group));
-    if (group + kGroupsAhead < num_groups) fetch(arrays.bending_rows->row(static_cast<int>(group + kGroupsAhead)));
+    if (group + kGroupsAhead < num_groups) {
+      const auto ahead = static_cast<int>(group + kGroupsAhead);
+      fetch_moved(arrays.bending_rows->row(ahead - 1), arrays.bending_rows->row(ahead));
+    }
     for (std::size_t part = 0; part < 4 * kRows; part += hn::Lanes(d)) {
       const std::size_t at = 4 * kRows * group + part;
       const auto xi = hn::LoadU(dp, arrays.bending_x + at);

@@ -29,6 +29,8 @@
 namespace kerf::bench {
 namespace {
 
+constexpr double kStep = 1.0 / 60.0;  // s
+constexpr int kSteps = 30;            // from the horizontal to where the system is taken
 constexpr double kTolerance = 1e-6;
 constexpr int kMaxIterations = 10000;
 
