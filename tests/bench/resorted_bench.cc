@@ -191,7 +191,7 @@ void resort(benchmark::State& state, const Setting& setting) {
       if (stats.flags != 0) state.SkipWithError("a step reports a flag");
       substeps[i] = stats.substeps;
       all += spent;
-      least[i] = std::min(least[i], spent / (substeps[i] + 2));
+      least[i] = std::min(least[i], spent / substeps[i]);
     }
     state.SetIterationTime(all);
   }

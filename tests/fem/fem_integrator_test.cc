@@ -310,6 +310,28 @@ TEST_P(IntegratorContract, NeverAllocatesInAStep) {
   EXPECT_EQ(test::num_allocations(), before + 1) << "the counter counts";
 }
 
+// 1000 m/s at random, in steps that resolve nothing and are hardly divided.
+TEST(ImplicitIntegrator, NeverAllocatesInAMajorizedStep) {
+  if (!test::kCountsAllocations) GTEST_SKIP() << "the sanitizer has its own malloc";
+  const mesh::TriangleMesh mesh = square_grid(6);
+  const Model model(mesh, isotropic(1.0e9, 0.3, 5.0e-4, 1000.0));
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kImplicitEuler;
+  options.linear_solver = LinearSolverKind::kDirect;
+  options.newton_iterations = 1;
+  options.max_halvings = 1;
+  const std::unique_ptr<Integrator> integrator = make_integrator(options);
+  integrator->rebuild(model);
+  SeededRandom random(17);
+  State state = rest_state(mesh);
+  state.v = random_field(random, state.x.cols(), 1000.0);
+  const std::size_t before = test::num_allocations();
+  std::uint32_t flags = 0;
+  for (int i = 0; i < 50; ++i) flags |= integrator->step(model, Loads{}, 1.0, nullptr, state).flags;
+  EXPECT_EQ(test::num_allocations(), before);
+  EXPECT_NE(flags & kMajorized, 0U);
+}
+
 constexpr double kFloor = -0.05;  // m
 
 class CountingContact final : public ContactConstraint {

@@ -360,6 +360,17 @@ TEST(MajorizedStep, TakesThePlaceOfStepsThatNoDivisionKeepsFromGaining) {
   }
 }
 
+TEST(MajorizedStep, WhatItCannotStepEitherStaysAsItWas) {
+  Thrown sheet(IntegratorKind::kImplicitEuler);
+  sheet.state.x(0, 0) = 1e300;  // m
+  const State before = sheet.state;
+  const StepStats stats = sheet.step(no_loads());
+  EXPECT_NE(stats.flags & kFrozen, 0U);
+  EXPECT_EQ(stats.flags & kMajorized, 0U);
+  EXPECT_EQ(sheet.state.x, before.x);
+  EXPECT_EQ(sheet.state.v, before.v);
+}
+
 // Touches nothing.
 class NoContact final : public ContactConstraint {
  public:
@@ -388,6 +399,12 @@ TEST(MajorizedStep, IsNotTakenWhereItHoldsNothing) {
   pressed.pressure.assign(static_cast<std::size_t>(flat.num_triangle_slots()), 1.0);
   EXPECT_TRUE(StageSolver::can_majorize(Model(flat, soft_cloth()), no_loads()));
   EXPECT_FALSE(StageSolver::can_majorize(Model(flat, soft_cloth()), pressed));
+  Loads bent = no_loads();
+  bent.edge_moments.emplace_back();
+  EXPECT_FALSE(StageSolver::can_majorize(Model(flat, soft_cloth()), bent));
+  Model by_angles(flat, soft_cloth());
+  by_angles.bend_by_angles(flat);
+  EXPECT_FALSE(StageSolver::can_majorize(by_angles, no_loads()));
   const mesh::TriangleMesh curved = test::must(mesh::import_mesh(test::rolled_square(6, 0.3)));
   EXPECT_FALSE(StageSolver::can_majorize(Model(curved, soft_cloth()), no_loads()));
   EXPECT_TRUE(StageSolver::can_majorize(Model(curved, without_bending(soft_cloth())), no_loads()));
