@@ -17,7 +17,7 @@
 namespace kerf::fem {
 namespace {
 
-constexpr double kStep = 1.0 / 60.0;  // s
+constexpr double kTimeStep = 1.0 / 60.0;  // s
 
 void cut(mesh::TriangleMesh& mesh, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
   const Result<cut::CutPlan> plan = cut::plan(mesh, {cut::Polyline{{from, to}}, {}, {}});
@@ -43,8 +43,8 @@ struct Rolled {
     x = rotation * x;
     tangent.rebuild(model);
     tangent.set_mass(model, 1.0);
-    tangent.add_membrane(model, x, {}, {kStep * kStep, 0.0, {}}, kStep * kStep, true);
-    tangent.add_bending(model, {kStep * kStep, 0.0, {}});
+    tangent.add_membrane(model, x, {}, {kTimeStep * kTimeStep, 0.0, {}}, kTimeStep * kTimeStep, true);
+    tangent.add_bending(model, {kTimeStep * kTimeStep, 0.0, {}});
     std::vector<Pin> pins;
     for (const int v : {0, side - 1}) pins.push_back({v, x.col(v), Eigen::Vector3d::Zero()});
     b.resize(x.cols());
