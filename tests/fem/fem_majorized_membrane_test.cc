@@ -294,6 +294,7 @@ TEST(MajorizedStep, GainsNoMoreThanTheWorkOfLoadsOnAPinnedSheet) {
   IntegratorOptions options;
   options.linear_solver = LinearSolverKind::kDirect;
   for (const double dt : {1e-3, 1.0 / 60.0, 1.0}) {
+    int moved = 0;  // where nothing holds it; a sheet squashed to 1e-7 of its width is too stiff to
     for (const State& start : bad_states(mesh)) {
       Loads loads;
       State held = start;
@@ -306,8 +307,9 @@ TEST(MajorizedStep, GainsNoMoreThanTheWorkOfLoadsOnAPinnedSheet) {
       EXPECT_LE(model.energies(end, loads.gravity).total(), before + 1e-9 * (1.0 + std::abs(before))) << dt;
       EXPECT_EQ(end.x.col(0), held.x.col(0));
       EXPECT_EQ(end.x(2, 7), held.x(2, 7));
-      EXPECT_NE(end.x(1, 7), held.x(1, 7));
+      moved += end.x(1, 7) != held.x(1, 7) ? 1 : 0;
     }
+    EXPECT_GT(moved, 5);
   }
 }
 
@@ -400,7 +402,7 @@ TEST(MajorizedStep, IsNotTakenWhereItHoldsNothing) {
   EXPECT_TRUE(StageSolver::can_majorize(Model(flat, soft_cloth()), no_loads()));
   EXPECT_FALSE(StageSolver::can_majorize(Model(flat, soft_cloth()), pressed));
   Loads bent = no_loads();
-  bent.edge_moments.emplace_back();
+  bent.edge_moments.emplace_back().moment = 1.0;
   EXPECT_FALSE(StageSolver::can_majorize(Model(flat, soft_cloth()), bent));
   Model by_angles(flat, soft_cloth());
   by_angles.bend_by_angles(flat);
