@@ -137,7 +137,7 @@ class Tables(unittest.TestCase):
     def test_what_dominates_is_faster_and_no_farther_off(self):
         def row(scheme, time, error, side=15, tick_hz=60):
             return {"material": "soft", "side": side, "cut": "after", "scheme": scheme, "tick_hz": tick_hz, "cpu_s_per_s": time,
-                    "error_m": error}
+                    "default_cpu_s_per_s": 1.0, "error_m": error}
         default = row("automatic", 1.0, 1e-3)
         others = [row("as fast", 0.95, 1e-4), row("nearer", 1.1, 1e-5), row("farther", 0.1, 1.1e-3),
                   row("other sheet", 0.1, 1e-5, side=30), row("no error", 0.1, ""), row("long ticks", 0.1, 1e-5, tick_hz=30)]

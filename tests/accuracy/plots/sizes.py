@@ -193,8 +193,9 @@ def nearest_within(rows, default, times):
 def rivals(rows, default):
     """Of its case what has an error and is no default, with its ticks or shorter ones: longer ones would do less. Times are
     those of scaled()."""
-    return [row for row in scaled(rows) if all(row[column] == default[column] for column in ("material", "side", "cut"))
-            and row["scheme"] != "automatic" and row["error_m"] != "" and row["tick_hz"] >= default["tick_hz"]]
+    mine = [row for row in rows if all(row[column] == default[column] for column in ("material", "side", "cut"))
+            and row["error_m"] != "" and row["tick_hz"] >= default["tick_hz"]]
+    return [row for row in scaled(mine) if row["scheme"] != "automatic"]
 
 
 def defaults(rows):
@@ -204,7 +205,7 @@ def defaults(rows):
 def of_every_solver(rows):
     """Those of sheets that every solver for sparse matrices is run on, with the times of scaled()."""
     sides = {row["side"] for row in rows if row["solver"] == "PLAIN_CG"}
-    return [row for row in scaled(rows) if row["side"] in sides]
+    return scaled([row for row in rows if row["side"] in sides])
 
 
 def scaled(rows):
