@@ -2,8 +2,12 @@
 
 #include <bit>
 #include <cstddef>
-#include <cstring>
+#include <numeric>
 #include <string_view>
+#include <utility>
+
+#include "server/codec/position_code.h"
+#include "server/codec/topology_code.h"
 
 namespace kerf::client {
 namespace {
@@ -24,37 +28,43 @@ std::uint16_t short_at(std::string_view bytes, std::size_t index) {
                                     (static_cast<unsigned char>(bytes[2 * index + 1]) << 8));
 }
 
-// Base-128 varints of at most three bytes: a zigzag difference of two 16-bit numbers has 17 bits.
-class VarintReader {
- public:
-  explicit VarintReader(std::string_view bytes) : bytes_(bytes) {}
-
-  bool next(std::uint32_t& value) {
-    value = 0;
-    for (unsigned shift = 0; shift < 21; shift += 7) {
-      if (at_ == bytes_.size()) return false;
-      const auto byte = static_cast<unsigned char>(bytes_[at_++]);
-      value |= static_cast<std::uint32_t>(byte & 0x7fU) << shift;
-      if ((byte & 0x80U) == 0) return true;
-    }
-    return false;
-  }
-  [[nodiscard]] bool at_end() const { return at_ == bytes_.size(); }
-
- private:
-  std::string_view bytes_;
-  std::size_t at_ = 0;
-};
-
-bool equal(const v1::Vec3& a, const v1::Vec3& b) {
-  return a.x() == b.x() && a.y() == b.y() && a.z() == b.z();
-}
-bool equal(const v1::Box3& a, const v1::Box3& b) {
-  return equal(a.min(), b.min()) && equal(a.max(), b.max());
-}
-
 std::string wrong_size(const char* what, std::size_t got, std::size_t expected) {
   return std::string(what) + " has " + std::to_string(got) + " bytes instead of " + std::to_string(expected);
+}
+
+// The ids that a patch lists, or all of them in a full one.
+std::optional<std::vector<std::uint32_t>> read_ids(const std::string& bytes, std::int32_t count, bool full,
+                                                   bool compact) {
+  if (count < 0) return std::nullopt;
+  const auto size = static_cast<std::size_t>(count);
+  if (full) {
+    if (!bytes.empty()) return std::nullopt;
+    std::vector<std::uint32_t> all(size);
+    std::iota(all.begin(), all.end(), 0U);
+    return all;
+  }
+  if (compact) return codec::unpack_ascending(bytes, size);
+  if (bytes.size() != 4 * size) return std::nullopt;
+  std::vector<std::uint32_t> ids(size);
+  for (std::size_t i = 0; i < size; ++i) ids[i] = word_at(bytes, i);
+  return ids;
+}
+
+std::optional<std::vector<std::array<std::int32_t, 3>>> read_triangles(const std::string& bytes, std::size_t count,
+                                                                       bool full, bool compact) {
+  if (compact) return codec::unpack_triangles(bytes, count, full);
+  if (bytes.size() != 12 * count) return std::nullopt;
+  std::vector<std::array<std::int32_t, 3>> triangles(count);
+  for (std::size_t i = 0; i < 3 * count; ++i) triangles[i / 3][i % 3] = int_at(bytes, i);
+  return triangles;
+}
+
+std::optional<std::vector<std::int32_t>> read_labels(const std::string& bytes, std::size_t count, bool compact) {
+  if (compact) return codec::unpack_labels(bytes, count);
+  if (bytes.size() != 4 * count) return std::nullopt;
+  std::vector<std::int32_t> labels(count);
+  for (std::size_t i = 0; i < count; ++i) labels[i] = int_at(bytes, i);
+  return labels;
 }
 
 }  // namespace
@@ -65,115 +75,128 @@ std::optional<std::string> Mirror::apply(const v1::Frame& frame) {
     return "frame " + std::to_string(frame.sequence()) + " follows frame " + std::to_string(sequence_);
   }
   if (frame.tick() < tick_) return "tick " + std::to_string(frame.tick()) + " after tick " + std::to_string(tick_);
+  if (frame.encoding() != v1::COMPACT && frame.encoding() != v1::RAW) return "an encoding that is not known here";
   if (frame.has_topology()) {
-    if (auto wrong = apply_topology(frame.topology(), frame.num_vertices())) return wrong;
+    if (auto wrong = apply_topology(frame)) return wrong;
   } else if (frame.topology_version() != topology_version_) {
     return "topology version " + std::to_string(frame.topology_version()) + " without its patch";
   }
-  if (auto wrong = apply_positions(frame)) return wrong;
   if (material_positions_.size() != 2 * static_cast<std::size_t>(frame.num_vertices())) {
     return "vertices without material coordinates";
   }
+  if (auto wrong = apply_positions(frame)) return wrong;
   topology_version_ = frame.topology_version();
   tick_ = frame.tick();
   sequence_ = frame.sequence();
   return std::nullopt;
 }
 
+const std::vector<codec::VertexPredictor>& Mirror::predictors(std::int32_t num_vertices) {
+  if (!predictors_) predictors_ = codec::vertex_predictors(triangles_, static_cast<std::size_t>(num_vertices));
+  return *predictors_;
+}
+
 std::optional<std::string> Mirror::apply_positions(const v1::Frame& frame) {
-  const std::size_t count = 3 * static_cast<std::size_t>(frame.num_vertices());
-  const std::string& bytes = frame.positions();
-  if (frame.base_tick() < 0) {
-    if (bytes.size() != 2 * count) return wrong_size("positions", bytes.size(), 2 * count);
-    quantised_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) quantised_[i] = short_at(bytes, i);
-    box_ = frame.box();
-    return std::nullopt;
-  }
-  if (frame.base_tick() != tick_) {
+  const bool is_keyframe = frame.base_tick() < 0;
+  if (!is_keyframe && frame.base_tick() != tick_) {
     return "delta against tick " + std::to_string(frame.base_tick()) + " at tick " + std::to_string(tick_);
   }
-  if (!equal(frame.box(), box_)) return "delta in another box";
-  quantised_.resize(count, 0);
-  VarintReader reader(bytes);
-  for (std::uint16_t& q : quantised_) {
-    std::uint32_t zigzag = 0;
-    if (!reader.next(zigzag)) return "positions end early or hold a number that is too long";
-    const std::int32_t difference = static_cast<std::int32_t>(zigzag >> 1) ^ -static_cast<std::int32_t>(zigzag & 1U);
-    const std::int32_t sum = static_cast<std::int32_t>(q) + difference;
-    if (sum < 0 || sum > 0xffff) return "a coordinate leaves 0..65535";
-    q = static_cast<std::uint16_t>(sum);
+  const std::string& bytes = frame.positions();
+  std::optional<std::vector<std::uint16_t>> positions;
+  if (frame.encoding() == v1::COMPACT) {
+    const auto& foretold = predictors(frame.num_vertices());
+    positions = is_keyframe ? codec::unpack_positions(bytes, foretold)
+                            : codec::unpack_position_delta(bytes, quantised_, foretold);
+    if (!positions) return "positions are malformed";
+  } else {
+    const std::size_t count = 3 * static_cast<std::size_t>(frame.num_vertices());
+    if (!is_keyframe) return "a delta that is not compact";
+    if (bytes.size() != 2 * count) return wrong_size("positions", bytes.size(), 2 * count);
+    positions.emplace(count);
+    for (std::size_t i = 0; i < count; ++i) (*positions)[i] = short_at(bytes, i);
   }
-  if (!reader.at_end()) return "positions go on after the last vertex";
+  quantised_ = std::move(*positions);
+  if (is_keyframe) box_ = frame.box();
   return std::nullopt;
 }
 
-std::optional<std::string> Mirror::apply_topology(const v1::TopologyPatch& patch, std::int32_t num_vertices) {
-  const bool full = patch.base_version() < 0;
-  if (!full && patch.base_version() != topology_version_) {
-    return "topology patch from version " + std::to_string(patch.base_version()) + " at version " +
+std::optional<std::string> Mirror::apply_topology(const v1::Frame& frame) {
+  const v1::TopologyPatch& message = frame.topology();
+  const bool full = message.base_version() < 0;
+  if (!full && message.base_version() != topology_version_) {
+    return "topology patch from version " + std::to_string(message.base_version()) + " at version " +
            std::to_string(topology_version_);
   }
-  if (patch.num_slots() < 0) return "negative slot count";
+  if (message.num_slots() < 0) return "negative slot count";
   if (full) {
+    if (message.num_listed_slots() != message.num_slots()) return "a full patch lists some of its slots";
+    if (message.num_listed_vertices() != frame.num_vertices()) return "a full patch lists some of its vertices";
     triangles_.clear();
     pieces_.clear();
     material_positions_.clear();
-  } else if (static_cast<std::size_t>(patch.num_slots()) < triangles_.size()) {
+  } else if (static_cast<std::size_t>(message.num_slots()) < triangles_.size()) {
     return "a patch must not take slots away";
   }
-  if (auto wrong = apply_triangles(patch, num_vertices)) return wrong;
-  if (auto wrong = apply_materials(patch, num_vertices)) return wrong;
-  num_pieces_ = patch.num_pieces();
+  const bool compact = frame.encoding() == v1::COMPACT;
+  auto slots = read_ids(message.slots(), message.num_listed_slots(), full, compact);
+  if (!slots) return "slots is malformed";
+  auto triangles = read_triangles(message.triangles(), slots->size(), full, compact);
+  if (!triangles) return "triangles is malformed";
+  auto pieces = read_labels(message.pieces(), slots->size(), compact);
+  if (!pieces) return "pieces is malformed";
+  auto vertices = read_ids(message.vertices(), message.num_listed_vertices(), full, compact);
+  if (!vertices) return "vertices is malformed";
+  const Patch patch{std::move(*slots), std::move(*triangles), std::move(*pieces), std::move(*vertices)};
+  if (auto wrong = apply_triangles(message, patch, frame.num_vertices())) return wrong;
+  if (auto wrong = apply_materials(frame, patch.vertices)) return wrong;
+  num_pieces_ = message.num_pieces();
   return std::nullopt;
 }
 
-std::optional<std::string> Mirror::apply_triangles(const v1::TopologyPatch& patch, std::int32_t num_vertices) {
-  const bool full = patch.base_version() < 0;
-  const std::size_t num_slots = static_cast<std::size_t>(patch.num_slots());
-  const std::size_t changed = full ? num_slots : patch.slots().size() / 4;
-  if (full ? !patch.slots().empty() : patch.slots().size() % 4 != 0) return "slots is malformed";
-  if (patch.triangles().size() != 12 * changed) return wrong_size("triangles", patch.triangles().size(), 12 * changed);
-  if (patch.pieces().size() != 4 * changed) return wrong_size("pieces", patch.pieces().size(), 4 * changed);
+std::optional<std::string> Mirror::apply_triangles(const v1::TopologyPatch& message, const Patch& patch,
+                                                   std::int32_t num_vertices) {
+  const std::size_t num_slots = static_cast<std::size_t>(message.num_slots());
+  predictors_.reset();
   triangles_.resize(num_slots, {-1, -1, -1});
   pieces_.resize(num_slots, -1);
-  for (std::size_t i = 0; i < changed; ++i) {
-    const std::size_t slot = full ? i : word_at(patch.slots(), i);
+  for (std::size_t i = 0; i < patch.slots.size(); ++i) {
+    const std::size_t slot = patch.slots[i];
     if (slot >= num_slots) return "slot " + std::to_string(slot) + " is out of range";
-    std::array<std::int32_t, 3> vertices{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      vertices[k] = int_at(patch.triangles(), 3 * i + k);
-      if (vertices[k] < -1 || vertices[k] >= num_vertices) {
-        return "vertex " + std::to_string(vertices[k]) + " is out of range";
+    const std::array<std::int32_t, 3>& triangle = patch.triangles[i];
+    const bool is_void = triangle == std::array<std::int32_t, 3>{-1, -1, -1};
+    for (const std::int32_t vertex : triangle) {
+      if (!is_void && (vertex < 0 || vertex >= num_vertices)) {
+        return "vertex " + std::to_string(vertex) + " is out of range";
       }
     }
-    triangles_[slot] = vertices;
-    pieces_[slot] = int_at(patch.pieces(), i);
+    triangles_[slot] = triangle;
+    pieces_[slot] = patch.pieces[i];
   }
   return std::nullopt;
 }
 
-std::optional<std::string> Mirror::apply_materials(const v1::TopologyPatch& patch, std::int32_t num_vertices) {
-  const bool full = patch.base_version() < 0;
-  const std::size_t count = static_cast<std::size_t>(num_vertices);
-  const std::size_t changed = full ? count : patch.vertices().size() / 4;
-  if (full ? !patch.vertices().empty() : patch.vertices().size() % 4 != 0) return "vertices is malformed";
-  if (patch.material_positions().size() != 8 * changed) {
-    return wrong_size("material_positions", patch.material_positions().size(), 8 * changed);
-  }
+std::optional<std::string> Mirror::apply_materials(const v1::Frame& frame, const std::vector<std::uint32_t>& vertices) {
+  const std::string& bytes = frame.topology().material_positions();
+  const std::size_t count = static_cast<std::size_t>(frame.num_vertices());
   if (2 * count < material_positions_.size()) return "a patch must not take vertices away";
   const std::size_t known = material_positions_.size() / 2;
   std::size_t added = 0;
-  material_positions_.resize(2 * count);
-  for (std::size_t i = 0; i < changed; ++i) {
-    const std::size_t vertex = full ? i : word_at(patch.vertices(), i);
+  for (const std::uint32_t vertex : vertices) {
     if (vertex >= count) return "vertex " + std::to_string(vertex) + " is out of range";
     if (vertex >= known) ++added;
-    for (std::size_t k = 0; k < 2; ++k) {
-      material_positions_[2 * vertex + k] = std::bit_cast<float>(word_at(patch.material_positions(), 2 * i + k));
-    }
   }
   if (added != count - known) return "new vertices without material coordinates";
+  material_positions_.resize(2 * count);
+  if (frame.encoding() == v1::COMPACT) {
+    if (codec::unpack_material_positions(bytes, vertices, predictors(frame.num_vertices()), material_positions_)) {
+      return std::nullopt;
+    }
+    return "material_positions is malformed";
+  }
+  if (bytes.size() != 8 * vertices.size()) return wrong_size("material_positions", bytes.size(), 8 * vertices.size());
+  for (std::size_t i = 0; i < 2 * vertices.size(); ++i) {
+    material_positions_[2 * vertices[i / 2] + i % 2] = std::bit_cast<float>(word_at(bytes, i));
+  }
   return std::nullopt;
 }
 

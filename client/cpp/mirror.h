@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "kerf/v1/stream.pb.h"
+#include "server/codec/vertex_predictors.h"
 
 namespace kerf::client {
 
@@ -38,10 +39,21 @@ class Mirror {
   [[nodiscard]] const std::vector<float>& material_positions() const { return material_positions_; }
 
  private:
+  // The arrays of a TopologyPatch, read as its encoding says.
+  struct Patch {
+    std::vector<std::uint32_t> slots;
+    std::vector<std::array<std::int32_t, 3>> triangles;  // of `slots`
+    std::vector<std::int32_t> pieces;                    // likewise
+    std::vector<std::uint32_t> vertices;
+  };
+
   [[nodiscard]] std::optional<std::string> apply_positions(const v1::Frame& frame);
-  [[nodiscard]] std::optional<std::string> apply_topology(const v1::TopologyPatch& patch, std::int32_t num_vertices);
-  [[nodiscard]] std::optional<std::string> apply_triangles(const v1::TopologyPatch& patch, std::int32_t num_vertices);
-  [[nodiscard]] std::optional<std::string> apply_materials(const v1::TopologyPatch& patch, std::int32_t num_vertices);
+  [[nodiscard]] std::optional<std::string> apply_topology(const v1::Frame& frame);
+  [[nodiscard]] std::optional<std::string> apply_triangles(const v1::TopologyPatch& message, const Patch& patch,
+                                                           std::int32_t num_vertices);
+  [[nodiscard]] std::optional<std::string> apply_materials(const v1::Frame& frame,
+                                                           const std::vector<std::uint32_t>& vertices);
+  const std::vector<codec::VertexPredictor>& predictors(std::int32_t num_vertices);
 
   std::int64_t tick_ = -1;
   std::int64_t sequence_ = 0;
@@ -52,6 +64,7 @@ class Mirror {
   std::vector<std::array<std::int32_t, 3>> triangles_;
   std::vector<std::int32_t> pieces_;
   std::vector<float> material_positions_;
+  std::optional<std::vector<codec::VertexPredictor>> predictors_;  // of triangles_, once a compact frame has come
 };
 
 }  // namespace kerf::client

@@ -37,6 +37,20 @@ Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, co
         "start.max_rate_hz");
   }
   options.max_rate_hz = rate_hz;
+  switch (start.encoding()) {
+    case v1::ENCODING_UNSPECIFIED:
+    case v1::COMPACT:
+      options.encoding = wire::Encoding::kCompact;
+      break;
+    case v1::RAW:
+      options.encoding = wire::Encoding::kRaw;
+      break;
+    default:
+      return invalid_argument("OUT_OF_RANGE",
+                              "start.encoding is " + std::to_string(start.encoding()) +
+                                  "; must be COMPACT (1) or RAW (2), or 0 for COMPACT",
+                              "start.encoding");
+  }
   options.max_unacknowledged_bytes = static_cast<std::size_t>(limits.max_unsent_bytes_per_subscriber);
   options.ack_timeout = limits.watch_ack_timeout;
   return options;

@@ -8,20 +8,20 @@ namespace kerf::stream {
 
 FramePick FrameHistory::pick(std::int64_t publication, const sheet::Snapshot& snapshot, const Viewed& viewed) {
   Frame& newest = frame(publication, snapshot);
-  const sheet::Topology& now = *newest.quantised.topology;
+  const std::int32_t version = topology_->version;
   FramePick pick;
-  pick.viewed = {publication, now.version};
+  pick.viewed = {publication, version, viewed.encoding};
   pick.tick = newest.quantised.tick;
   bool full_topology = false;
-  if (viewed.topology_version != now.version) {
-    const Topology& patch = topology(now, viewed.topology_version);
+  if (viewed.topology_version != version) {
+    const Topology& patch = topology(viewed.topology_version, viewed.encoding);
     pick.topology = patch.bytes;
     full_topology = patch.full;
   }
-  const Frame* base = full_topology ? nullptr : find(viewed.publication);
-  const bool comparable = base != nullptr && base != &newest && base->quantised.box == newest.quantised.box;
-  pick.body = comparable ? delta(newest, *base) : keyframe(newest);
-  pick.keyframe = pick.body == newest.bodies[0];
+  const bool takes_deltas = viewed.encoding == wire::Encoding::kCompact && !full_topology;
+  const Frame* base = takes_deltas ? find(viewed.publication) : nullptr;
+  pick.keyframe = base == nullptr || base == &newest || base->quantised.box != newest.quantised.box;
+  pick.body = pick.keyframe ? keyframe(newest, viewed.encoding) : delta(newest, *base);
   ++counters_.taken;
   return pick;
 }
@@ -32,9 +32,18 @@ FrameHistory::Frame& FrameHistory::frame(std::int64_t publication, const sheet::
   if (!frames_.empty()) box = frames_.back().quantised.box;
   if (frames_.size() == kFrames) frames_.pop_front();
   // What was encoded for older frames is of no use to anyone now; only their positions are.
-  for (Frame& older : frames_) older.bodies.clear();
-  frames_.push_back({publication, wire::quantise_frame(snapshot, box), {}});
+  for (Frame& older : frames_) {
+    older.raw.reset();
+    older.keyframe.reset();
+    older.deltas.clear();
+  }
+  frames_.push_back({publication, wire::quantise_frame(snapshot, box), nullptr, nullptr, {}});
   ++counters_.quantised;
+  if (topology_ != snapshot.topology) {
+    topology_ = snapshot.topology;
+    predictors_.reset();
+    topologies_.clear();
+  }
   return frames_.back();
 }
 
@@ -44,36 +53,43 @@ const FrameHistory::Frame* FrameHistory::find(std::int64_t publication) const {
   return found == frames_.end() ? nullptr : &*found;
 }
 
-const FrameHistory::Topology& FrameHistory::topology(const sheet::Topology& topology, std::int32_t base_version) {
-  if (topology_version_ != topology.version) {
-    topologies_.clear();
-    topology_version_ = topology.version;
+const wire::Predictors& FrameHistory::predictors() {
+  if (!predictors_) {
+    predictors_ = wire::make_predictors(*topology_);
+    ++counters_.predictors;
   }
-  const auto [entry, is_new] = topologies_.try_emplace(base_version);
+  return *predictors_;
+}
+
+const FrameHistory::Topology& FrameHistory::topology(std::int32_t base_version, wire::Encoding encoding) {
+  const auto [entry, is_new] = topologies_.try_emplace({encoding, base_version});
   if (is_new) {
-    wire::EncodedTopology encoded = wire::encode_topology(topology, base_version);
+    wire::EncodedTopology encoded =
+        wire::encode_topology(*topology_, base_version, encoding == wire::Encoding::kCompact ? &predictors() : nullptr);
     entry->second = {std::make_shared<const std::string>(std::move(encoded.bytes)), encoded.full};
     ++counters_.topologies;
   }
   return entry->second;
 }
 
-const Bytes& FrameHistory::keyframe(Frame& frame) {
-  Bytes& body = frame.bodies[0];
+const Bytes& FrameHistory::keyframe(Frame& frame, wire::Encoding encoding) {
+  const bool is_raw = encoding == wire::Encoding::kRaw;
+  Bytes& body = is_raw ? frame.raw : frame.keyframe;
   if (!body) {
-    body = std::make_shared<const std::string>(wire::encode_keyframe_body(frame.quantised));
+    body = std::make_shared<const std::string>(is_raw ? wire::encode_raw_body(frame.quantised)
+                                                      : wire::encode_keyframe_body(frame.quantised, predictors()));
     ++counters_.keyframes;
   }
   return body;
 }
 
 const Bytes& FrameHistory::delta(Frame& frame, const Frame& base) {
-  const auto known = frame.bodies.find(base.publication);
-  if (known != frame.bodies.end()) return known->second;
-  std::optional<std::string> encoded = wire::encode_delta_body(frame.quantised, base.quantised);
-  ++counters_.deltas;
-  Bytes body = encoded ? std::make_shared<const std::string>(std::move(*encoded)) : keyframe(frame);
-  return frame.bodies[base.publication] = std::move(body);
+  Bytes& body = frame.deltas[base.publication];
+  if (!body) {
+    body = std::make_shared<const std::string>(wire::encode_delta_body(frame.quantised, base.quantised, predictors()));
+    ++counters_.deltas;
+  }
+  return body;
 }
 
 }  // namespace kerf::stream

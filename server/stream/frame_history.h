@@ -18,8 +18,9 @@ namespace kerf::stream {
 struct EncodeCounters {
   std::int64_t quantised = 0;
   std::int64_t keyframes = 0;   // encoded
-  std::int64_t deltas = 0;      // encoded, those among them that turned out no smaller than the keyframe
+  std::int64_t deltas = 0;      // encoded
   std::int64_t topologies = 0;  // encoded
+  std::int64_t predictors = 0;  // made, once a topology that is sent to anyone
   std::int64_t taken = 0;       // frames given to subscribers
 };
 
@@ -27,6 +28,7 @@ struct EncodeCounters {
 struct Viewed {
   std::int64_t publication = 0;        // of its last frame; 0: none yet
   std::int32_t topology_version = -1;  // -1: none yet
+  wire::Encoding encoding = wire::Encoding::kCompact;
 };
 
 // What a subscriber is sent next, in bytes that others may share.
@@ -34,14 +36,13 @@ struct FramePick {
   Viewed viewed;  // once this is sent
   std::int64_t tick = 0;
   bool keyframe = false;
-  Bytes body;      // see wire::encode_keyframe_body, encode_delta_body
+  Bytes body;      // see wire::encode_raw_body, encode_keyframe_body, encode_delta_body
   Bytes topology;  // see wire::encode_topology; null where the subscriber's is up to date
 };
 
 // The last few quantised frames of a sheet and everything encoded from them. A subscriber whose last frame is still
 // here and has the newest one's box gets the difference to it; everyone else gets the keyframe, as does everyone who
-// needs the full topology, and everyone when the difference is no smaller. Equal needs are encoded once. Not
-// thread-safe.
+// needs the full topology, and everyone who reads raw arrays. Equal needs are encoded once. Not thread-safe.
 class FrameHistory {
  public:
   static constexpr std::size_t kFrames = 8;
@@ -55,7 +56,9 @@ class FrameHistory {
   struct Frame {
     std::int64_t publication = 0;
     wire::QuantisedFrame quantised;
-    std::map<std::int64_t, Bytes> bodies;  // by publication of the base; 0: keyframe
+    Bytes raw;
+    Bytes keyframe;
+    std::map<std::int64_t, Bytes> deltas;  // by publication of the base
   };
   struct Topology {
     Bytes bytes;
@@ -64,14 +67,17 @@ class FrameHistory {
 
   Frame& frame(std::int64_t publication, const sheet::Snapshot& snapshot);
   [[nodiscard]] const Frame* find(std::int64_t publication) const;
-  const Topology& topology(const sheet::Topology& topology, std::int32_t base_version);
-  const Bytes& keyframe(Frame& frame);
-  // The keyframe where it is no larger.
+  // Of the newest frame's topology.
+  const wire::Predictors& predictors();
+  const Topology& topology(std::int32_t base_version, wire::Encoding encoding);
+  const Bytes& keyframe(Frame& frame, wire::Encoding encoding);
   const Bytes& delta(Frame& frame, const Frame& base);
 
   std::deque<Frame> frames_;  // oldest first
-  std::int32_t topology_version_ = -1;
-  std::map<std::int32_t, Topology> topologies_;  // of topology_version_, by base version
+  // Of the newest frame's topology, as long as it stays the same:
+  std::shared_ptr<const sheet::Topology> topology_;
+  std::optional<wire::Predictors> predictors_;
+  std::map<std::pair<wire::Encoding, std::int32_t>, Topology> topologies_;  // by encoding and base version
   EncodeCounters counters_;
 };
 

@@ -24,7 +24,9 @@ std::string text_of(wire::EndReason reason) {
 }  // namespace
 
 Subscriber::Subscriber(std::shared_ptr<Channel> channel, const SubscriberOptions& options, std::function<void()> ready)
-    : channel_(std::move(channel)), options_(options), ready_(std::move(ready)) {}
+    : channel_(std::move(channel)), options_(options), ready_(std::move(ready)) {
+  viewed_.encoding = options_.encoding;
+}
 
 Subscriber::~Subscriber() {
   leave();

@@ -27,6 +27,7 @@ struct SubscriberOptions {
   double max_rate_hz = 0.0;                            // frames a second, >= 0; 0: every tick
   std::size_t max_unacknowledged_bytes = 4 << 20;      // no frame is sent while this much or more is in flight
   Nanoseconds ack_timeout = std::chrono::seconds(10);  // for the oldest frame in flight
+  wire::Encoding encoding = wire::Encoding::kCompact;
 };
 
 inline constexpr std::int32_t kMaxWindow = 8;

@@ -1,12 +1,16 @@
 #include "server/wire/frame_encoder.h"
 
+#include <array>
 #include <bit>
 #include <cstring>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include "kerf/v1/stream.pb.h"
 #include "server/base/check.h"
+#include "server/codec/position_code.h"
+#include "server/codec/topology_code.h"
 
 namespace kerf::wire {
 namespace {
@@ -20,16 +24,11 @@ void append_packed(T value, std::string& bytes) {
   std::memcpy(bytes.data() + at, &value, sizeof(T));
 }
 
-void append_triangle(const sheet::Topology& topology, std::size_t slot, v1::TopologyPatch& patch) {
-  for (const mesh::VertexId vertex : topology.triangles[slot]) append_packed(vertex, *patch.mutable_triangles());
-  append_packed(topology.pieces[slot], *patch.mutable_pieces());
-}
-
-void append_material_position(const sheet::Topology& topology, Eigen::Index vertex, v1::TopologyPatch& patch) {
-  for (Eigen::Index axis = 0; axis < 2; ++axis) {
-    append_packed(static_cast<float>(topology.material_positions(axis, vertex)), *patch.mutable_material_positions());
-  }
-}
+// What a patch lists: slots and vertices, ascending.
+struct Listed {
+  std::vector<std::uint32_t> slots;
+  std::vector<std::uint32_t> vertices;
+};
 
 // Ascending indices of the entries that a version after `base_version` changed.
 std::vector<std::uint32_t> changed_since(const std::vector<std::int32_t>& versions, std::int32_t base_version) {
@@ -40,30 +39,59 @@ std::vector<std::uint32_t> changed_since(const std::vector<std::int32_t>& versio
   return changed;
 }
 
-void fill_full(const sheet::Topology& topology, v1::TopologyPatch& patch) {
-  patch.set_base_version(-1);
-  patch.mutable_triangles()->reserve(12 * topology.triangles.size());
-  patch.mutable_pieces()->reserve(4 * topology.pieces.size());
-  for (std::size_t slot = 0; slot < topology.triangles.size(); ++slot) append_triangle(topology, slot, patch);
-  for (Eigen::Index v = 0; v < topology.material_positions.cols(); ++v) append_material_position(topology, v, patch);
+// Nothing where a full patch serves the viewer better.
+std::optional<Listed> list_changes(const sheet::Topology& topology, std::int32_t base_version) {
+  if (base_version < topology.patchable_since) return std::nullopt;
+  Listed listed{changed_since(topology.slot_versions, base_version),
+                changed_since(topology.vertex_versions, base_version)};
+  // Bytes of the raw arrays: one that lists has ids in addition.
+  const std::size_t bytes = 20 * listed.slots.size() + 12 * listed.vertices.size();
+  if (bytes >= 16 * topology.triangles.size() + 8 * topology.vertex_versions.size()) return std::nullopt;
+  return listed;
 }
 
-// False, with the patch half filled, where a full one is no larger.
-bool fill_union(const sheet::Topology& topology, std::int32_t base_version, v1::TopologyPatch& patch) {
-  const std::vector<std::uint32_t> slots = changed_since(topology.slot_versions, base_version);
-  const std::vector<std::uint32_t> vertices = changed_since(topology.vertex_versions, base_version);
-  const std::size_t bytes = 20 * slots.size() + 12 * vertices.size();
-  if (bytes >= 16 * topology.triangles.size() + 8 * topology.vertex_versions.size()) return false;
-  patch.set_base_version(base_version);
-  for (const std::uint32_t slot : slots) {
-    append_packed(slot, *patch.mutable_slots());
-    append_triangle(topology, slot, patch);
+Listed list_all(const sheet::Topology& topology) {
+  Listed listed{std::vector<std::uint32_t>(topology.triangles.size()),
+                std::vector<std::uint32_t>(topology.vertex_versions.size())};
+  std::iota(listed.slots.begin(), listed.slots.end(), 0U);
+  std::iota(listed.vertices.begin(), listed.vertices.end(), 0U);
+  return listed;
+}
+
+void fill_raw(const sheet::Topology& topology, const Listed& listed, v1::TopologyPatch& patch) {
+  const bool lists = patch.base_version() >= 0;
+  for (const std::uint32_t slot : listed.slots) {
+    if (lists) append_packed(slot, *patch.mutable_slots());
+    for (const mesh::VertexId vertex : topology.triangles[slot]) append_packed(vertex, *patch.mutable_triangles());
+    append_packed(topology.pieces[slot], *patch.mutable_pieces());
   }
-  for (const std::uint32_t vertex : vertices) {
-    append_packed(vertex, *patch.mutable_vertices());
-    append_material_position(topology, static_cast<Eigen::Index>(vertex), patch);
+  for (const std::uint32_t vertex : listed.vertices) {
+    if (lists) append_packed(vertex, *patch.mutable_vertices());
+    for (Eigen::Index axis = 0; axis < 2; ++axis) {
+      append_packed(static_cast<float>(topology.material_positions(axis, static_cast<Eigen::Index>(vertex))),
+                    *patch.mutable_material_positions());
+    }
   }
-  return true;
+}
+
+void fill_compact(const sheet::Topology& topology, const Listed& listed, const Predictors& predictors,
+                  v1::TopologyPatch& patch) {
+  const bool lists = patch.base_version() >= 0;
+  std::vector<std::array<std::int32_t, 3>> triangles;
+  std::vector<std::int32_t> pieces;
+  triangles.reserve(listed.slots.size());
+  pieces.reserve(listed.slots.size());
+  for (const std::uint32_t slot : listed.slots) {
+    triangles.push_back(topology.triangles[slot]);
+    pieces.push_back(topology.pieces[slot]);
+  }
+  const Eigen::Matrix2Xf material = topology.material_positions.cast<float>();
+  if (lists) patch.set_slots(codec::pack_ascending(listed.slots));
+  if (lists) patch.set_vertices(codec::pack_ascending(listed.vertices));
+  patch.set_triangles(codec::pack_triangles(triangles, !lists));
+  patch.set_pieces(codec::pack_labels(pieces));
+  patch.set_material_positions(codec::pack_material_positions(
+      {material.data(), static_cast<std::size_t>(material.size())}, listed.vertices, predictors));
 }
 
 void encode_stats(const QuantisedFrame& frame, v1::FrameStats& stats) {
@@ -79,22 +107,33 @@ void encode_stats(const QuantisedFrame& frame, v1::FrameStats& stats) {
   stats.set_sleeping(frame.stats.sleeping);
 }
 
-std::string encode_body(const QuantisedFrame& frame, std::int64_t base_tick, std::string positions) {
+void encode_box(const FrameBox& box, v1::Box3& message) {
+  v1::Vec3& min = *message.mutable_min();
+  min.set_x(box.min[0]);
+  min.set_y(box.min[1]);
+  min.set_z(box.min[2]);
+  v1::Vec3& max = *message.mutable_max();
+  max.set_x(box.min[0] + box.size[0]);
+  max.set_y(box.min[1] + box.size[1]);
+  max.set_z(box.min[2] + box.size[2]);
+}
+
+// A body with everything but base_tick, box and positions.
+v1::Frame begin_body(const QuantisedFrame& frame, v1::Encoding encoding) {
   v1::Frame message;
   message.set_tick(frame.tick);
-  message.set_base_tick(base_tick);
   message.set_topology_version(frame.topology->version);
   message.set_num_vertices(static_cast<std::int32_t>(frame.positions.size() / 3));
-  v1::Vec3& min = *message.mutable_box()->mutable_min();
-  min.set_x(frame.box.min[0]);
-  min.set_y(frame.box.min[1]);
-  min.set_z(frame.box.min[2]);
-  v1::Vec3& max = *message.mutable_box()->mutable_max();
-  max.set_x(frame.box.min[0] + frame.box.size[0]);
-  max.set_y(frame.box.min[1] + frame.box.size[1]);
-  max.set_z(frame.box.min[2] + frame.box.size[2]);
-  message.set_positions(std::move(positions));
+  message.set_encoding(encoding);
   encode_stats(frame, *message.mutable_stats());
+  return message;
+}
+
+std::string keyframe_body(const QuantisedFrame& frame, v1::Encoding encoding, std::string positions) {
+  v1::Frame message = begin_body(frame, encoding);
+  message.set_base_tick(-1);
+  encode_box(frame.box, *message.mutable_box());
+  message.set_positions(std::move(positions));
   return message.SerializeAsString();
 }
 
@@ -120,29 +159,45 @@ QuantisedFrame quantise_frame(const sheet::Snapshot& snapshot, const std::option
   return frame;
 }
 
-std::string encode_keyframe_body(const QuantisedFrame& frame) {
-  return encode_body(frame, -1, encode_keyframe_positions(frame.positions));
+Predictors make_predictors(const sheet::Topology& topology) {
+  return codec::vertex_predictors(topology.triangles, topology.vertex_versions.size());
 }
 
-std::optional<std::string> encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame& base) {
+std::string encode_raw_body(const QuantisedFrame& frame) {
+  std::string positions(sizeof(frame.positions[0]) * frame.positions.size(), '\0');
+  std::memcpy(positions.data(), frame.positions.data(), positions.size());
+  return keyframe_body(frame, v1::RAW, std::move(positions));
+}
+
+std::string encode_keyframe_body(const QuantisedFrame& frame, const Predictors& predictors) {
+  return keyframe_body(frame, v1::COMPACT, codec::pack_positions(frame.positions, predictors));
+}
+
+std::string encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame& base, const Predictors& predictors) {
   KERF_CHECK(base.box == frame.box, "a delta needs the box of its base");
-  std::string positions = encode_delta_positions(frame.positions, base.positions);
-  if (positions.size() >= sizeof(frame.positions[0]) * frame.positions.size()) return std::nullopt;
-  return encode_body(frame, base.tick, std::move(positions));
+  v1::Frame message = begin_body(frame, v1::COMPACT);
+  message.set_base_tick(base.tick);
+  message.set_positions(codec::pack_position_delta(frame.positions, base.positions, predictors));
+  return message.SerializeAsString();
 }
 
-EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t base_version) {
+EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t base_version,
+                                const Predictors* predictors) {
   v1::Frame message;
   v1::TopologyPatch& patch = *message.mutable_topology();
-  const bool patchable = base_version >= topology.patchable_since;
-  const bool full = !patchable || !fill_union(topology, base_version, patch);
-  if (full) {
-    patch.Clear();
-    fill_full(topology, patch);
-  }
+  const std::optional<Listed> changes = list_changes(topology, base_version);
+  const Listed listed = changes ? *changes : list_all(topology);
+  patch.set_base_version(changes ? base_version : -1);
   patch.set_num_slots(static_cast<std::int32_t>(topology.triangles.size()));
   patch.set_num_pieces(topology.num_pieces);
-  return {message.SerializeAsString(), full};
+  patch.set_num_listed_slots(static_cast<std::int32_t>(listed.slots.size()));
+  patch.set_num_listed_vertices(static_cast<std::int32_t>(listed.vertices.size()));
+  if (predictors != nullptr) {
+    fill_compact(topology, listed, *predictors, patch);
+  } else {
+    fill_raw(topology, listed, patch);
+  }
+  return {message.SerializeAsString(), !changes.has_value()};
 }
 
 std::string encode_frame_head(std::int64_t sequence, std::int64_t skipped, std::size_t rest_bytes) {

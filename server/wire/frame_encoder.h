@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/base/result.h"
+#include "server/codec/vertex_predictors.h"
 #include "server/sheet/snapshot.h"
 #include "server/wire/quantise.h"
 
@@ -30,10 +31,18 @@ struct QuantisedFrame {
 // `current`: the box of the frame before, see choose_box().
 QuantisedFrame quantise_frame(const sheet::Snapshot& snapshot, const std::optional<FrameBox>& current);
 
-// Serialised Frames without sequence, topology and stats.skipped. A delta is against `base`, whose box must be the
-// same; nothing where its positions would take no fewer bytes than the keyframe's.
-std::string encode_keyframe_body(const QuantisedFrame& frame);
-std::optional<std::string> encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame& base);
+// kerf.v1.Encoding
+enum class Encoding { kCompact, kRaw };
+
+// What compact frames of one topology are coded with; made once for all of them.
+using Predictors = std::vector<codec::VertexPredictor>;
+Predictors make_predictors(const sheet::Topology& topology);
+
+// Serialised Frames without sequence, topology and stats.skipped. `predictors` are of the frame's topology. A delta is
+// compact, against `base`, whose box must be the same.
+std::string encode_raw_body(const QuantisedFrame& frame);
+std::string encode_keyframe_body(const QuantisedFrame& frame, const Predictors& predictors);
+std::string encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame& base, const Predictors& predictors);
 
 // A serialised Frame with nothing but `topology`.
 struct EncodedTopology {
@@ -41,8 +50,10 @@ struct EncodedTopology {
   bool full = false;  // TopologyPatch.base_version is -1
 };
 // The patch from `base_version` (-1: the viewer has nothing) to the topology's own version: the slots and vertices that
-// any version in between changed. Full where the history does not reach back that far, or a full one is no larger.
-EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t base_version);
+// any version in between changed. Full where the history does not reach back that far, or about as much would be
+// listed. `predictors`: null for raw, else of `topology`.
+EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t base_version,
+                                const Predictors* predictors);
 
 // The start of a serialised WatchResponse with a frame; `rest_bytes` more (body and topology) must follow.
 // sequence >= 1; skipped >= 0, in ticks.

@@ -1,17 +1,13 @@
 #include "server/wire/quantise.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "server/base/check.h"
 
 namespace kerf::wire {
 namespace {
-
-static_assert(std::endian::native == std::endian::little, "keyframes are copied as they lie in memory");
 
 constexpr double kSteps = 65535.0;
 constexpr double kRoom = 1.25;  // -; box size over the sheet's extent, before rounding up
@@ -89,28 +85,6 @@ std::vector<std::uint16_t> quantise(std::span<const double> positions, const Fra
     }
   }
   return quantised;
-}
-
-std::string encode_keyframe_positions(std::span<const std::uint16_t> quantised) {
-  std::string bytes(quantised.size_bytes(), '\0');
-  std::memcpy(bytes.data(), quantised.data(), quantised.size_bytes());
-  return bytes;
-}
-
-std::string encode_delta_positions(std::span<const std::uint16_t> quantised, std::span<const std::uint16_t> base) {
-  std::string bytes(3 * quantised.size(), '\0');  // a difference has at most 17 bits: three bytes
-  std::size_t length = 0;
-  for (std::size_t i = 0; i < quantised.size(); ++i) {
-    const std::int32_t difference = quantised[i] - (i < base.size() ? base[i] : 0);
-    auto zigzag = (static_cast<std::uint32_t>(difference) << 1) ^ static_cast<std::uint32_t>(difference >> 31);
-    while (zigzag >= 0x80) {
-      bytes[length++] = static_cast<char>((zigzag & 0x7f) | 0x80);
-      zigzag >>= 7;
-    }
-    bytes[length++] = static_cast<char>(zigzag);
-  }
-  bytes.resize(length);
-  return bytes;
 }
 
 }  // namespace kerf::wire

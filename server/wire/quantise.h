@@ -4,10 +4,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
-// Positions as 16-bit integers in a box, and their two forms on the wire (kerf.v1.Frame.positions).
+// Positions as 16-bit integers in a box.
 namespace kerf::wire {
 
 // An axis-aligned box in the world. Sizes are powers of two and the corner is a multiple of size / 16, so that
@@ -29,11 +28,5 @@ FrameBox choose_box(std::span<const double> positions, const std::optional<Frame
 // q = floor((p - min) * (65535 / size) + 0.5), axis by axis; 3 V numbers in 0..65535. The positions must lie in the
 // box. The error is at most size / 131070.
 std::vector<std::uint16_t> quantise(std::span<const double> positions, const FrameBox& box);
-
-// Keyframe: the numbers as little-endian uint16.
-std::string encode_keyframe_positions(std::span<const std::uint16_t> quantised);
-
-// Delta: the differences to `base` (0 beyond its end) as zigzag base-128 varints, one to three bytes each.
-std::string encode_delta_positions(std::span<const std::uint16_t> quantised, std::span<const std::uint16_t> base);
 
 }  // namespace kerf::wire

@@ -1,5 +1,4 @@
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -36,13 +35,18 @@ Frames frames_of(int side, Kind kind) {
 void encode(benchmark::State& state, const std::string& name, int side, Kind kind) {
   const Frames frames = frames_of(side, kind);
   const wire::QuantisedFrame base = wire::quantise_frame(*frames.first, {});
+  const wire::Predictors known = wire::make_predictors(*frames.first->topology);
   std::string bytes;
   for (auto _ : state) {
     const wire::QuantisedFrame frame = wire::quantise_frame(*frames.second, base.box);
-    std::optional<std::string> delta;
-    if (kind != Kind::kKeyframe && frame.box == base.box) delta = wire::encode_delta_body(frame, base);
-    bytes = delta ? std::move(*delta) : wire::encode_keyframe_body(frame);
-    if (kind == Kind::kCut) bytes += wire::encode_topology(*frame.topology, base.topology->version).bytes;
+    // Made once a topology.
+    const wire::Predictors made = kind == Kind::kCut ? wire::make_predictors(*frame.topology) : wire::Predictors();
+    const wire::Predictors& predictors = kind == Kind::kCut ? made : known;
+    const bool is_delta = kind != Kind::kKeyframe && frame.box == base.box;
+    bytes = is_delta ? wire::encode_delta_body(frame, base, predictors) : wire::encode_keyframe_body(frame, predictors);
+    if (kind == Kind::kCut) {
+      bytes += wire::encode_topology(*frame.topology, base.topology->version, &predictors).bytes;
+    }
   }
   state.counters["bytes"] = static_cast<double>(bytes.size());
   state.counters["bytes/vertex"] =

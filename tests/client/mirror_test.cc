@@ -1,5 +1,6 @@
 #include "client/cpp/mirror.h"
 
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <string>
@@ -7,6 +8,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "server/codec/position_code.h"
+#include "server/codec/topology_code.h"
 
 namespace kerf::client {
 namespace {
@@ -38,7 +42,11 @@ std::string shorts(const std::vector<int>& values) {
   return bytes;
 }
 
-// A unit square of two triangles, tick 5.
+std::string pack_patch(const std::vector<std::array<std::int32_t, 3>>& triangles) {
+  return codec::pack_triangles(triangles, false);
+}
+
+// A unit square of two triangles, tick 5, raw.
 v1::Frame keyframe() {
   v1::Frame frame;
   frame.set_sequence(1);
@@ -50,16 +58,23 @@ v1::Frame keyframe() {
   frame.mutable_box()->mutable_max()->set_x(1.0);
   frame.mutable_box()->mutable_max()->set_y(2.0);
   frame.mutable_box()->mutable_max()->set_z(4.0);
+  frame.set_encoding(v1::RAW);
   frame.set_positions(shorts({0, 1, 2, 65535, 4, 5, 6, 7, 8, 9, 10, 11}));
   v1::TopologyPatch& topology = *frame.mutable_topology();
   topology.set_base_version(-1);
   topology.set_num_slots(3);
+  topology.set_num_listed_slots(3);
+  topology.set_num_listed_vertices(4);
   topology.set_triangles(words({0, 1, 2, 0, 2, 3, -1, -1, -1}));
   topology.set_pieces(words({0, 0, -1}));
   topology.set_material_positions(floats({0, 0, 1, 0, 1, 1, 0, 1}));
   topology.set_num_pieces(1);
   return frame;
 }
+
+const std::vector<std::array<std::int32_t, 3>> kTriangles{{0, 1, 2}, {0, 2, 3}, {-1, -1, -1}};
+const std::vector<std::array<std::int32_t, 3>> kCutTriangles{{0, 1, 2}, {4, 2, 3}, {0, 1, 4}};
+const std::vector<std::uint16_t> kMoved{1, 0, 302, 65535, 4, 5, 6, 7, 8, 9, 10, 11};
 
 // The next frame: vertex 0 moves by (+1, -1, +300), the rest stays.
 v1::Frame delta() {
@@ -69,8 +84,10 @@ v1::Frame delta() {
   frame.set_base_tick(5);
   frame.set_topology_version(1);
   frame.set_num_vertices(4);
-  *frame.mutable_box() = keyframe().box();
-  frame.set_positions(std::string({'\x02', '\x01', '\xd8', '\x04'}) + std::string(9, '\0'));
+  frame.set_encoding(v1::COMPACT);
+  frame.set_positions(codec::pack_position_delta(kMoved,
+                                                 std::vector<std::uint16_t>{0, 1, 2, 65535, 4, 5, 6, 7, 8, 9, 10, 11},
+                                                 codec::vertex_predictors(kTriangles, 4)));
   return frame;
 }
 
@@ -82,15 +99,21 @@ v1::Frame cut() {
   frame.set_base_tick(6);
   frame.set_topology_version(2);
   frame.set_num_vertices(5);
-  frame.set_positions(std::string(12, '\0') + std::string({'\x04', '\x06', '\x08'}));
+  std::vector<std::uint16_t> positions = kMoved;
+  positions.insert(positions.end(), {2, 3, 4});
+  const auto predictors = codec::vertex_predictors(kCutTriangles, 5);
+  frame.set_positions(codec::pack_position_delta(positions, kMoved, predictors));
   v1::TopologyPatch& topology = *frame.mutable_topology();
   topology.set_base_version(1);
   topology.set_num_slots(3);
-  topology.set_slots(words({1, 2}));
-  topology.set_triangles(words({4, 2, 3, 0, 1, 4}));
-  topology.set_pieces(words({0, 1}));
-  topology.set_vertices(words({4}));
-  topology.set_material_positions(floats({0.5F, 0.25F}));
+  topology.set_num_listed_slots(2);
+  topology.set_num_listed_vertices(1);
+  topology.set_slots(codec::pack_ascending(std::vector<std::uint32_t>{1, 2}));
+  topology.set_triangles(pack_patch({{4, 2, 3}, {0, 1, 4}}));
+  topology.set_pieces(codec::pack_labels(std::vector<std::int32_t>{0, 1}));
+  topology.set_vertices(codec::pack_ascending(std::vector<std::uint32_t>{4}));
+  topology.set_material_positions(codec::pack_material_positions(
+      std::vector<float>{0, 0, 1, 0, 1, 1, 0, 1, 0.5F, 0.25F}, std::vector<std::uint32_t>{4}, predictors));
   topology.set_num_pieces(2);
   return frame;
 }
@@ -145,29 +168,35 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"SequenceGap", "frame 4 follows frame 2", [](v1::Frame& f) { f.set_sequence(4); }},
         Refusal{"OlderTick", "after tick", [](v1::Frame& f) { f.set_tick(3); }},
         Refusal{"WrongBase", "delta against tick 5 at tick 6", [](v1::Frame& f) { f.set_base_tick(5); }},
-        Refusal{"OtherBox", "another box", [](v1::Frame& f) { f.mutable_box()->mutable_max()->set_x(9.0); }},
-        Refusal{"ShortPositions", "end early", [](v1::Frame& f) { f.mutable_positions()->pop_back(); }},
-        Refusal{"LongPositions", "go on after", [](v1::Frame& f) { f.mutable_positions()->push_back('\0'); }},
-        Refusal{"LongVarint", "too long", [](v1::Frame& f) { f.set_positions(std::string(15, '\xff')); }},
-        Refusal{"BelowZero", "leaves 0..65535", [](v1::Frame& f) { f.mutable_positions()->at(0) = '\x05'; }},
-        Refusal{"AboveRange", "leaves 0..65535", [](v1::Frame& f) { f.mutable_positions()->at(3) = '\x02'; }},
+        Refusal{"ShortPositions", "positions are malformed", [](v1::Frame& f) { f.mutable_positions()->pop_back(); }},
+        Refusal{"LongPositions", "positions are malformed",
+                [](v1::Frame& f) { f.mutable_positions()->push_back('\0'); }},
+        Refusal{"UnknownEncoding", "not known", [](v1::Frame& f) { f.set_encoding(v1::ENCODING_UNSPECIFIED); }},
+        Refusal{"RawDelta", "not compact",
+                [](v1::Frame& f) {
+                  f.clear_topology();
+                  f.set_topology_version(1);
+                  f.set_num_vertices(4);
+                  f.set_encoding(v1::RAW);
+                }},
         Refusal{"MissingPatch", "without its patch", [](v1::Frame& f) { f.clear_topology(); }},
         Refusal{"PatchOfOtherBase", "from version 0 at version 1",
                 [](v1::Frame& f) { f.mutable_topology()->set_base_version(0); }},
         Refusal{"VertexOutOfRange", "vertex 5 is out of range",
                 [](v1::Frame& f) {
-                  f.mutable_topology()->set_triangles(words({5, 2, 3, 0, 1, 4}));
+                  f.mutable_topology()->set_triangles(pack_patch({{5, 2, 3}, {0, 1, 4}}));
                 }},
         Refusal{"SlotOutOfRange", "slot 3 is out of range",
                 [](v1::Frame& f) {
-                  f.mutable_topology()->set_slots(words({1, 3}));
+                  f.mutable_topology()->set_slots(codec::pack_ascending(std::vector<std::uint32_t>{1, 3}));
                 }},
         Refusal{"FewerSlots", "take slots away", [](v1::Frame& f) { f.mutable_topology()->set_num_slots(1); }},
-        Refusal{"ShortTriangles", "triangles has",
-                [](v1::Frame& f) { f.mutable_topology()->set_triangles(words({1})); }},
-        Refusal{"ShortPieces", "pieces has", [](v1::Frame& f) { f.mutable_topology()->set_pieces(words({1})); }},
+        Refusal{"ShortTriangles", "triangles is malformed",
+                [](v1::Frame& f) { f.mutable_topology()->mutable_triangles()->pop_back(); }},
+        Refusal{"ShortPieces", "pieces is malformed", [](v1::Frame& f) { f.mutable_topology()->clear_pieces(); }},
         Refusal{"NewVertexWithoutMaterial", "without material",
                 [](v1::Frame& f) {
+                  f.mutable_topology()->set_num_listed_vertices(0);
                   f.mutable_topology()->clear_vertices();
                   f.mutable_topology()->clear_material_positions();
                 }}),

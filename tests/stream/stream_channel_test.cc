@@ -267,17 +267,34 @@ TEST(Subscriber, NewBoxOrForgottenBaseMakesAKeyframe) {
   EXPECT_EQ(frame(*slow).base_tick(), -1) << "its base has gone from the history";
 }
 
-TEST(Subscriber, DeltaThatIsNoSmallerIsAKeyframe) {
+TEST(Subscriber, RawReadersShareKeyframesOfTheirOwn) {
   const auto channel = std::make_shared<Channel>(4);
   ChangingSheet sheet(12, 200, 30);
-  const auto viewer = subscribe(*channel, {.window = 8});
-  channel->publish(sheet.snapshot());
-  frame(*viewer);
-  sheet.move(0.12);  // differences of up to 4,000 steps of 3e-5 m: most take two bytes or three
-  channel->publish(sheet.snapshot());
-  const v1::Frame next = frame(*viewer);
-  EXPECT_EQ(next.base_tick(), -1);
-  EXPECT_EQ(channel->counters().deltas, 1) << "tried";
+  const auto compact = subscribe(*channel);
+  const auto first = subscribe(*channel, {.encoding = wire::Encoding::kRaw});
+  const auto second = subscribe(*channel, {.encoding = wire::Encoding::kRaw});
+  FrameMirror mirror;
+  for (int tick = 1; tick <= 4; ++tick) {
+    sheet.move(0.001);
+    if (tick == 3) sheet.cut(2);
+    channel->publish(sheet.snapshot());
+    const v1::Frame packed = frame(*compact);
+    EXPECT_EQ(packed.encoding(), v1::COMPACT);
+    const Subscriber::Next next = first->next(0ns);
+    const Subscriber::Next same = second->next(0ns);
+    ASSERT_TRUE(next.message && same.message);
+    EXPECT_EQ(next.message->parts[1], same.message->parts[1]) << "not the same bytes";
+    const v1::Frame raw = parse(*next.message).frame();
+    EXPECT_EQ(raw.encoding(), v1::RAW);
+    EXPECT_EQ(raw.base_tick(), -1);
+    ASSERT_EQ(mirror.apply(raw), std::nullopt);
+    for (const auto& viewer : {compact, first, second}) ASSERT_TRUE(viewer->acknowledge(tick).ok());
+  }
+  EXPECT_EQ(channel->counters().quantised, 4);
+  EXPECT_EQ(channel->counters().keyframes, 1 + 4);
+  EXPECT_EQ(channel->counters().deltas, 3);
+  EXPECT_EQ(channel->counters().topologies, 2 + 2);
+  EXPECT_EQ(channel->counters().predictors, 2) << "once a topology, not once a frame";
 }
 
 // Everything at once, at random: viewers of every window that take and acknowledge whenever they like.

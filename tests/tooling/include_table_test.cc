@@ -56,6 +56,7 @@ const std::vector<Group>& groups() {
 const std::vector<Row>& table() {
   static const std::vector<Row> rows = {
       {"server/base", {}, {"posix"}},
+      {"server/codec", {"server/base"}, {}},
       {"server/mesh", {"server/base"}, {"eigen"}},
       {"server/cut", {"server/mesh", "server/base"}, {"clipper", "eigen"}},
       {"server/contact", {"server/mesh", "server/base"}, {"eigen"}},
@@ -65,7 +66,7 @@ const std::vector<Row>& table() {
       {"server/host", {"server/sheet", "server/base"}, {"asio", "eigen", "posix"}},
       {"server/svg", {"server/cut", "server/base"}, {"eigen", "xml"}},
       {"server/wire",
-       {"server/svg", "server/analysis", "server/sheet", "server/mesh", "server/base"},
+       {"server/svg", "server/codec", "server/analysis", "server/sheet", "server/mesh", "server/base"},
        {"eigen", "proto", "protobuf"}},
       {"server/stream", {"server/wire", "server/sheet", "server/mesh", "server/base"}, {}},
       {"server/api",
@@ -85,7 +86,7 @@ const std::vector<Row>& table() {
         "server/base", "render/renderer.h", "render/image.h"},
        {"proto", "cli", "posix"}},
       {"render", {}, {"gl", "images"}},
-      {"client/cpp", {}, {"proto", "grpc_stubs", "grpc"}},
+      {"client/cpp", {"server/codec"}, {"proto", "grpc_stubs", "grpc"}},
       // `kerf run` and `kerf replay` need no server: they step the sheet themselves.
       {"client/cli",
        {"client/cpp", "server/analysis", "server/sheet", "server/svg", "server/wire", "server/base",

@@ -3,15 +3,19 @@
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "kerf/v1/stream.pb.h"
+#include "server/codec/position_code.h"
+#include "server/codec/topology_code.h"
 
 namespace kerf::testing {
 
-// Reads frames as kerf/v1/stream.proto describes them, sharing no code with the encoder.
+// Reads frames as kerf/v1/stream.proto describes them, sharing no code with the encoder but, of compact frames, the
+// codec, which web/test/golden_frames.test.ts reads with code of its own.
 class FrameMirror {
  public:
   // Nothing, or what is wrong with the frame; then the mirror is as it was only in parts.
@@ -19,7 +23,9 @@ class FrameMirror {
     if (frame.sequence() != sequence + 1) return "sequence " + std::to_string(frame.sequence());
     sequence = frame.sequence();
     if (frame.has_topology()) {
-      if (const auto fault = apply_topology(frame.topology(), frame.num_vertices())) return fault;
+      v1::TopologyPatch patch = frame.topology();
+      if (frame.encoding() == v1::COMPACT && !make_raw(patch, frame.num_vertices())) return "a malformed topology";
+      if (const auto fault = apply_topology(patch, frame.num_vertices())) return fault;
       topology_version = frame.topology_version();
     }
     if (frame.topology_version() != topology_version) return "positions of an unknown topology";
@@ -53,6 +59,51 @@ class FrameMirror {
     T value{};
     std::memcpy(&value, bytes.data() + index * sizeof(T), sizeof(T));
     return value;
+  }
+
+  template <typename T>
+  static std::string bytes_of(const std::vector<T>& values) {
+    return {reinterpret_cast<const char*>(values.data()), sizeof(T) * values.size()};
+  }
+
+  // The patch with the arrays that a raw one has.
+  bool make_raw(v1::TopologyPatch& patch, std::int32_t num_vertices) const {
+    const bool full = patch.base_version() == -1;
+    const auto n = static_cast<std::size_t>(patch.num_listed_slots());
+    const auto m = static_cast<std::size_t>(patch.num_listed_vertices());
+    const auto new_triangles = codec::unpack_triangles(patch.triangles(), n, full);
+    const auto new_pieces = codec::unpack_labels(patch.pieces(), n);
+    std::vector<std::uint32_t> slots(n);
+    std::vector<std::uint32_t> vertices(m);
+    std::iota(slots.begin(), slots.end(), 0U);
+    std::iota(vertices.begin(), vertices.end(), 0U);
+    if (!full) {
+      const auto listed_slots = codec::unpack_ascending(patch.slots(), n);
+      const auto listed_vertices = codec::unpack_ascending(patch.vertices(), m);
+      if (!listed_slots || !listed_vertices) return false;
+      patch.set_slots(bytes_of(slots = *listed_slots));
+      patch.set_vertices(bytes_of(vertices = *listed_vertices));
+    }
+    if (!new_triangles || !new_pieces) return false;
+    auto all = full ? decltype(triangles)() : triangles;
+    all.resize(static_cast<std::size_t>(patch.num_slots()), {-1, -1, -1});
+    for (std::size_t i = 0; i < n; ++i) all.at(slots[i]) = (*new_triangles)[i];
+    std::vector<float> positions;
+    for (const auto& position : material) positions.insert(positions.end(), position.begin(), position.end());
+    positions.resize(2 * static_cast<std::size_t>(num_vertices));
+    if (!codec::unpack_material_positions(patch.material_positions(), vertices,
+                                          codec::vertex_predictors(all, static_cast<std::size_t>(num_vertices)),
+                                          positions)) {
+      return false;
+    }
+    std::vector<float> listed;
+    for (const std::uint32_t vertex : vertices) {
+      listed.insert(listed.end(), {positions[2 * vertex], positions[2 * vertex + 1]});
+    }
+    patch.set_triangles(bytes_of(*new_triangles));
+    patch.set_pieces(bytes_of(*new_pieces));
+    patch.set_material_positions(bytes_of(listed));
+    return true;
   }
 
   std::optional<std::string> apply_topology(const v1::TopologyPatch& patch, std::int32_t num_vertices) {
@@ -89,33 +140,26 @@ class FrameMirror {
 
   std::optional<std::string> apply_positions(const v1::Frame& frame) {
     const auto count = static_cast<std::size_t>(3 * frame.num_vertices());
-    const std::array<double, 3> min{frame.box().min().x(), frame.box().min().y(), frame.box().min().z()};
-    const std::array<double, 3> max{frame.box().max().x(), frame.box().max().y(), frame.box().max().z()};
     const std::string& bytes = frame.positions();
-    if (frame.base_tick() == -1) {
+    const bool is_keyframe = frame.base_tick() == -1;
+    if (!is_keyframe && frame.base_tick() != tick) return "a delta against tick " + std::to_string(frame.base_tick());
+    if (frame.has_box() != is_keyframe) return "a keyframe without a box, or a delta with one";
+    if (frame.encoding() == v1::RAW) {
+      if (!is_keyframe) return "a raw delta";
       if (bytes.size() != 2 * count) return "keyframe of the wrong length";
       quantised.assign(count, 0);
       for (std::size_t i = 0; i < count; ++i) quantised[i] = packed<std::uint16_t>(bytes, i);
     } else {
-      if (frame.base_tick() != tick) return "a delta against tick " + std::to_string(frame.base_tick());
-      if (min != box_min || max != box_max) return "a delta in another box";
-      quantised.resize(count, 0);
-      std::size_t at = 0;
-      for (std::size_t i = 0; i < count; ++i) {
-        std::uint32_t zigzag = 0;
-        for (int shift = 0;; shift += 7) {
-          if (at == bytes.size()) return "a delta that is too short";
-          const auto byte = static_cast<unsigned char>(bytes[at++]);
-          zigzag |= (byte & 0x7fU) << shift;
-          if (byte < 0x80) break;
-        }
-        quantised[i] += static_cast<std::int32_t>(zigzag >> 1) ^ -static_cast<std::int32_t>(zigzag & 1);
-        if (quantised[i] < 0 || quantised[i] > 65535) return "a delta that leaves the range";
-      }
-      if (at != bytes.size()) return "a delta that is too long";
+      const auto predictors = codec::vertex_predictors(triangles, count / 3);
+      const std::vector<std::uint16_t> base(quantised.begin(), quantised.end());
+      const auto positions = is_keyframe ? codec::unpack_positions(bytes, predictors)
+                                         : codec::unpack_position_delta(bytes, base, predictors);
+      if (!positions) return "malformed positions";
+      quantised.assign(positions->begin(), positions->end());
     }
-    box_min = min;
-    box_max = max;
+    if (!is_keyframe) return std::nullopt;
+    box_min = {frame.box().min().x(), frame.box().min().y(), frame.box().min().z()};
+    box_max = {frame.box().max().x(), frame.box().max().y(), frame.box().max().z()};
     return std::nullopt;
   }
 };

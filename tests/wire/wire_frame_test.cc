@@ -106,18 +106,6 @@ TEST(Quantise, HandlesNoAndOneVertex) {
   }
 }
 
-TEST(FrameEncoder, KeyframeHasTheGoldenBytes) {
-  const std::vector<std::uint16_t> q{0, 1, 65535};
-  EXPECT_EQ(encode_keyframe_positions(q), std::string("\x00\x00\x01\x00\xff\xff", 6));
-}
-
-TEST(FrameEncoder, DeltaHasTheGoldenBytes) {
-  const std::vector<std::uint16_t> base{10, 10, 65535, 0, 7};
-  const std::vector<std::uint16_t> q{10, 9, 0, 65535, 71, 1};
-  // 0, -1, -65535, 65535, 64, and 1 against a vertex that the base does not have.
-  EXPECT_EQ(encode_delta_positions(q, base), std::string("\x00\x01\xfd\xff\x07\xfe\xff\x07\x80\x01\x02", 11));
-}
-
 TEST(FrameEncoder, MirrorEqualsQuantisedPositionsThroughCutsSkipsAndNewBoxes) {
   ChangingSheet sheet(3, 60, 100);
   SeededRandom random(4);
@@ -133,14 +121,18 @@ TEST(FrameEncoder, MirrorEqualsQuantisedPositionsThroughCutsSkipsAndNewBoxes) {
     if (last && random.uniform() < 0.3) continue;  // this viewer skips the tick
     const QuantisedFrame frame =
         quantise_frame(*sheet.snapshot(), last ? std::optional<FrameBox>(last->box) : std::nullopt);
+    const Predictors predictors = make_predictors(*frame.topology);
     std::optional<std::string> delta;
-    if (last && last->box == frame.box && random.uniform() < 0.9) delta = encode_delta_body(frame, *last);
+    const bool full_topology = !last || frame.topology->patchable_since > told;
+    if (!full_topology && last->box == frame.box && random.uniform() < 0.9) {
+      delta = encode_delta_body(frame, *last, predictors);
+    }
     new_boxes += last && last->box != frame.box ? 1 : 0;
     deltas += delta.has_value() ? 1 : 0;
     std::string topology;
-    if (frame.topology->version != told) topology = encode_topology(*frame.topology, told).bytes;
+    if (frame.topology->version != told) topology = encode_topology(*frame.topology, told, &predictors).bytes;
     const auto fault =
-        mirror.apply(assemble(mirror.sequence + 1, delta ? *delta : encode_keyframe_body(frame), topology));
+        mirror.apply(assemble(mirror.sequence + 1, delta ? *delta : encode_keyframe_body(frame, predictors), topology));
     ASSERT_EQ(fault, std::nullopt) << "tick " << tick;
     ASSERT_EQ(std::vector<std::int32_t>(frame.positions.begin(), frame.positions.end()), mirror.quantised);
     if (frame.topology->version != told) expect_topology(mirror, *frame.topology);
@@ -160,16 +152,17 @@ TEST(FrameEncoder, UnionPatchFromAnyVersionGivesTheSameAsTheFullTopology) {
     if (round > 0) sheet.cut(2);
     const QuantisedFrame frame = quantise_frame(*sheet.snapshot(), std::nullopt);
     FrameMirror fresh;
-    const EncodedTopology full = encode_topology(*frame.topology, -1);
+    const Predictors predictors = make_predictors(*frame.topology);
+    const EncodedTopology full = encode_topology(*frame.topology, -1, &predictors);
     ASSERT_TRUE(full.full);
-    ASSERT_EQ(fresh.apply(assemble(1, encode_keyframe_body(frame), full.bytes)), std::nullopt);
+    ASSERT_EQ(fresh.apply(assemble(1, encode_keyframe_body(frame, predictors), full.bytes)), std::nullopt);
     expect_topology(fresh, *frame.topology);
     for (FrameMirror viewer : viewers) {  // a copy: the viewer itself stays behind
-      const EncodedTopology patch = encode_topology(*frame.topology, viewer.topology_version);
+      const EncodedTopology patch = encode_topology(*frame.topology, viewer.topology_version, &predictors);
       EXPECT_EQ(patch.full, viewer.topology_version < frame.topology->patchable_since);
       EXPECT_TRUE(patch.full || patch.bytes.size() < full.bytes.size() / 2);
       unions += patch.full ? 0 : 1;
-      ASSERT_EQ(viewer.apply(assemble(2, encode_keyframe_body(frame), patch.bytes)), std::nullopt);
+      ASSERT_EQ(viewer.apply(assemble(2, encode_keyframe_body(frame, predictors), patch.bytes)), std::nullopt);
       EXPECT_EQ(viewer.triangles, fresh.triangles);
       EXPECT_EQ(viewer.pieces, fresh.pieces);
       EXPECT_EQ(viewer.material, fresh.material);
@@ -179,10 +172,37 @@ TEST(FrameEncoder, UnionPatchFromAnyVersionGivesTheSameAsTheFullTopology) {
   EXPECT_EQ(unions, 15 + 15);
 }
 
+TEST(FrameEncoder, RawFramesGiveTheSameMirrorAsCompactOnes) {
+  ChangingSheet sheet(8, 70, 110);
+  FrameMirror raw;
+  FrameMirror compact;
+  std::int32_t told = -1;
+  for (int round = 0; round < 20; ++round) {
+    sheet.move(0.01);
+    if (round % 3 == 1) sheet.cut(2);
+    if (round == 12) sheet.reset(50, 90);
+    const QuantisedFrame frame = quantise_frame(*sheet.snapshot(), std::nullopt);
+    const Predictors predictors = make_predictors(*frame.topology);
+    const bool is_new = frame.topology->version != told;
+    const EncodedTopology plain = encode_topology(*frame.topology, told, nullptr);
+    const EncodedTopology packed = encode_topology(*frame.topology, told, &predictors);
+    EXPECT_EQ(plain.full, packed.full);
+    ASSERT_EQ(raw.apply(assemble(round + 1, encode_raw_body(frame), is_new ? plain.bytes : "")), std::nullopt);
+    ASSERT_EQ(compact.apply(assemble(round + 1, encode_keyframe_body(frame, predictors), is_new ? packed.bytes : "")),
+              std::nullopt);
+    EXPECT_EQ(raw.quantised, compact.quantised);
+    EXPECT_EQ(raw.box_max, compact.box_max);
+    EXPECT_EQ(raw.triangles, compact.triangles);
+    EXPECT_EQ(raw.pieces, compact.pieces);
+    EXPECT_EQ(raw.material, compact.material);
+    told = frame.topology->version;
+  }
+}
+
 TEST(FrameEncoder, PatchThatIsNoSmallerIsSentInFull) {
   ChangingSheet sheet(6, 10, 10);
   sheet.cut(20);
-  EXPECT_TRUE(encode_topology(*sheet.snapshot()->topology, 1).full);
+  EXPECT_TRUE(encode_topology(*sheet.snapshot()->topology, 1, nullptr).full);
 }
 
 TEST(FrameEncoder, HeadMergesWithSharedStats) {
@@ -190,7 +210,7 @@ TEST(FrameEncoder, HeadMergesWithSharedStats) {
   auto snapshot = *sheet.snapshot();
   snapshot.stats.overruns = 11;
   snapshot.stats.paused = true;
-  const std::string body = encode_keyframe_body(quantise_frame(snapshot, std::nullopt));
+  const std::string body = encode_raw_body(quantise_frame(snapshot, std::nullopt));
   v1::WatchResponse response;
   ASSERT_TRUE(response.ParseFromString(encode_frame_head(9, 4, body.size()) + body));
   EXPECT_EQ(response.frame().sequence(), 9);

@@ -6,7 +6,7 @@ import { afterEach, beforeEach, describe, expect, it } from 'vitest';
 import { WebSocket as NodeWebSocket, WebSocketServer } from 'ws';
 import { ApiError, call } from '../src/api';
 import { SheetService } from '../src/gen/kerf/v1/sheets_pb';
-import { Ended_Reason, WatchRequestSchema, WatchResponseSchema } from '../src/gen/kerf/v1/stream_pb';
+import { Encoding, Ended_Reason, WatchRequestSchema, WatchResponseSchema } from '../src/gen/kerf/v1/stream_pb';
 import type { WatchRequest } from '../src/gen/kerf/v1/stream_pb';
 import { FrameClock } from '../src/stream/frame_clock';
 import { Watch } from '../src/stream/watch';
@@ -73,6 +73,7 @@ class FakeServer {
         baseTick: -1n,
         topologyVersion: 1,
         numVertices: 3,
+        encoding: Encoding.RAW,
         positions: new Uint8Array(18),
         box: { min: {}, max: {} },
         topology:
@@ -81,6 +82,8 @@ class FakeServer {
             : {
                 baseVersion: -1,
                 numSlots: 1,
+                numListedSlots: 1,
+                numListedVertices: 3,
                 triangles: new Uint8Array(Int32Array.of(0, 1, 2).buffer),
                 pieces: new Uint8Array(4),
                 materialPositions: new Uint8Array(24),

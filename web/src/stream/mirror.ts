@@ -1,5 +1,9 @@
+import { Encoding } from '../gen/kerf/v1/stream_pb';
 import type { Frame, FrameStats, TopologyPatch } from '../gen/kerf/v1/stream_pb';
-import { addZigzagDeltas } from './varint';
+import { unpackAscending, unpackLabels, unpackMaterialPositions, unpackPositions, unpackTriangles } from './frame_code';
+import { CodeError } from './packed_integers';
+import { vertexPredictors } from './predictors';
+import type { Predictors } from './predictors';
 
 /** A frame that does not follow from the mirror's state, or is malformed. The stream must be started anew. */
 export class MirrorError extends Error {
@@ -18,17 +22,36 @@ function withRoom<T extends Int32Array | Float32Array | Uint16Array>(array: T, u
   return grown;
 }
 
+/** A copy with the first `used` elements and room for `count`. */
+function kept<T extends Int32Array | Float32Array>(array: T, used: number, count: number): T {
+  const copy = new (array.constructor as new (length: number) => T)(count);
+  copy.set(array.subarray(0, used) as never);
+  return copy;
+}
+
 // Bytes fields are views into the message at any alignment: copy before viewing them as wider numbers. Typed arrays
 // have the machine's byte order, which is little-endian, as on the wire, everywhere that browsers run.
 function aligned(bytes: Uint8Array): ArrayBuffer {
   return bytes.slice().buffer as ArrayBuffer;
 }
 
+/** A topology that a frame brings, before it is the mirror's. */
+interface Topology {
+  numSlots: number;
+  numPieces: number;
+  triangles: Int32Array;
+  pieces: Int32Array;
+  material: Float32Array;
+  /** Of compact frames. */
+  predictors: Predictors | undefined;
+}
+
 /**
  * The viewer's copy of a sheet: applies kerf.v1.Frame messages, keyframes, deltas and topology patches, in the order of
  * the stream. `apply` does all of a frame or, throwing MirrorError, nothing.
  *
- * The arrays have spare room at the end; only the stated parts are valid.
+ * The arrays may have spare room at the end; only the stated parts are valid. A frame with a topology brings new
+ * arrays of triangles, pieces and material positions.
  */
 export class SheetMirror {
   /** Of the last frame; 0 before the first. */
@@ -57,8 +80,14 @@ export class SheetMirror {
   // q of stream.proto: 3 V, and the buffer that the next frame is decoded into.
   private quantised: Uint16Array = new Uint16Array(0);
   private next: Uint16Array = new Uint16Array(0);
+  private predictors: Predictors | undefined;
   private readonly boxMin = [0, 0, 0];
   private readonly boxStep = [0, 0, 0];
+
+  /** 3 V: x, y, z interleaved, 0..65535 in the last keyframe's box */
+  get quantisedPositions(): Uint16Array {
+    return this.quantised.subarray(0, 3 * this.numVertices);
+  }
 
   apply(frame: Frame): void {
     const sequence = Number(frame.sequence);
@@ -67,11 +96,17 @@ export class SheetMirror {
     require(isKeyframe || (this.tick >= 0 && Number(frame.baseTick) === this.tick), () =>
       `delta against tick ${frame.baseTick}, but the mirror is at ${this.tick}`);
     require(frame.numVertices >= 0, () => `${frame.numVertices} vertices`);
-    this.checkTopology(frame);
-    this.decodePositions(frame, isKeyframe);
+    let topology: Topology | undefined;
+    try {
+      if (frame.topology) topology = this.patched(frame, frame.topology);
+      else this.checkUnchanged(frame);
+      this.decodePositions(frame, isKeyframe, () => topology?.predictors ?? this.ownPredictors());
+    } catch (error) {
+      throw error instanceof CodeError ? new MirrorError(`frame of tick ${frame.tick}: ${error.message}`) : error;
+    }
 
     // Nothing fails from here on.
-    if (frame.topology) this.applyTopology(frame.topology, frame.numVertices);
+    if (topology) this.commitTopology(topology);
     this.commitPositions(frame, isKeyframe);
     this.sequence = sequence;
     this.tick = Number(frame.tick);
@@ -79,21 +114,26 @@ export class SheetMirror {
     if (frame.stats) this.stats = frame.stats;
   }
 
-  private decodePositions(frame: Frame, isKeyframe: boolean): void {
+  private ownPredictors(): Predictors {
+    this.predictors ??= vertexPredictors(this.triangles, this.numSlots, this.numVertices);
+    return this.predictors;
+  }
+
+  private decodePositions(frame: Frame, isKeyframe: boolean, predictors: () => Predictors): void {
     const count = 3 * frame.numVertices;
-    this.next = withRoom(this.next, 0, count);
-    if (isKeyframe) {
-      require(frame.box?.min !== undefined && frame.box.max !== undefined, () => 'keyframe without a box');
-      require(frame.positions.length === 2 * count, () =>
-        `keyframe of ${frame.numVertices} vertices has ${frame.positions.length} bytes of positions`);
-      this.next.set(new Uint16Array(aligned(frame.positions)));
+    require(!isKeyframe || (frame.box?.min !== undefined && frame.box.max !== undefined), () =>
+      'keyframe without a box');
+    if (frame.encoding === Encoding.COMPACT) {
+      const baseCount = isKeyframe ? 0 : 3 * this.numVertices;
+      this.next = withRoom(this.next, 0, count);
+      unpackPositions(frame.positions, this.quantised, baseCount, predictors(), this.next);
       return;
     }
-    try {
-      addZigzagDeltas(frame.positions, this.quantised, 3 * this.numVertices, this.next, count);
-    } catch (error) {
-      throw new MirrorError(`delta of tick ${frame.tick}: ${(error as Error).message}`);
-    }
+    require(frame.encoding === Encoding.RAW && isKeyframe, () => `frame of encoding ${frame.encoding}`);
+    require(frame.positions.length === 2 * count, () =>
+      `keyframe of ${frame.numVertices} vertices has ${frame.positions.length} bytes of positions`);
+    this.next = withRoom(this.next, 0, count);
+    this.next.set(new Uint16Array(aligned(frame.positions)));
   }
 
   private commitPositions(frame: Frame, isKeyframe: boolean): void {
@@ -116,87 +156,103 @@ export class SheetMirror {
     }
   }
 
-  private checkTopology(frame: Frame): void {
-    const patch = frame.topology;
-    if (!patch) {
-      require(frame.topologyVersion === this.topologyVersion, () =>
-        `topology ${frame.topologyVersion} without a patch; the mirror has ${this.topologyVersion}`);
-      require(frame.numVertices === this.numVertices, () =>
-        `${frame.numVertices} vertices without a patch; the mirror has ${this.numVertices}`);
-      return;
-    }
+  private checkUnchanged(frame: Frame): void {
+    require(frame.topologyVersion === this.topologyVersion, () =>
+      `topology ${frame.topologyVersion} without a patch; the mirror has ${this.topologyVersion}`);
+    require(frame.numVertices === this.numVertices, () =>
+      `${frame.numVertices} vertices without a patch; the mirror has ${this.numVertices}`);
+  }
+
+  /** The topology with the frame's patch, in arrays of its own. */
+  private patched(frame: Frame, patch: TopologyPatch): Topology {
     const isFull = patch.baseVersion === -1;
     require(isFull || patch.baseVersion === this.topologyVersion, () =>
       `patch against topology ${patch.baseVersion}; the mirror has ${this.topologyVersion}`);
     require(isFull || frame.numVertices >= this.numVertices, () => 'a patch that is not full removes vertices');
     require(patch.numSlots >= 0, () => `${patch.numSlots} slots`);
-    require(!isFull || (patch.slots.length === 0 && patch.vertices.length === 0), () =>
-      'a full patch lists slots or vertices');
-    this.checkSlots(patch, isFull, frame.numVertices);
-    this.checkVertices(patch, isFull, frame.numVertices);
-  }
+    const read = readPatch(frame, patch, isFull);
+    this.checkNewVertices(read.vertices, frame.numVertices, isFull);
 
-  private checkSlots(patch: TopologyPatch, isFull: boolean, numVertices: number): void {
-    const changed = isFull ? patch.numSlots : patch.slots.length / 4;
-    require(patch.triangles.length === 12 * changed && patch.pieces.length === 4 * changed, () =>
-      `${changed} changed slots with ${patch.triangles.length} bytes of triangles, ${patch.pieces.length} of pieces`);
-    checkAscending(patch.slots, patch.numSlots, 'slot');
-    const triangles = new Int32Array(aligned(patch.triangles));
-    for (let i = 0; i < triangles.length; i += 3) {
-      const [a, b, c] = [triangles[i], triangles[i + 1], triangles[i + 2]];
-      const isEmpty = a === -1 && b === -1 && c === -1;
-      const isInside = Math.min(a, b, c) >= 0 && Math.max(a, b, c) < numVertices;
-      require(isEmpty || isInside, () => `triangle (${a}, ${b}, ${c}) of ${numVertices} vertices`);
+    const keptSlots = isFull ? 0 : Math.min(this.numSlots, patch.numSlots);
+    const keptVertices = isFull ? 0 : this.numVertices;
+    const triangles = kept(this.triangles, 3 * keptSlots, 3 * patch.numSlots).fill(-1, 3 * keptSlots);
+    const pieces = kept(this.pieces, keptSlots, patch.numSlots).fill(-1, keptSlots);
+    const material = kept(this.materialPositions, 2 * keptVertices, 2 * frame.numVertices);
+    read.slots.forEach((slot, i) => {
+      triangles.set(read.triangles.subarray(3 * i, 3 * i + 3), 3 * slot);
+      pieces[slot] = read.pieces[i];
+    });
+    let predictors: Predictors | undefined;
+    if (frame.encoding === Encoding.COMPACT) {
+      predictors = vertexPredictors(triangles, patch.numSlots, frame.numVertices);
+      unpackMaterialPositions(patch.materialPositions, read.vertices, predictors, material);
+    } else {
+      require(patch.materialPositions.length === 8 * read.vertices.length, () =>
+        `${read.vertices.length} vertices with ${patch.materialPositions.length} bytes of material positions`);
+      const packed = new Float32Array(aligned(patch.materialPositions));
+      read.vertices.forEach((vertex, i) => material.set(packed.subarray(2 * i, 2 * i + 2), 2 * vertex));
     }
+    return { numSlots: patch.numSlots, numPieces: patch.numPieces, triangles, pieces, material, predictors };
   }
 
-  private checkVertices(patch: TopologyPatch, isFull: boolean, numVertices: number): void {
-    const changed = isFull ? numVertices : patch.vertices.length / 4;
-    require(patch.materialPositions.length === 8 * changed, () =>
-      `${changed} vertices with ${patch.materialPositions.length} bytes of material positions`);
-    const vertices = checkAscending(patch.vertices, numVertices, 'vertex');
-    if (isFull) return;
-    const numNew = numVertices - this.numVertices;
+  private checkNewVertices(vertices: Uint32Array, numVertices: number, isFull: boolean): void {
+    const numNew = isFull ? 0 : numVertices - this.numVertices;
     require(numNew === 0 || vertices[vertices.length - numNew] === this.numVertices, () =>
       `new vertices ${this.numVertices}..${numVertices - 1} are not all listed`);
   }
 
-  private applyTopology(patch: TopologyPatch, numVertices: number): void {
-    const isFull = patch.baseVersion === -1;
-    const keptSlots = isFull ? 0 : Math.min(this.numSlots, patch.numSlots);
-    this.triangles = withRoom(this.triangles, 3 * keptSlots, 3 * patch.numSlots);
-    this.pieces = withRoom(this.pieces, keptSlots, patch.numSlots);
-    this.materialPositions = withRoom(this.materialPositions, isFull ? 0 : 2 * this.numVertices, 2 * numVertices);
-    const triangles = new Int32Array(aligned(patch.triangles));
-    const pieces = new Int32Array(aligned(patch.pieces));
-    const material = new Float32Array(aligned(patch.materialPositions));
-    if (isFull) {
-      this.triangles.set(triangles);
-      this.pieces.set(pieces);
-      this.materialPositions.set(material);
-    } else {
-      this.triangles.fill(-1, 3 * keptSlots, 3 * patch.numSlots);
-      this.pieces.fill(-1, keptSlots, patch.numSlots);
-      new Uint32Array(aligned(patch.slots)).forEach((slot, i) => {
-        this.triangles.set(triangles.subarray(3 * i, 3 * i + 3), 3 * slot);
-        this.pieces[slot] = pieces[i];
-      });
-      new Uint32Array(aligned(patch.vertices)).forEach((vertex, i) => {
-        this.materialPositions[2 * vertex] = material[2 * i];
-        this.materialPositions[2 * vertex + 1] = material[2 * i + 1];
-      });
-    }
-    this.numSlots = patch.numSlots;
-    this.numPieces = patch.numPieces;
+  private commitTopology(topology: Topology): void {
+    this.triangles = topology.triangles;
+    this.pieces = topology.pieces;
+    this.materialPositions = topology.material;
+    this.predictors = topology.predictors;
+    this.numSlots = topology.numSlots;
+    this.numPieces = topology.numPieces;
   }
 }
 
-function checkAscending(bytes: Uint8Array, limit: number, what: string): Uint32Array {
-  require(bytes.length % 4 === 0, () => `${bytes.length} bytes of ${what} ids`);
-  const ids = new Uint32Array(aligned(bytes));
+/** What a patch lists: slots with their triangles and pieces, and vertices. */
+interface ReadPatch {
+  slots: Uint32Array;
+  triangles: Int32Array;
+  pieces: Int32Array;
+  vertices: Uint32Array;
+}
+
+function readPatch(frame: Frame, patch: TopologyPatch, isFull: boolean): ReadPatch {
+  const { numListedSlots: n, numListedVertices: m } = patch;
+  require(n >= 0 && m >= 0, () => `${n} slots and ${m} vertices listed`);
+  require(!isFull || (n === patch.numSlots && m === frame.numVertices), () => 'a full patch lists not all');
+  require(!isFull || (patch.slots.length === 0 && patch.vertices.length === 0), () =>
+    'a full patch lists slots or vertices');
+  const isCompact = frame.encoding === Encoding.COMPACT;
+  const words = (bytes: Uint8Array, count: number, what: string) => {
+    require(bytes.length === 4 * count, () => `${what} of ${n} slots and ${m} vertices have ${bytes.length} bytes`);
+    return new Int32Array(aligned(bytes));
+  };
+  const ids = (bytes: Uint8Array, count: number, what: string) =>
+    isCompact ? unpackAscending(bytes, count) : new Uint32Array(words(bytes, count, what).buffer);
+  // Of a full patch the bytes bound the counts, so they are read before lists of all ids are made.
+  const triangles = isCompact
+    ? unpackTriangles(patch.triangles, n, isFull)
+    : words(patch.triangles, 3 * n, 'triangles');
+  const pieces = isCompact ? unpackLabels(patch.pieces, n) : words(patch.pieces, n, 'pieces');
+  const slots = isFull ? Uint32Array.from({ length: n }, (_, i) => i) : ids(patch.slots, n, 'ids');
+  const vertices = isFull ? Uint32Array.from({ length: m }, (_, i) => i) : ids(patch.vertices, m, 'ids');
+  checkAscending(slots, patch.numSlots, 'slot');
+  checkAscending(vertices, frame.numVertices, 'vertex');
+  for (let i = 0; i < triangles.length; i += 3) {
+    const [a, b, c] = [triangles[i], triangles[i + 1], triangles[i + 2]];
+    const isEmpty = a === -1 && b === -1 && c === -1;
+    const isInside = Math.min(a, b, c) >= 0 && Math.max(a, b, c) < frame.numVertices;
+    require(isEmpty || isInside, () => `triangle (${a}, ${b}, ${c}) of ${frame.numVertices} vertices`);
+  }
+  return { slots, triangles, pieces, vertices };
+}
+
+function checkAscending(ids: Uint32Array, limit: number, what: string): void {
   for (let i = 0; i < ids.length; ++i) {
     require(ids[i] < limit, () => `${what} ${ids[i]} of ${limit}`);
     require(i === 0 || ids[i] > ids[i - 1], () => `${what} ${ids[i]} after ${ids[i - 1]}`);
   }
-  return ids;
 }

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace kerf::codec {
+
+inline constexpr std::int32_t kNoVertex = -1;
+
+// From which earlier vertices a vertex is foretold. Ids, kNoVertex where there is none; all of them below the vertex's own.
+//
+//      near_a                 near_a and near_b are the other corners of the first slot in which the vertex has the
+//      /    \                 highest id of the three; across is the lowest id that forms a triangle with those two on
+//  across   vertex            their other side. A vertex that is the highest in no slot has near_a alone: the lowest
+//      \    /                 corner of the first slot in which it is not the lowest itself, without such a slot id - 1.
+//      near_b
+struct VertexPredictor {
+  std::int32_t near_a = kNoVertex;
+  std::int32_t near_b = kNoVertex;
+  std::int32_t across = kNoVertex;
+
+  bool operator==(const VertexPredictor&) const = default;
+};
+
+// For each of num_vertices vertices; a function of the triangles alone, so that a viewer that has them finds the same.
+// `triangles`: a slot; vertex ids in 0..num_vertices-1, or kNoVertex thrice where there is no material.
+// O(vertices + slots).
+std::vector<VertexPredictor> vertex_predictors(std::span<const std::array<std::int32_t, 3>> triangles,
+                                               std::size_t num_vertices);
+
+}  // namespace kerf::codec
