@@ -1,5 +1,6 @@
 #include "client/cpp/watcher.h"
 
+#include <chrono>
 #include <optional>
 
 namespace kerf::client {
@@ -10,6 +11,7 @@ grpc::Status Watcher::run(const std::string& name, const WatchOptions& options, 
   start.mutable_start()->set_name(name);
   start.mutable_start()->set_window(options.window);
   start.mutable_start()->set_max_rate_hz(options.max_rate_hz);
+  start.mutable_start()->set_encoding(options.encoding);
   stream->Write(start);
 
   Mirror mirror;
@@ -17,6 +19,7 @@ grpc::Status Watcher::run(const std::string& name, const WatchOptions& options, 
   grpc::Status failure = grpc::Status::OK;
   bool wanted = true;
   while (wanted && stream->Read(&response)) {
+    const auto arrived = std::chrono::steady_clock::now();
     if (response.has_ended()) ended_ = response.ended();
     if (!response.has_frame()) continue;
     if (const std::optional<std::string> wrong = mirror.apply(response.frame())) {
@@ -25,7 +28,9 @@ grpc::Status Watcher::run(const std::string& name, const WatchOptions& options, 
     }
     wanted = on_frame(response.frame(), mirror);
     v1::WatchRequest ack;
+    const auto held = std::chrono::steady_clock::now() - arrived;
     ack.mutable_ack()->set_sequence(response.frame().sequence());
+    ack.mutable_ack()->set_held_us(1 + std::chrono::duration_cast<std::chrono::microseconds>(held).count());
     stream->Write(ack);
   }
   if (!wanted || !failure.ok()) {

@@ -14,8 +14,9 @@
 namespace kerf::client {
 
 struct WatchOptions {
-  std::int32_t window = 0;   // frames in flight, 1..8; 0: the server's choice
+  std::int32_t window = 0;   // frames in flight, 1..8; 0: what way and reader want
   double max_rate_hz = 0.0;  // 0: every tick
+  v1::Encoding encoding = v1::COMPACT;
 };
 
 // Watches one sheet: reads frames, keeps a Mirror, acknowledges. Blocks the thread that calls run().
@@ -27,7 +28,8 @@ class Watcher {
   explicit Watcher(Client& client) : client_(client) {}
 
   // Watches `name` ("sheets/demo") until on_frame says stop, stop() is called, the server ends the stream, or it fails.
-  // OK in the first three cases; DATA_LOSS if a frame does not fit the mirror.
+  // OK in the first three cases; DATA_LOSS if a frame does not fit the mirror. The server is told how long on_frame
+  // took, so that a slow one is given newer frames, not queued ones.
   grpc::Status run(const std::string& name, const WatchOptions& options, const OnFrame& on_frame);
 
   // From any thread, also from a signal handler's aid: ends run().

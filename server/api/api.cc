@@ -107,6 +107,10 @@ std::shared_ptr<WatchSession> Api::watch() {
   return make_watch_session(core_);
 }
 
+std::shared_ptr<WatchSession> Api::subscribe(const v1::SubscribeRequest& request) {
+  return make_subscription(core_, request);
+}
+
 const std::vector<Method>& Api::methods() const {
   return methods_;
 }

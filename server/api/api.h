@@ -62,6 +62,7 @@ class SetSheetWindRequest;
 class Sheet;
 class SheetState;
 class StepSheetRequest;
+class SubscribeRequest;
 class UndoCutRequest;
 class UndoResult;
 }  // namespace kerf::v1
@@ -152,6 +153,8 @@ class Api {
 
   // A new stream of StreamService.Watch.
   std::shared_ptr<WatchSession> watch();
+  // StreamService.Subscribe: a session that is under way, and is handed no requests.
+  std::shared_ptr<WatchSession> subscribe(const v1::SubscribeRequest& request);
 
   // Every unary method above, ordered by path. Lives as long as the Api.
   [[nodiscard]] const std::vector<Method>& methods() const;

@@ -31,7 +31,7 @@ struct ApiCore {
         clock(the_clock),
         started_at(the_clock.now()),
         requests(options.limits.max_remembered_requests, options.limits.max_remembered_bytes),
-        hub(the_host, options.limits.max_subscribers_per_sheet),
+        hub(the_host, options.limits.max_subscribers_per_sheet, options.instance_id),
         worker(options.limits.max_waiting_pictures),
         analyst(options.limits.max_waiting_analyses) {}
 

@@ -1,9 +1,12 @@
 #include "server/api/session.h"
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <deque>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,39 +23,78 @@ namespace {
 constexpr std::size_t kMaxUnreadRejections = 256;
 constexpr double kMinRateHz = 1.0e-3;  // a frame in a quarter of an hour; far below it, periods overflow
 constexpr double kMaxRateHz = 1000.0;
+constexpr double kSubscriptionRateHz = 1.0;
+constexpr double kMaxSubscriptionRateHz = 10.0;
+constexpr std::size_t kMaxEpochBytes = 64;
+constexpr std::int64_t kMaxHeldUs = 3'600'000'000;  // an hour; far above it, nanoseconds overflow
 
-Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, const Limits& limits) {
-  stream::SubscriberOptions options;
-  if (start.window() != 0) options.window = start.window();
-  if (options.window < 1 || options.window > stream::kMaxWindow) {
-    return invalid_argument("OUT_OF_RANGE",
-                            "start.window is " + std::to_string(start.window()) + "; must be 1 to 8, or 0 for 2",
-                            "start.window");
-  }
-  const double rate_hz = start.max_rate_hz();
-  if (rate_hz != 0.0 && !(rate_hz >= kMinRateHz && rate_hz <= kMaxRateHz)) {  // also refuses NaN
-    return invalid_argument(
-        "OUT_OF_RANGE",
-        "start.max_rate_hz is " + std::to_string(rate_hz) + "; must be 0.001 to 1000, or 0 for every tick",
-        "start.max_rate_hz");
-  }
-  options.max_rate_hz = rate_hz;
+Result<double> decode_rate(double rate_hz, double max_hz, const char* meaning_of_0, const std::string& field) {
+  if (rate_hz == 0.0 || (rate_hz >= kMinRateHz && rate_hz <= max_hz)) return rate_hz;  // refuses NaN
+  std::ostringstream message;
+  message << field << " is " << rate_hz << "; must be 0.001 to " << max_hz << ", or 0 for " << meaning_of_0;
+  return invalid_argument("OUT_OF_RANGE", message.str(), field);
+}
+
+Result<wire::Encoding> decode_encoding(const v1::WatchStart& start) {
   switch (start.encoding()) {
     case v1::ENCODING_UNSPECIFIED:
     case v1::COMPACT:
-      options.encoding = wire::Encoding::kCompact;
-      break;
+      return wire::Encoding::kCompact;
     case v1::RAW:
-      options.encoding = wire::Encoding::kRaw;
-      break;
+      return wire::Encoding::kRaw;
     default:
       return invalid_argument("OUT_OF_RANGE",
                               "start.encoding is " + std::to_string(start.encoding()) +
                                   "; must be COMPACT (1) or RAW (2), or 0 for COMPACT",
                               "start.encoding");
   }
+}
+
+stream::SubscriberOptions options_within(const Limits& limits) {
+  stream::SubscriberOptions options;
   options.max_unacknowledged_bytes = static_cast<std::size_t>(limits.max_unsent_bytes_per_subscriber);
   options.ack_timeout = limits.watch_ack_timeout;
+  return options;
+}
+
+Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, const Limits& limits) {
+  stream::SubscriberOptions options = options_within(limits);
+  options.window = start.window();
+  if (options.window < 0 || options.window > stream::kMaxWindow) {
+    return invalid_argument(
+        "OUT_OF_RANGE",
+        "start.window is " + std::to_string(start.window()) + "; must be 1 to 8, or 0 for one that adapts",
+        "start.window");
+  }
+  const Result<double> rate = decode_rate(start.max_rate_hz(), kMaxRateHz, "every tick", "start.max_rate_hz");
+  if (!rate.ok()) return rate.error();
+  options.max_rate_hz = *rate;
+  const Result<wire::Encoding> encoding = decode_encoding(start);
+  if (!encoding.ok()) return encoding.error();
+  options.encoding = *encoding;
+  if (start.epoch().size() > kMaxEpochBytes) {
+    return invalid_argument("OUT_OF_RANGE",
+                            "start.epoch has " + std::to_string(start.epoch().size()) +
+                                " bytes; it is that of an earlier stream's first frame, or empty",
+                            "start.epoch");
+  }
+  options.epoch = start.epoch();
+  options.topology_version = start.topology_version();
+  return options;
+}
+
+Result<stream::SubscriberOptions> decode_options(const v1::SubscribeRequest& request, const Limits& limits) {
+  stream::SubscriberOptions options = options_within(limits);
+  const Result<double> rate = decode_rate(request.max_rate_hz(), kMaxSubscriptionRateHz, "one a second", "max_rate_hz");
+  if (!rate.ok()) return rate.error();
+  options.max_rate_hz = *rate == 0.0 ? kSubscriptionRateHz : *rate;
+  options.encoding = wire::Encoding::kRaw;
+  options.acknowledges = false;
+  if (request.max_frames() < 0) {
+    return invalid_argument("OUT_OF_RANGE",
+                            "max_frames is " + std::to_string(request.max_frames()) + "; must be 0 (no end) or more",
+                            "max_frames");
+  }
   return options;
 }
 
@@ -69,23 +111,30 @@ class Session final : public WatchSession, public std::enable_shared_from_this<S
   [[nodiscard]] std::optional<Error> failure() const override;
   void close() override;
 
+  // Begins a stream that takes no requests.
+  void subscribe(const v1::SubscribeRequest& request);
   // The stream is refused with `error`, unless it has ended already.
   void fail(Error error);
   [[nodiscard]] bool started() const;
 
  private:
   void start(const v1::WatchStart& request);
+  void join(const std::string& sheet_id, const stream::SubscriberOptions& options);
+  void set_pace(const v1::WatchPace& pace);
+  std::shared_ptr<stream::Subscriber> joined_subscriber();
   void joined(Result<std::shared_ptr<stream::Subscriber>> subscriber);
   void acknowledge(const v1::WatchAck& ack);
   void submit(const std::string& grab_id, Result<sheet::Command> command);
   void answered(const std::string& grab_id, const sheet::Command& command, const Status& status);
   void reject(const std::string& grab_id, const Error& error);
+  void count_frame();
   void wake_at(host::Nanoseconds deadline);
   void on_timer();
   [[nodiscard]] bool over() const { return closed_ || failure_; }  // mutex_ held
 
   const std::shared_ptr<ApiCore> core_;
   ReadySignal ready_;
+  const char* name_field_ = "start.name";  // of the request that began the stream
 
   mutable std::mutex mutex_;  // of what follows; not held over calls to the host, the hub or the subscriber
   std::string sheet_id_;      // empty until started
@@ -93,6 +142,8 @@ class Session final : public WatchSession, public std::enable_shared_from_this<S
   std::deque<stream::Message> rejections_;
   std::set<std::string> held_grabs_;
   std::optional<Error> failure_;
+  std::optional<std::int32_t> frames_left_;  // until the stream is done
+  bool done_ = false;
   std::optional<std::pair<host::Nanoseconds, host::TimerId>> timer_;
   bool closed_ = false;
 };
@@ -108,7 +159,8 @@ void Session::on_bytes(std::string_view bytes) {
 void Session::on_request(const v1::WatchRequest& request) {
   const bool is_start = request.kind_case() == v1::WatchRequest::kStart;
   if (request.kind_case() == v1::WatchRequest::KIND_NOT_SET) {
-    return fail(invalid_argument("CHOICE_MISSING", "kind must be one of start, ack, grab, drag or release", "kind"));
+    return fail(
+        invalid_argument("CHOICE_MISSING", "kind must be one of start, ack, grab, drag, release or pace", "kind"));
   }
   if (is_start == started()) {
     return fail(is_start ? invalid_argument("STARTED_TWICE", "this stream was started before; open another", "start")
@@ -119,6 +171,8 @@ void Session::on_request(const v1::WatchRequest& request) {
       return start(request.start());
     case v1::WatchRequest::kAck:
       return acknowledge(request.ack());
+    case v1::WatchRequest::kPace:
+      return set_pace(request.pace());
     case v1::WatchRequest::kGrab:
       return submit(request.grab().grab_id(), wire::decode_grab(request.grab()));
     case v1::WatchRequest::kDrag:
@@ -135,23 +189,37 @@ void Session::start(const v1::WatchStart& request) {
   if (!id.ok()) return fail(id.error());
   const Result<stream::SubscriberOptions> options = decode_options(request, core_->options.limits);
   if (!options.ok()) return fail(options.error());
+  join(*id, *options);
+}
+
+void Session::subscribe(const v1::SubscribeRequest& request) {
+  name_field_ = "name";
+  const Result<std::string> id = addressed_sheet(*core_, request.name(), name_field_);
+  if (!id.ok()) return fail(id.error());
+  const Result<stream::SubscriberOptions> options = decode_options(request, core_->options.limits);
+  if (!options.ok()) return fail(options.error());
+  if (request.max_frames() > 0) frames_left_ = request.max_frames();
+  join(*id, *options);
+}
+
+void Session::join(const std::string& sheet_id, const stream::SubscriberOptions& options) {
   {
     const std::lock_guard lock(mutex_);
     if (over()) return;
-    sheet_id_ = *id;
+    sheet_id_ = sheet_id;
   }
   const auto self = shared_from_this();
   const std::weak_ptr<Session> weak = self;
   const auto ready = [weak] {
     if (const auto session = weak.lock()) session->ready_.raise();
   };
-  core_->hub.join(*id, *options, ready, [self](Result<std::shared_ptr<stream::Subscriber>> subscriber) {
+  core_->hub.join(sheet_id, options, ready, [self](Result<std::shared_ptr<stream::Subscriber>> subscriber) {
     self->joined(std::move(subscriber));
   });
 }
 
 void Session::joined(Result<std::shared_ptr<stream::Subscriber>> subscriber) {
-  if (!subscriber.ok()) return fail(at_field(subscriber.error(), "start.name"));
+  if (!subscriber.ok()) return fail(at_field(subscriber.error(), name_field_));
   bool unwanted = false;
   {
     const std::lock_guard lock(mutex_);
@@ -162,17 +230,31 @@ void Session::joined(Result<std::shared_ptr<stream::Subscriber>> subscriber) {
   ready_.raise();
 }
 
+std::shared_ptr<stream::Subscriber> Session::joined_subscriber() {
+  const std::lock_guard lock(mutex_);
+  return over() ? nullptr : subscriber_;
+}
+
 void Session::acknowledge(const v1::WatchAck& ack) {
-  std::shared_ptr<stream::Subscriber> subscriber;
-  {
-    const std::lock_guard lock(mutex_);
-    if (over()) return;
-    subscriber = subscriber_;
-  }
+  const std::shared_ptr<stream::Subscriber> subscriber = joined_subscriber();
   if (!subscriber) {
     return fail(invalid_argument("ACK_OUT_OF_RANGE", "a frame is acknowledged before one was sent", "ack.sequence"));
   }
-  if (const Status status = subscriber->acknowledge(ack.sequence()); !status.ok()) fail(status.error());
+  const std::chrono::microseconds held(std::min(ack.held_us(), kMaxHeldUs));
+  if (const Status status = subscriber->acknowledge(ack.sequence(), core_->clock.now(), held); !status.ok()) {
+    fail(status.error());
+  }
+}
+
+void Session::set_pace(const v1::WatchPace& pace) {
+  const Result<double> rate = decode_rate(pace.max_rate_hz(), kMaxRateHz, "every tick", "pace.max_rate_hz");
+  if (!rate.ok()) return fail(rate.error());
+  const std::shared_ptr<stream::Subscriber> subscriber = joined_subscriber();
+  if (!subscriber) {
+    return fail(
+        invalid_argument("PACE_TOO_EARLY", "the pace is changed before a frame was sent; start has one", "pace"));
+  }
+  subscriber->set_pace(*rate, pace.paused(), core_->clock.now());
 }
 
 void Session::submit(const std::string& grab_id, Result<sheet::Command> command) {
@@ -222,7 +304,7 @@ std::optional<stream::Message> Session::next() {
   std::shared_ptr<stream::Subscriber> subscriber;
   {
     const std::lock_guard lock(mutex_);
-    if (over()) return std::nullopt;
+    if (over() || done_) return std::nullopt;
     if (!rejections_.empty()) {
       stream::Message message = std::move(rejections_.front());
       rejections_.pop_front();
@@ -233,7 +315,13 @@ std::optional<stream::Message> Session::next() {
   if (!subscriber) return std::nullopt;
   stream::Subscriber::Next next = subscriber->next(core_->clock.now());
   if (next.wake_at) wake_at(*next.wake_at);
+  if (next.message) count_frame();
   return std::move(next.message);
+}
+
+void Session::count_frame() {
+  const std::lock_guard lock(mutex_);
+  if (frames_left_ && --*frames_left_ == 0) done_ = true;
 }
 
 // One timer at a time: an earlier one stays, and asks for the later when it has fired in vain.
@@ -264,7 +352,7 @@ void Session::set_ready(std::function<void()> ready) {
 
 bool Session::ended() const {
   const std::lock_guard lock(mutex_);
-  return over() || (subscriber_ && subscriber_->ended());
+  return over() || done_ || (subscriber_ && subscriber_->ended());
 }
 
 std::optional<Error> Session::failure() const {
@@ -315,6 +403,13 @@ std::shared_ptr<WatchSession> make_watch_session(const std::shared_ptr<ApiCore>&
     core->sessions[session.get()] = session;
   }
   if (core->stopping) session->fail(server_stopping());
+  return session;
+}
+
+std::shared_ptr<WatchSession> make_subscription(const std::shared_ptr<ApiCore>& core,
+                                                const v1::SubscribeRequest& request) {
+  auto session = std::static_pointer_cast<Session>(make_watch_session(core));
+  session->subscribe(request);
   return session;
 }
 

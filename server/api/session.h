@@ -5,9 +5,17 @@
 #include "server/api/core.h"
 #include "server/api/watch_session.h"
 
+namespace kerf::v1 {
+class SubscribeRequest;
+}  // namespace kerf::v1
+
 namespace kerf::api {
 
 std::shared_ptr<WatchSession> make_watch_session(const std::shared_ptr<ApiCore>& core);
+
+// StreamService.Subscribe: one that has been started, and takes no requests.
+std::shared_ptr<WatchSession> make_subscription(const std::shared_ptr<ApiCore>& core,
+                                                const v1::SubscribeRequest& request);
 
 // For Api::stop(): streams that watch no sheet yet end with kUnavailable; the hub ends the others.
 void refuse_unstarted_sessions(ApiCore& core);

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "server/base/result.h"
@@ -17,7 +18,8 @@ namespace kerf::api {
 // One channel for each sheet that is watched, tied to the host while anybody watches. Thread-safe.
 class StreamHub {
  public:
-  StreamHub(host::Host& host, std::int32_t max_subscribers) : host_(host), max_subscribers_(max_subscribers) {}
+  StreamHub(host::Host& host, std::int32_t max_subscribers, std::string instance)
+      : host_(host), max_subscribers_(max_subscribers), instance_(std::move(instance)) {}
 
   using Joined = std::function<void(Result<std::shared_ptr<stream::Subscriber>>)>;
   // `joined` is called once, here or on a thread of the host; `ready` as by stream::Channel::subscribe(), possibly
@@ -46,6 +48,7 @@ class StreamHub {
 
   host::Host& host_;
   const std::int32_t max_subscribers_;
+  const std::string instance_;
   std::mutex mutex_;
   std::map<std::string, Entry> entries_;
   bool stopped_ = false;

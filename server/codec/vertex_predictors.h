@@ -10,12 +10,13 @@ namespace kerf::codec {
 
 inline constexpr std::int32_t kNoVertex = -1;
 
-// From which earlier vertices a vertex is foretold. Ids, kNoVertex where there is none; all of them below the vertex's own.
+// From which earlier vertices a vertex is foretold. Ids, kNoVertex where there is none; all of them below the vertex's
+// own.
 //
 //      near_a                 near_a and near_b are the other corners of the first slot in which the vertex has the
 //      /    \                 highest id of the three; across is the lowest id that forms a triangle with those two on
 //  across   vertex            their other side. A vertex that is the highest in no slot has near_a alone: the lowest
-//      \    /                 corner of the first slot in which it is not the lowest itself, without such a slot id - 1.
+//      \    /                 corner of the first slot in which it is not the lowest itself, or else id - 1.
 //      near_b
 struct VertexPredictor {
   std::int32_t near_a = kNoVertex;

@@ -136,7 +136,7 @@ class Host::Impl {
   }
 
  private:
-  [[nodiscard]] SheetRunner::Context context() { return {options_, clock_, board_, listener_}; }
+  SheetRunner::Context context() { return {options_, clock_, board_, listener_, ++num_made_}; }
 
   Status reserve(const std::string& id, const sheet::SheetConfig& config) {
     if (!sheet::is_valid_sheet_id(id)) {
@@ -196,8 +196,9 @@ class Host::Impl {
   ListenerSlot listener_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
-  bool stopping_ = false;                                       // guarded by mutex_
-  Workers workers_;                                             // last: its threads use everything above
+  std::atomic<std::uint64_t> num_made_{0};
+  bool stopping_ = false;  // guarded by mutex_
+  Workers workers_;        // last: its threads use everything above
 };
 
 std::vector<SheetStatus> Host::Impl::statuses(const std::vector<std::string>& ids) const {

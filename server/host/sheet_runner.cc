@@ -366,6 +366,7 @@ sheet::RunStats SheetRunner::run_stats() const {
   stats.slipped_s = seconds(pace_.slipped());
   stats.tick_cpu_us = pace_.tick_cpu_us();
   stats.published_unix_us = context_.clock.unix_us();
+  stats.sheet_serial = context_.serial;
   stats.settings_version = sheet_.settings_version() + state_changes_;
   stats.paused = paused_;
   stats.sleeping = sleeping_;

@@ -44,6 +44,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     Clock& clock;
     MetricsBoard& board;
     const ListenerSlot& listener;
+    std::uint64_t serial = 0;  // of all sheets that the host has made, which
   };
 
   SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand);

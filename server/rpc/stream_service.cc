@@ -32,31 +32,12 @@ grpc::ByteBuffer to_byte_buffer(const stream::Message& message) {
   return {slices.data(), slices.size()};
 }
 
-// One stream. Every write starts in advance(), which only the owner of `busy_` runs: at most one write is in flight,
-// and no lock is held over a call into gRPC or the session.
-class WatchReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer> {
+// Writes what a session gives. Every write starts in advance(), which only the owner of `busy_` runs: at most one write
+// is in flight, and no lock is held over a call into gRPC or the session. `Reactor`: with a stream of responses.
+template <typename Reactor>
+class SessionReactor : public Reactor {
  public:
-  explicit WatchReactor(api::Api& api) : session_(api.watch()) {
-    session_->set_ready([this] { wake(); });
-    StartRead(&request_);
-  }
-
-  void OnReadDone(bool ok) override {
-    if (!ok) {  // the client has finished, or is gone
-      session_->close();
-      wake();
-      return;
-    }
-    grpc::Slice bytes;
-    if (!request_.TrySingleSlice(&bytes).ok() && !request_.DumpToSingleSlice(&bytes).ok()) {
-      session_->close();
-      wake();
-      return;
-    }
-    session_->on_bytes({reinterpret_cast<const char*>(bytes.begin()), bytes.size()});
-    if (!session_->ended()) StartRead(&request_);
-    wake();
-  }
+  explicit SessionReactor(std::shared_ptr<api::WatchSession> session) : session_(std::move(session)) {}
 
   void OnWriteDone(bool ok) override {
     if (!ok) session_->close();
@@ -78,7 +59,12 @@ class WatchReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc
     delete this;
   }
 
- private:
+ protected:
+  // To be called once, at the end of the most derived constructor.
+  void begin() {
+    session_->set_ready([this] { wake(); });
+  }
+
   void wake() {
     {
       const std::lock_guard lock(mutex_);
@@ -89,6 +75,9 @@ class WatchReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc
     advance();
   }
 
+  api::WatchSession& session() { return *session_; }
+
+ private:
   // Starts the next write or finishes the stream, and stays busy until that is done; idle if there is neither. Nothing
   // of this object may be touched after StartWrite or Finish: their reactions may have deleted it.
   void advance() {
@@ -102,31 +91,86 @@ class WatchReactor final : public grpc::ServerBidiReactor<grpc::ByteBuffer, grpc
       const bool ended = session_->ended();
       if (const std::optional<stream::Message> message = session_->next()) {
         response_ = to_byte_buffer(*message);
-        StartWrite(&response_);
+        this->StartWrite(&response_);
         return;
       }
       if (ended) {
         const std::optional<Error> failure = session_->failure();
-        Finish(failure ? to_status(*failure) : grpc::Status::OK);
+        this->Finish(failure ? to_status(*failure) : grpc::Status::OK);
         return;
       }
     }
   }
 
   const std::shared_ptr<api::WatchSession> session_;
-  grpc::ByteBuffer request_;
   grpc::ByteBuffer response_;
   std::mutex mutex_;    // of what follows
   bool busy_ = false;   // somebody runs advance(), or a write is in flight, or the stream is finished
   bool woken_ = false;  // there may be something to write
 };
 
-class StreamService final : public v1::StreamService::WithRawCallbackMethod_Watch<v1::StreamService::Service> {
+// The bytes of a request, or nothing where gRPC cannot put them together.
+std::optional<grpc::Slice> whole(const grpc::ByteBuffer& request) {
+  grpc::Slice bytes;
+  if (!request.TrySingleSlice(&bytes).ok() && !request.DumpToSingleSlice(&bytes).ok()) return std::nullopt;
+  return bytes;
+}
+
+class WatchReactor final : public SessionReactor<grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>> {
+ public:
+  explicit WatchReactor(api::Api& api) : SessionReactor(api.watch()) {
+    begin();
+    StartRead(&request_);
+  }
+
+  void OnReadDone(bool ok) override {
+    const std::optional<grpc::Slice> bytes = ok ? whole(request_) : std::nullopt;
+    if (!bytes) {  // the client has finished, or is gone
+      session().close();
+      wake();
+      return;
+    }
+    session().on_bytes({reinterpret_cast<const char*>(bytes->begin()), bytes->size()});
+    if (!session().ended()) StartRead(&request_);
+    wake();
+  }
+
+ private:
+  grpc::ByteBuffer request_;
+};
+
+class SubscribeReactor final : public SessionReactor<grpc::ServerWriteReactor<grpc::ByteBuffer>> {
+ public:
+  explicit SubscribeReactor(std::shared_ptr<api::WatchSession> session) : SessionReactor(std::move(session)) {
+    begin();
+  }
+};
+
+// A call whose request is no message.
+class RefusedReactor final : public grpc::ServerWriteReactor<grpc::ByteBuffer> {
+ public:
+  explicit RefusedReactor(const Error& error) { Finish(to_status(error)); }
+  void OnDone() override { delete this; }
+};
+
+using RawStream = v1::StreamService::WithRawCallbackMethod_Watch<
+    v1::StreamService::WithRawCallbackMethod_Subscribe<v1::StreamService::Service>>;
+class StreamService final : public RawStream {
  public:
   explicit StreamService(api::Api& api) : api_(api) {}
 
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Watch(grpc::CallbackServerContext*) override {
     return new WatchReactor(api_);  // deletes itself in OnDone
+  }
+  grpc::ServerWriteReactor<grpc::ByteBuffer>* Subscribe(grpc::CallbackServerContext*,
+                                                        const grpc::ByteBuffer* request) override {
+    v1::SubscribeRequest message;
+    const std::optional<grpc::Slice> bytes = whole(*request);
+    if (!bytes || !message.ParseFromArray(bytes->begin(), static_cast<int>(bytes->size()))) {
+      return new RefusedReactor(
+          invalid_argument("MALFORMED_MESSAGE", "this is no serialised kerf.v1.SubscribeRequest"));
+    }
+    return new SubscribeReactor(api_.subscribe(message));
   }
 
  private:

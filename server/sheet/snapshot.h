@@ -33,6 +33,7 @@ struct RunStats {
   double slipped_s = 0.0;              // s, simulated time given up
   double tick_cpu_us = 0.0;            // us, recent mean
   std::int64_t published_unix_us = 0;  // us since 1970, when the tick ended
+  std::uint64_t sheet_serial = 0;      // of all sheets that the owner has made, which; versions are of one sheet
   std::int32_t settings_version = 0;   // grows when pins, gravity, wind or the run state change
   bool paused = false;
   bool sleeping = false;

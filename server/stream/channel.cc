@@ -71,6 +71,12 @@ EncodeCounters Channel::counters() const {
   return history_.counters();
 }
 
+std::string Channel::epoch() const {
+  const std::lock_guard lock(mutex_);
+  KERF_CHECK(newest_ != nullptr, "an epoch is asked for before the first snapshot");
+  return instance_ + '-' + std::to_string(newest_->stats.sheet_serial);
+}
+
 FramePick Channel::pick(const Viewed& viewed) {
   const std::lock_guard frames_lock(frames_mutex_);
   std::shared_ptr<const sheet::Snapshot> newest;

@@ -7,6 +7,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "server/base/result.h"
@@ -22,7 +24,9 @@ namespace kerf::stream {
 // and not at all without subscribers. Thread-safe; publish() waits for no encoding.
 class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<Channel> {
  public:
-  explicit Channel(std::int32_t max_subscribers) : max_subscribers_(max_subscribers) {}
+  // `instance`: of this start of the server; part of the epoch.
+  explicit Channel(std::int32_t max_subscribers, std::string instance = {})
+      : max_subscribers_(max_subscribers), instance_(std::move(instance)) {}
 
   // `ready` is called, with no lock held, when the subscriber's next() may have something: after a snapshot that it can
   // take, an acknowledgement that opens its window, or the end.
@@ -47,12 +51,15 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
 
   // Counts publications from 1; 0 before the first.
   [[nodiscard]] std::int64_t newest_publication() const { return newest_publication_.load(); }
+  // kerf.v1.Frame.epoch of the newest snapshot; one must have been published.
+  [[nodiscard]] std::string epoch() const;
   // What a subscriber in this state needs of the newest snapshot; one must have been published.
   FramePick pick(const Viewed& viewed);
   void leave(const Subscriber& subscriber);
   void wake_all();
 
   const std::int32_t max_subscribers_;
+  const std::string instance_;
   std::atomic<std::int32_t> num_subscribers_{0};
   std::atomic<std::int64_t> newest_publication_{0};
 

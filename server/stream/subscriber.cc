@@ -24,7 +24,11 @@ std::string text_of(wire::EndReason reason) {
 }  // namespace
 
 Subscriber::Subscriber(std::shared_ptr<Channel> channel, const SubscriberOptions& options, std::function<void()> ready)
-    : channel_(std::move(channel)), options_(options), ready_(std::move(ready)) {
+    : channel_(std::move(channel)),
+      options_(options),
+      ready_(std::move(ready)),
+      window_(options.window),
+      max_rate_hz_(options.max_rate_hz) {
   viewed_.encoding = options_.encoding;
 }
 
@@ -36,6 +40,7 @@ Subscriber::Next Subscriber::next(Nanoseconds now) {
   const std::lock_guard lock(mutex_);
   if (ended_ || left_) return {};
   if (end_) return end_now(*end_);
+  if (paused_) return {};
   if (!in_flight_.empty() && now >= ack_deadline()) return end_now(wire::EndReason::kTooSlow);
   const std::optional<Nanoseconds> deadline =
       in_flight_.empty() ? std::nullopt : std::optional<Nanoseconds>(ack_deadline());
@@ -52,29 +57,68 @@ Subscriber::Next Subscriber::next(Nanoseconds now) {
 }
 
 Message Subscriber::take(Nanoseconds now) {
+  const bool is_first = last_sequence_ == 0;
+  const std::string epoch = is_first ? channel_->epoch() : std::string();
+  if (is_first && !options_.epoch.empty() && options_.epoch == epoch) {
+    viewed_.topology_version = options_.topology_version;
+  }
   FramePick pick = channel_->pick(viewed_);
   const std::int64_t skipped = viewed_.publication == 0 ? 0 : std::max<std::int64_t>(0, pick.tick - last_tick_ - 1);
   const std::size_t rest = pick.body->size() + (pick.topology ? pick.topology->size() : 0);
   ++last_sequence_;
   Message message;
-  message.parts.push_back(std::make_shared<const std::string>(wire::encode_frame_head(last_sequence_, skipped, rest)));
+  message.parts.push_back(
+      std::make_shared<const std::string>(wire::encode_frame_head(last_sequence_, skipped, epoch, rest)));
   message.parts.push_back(std::move(pick.body));
   if (pick.topology) message.parts.push_back(std::move(pick.topology));
 
-  in_flight_.push_back({last_sequence_, message.size(), now});
-  bytes_in_flight_ += message.size();
+  if (options_.acknowledges) {
+    in_flight_.push_back({last_sequence_, message.size(), now, in_flight_.empty()});
+    bytes_in_flight_ += message.size();
+  }
+  note_interval(pick.viewed.publication, now);
   last_tick_ = pick.tick;
   viewed_ = pick.viewed;
-  if (options_.max_rate_hz > 0.0) {
-    const Nanoseconds interval(static_cast<std::int64_t>(1.0e9 / options_.max_rate_hz));
-    // In step with the rate while frames keep coming, from now on after a pause.
-    next_allowed_ = (next_allowed_ < now - interval ? now : next_allowed_) + interval;
-  }
+  if (max_rate_hz_ > 0.0) next_allowed_ = next_slot(now);
   return message;
 }
 
+void Subscriber::note_interval(std::int64_t publication, Nanoseconds now) {
+  const std::int64_t publications = publication - viewed_.publication;
+  if (viewed_.publication > 0 && publications > 0) {
+    const double interval_s =
+        std::chrono::duration<double>(now - last_taken_at_).count() / static_cast<double>(publications);
+    constexpr double kSmoothing = 0.1;
+    tick_interval_s_ =
+        tick_interval_s_ == 0.0 ? interval_s : tick_interval_s_ + kSmoothing * (interval_s - tick_interval_s_);
+  }
+  last_taken_at_ = now;
+}
+
+Nanoseconds Subscriber::next_slot(Nanoseconds now) const {
+  const auto interval = static_cast<std::int64_t>(1.0e9 / max_rate_hz_);
+  return Nanoseconds((now.count() / interval + 1) * interval);
+}
+
+void Subscriber::set_pace(double max_rate_hz, bool paused, Nanoseconds now) {
+  {
+    const std::lock_guard lock(mutex_);
+    max_rate_hz_ = max_rate_hz;
+    paused_ = paused;
+    next_allowed_ = Nanoseconds::min();
+    // What is owed is owed from now, after a pause.
+    for (InFlight& frame : in_flight_) frame.sent_at = now;
+  }
+  ready_();
+}
+
+std::int32_t Subscriber::window() const {
+  const std::lock_guard lock(mutex_);
+  return window_.window();
+}
+
 bool Subscriber::window_open() const {
-  return std::ssize(in_flight_) < options_.window &&
+  return std::ssize(in_flight_) < window_.window() &&
          (in_flight_.empty() || bytes_in_flight_ < options_.max_unacknowledged_bytes);
 }
 
@@ -89,7 +133,17 @@ Subscriber::Next Subscriber::end_now(wire::EndReason reason) {
   return {std::move(message), std::nullopt};
 }
 
-Status Subscriber::acknowledge(std::int64_t sequence) {
+std::optional<Subscriber::InFlight> Subscriber::settle(std::int64_t sequence) {
+  std::optional<InFlight> last;
+  while (!in_flight_.empty() && in_flight_.front().sequence <= sequence) {
+    last = in_flight_.front();
+    bytes_in_flight_ -= last->bytes;
+    in_flight_.pop_front();
+  }
+  return last;
+}
+
+Status Subscriber::acknowledge(std::int64_t sequence, Nanoseconds now, Nanoseconds held) {
   {
     const std::lock_guard lock(mutex_);
     if (sequence < 1 || sequence > last_sequence_) {
@@ -98,10 +152,18 @@ Status Subscriber::acknowledge(std::int64_t sequence) {
                                   std::to_string(last_sequence_),
                               "ack.sequence");
     }
+    if (held < Nanoseconds(0)) {
+      return invalid_argument("ACK_OUT_OF_RANGE", "ack.held_us is below 0; it is a time, or 0 where it is not known",
+                              "ack.held_us");
+    }
     const bool was_open = window_open();
-    while (!in_flight_.empty() && in_flight_.front().sequence <= sequence) {
-      bytes_in_flight_ -= in_flight_.front().bytes;
-      in_flight_.pop_front();
+    const std::optional<InFlight> last = settle(sequence);
+    const Nanoseconds total = last ? now - last->sent_at : Nanoseconds(0);
+    if (held > Nanoseconds(0) && total > Nanoseconds(0)) {
+      const double slowest_s = max_rate_hz_ > 0.0 ? 1.0 / max_rate_hz_ : 0.0;
+      const auto interval = std::chrono::duration<double>(std::max(slowest_s, tick_interval_s_));
+      window_.acknowledged(total, std::min(held, total), last->alone,
+                           std::chrono::duration_cast<Nanoseconds>(interval));
     }
     if (was_open || !window_open() || ended_ || left_) return Nothing{};
   }

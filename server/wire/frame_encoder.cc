@@ -41,7 +41,7 @@ std::vector<std::uint32_t> changed_since(const std::vector<std::int32_t>& versio
 
 // Nothing where a full patch serves the viewer better.
 std::optional<Listed> list_changes(const sheet::Topology& topology, std::int32_t base_version) {
-  if (base_version < topology.patchable_since) return std::nullopt;
+  if (base_version < topology.patchable_since || base_version > topology.version) return std::nullopt;
   Listed listed{changed_since(topology.slot_versions, base_version),
                 changed_since(topology.vertex_versions, base_version)};
   // Bytes of the raw arrays: one that lists has ids in addition.
@@ -200,9 +200,11 @@ EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t ba
   return {message.SerializeAsString(), !changes.has_value()};
 }
 
-std::string encode_frame_head(std::int64_t sequence, std::int64_t skipped, std::size_t rest_bytes) {
+std::string encode_frame_head(std::int64_t sequence, std::int64_t skipped, std::string_view epoch,
+                              std::size_t rest_bytes) {
   v1::Frame own;
   own.set_sequence(sequence);
+  own.set_epoch(std::string(epoch));
   own.mutable_stats()->set_skipped(skipped);
   const std::string fields = own.SerializeAsString();
   std::string head;

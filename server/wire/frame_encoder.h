@@ -56,8 +56,9 @@ EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t ba
                                 const Predictors* predictors);
 
 // The start of a serialised WatchResponse with a frame; `rest_bytes` more (body and topology) must follow.
-// sequence >= 1; skipped >= 0, in ticks.
-std::string encode_frame_head(std::int64_t sequence, std::int64_t skipped, std::size_t rest_bytes);
+// sequence >= 1; skipped >= 0, in ticks; epoch: empty but in a stream's first frame.
+std::string encode_frame_head(std::int64_t sequence, std::int64_t skipped, std::string_view epoch,
+                              std::size_t rest_bytes);
 
 // Whole serialised WatchResponses.
 enum class EndReason { kSheetDeleted, kServerStopping, kTooSlow };

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -18,7 +19,8 @@ namespace kerf::api {
 // The client's end of a session, with no transport in between.
 class Viewer {
  public:
-  explicit Viewer(Api& api) : session_(api.watch()) {
+  explicit Viewer(Api& api) : Viewer(api.watch()) {}
+  explicit Viewer(std::shared_ptr<WatchSession> session) : session_(std::move(session)) {
     session_->set_ready([woken = woken_] { ++*woken; });
   }
 
@@ -29,9 +31,16 @@ class Viewer {
     request.mutable_start()->set_max_rate_hz(max_rate_hz);
     session_->on_request(request);
   }
-  void acknowledge(std::int64_t sequence) {
+  void acknowledge(std::int64_t sequence, std::int64_t held_us = 0) {
     v1::WatchRequest request;
     request.mutable_ack()->set_sequence(sequence);
+    request.mutable_ack()->set_held_us(held_us);
+    session_->on_request(request);
+  }
+  void pace(double max_rate_hz, bool paused) {
+    v1::WatchRequest request;
+    request.mutable_pace()->set_max_rate_hz(max_rate_hz);
+    request.mutable_pace()->set_paused(paused);
     session_->on_request(request);
   }
   void grab(const std::string& id, int vertex) {

@@ -305,5 +305,32 @@ TEST_F(RpcWatchTest, DeletionAndStopAreToldBeforeTheEnd) {
   stop.join();
 }
 
+TEST_F(RpcWatchTest, SubscriptionIsReadableWithoutAcknowledging) {
+  create("a", false);
+  grpc::ClientContext context;
+  v1::SubscribeRequest request;
+  request.set_name("sheets/a");
+  request.set_max_rate_hz(10.0);
+  request.set_max_frames(3);
+  const auto stream = client_->stream().Subscribe(&context, request);
+  client::Mirror mirror;
+  v1::WatchResponse response;
+  int frames = 0;
+  while (stream->Read(&response)) {
+    ASSERT_EQ(mirror.apply(response.frame()), std::nullopt);
+    ++frames;
+  }
+  EXPECT_EQ(frames, 3);
+  EXPECT_TRUE(stream->Finish().ok());
+
+  grpc::ClientContext refused;
+  request.set_name("sheets/nowhere");
+  const auto none = client_->stream().Subscribe(&refused, request);
+  EXPECT_FALSE(none->Read(&response));
+  const grpc::Status status = none->Finish();
+  EXPECT_EQ(status.error_code(), grpc::StatusCode::NOT_FOUND);
+  EXPECT_EQ(client::failure_of(status).field, "name");
+}
+
 }  // namespace
 }  // namespace kerf::rpc_test

@@ -51,7 +51,7 @@ std::uint32_t hash_of(const FrameMirror& mirror) {
 }
 
 std::string message(std::int64_t sequence, const std::string& body, const std::string& topology) {
-  return encode_frame_head(sequence, 0, body.size() + topology.size()) + body + topology;
+  return encode_frame_head(sequence, 0, {}, body.size() + topology.size()) + body + topology;
 }
 
 // Moves, cuts, a leap out of the box, a reset, ticks that are skipped.

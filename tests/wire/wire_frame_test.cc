@@ -19,7 +19,7 @@ using testing::FrameMirror;
 
 v1::Frame assemble(std::int64_t sequence, const std::string& body, const std::string& topology = {}) {
   v1::WatchResponse response;
-  const std::string bytes = encode_frame_head(sequence, 0, body.size() + topology.size()) + body + topology;
+  const std::string bytes = encode_frame_head(sequence, 0, {}, body.size() + topology.size()) + body + topology;
   EXPECT_TRUE(response.ParseFromString(bytes));
   EXPECT_EQ(response.kind_case(), v1::WatchResponse::kFrame);
   return response.frame();
@@ -212,8 +212,9 @@ TEST(FrameEncoder, HeadMergesWithSharedStats) {
   snapshot.stats.paused = true;
   const std::string body = encode_raw_body(quantise_frame(snapshot, std::nullopt));
   v1::WatchResponse response;
-  ASSERT_TRUE(response.ParseFromString(encode_frame_head(9, 4, body.size()) + body));
+  ASSERT_TRUE(response.ParseFromString(encode_frame_head(9, 4, "abc-1", body.size()) + body));
   EXPECT_EQ(response.frame().sequence(), 9);
+  EXPECT_EQ(response.frame().epoch(), "abc-1");
   EXPECT_EQ(response.frame().base_tick(), -1);
   EXPECT_EQ(response.frame().stats().skipped(), 4);
   EXPECT_EQ(response.frame().stats().overruns(), 11);

@@ -83,6 +83,7 @@ export class App implements Viewer {
     this.controls = new SimulationControls(this);
     new PointerRouter(element('stage'), this.canvas, this.stage, () => this.tool);
     document.addEventListener('visibilitychange', () => {
+      this.watch?.setPaused(document.hidden);
       if (!document.hidden) this.watch?.retryNow();
     });
     this.choose('view');

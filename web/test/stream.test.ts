@@ -64,7 +64,7 @@ class FakeServer {
   }
 
   /** A triangle, self-contained. */
-  sendKeyframe(sequence: bigint, tick: bigint): void {
+  sendKeyframe(sequence: bigint, tick: bigint, { withTopology = sequence === 1n } = {}): void {
     this.send({
       case: 'frame',
       value: {
@@ -72,12 +72,13 @@ class FakeServer {
         tick,
         baseTick: -1n,
         topologyVersion: 1,
+        epoch: sequence === 1n ? 'one' : '',
         numVertices: 3,
         encoding: Encoding.RAW,
         positions: new Uint8Array(18),
         box: { min: {}, max: {} },
         topology:
-          sequence > 1n
+          !withTopology
             ? undefined
             : {
                 baseVersion: -1,
@@ -118,7 +119,7 @@ describe('Watch', () => {
       onFrame: (mirror) => ticks.put(mirror.tick),
       onRejection: ({ message }) => rejections.put(message),
     });
-    expect(await server.requests.next()).toMatchObject({ case: 'start', value: { name: 'sheets/demo', window: 2 } });
+    expect(await server.requests.next()).toMatchObject({ case: 'start', value: { name: 'sheets/demo', window: 0, epoch: '' } });
   });
 
   afterEach(() => {
@@ -134,7 +135,9 @@ describe('Watch', () => {
     watch.acknowledge();
     watch.acknowledge();
     watch.send({ case: 'release', value: { grabId: 'last' } });
-    expect(await server.requests.next()).toMatchObject({ case: 'ack', value: { sequence: 2n } });
+    const ack = await server.requests.next();
+    expect(ack).toMatchObject({ case: 'ack', value: { sequence: 2n } });
+    expect((ack as { value: { heldUs: bigint } }).value.heldUs).toBeGreaterThan(0n);
     expect(await server.requests.next()).toMatchObject({ case: 'release' });
   });
 
@@ -145,10 +148,31 @@ describe('Watch', () => {
     await states.until(({ state, detail }) => state === 'lost' && detail.includes('trying again'));
     expect(watch.mirror?.tick).toBe(5);
     expect(watch.send({ case: 'release', value: { grabId: 'x' } })).toBe(false);
-    expect(await server.requests.next()).toMatchObject({ case: 'start' });
+    expect(await server.requests.next()).toMatchObject({ case: 'start', value: { epoch: 'one', topologyVersion: 1 } });
     server.sendKeyframe(1n, 40n);
     expect(await ticks.next()).toBe(40);
     expect(watch.state).toBe('live');
+  });
+
+  it('goes on from the triangles that it has where the server knows them', async () => {
+    server.sendKeyframe(1n, 5n);
+    await ticks.next();
+    server.drop();
+    expect(await server.requests.next()).toMatchObject({ case: 'start', value: { epoch: 'one', topologyVersion: 1 } });
+    server.sendKeyframe(1n, 7n, { withTopology: false });
+    expect(await ticks.next()).toBe(7);
+    expect(watch.mirror?.numSlots).toBe(1);
+    expect([...watch.mirror!.triangles.subarray(0, 3)]).toEqual([0, 1, 2]);
+  });
+
+  it('asks for no frames while nobody looks, and again on the next connection', async () => {
+    watch.setPaused(true);
+    server.sendKeyframe(1n, 5n);
+    await ticks.next();
+    expect(await server.requests.next()).toMatchObject({ case: 'pace', value: { paused: true } });
+    watch.setPaused(true);
+    watch.setPaused(false);
+    expect(await server.requests.next()).toMatchObject({ case: 'pace', value: { paused: false } });
   });
 
   it('starts anew when a frame does not fit', async () => {
@@ -157,7 +181,7 @@ describe('Watch', () => {
     server.sendKeyframe(3n, 9n);
     const lost = await states.until(({ state }) => state === 'lost');
     expect(lost.detail).toContain('frame 3 after frame 1');
-    expect(await server.requests.next()).toMatchObject({ case: 'start' });
+    expect(await server.requests.next()).toMatchObject({ case: 'start', value: { epoch: '' } });
   });
 
   it('tells a rejection, and stays ended when the sheet is deleted', async () => {

@@ -84,6 +84,22 @@ export class SheetMirror {
   private readonly boxMin = [0, 0, 0];
   private readonly boxStep = [0, 0, 0];
 
+  /** Of the stream's first frame; empty before it. See stream.proto. */
+  epoch = '';
+
+  /** A mirror for the first frame of another stream, which may go on from this one's topology. Shares its arrays. */
+  resumed(): SheetMirror {
+    const next = new SheetMirror();
+    Object.assign(next, { ...this, sequence: 0, tick: -1, quantised: new Uint16Array(0), next: new Uint16Array(0) });
+    next.positions = this.positions.slice();
+    return next;
+  }
+
+  /** The next stream must bring everything. */
+  forgetEpoch(): void {
+    this.epoch = '';
+  }
+
   /** 3 V: x, y, z interleaved, 0..65535 in the last keyframe's box */
   get quantisedPositions(): Uint16Array {
     return this.quantised.subarray(0, 3 * this.numVertices);
@@ -108,6 +124,7 @@ export class SheetMirror {
     // Nothing fails from here on.
     if (topology) this.commitTopology(topology);
     this.commitPositions(frame, isKeyframe);
+    if (frame.epoch !== '') this.epoch = frame.epoch;
     this.sequence = sequence;
     this.tick = Number(frame.tick);
     this.topologyVersion = frame.topologyVersion;

@@ -28,8 +28,9 @@ function isHidden(): boolean {
 /**
  * Watches one sheet over WebSocket /watch and keeps watching: a lost connection is tried again, at growing intervals,
  * until close(); a hidden page waits for retryNow(). Frames are applied as they come (the server sends at most
- * `window` unacknowledged ones); the owner calls acknowledge() when it draws, so that a page that does not draw is
- * not sent anything.
+ * few unacknowledged ones, see held_us in stream.proto); the owner calls acknowledge() when it draws, and setPaused() when
+ * nobody looks. A connection after the first goes on from the triangles that the last one brought, if the server still
+ * knows them.
  */
 export class Watch {
   /** Last complete mirror: survives a lost connection, so that the last picture stays. */
@@ -39,6 +40,8 @@ export class Watch {
   private socket: WebSocket | undefined;
   private incoming = new SheetMirror();
   private acknowledged = 0;
+  private arrivedMs = 0;
+  private isPaused = false;
   private retryMs = kFirstRetryMs;
   private retryTimer: ReturnType<typeof setTimeout> | undefined;
   private liveSinceMs = 0;
@@ -61,7 +64,16 @@ export class Watch {
   acknowledge(): void {
     if (this.incoming.sequence === this.acknowledged || !this.isOpen()) return;
     this.acknowledged = this.incoming.sequence;
-    this.send({ case: 'ack', value: { sequence: BigInt(this.acknowledged) } });
+    const heldUs = BigInt(1 + Math.max(0, Math.round(1000 * (performance.now() - this.arrivedMs))));
+    this.send({ case: 'ack', value: { sequence: BigInt(this.acknowledged), heldUs } });
+  }
+
+  /** Asks for no frames until it is called with false: for a page that nobody sees. Keeps the connection. */
+  setPaused(isPaused: boolean): void {
+    if (isPaused === this.isPaused) return;
+    this.isPaused = isPaused;
+    // Before the first frame there is no pace to change; connect() and receive() look at it.
+    if (this.state === 'live') this.sendPace();
   }
 
   /** Sends a grab, drag or release; false if there is no connection (the server then has already let go). */
@@ -84,19 +96,25 @@ export class Watch {
     this.socket?.close();
   }
 
+  private sendPace(): void {
+    this.send({ case: 'pace', value: { paused: this.isPaused } });
+  }
+
   private isOpen(): boolean {
     return this.socket !== undefined && this.socket.readyState === WebSocket.OPEN;
   }
 
   private connect(): void {
-    this.incoming = new SheetMirror();
+    this.incoming = this.mirror ? this.mirror.resumed() : new SheetMirror();
     this.acknowledged = 0;
     this.whyLost = '';
     this.setState(this.mirror ? 'lost' : 'connecting', this.mirror ? 'reconnecting' : '');
     const socket = new WebSocket(this.url, 'kerf.v1');
     this.socket = socket;
     socket.binaryType = 'arraybuffer';
-    socket.onopen = () => this.send({ case: 'start', value: { name: this.name, window: 2 } });
+    const { epoch } = this.incoming;
+    const topologyVersion = epoch === '' ? 0 : this.incoming.topologyVersion;
+    socket.onopen = () => this.send({ case: 'start', value: { name: this.name, epoch, topologyVersion } });
     socket.onmessage = (event) => this.receive(socket, new Uint8Array(event.data as ArrayBuffer));
     socket.onclose = (event) => this.closed(socket, event.reason);
   }
@@ -106,11 +124,13 @@ export class Watch {
     try {
       const { kind } = fromBinary(WatchResponseSchema, bytes);
       if (kind.case === 'frame') {
+        this.arrivedMs = performance.now();
         this.incoming.apply(kind.value);
         this.mirror = this.incoming;
         if (this.state !== 'live') {
           this.liveSinceMs = performance.now();
           this.setState('live', '');
+          if (this.isPaused) this.sendPace();
         }
         this.events.onFrame(this.incoming);
       } else if (kind.case === 'rejection') {
@@ -119,7 +139,8 @@ export class Watch {
         this.ended(kind.value);
       }
     } catch (error) {
-      // A frame that does not fit: start anew from a keyframe.
+      // A frame that does not fit: start anew from nothing.
+      this.mirror?.forgetEpoch();
       this.whyLost = (error as Error).message;
       socket.close();
     }
