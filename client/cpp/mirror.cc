@@ -85,6 +85,7 @@ std::optional<std::string> Mirror::apply(const v1::Frame& frame) {
     return "vertices without material coordinates";
   }
   if (auto wrong = apply_positions(frame)) return wrong;
+  if (auto wrong = apply_strains(frame)) return wrong;
   topology_version_ = frame.topology_version();
   tick_ = frame.tick();
   sequence_ = frame.sequence();
@@ -117,6 +118,23 @@ std::optional<std::string> Mirror::apply_positions(const v1::Frame& frame) {
   }
   quantised_ = std::move(*positions);
   if (is_keyframe) box_ = frame.box();
+  return std::nullopt;
+}
+
+std::optional<std::string> Mirror::apply_strains(const v1::Frame& frame) {
+  const std::string& bytes = frame.strains();
+  strains_.clear();
+  strain_scale_ = frame.strain_scale();
+  if (strain_scale_ == 0.0) return bytes.empty() ? std::nullopt : std::optional<std::string>("strains without a scale");
+  if (frame.encoding() == v1::COMPACT) {
+    auto strains = codec::unpack_bytes(bytes, predictors(frame.num_vertices()));
+    if (!strains) return "strains are malformed";
+    strains_ = std::move(*strains);
+    return std::nullopt;
+  }
+  const auto count = static_cast<std::size_t>(frame.num_vertices());
+  if (bytes.size() != count) return wrong_size("strains", bytes.size(), count);
+  strains_.assign(bytes.begin(), bytes.end());
   return std::nullopt;
 }
 

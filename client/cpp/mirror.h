@@ -35,6 +35,12 @@ class Mirror {
   [[nodiscard]] const std::vector<std::array<std::int32_t, 3>>& triangles() const { return triangles_; }
   // A slot's piece; -1 without material.
   [[nodiscard]] const std::vector<std::int32_t>& pieces() const { return pieces_; }
+  // Largest principal strain of the membrane at a vertex in 0..V-1, -; see kerf.v1.Frame.strains. Where the last frame
+  // had none: has_strains() is false.
+  [[nodiscard]] bool has_strains() const { return !strains_.empty(); }
+  [[nodiscard]] double strain(std::int32_t vertex) const {
+    return static_cast<double>(strains_[static_cast<std::size_t>(vertex)]) * strain_scale_ / 127.0;
+  }
   // 2 V numbers, x, y interleaved, m.
   [[nodiscard]] const std::vector<float>& material_positions() const { return material_positions_; }
 
@@ -48,6 +54,7 @@ class Mirror {
   };
 
   [[nodiscard]] std::optional<std::string> apply_positions(const v1::Frame& frame);
+  [[nodiscard]] std::optional<std::string> apply_strains(const v1::Frame& frame);
   [[nodiscard]] std::optional<std::string> apply_topology(const v1::Frame& frame);
   [[nodiscard]] std::optional<std::string> apply_triangles(const v1::TopologyPatch& message, const Patch& patch,
                                                            std::int32_t num_vertices);
@@ -64,6 +71,8 @@ class Mirror {
   std::vector<std::array<std::int32_t, 3>> triangles_;
   std::vector<std::int32_t> pieces_;
   std::vector<float> material_positions_;
+  std::vector<std::int8_t> strains_;
+  double strain_scale_ = 0.0;
   std::optional<std::vector<codec::VertexPredictor>> predictors_;  // of triangles_, once a compact frame has come
 };
 

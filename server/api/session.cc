@@ -80,6 +80,7 @@ Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, co
   }
   options.epoch = start.epoch();
   options.topology_version = start.topology_version();
+  options.strains = start.strains();
   return options;
 }
 

@@ -7,6 +7,7 @@ namespace kerf::api {
 void StreamHub::join(const std::string& sheet_id, const stream::SubscriberOptions& options, std::function<void()> ready,
                      Joined joined) {
   std::shared_ptr<stream::Channel> fresh;
+  std::shared_ptr<stream::Channel> poorer;  // its newest snapshot may have no strains
   Result<std::shared_ptr<stream::Subscriber>> subscriber =
       Error{ErrorCode::kUnavailable, "SERVER_STOPPING", "the server is stopping; try again later", {}};
   {
@@ -22,11 +23,14 @@ void StreamHub::join(const std::string& sheet_id, const stream::SubscriberOption
       if (subscriber.ok() && !entry.attached) {
         entry.waiting.push_back({*subscriber, std::move(joined)});
         joined = nullptr;  // answered once the channel is attached
+      } else if (subscriber.ok() && options.strains) {
+        poorer = entry.channel;
       }
     }
   }
   if (joined) joined(std::move(subscriber));
   if (fresh) attach(sheet_id, fresh);
+  if (poorer) host_.refresh_sink(sheet_id, poorer, [](const Status&) {});
 }
 
 // The hub outlives the host's callbacks only together with the core that owns it, which streams keep alive: every

@@ -322,6 +322,13 @@ void Host::add_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> 
   });
 }
 
+void Host::refresh_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done) {
+  impl_->on_strand(id, done, [sink = std::move(sink), done](SheetRunner& r) {
+    r.refresh_sink(sink);
+    done(Nothing{});
+  });
+}
+
 void Host::remove_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done) {
   impl_->on_strand(id, done, [sink = std::move(sink), done](SheetRunner& r) {
     r.remove_sink(sink);

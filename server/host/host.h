@@ -163,6 +163,8 @@ class Host {
 
   // The sink gets the present snapshot at once, asleep or not, and every one after it while it wants them.
   void add_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done);
+  // The sink gets the present snapshot once more: it wants more of it than it did. Nothing where it was not added.
+  void refresh_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done);
   // When `done` is called the sink gets no more calls. No ended().
   void remove_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done);
 

@@ -191,9 +191,17 @@ Result<WaitingCommand> SheetRunner::cancel(std::int64_t number) {
 void SheetRunner::add_sink(std::shared_ptr<sheet::SnapshotSink> sink) {
   context_.board.update([](HostMetrics& m) { ++m.sinks; });
   sinks_.push_back(std::move(sink));
-  if (!sinks_.back()->wants_snapshot()) return;
+  publish_to(*sinks_.back());
+}
+
+void SheetRunner::refresh_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) {
+  if (std::find(sinks_.begin(), sinks_.end(), sink) != sinks_.end()) publish_to(*sink);
+}
+
+void SheetRunner::publish_to(sheet::SnapshotSink& sink) {
+  if (!sink.wants_snapshot()) return;
   context_.board.update([](HostMetrics& m) { ++m.snapshots; });
-  sinks_.back()->publish(sheet_.snapshot(run_stats()));
+  sink.publish(sheet_.snapshot(run_stats(), sink.wants_strains()));
 }
 
 void SheetRunner::remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) {

@@ -68,6 +68,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   [[nodiscard]] const std::vector<WaitingCommand>& scheduled() const { return scheduled_; }
   Result<WaitingCommand> cancel(std::int64_t number);
   void add_sink(std::shared_ptr<sheet::SnapshotSink> sink);
+  void refresh_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   void remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   [[nodiscard]] SheetStatus status() const;
   [[nodiscard]] const sheet::Sheet& sheet() const { return sheet_; }
@@ -112,6 +113,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void note_status();
   [[nodiscard]] SheetStatus unhashed_status() const;
   [[nodiscard]] RunState run_state() const;
+  void publish_to(sheet::SnapshotSink& sink);
   [[nodiscard]] sheet::RunStats run_stats() const;
   [[nodiscard]] Error closed_error() const;
 

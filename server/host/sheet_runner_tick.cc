@@ -67,7 +67,9 @@ std::vector<SheetRunner::Pending> SheetRunner::take_queue() {
 void SheetRunner::publish() {
   const auto wants = [](const auto& sink) { return sink->wants_snapshot(); };
   if (std::none_of(sinks_.begin(), sinks_.end(), wants)) return;
-  const std::shared_ptr<const sheet::Snapshot> snapshot = sheet_.snapshot(run_stats());
+  const bool with_strains =
+      std::any_of(sinks_.begin(), sinks_.end(), [&](const auto& sink) { return wants(sink) && sink->wants_strains(); });
+  const std::shared_ptr<const sheet::Snapshot> snapshot = sheet_.snapshot(run_stats(), with_strains);
   context_.board.update([](HostMetrics& m) { ++m.snapshots; });
   for (const auto& sink : sinks_) {
     if (wants(sink)) sink->publish(snapshot);

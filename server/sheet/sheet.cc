@@ -10,6 +10,7 @@
 #include "server/sheet/mesh_source.h"
 #include "server/sheet/region.h"
 #include "server/sheet/sheet_impl.h"
+#include "server/sheet/vertex_strains.h"
 
 namespace kerf::sheet {
 
@@ -377,7 +378,7 @@ std::uint64_t Sheet::shape_hash() const {
   return hash.value();
 }
 
-std::shared_ptr<const Snapshot> Sheet::snapshot(const RunStats& stats) const {
+std::shared_ptr<const Snapshot> Sheet::snapshot(const RunStats& stats, bool with_strains) const {
   auto snapshot = std::make_shared<Snapshot>();
   snapshot->tick = impl_->tick;
   snapshot->positions = impl_->state.x;
@@ -391,6 +392,7 @@ std::shared_ptr<const Snapshot> Sheet::snapshot(const RunStats& stats) const {
   }
   snapshot->topology = impl_->topology.at(impl_->mesh, impl_->topology_version);
   snapshot->stats = stats;
+  if (with_strains) snapshot->strains = largest_strains(impl_->model, impl_->state.x);
   return snapshot;
 }
 

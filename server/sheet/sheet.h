@@ -177,7 +177,7 @@ class Sheet {
   [[nodiscard]] std::uint64_t shape_hash() const;
 
   // The state as viewers get it. The Topology in it is built anew only after it changed.
-  [[nodiscard]] std::shared_ptr<const Snapshot> snapshot(const RunStats& stats = {}) const;
+  [[nodiscard]] std::shared_ptr<const Snapshot> snapshot(const RunStats& stats = {}, bool with_strains = false) const;
 
  private:
   struct Impl;

@@ -46,6 +46,7 @@ struct Snapshot {
   Eigen::Matrix3Xd positions;                // 3 x V, m, world
   std::shared_ptr<const Topology> topology;  // never null; its V is that of `positions`
   RunStats stats;
+  std::vector<float> strains;  // a vertex, see largest_strains(); empty where no sink wants them
 };
 
 // Why a sink gets no more snapshots.
@@ -58,6 +59,8 @@ class SnapshotSink {
   virtual ~SnapshotSink() = default;
   // Asked after every tick; while every sink of a sheet says no, no snapshot is built.
   [[nodiscard]] virtual bool wants_snapshot() const = 0;
+  // Asked with the above: whether Snapshot::strains are worth their time.
+  [[nodiscard]] virtual bool wants_strains() const { return false; }
   virtual void publish(std::shared_ptr<const Snapshot> snapshot) = 0;
   // The last call.
   virtual void ended(SinkEnd reason) = 0;

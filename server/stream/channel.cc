@@ -21,6 +21,7 @@ Result<std::shared_ptr<Subscriber>> Channel::subscribe(const SubscriberOptions& 
   subscribers->push_back({subscriber.get(), subscriber});
   subscribers_ = std::move(subscribers);
   ++num_subscribers_;
+  if (options.strains) ++num_wanting_strains_;
   return subscriber;
 }
 
@@ -97,6 +98,7 @@ void Channel::leave(const Subscriber& subscriber) {
   std::erase_if(*remaining, [&](const Entry& each) { return each.subscriber == &subscriber; });
   subscribers_ = std::move(remaining);
   --num_subscribers_;
+  if (subscriber.wants_strains()) --num_wanting_strains_;
 }
 
 }  // namespace kerf::stream

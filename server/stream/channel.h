@@ -34,6 +34,7 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   Result<std::shared_ptr<Subscriber>> subscribe(const SubscriberOptions& options, std::function<void()> ready);
 
   [[nodiscard]] bool wants_snapshot() const override { return num_subscribers_.load() > 0; }
+  [[nodiscard]] bool wants_strains() const override { return num_wanting_strains_.load() > 0; }
   void publish(std::shared_ptr<const sheet::Snapshot> snapshot) override;
   void ended(sheet::SinkEnd reason) override;
 
@@ -61,6 +62,7 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   const std::int32_t max_subscribers_;
   const std::string instance_;
   std::atomic<std::int32_t> num_subscribers_{0};
+  std::atomic<std::int32_t> num_wanting_strains_{0};
   std::atomic<std::int64_t> newest_publication_{0};
 
   // Lock order: frames_mutex_, then mutex_. Neither is held while a callback runs.

@@ -10,7 +10,7 @@ FramePick FrameHistory::pick(std::int64_t publication, const sheet::Snapshot& sn
   Frame& newest = frame(publication, snapshot);
   const std::int32_t version = topology_->version;
   FramePick pick;
-  pick.viewed = {publication, version, viewed.encoding};
+  pick.viewed = {publication, version, viewed.encoding, viewed.strains};
   pick.tick = newest.quantised.tick;
   bool full_topology = false;
   if (viewed.topology_version != version) {
@@ -22,6 +22,7 @@ FramePick FrameHistory::pick(std::int64_t publication, const sheet::Snapshot& sn
   const Frame* base = takes_deltas ? find(viewed.publication) : nullptr;
   pick.keyframe = base == nullptr || base == &newest || base->quantised.box != newest.quantised.box;
   pick.body = pick.keyframe ? keyframe(newest, viewed.encoding) : delta(newest, *base);
+  if (viewed.strains && newest.quantised.strains) pick.strains = strains(newest, viewed.encoding);
   ++counters_.taken;
   return pick;
 }
@@ -36,8 +37,9 @@ FrameHistory::Frame& FrameHistory::frame(std::int64_t publication, const sheet::
     older.raw.reset();
     older.keyframe.reset();
     older.deltas.clear();
+    older.strains.clear();
   }
-  frames_.push_back({publication, wire::quantise_frame(snapshot, box), nullptr, nullptr, {}});
+  frames_.push_back({publication, wire::quantise_frame(snapshot, box), nullptr, nullptr, {}, {}});
   ++counters_.quantised;
   if (topology_ != snapshot.topology) {
     topology_ = snapshot.topology;
@@ -90,6 +92,17 @@ const Bytes& FrameHistory::delta(Frame& frame, const Frame& base) {
     ++counters_.deltas;
   }
   return body;
+}
+
+const Bytes& FrameHistory::strains(Frame& frame, wire::Encoding encoding) {
+  Bytes& bytes = frame.strains[encoding];
+  if (!bytes) {
+    const bool is_raw = encoding == wire::Encoding::kRaw;
+    bytes =
+        std::make_shared<const std::string>(wire::encode_strains(frame.quantised, is_raw ? nullptr : &predictors()));
+    ++counters_.strains;
+  }
+  return bytes;
 }
 
 }  // namespace kerf::stream

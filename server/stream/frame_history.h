@@ -20,6 +20,7 @@ struct EncodeCounters {
   std::int64_t keyframes = 0;   // encoded
   std::int64_t deltas = 0;      // encoded
   std::int64_t topologies = 0;  // encoded
+  std::int64_t strains = 0;     // encoded
   std::int64_t predictors = 0;  // made, once a topology that is sent to anyone
   std::int64_t taken = 0;       // frames given to subscribers
 };
@@ -29,6 +30,7 @@ struct Viewed {
   std::int64_t publication = 0;        // of its last frame; 0: none yet
   std::int32_t topology_version = -1;  // -1: none yet
   wire::Encoding encoding = wire::Encoding::kCompact;
+  bool strains = false;  // wanted
 };
 
 // What a subscriber is sent next, in bytes that others may share.
@@ -38,6 +40,7 @@ struct FramePick {
   bool keyframe = false;
   Bytes body;      // see wire::encode_raw_body, encode_keyframe_body, encode_delta_body
   Bytes topology;  // see wire::encode_topology; null where the subscriber's is up to date
+  Bytes strains;   // see wire::encode_strains; null where none are wanted, or the snapshot has none
 };
 
 // The last few quantised frames of a sheet and everything encoded from them. A subscriber whose last frame is still
@@ -59,6 +62,7 @@ class FrameHistory {
     Bytes raw;
     Bytes keyframe;
     std::map<std::int64_t, Bytes> deltas;  // by publication of the base
+    std::map<wire::Encoding, Bytes> strains;
   };
   struct Topology {
     Bytes bytes;
@@ -72,6 +76,7 @@ class FrameHistory {
   const Topology& topology(std::int32_t base_version, wire::Encoding encoding);
   const Bytes& keyframe(Frame& frame, wire::Encoding encoding);
   const Bytes& delta(Frame& frame, const Frame& base);
+  const Bytes& strains(Frame& frame, wire::Encoding encoding);
 
   std::deque<Frame> frames_;  // oldest first
   // Of the newest frame's topology, as long as it stays the same:

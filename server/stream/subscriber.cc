@@ -30,6 +30,7 @@ Subscriber::Subscriber(std::shared_ptr<Channel> channel, const SubscriberOptions
       window_(options.window),
       max_rate_hz_(options.max_rate_hz) {
   viewed_.encoding = options_.encoding;
+  viewed_.strains = options_.strains;
 }
 
 Subscriber::~Subscriber() {
@@ -64,13 +65,13 @@ Message Subscriber::take(Nanoseconds now) {
   }
   FramePick pick = channel_->pick(viewed_);
   const std::int64_t skipped = viewed_.publication == 0 ? 0 : std::max<std::int64_t>(0, pick.tick - last_tick_ - 1);
-  const std::size_t rest = pick.body->size() + (pick.topology ? pick.topology->size() : 0);
   ++last_sequence_;
   Message message;
-  message.parts.push_back(
-      std::make_shared<const std::string>(wire::encode_frame_head(last_sequence_, skipped, epoch, rest)));
   message.parts.push_back(std::move(pick.body));
   if (pick.topology) message.parts.push_back(std::move(pick.topology));
+  if (pick.strains) message.parts.push_back(std::move(pick.strains));
+  message.parts.insert(message.parts.begin(), std::make_shared<const std::string>(wire::encode_frame_head(
+                                                  last_sequence_, skipped, epoch, message.size())));
 
   if (options_.acknowledges) {
     in_flight_.push_back({last_sequence_, message.size(), now, in_flight_.empty()});

@@ -27,6 +27,7 @@ struct SubscriberOptions {
   std::size_t max_unacknowledged_bytes = 4 << 20;      // no frame is sent while this much or more is in flight
   Nanoseconds ack_timeout = std::chrono::seconds(10);  // for the oldest frame in flight
   wire::Encoding encoding = wire::Encoding::kCompact;
+  bool strains = false;                // frames have strains, from the next snapshot on
   bool acknowledges = true;            // false: frames count as acknowledged once they are sent
   std::string epoch = {};              // of what the viewer has from an earlier stream; empty: nothing
   std::int32_t topology_version = -1;  // likewise
@@ -58,6 +59,7 @@ class Subscriber {
   void set_pace(double max_rate_hz, bool paused, Nanoseconds now);
 
   [[nodiscard]] std::int32_t window() const;
+  [[nodiscard]] bool wants_strains() const { return options_.strains; }
 
   // next() has given an Ended message; nothing follows.
   [[nodiscard]] bool ended() const;

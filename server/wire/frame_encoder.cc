@@ -156,6 +156,7 @@ QuantisedFrame quantise_frame(const sheet::Snapshot& snapshot, const std::option
   frame.positions = quantise(positions, frame.box);
   frame.topology = snapshot.topology;
   frame.stats = snapshot.stats;
+  if (!snapshot.strains.empty()) frame.strains = quantise_strains(snapshot.strains);
   return frame;
 }
 
@@ -178,6 +179,15 @@ std::string encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame&
   v1::Frame message = begin_body(frame, v1::COMPACT);
   message.set_base_tick(base.tick);
   message.set_positions(codec::pack_position_delta(frame.positions, base.positions, predictors));
+  return message.SerializeAsString();
+}
+
+std::string encode_strains(const QuantisedFrame& frame, const Predictors* predictors) {
+  const std::vector<std::int8_t>& values = frame.strains->values;
+  v1::Frame message;
+  message.set_strain_scale(frame.strains->scale);
+  message.set_strains(predictors != nullptr ? codec::pack_bytes(values, *predictors)
+                                            : std::string(reinterpret_cast<const char*>(values.data()), values.size()));
   return message.SerializeAsString();
 }
 

@@ -26,6 +26,7 @@ struct QuantisedFrame {
   std::vector<std::uint16_t> positions;             // 3 V, in `box`
   std::shared_ptr<const sheet::Topology> topology;  // never null
   sheet::RunStats stats;
+  std::optional<QuantisedStrains> strains;  // where the snapshot has them
 };
 
 // `current`: the box of the frame before, see choose_box().
@@ -43,6 +44,9 @@ Predictors make_predictors(const sheet::Topology& topology);
 std::string encode_raw_body(const QuantisedFrame& frame);
 std::string encode_keyframe_body(const QuantisedFrame& frame, const Predictors& predictors);
 std::string encode_delta_body(const QuantisedFrame& frame, const QuantisedFrame& base, const Predictors& predictors);
+
+// A serialised Frame with nothing but the strains, which the frame must have. `predictors`: null for raw.
+std::string encode_strains(const QuantisedFrame& frame, const Predictors* predictors);
 
 // A serialised Frame with nothing but `topology`.
 struct EncodedTopology {

@@ -16,6 +16,9 @@ constexpr double kShrinkRatio = 8.0;  // -; a box this much too large is replace
 // The corner is a multiple of size / 16; this keeps it, and corner + size, exact far from the origin.
 constexpr double kSmallestRelativeSize = 0x1p-40;
 
+constexpr double kSmallestStrainScale = 0x1p-20;
+constexpr double kLargestStrainScale = 0x1p10;
+
 struct Extent {
   std::array<double, 3> low{};
   std::array<double, 3> high{};
@@ -83,6 +86,21 @@ std::vector<std::uint16_t> quantise(std::span<const double> positions, const Fra
       KERF_DCHECK(q >= 0.5 && q < kSteps + 1.0, "a position outside the box it is quantised in");
       quantised[i + axis] = static_cast<std::uint16_t>(q);  // q > 0: truncation is floor
     }
+  }
+  return quantised;
+}
+
+QuantisedStrains quantise_strains(std::span<const float> strains) {
+  double largest = kSmallestStrainScale;
+  for (const float strain : strains) {
+    if (std::isfinite(strain)) largest = std::max(largest, std::abs(static_cast<double>(strain)));
+  }
+  QuantisedStrains quantised;
+  quantised.scale = power_of_two_at_least(std::min(largest, kLargestStrainScale));
+  quantised.values.reserve(strains.size());
+  for (const float strain : strains) {
+    const double q = std::isfinite(strain) ? 127.0 * static_cast<double>(strain) / quantised.scale : 0.0;
+    quantised.values.push_back(static_cast<std::int8_t>(std::lround(std::clamp(q, -127.0, 127.0))));
   }
   return quantised;
 }

@@ -57,6 +57,23 @@ TEST_F(FlowTest, ReconnectingViewerIsSentOnlyWhatItLacks) {
   EXPECT_NE(other.epoch(), first.epoch());
 }
 
+TEST_F(FlowTest, StrainsOfAPausedSheetComeForWhoAsksLater) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  Viewer plain(*api_);
+  plain.start("sheets/a");
+  host_->wait_idle();
+  ASSERT_TRUE(plain.drain());
+  v1::WatchRequest request;
+  request.mutable_start()->set_name("sheets/a");
+  request.mutable_start()->set_strains(true);
+  Viewer coloured(*api_);
+  coloured.session().on_request(request);
+  host_->wait_idle();
+  while (coloured.drain()) host_->wait_idle();
+  EXPECT_EQ(coloured.mirror.strains.size(), 49U);
+  for (const float strain : coloured.mirror.strains) EXPECT_EQ(strain, 0.0F) << "at rest";
+}
+
 TEST_F(FlowTest, PausedStreamStaysOpenAndOwesNothing) {
   ASSERT_TRUE(create_sheet("a", false).ok());
   Viewer viewer(*api_);

@@ -145,6 +145,19 @@ await steps.step('a tap pins a vertex, another lets it go', async () => {
   await viewer.until('!k.isPaused && k.tick > given.tick + 90', { tick });
 });
 
+await steps.step('strains colour the sheet, and are streamed only as long as they are shown', async () => {
+  check((await viewer.read('k.numStrains')) === 0, 'strains that nobody asked for');
+  const before = await viewer.read('({ drawn: k.framesDrawn, vertices: k.numVertices })');
+  await viewer.page.click('#by-strain');
+  await viewer.until('k.numStrains === given.vertices && k.framesDrawn > given.drawn + 1', before);
+  const end = await viewer.page.textContent('#strain-end');
+  check(/^[\d.]+ %$/.test(end), `the scale ends with ${end}`);
+  await viewer.screenshot('strain');
+  await viewer.page.keyboard.press('x');
+  await viewer.until('k.numStrains === 0');
+  check(await viewer.page.isHidden('#strain-legend'), 'the scale is still there');
+});
+
 await steps.step('the wireframe comes and goes', async () => {
   await viewer.page.keyboard.press('w');
   await viewer.until('k.isWireframe');

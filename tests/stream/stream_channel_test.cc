@@ -297,6 +297,35 @@ TEST(Subscriber, RawReadersShareKeyframesOfTheirOwn) {
   EXPECT_EQ(channel->counters().predictors, 2) << "once a topology, not once a frame";
 }
 
+TEST(Subscriber, StrainsGoToWhoAsksAndAreEncodedOnce) {
+  const auto channel = std::make_shared<Channel>(8);
+  ChangingSheet sheet(16, 100, 150);
+  const auto plain = subscribe(*channel);
+  EXPECT_FALSE(channel->wants_strains());
+  {
+    const auto first = subscribe(*channel, {.strains = true});
+    const auto second = subscribe(*channel, {.strains = true});
+    EXPECT_TRUE(channel->wants_strains());
+    FrameMirror mirror;
+    for (int tick = 1; tick <= 5; ++tick) {
+      sheet.move(0.001);
+      const auto snapshot = sheet.snapshot(true);
+      channel->publish(snapshot);
+      EXPECT_EQ(frame(*plain).strain_scale(), 0.0);
+      ASSERT_EQ(mirror.apply(frame(*first)), std::nullopt);
+      ASSERT_EQ(mirror.strains.size(), snapshot->strains.size());
+      for (std::size_t v = 0; v < mirror.strains.size(); ++v) {
+        EXPECT_NEAR(mirror.strains[v], snapshot->strains[v], 0.0313 / 254.0 * 1.001);
+      }
+      frame(*second);
+      for (const auto& viewer : {plain, first, second}) ASSERT_TRUE(viewer->acknowledge(tick).ok());
+    }
+    EXPECT_EQ(channel->counters().strains, 5);
+    EXPECT_EQ(channel->counters().deltas, 4) << "the same for those with strains and those without";
+  }
+  EXPECT_FALSE(channel->wants_strains());
+}
+
 // Everything at once, at random: viewers of every window that take and acknowledge whenever they like.
 TEST(Subscriber, HoldsItsPromisesUnderRandomAcknowledgements) {
   struct Viewer {

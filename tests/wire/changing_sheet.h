@@ -56,11 +56,14 @@ class ChangingSheet {
     topology_ = std::move(next);
   }
 
-  [[nodiscard]] std::shared_ptr<const sheet::Snapshot> snapshot() const {
+  [[nodiscard]] std::shared_ptr<const sheet::Snapshot> snapshot(bool with_strains = false) const {
     auto snapshot = std::make_shared<sheet::Snapshot>();
     snapshot->tick = tick_;
     snapshot->positions = positions_;
     snapshot->topology = topology_;
+    for (Eigen::Index v = 0; with_strains && v < positions_.cols(); ++v) {
+      snapshot->strains.push_back(0.001F * static_cast<float>((7 * v + tick_) % 41) - 0.01F);
+    }
     return snapshot;
   }
 

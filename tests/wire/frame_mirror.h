@@ -30,6 +30,7 @@ class FrameMirror {
     }
     if (frame.topology_version() != topology_version) return "positions of an unknown topology";
     if (const auto fault = apply_positions(frame)) return fault;
+    if (const auto fault = apply_strains(frame)) return fault;
     tick = frame.tick();
     return std::nullopt;
   }
@@ -51,6 +52,7 @@ class FrameMirror {
   std::vector<std::array<std::int32_t, 3>> triangles;  // a slot
   std::vector<std::int32_t> pieces;                    // a slot
   std::vector<std::array<float, 2>> material;          // a vertex
+  std::vector<float> strains;                          // a vertex; empty where the last frame had none
   std::int32_t num_pieces = 0;
 
  private:
@@ -135,6 +137,21 @@ class FrameMirror {
                           packed<float>(patch.material_positions(), 2 * i + 1)};
     }
     num_pieces = patch.num_pieces();
+    return std::nullopt;
+  }
+
+  std::optional<std::string> apply_strains(const v1::Frame& frame) {
+    strains.clear();
+    if (frame.strain_scale() == 0.0) return std::nullopt;
+    const auto count = static_cast<std::size_t>(frame.num_vertices());
+    std::optional<std::vector<std::int8_t>> values;
+    if (frame.encoding() == v1::RAW) {
+      values.emplace(frame.strains().begin(), frame.strains().end());
+    } else {
+      values = codec::unpack_bytes(frame.strains(), codec::vertex_predictors(triangles, count));
+    }
+    if (!values || values->size() != count) return "malformed strains";
+    for (const std::int8_t q : *values) strains.push_back(static_cast<float>(q * frame.strain_scale() / 127.0));
     return std::nullopt;
   }
 

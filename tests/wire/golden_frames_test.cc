@@ -2,6 +2,7 @@
 // which shares no code with this one, reads the same files: web/test/golden_frames.test.ts.
 //   KERF_WRITE_GOLDEN=1 golden_frames_test     writes them anew, after the format has changed on purpose
 
+#include <bit>
 #include <cstdint>
 #include <cstdlib>
 #include <fstream>
@@ -44,14 +45,15 @@ std::uint32_t hash_of(const FrameMirror& mirror) {
     for (const std::int32_t vertex : triangle) hash.add(static_cast<std::uint32_t>(vertex));
   }
   for (const std::int32_t piece : mirror.pieces) hash.add(static_cast<std::uint32_t>(piece));
+  for (const float strain : mirror.strains) hash.add(std::bit_cast<std::uint32_t>(strain));
   for (const auto& position : mirror.material) {
     for (const float x : position) hash.add(std::bit_cast<std::uint32_t>(x));
   }
   return hash.value();
 }
 
-std::string message(std::int64_t sequence, const std::string& body, const std::string& topology) {
-  return encode_frame_head(sequence, 0, {}, body.size() + topology.size()) + body + topology;
+std::string message(std::int64_t sequence, const std::string& body, const std::string& rest) {
+  return encode_frame_head(sequence, 0, {}, body.size() + rest.size()) + body + rest;
 }
 
 // Moves, cuts, a leap out of the box, a reset, ticks that are skipped.
@@ -64,7 +66,8 @@ std::vector<std::string> make_messages(Encoding encoding) {
     if (tick % 7 == 3) sheet.cut(4);
     if (tick == 30) sheet.reset(60, 100);
     if (tick % 11 == 8) continue;
-    const QuantisedFrame frame = quantise_frame(*sheet.snapshot(), last ? std::optional(last->box) : std::nullopt);
+    const QuantisedFrame frame =
+        quantise_frame(*sheet.snapshot(tick % 3 == 1), last ? std::optional(last->box) : std::nullopt);
     const Predictors predictors = make_predictors(*frame.topology);
     const std::int32_t told = last ? last->topology->version : -1;
     EncodedTopology topology;
@@ -75,7 +78,9 @@ std::vector<std::string> make_messages(Encoding encoding) {
     const std::string body = encoding == Encoding::kRaw ? encode_raw_body(frame)
                              : is_delta                 ? encode_delta_body(frame, *last, predictors)
                                                         : encode_keyframe_body(frame, predictors);
-    messages.push_back(message(static_cast<std::int64_t>(messages.size()) + 1, body, topology.bytes));
+    const std::string strains =
+        frame.strains ? encode_strains(frame, encoding == Encoding::kRaw ? nullptr : &predictors) : std::string();
+    messages.push_back(message(static_cast<std::int64_t>(messages.size()) + 1, body, topology.bytes + strains));
     last = frame;
   }
   return messages;

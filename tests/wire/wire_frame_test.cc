@@ -1,6 +1,7 @@
 // Quantising, frames and topology patches, read back by a decoder of their own.
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -170,6 +171,21 @@ TEST(FrameEncoder, UnionPatchFromAnyVersionGivesTheSameAsTheFullTopology) {
     viewers.push_back(fresh);
   }
   EXPECT_EQ(unions, 15 + 15);
+}
+
+TEST(QuantisedStrains, AreWithinHalfAStepOfAPowerOfTwo) {
+  const std::vector<float> strains{0.0F, 0.03F, -0.011F, 0.0299F};
+  const QuantisedStrains quantised = quantise_strains(strains);
+  EXPECT_EQ(quantised.scale, 0x1p-5);
+  for (std::size_t i = 0; i < strains.size(); ++i) {
+    EXPECT_NEAR(quantised.values[i] * quantised.scale / 127.0, strains[i], 0.5001 * quantised.scale / 127.0);
+  }
+  EXPECT_EQ(quantise_strains(std::vector<float>{0.0F}).scale, 0x1p-20);
+  const float infinite = std::numeric_limits<float>::infinity();
+  const QuantisedStrains broken =
+      quantise_strains(std::vector<float>{infinite, std::numeric_limits<float>::quiet_NaN(), 1.0e9F, -1.0e9F});
+  EXPECT_EQ(broken.scale, 0x1p10);
+  EXPECT_EQ(broken.values, (std::vector<std::int8_t>{0, 0, 127, -127}));
 }
 
 TEST(FrameEncoder, RawFramesGiveTheSameMirrorAsCompactOnes) {

@@ -6,9 +6,11 @@ import { ColliderView } from './scene/colliders';
 import { PinView } from './scene/pin_view';
 import { SheetView } from './scene/sheet_view';
 import { Stage } from './scene/stage';
+import { kStrainGradient } from './scene/strain_colors';
 import { worldBox } from './scene/world_box';
 import { FrameClock, unixTimeMs } from './stream/frame_clock';
 import type { SheetMirror } from './stream/mirror';
+import type { Rejection } from './gen/kerf/v1/stream_pb';
 import { PieceIds } from './stream/piece_ids';
 import { SettingsFollower } from './stream/settings_follower';
 import { Watch } from './stream/watch';
@@ -49,6 +51,7 @@ export class App implements Viewer {
   tool: Tool;
   framesDrawn = 0;
   isByPiece = false;
+  isByStrain = false;
 
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly sheetView = new SheetView();
@@ -86,6 +89,7 @@ export class App implements Viewer {
       this.watch?.setPaused(document.hidden);
       if (!document.hidden) this.watch?.retryNow();
     });
+    element('strain-gradient').style.background = kStrainGradient;
     this.choose('view');
     requestAnimationFrame((nowMs) => this.draw(nowMs));
   }
@@ -103,6 +107,21 @@ export class App implements Viewer {
   toggleByPiece(): void {
     this.isByPiece = !this.isByPiece;
     element('by-piece').setAttribute('aria-pressed', String(this.isByPiece));
+    if (this.isByPiece && this.isByStrain) this.toggleByStrain();
+    this.showAgain();
+  }
+
+  /** The server computes strains for whoever asks alone: another stream, which goes on from what is here. */
+  toggleByStrain(): void {
+    this.isByStrain = !this.isByStrain;
+    element('by-strain').setAttribute('aria-pressed', String(this.isByStrain));
+    element('strain-legend').hidden = !this.isByStrain;
+    if (this.isByPiece && this.isByStrain) this.toggleByPiece();
+    if (this.watch) {
+      const { mirror } = this.watch;
+      this.watch.close();
+      this.watch = this.startWatch(this.sheetName, mirror);
+    }
     this.showAgain();
   }
 
@@ -136,17 +155,23 @@ export class App implements Viewer {
     this.hasNewFrame = false;
     this.sheet = undefined;
     this.isFitted = false;
+    this.watch = this.startWatch(name);
+    void this.refreshSheet();
+  }
+
+  private startWatch(name: string, from?: SheetMirror): Watch {
     const { protocol, host } = location;
-    this.watch = new Watch(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/watch`, name, {
-      onState: (state, detail) => {
+    const url = `${protocol === 'https:' ? 'wss' : 'ws'}://${host}/watch`;
+    const events = {
+      onState: (state: ConnectionState, detail: string) => {
         // The first frame of the next connection asks again.
         if (state !== 'live') this.settings.reset();
         this.showConnection(state, detail);
       },
-      onFrame: (mirror) => this.receive(mirror),
-      onRejection: (rejection) => this.grabTool.rejected(rejection),
-    });
-    void this.refreshSheet();
+      onFrame: (mirror: SheetMirror) => this.receive(mirror),
+      onRejection: (rejection: Rejection) => this.grabTool.rejected(rejection),
+    };
+    return new Watch(url, name, events, { strains: this.isByStrain, from });
   }
 
   fit(): void {
@@ -237,6 +262,11 @@ export class App implements Viewer {
     this.status.update(this.surface?.mirror, isLive ? this.clock.ageMs(unixTimeMs()) : undefined, nowMs);
   }
 
+  private showStrains(): void {
+    const end = this.sheetView.colorByStrain();
+    if (end !== undefined) setText(element('strain-end'), `${Number((100 * end).toPrecision(1))} %`);
+  }
+
   private takeFrame(surface: Surface): void {
     this.hasNewFrame = false;
     if (!this.isFitted) {
@@ -246,7 +276,8 @@ export class App implements Viewer {
     }
     this.sheetView.update(surface);
     const version = surface.mirror.topologyVersion;
-    this.sheetView.colorByPiece(this.isByPiece ? this.pieceIds.at(this.sheetName, version) : null);
+    if (this.isByStrain) this.showStrains();
+    else this.sheetView.colorByPiece(this.isByPiece ? this.pieceIds.at(this.sheetName, version) : null);
     const { min, max } = surface.locator;
     this.pinView.update(surface, 0.009 * Math.max(max.x - min.x, max.y - min.y));
     this.watch?.acknowledge();

@@ -14,6 +14,8 @@ export interface Hooks {
   readonly isPaused: boolean;
   readonly isWireframe: boolean;
   readonly isByPiece: boolean;
+  /** Number of strains in the shown frame; 0 without. */
+  readonly numStrains: number;
   readonly tool: string;
   readonly pinnedVertices: readonly number[];
   readonly framesDrawn: number;
@@ -57,6 +59,9 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
     },
     get isWireframe() {
       return app.isWireframe;
+    },
+    get numStrains() {
+      return app.surface?.mirror.strains?.length ?? 0;
     },
     get isByPiece() {
       return app.isByPiece;

@@ -33,6 +33,7 @@ function hashOf(mirror: SheetMirror): string {
   add(mirror.quantisedPositions);
   add(mirror.triangles.subarray(0, 3 * numSlots));
   add(mirror.pieces.subarray(0, numSlots));
+  if (mirror.strains) add(new Int32Array(mirror.strains.slice().buffer));
   add(new Int32Array(mirror.materialPositions.slice(0, 2 * numVertices).buffer));
   return (hash >>> 0).toString(16);
 }
@@ -56,9 +57,9 @@ describe.each(['compact.bin', 'raw.bin'])('%s', (name) => {
     const mirror = new SheetMirror();
     frames.forEach((frame, i) => {
       const before = i > 0 ? hashOf(mirror) : undefined;
-      for (const field of ['positions', 'triangles', 'pieces', 'slots', 'vertices', 'materialPositions'] as const) {
+      for (const field of ['positions', 'strains', 'triangles', 'pieces', 'slots', 'vertices', 'materialPositions'] as const) {
         const spoilt = { ...frame, topology: frame.topology && { ...frame.topology } };
-        const holder = field === 'positions' ? spoilt : spoilt.topology;
+        const holder = field === 'positions' || field === 'strains' ? spoilt : spoilt.topology;
         const bytes = (holder as unknown as Record<string, Uint8Array> | undefined)?.[field];
         if (!bytes || bytes.length === 0) continue;
         (holder as unknown as Record<string, Uint8Array>)[field] = bytes.subarray(0, -1);

@@ -5,8 +5,8 @@ import type { IUniform } from 'three';
 // two sides differ in colour, so that folds show.
 const kPattern = /* glsl */ `
   uniform float checkSize;
-  uniform bool isByPiece;
-  varying vec3 vPieceColor;
+  uniform bool hasOwnColors;
+  varying vec3 vOwnColor;
 
   float band(float t, float halfWidth) {
     float blur = max(fwidth(t), 1e-4);
@@ -26,16 +26,16 @@ const kPattern = /* glsl */ `
     vec3 dark = isFront ? vec3(0.012, 0.072, 0.21) : vec3(0.47, 0.065, 0.03);
     vec3 color = mix(light, dark, bands * (isFront ? 0.92 : 0.6));
     color *= 1.0 + 0.10 * weave;
-    if (!isByPiece) return color;
+    if (!hasOwnColors) return color;
     // The checks stay, as light and dark; the back is darker.
     float lightness = dot(color, vec3(0.2126, 0.7152, 0.0722));
-    return vPieceColor * (0.6 + 0.55 * lightness) * (isFront ? 1.0 : 0.7);
+    return vOwnColor * (0.6 + 0.55 * lightness) * (isFront ? 1.0 : 0.7);
   }
 `;
 
 export class ClothMaterial extends MeshStandardMaterial {
   private readonly checkSize: IUniform<number> = { value: 0.1 };
-  private readonly isByPiece: IUniform<boolean> = { value: false };
+  private readonly hasOwnColors: IUniform<boolean> = { value: false };
 
   constructor() {
     super({
@@ -51,10 +51,10 @@ export class ClothMaterial extends MeshStandardMaterial {
     this.defines = { ...this.defines, USE_UV: '' };
     this.onBeforeCompile = (shader) => {
       shader.uniforms.checkSize = this.checkSize;
-      shader.uniforms.isByPiece = this.isByPiece;
+      shader.uniforms.hasOwnColors = this.hasOwnColors;
       shader.vertexShader = shader.vertexShader
-        .replace('#include <common>', '#include <common>\nattribute vec3 pieceColor;\nvarying vec3 vPieceColor;')
-        .replace('#include <begin_vertex>', '#include <begin_vertex>\nvPieceColor = pieceColor;');
+        .replace('#include <common>', '#include <common>\nattribute vec3 ownColor;\nvarying vec3 vOwnColor;')
+        .replace('#include <begin_vertex>', '#include <begin_vertex>\nvOwnColor = ownColor;');
       shader.fragmentShader = shader.fragmentShader
         .replace('#include <common>', `#include <common>\n${kPattern}`)
         .replace('#include <color_fragment>', 'diffuseColor.rgb = clothColor(vUv, gl_FrontFacing);');
@@ -66,8 +66,8 @@ export class ClothMaterial extends MeshStandardMaterial {
     this.checkSize.value = size;
   }
 
-  /** Colours the sheet by the vertex attribute `pieceColor` (linear) instead of the cloth's own colours. */
-  setByPiece(isOn: boolean): void {
-    this.isByPiece.value = isOn;
+  /** Colours the sheet by the vertex attribute `ownColor` (linear) instead of the cloth's own colours. */
+  setOwnColors(isOn: boolean): void {
+    this.hasOwnColors.value = isOn;
   }
 }

@@ -4,6 +4,7 @@ import type { Surface } from '../geometry/surface';
 import { ClothMaterial } from './cloth_material';
 import { FatLines } from './fat_lines';
 import { carriedColors, pieceColors } from './piece_colors';
+import { strainColors, strainScaleEnd } from './strain_colors';
 
 function upload(attribute: BufferAttribute, count: number): void {
   attribute.clearUpdateRanges();
@@ -29,6 +30,7 @@ export class SheetView {
   // What the colours were made of.
   private coloredIds: ReadonlyMap<number, number> | undefined;
   private coloredVersion = -1;
+  private strainEnd = 0;
 
   constructor() {
     this.mesh.castShadow = true;
@@ -53,11 +55,11 @@ export class SheetView {
    * @param ids  label -> id in the mirror's topology version; undefined while it is not known; null: off
    */
   colorByPiece(ids: ReadonlyMap<number, number> | undefined | null): void {
-    this.cloth.setByPiece(ids !== null);
+    this.cloth.setOwnColors(ids !== null);
     if (ids === null || !this.surface) {
       this.colors = undefined;
       this.coloredIds = undefined;
-      this.mesh.geometry.deleteAttribute('pieceColor');
+      this.mesh.geometry.deleteAttribute('ownColor');
       return;
     }
     const { mirror } = this.surface;
@@ -65,7 +67,22 @@ export class SheetView {
     this.colors = ids ? pieceColors(mirror, ids) : carriedColors(mirror, this.colors ?? new Float32Array(0));
     this.coloredIds = ids;
     this.coloredVersion = mirror.topologyVersion;
-    this.mesh.geometry.setAttribute('pieceColor', new BufferAttribute(this.colors, 3));
+    this.mesh.geometry.setAttribute('ownColor', new BufferAttribute(this.colors, 3));
+  }
+
+  /**
+   * Colours the sheet by its strains, on a scale that follows the largest; call after update().
+   * @returns the end of the scale, -; undefined where the last frame had no strains: the colours stay as they were
+   */
+  colorByStrain(): number | undefined {
+    const strains = this.surface?.mirror.strains;
+    if (!strains) return undefined;
+    this.strainEnd = strainScaleEnd(strains, this.strainEnd);
+    this.cloth.setOwnColors(true);
+    this.coloredIds = undefined;
+    this.colors = strainColors(strains, this.strainEnd);
+    this.mesh.geometry.setAttribute('ownColor', new BufferAttribute(this.colors, 3));
+    return this.strainEnd;
   }
 
   /** Takes the mirror's newest state; `surface` may be another one after a new connection. */

@@ -39,6 +39,19 @@ export function unpackPositions(
   }
 }
 
+/** One signed number -128..127 a vertex. */
+export function unpackBytes(bytes: Uint8Array, { nearA, nearB }: Predictors): Int8Array {
+  const differences = unpackIntegers(bytes, nearA.length, 1);
+  const values = new Int8Array(nearA.length);
+  for (let vertex = 0; vertex < values.length; ++vertex) {
+    let foretold = nearA[vertex] === kNoVertex ? 0 : values[nearA[vertex]];
+    if (nearB[vertex] !== kNoVertex) foretold = (foretold + values[nearB[vertex]]) >> 1;
+    // An Int8Array keeps the low 8 bits.
+    values[vertex] = foretold + unzigzag(differences[vertex]);
+  }
+  return values;
+}
+
 export function unpackAscending(bytes: Uint8Array, count: number): Uint32Array {
   const ids = unpackIntegers(bytes, count, 1);
   let next = 0;

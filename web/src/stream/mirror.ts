@@ -1,6 +1,13 @@
 import { Encoding } from '../gen/kerf/v1/stream_pb';
 import type { Frame, FrameStats, TopologyPatch } from '../gen/kerf/v1/stream_pb';
-import { unpackAscending, unpackLabels, unpackMaterialPositions, unpackPositions, unpackTriangles } from './frame_code';
+import {
+  unpackAscending,
+  unpackBytes,
+  unpackLabels,
+  unpackMaterialPositions,
+  unpackPositions,
+  unpackTriangles,
+} from './frame_code';
 import { CodeError } from './packed_integers';
 import { vertexPredictors } from './predictors';
 import type { Predictors } from './predictors';
@@ -74,6 +81,8 @@ export class SheetMirror {
   triangles: Int32Array = new Int32Array(0);
   /** S, -1 for an empty slot */
   pieces: Int32Array = new Int32Array(0);
+  /** V largest principal strains, -, of the last frame; undefined where it had none */
+  strains: Float32Array | undefined;
   /** Of the last frame that had any. */
   stats: FrameStats | undefined;
 
@@ -113,10 +122,13 @@ export class SheetMirror {
       `delta against tick ${frame.baseTick}, but the mirror is at ${this.tick}`);
     require(frame.numVertices >= 0, () => `${frame.numVertices} vertices`);
     let topology: Topology | undefined;
+    let strains: Float32Array | undefined;
     try {
       if (frame.topology) topology = this.patched(frame, frame.topology);
       else this.checkUnchanged(frame);
-      this.decodePositions(frame, isKeyframe, () => topology?.predictors ?? this.ownPredictors());
+      const predictors = () => topology?.predictors ?? this.ownPredictors();
+      this.decodePositions(frame, isKeyframe, predictors);
+      strains = readStrains(frame, predictors);
     } catch (error) {
       throw error instanceof CodeError ? new MirrorError(`frame of tick ${frame.tick}: ${error.message}`) : error;
     }
@@ -124,6 +136,7 @@ export class SheetMirror {
     // Nothing fails from here on.
     if (topology) this.commitTopology(topology);
     this.commitPositions(frame, isKeyframe);
+    this.strains = strains;
     if (frame.epoch !== '') this.epoch = frame.epoch;
     this.sequence = sequence;
     this.tick = Number(frame.tick);
@@ -226,6 +239,18 @@ export class SheetMirror {
     this.numSlots = topology.numSlots;
     this.numPieces = topology.numPieces;
   }
+}
+
+function readStrains(frame: Frame, predictors: () => Predictors): Float32Array | undefined {
+  if (frame.strainScale === 0) {
+    require(frame.strains.length === 0, () => 'strains without a scale');
+    return undefined;
+  }
+  const isCompact = frame.encoding === Encoding.COMPACT;
+  require(isCompact || frame.strains.length === frame.numVertices, () =>
+    `${frame.strains.length} strains of ${frame.numVertices} vertices`);
+  const values = isCompact ? unpackBytes(frame.strains, predictors()) : new Int8Array(aligned(frame.strains));
+  return Float32Array.from(values, (q) => (q * frame.strainScale) / 127);
 }
 
 /** What a patch lists: slots with their triangles and pieces, and vertices. */

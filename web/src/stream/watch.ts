@@ -16,6 +16,13 @@ export interface WatchEvents {
   onRejection(rejection: Rejection): void;
 }
 
+export interface WatchOptions {
+  /** Frames have strains. */
+  strains?: boolean;
+  /** Of the same sheet, by an earlier Watch: what it has is not sent again. */
+  from?: SheetMirror;
+}
+
 const kFirstRetryMs = 250;
 const kLastRetryMs = 8000;
 // A connection that brought frames for this long was a good one: the next retry starts from the shortest wait again.
@@ -56,6 +63,7 @@ export class Watch {
     private readonly url: string,
     private readonly name: string,
     private readonly events: WatchEvents,
+    private readonly options: WatchOptions = {},
   ) {
     this.connect();
   }
@@ -105,7 +113,8 @@ export class Watch {
   }
 
   private connect(): void {
-    this.incoming = this.mirror ? this.mirror.resumed() : new SheetMirror();
+    const last = this.mirror ?? this.options.from;
+    this.incoming = last ? last.resumed() : new SheetMirror();
     this.acknowledged = 0;
     this.whyLost = '';
     this.setState(this.mirror ? 'lost' : 'connecting', this.mirror ? 'reconnecting' : '');
@@ -114,7 +123,8 @@ export class Watch {
     socket.binaryType = 'arraybuffer';
     const { epoch } = this.incoming;
     const topologyVersion = epoch === '' ? 0 : this.incoming.topologyVersion;
-    socket.onopen = () => this.send({ case: 'start', value: { name: this.name, epoch, topologyVersion } });
+    const { strains } = this.options;
+    socket.onopen = () => this.send({ case: 'start', value: { name: this.name, epoch, topologyVersion, strains } });
     socket.onmessage = (event) => this.receive(socket, new Uint8Array(event.data as ArrayBuffer));
     socket.onclose = (event) => this.closed(socket, event.reason);
   }
@@ -141,6 +151,7 @@ export class Watch {
     } catch (error) {
       // A frame that does not fit: start anew from nothing.
       this.mirror?.forgetEpoch();
+      this.options.from?.forgetEpoch();
       this.whyLost = (error as Error).message;
       socket.close();
     }

@@ -39,6 +39,7 @@ export function bindKeys(app: App): void {
     r: () => void app.controls.reset(),
     w: () => app.toggleWireframe(),
     k: () => app.toggleByPiece(),
+    x: () => app.toggleByStrain(),
     f: () => app.fit(),
     '?': openHelp,
   };
@@ -52,6 +53,7 @@ export function bindKeys(app: App): void {
   element('redo').addEventListener('click', () => void app.history.run('redo'));
   element('wireframe').addEventListener('click', actions.w);
   element('by-piece').addEventListener('click', actions.k);
+  element('by-strain').addEventListener('click', actions.x);
   element('fit').addEventListener('click', actions.f);
   element('help-open').addEventListener('click', openHelp);
   help.addEventListener('click', (event) => {
