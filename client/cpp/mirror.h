@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -39,7 +40,8 @@ class Mirror {
   // had none: has_strains() is false.
   [[nodiscard]] bool has_strains() const { return !strains_.empty(); }
   [[nodiscard]] double strain(std::int32_t vertex) const {
-    return static_cast<double>(strains_[static_cast<std::size_t>(vertex)]) * strain_scale_ / 127.0;
+    const double share = strains_[static_cast<std::size_t>(vertex)] / 127.0;
+    return share * std::abs(share) * strain_scale_;
   }
   // 2 V numbers, x, y interleaved, m.
   [[nodiscard]] const std::vector<float>& material_positions() const { return material_positions_; }

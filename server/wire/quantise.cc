@@ -99,8 +99,10 @@ QuantisedStrains quantise_strains(std::span<const float> strains) {
   quantised.scale = power_of_two_at_least(std::min(largest, kLargestStrainScale));
   quantised.values.reserve(strains.size());
   for (const float strain : strains) {
-    const double q = std::isfinite(strain) ? 127.0 * static_cast<double>(strain) / quantised.scale : 0.0;
-    quantised.values.push_back(static_cast<std::int8_t>(std::lround(std::clamp(q, -127.0, 127.0))));
+    const double share =
+        std::isfinite(strain) ? std::clamp(static_cast<double>(strain) / quantised.scale, -1.0, 1.0) : 0.0;
+    quantised.values.push_back(
+        static_cast<std::int8_t>(std::lround(std::copysign(127.0 * std::sqrt(std::abs(share)), share))));
   }
   return quantised;
 }

@@ -29,7 +29,8 @@ FrameBox choose_box(std::span<const double> positions, const std::optional<Frame
 // box. The error is at most size / 131070.
 std::vector<std::uint16_t> quantise(std::span<const double> positions, const FrameBox& box);
 
-// Strains in 255 steps: strain = q * scale / 127 for q in -127..127.
+// Strains in 255 steps: strain = q |q| / 127^2 * scale for q in -127..127. Finest about 0, as a few vertices, at pins
+// and the ends of cuts, have many times the strain of the others.
 struct QuantisedStrains {
   std::vector<std::int8_t> values;  // a vertex
   double scale = 0.0;               // -, the smallest power of two >= 2^-20 that none exceeds, +- 2^10 at most

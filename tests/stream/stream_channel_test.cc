@@ -315,7 +315,7 @@ TEST(Subscriber, StrainsGoToWhoAsksAndAreEncodedOnce) {
       ASSERT_EQ(mirror.apply(frame(*first)), std::nullopt);
       ASSERT_EQ(mirror.strains.size(), snapshot->strains.size());
       for (std::size_t v = 0; v < mirror.strains.size(); ++v) {
-        EXPECT_NEAR(mirror.strains[v], snapshot->strains[v], 0.0313 / 254.0 * 1.001);
+        EXPECT_NEAR(mirror.strains[v], snapshot->strains[v], 0.0313 / 127.0);
       }
       frame(*second);
       for (const auto& viewer : {plain, first, second}) ASSERT_TRUE(viewer->acknowledge(tick).ok());

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <numeric>
@@ -151,7 +152,9 @@ class FrameMirror {
       values = codec::unpack_bytes(frame.strains(), codec::vertex_predictors(triangles, count));
     }
     if (!values || values->size() != count) return "malformed strains";
-    for (const std::int8_t q : *values) strains.push_back(static_cast<float>(q * frame.strain_scale() / 127.0));
+    for (const std::int8_t q : *values) {
+      strains.push_back(static_cast<float>((q / 127.0) * std::abs(q / 127.0) * frame.strain_scale()));
+    }
     return std::nullopt;
   }
 

@@ -178,7 +178,10 @@ TEST(QuantisedStrains, AreWithinHalfAStepOfAPowerOfTwo) {
   const QuantisedStrains quantised = quantise_strains(strains);
   EXPECT_EQ(quantised.scale, 0x1p-5);
   for (std::size_t i = 0; i < strains.size(); ++i) {
-    EXPECT_NEAR(quantised.values[i] * quantised.scale / 127.0, strains[i], 0.5001 * quantised.scale / 127.0);
+    const double share = quantised.values[i] / 127.0;
+    // Half a step: the derivative of the square.
+    EXPECT_NEAR(share * std::abs(share) * quantised.scale, strains[i],
+                (std::abs(share) + 0.5 / 127.0) * quantised.scale / 127.0);
   }
   EXPECT_EQ(quantise_strains(std::vector<float>{0.0F}).scale, 0x1p-20);
   const float infinite = std::numeric_limits<float>::infinity();

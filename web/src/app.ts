@@ -264,7 +264,7 @@ export class App implements Viewer {
 
   private showStrains(): void {
     const end = this.sheetView.colorByStrain();
-    if (end !== undefined) setText(element('strain-end'), `${Number((100 * end).toPrecision(1))} %`);
+    if (end !== undefined) setText(element('strain-end'), `${Number((100 * end).toPrecision(1))} % or more`);
   }
 
   private takeFrame(surface: Surface): void {

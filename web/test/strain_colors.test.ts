@@ -4,12 +4,18 @@ import { strainColors, strainScaleEnd } from '../src/scene/strain_colors';
 
 describe('strainScaleEnd', () => {
   it('is a round number that stays while the strains stay about as large', () => {
-    const end = strainScaleEnd(Float32Array.of(0.001, 0.013), 0);
+    const end = strainScaleEnd(Float32Array.of(0.013, 0.013), 0);
     expect(end).toBeCloseTo(0.02);
     expect(strainScaleEnd(Float32Array.of(0.019), end)).toBe(end);
     expect(strainScaleEnd(Float32Array.of(0.005), end)).toBe(end);
     expect(strainScaleEnd(Float32Array.of(0.021), end)).toBeCloseTo(0.05);
     expect(strainScaleEnd(Float32Array.of(0.002), end)).toBeCloseTo(0.002);
+  });
+
+  it('leaves out the few vertices at pins and ends of cuts', () => {
+    const strains = new Float32Array(5000).fill(0.004);
+    strains.fill(0.9, 0, 20);
+    expect(strainScaleEnd(strains, 0)).toBeCloseTo(0.005);
   });
 
   it('does not follow noise about 0', () => {

@@ -3,6 +3,9 @@ import { Color } from 'three';
 // Six colours of viridis (S. van der Walt, N. Smith, 2015, CC0): lightness grows evenly, and the colour-blind read it, too.
 const kStops = [0x440154, 0x414487, 0x2a788e, 0x22a884, 0x7ad151, 0xfde725].map((hex) => new Color(hex));
 const kSmallestMax = 1e-4;
+// The scale ends where 99 % of the vertices are below: at a pin or the end of a cut a few have many times as much.
+const kShareBelow = 0.99;
+const kMaxSamples = 2000;
 
 /** For the legend: left to right, CSS. */
 export const kStrainGradient = `linear-gradient(to right, ${kStops.map((color) => color.getStyle()).join(', ')})`;
@@ -14,20 +17,25 @@ function roundedUp(value: number): number {
   return 10 * decade;
 }
 
+function largestOfMost(strains: Float32Array): number {
+  const every = Math.ceil(strains.length / kMaxSamples);
+  const samples = Float32Array.from({ length: Math.floor(strains.length / every) }, (_, i) => strains[every * i]).sort();
+  return samples[Math.floor(kShareBelow * (samples.length - 1))] ?? 0;
+}
+
 /**
- * The end of the scale, -, >= 1e-4: a round number that the largest strain is just below, and that does not change with
- * every frame.
+ * The end of the scale, -, >= 1e-4: a round number that the strains of nearly all vertices are just below, and that does
+ * not change with every frame.
  *
  * @param current  the end so far
  */
 export function strainScaleEnd(strains: Float32Array, current: number): number {
-  let largest = kSmallestMax;
-  for (const strain of strains) if (strain > largest) largest = strain;
+  const largest = Math.max(kSmallestMax, largestOfMost(strains));
   return largest > current || largest < 0.2 * current ? roundedUp(largest) : current;
 }
 
 /**
- * A colour for each vertex, linear, 3 numbers each: viridis from 0 to `end`; what is not stretched at all is dark.
+ * A colour for each vertex, linear, 3 numbers each: viridis from 0 to `end` and beyond; what is not stretched at all is dark.
  */
 export function strainColors(strains: Float32Array, end: number): Float32Array {
   const out = new Float32Array(3 * strains.length);

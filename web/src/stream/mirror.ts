@@ -250,7 +250,7 @@ function readStrains(frame: Frame, predictors: () => Predictors): Float32Array |
   require(isCompact || frame.strains.length === frame.numVertices, () =>
     `${frame.strains.length} strains of ${frame.numVertices} vertices`);
   const values = isCompact ? unpackBytes(frame.strains, predictors()) : new Int8Array(aligned(frame.strains));
-  return Float32Array.from(values, (q) => (q * frame.strainScale) / 127);
+  return Float32Array.from(values, (q) => (q / 127) * Math.abs(q / 127) * frame.strainScale);
 }
 
 /** What a patch lists: slots with their triangles and pieces, and vertices. */
