@@ -9,11 +9,11 @@ import { Stage } from './scene/stage';
 import { kStrainGradient } from './scene/strain_colors';
 import { worldBox } from './scene/world_box';
 import { FrameClock, unixTimeMs } from './stream/frame_clock';
-import type { SheetMirror } from './stream/mirror';
 import type { Rejection } from './gen/kerf/v1/stream_pb';
 import { PieceIds } from './stream/piece_ids';
 import { SettingsFollower } from './stream/settings_follower';
-import { Watch } from './stream/watch';
+import { RemoteWatch } from './stream/remote_watch';
+import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
 import type { ConnectionState } from './stream/watch';
 import { CutTool } from './tools/cut_tool';
 import { GrabTool } from './tools/grab_tool';
@@ -46,13 +46,15 @@ export class App implements Viewer {
   readonly svgFiles = new SvgFiles(this);
   sheetName = '';
   surface: Surface | undefined;
-  watch: Watch | undefined;
+  watch: RemoteWatch | undefined;
   sheet: Sheet | undefined;
   tool: Tool;
   framesDrawn = 0;
   isByPiece = false;
   isByStrain = false;
 
+  // Holds the connection and decodes frames.
+  private readonly worker = new Worker(new URL('./stream/watch_worker.ts', import.meta.url), { type: 'module' });
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly sheetView = new SheetView();
   private readonly pinView = new PinView();
@@ -118,9 +120,8 @@ export class App implements Viewer {
     element('strain-legend').hidden = !this.isByStrain;
     if (this.isByPiece && this.isByStrain) this.toggleByPiece();
     if (this.watch) {
-      const { mirror } = this.watch;
       this.watch.close();
-      this.watch = this.startWatch(this.sheetName, mirror);
+      this.watch = this.startWatch(this.sheetName, true);
     }
     this.showAgain();
   }
@@ -155,11 +156,11 @@ export class App implements Viewer {
     this.hasNewFrame = false;
     this.sheet = undefined;
     this.isFitted = false;
-    this.watch = this.startWatch(name);
+    this.watch = this.startWatch(name, false);
     void this.refreshSheet();
   }
 
-  private startWatch(name: string, from?: SheetMirror): Watch {
+  private startWatch(name: string, goesOn: boolean): RemoteWatch {
     const { protocol, host } = location;
     const url = `${protocol === 'https:' ? 'wss' : 'ws'}://${host}/watch`;
     const events = {
@@ -168,10 +169,11 @@ export class App implements Viewer {
         if (state !== 'live') this.settings.reset();
         this.showConnection(state, detail);
       },
-      onFrame: (mirror: SheetMirror) => this.receive(mirror),
+      onFrame: (copy: SheetCopy, frame: FrameCopy) => this.receive(copy, frame),
       onRejection: (rejection: Rejection) => this.grabTool.rejected(rejection),
     };
-    return new Watch(url, name, events, { strains: this.isByStrain, from });
+    const options = { strains: this.isByStrain, goesOn, isPaused: document.hidden };
+    return new RemoteWatch(this.worker, url, name, events, options);
   }
 
   fit(): void {
@@ -232,17 +234,16 @@ export class App implements Viewer {
     return sheet !== undefined;
   }
 
-  private receive(mirror: SheetMirror): void {
-    if (this.surface?.mirror !== mirror) {
+  private receive(copy: SheetCopy, { stats, arrivedMs }: FrameCopy): void {
+    if (this.surface?.mirror !== copy) {
       // A new connection, perhaps to another server: neither its clock nor its settings need be the old ones.
-      this.surface = new Surface(mirror);
+      this.surface = new Surface(copy);
       this.clock = new FrameClock();
       this.settings.reset();
       this.pieceIds.reset();
     }
-    const { stats } = mirror;
     if (stats) {
-      this.clock.arrived(stats.publishedUnixUs, unixTimeMs());
+      this.clock.arrived(stats.publishedUnixUs, arrivedMs);
       this.settings.saw(stats.settingsVersion);
     }
     this.hasNewFrame = true;
@@ -251,6 +252,7 @@ export class App implements Viewer {
 
   private draw(nowMs: number): void {
     requestAnimationFrame((nextMs) => this.draw(nextMs));
+    if (this.watch?.copy?.advance(nowMs)) this.showAgain();
     if (this.stage.advance()) {
       if (this.surface && this.hasNewFrame) this.takeFrame(this.surface);
       this.tool.update();

@@ -1,6 +1,6 @@
 import { Vector2, Vector3 } from 'three';
 import type { Camera, Ray } from 'three';
-import type { SheetMirror } from '../stream/mirror';
+import type { SheetArrays } from '../stream/sheet_copy';
 import { boundaryEdges } from './boundary';
 import { Locator } from './locator';
 import type { Place, Point2 } from './locator';
@@ -27,7 +27,7 @@ export class Surface {
   private materialVersion = -1;
   private cachedMaterial = new Uint8Array(0);
 
-  constructor(readonly mirror: SheetMirror) {}
+  constructor(readonly mirror: SheetArrays) {}
 
   /** Whether a triangle has this vertex: cuts with a width leave others behind, which come to lie anywhere. */
   hasMaterial(vertex: number): boolean {

@@ -1,5 +1,5 @@
 import { Color } from 'three';
-import type { SheetMirror } from '../stream/mirror';
+import type { SheetArrays } from '../stream/sheet_copy';
 
 // Okabe and Ito, "Color universal design" (2008), without black: told apart by the colour-blind too. In an order in
 // which neighbours, as the parts of one cut are, differ most.
@@ -24,7 +24,7 @@ export function pieceColor(id: number): Color {
  *
  * @param ids     label -> id
  */
-export function pieceColors(mirror: SheetMirror, ids: ReadonlyMap<number, number>): Float32Array {
+export function pieceColors(mirror: SheetArrays, ids: ReadonlyMap<number, number>): Float32Array {
   const colors = new Map([...ids].map(([label, id]) => [label, pieceColor(id)]));
   const out = new Float32Array(3 * mirror.numVertices);
   for (let slot = 0; slot < mirror.numSlots; ++slot) {
@@ -41,7 +41,7 @@ export function pieceColors(mirror: SheetMirror, ids: ReadonlyMap<number, number
  *
  * @param old  of the topology before, 3 numbers a vertex
  */
-export function carriedColors(mirror: SheetMirror, old: Float32Array): Float32Array {
+export function carriedColors(mirror: SheetArrays, old: Float32Array): Float32Array {
   const out = new Float32Array(3 * mirror.numVertices);
   out.set(old.subarray(0, out.length));
   const { triangles } = mirror;

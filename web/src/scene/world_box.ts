@@ -1,7 +1,7 @@
 import { Box3, Vector3 } from 'three';
 import type { Vec3 } from '../gen/kerf/v1/geometry_pb';
 import type { Collider } from '../gen/kerf/v1/scene_pb';
-import type { SheetMirror } from '../stream/mirror';
+import type { SheetArrays } from '../stream/sheet_copy';
 
 function vector(v: Vec3 | undefined): Vector3 {
   return new Vector3(v?.x ?? 0, v?.y ?? 0, v?.z ?? 0);
@@ -12,7 +12,7 @@ function expand(box: Box3, center: Vector3, reach: number): void {
 }
 
 /** Box around what there is to see: the sheet and every collider that ends somewhere. Metres. */
-export function worldBox(mirror: SheetMirror, colliders: readonly Collider[]): Box3 {
+export function worldBox(mirror: SheetArrays, colliders: readonly Collider[]): Box3 {
   const box = new Box3();
   const at = new Vector3();
   for (let v = 0; v < mirror.numVertices; ++v) box.expandByPoint(at.fromArray(mirror.positions, 3 * v));

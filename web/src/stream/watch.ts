@@ -6,7 +6,7 @@ import { SheetMirror } from './mirror';
 
 export type ConnectionState = 'connecting' | 'live' | 'lost' | 'ended';
 
-type WatchRequestKind = MessageInitShape<typeof WatchRequestSchema>['kind'];
+export type WatchRequestKind = MessageInitShape<typeof WatchRequestSchema>['kind'];
 
 export interface WatchEvents {
   /** `detail` says why, for people, and is empty when all is well. */
@@ -27,10 +27,6 @@ const kFirstRetryMs = 250;
 const kLastRetryMs = 8000;
 // A connection that brought frames for this long was a good one: the next retry starts from the shortest wait again.
 const kStableAfterMs = 5000;
-
-function isHidden(): boolean {
-  return typeof document !== 'undefined' && document.hidden;
-}
 
 /**
  * Watches one sheet over WebSocket /watch and keeps watching: a lost connection is tried again, at growing intervals,
@@ -171,7 +167,7 @@ export class Watch {
     if (socket !== this.socket || this.isClosed) return;
     if (this.state === 'live' && performance.now() - this.liveSinceMs > kStableAfterMs) this.retryMs = kFirstRetryMs;
     const why = this.whyLost || reason || 'no connection to the server';
-    if (isHidden()) {
+    if (this.isPaused) {
       // Nobody looks, and a page that draws nothing acknowledges nothing: wait for retryNow().
       this.setState('lost', why);
       return;

@@ -1,13 +1,13 @@
 import { Plane, Vector3 } from 'three';
 import { FatLines } from '../scene/fat_lines';
 import type { Rejection } from '../gen/kerf/v1/stream_pb';
-import type { Watch } from '../stream/watch';
+import type { RemoteWatch } from '../stream/remote_watch';
 import type { Pointer, Tool, Viewer } from './tool';
 
 interface ActiveGrab {
   id: string;
   vertex: number;
-  watch: Watch;
+  watch: RemoteWatch;
   /** Through the grabbed point, facing the camera: where the pointer moves the target. */
   plane: Plane;
   target: Vector3;

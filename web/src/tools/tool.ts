@@ -2,7 +2,7 @@ import type { Ray, Vector2 } from 'three';
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import type { Surface } from '../geometry/surface';
 import type { Stage } from '../scene/stage';
-import type { Watch } from '../stream/watch';
+import type { RemoteWatch } from '../stream/remote_watch';
 
 export type ToolId = 'view' | 'cut' | 'grab' | 'pin';
 
@@ -41,7 +41,7 @@ export interface Viewer {
   /** sheets/{sheet} */
   readonly sheetName: string;
   readonly surface: Surface | undefined;
-  readonly watch: Watch | undefined;
+  readonly watch: RemoteWatch | undefined;
   /** As last told by the server. */
   readonly sheet: Sheet | undefined;
   notify(kind: NoticeKind, text: string): void;

@@ -1,5 +1,5 @@
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
-import type { SheetMirror } from '../stream/mirror';
+import type { SheetArrays } from '../stream/sheet_copy';
 import { element, setText } from './dom';
 
 const kFpsWindowMs = 1000;
@@ -20,7 +20,7 @@ export class StatusLine {
   }
 
   /** @param ageMs  of the shown state; undefined if none is shown or the connection is lost */
-  update(mirror: SheetMirror | undefined, ageMs: number | undefined, nowMs: number): void {
+  update(mirror: SheetArrays | undefined, ageMs: number | undefined, nowMs: number): void {
     this.drawnMs = this.drawnMs.filter((at) => nowMs - at < kFpsWindowMs);
     setText(this.fps, String(this.drawnMs.length));
     if (!mirror) return;

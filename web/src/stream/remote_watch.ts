@@ -1,0 +1,91 @@
+import type { Rejection } from '../gen/kerf/v1/stream_pb';
+import { SheetCopy } from './sheet_copy';
+import type { FrameCopy } from './sheet_copy';
+import type { ConnectionState, WatchRequestKind } from './watch';
+import type { FromWorker, Port, ToWorker } from './watch_messages';
+
+export interface RemoteWatchEvents {
+  /** `detail` says why, for people, and is empty when all is well. */
+  onState(state: ConnectionState, detail: string): void;
+  /** After each frame taken into `copy`. A new copy comes with each connection. */
+  onFrame(copy: SheetCopy, frame: FrameCopy): void;
+  onRejection(rejection: Rejection): void;
+}
+
+export interface RemoteWatchOptions {
+  strains: boolean;
+  /** From the triangles of the stream that this port had before, of the same sheet. */
+  goesOn: boolean;
+  isPaused: boolean;
+}
+
+/** A Watch in a worker, seen from the page: the same calls, answered by and by. One at a time on a port. */
+export class RemoteWatch {
+  /** Survives a lost connection, so that the last picture stays. */
+  copy: SheetCopy | undefined;
+  state: ConnectionState = 'connecting';
+
+  private static lastId = 0;
+  private readonly id = ++RemoteWatch.lastId;
+  private hasNews = false;
+
+  /**
+   * @param port  of a worker that has a WatchService
+   * @param url   of the WebSocket, ws://HOST:PORT/watch
+   * @param name  sheets/{sheet}
+   */
+  constructor(
+    private readonly port: Port<ToWorker, FromWorker>,
+    url: string,
+    name: string,
+    private readonly events: RemoteWatchEvents,
+    options: RemoteWatchOptions,
+  ) {
+    port.onmessage = ({ data }) => this.receive(data);
+    port.postMessage({ kind: 'start', id: this.id, url, name, ...options });
+  }
+
+  /** Tells the server that everything received so far has been used. Cheap when there is nothing to tell. */
+  acknowledge(): void {
+    if (!this.hasNews) return;
+    this.hasNews = false;
+    this.port.postMessage({ kind: 'acknowledge', id: this.id });
+  }
+
+  /** Sends a grab, drag or release; false if there is no connection (the server then has already let go). */
+  send(request: WatchRequestKind): boolean {
+    if (this.state !== 'live') return false;
+    this.port.postMessage({ kind: 'send', id: this.id, request });
+    return true;
+  }
+
+  /** See Watch.setPaused(). */
+  setPaused(isPaused: boolean): void {
+    this.port.postMessage({ kind: 'pause', id: this.id, isPaused });
+  }
+
+  /** See Watch.retryNow(). */
+  retryNow(): void {
+    this.port.postMessage({ kind: 'retry', id: this.id });
+  }
+
+  close(): void {
+    this.port.postMessage({ kind: 'close', id: this.id });
+  }
+
+  private receive(message: FromWorker): void {
+    if (message.id !== this.id) return;
+    switch (message.kind) {
+      case 'state':
+        this.state = message.state;
+        return this.events.onState(message.state, message.detail);
+      case 'rejection':
+        return this.events.onRejection(message.rejection);
+      case 'frame':
+        if (message.isFirst || !this.copy) this.copy = new SheetCopy();
+        this.copy.take(message.frame, performance.now());
+        this.hasNews = true;
+        return this.events.onFrame(this.copy, message.frame);
+    }
+  }
+}

@@ -1,0 +1,92 @@
+import type { FrameStats } from '../gen/kerf/v1/stream_pb';
+import { Interpolation } from './interpolation';
+
+/** A sheet as the viewer's parts read it. Arrays may have spare room at the end; only the stated parts are valid. */
+export interface SheetArrays {
+  /** Of the last frame; -1 before the first. */
+  readonly tick: number;
+  /** -1 before the first frame */
+  readonly topologyVersion: number;
+  /** V */
+  readonly numVertices: number;
+  /** S, empty slots included */
+  readonly numSlots: number;
+  /** Of the whole sheet. */
+  readonly numPieces: number;
+  /** 3 V: x, y, z interleaved, metres, world */
+  readonly positions: Float32Array;
+  /** 2 V: x, y interleaved, metres */
+  readonly materialPositions: Float32Array;
+  /** 3 S vertex ids, counter-clockwise in material coordinates; (-1, -1, -1) for an empty slot */
+  readonly triangles: Int32Array;
+  /** S, -1 for an empty slot */
+  readonly pieces: Int32Array;
+  /** V largest principal strains, -, of the last frame; undefined where it had none */
+  readonly strains: Float32Array | undefined;
+  readonly stats: FrameStats | undefined;
+}
+
+/** Triangles, pieces and material positions of one topology version, in arrays of exactly their length. */
+export interface TopologyCopy {
+  triangles: Int32Array;
+  pieces: Int32Array;
+  materialPositions: Float32Array;
+}
+
+/** A frame after it was decoded: what goes from the worker to the page. */
+export interface FrameCopy {
+  tick: number;
+  topologyVersion: number;
+  numSlots: number;
+  numPieces: number;
+  /** 3 V, exactly */
+  positions: Float32Array;
+  strains: Float32Array | undefined;
+  stats: FrameStats | undefined;
+  /** When it came, this machine's Unix time, milliseconds. */
+  arrivedMs: number;
+  /** Where it differs from that of the frame before, and in a connection's first frame. */
+  topology: TopologyCopy | undefined;
+}
+
+/**
+ * The page's copy of a sheet. `positions` are those shown, which are on their way from frame to frame where frames come
+ * more seldom than pictures are drawn; everything else is the newest frame's.
+ */
+export class SheetCopy implements SheetArrays {
+  tick = -1;
+  topologyVersion = -1;
+  numVertices = 0;
+  numSlots = 0;
+  numPieces = 0;
+  positions = new Float32Array(0);
+  materialPositions = new Float32Array(0);
+  triangles = new Int32Array(0);
+  pieces = new Int32Array(0);
+  strains: Float32Array | undefined;
+  stats: FrameStats | undefined;
+
+  private readonly interpolation = new Interpolation();
+
+  /** @param nowMs  performance.now() */
+  take(frame: FrameCopy, nowMs: number): void {
+    const count = frame.positions.length;
+    // Vertices of another topology are others, though they have the same numbers.
+    const goesOn = frame.topology === undefined && count === 3 * this.numVertices && !frame.stats?.paused;
+    if (this.positions.length < count) this.positions = new Float32Array(Math.max(count, 2 * this.positions.length));
+    this.interpolation.take(this.positions, frame.positions, nowMs, goesOn);
+    if (frame.topology) Object.assign(this, frame.topology);
+    this.tick = frame.tick;
+    this.topologyVersion = frame.topologyVersion;
+    this.numVertices = count / 3;
+    this.numSlots = frame.numSlots;
+    this.numPieces = frame.numPieces;
+    this.strains = frame.strains;
+    if (frame.stats) this.stats = frame.stats;
+  }
+
+  /** Brings `positions` to `nowMs`; true if they have changed, and perhaps will again. */
+  advance(nowMs: number): boolean {
+    return this.interpolation.advance(this.positions, nowMs);
+  }
+}
