@@ -13,8 +13,9 @@ class Canvas {
  public:
   virtual ~Canvas() = default;
 
-  // Overwrites `pixels`. After a failure the canvas is in no known state and must be thrown away.
-  virtual Status draw(const DrawList& list, Pixels& pixels) = 0;
+  // Overwrites `pixels`, and draw_s and read_s of `times` where that is not null. After a failure the canvas is in no
+  // known state and must be thrown away.
+  virtual Status draw(const DrawList& list, Pixels& pixels, RenderTimes* times) = 0;
 
   // One line: platform, vendor, renderer, version.
   [[nodiscard]] virtual std::string description() const = 0;

@@ -75,6 +75,11 @@ std::array<std::uint8_t, 4> piece_tint(std::int32_t piece) {
   return tint;
 }
 
+std::array<std::uint8_t, 4> own_colour(const Mesh& mesh, std::size_t vertex) {
+  const std::uint8_t* colour = &mesh.vertex_colours[3 * vertex];
+  return {colour[0], colour[1], colour[2], 255};
+}
+
 std::vector<SurfaceVertex> sheet_vertices(const Mesh& mesh, const TextureFrame& texture) {
   const std::vector<Float3> normals = vertex_normals(mesh);
   std::vector<SurfaceVertex> vertices;
@@ -88,7 +93,8 @@ std::vector<SurfaceVertex> sheet_vertices(const Mesh& mesh, const TextureFrame& 
       }
     }
     vertices.push_back({position(mesh, mesh.triangles[i]), normals[vertex], material,
-                        piece_tint(mesh.piece_ids.empty() ? 0 : mesh.piece_ids[i / 3])});
+                        mesh.vertex_colours.empty() ? piece_tint(mesh.piece_ids.empty() ? 0 : mesh.piece_ids[i / 3])
+                                                    : own_colour(mesh, vertex)});
   }
   return vertices;
 }
@@ -156,6 +162,7 @@ DrawList make_draw_list(const Scene& scene, const Camera& camera, int width, int
 
   const TextureFrame texture = texture_frame(scene.mesh);
   list.textured = scene.style.texture && texture.checks_per_metre > 0.0F;
+  list.coloured = !scene.mesh.vertex_colours.empty();
   list.sheet = sheet_vertices(scene.mesh, texture);
   if (scene.style.borders) {
     for (const auto& [start, end] : border_edges(scene.mesh.triangles, scene.mesh.positions.size() / 3)) {

@@ -12,10 +12,12 @@ namespace kerf::render {
 // One corner of a triangle, as the vertex shaders read it. Triangles do not share vertices, so that a corner's place in
 // its triangle, from which the wireframe comes, is its index modulo 3.
 struct SurfaceVertex {
-  std::array<float, 3> position;     // m, world
-  std::array<float, 3> normal;       // unit; on a sheet, of the front side
-  std::array<float, 2> material;     // sheet: checks, one unit each; ground: place in the disc, radius 1
-  std::array<std::uint8_t, 4> tint;  // factors on the colour over 255, of which 128/255 leaves it as it is; last unused
+  std::array<float, 3> position;  // m, world
+  std::array<float, 3> normal;    // unit; on a sheet, of the front side
+  std::array<float, 2> material;  // sheet: checks, one unit each; ground: place in the disc, radius 1
+  // Factors on the colour over 255, of which 128/255 leaves it as it is; where the list is coloured, the colour, sRGB.
+  // The last is unused.
+  std::array<std::uint8_t, 4> tint;
 };
 
 // An edge that only one triangle uses.
@@ -38,6 +40,7 @@ struct DrawList {
   Vec3 up;   // unit
   Style style;
   bool textured = false;  // the style asks for it and there are material coordinates
+  bool coloured = false;  // corners of the sheet have colours of their own
 };
 
 // Of arguments that passed validate().

@@ -1,5 +1,6 @@
 #include "render/gl_canvas.h"
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -43,7 +44,7 @@ struct Objects {
 class GlCanvas final : public Canvas {
  public:
   Status open(const EglPlatform& platform);
-  Status draw(const DrawList& list, Pixels& pixels) override;
+  Status draw(const DrawList& list, Pixels& pixels, RenderTimes* times) override;
   [[nodiscard]] std::string description() const override { return description_; }
 
  private:
@@ -129,7 +130,8 @@ Status GlCanvas::resize(int width, int height, bool antialias) {
   return {};
 }
 
-Status GlCanvas::draw(const DrawList& list, Pixels& pixels) {
+Status GlCanvas::draw(const DrawList& list, Pixels& pixels, RenderTimes* times) {
+  const auto begun = std::chrono::steady_clock::now();
   if (Status status = check_context(); !status.ok()) return status;
   if (Status status = resize(list.width, list.height, list.style.antialias); !status.ok()) return status;
   upload(list);
@@ -150,7 +152,13 @@ Status GlCanvas::draw(const DrawList& list, Pixels& pixels) {
   draw_solids(list);
   draw_sheet(list);
   draw_borders(list);
+  if (times != nullptr) glFinish();
+  const auto drawn = std::chrono::steady_clock::now();
   read_back(pixels);
+  if (times != nullptr) {
+    times->draw_s = std::chrono::duration<double>(drawn - begun).count();
+    times->read_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - drawn).count();
+  }
 
   if (Status status = check_context(); !status.ok()) return status;
   if (const GLenum error = glGetError(); error != GL_NO_ERROR) {
@@ -213,6 +221,7 @@ void GlCanvas::draw_sheet(const DrawList& list) const {
   program.set("u_front", linear(list.style.front));
   program.set("u_back", linear(list.style.back));
   program.set("u_textured", list.textured);
+  program.set("u_coloured", list.coloured);
   program.set("u_wireframe", list.style.wireframe);
   program.set("u_wire_width_px", std::max(1.0, height_ / 800.0));
   objects_->sheet_vertices.draw(list.sheet.size());

@@ -8,7 +8,8 @@ class NullRenderer final : public Renderer {
  public:
   explicit NullRenderer(const std::string& reason) : reason_(reason) {}
 
-  Status render(const Scene& scene, const Camera& camera, int width, int height, Pixels& /*pixels*/) override {
+  Status render(const Scene& scene, const Camera& camera, int width, int height, Pixels& /*pixels*/,
+                RenderTimes* /*times*/) override {
     if (Status status = validate(scene, camera, width, height); !status.ok()) return status;
     return {StatusCode::kUnavailable, "RENDERER_UNAVAILABLE", "this server cannot draw: " + reason_, ""};
   }

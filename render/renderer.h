@@ -25,6 +25,8 @@ struct Vec3 {
   double x = 0.0;
   double y = 0.0;
   double z = 0.0;
+
+  friend bool operator==(const Vec3&, const Vec3&) = default;
 };
 
 // sRGB, each in [0, 1].
@@ -47,6 +49,8 @@ struct Mesh {
   std::span<const float> material_coordinates;  // 2*V, xy interleaved, m, finite; or empty: no texture
   std::span<const std::int32_t> triangles;      // 3*T, vertex ids in [0, V), counter-clockwise from the front
   std::span<const std::int32_t> piece_ids;      // T, >= 0: pieces differ a little in colour; or empty: one piece
+  // 3*V, sRGB, red, green, blue interleaved: in place of the style's front and back, of pieces and of checks; or empty.
+  std::span<const std::uint8_t> vertex_colours;
   // The box that the texture is scaled to: 20 checks along its longer side. It must not change while a sheet is being
   // cut, or the texture swims; taken from material_coordinates where lower == upper.
   std::array<float, 2> material_lower{0.0F, 0.0F};  // m
@@ -99,6 +103,8 @@ struct Camera {
   Vec3 target;                 // m, not the eye
   Vec3 up{0.0, 0.0, 1.0};      // -, not zero, not along target - eye (at least 0.001 rad off)
   double vertical_fov = 40.0;  // degrees, in [1, 179]
+
+  friend bool operator==(const Camera&, const Camera&) = default;
 };
 
 // The box around a sheet's vertices; empty for an empty mesh. Vertices that no triangle uses count.
@@ -109,6 +115,14 @@ Bounds bounds_of(const Mesh& mesh);
 // up). Without positions it looks at the origin.
 Camera fit_camera(std::span<const float> positions, double aspect, Vec3 from = {0.55, -1.0, 0.55},
                   Vec3 up = {0.0, 0.0, 1.0});
+
+// Where the time of a picture went, s; each >= 0.
+struct RenderTimes {
+  double prepare_s = 0.0;  // normals, borders, views: on the caller's thread
+  double wait_s = 0.0;     // for pictures of others
+  double draw_s = 0.0;     // the graphics device, until it is done
+  double read_s = 0.0;     // pixels back to memory
+};
 
 // What render() checks before anything is queued; kInvalidArgument with the field, or ok.
 //   camera: "CAMERA_NOT_FINITE", "CAMERA_SINGULAR" (eye == target; up zero or parallel), "FOV_OUT_OF_RANGE";
@@ -133,7 +147,9 @@ class Renderer {
   //                       "CONTEXT_LOST"           the next call starts on a fresh context
   //                       "SHUTTING_DOWN"
   //   kInternal           "DRAWING_FAILED"         the driver refused, with its words
-  virtual Status render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels) = 0;
+  // `times`: null, or overwritten on success; waiting for the device between drawing and reading takes a little time.
+  virtual Status render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels,
+                        RenderTimes* times = nullptr) = 0;
 
   // False for the null renderer.
   [[nodiscard]] virtual bool available() const = 0;

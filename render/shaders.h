@@ -109,6 +109,7 @@ inline constexpr const char* kSheetFragmentShader = R"(
 uniform vec3 u_front;
 uniform vec3 u_back;
 uniform bool u_textured;
+uniform bool u_coloured;
 uniform bool u_wireframe;
 uniform float u_wire_width_px;
 
@@ -135,7 +136,10 @@ void main() {
   if (!gl_FrontFacing) n = -n;
   vec3 albedo = (gl_FrontFacing ? u_front : u_back) * v_tint;
   vec2 footprint = fwidth(v_material);
-  if (u_textured) {
+  if (u_coloured) {
+    albedo = pow(v_tint * (128.0 / 255.0), vec3(2.2));
+    if (u_textured) albedo *= weave(v_material, footprint);
+  } else if (u_textured) {
     float check = checks(v_material, footprint);
     albedo = mix(albedo * 0.80, mix(albedo, vec3(1.0), 0.13) * 1.12, check) * weave(v_material, footprint);
   }

@@ -1,6 +1,7 @@
 #include "render/threaded_renderer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 namespace kerf::render {
@@ -63,13 +64,23 @@ void ThreadedRenderer::leave() {
   done_.notify_all();  // under the lock: the destructor may be waiting for this
 }
 
-Status ThreadedRenderer::render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels) {
+Status ThreadedRenderer::render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels,
+                                RenderTimes* times) {
+  using SteadyClock = std::chrono::steady_clock;
+  const auto seconds_since = [](SteadyClock::time_point start) {
+    return std::chrono::duration<double>(SteadyClock::now() - start).count();
+  };
   if (Status status = validate(scene, camera, width, height); !status.ok()) return status;
   Status refusal;
   if (!admit(refusal)) return refusal;  // before any work is done for it
+  const auto begun = SteadyClock::now();
   const DrawList list = make_draw_list(scene, camera, width, height);
+  RenderTimes spent;
+  spent.prepare_s = seconds_since(begun);
   Job job;
   job.list = &list;
+  if (times != nullptr) job.times = &spent;
+  const auto queued = SteadyClock::now();
   {
     std::unique_lock lock(mutex_);
     waiting_.push_back(&job);
@@ -77,7 +88,9 @@ Status ThreadedRenderer::render(const Scene& scene, const Camera& camera, int wi
     done_.wait(lock, [&job] { return job.done; });
   }
   leave();
+  spent.wait_s = std::max(0.0, seconds_since(queued) - spent.draw_s - spent.read_s);
   if (job.status.ok()) pixels = std::move(job.pixels);
+  if (job.status.ok() && times != nullptr) *times = spent;
   return job.status;
 }
 
@@ -114,7 +127,7 @@ void ThreadedRenderer::draw(const CanvasFactory& factory, std::unique_ptr<Canvas
       return;
     }
   }
-  job.status = canvas->draw(*job.list, job.pixels);
+  job.status = canvas->draw(*job.list, job.pixels, job.times);
   if (!job.status.ok()) canvas.reset();
 }
 

@@ -24,7 +24,8 @@ class ThreadedRenderer final : public Renderer {
   ThreadedRenderer(const ThreadedRenderer&) = delete;
   ThreadedRenderer& operator=(const ThreadedRenderer&) = delete;
 
-  Status render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels) override;
+  Status render(const Scene& scene, const Camera& camera, int width, int height, Pixels& pixels,
+                RenderTimes* times = nullptr) override;
   // Whether the first canvas could be made.
   [[nodiscard]] bool available() const override { return available_; }
   // Of the first canvas, or why there was none.
@@ -39,6 +40,7 @@ class ThreadedRenderer final : public Renderer {
   struct Job {
     const DrawList* list = nullptr;
     Pixels pixels;
+    RenderTimes* times = nullptr;  // null: nobody asked
     Status status;
     bool done = false;
   };

@@ -102,6 +102,10 @@ Status check_array_sizes(const Mesh& mesh) {
   if (!mesh.piece_ids.empty() && mesh.piece_ids.size() != mesh.triangles.size() / 3) {
     return invalid("ARRAY_SIZE_MISMATCH", "scene.mesh.piece_ids", "piece_ids must hold 1 id a triangle, or none");
   }
+  if (!mesh.vertex_colours.empty() && mesh.vertex_colours.size() != mesh.positions.size()) {
+    return invalid("ARRAY_SIZE_MISMATCH", "scene.mesh.vertex_colours",
+                   "vertex_colours must hold 3 numbers a vertex, or none");
+  }
   return {};
 }
 

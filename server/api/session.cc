@@ -52,15 +52,15 @@ Result<wire::Encoding> decode_encoding(const v1::WatchStart& start) {
 
 stream::SubscriberOptions options_within(const Limits& limits) {
   stream::SubscriberOptions options;
-  options.max_unacknowledged_bytes = static_cast<std::size_t>(limits.max_unsent_bytes_per_subscriber);
-  options.ack_timeout = limits.watch_ack_timeout;
+  options.flow.max_unacknowledged_bytes = static_cast<std::size_t>(limits.max_unsent_bytes_per_subscriber);
+  options.flow.ack_timeout = limits.watch_ack_timeout;
   return options;
 }
 
 Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, const Limits& limits) {
   stream::SubscriberOptions options = options_within(limits);
-  options.window = start.window();
-  if (options.window < 0 || options.window > stream::kMaxWindow) {
+  options.flow.window = start.window();
+  if (options.flow.window < 0 || options.flow.window > stream::kMaxWindow) {
     return invalid_argument(
         "OUT_OF_RANGE",
         "start.window is " + std::to_string(start.window()) + "; must be 1 to 8, or 0 for one that adapts",
@@ -68,7 +68,7 @@ Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, co
   }
   const Result<double> rate = decode_rate(start.max_rate_hz(), kMaxRateHz, "every tick", "start.max_rate_hz");
   if (!rate.ok()) return rate.error();
-  options.max_rate_hz = *rate;
+  options.flow.max_rate_hz = *rate;
   const Result<wire::Encoding> encoding = decode_encoding(start);
   if (!encoding.ok()) return encoding.error();
   options.encoding = *encoding;
@@ -88,9 +88,9 @@ Result<stream::SubscriberOptions> decode_options(const v1::SubscribeRequest& req
   stream::SubscriberOptions options = options_within(limits);
   const Result<double> rate = decode_rate(request.max_rate_hz(), kMaxSubscriptionRateHz, "one a second", "max_rate_hz");
   if (!rate.ok()) return rate.error();
-  options.max_rate_hz = *rate == 0.0 ? kSubscriptionRateHz : *rate;
+  options.flow.max_rate_hz = *rate == 0.0 ? kSubscriptionRateHz : *rate;
   options.encoding = wire::Encoding::kRaw;
-  options.acknowledges = false;
+  options.flow.acknowledges = false;
   if (request.max_frames() < 0) {
     return invalid_argument("OUT_OF_RANGE",
                             "max_frames is " + std::to_string(request.max_frames()) + "; must be 0 (no end) or more",

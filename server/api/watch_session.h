@@ -1,12 +1,6 @@
 #pragma once
 
-#include <functional>
-#include <memory>
-#include <optional>
-#include <string_view>
-
-#include "server/base/result.h"
-#include "server/stream/message.h"
+#include "server/api/stream_session.h"
 
 namespace kerf::v1 {
 class WatchRequest;
@@ -14,41 +8,13 @@ class WatchRequest;
 
 namespace kerf::api {
 
-// One stream of StreamService.Watch, whatever carries it. Made by Api::watch().
-//
-// The transport reads requests and hands each to on_request() (or on_bytes()), in order. It writes what next() gives,
-// one message at a time: after a write is done it calls next() again; when next() gives nothing it waits for the ready
-// callback. Once ended() is true and next() gives nothing more, it closes the stream: with the status of failure() if
-// there is one, else cleanly. It calls close() when its side is gone, in any case, once or more.
-//
-// Safe to call from any thread, also from within the ready callback.
-class WatchSession {
+// One stream of StreamService.Watch. Made by Api::watch(). What breaks its protocol: no or second start, an unknown
+// sheet, acknowledging what was not sent, a message without a kind. A refused grab, drag or release is told in the
+// stream as a Rejection. close() releases the grabs made here.
+class WatchSession : public StreamSession {
  public:
-  virtual ~WatchSession() = default;
-
-  // The first request must be `start`, and only the first. What breaks the protocol (no or second start, unknown sheet,
-  // acknowledging what was not sent, a message without a kind) ends the stream with failure(). A refused grab, drag or
-  // release is told in the stream as a Rejection.
+  // on_bytes() of the serialised request.
   virtual void on_request(const v1::WatchRequest& request) = 0;
-  // The same for a serialised WatchRequest; kInvalidArgument MALFORMED_MESSAGE where it is none, which also ends the
-  // stream.
-  virtual void on_bytes(std::string_view request) = 0;
-
-  // The next serialised WatchResponse, or nothing now.
-  virtual std::optional<stream::Message> next() = 0;
-
-  // `ready` is called whenever next() may have something, or the stream has ended; possibly in vain, never under a
-  // lock, from any thread, at once if there is something already. An empty function removes it: it is not called any
-  // more after set_ready({}) has returned, unless the call comes from within it.
-  virtual void set_ready(std::function<void()> ready) = 0;
-
-  // Nothing will be added to what next() still has to give.
-  [[nodiscard]] virtual bool ended() const = 0;
-  // Why the stream is refused; nothing while it is open and after a regular end.
-  [[nodiscard]] virtual std::optional<Error> failure() const = 0;
-
-  // The client is gone or has finished: leaves the sheet and releases the grabs made here.
-  virtual void close() = 0;
 };
 
 }  // namespace kerf::api

@@ -137,7 +137,7 @@ TEST(Subscriber, WindowBoundsTheFramesInFlight) {
   const auto channel = std::make_shared<Channel>(4);
   ChangingSheet sheet(5, 20, 30);
   int woken = 0;
-  const auto viewer = subscribe(*channel, {.window = 3}, [&woken] { ++woken; });
+  const auto viewer = subscribe(*channel, {.flow = {.window = 3}}, [&woken] { ++woken; });
   for (int tick = 0; tick < 10; ++tick) {
     sheet.move(0.01);
     channel->publish(sheet.snapshot());
@@ -156,7 +156,7 @@ TEST(Subscriber, ClosedWindowIsNotWokenByPublications) {
   const auto channel = std::make_shared<Channel>(4);
   ChangingSheet sheet(6, 20, 30);
   int woken = 0;
-  const auto viewer = subscribe(*channel, {.window = 1}, [&woken] { ++woken; });
+  const auto viewer = subscribe(*channel, {.flow = {.window = 1}}, [&woken] { ++woken; });
   for (int tick = 0; tick < 50; ++tick) {
     sheet.move(0.01);
     channel->publish(sheet.snapshot());
@@ -168,7 +168,7 @@ TEST(Subscriber, ClosedWindowIsNotWokenByPublications) {
 TEST(Subscriber, UnsentBytesAreBounded) {
   const auto channel = std::make_shared<Channel>(4);
   ChangingSheet sheet(7, 1000, 30);
-  const auto viewer = subscribe(*channel, {.window = 8, .max_unacknowledged_bytes = 10'000});
+  const auto viewer = subscribe(*channel, {.flow = {.window = 8, .max_unacknowledged_bytes = 10'000}});
   std::size_t bytes = 0;
   int sent = 0;
   for (int tick = 0; tick < 8; ++tick) {
@@ -204,7 +204,7 @@ TEST(Subscriber, RefusesToAcknowledgeWhatWasNotSent) {
 TEST(Subscriber, EndsWhenNothingIsAcknowledgedForTooLong) {
   const auto channel = std::make_shared<Channel>(4);
   ChangingSheet sheet(9, 20, 30);
-  const auto viewer = subscribe(*channel, {.window = 2, .ack_timeout = 10s});
+  const auto viewer = subscribe(*channel, {.flow = {.window = 2, .ack_timeout = 10s}});
   sheet.move(0.01);
   channel->publish(sheet.snapshot());
   frame(*viewer, 1s);
@@ -226,7 +226,7 @@ TEST(Subscriber, EndsWhenNothingIsAcknowledgedForTooLong) {
 TEST(Subscriber, KeepsToItsRate) {
   const auto channel = std::make_shared<Channel>(4);
   ChangingSheet sheet(10, 20, 30);
-  const auto viewer = subscribe(*channel, {.window = 1, .max_rate_hz = 20.0});
+  const auto viewer = subscribe(*channel, {.flow = {.window = 1, .max_rate_hz = 20.0}});
   int sent = 0;
   Nanoseconds wake{0};
   for (int tick = 0; tick < 600; ++tick) {  // ten seconds at 60 Hz, with the timer that wake_at asks for
@@ -247,8 +247,8 @@ TEST(Subscriber, KeepsToItsRate) {
 TEST(Subscriber, NewBoxOrForgottenBaseMakesAKeyframe) {
   const auto channel = std::make_shared<Channel>(4);
   ChangingSheet sheet(11, 20, 30);
-  const auto quick = subscribe(*channel, {.window = 1});
-  const auto slow = subscribe(*channel, {.window = 1});
+  const auto quick = subscribe(*channel, {.flow = {.window = 1}});
+  const auto slow = subscribe(*channel, {.flow = {.window = 1}});
   const auto step = [&](double drift) {
     sheet.move(0.001, drift);
     channel->publish(sheet.snapshot());
@@ -346,7 +346,7 @@ TEST(Subscriber, HoldsItsPromisesUnderRandomAcknowledgements) {
       Viewer viewer;
       viewer.window = static_cast<int>(1 + random.below(8));
       viewer.eagerness = random.uniform();
-      viewer.subscriber = subscribe(*channel, {.window = viewer.window});
+      viewer.subscriber = subscribe(*channel, {.flow = {.window = viewer.window}});
       viewers.push_back(std::move(viewer));
     }
     if (random.uniform() < 0.01 && !viewers.empty()) viewers.erase(viewers.begin());
@@ -403,7 +403,8 @@ TEST(Channel, ServesThreadsWhileItIsPublishedTo) {
     threads.emplace_back([&, i] {
       std::atomic<int> ready{0};
       FrameMirror mirror;
-      auto viewer = subscribe(*channel, {.window = 1 + i}, [&ready] { ready.fetch_add(1), ready.notify_all(); });
+      auto viewer =
+          subscribe(*channel, {.flow = {.window = 1 + i}}, [&ready] { ready.fetch_add(1), ready.notify_all(); });
       while (!started) std::this_thread::yield();
       while (mirror.tick < kTicks) {
         const int seen = ready;

@@ -39,7 +39,7 @@ class Simulated {
  public:
   Simulated(Channel& channel, const Reader& reader)
       : reader_(reader),
-        subscriber_(channel.subscribe({.window = 0, .max_rate_hz = reader.max_rate_hz}, [] {}).value()) {}
+        subscriber_(channel.subscribe({.flow = {.window = 0, .max_rate_hz = reader.max_rate_hz}}, [] {}).value()) {}
 
   void advance(Nanoseconds now) {
     while (!acks_.empty() && acks_.front().at <= now) {
@@ -226,7 +226,7 @@ TEST(WindowControl, NeverLeavesItsRange) {
 TEST(Subscriber, PausesWithoutOwingAnything) {
   const auto channel = std::make_shared<Channel>(4);
   ChangingSheet sheet(22, 20, 30);
-  const auto viewer = channel->subscribe({.window = 1, .ack_timeout = 10s}, [] {}).value();
+  const auto viewer = channel->subscribe({.flow = {.window = 1, .ack_timeout = 10s}}, [] {}).value();
   sheet.move(0.01);
   channel->publish(sheet.snapshot());
   ASSERT_TRUE(viewer->next(0s).message);

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "render/image.h"
+
+namespace kerf::render {
+
+inline constexpr int kMaxVideoPixels = 1920 * 1200;  // of a frame
+
+struct VideoOptions {
+  int width = 0;               // pixels, in [kMinImageSize, kMaxImageSize]; width * height at most kMaxVideoPixels
+  int height = 0;              // pixels
+  double bits_per_second = 0;  // of the whole stream, > 0
+};
+
+// One VP8 stream (RFC 6386), made for being watched live: no frame waits for a later one, none is dropped. Equal calls
+// give equal bytes. Not thread-safe.
+class VideoEncoder {
+ public:
+  virtual ~VideoEncoder() = default;
+
+  // `elapsed_s`: since the frame before, > 0; steers how many bits there are for it. `key`: decodable by itself, as the
+  // first frame always is. `frame` is overwritten; on failure it is empty and the encoder must be thrown away.
+  // Errors: as encode_png, also for pixels of another size.
+  virtual Status encode(const Pixels& pixels, double elapsed_s, bool key, std::vector<std::uint8_t>& frame) = 0;
+};
+
+// False in a build without libvpx and libyuv.
+[[nodiscard]] bool video_available();
+
+// Errors: "NO_VIDEO_CODEC" (kUnavailable), "SIZE_OUT_OF_RANGE", "ENCODING_FAILED"; `encoder` is then null.
+Status make_video_encoder(const VideoOptions& options, std::unique_ptr<VideoEncoder>& encoder);
+
+}  // namespace kerf::render
