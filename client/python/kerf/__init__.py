@@ -6,18 +6,25 @@
         flag = server.create_sheet("flag", grid=(60, 40), size_m=(1.5, 1.0), pins=["corners"])
         result = flag.cut(kerf.bezier((0.2, 0.5), (0.4, 0.8), (0.6, 0.2), (0.8, 0.5)), tolerance=0.01)
         print(result.pieces, result.deviation_m)
-        flag.undo()
+        for frame in flag.watch(rate_hz=10):
+            print(frame.tick, frame.positions.mean(axis=0))
 
 Lengths are metres in material coordinates: a grid spans (0, 0) to (width, height), y up. Replies are the messages of
-kerf.v1 as they come, described field by field in proto/kerf/v1. What the server refuses is raised as kerf.Error, with its
-code, reason, message and field.
+kerf.v1 as they come, described field by field in proto/kerf/v1, or NumPy arrays. What the server refuses is raised as
+kerf.Error, with its code, reason, message and field. kerf.aio has the same for asyncio.
 """
 
-from kerf.client import Server, connect
+from kerf.arrays import Analysis, State, Table
+from kerf.blocking.client import Server, connect
+from kerf.blocking.hands import Hand
+from kerf.blocking.recorder import Recorder
+from kerf.blocking.sheet import Sheet
+from kerf.blocking.streams import FrameStream, ImageStream, Subscription
 from kerf.curves import Path, Point, bezier, circle, ellipse, polyline, rational, svg, svg_file
 from kerf.cuts import APPLIED, NO_INTERSECTION, SCHEDULED, CutOptions, camera, cut, load_cuts, save_cuts, view, view_of_matrices
 from kerf.errors import (
     AlreadyExists,
+    DataLoss,
     DeadlineExceeded,
     Error,
     FailedPrecondition,
@@ -27,39 +34,66 @@ from kerf.errors import (
     ResourceExhausted,
     Unavailable,
 )
-from kerf.sheet import Sheet, State
+from kerf.frames import Frame
+from kerf.images import Image, decode_image
+from kerf.regions import along, box, edge, nearest, vertices, whole, wind
+from kerf.runs import Run, load_run
+from kerf.scenes import SheetOptions
+from kerf.version import __version__
 
 __all__ = [
     "APPLIED",
     "NO_INTERSECTION",
     "SCHEDULED",
     "AlreadyExists",
+    "Analysis",
     "CutOptions",
+    "DataLoss",
     "DeadlineExceeded",
     "Error",
     "FailedPrecondition",
+    "Frame",
+    "FrameStream",
+    "Hand",
+    "Image",
+    "ImageStream",
     "Internal",
     "InvalidArgument",
     "NotFound",
     "Path",
     "Point",
+    "Recorder",
     "ResourceExhausted",
+    "Run",
     "Server",
     "Sheet",
+    "SheetOptions",
     "State",
+    "Subscription",
+    "Table",
     "Unavailable",
+    "__version__",
+    "along",
     "bezier",
+    "box",
     "camera",
     "circle",
     "connect",
     "cut",
+    "decode_image",
+    "edge",
     "ellipse",
     "load_cuts",
+    "load_run",
+    "nearest",
     "polyline",
     "rational",
     "save_cuts",
     "svg",
     "svg_file",
+    "vertices",
     "view",
     "view_of_matrices",
+    "whole",
+    "wind",
 ]

@@ -50,9 +50,9 @@ def cut(curve: geometry_pb2.Curve, **options: Unpack[CutOptions]) -> scene_pb2.C
     if unknown:
         raise TypeError(f"a cut has no option {min(unknown)!r}; there are {', '.join(CutOptions.__annotations__)}")
     if "method" in fields:
-        fields["method"] = _enum_value(scene_pb2.Cut.Method, "method", fields["method"])
+        fields["method"] = enum_value(scene_pb2.Cut.Method, "method", fields["method"])
     if "quality" in fields:
-        fields["quality"] = _enum_value(scene_pb2.Cut.Quality, "quality", fields["quality"])
+        fields["quality"] = enum_value(scene_pb2.Cut.Quality, "quality", fields["quality"])
     if "fit" in fields:
         fields["fit"] = _as_box(fields["fit"])
     return scene_pb2.Cut(curve=curve, **fields)
@@ -132,15 +132,26 @@ def _with_layers(
     made: scene_pb2.View, size_px: Tuple[float, float], layers: str, piece: Optional[int], depth_m: Tuple[float, float]
 ) -> scene_pb2.View:
     made.width_px, made.height_px = size_px
-    made.layers = _enum_value(scene_pb2.View.Layers, "layers", layers)
+    made.layers = enum_value(scene_pb2.View.Layers, "layers", layers)
     if piece is not None:
         made.piece = piece
     made.nearest_m, made.farthest_m = depth_m
     return made
 
 
-def _enum_value(enum: Any, option: str, name: str) -> Any:
+def enum_value(enum: Any, option: str, name: str) -> Any:
     names = [key for key in enum.keys() if not key.endswith("UNSPECIFIED")]
     if name.upper() not in names:
         raise ValueError(f"{option} is {name!r}; must be one of {', '.join(key.lower() for key in names)}")
     return enum.Value(name.upper())
+
+
+def as_cut(what: Union[geometry_pb2.Curve, scene_pb2.Cut], options: CutOptions) -> scene_pb2.Cut:
+    """Raises TypeError where `what` is neither, or brings its options with it and there are others beside it."""
+    if isinstance(what, geometry_pb2.Curve):
+        return cut(what, **options)
+    if not isinstance(what, scene_pb2.Cut):
+        raise TypeError(f"a curve or a kerf.cut() is cut, not {type(what).__name__}")
+    if options:
+        raise TypeError("give the options to kerf.cut(), which made this cut")
+    return what

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any, Optional
+
 import grpc
 from google.rpc import error_details_pb2, status_pb2
 
@@ -11,17 +14,34 @@ class Error(Exception):
 
     code: the status, "INVALID_ARGUMENT"; see the subclasses. reason: stable, for programs, "CURVE_NOT_FINITE"; empty where
     the server was not reached. message: for people, says what to do. field: path of the request's field at fault,
-    "cut.curve.circle.radius_m"; may be empty.
+    "cut.curve.circle.radius_m"; may be empty. metadata: numbers of the refusal by name, as text; may be empty.
+    retry_after_s: the same call may work after so many seconds; None: not while nothing else changes.
+
+    >>> error = Error("RESOURCE_EXHAUSTED", "QUEUE_FULL", "64 commands are waiting", retry_after_s=0.1)
+    >>> str(error)
+    '64 commands are waiting (RESOURCE_EXHAUSTED, QUEUE_FULL; may work in 0.1 s)'
     """
 
-    def __init__(self, code: str, reason: str, message: str, field: str = "") -> None:
+    def __init__(
+        self,
+        code: str,
+        reason: str,
+        message: str,
+        field: str = "",
+        *,
+        metadata: Optional[Mapping[str, str]] = None,
+        retry_after_s: Optional[float] = None,
+    ) -> None:
         where = f" [field: {field}]" if field else ""
         why = f"{code}, {reason}" if reason else code
-        super().__init__(f"{message}{where} ({why})")
+        when = "" if retry_after_s is None else f"; may work in {retry_after_s:g} s"
+        super().__init__(f"{message}{where} ({why}{when})")
         self.code = code
         self.reason = reason
         self.message = message
         self.field = field
+        self.metadata = dict(metadata or {})
+        self.retry_after_s = retry_after_s
 
 
 class InvalidArgument(Error):
@@ -37,7 +57,7 @@ class AlreadyExists(Error):
 
 
 class ResourceExhausted(Error):
-    """A limit, or a full queue: may work later."""
+    """A limit, or a full queue: may work later, see retry_after_s."""
 
 
 class FailedPrecondition(Error):
@@ -49,7 +69,11 @@ class Unavailable(Error):
 
 
 class DeadlineExceeded(Error):
-    """The client's own time limit ran out. A cut may have been made all the same."""
+    """The client's own time limit ran out. A cut may have been made all the same; a repeat with the same request_id tells."""
+
+
+class DataLoss(Error):
+    """What came cannot be read: a damaged recording, or a frame that does not follow those before it."""
 
 
 class Internal(Error):
@@ -64,24 +88,40 @@ _CLASSES: dict[str, type[Error]] = {
     "FAILED_PRECONDITION": FailedPrecondition,
     "UNAVAILABLE": Unavailable,
     "DEADLINE_EXCEEDED": DeadlineExceeded,
+    "DATA_LOSS": DataLoss,
     "INTERNAL": Internal,
 }
 
 
-def error_of(failure: grpc.RpcError, address: str) -> Error:
-    """The refusal that a failed call brought, with what its details say."""
+def error_of(failure: Any, address: str) -> Error:
+    """The refusal that a failed call (grpc.RpcError, of either kind of channel) brought, with what its details say."""
     code: str = failure.code().name
     message: str = failure.details() or ""
     reason = field = ""
+    metadata: Mapping[str, str] = {}
+    retry_after_s: Optional[float] = None
     for key, value in failure.trailing_metadata() or ():
         if key != "grpc-status-details-bin":
             continue
         for detail in status_pb2.Status.FromString(value).details:
             info, request = error_details_pb2.ErrorInfo(), error_details_pb2.BadRequest()
+            retry = error_details_pb2.RetryInfo()
             if detail.Unpack(info):
-                reason = info.reason
+                reason, metadata = info.reason, info.metadata
             elif detail.Unpack(request) and request.field_violations:
                 field = request.field_violations[0].field
+            elif detail.Unpack(retry):
+                retry_after_s = retry.retry_delay.ToNanoseconds() / 1e9
     if code == "UNAVAILABLE" and not reason:
-        message = f"no Kerf server answers at {address}: {message}"
-    return _CLASSES.get(code, Error)(code, reason, message, field)
+        message = f"no Kerf server answers at {address}: start one with deploy/run, or name another ({message})"
+    return _CLASSES.get(code, Error)(code, reason, message, field, metadata=metadata, retry_after_s=retry_after_s)
+
+
+def is_cancelled(failure: Any) -> bool:
+    """Whether a call failed because this side ended it."""
+    return bool(failure.code() == grpc.StatusCode.CANCELLED)
+
+
+def is_out_of_time(failure: Any) -> bool:
+    """Whether a call failed because its time limit ran out."""
+    return bool(failure.code() == grpc.StatusCode.DEADLINE_EXCEEDED)

@@ -1,0 +1,159 @@
+"""A server and its sheets."""
+
+from __future__ import annotations
+
+import contextlib
+import secrets
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any, List, Optional
+
+from kerf.aio.transport import call_unary, close_channel, open_channel
+from kerf.aio.sheet import Sheet
+from kerf.errors import NotFound
+from kerf.scenes import AnyScene, SheetOptions, as_scene, scene_with
+from kerf.v1 import (
+    cuts_pb2_grpc,
+    interaction_pb2_grpc,
+    render_pb2_grpc,
+    server_pb2,
+    server_pb2_grpc,
+    sheets_pb2,
+    sheets_pb2_grpc,
+    stream_pb2_grpc,
+)
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+
+def connect(address: str = "127.0.0.1:50051", *, timeout_s: Optional[float] = None) -> Server:
+    """A server by its gRPC address; use it in a `with`, or close it. Nothing is sent yet.
+
+    timeout_s: how long a call may take before it raises DeadlineExceeded; None: as long as it needs. Streams have no such
+    limit.
+
+    >>> async with kerf.aio.connect(address) as server:
+    ...     (await server.info()).limits.max_sheets
+    64
+    """
+    return Server(address, timeout_s=timeout_s)
+
+
+class Server:
+    """A server, by connect()."""
+
+    def __init__(self, address: str, *, timeout_s: Optional[float] = None) -> None:
+        self._channel = open_channel(address)
+        self.address = address
+        self.timeout_s = timeout_s  # of calls from now on, seconds; None: no limit
+        # The generated stubs, for what has no method here: call() calls them.
+        self.sheet_service = sheets_pb2_grpc.SheetServiceStub(self._channel)
+        self.cut_service = cuts_pb2_grpc.CutServiceStub(self._channel)
+        self.interaction_service = interaction_pb2_grpc.InteractionServiceStub(self._channel)
+        self.render_service = render_pb2_grpc.RenderServiceStub(self._channel)
+        self.stream_service = stream_pb2_grpc.StreamServiceStub(self._channel)
+        self.server_service = server_pb2_grpc.ServerServiceStub(self._channel)
+
+    async def __aenter__(self) -> Server:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.aclose()
+
+    async def aclose(self) -> None:
+        """Ends all calls and streams of this connection."""
+        await close_channel(self._channel)
+
+    async def call(self, method: Any, request: Any) -> Any:
+        """Calls a unary method of a stub, and raises kerf.Error where the server refuses.
+
+        >>> from kerf.v1 import server_pb2
+        >>> (await server.call(server.server_service.GetServerInfo, server_pb2.GetServerInfoRequest())).workers > 0
+        True
+        """
+        return await call_unary(method, request, self.timeout_s, self.address)
+
+    async def info(self) -> server_pb2.ServerInfo:
+        """Version, renderer, limits, material presets.
+
+        >>> "silk" in (await server.info()).material_presets
+        True
+        """
+        return await self.call(self.server_service.GetServerInfo, server_pb2.GetServerInfoRequest())
+
+    def sheet(self, sheet_id: str) -> Sheet:
+        """A sheet that there is, by its id; nothing is asked of the server yet.
+
+        >>> server.sheet("demo")
+        <kerf.Sheet sheets/demo>
+        """
+        return Sheet(self, sheet_id)
+
+    async def sheets(self) -> List[Sheet]:
+        """All sheets, by name.
+
+        >>> sheet.id in [each.id for each in await server.sheets()]
+        True
+        """
+        request = sheets_pb2.ListSheetsRequest(page_size=1000)
+        found: List[Sheet] = []
+        while True:
+            page = await self.call(self.sheet_service.ListSheets, request)
+            found += [Sheet(self, each.name.removeprefix("sheets/")) for each in page.sheets]
+            if not page.next_page_token:
+                return found
+            request.page_token = page.next_page_token
+
+    async def create_sheet(self, sheet_id: str = "", **options: Unpack[SheetOptions]) -> Sheet:
+        """A rectangle of grid[0] x grid[1] vertices, or the mesh of an .obj or .ply file: SheetOptions lists the options.
+
+        sheet_id: [a-z][a-z0-9-]{0,62}; empty: the server chooses. For anything else than the options: create_scene(). Raises
+        AlreadyExists, ResourceExhausted (sheets or vertices of this server), and ValueError where the file's name has another
+        ending; a server takes calls of up to 1 MiB.
+
+        >>> flag = await server.create_sheet("flag", grid=(15, 10), size_m=(1.5, 1.0), pins=["left"], paused=True)
+        >>> (await flag.get()).num_vertices
+        150
+        >>> await flag.delete()
+        """
+        return await self.create_scene(scene_with(options), sheet_id, paused=options.get("paused", False))
+
+    async def create_scene(
+        self, scene: AnyScene, sheet_id: str = "", *, paused: bool = False, request_id: str = ""
+    ) -> Sheet:
+        """A sheet from a scene: a message, its JSON form as a dict, or the path of a scene file.
+
+        Raises ValueError where the JSON is no scene. Files that the scene names are not read: a server refuses those.
+
+        >>> made = await server.create_scene({"grid": {"columns": 3, "rows": 4, "width_m": 1, "height_m": 2}}, "small")
+        >>> await made.delete()
+        """
+        request = sheets_pb2.CreateSheetRequest(
+            sheet_id=sheet_id, scene=as_scene(scene), paused=paused, request_id=request_id
+        )
+        made = await self.call(self.sheet_service.CreateSheet, request)
+        return Sheet(self, made.name.removeprefix("sheets/"))
+
+    @asynccontextmanager
+    async def temporary_sheet(
+        self, scene: Optional[AnyScene] = None, **options: Unpack[SheetOptions]
+    ) -> AsyncIterator[Sheet]:
+        """A sheet with a name of its own that is deleted when the `with` is left, however that is.
+
+        scene: as of create_scene(); beside it only `paused` may be given. Absent: as of create_sheet().
+
+        >>> async with server.temporary_sheet(grid=(8, 8), paused=True) as sheet:
+        ...     (await sheet.cut(kerf.circle((0.5, 0.5), 0.2))).pieces
+        2
+        """
+        if scene is not None and options.keys() - {"paused"}:
+            raise TypeError(f"a scene is given: {min(options.keys() - {'paused'})!r} belongs into it")
+        wanted = scene_with(options) if scene is None else scene
+        name = f"temporary-{secrets.token_hex(6)}"
+        sheet = await self.create_scene(wanted, name, paused=options.get("paused", False))
+        try:
+            yield sheet
+        finally:
+            with contextlib.suppress(NotFound):
+                await sheet.delete()

@@ -1,0 +1,111 @@
+"""What acts on a sheet: hands that pull at it, pins, gravity, wind."""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import AsyncIterator, Iterable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from typing import Any, Optional, Union
+
+from kerf.aio.part import SheetPart
+from kerf.curves import Point, vec2
+from kerf.cuts import Vector, vec3
+from kerf.regions import Place, as_regions
+from kerf.v1 import interaction_pb2, scene_pb2
+
+
+class Hands(SheetPart):
+    """What acts on the sheet. Each returns the tick at which it took effect."""
+
+    async def grab(
+        self, grab_id: str, point: Union[int, Point], target: Optional[Vector] = None, stiffness_npm: float = 0.0
+    ) -> int:
+        """Ties a vertex (int) or a material point to a target in the world, metres; absent: where it is now.
+
+        grab_id: 1..63 bytes, unique among the sheet's at most 64 grabs. stiffness_npm: newtons/metre, up to 1e6; 0: as stiff
+        as stays stable. holding() does the same for as long as a `with` lasts.
+
+        >>> tick = await sheet.grab("corner", 0, (0.0, 0.2, 0.1))
+        >>> tick = await sheet.drag("corner", (0.0, 0.3, 0.1))
+        >>> tick = await sheet.release("corner")
+        """
+        grab = scene_pb2.Grab(grab_id=grab_id, stiffness_npm=stiffness_npm)
+        if isinstance(point, int):
+            grab.vertex = point
+        else:
+            grab.material.CopyFrom(vec2(point))
+        if target is not None:
+            grab.target.CopyFrom(vec3(target))
+        return await self._interact("GrabPoint", interaction_pb2.GrabPointRequest(name=self.name, grab=grab))
+
+    async def drag(self, grab_id: str, target: Vector) -> int:
+        """Moves the target of a grab. NotFound: GRAB_NOT_FOUND."""
+        drag = scene_pb2.Drag(grab_id=grab_id, target=vec3(target))
+        return await self._interact("DragPoint", interaction_pb2.DragPointRequest(name=self.name, drag=drag))
+
+    async def release(self, grab_id: str) -> int:
+        """Ends a grab. NotFound: GRAB_NOT_FOUND."""
+        release = scene_pb2.Release(grab_id=grab_id)
+        return await self._interact("ReleasePoint", interaction_pb2.ReleasePointRequest(name=self.name, release=release))
+
+    @asynccontextmanager
+    async def holding(
+        self, point: Union[int, Point], target: Optional[Vector] = None, *, stiffness_npm: float = 0.0
+    ) -> AsyncIterator[Hand]:
+        """A hand that holds a point as grab() does, and lets go when the `with` is left.
+
+        >>> async with sheet.holding((0.5, 0.5)) as hand:
+        ...     tick = await hand.move((0.5, 0.2, 0.6))
+        """
+        hand = Hand(self, f"hand-{secrets.token_hex(6)}")
+        await self.grab(hand.grab_id, point, target, stiffness_npm)
+        try:
+            yield hand
+        finally:
+            await self.release(hand.grab_id)
+
+    async def set_pins(self, pins: Iterable[Place]) -> int:
+        """Replaces all pins, where their vertices are now; none releases the sheet. At most 64 places.
+
+        InvalidArgument: REGION_EMPTY, a place without vertices; the pins stay as they were.
+
+        >>> tick = await sheet.set_pins(["left", kerf.box((0.9, 0.0), (1.0, 0.1)), kerf.vertices(7, 8)])
+        """
+        request = interaction_pb2.SetSheetPinsRequest(
+            name=self.name, set_pins=scene_pb2.SetPins(pins=as_regions(pins))
+        )
+        return await self._interact("SetSheetPins", request)
+
+    async def set_gravity(self, gravity_mps2: Vector) -> int:
+        """Metres/second^2, |.| <= 1e4.
+
+        >>> tick = await sheet.set_gravity((0, 0, -1.62))
+        """
+        gravity = scene_pb2.SetGravity(gravity_mps2=vec3(gravity_mps2))
+        request = interaction_pb2.SetSheetGravityRequest(name=self.name, set_gravity=gravity)
+        return await self._interact("SetSheetGravity", request)
+
+    async def set_wind(self, wind: Optional[scene_pb2.Wind]) -> int:
+        """Air as kerf.wind() says; None: no air at all.
+
+        >>> tick = await sheet.set_wind(kerf.wind((0, 5, 0)))
+        """
+        request = interaction_pb2.SetSheetWindRequest(name=self.name, set_wind=scene_pb2.SetWind(wind=wind))
+        return await self._interact("SetSheetWind", request)
+
+    async def _interact(self, method: str, request: Any) -> int:
+        reply = await self._call(getattr(self._server.interaction_service, method), request)
+        return int(reply.tick)
+
+
+@dataclass(frozen=True)
+class Hand:
+    """A hand that holds a point of a sheet, by Sheet.holding()."""
+
+    sheet: Hands
+    grab_id: str
+
+    async def move(self, target: Vector) -> int:
+        """To a point of the world, metres; the tick at which it set out."""
+        return await self.sheet.drag(self.grab_id, target)

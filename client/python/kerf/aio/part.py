@@ -1,0 +1,20 @@
+"""What the parts of a Sheet have in common."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kerf.aio.client import Server
+
+
+class SheetPart:
+    """The methods of a sheet that belong to one subject: Sheet is all of them."""
+
+    def __init__(self, server: Server, sheet_id: str) -> None:
+        self._server = server
+        self.id = sheet_id
+        self.name = f"sheets/{sheet_id}"
+
+    async def _call(self, method: Any, request: Any) -> Any:
+        return await self._server.call(method, request)

@@ -1,0 +1,57 @@
+"""Recording what a sheet does while a script goes on."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Awaitable, Callable
+from typing import Optional
+
+from kerf.aio.transport import Background
+from kerf.aio.streams import FrameStream
+from kerf.runs import RunWriter
+
+
+class Recorder:
+    """Frames of a sheet on their way into a file, by Sheet.recorder(); to be used in a `with`."""
+
+    def __init__(
+        self, frames: FrameStream, path: "str | os.PathLike[str]", tick_now: Callable[[], Awaitable[int]]
+    ) -> None:
+        self._frames = frames
+        self._path = path
+        self._tick_now = tick_now
+        self._writer: Optional[RunWriter] = None
+        self._pump: Optional[Background] = None
+        self._last_tick = -1  # in the file
+        self._until: Optional[int] = None  # the pump ends with this tick
+        self.num_frames = 0  # in the file so far
+
+    async def __aenter__(self) -> Recorder:
+        self._writer = RunWriter(self._path)
+        self._pump = Background(self._record)
+        return self
+
+    async def __aexit__(self, kind: Optional[type], *_: object) -> None:
+        assert self._pump is not None and self._writer is not None
+        try:
+            if kind is None:
+                # In this order, and the pump the other way round, so that one of the two sees the other.
+                self._until = await self._tick_now()
+                if self._last_tick >= self._until:
+                    await self._frames.aclose()
+                await self._pump.finished()
+        finally:
+            await self._frames.aclose()
+            try:
+                await self._pump.finished()
+            finally:
+                self._writer.close()
+
+    async def _record(self) -> None:
+        assert self._writer is not None
+        async for frame in self._frames:
+            self._writer.add(frame)
+            self.num_frames += 1
+            self._last_tick = frame.tick
+            if self._until is not None and frame.tick >= self._until:
+                return

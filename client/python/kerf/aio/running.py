@@ -1,0 +1,85 @@
+"""A sheet's time: running it, its state, what it will do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Optional
+
+from kerf.aio.part import SheetPart
+from kerf.analyses import analyze_request
+from kerf.arrays import Analysis, State, analysis_of, state_of
+from kerf.v1 import sheets_pb2
+
+
+class Running(SheetPart):
+    """Time."""
+
+    async def get(self) -> sheets_pb2.Sheet:
+        """The sheet as it is now: tick, counts, state hash, run state, settings in force.
+
+        >>> (await sheet.get()).num_vertices
+        400
+        """
+        return await self._call(self._server.sheet_service.GetSheet, sheets_pb2.GetSheetRequest(name=self.name))
+
+    async def pause(self) -> sheets_pb2.Sheet:
+        """Stops the clock; cuts and hands take effect at once then, without time passing."""
+        return await self._call(self._server.sheet_service.PauseSheet, sheets_pb2.PauseSheetRequest(name=self.name))
+
+    async def resume(self) -> sheets_pb2.Sheet:
+        return await self._call(self._server.sheet_service.ResumeSheet, sheets_pb2.ResumeSheetRequest(name=self.name))
+
+    async def step(self, ticks: int = 1) -> sheets_pb2.Sheet:
+        """Runs a paused sheet by exactly so many ticks, 1..100000, as fast as the server can, and answers then.
+
+        Raises FailedPrecondition where the sheet is running. A call that runs out of its time ends after the tick under way.
+
+        >>> before = (await sheet.get()).tick
+        >>> (await sheet.step(10)).tick - before
+        10
+        """
+        request = sheets_pb2.StepSheetRequest(name=self.name, ticks=ticks)
+        return await self._call(self._server.sheet_service.StepSheet, request)
+
+    async def reset(self) -> sheets_pb2.Sheet:
+        """Back to the initial state, without cuts; the tick goes on counting."""
+        return await self._call(self._server.sheet_service.ResetSheet, sheets_pb2.ResetSheetRequest(name=self.name))
+
+    async def delete(self) -> None:
+        """Removes the sheet from the server; streams of it end with NotFound."""
+        await self._call(self._server.sheet_service.DeleteSheet, sheets_pb2.DeleteSheetRequest(name=self.name))
+
+    async def state(self) -> State:
+        """The exact state, as NumPy arrays of 64-bit floats. ImportError without python3-numpy.
+
+        >>> (await sheet.state()).positions[380].tolist()
+        [0.0, 0.0, 1.0]
+        """
+        request = sheets_pb2.GetSheetStateRequest(name=self.name)
+        return state_of(await self._call(self._server.sheet_service.GetSheetState, request))
+
+    async def analyze(
+        self,
+        *,
+        modes: int = 0,
+        about_equilibrium: bool = False,
+        ticks: Optional[int] = None,
+        measure_every: int = 1,
+        request: Optional[Mapping[str, Any]] = None,
+    ) -> Analysis:
+        """The equilibrium of the sheet as it is now, or with `modes` so many (1..200) of its lowest vibrations, or with
+        `ticks` what it does in so many ticks to come (0: how it is): on a copy. Needs NumPy.
+
+        request: kerf.v1.AnalyzeSheetRequest as a mapping, for load steps, probes and positions; beside it only ticks and
+        measure_every may be given, and then it has no analysis of its own. The tables of the answer hold what the probes
+        measured ("probes", in time at the start, after each `measure_every` ticks and at the end) and the vibrations ("modes").
+        Raises ValueError where two analyses are asked for, ResourceExhausted beyond 100,000 vertices.
+
+        >>> (await sheet.analyze(modes=3)).tables["modes"]["frequency_hz"].shape
+        (3,)
+        >>> probes = [{"name": "all", "quantity": "ENERGY"}]
+        >>> (await sheet.analyze(ticks=5, request={"probes": probes})).tables["probes"].values.shape
+        (6, 6)
+        """
+        message = analyze_request(self.name, modes, about_equilibrium, ticks, measure_every, request)
+        return analysis_of(await self._call(self._server.sheet_service.AnalyzeSheet, message))

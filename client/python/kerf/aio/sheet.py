@@ -1,0 +1,16 @@
+"""One sheet of a server: cutting it, running it, pulling at it, looking at it."""
+
+from __future__ import annotations
+
+from kerf.aio.cutting import Cutting
+from kerf.aio.hands import Hands
+from kerf.aio.running import Running
+from kerf.aio.viewing import Viewing
+
+
+class Sheet(Cutting, Running, Hands, Viewing):
+    """A sheet by its name. Every method is a call to the server and raises kerf.Error where that refuses; a refusal changes
+    nothing."""
+
+    def __repr__(self) -> str:
+        return f"<kerf.Sheet {self.name}>"

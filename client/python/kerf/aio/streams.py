@@ -1,0 +1,197 @@
+"""Streams of a sheet: frames and pictures, each the newest when it is asked for."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Optional, Tuple
+
+from kerf.aio.transport import Stream
+from kerf.errors import Error, NotFound, Unavailable
+from kerf.frames import Frame, FrameDecoder
+from kerf.images import ColorBy, Image, image_of, image_view
+from kerf.v1 import geometry_pb2, render_pb2, stream_pb2
+
+
+class AcknowledgedStream:
+    """What streams with acknowledgements have in common. The answer that a loop holds is acknowledged when it comes back for
+    the next, so that the server sends no more than the loop can take. A server ends a stream that acknowledges nothing for
+    10 seconds: it is opened again then, and the loop sees nothing of that."""
+
+    _answer = ""  # the field of responses that is given to the loop
+
+    def __init__(self, method: Any, address: str, request: Any, duration_s: Optional[float]) -> None:
+        self._method = method
+        self._address = address
+        self._request = request  # its class, for acknowledgements
+        self._ends_at = None if duration_s is None else time.monotonic() + duration_s
+        self._stream: Optional[Stream] = None
+        self._closed = False
+        self._sequence = 0  # of the answer that the loop holds; 0: none
+        self._arrived_ns = 0
+
+    async def aclose(self) -> None:
+        """Ends the stream; idempotent. A loop over it ends."""
+        self._closed = True
+        if self._stream is not None:
+            await self._stream.close()
+
+    async def pace(self, rate_hz: float = 0.0, *, paused: bool = False) -> None:
+        """Another rate from now on, as of watch(). paused: nothing comes until another pace."""
+        await self._send(self._request(pace=stream_pb2.WatchPace(max_rate_hz=rate_hz, paused=paused)))
+
+    async def _send(self, request: Any) -> None:
+        if self._stream is None:
+            await self._open()
+        assert self._stream is not None
+        await self._stream.send(request)
+
+    async def _open(self) -> None:
+        left_s = None if self._ends_at is None else max(0.0, self._ends_at - time.monotonic())
+        self._stream = Stream(self._method, self._address, duration_s=left_s)
+        self._sequence = 0
+        await self._stream.send(self._first())
+
+    def _first(self) -> Any:
+        raise NotImplementedError
+
+    async def _next(self) -> Any:
+        """The next answer; None when the stream has ended as it should."""
+        if self._sequence:
+            held_us = 1 + (time.monotonic_ns() - self._arrived_ns) // 1000
+            await self._send(self._request(ack=stream_pb2.WatchAck(sequence=self._sequence, held_us=held_us)))
+            self._sequence = 0
+        while not self._closed:
+            if self._stream is None:
+                await self._open()
+            assert self._stream is not None
+            response = await self._stream.receive()
+            if response is None:
+                return None
+            kind = response.WhichOneof("kind")
+            if kind == "ended" and response.ended.reason == stream_pb2.Ended.TOO_SLOW:
+                await self._stream.close()
+                self._stream = None
+            elif kind == "ended":
+                raise _ended(response.ended)
+            elif kind == self._answer:
+                answer = getattr(response, kind)
+                self._arrived_ns = time.monotonic_ns()
+                self._sequence = answer.sequence
+                return answer
+        return None
+
+
+class FrameStream(AcknowledgedStream):
+    """Frames of a sheet, by Sheet.watch(): a loop over them, and a `with` that ends them."""
+
+    _answer = "frame"
+
+    def __init__(self, method: Any, address: str, start: stream_pb2.WatchStart, duration_s: Optional[float]) -> None:
+        super().__init__(method, address, stream_pb2.WatchRequest, duration_s)
+        self._start = start
+        self._decoder = FrameDecoder()
+
+    async def __aenter__(self) -> FrameStream:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.aclose()
+
+    def __aiter__(self) -> FrameStream:
+        return self
+
+    async def __anext__(self) -> Frame:
+        message = await self._next()
+        if message is None:
+            raise StopAsyncIteration
+        return self._decoder.decode(message)
+
+    def _first(self) -> stream_pb2.WatchRequest:
+        self._decoder.begin_stream()
+        if self._decoder.epoch:
+            self._start.epoch = self._decoder.epoch
+            self._start.topology_version = self._decoder.topology_version
+        return stream_pb2.WatchRequest(start=self._start)
+
+
+class ImageStream(AcknowledgedStream):
+    """Pictures of a sheet, by Sheet.watch_images(): a loop over them, and a `with` that ends them."""
+
+    _answer = "image"
+
+    def __init__(
+        self, method: Any, address: str, start: render_pb2.WatchImagesStart, duration_s: Optional[float]
+    ) -> None:
+        super().__init__(method, address, render_pb2.WatchImagesRequest, duration_s)
+        self._start = start
+
+    async def __aenter__(self) -> ImageStream:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.aclose()
+
+    def __aiter__(self) -> ImageStream:
+        return self
+
+    async def __anext__(self) -> Image:
+        message = await self._next()
+        if message is None:
+            raise StopAsyncIteration
+        return image_of(message)
+
+    async def look(
+        self,
+        size_px: Tuple[int, int] = (640, 360),
+        *,
+        camera: Optional[geometry_pb2.Camera] = None,
+        wireframe: bool = False,
+        undeformed: bool = False,
+        color_by: ColorBy = "sides",
+        jpeg_quality: int = 0,
+        bitrate_kbps: int = 0,
+    ) -> None:
+        """Another view from the next picture on, in place of the one before; as of Sheet.watch_images()."""
+        view = image_view(size_px, camera, wireframe, undeformed, color_by, jpeg_quality, bitrate_kbps)
+        self._start.view.CopyFrom(view)
+        await self._send(render_pb2.WatchImagesRequest(view=view))
+
+    def _first(self) -> render_pb2.WatchImagesRequest:
+        return render_pb2.WatchImagesRequest(start=self._start)
+
+
+class Subscription:
+    """Frames of a sheet at a low rate, by Sheet.subscribe(): a loop over them, and a `with` that ends them."""
+
+    def __init__(self, method: Any, address: str, request: stream_pb2.SubscribeRequest) -> None:
+        self._stream = Stream(method, address, request=request)
+        self._decoder = FrameDecoder()
+
+    async def __aenter__(self) -> Subscription:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.aclose()
+
+    async def aclose(self) -> None:
+        """Ends the subscription; idempotent."""
+        await self._stream.close()
+
+    def __aiter__(self) -> Subscription:
+        return self
+
+    async def __anext__(self) -> Frame:
+        response = await self._stream.receive()
+        if response is None:
+            raise StopAsyncIteration
+        if response.HasField("ended"):
+            raise _ended(response.ended)
+        return self._decoder.decode(response.frame)
+
+
+def _ended(ended: stream_pb2.Ended) -> Error:
+    """Why the server ended a stream, as what the next call would be refused with."""
+    reason = stream_pb2.Ended.Reason.Name(ended.reason)
+    if ended.reason == stream_pb2.Ended.SHEET_DELETED:
+        return NotFound("NOT_FOUND", reason, ended.message or "the sheet was deleted")
+    return Unavailable("UNAVAILABLE", reason, ended.message or "the server ended the stream")

@@ -1,0 +1,88 @@
+"""Calls for asyncio, over grpc.aio. kerf/transport.py has the same for calls that block."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable, Coroutine
+from typing import Any, Optional
+
+import grpc
+
+from kerf.channel_options import CHANNEL_OPTIONS
+from kerf.errors import error_of, is_cancelled, is_out_of_time
+
+
+def open_channel(address: str) -> grpc.aio.Channel:
+    return grpc.aio.insecure_channel(address, options=CHANNEL_OPTIONS)
+
+
+async def close_channel(channel: grpc.aio.Channel) -> None:
+    await channel.close()
+
+
+async def call_unary(method: Any, request: Any, timeout_s: Optional[float], address: str) -> Any:
+    """Raises kerf.Error where the call fails."""
+    try:
+        return await method(request, timeout=timeout_s)
+    except grpc.RpcError as failure:
+        raise error_of(failure, address) from None
+
+
+class Stream:
+    """One call that answers many times. With `request` the one that it begins with, else whatever is sent."""
+
+    def __init__(self, method: Any, address: str, *, request: Any = None, duration_s: Optional[float] = None) -> None:
+        self._address = address
+        self._closed = False
+        # Not written one by one: a write to a call that the server has ended never returns.
+        self._requests: asyncio.Queue[Any] = asyncio.Queue()
+        self._call = method(_until_none(self._requests) if request is None else request, timeout=duration_s)
+
+    def __del__(self) -> None:
+        # A stream that is just dropped must not leave the task behind that waits for requests; no loop, no task.
+        with contextlib.suppress(RuntimeError):
+            self._end()
+
+    async def send(self, request: Any) -> None:
+        """Of a stream that has ended, nothing: receive() tells why."""
+        self._requests.put_nowait(request)
+
+    async def receive(self) -> Any:
+        """The next answer; None when the stream has ended as it should. Raises kerf.Error where it failed."""
+        try:
+            answer = await self._call.read()
+        except grpc.RpcError as failure:
+            if is_out_of_time(failure) or (self._closed and is_cancelled(failure)):
+                return None
+            raise error_of(failure, self._address) from None
+        except asyncio.CancelledError:
+            if self._closed:
+                return None  # not this task was cancelled, but the call by close()
+            raise
+        return None if answer is grpc.aio.EOF else answer
+
+    async def close(self) -> None:
+        self._end()
+
+    def _end(self) -> None:
+        if not self._closed:
+            self._closed = True
+            self._requests.put_nowait(None)
+            self._call.cancel()
+
+
+async def _until_none(requests: asyncio.Queue[Any]) -> AsyncIterator[Any]:
+    while (request := await requests.get()) is not None:
+        yield request
+
+
+class Background:
+    """Work beside the caller: a task."""
+
+    def __init__(self, work: Callable[[], Coroutine[Any, Any, None]]) -> None:
+        self._task = asyncio.ensure_future(work())
+
+    async def finished(self) -> None:
+        """Waits until the work is done; raises what it raised."""
+        await self._task

@@ -1,0 +1,138 @@
+"""Looking at a sheet: frames as arrays, pictures, files."""
+
+from __future__ import annotations
+
+import os
+from typing import Literal, Optional, Tuple
+
+from kerf.aio.part import SheetPart
+from kerf.aio.recorder import Recorder
+from kerf.aio.streams import FrameStream, ImageStream, Subscription
+from kerf.cuts import enum_value
+from kerf.images import Codec, ColorBy, codec_value, image_view
+from kerf.v1 import geometry_pb2, render_pb2, sheets_pb2, stream_pb2
+
+
+class Viewing(SheetPart):
+    """Looks."""
+
+    def watch(
+        self,
+        *,
+        rate_hz: float = 0.0,
+        window: int = 1,
+        strains: bool = False,
+        duration_s: Optional[float] = None,
+    ) -> FrameStream:
+        """Frames as NumPy arrays, each the newest when it was asked for: a slow loop skips ticks, it never lags behind.
+
+        rate_hz: most frames a second, 0.001..1000; 0: every tick. window: frames under way, 1..8: with 1 a frame is sent when
+        the loop comes back for it; more keep a fast loop busy over a long way; 0: the server finds out. strains: frames have
+        the strains of the vertices. duration_s: the stream ends after so long; None: only when it is closed, or a NotFound
+        (the sheet was deleted) or Unavailable (the server stops) comes. A paused sheet has a frame when something changes.
+        Needs NumPy.
+
+        >>> async with sheet.watch(rate_hz=30, strains=True) as frames:
+        ...     async for frame in frames:
+        ...         print(frame.positions.shape, frame.strains.shape, frame.topology_changed)
+        ...         break
+        (400, 3) (400,) True
+        """
+        start = stream_pb2.WatchStart(
+            name=self.name, window=window, max_rate_hz=rate_hz, encoding=stream_pb2.RAW, strains=strains
+        )
+        return FrameStream(self._server.stream_service.Watch, self._server.address, start, duration_s)
+
+    def subscribe(self, *, rate_hz: float = 1.0, max_frames: int = 0) -> Subscription:
+        """Frames at a low rate, 0.001..10 Hz, without acknowledgements: what is not read in time waits, so that a slow loop
+        lags. For steady logging; watch() is for all else. max_frames: ends after so many; 0: goes on.
+
+        >>> async for frame in sheet.subscribe(max_frames=1):
+        ...     frame.positions.shape
+        (400, 3)
+        """
+        request = stream_pb2.SubscribeRequest(name=self.name, max_rate_hz=rate_hz, max_frames=max_frames)
+        return Subscription(self._server.stream_service.Subscribe, self._server.address, request)
+
+    def watch_images(
+        self,
+        size_px: Tuple[int, int] = (640, 360),
+        *,
+        codec: Codec = "jpeg",
+        camera: Optional[geometry_pb2.Camera] = None,
+        rate_hz: float = 0.0,
+        window: int = 1,
+        wireframe: bool = False,
+        undeformed: bool = False,
+        color_by: ColorBy = "sides",
+        jpeg_quality: int = 0,
+        bitrate_kbps: int = 0,
+        duration_s: Optional[float] = None,
+    ) -> ImageStream:
+        """Pictures that the server draws, each of the newest tick when it was asked for; what is skipped is not drawn.
+
+        size_px: 16..4096 each. codec: "jpeg", "png", or "vp8", a tenth of the bytes, for a decoder of one's own. camera: see
+        kerf.camera(); absent: shows the whole sheet. wireframe, undeformed, color_by: as of render(). jpeg_quality: 1..100, 0: 80.
+        bitrate_kbps: of VP8, 50..50000; 0: by the size. The rest is as of watch(). Unavailable where the server has no renderer.
+        """
+        view = image_view(size_px, camera, wireframe, undeformed, color_by, jpeg_quality, bitrate_kbps)
+        start = render_pb2.WatchImagesStart(
+            name=self.name, window=window, max_rate_hz=rate_hz, codec=codec_value(codec), view=view
+        )
+        return ImageStream(self._server.render_service.WatchImages, self._server.address, start, duration_s)
+
+    def recorder(self, path: "str | os.PathLike[str]", *, rate_hz: float = 0.0, strains: bool = False) -> Recorder:
+        """Records frames into an .npz file while a `with` lasts, beside whatever is done in it; kerf.load_run() reads it.
+
+        rate_hz, strains: as of watch(). The last frame of the file is of the tick at which the `with` was left, or later. Ticks
+        that went by faster than they could be sent are left out: `ticks` of the run says which there are. OSError where the
+        file cannot be written; an exception inside the `with` leaves the frames until then.
+
+        >>> async with sheet.recorder(path):
+        ...     stepped = await sheet.step(30)
+        >>> kerf.load_run(path)[-1].tick == stepped.tick
+        True
+        """
+        return Recorder(self.watch(rate_hz=rate_hz, strains=strains), path, self._tick)
+
+    async def render(
+        self,
+        size_px: Tuple[int, int] = (640, 360),
+        *,
+        camera: Optional[geometry_pb2.Camera] = None,
+        wireframe: bool = False,
+        undeformed: bool = False,
+        color_by: ColorBy = "sides",
+        format: Literal["png", "jpeg"] = "png",
+        jpeg_quality: int = 0,
+    ) -> bytes:
+        """A picture of the sheet, drawn on the server: the bytes of a file. Unavailable where it has no renderer.
+
+        size_px: 16..4096 each. camera: see kerf.camera(); absent: shows the whole sheet. undeformed: as it is cut, but flat, at
+        its material coordinates x, y, 0. color_by: "sides" (woven, front and back differ), "pieces" or "strains".
+        jpeg_quality: 1..100, 0: 85. kerf.decode_image() makes an array of it.
+
+        >>> (await sheet.render((64, 48)))[:4]
+        b'\\x89PNG'
+        """
+        request = render_pb2.RenderImageRequest(
+            name=self.name,
+            width_px=size_px[0],
+            height_px=size_px[1],
+            camera=camera,
+            wireframe=wireframe,
+            undeformed=undeformed,
+            color_by=enum_value(render_pb2.ColorBy, "color_by", color_by),
+            format=enum_value(render_pb2.RenderImageRequest.Format, "format", format),
+            jpeg_quality=jpeg_quality,
+        )
+        return bytes((await self._call(self._server.render_service.RenderImage, request)).image)
+
+    async def obj(self) -> bytes:
+        """The sheet as it is now, as a Wavefront OBJ file."""
+        request = sheets_pb2.ExportSheetRequest(name=self.name)
+        return bytes((await self._call(self._server.sheet_service.ExportSheet, request)).content)
+
+    async def _tick(self) -> int:
+        reply = await self._call(self._server.sheet_service.GetSheet, sheets_pb2.GetSheetRequest(name=self.name))
+        return int(reply.tick)

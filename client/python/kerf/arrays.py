@@ -1,0 +1,124 @@
+"""NumPy arrays of what the server sends. NumPy is imported when the first of them is made, so that all else works without."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Dict, List, Optional
+
+from kerf.v1 import analysis_pb2, sheets_pb2
+
+if TYPE_CHECKING:
+    import numpy
+    from numpy.typing import NDArray
+
+    Floats = NDArray[numpy.float64]
+    Float32s = NDArray[numpy.float32]
+    Ints = NDArray[numpy.int32]
+    Longs = NDArray[numpy.int64]
+    Bytes = NDArray[numpy.uint8]
+
+
+def needed(module: str, package: str) -> Any:
+    """A module that only some calls need. Raises ImportError that names the Debian package where it is missing."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as missing:
+        raise ImportError(f"this call needs {module} ({missing}): apt install {package}") from None
+
+
+def numpy_module() -> Any:
+    return needed("numpy", "python3-numpy")
+
+
+def packed(content: bytes, kind: str, columns: int) -> Any:
+    """A packed array as N x columns (N where columns is 1), without a copy and not to be written to. kind: "<f8", ..."""
+    flat = numpy_module().frombuffer(content, dtype=kind)
+    return flat if columns == 1 else flat.reshape(-1, columns)
+
+
+@dataclass(frozen=True)
+class State:
+    """The exact state of a sheet after a tick: 64-bit floats as they are in the solver, of V vertices and T triangles.
+
+    >>> sheet.state().positions.shape
+    (400, 3)
+    """
+
+    tick: int
+    topology_version: int  # grows by one with each cut, undo and reset
+    state_hash: str  # 16 hex digits: equal on equal states
+    positions: Floats  # V x 3, metres, world
+    velocities: Floats  # V x 3, metres/second
+    material_positions: Floats  # V x 2, metres, on the undeformed sheet
+    triangles: Ints  # T x 3, vertex ids, counter-clockwise in material coordinates
+    pieces: Ints  # T, the label of each triangle's piece: Piece.id of Sheet.pieces()
+
+
+def state_of(reply: sheets_pb2.SheetState) -> State:
+    slots = packed(reply.triangles, "<i4", 3)
+    has_material = slots[:, 0] >= 0
+    return State(
+        reply.tick,
+        reply.topology_version,
+        reply.state_hash,
+        packed(reply.positions, "<f8", 3),
+        packed(reply.velocities, "<f8", 3),
+        packed(reply.material_positions, "<f8", 2),
+        slots[has_material],
+        packed(reply.pieces, "<i4", 1)[has_material],
+    )
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers over time or load: a row a moment. NaN where there was nothing to measure.
+
+    >>> table = Table("modes", ["mode", "frequency_hz"], numpy.array([[1, 2.5], [2, 4.0]]))
+    >>> table["frequency_hz"].tolist()
+    [2.5, 4.0]
+    >>> table["frequency"]
+    Traceback (most recent call last):
+    KeyError: "table 'modes' has no column 'frequency'; there are mode, frequency_hz"
+    """
+
+    name: str  # "probes" or "modes"
+    columns: List[str]  # the first is "time_s", "load" or "mode"; of a probe "name.x" and so on
+    values: Floats  # rows x columns
+
+    def __getitem__(self, column: str) -> Floats:
+        """One column. Raises KeyError, which names those there are."""
+        if column not in self.columns:
+            raise KeyError(f"table {self.name!r} has no column {column!r}; there are {', '.join(self.columns)}")
+        return self.values[:, self.columns.index(column)]
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What Sheet.analyze() found, of a copy of the sheet."""
+
+    tick: int  # of the sheet that was copied
+    topology_version: int  # likewise
+    tables: Dict[str, Table]  # by name: "probes" where there were some, "modes"
+    static: Optional[analysis_pb2.StaticResult]  # of an equilibrium
+    dynamic: Optional[analysis_pb2.DynamicResult]  # of ticks to come
+    positions: Optional[Floats]  # V x 3, metres, where they were asked for
+
+
+def analysis_of(reply: sheets_pb2.AnalyzeSheetResponse) -> Analysis:
+    return Analysis(
+        reply.tick,
+        reply.topology_version,
+        {table.name: _table_of(table) for table in reply.tables},
+        reply.static if reply.HasField("static") else None,
+        reply.dynamic if reply.HasField("dynamic") else None,
+        packed(reply.positions, "<f8", 3) if reply.positions else None,
+    )
+
+
+def _table_of(table: analysis_pb2.Table) -> Table:
+    rows: Sequence[Sequence[float]] = [row.values for row in table.rows]
+    columns = list(table.columns)
+    values = numpy_module().array(rows, dtype="f8").reshape(len(rows), len(columns))
+    return Table(table.name, columns, values)

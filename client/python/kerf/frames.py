@@ -1,0 +1,147 @@
+"""Frames of a live sheet as NumPy arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Optional
+
+from kerf.arrays import numpy_module, packed
+from kerf.errors import DataLoss
+from kerf.v1 import stream_pb2
+
+if TYPE_CHECKING:
+    from kerf.arrays import Float32s, Floats, Ints
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A sheet of V vertices and T triangles after one tick. The arrays are not to be written to; triangles, pieces and
+    material positions are the same objects from frame to frame until the topology changes.
+
+    >>> frame = next(sheet.watch())
+    >>> frame.positions.shape, frame.triangles.shape
+    ((400, 3), (722, 3))
+    """
+
+    tick: int
+    topology_version: int  # grows by one with each cut, undo and reset
+    positions: Floats  # V x 3, metres, world; to within half a `resolution`: Sheet.state() has them exactly
+    triangles: Ints  # T x 3, vertex ids, counter-clockwise in material coordinates
+    pieces: Ints  # T, the label of each triangle's piece: Piece.id of Sheet.pieces()
+    material_positions: Float32s  # V x 2, metres, on the undeformed sheet
+    strains: Optional[Float32s]  # V, largest principal strain, 0.01: one per cent longer than at rest; None: not asked for
+    topology_changed: bool  # since the frame before it on this stream; True in the first
+    resolution: Optional[Floats]  # 3, metres: distance of neighbouring coordinates along x, y, z; None: of a loaded run
+    stats: Optional[stream_pb2.FrameStats]  # see proto/kerf/v1/stream.proto; None: of a loaded run
+
+
+class FrameDecoder:
+    """Turns the raw frames of one stream into arrays, one after the other."""
+
+    def __init__(self) -> None:
+        self.epoch = ""
+        self.topology_version = -1
+        self._sequence = 0
+        self._slots: Any = None  # S x 3 int32, -1 without material
+        self._slot_pieces: Any = None  # S int32
+        self._materials: Any = None  # V x 2 float32
+        self._triangles: Any = None
+        self._pieces: Any = None
+
+    def begin_stream(self) -> None:
+        """The next frame is the first of another stream, which was told epoch and topology_version."""
+        self._sequence = 0
+
+    def decode(self, message: stream_pb2.Frame) -> Frame:
+        """Raises DataLoss where the frame does not follow the one before it, or its arrays have the wrong size."""
+        if message.sequence != self._sequence + 1:
+            raise _unreadable(f"frame {message.sequence} follows frame {self._sequence}")
+        if message.encoding != stream_pb2.RAW or message.base_tick >= 0:
+            raise _unreadable("it is not raw")
+        changed = message.HasField("topology")
+        try:
+            if changed:
+                self._patch(message)
+            elif message.topology_version != self.topology_version:
+                raise _unreadable(f"topology {message.topology_version} comes without its patch")
+            positions = packed(message.positions, "<u2", 3)
+            if len(positions) != message.num_vertices or len(self._materials) != message.num_vertices:
+                raise _unreadable(f"it has {len(positions)} positions of {message.num_vertices}")
+            strains = self._strains(message)
+        except (ValueError, IndexError) as wrong:
+            raise _unreadable(str(wrong)) from None
+        self._sequence = message.sequence
+        self.topology_version = message.topology_version
+        self.epoch = message.epoch or self.epoch
+        low, resolution = _box(message)
+        return Frame(
+            message.tick,
+            message.topology_version,
+            _read_only(positions * resolution + low),
+            self._triangles,
+            self._pieces,
+            self._materials,
+            strains,
+            changed,
+            resolution,
+            message.stats,
+        )
+
+    def _patch(self, message: stream_pb2.Frame) -> None:
+        numpy, patch = numpy_module(), message.topology
+        full = patch.base_version < 0
+        if not full and patch.base_version != self.topology_version:
+            raise _unreadable(f"its patch is of topology {patch.base_version}, not {self.topology_version}")
+        triangles, pieces = packed(patch.triangles, "<i4", 3), packed(patch.pieces, "<i4", 1)
+        materials = packed(patch.material_positions, "<f4", 2)
+        if full:
+            self._slots, self._slot_pieces, self._materials = triangles, pieces, materials
+        else:
+            # Copies, because frames that were given out keep theirs.
+            self._slots = _resized(self._slots, patch.num_slots, -1)
+            self._slot_pieces = _resized(self._slot_pieces, patch.num_slots, -1)
+            self._materials = _resized(self._materials, message.num_vertices, numpy.nan)
+            slots = packed(patch.slots, "<u4", 1)
+            self._slots[slots] = triangles
+            self._slot_pieces[slots] = pieces
+            self._materials[packed(patch.vertices, "<u4", 1)] = materials
+        if len(self._slots) != patch.num_slots or len(self._slot_pieces) != patch.num_slots:
+            raise _unreadable(f"its patch has {len(self._slots)} slots of {patch.num_slots}")
+        has_material = self._slots[:, 0] >= 0
+        self._triangles = _read_only(self._slots[has_material])
+        self._pieces = _read_only(self._slot_pieces[has_material])
+        if self._triangles.size and self._triangles.max() >= message.num_vertices:
+            raise _unreadable(f"a triangle has vertex {self._triangles.max()} of {message.num_vertices}")
+        self._materials = _read_only(self._materials)
+
+    def _strains(self, message: stream_pb2.Frame) -> Any:
+        if message.strain_scale == 0:
+            return None
+        shares = packed(message.strains, "i1", 1).astype("f4") / 127
+        if len(shares) != message.num_vertices:
+            raise _unreadable(f"it has {len(shares)} strains of {message.num_vertices}")
+        return _read_only(shares * abs(shares) * numpy_module().float32(message.strain_scale))
+
+
+def _box(message: stream_pb2.Frame) -> Any:
+    """The lowest corner and the distance of neighbouring coordinates, 3 each, metres."""
+    low, high = (numpy_module().array([end.x, end.y, end.z]) for end in (message.box.min, message.box.max))
+    return low, _read_only((high - low) / 65535)
+
+
+def _resized(array: Any, rows: int, fill: float) -> Any:
+    """A copy with so many rows, new ones filled. Rows are only added: slots and vertices stay where they are."""
+    if rows < len(array):
+        raise _unreadable(f"its patch leaves {rows} of {len(array)} rows")
+    made = numpy_module().full((rows, *array.shape[1:]), fill, dtype=array.dtype)
+    made[: len(array)] = array
+    return made
+
+
+def _read_only(array: Any) -> Any:
+    array.setflags(write=False)
+    return array
+
+
+def _unreadable(why: str) -> DataLoss:
+    return DataLoss("DATA_LOSS", "FRAME_MALFORMED", f"a frame of the stream cannot be read: {why}; watch the sheet anew")

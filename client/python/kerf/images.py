@@ -1,0 +1,96 @@
+"""Pictures that the server drew."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, Optional, Tuple
+
+from kerf.arrays import needed, numpy_module
+from kerf.cuts import enum_value
+from kerf.v1 import geometry_pb2, render_pb2, stream_pb2
+
+if TYPE_CHECKING:
+    from kerf.arrays import Bytes
+
+ColorBy = Literal["sides", "pieces", "strains"]
+Codec = Literal["jpeg", "png", "vp8"]
+_CODECS = {render_pb2.IMAGE_JPEG: "jpeg", render_pb2.IMAGE_PNG: "png", render_pb2.IMAGE_VP8: "vp8"}
+
+
+@dataclass(frozen=True)
+class Image:
+    """One picture of an image stream."""
+
+    tick: int  # of the sheet that it shows
+    data: bytes  # encoded
+    codec: str  # "jpeg", "png": the bytes of a file; "vp8": a frame of one stream, RFC 6386, without a container
+    key: bool  # False: needs the picture before it (VP8)
+    size_px: Tuple[int, int]  # width, height
+    camera: geometry_pb2.Camera  # that it was drawn with
+    stats: stream_pb2.FrameStats  # see proto/kerf/v1/stream.proto
+
+    def array(self) -> Bytes:
+        """The picture as height x width x 3 uint8, red, green, blue, top row first.
+
+        Raises ValueError of a VP8 frame, ImportError where Pillow is not installed (python3-pil).
+        """
+        if self.codec == "vp8":
+            raise ValueError("a VP8 frame is no picture by itself: ask for codec='jpeg' or 'png', or use a VP8 decoder")
+        return decode_image(self.data)
+
+
+def decode_image(data: bytes) -> Bytes:
+    """The PNG or JPEG bytes of Sheet.render() as height x width x 3 uint8, red, green, blue, top row first.
+
+    Raises ImportError where Pillow is not installed (python3-pil), ValueError where the bytes are no picture.
+
+    >>> decode_image(sheet.render((64, 48))).shape
+    (48, 64, 3)
+    """
+    pillow = needed("PIL.Image", "python3-pil")
+    try:
+        with pillow.open(io.BytesIO(data), formats=("PNG", "JPEG")) as picture:
+            return numpy_module().asarray(picture.convert("RGB"))
+    except OSError as wrong:
+        raise ValueError(f"these {len(data)} bytes are no PNG or JPEG picture: {wrong}") from None
+
+
+def image_of(message: render_pb2.Image) -> Image:
+    return Image(
+        message.tick,
+        message.data,
+        _CODECS[message.codec],
+        message.key,
+        (message.width_px, message.height_px),
+        message.camera,
+        message.stats,
+    )
+
+
+def codec_value(codec: str) -> Any:
+    names = {name: value for value, name in _CODECS.items()}
+    if codec not in names:
+        raise ValueError(f"codec is {codec!r}; must be one of {', '.join(names)}")
+    return names[codec]
+
+
+def image_view(
+    size_px: Tuple[int, int],
+    camera: Optional[geometry_pb2.Camera],
+    wireframe: bool,
+    undeformed: bool,
+    color_by: str,
+    jpeg_quality: int,
+    bitrate_kbps: int,
+) -> render_pb2.ImageView:
+    return render_pb2.ImageView(
+        width_px=size_px[0],
+        height_px=size_px[1],
+        camera=camera,
+        wireframe=wireframe,
+        undeformed=undeformed,
+        color_by=enum_value(render_pb2.ColorBy, "color_by", color_by),
+        jpeg_quality=jpeg_quality,
+        bitrate_kbps=bitrate_kbps,
+    )

@@ -1,0 +1,167 @@
+"""Runs: frames of a sheet in a file that NumPy reads."""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import zipfile
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, Dict, List, Tuple, Union, overload
+
+from kerf.arrays import numpy_module
+from kerf.frames import Frame
+
+if TYPE_CHECKING:
+    from kerf.arrays import Longs
+
+_FORMAT = {"format": "kerf-run", "version": 1}
+_CHUNK_BYTES = 8 << 20  # of positions kept in memory before they are written
+
+
+class RunWriter:
+    """Writes frames to an .npz file as they come: at most some 8 MiB of them are in memory. The file is there, whole, when
+    close() returns; until then what is written stands in FILE.part.
+
+    `meta` holds JSON as bytes; `ticks` N numbers; then a topology and the positions of frames that have it, chunk by chunk:
+    `triangles_K` (T x 3), `pieces_K` (T), `material_positions_K` (V x 2) and `positions_K_J` (frames x V x 3 float32, metres)
+    with `strains_K_J` (frames x V float32), where the frames had them.
+    """
+
+    def __init__(self, path: "str | os.PathLike[str]") -> None:
+        self._path = pathlib.Path(path)
+        self._part = self._path.with_name(self._path.name + ".part")
+        # Positions hardly compress; what time it takes is better spent on frames.
+        self._file = zipfile.ZipFile(self._part, "w", zipfile.ZIP_STORED)
+        self._ticks: List[int] = []
+        self._chunks: List[Dict[str, int]] = []  # of each: topology, chunk in it, frames
+        self._topology_version = -1
+        self._topologies: List[int] = []  # their versions
+        self._waiting: List[Frame] = []
+
+    def add(self, frame: Frame) -> None:
+        """Adds a frame. Raises ValueError where its tick is before the last one's, OSError where the disk is full."""
+        if self._ticks and frame.tick < self._ticks[-1]:
+            raise ValueError(f"a frame of tick {frame.tick} comes after one of tick {self._ticks[-1]}")
+        if frame.topology_version != self._topology_version:
+            self._flush()
+            self._add_topology(frame)
+        elif self._waiting and len(self._waiting) * frame.positions.nbytes > _CHUNK_BYTES:
+            self._flush()
+        self._ticks.append(frame.tick)
+        self._waiting.append(frame)
+
+    def close(self) -> None:
+        """Ends the file and gives it its name. Idempotent."""
+        if self._file.fp is None:
+            return
+        self._flush()
+        meta = {**_FORMAT, "chunks": self._chunks, "topology_versions": self._topologies}
+        self._write("meta", numpy_module().frombuffer(json.dumps(meta).encode(), dtype="u1"))
+        self._write("ticks", numpy_module().array(self._ticks, dtype="i8"))
+        self._file.close()
+        self._part.replace(self._path)
+
+    def _add_topology(self, frame: Frame) -> None:
+        number = len(self._topologies)
+        self._topologies.append(frame.topology_version)
+        self._topology_version = frame.topology_version
+        self._write(f"triangles_{number}", frame.triangles)
+        self._write(f"pieces_{number}", frame.pieces)
+        self._write(f"material_positions_{number}", frame.material_positions)
+
+    def _flush(self) -> None:
+        if not self._waiting:
+            return
+        numpy, topology = numpy_module(), len(self._topologies) - 1
+        chunk = sum(each["topology"] == topology for each in self._chunks)
+        self._chunks.append({"topology": topology, "chunk": chunk, "frames": len(self._waiting)})
+        positions = numpy.stack([frame.positions for frame in self._waiting]).astype("f4")
+        self._write(f"positions_{topology}_{chunk}", positions)
+        if all(frame.strains is not None for frame in self._waiting):
+            self._write(f"strains_{topology}_{chunk}", numpy.stack([frame.strains for frame in self._waiting]))
+        self._waiting = []
+
+    def _write(self, name: str, array: Any) -> None:
+        with self._file.open(name + ".npy", "w", force_zip64=True) as entry:
+            numpy_module().lib.format.write_array(entry, array)
+
+
+class Run(Sequence[Frame]):
+    """The frames of a file that Sheet.recorder() wrote, by number; read as they are asked for.
+
+    >>> run = load_run(path)
+    >>> len(run) == len(run.ticks), run[-1].tick == run.ticks[-1]
+    (True, True)
+    """
+
+    def __init__(self, arrays: Any, path: str) -> None:
+        self._arrays = arrays
+        meta = json.loads(bytes(arrays["meta"]))
+        if meta.get("format") != _FORMAT["format"]:
+            raise ValueError(f"{path}: is no run of kerf")
+        if meta["version"] != _FORMAT["version"]:
+            raise ValueError(f"{path}: is of version {meta['version']}; this package reads {_FORMAT['version']}")
+        self.ticks: Longs = arrays["ticks"]  # N, of the frames; those between were not recorded
+        self.topology_versions: List[int] = meta["topology_versions"]  # that there were, in order
+        self._frames: List[Tuple[int, int, int]] = [
+            (chunk["topology"], chunk["chunk"], row) for chunk in meta["chunks"] for row in range(chunk["frames"])
+        ]
+        self._kept: Dict[str, Any] = {}  # of the chunk and topology that were read last
+
+    def __len__(self) -> int:
+        return len(self._frames)
+
+    @overload
+    def __getitem__(self, index: int) -> Frame: ...
+    @overload
+    def __getitem__(self, index: slice) -> List[Frame]: ...
+    def __getitem__(self, index: Union[int, slice]) -> Union[Frame, List[Frame]]:
+        """A frame, or a list of them. Raises IndexError."""
+        if isinstance(index, slice):
+            return [self[each] for each in range(*index.indices(len(self)))]
+        number = range(len(self))[index]
+        topology, chunk, row = self._frames[number]
+        strains = f"strains_{topology}_{chunk}"
+        return Frame(
+            int(self.ticks[number]),
+            self.topology_versions[topology],
+            self._read(f"positions_{topology}_{chunk}")[row].astype("f8"),
+            self._read(f"triangles_{topology}"),
+            self._read(f"pieces_{topology}"),
+            self._read(f"material_positions_{topology}"),
+            self._read(strains)[row] if strains in self._arrays else None,
+            number == 0 or self._frames[number - 1][0] != topology,
+            None,
+            None,
+        )
+
+    def __iter__(self) -> Iterator[Frame]:
+        return (self[number] for number in range(len(self)))
+
+    def close(self) -> None:
+        self._arrays.close()
+
+    def __enter__(self) -> Run:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _read(self, name: str) -> Any:
+        if name not in self._kept:
+            # One chunk at a time: a long run need not fit into memory.
+            kind = name.partition("_")[0]
+            self._kept = {kept: array for kept, array in self._kept.items() if kept.partition("_")[0] != kind}
+            self._kept[name] = self._arrays[name]
+            self._kept[name].setflags(write=False)
+        return self._kept[name]
+
+
+def load_run(path: "str | os.PathLike[str]") -> Run:
+    """What Sheet.recorder() wrote. Raises ValueError where the file is something else, OSError where it cannot be read."""
+    name = os.fspath(path)
+    try:
+        return Run(numpy_module().load(name, allow_pickle=False), name)
+    except (zipfile.BadZipFile, KeyError, IndexError, TypeError, json.JSONDecodeError) as wrong:
+        raise ValueError(f"{name}: is no run of kerf ({wrong})") from None

@@ -1,0 +1,88 @@
+"""Scenes: what sheets are made from, as kerf.v1.Scene."""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+from collections.abc import Iterable, Mapping
+from typing import Any, Literal, Tuple, TypedDict, Union
+
+from google.protobuf import json_format
+
+from kerf.regions import Place, as_regions
+from kerf.v1 import scene_pb2
+
+AnyScene = Union[scene_pb2.Scene, Mapping[str, Any], str, "os.PathLike[str]"]
+Part = Tuple[Tuple[float, float, float, float], str]
+
+_REST_SHAPES = {
+    "auto": scene_pb2.REST_SHAPE_UNSPECIFIED,
+    "flat": scene_pb2.REST_SHAPE_FLAT,
+    "surface": scene_pb2.REST_SHAPE_SURFACE,
+}
+
+
+class SheetOptions(TypedDict, total=False):
+    """How Server.create_sheet() makes a sheet; what is left out has its default."""
+
+    grid: Tuple[int, int]  # columns and rows of vertices; default (50, 50)
+    size_m: Tuple[float, float]  # width and height, metres; default (1, 1)
+    mesh_file: "Union[str, os.PathLike[str]]"  # .obj or .ply: then grid and size_m do not count
+    # What the rest shape of a mesh file is: "flat" (its texture coordinates, or its plane), "surface" (its positions, curved
+    # as they are), or "auto", the default: flat where the file allows it.
+    rest: Literal["auto", "flat", "surface"]
+    pins: Iterable[Place]  # default ["top"]
+    material: str  # a preset; Server.info() lists them
+    # Of other materials, each a box (x0, y0, x1, y1) in metres on the undeformed sheet and a preset; a later one over those
+    # before.
+    parts: Iterable[Part]
+    paused: bool  # its clock stands until resume() or step(); default False
+
+
+def scene_with(options: SheetOptions) -> scene_pb2.Scene:
+    """Raises TypeError where there is no such option, ValueError where a value is none of those that it can have."""
+    unknown = options.keys() - SheetOptions.__annotations__.keys()
+    if unknown:
+        raise TypeError(f"a sheet has no option {min(unknown)!r}; there are {', '.join(SheetOptions.__annotations__)}")
+    scene = scene_pb2.Scene(
+        pins=as_regions(options.get("pins", ["top"])),
+        material=scene_pb2.Material(preset=options.get("material", "")),
+    )
+    for (x0, y0, x1, y1), preset in options.get("parts", ()):
+        part = scene.materials.add(material=scene_pb2.Material(preset=preset))
+        part.region.box.min.x, part.region.box.min.y = x0, y0
+        part.region.box.max.x, part.region.box.max.y = x1, y1
+    if "mesh_file" in options:
+        _add_mesh_file(scene, pathlib.Path(options["mesh_file"]), options.get("rest", "auto"))
+    else:
+        (columns, rows), (width, height) = options.get("grid", (50, 50)), options.get("size_m", (1.0, 1.0))
+        scene.grid.CopyFrom(scene_pb2.GridMesh(columns=columns, rows=rows, width_m=width, height_m=height))
+    return scene
+
+
+def as_scene(scene: AnyScene) -> scene_pb2.Scene:
+    """Of a message, its JSON form, or the path of a scene file. Raises ValueError where the JSON is no scene, OSError."""
+    if isinstance(scene, scene_pb2.Scene):
+        return scene
+    try:
+        if isinstance(scene, Mapping):
+            return json_format.ParseDict(scene, scene_pb2.Scene())
+        return json_format.Parse(pathlib.Path(scene).read_text(encoding="utf-8"), scene_pb2.Scene())
+    except (json_format.ParseError, json.JSONDecodeError) as wrong:
+        name = "scene" if isinstance(scene, Mapping) else os.fspath(scene)
+        raise ValueError(f"{name}: {wrong}") from None
+
+
+def _add_mesh_file(scene: scene_pb2.Scene, file: pathlib.Path, rest: str) -> None:
+    if rest not in _REST_SHAPES:
+        raise ValueError(f"rest is {rest!r}; must be one of {', '.join(_REST_SHAPES)}")
+    if file.suffix.lower() == ".ply":
+        scene.ply.data = file.read_bytes()
+        scene.ply.rest_shape = _REST_SHAPES[rest]
+    elif file.suffix.lower() == ".obj":
+        # All that counts in it is ASCII; names and comments may be in any encoding.
+        scene.obj.text = file.read_text(encoding="ascii", errors="replace")
+        scene.obj.rest_shape = _REST_SHAPES[rest]
+    else:
+        raise ValueError(f"{file}: the name of a mesh file ends in .obj or .ply")

@@ -1,0 +1,86 @@
+"""Calls that block, over grpc. kerf/aio/transport.py has the same for asyncio; everything else is made from one source."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from collections.abc import Callable
+from typing import Any, Optional
+
+import grpc
+
+from kerf.channel_options import CHANNEL_OPTIONS
+from kerf.errors import error_of, is_cancelled, is_out_of_time
+
+
+def open_channel(address: str) -> grpc.Channel:
+    return grpc.insecure_channel(address, options=CHANNEL_OPTIONS)
+
+
+def close_channel(channel: grpc.Channel) -> None:
+    channel.close()
+
+
+def call_unary(method: Any, request: Any, timeout_s: Optional[float], address: str) -> Any:
+    """Raises kerf.Error where the call fails."""
+    try:
+        return method(request, timeout=timeout_s)
+    except grpc.RpcError as failure:
+        raise error_of(failure, address) from None
+
+
+class Stream:
+    """One call that answers many times. With `request` the one that it begins with, else whatever is sent."""
+
+    def __init__(self, method: Any, address: str, *, request: Any = None, duration_s: Optional[float] = None) -> None:
+        self._address = address
+        self._closed = False
+        self._requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
+        self._call = method(iter(self._requests.get, None) if request is None else request, timeout=duration_s)
+
+    def __del__(self) -> None:
+        # A stream that is just dropped must not leave the thread behind that waits for requests.
+        self.close()
+
+    def send(self, request: Any) -> None:
+        """Of a stream that has ended, nothing: receive() tells why."""
+        self._requests.put(request)
+
+    def receive(self) -> Any:
+        """The next answer; None when the stream has ended as it should. Raises kerf.Error where it failed."""
+        try:
+            return next(self._call)
+        except StopIteration:
+            return None
+        except grpc.RpcError as failure:
+            if is_out_of_time(failure) or (self._closed and is_cancelled(failure)):
+                return None
+            raise error_of(failure, self._address) from None
+
+    def close(self) -> None:
+        if not self._closed:
+            self._closed = True
+            self._requests.put(None)
+            self._call.cancel()
+
+
+class Background:
+    """Work beside the caller: a thread."""
+
+    def __init__(self, work: Callable[[], None]) -> None:
+        self._work = work
+        self._failure: Optional[BaseException] = None
+        self._thread = threading.Thread(target=self._run, daemon=True)
+        self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            self._work()
+        except BaseException as failure:  # handed to whoever waits
+            self._failure = failure
+
+    def finished(self) -> None:
+        """Waits until the work is done; raises what it raised."""
+        self._thread.join()
+        if self._failure is not None:
+            raise self._failure

@@ -1,0 +1,87 @@
+"""The same from asyncio: each kind of call and stream once; package_test compares the two surfaces."""
+
+import asyncio
+import unittest
+
+import kerf
+import kerf.aio
+import support
+from support import path
+
+
+class Asynchronous(unittest.IsolatedAsyncioTestCase):
+    async def asyncSetUp(self):
+        self.server = kerf.aio.connect(support.ADDRESS, timeout_s=300)
+        self.addAsyncCleanup(self.server.aclose)
+        self.sheet = await self.server.create_sheet("py-aio-" + self._testMethodName[5:20].replace("_", "-"),
+                                                    grid=(20, 20), paused=True)
+        self.addAsyncCleanup(self.sheet.delete)
+
+    async def test_calls(self):
+        self.assertIn(self.sheet.id, [sheet.id for sheet in await self.server.sheets()])
+        result = await self.sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+        self.assertEqual((result.pieces, len(await self.sheet.pieces()), len(await self.sheet.cuts())), (2, 2, 1))
+        self.assertEqual((await self.sheet.undo()).pieces, 1)
+        self.assertEqual((await self.sheet.step(3)).state_hash, (await self.sheet.state()).state_hash)
+        self.assertEqual((await self.sheet.analyze(modes=2)).tables["modes"].values.shape, (2, 3))
+        with self.assertRaises(kerf.InvalidArgument) as caught:
+            await self.sheet.cut(kerf.circle((0.5, 0.5), -1))
+        self.assertEqual(caught.exception.field, "cut.curve.circle.radius_m")
+        async with kerf.aio.connect("127.0.0.1:1") as nobody:
+            with self.assertRaisesRegex(kerf.Unavailable, "no Kerf server answers at 127.0.0.1:1"):
+                await nobody.info()
+
+    async def test_calls_at_once(self):
+        async def cut_one(index):
+            async with self.server.temporary_sheet(grid=(10, 10), paused=True) as sheet:
+                return (await sheet.cut(kerf.circle((0.5, 0.5), 0.1 + 0.01 * index))).pieces
+
+        self.assertEqual(await asyncio.gather(*map(cut_one, range(8))), [2] * 8)
+
+    async def test_hands(self):
+        async with self.sheet.holding(0, (0.0, 0.3, 0.0)) as hand:
+            await self.sheet.step(10)
+            await hand.move((0.0, 0.4, 0.0))
+        with self.assertRaises(kerf.NotFound):
+            await self.sheet.release(hand.grab_id)
+
+    async def test_frames(self):
+        async with self.sheet.watch(strains=True) as frames:
+            first = await frames.__anext__()
+            await self.sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+            second = await frames.__anext__()
+            self.assertEqual(second.topology_version, first.topology_version + 1)
+            await self.sheet.step(20)
+            third = await frames.__anext__()
+            self.assertEqual((third.tick, third.stats.skipped), ((await self.sheet.get()).tick, 19))
+            waiting = asyncio.ensure_future(frames.__anext__())
+            await asyncio.sleep(0)
+            await frames.aclose()
+            with self.assertRaises(StopAsyncIteration):
+                await waiting
+        self.assertEqual([frame.tick async for frame in self.sheet.watch(duration_s=0.2)], [third.tick])
+        self.assertEqual([frame.tick async for frame in self.sheet.subscribe(max_frames=1)], [third.tick])
+
+    async def test_a_cancelled_task_stays_cancelled(self):
+        frames = self.sheet.watch()
+        await frames.__anext__()
+        waiting = asyncio.ensure_future(frames.__anext__())
+        await asyncio.sleep(0)
+        waiting.cancel()
+        with self.assertRaises(asyncio.CancelledError):
+            await waiting
+        await frames.aclose()
+
+    async def test_recorder(self):
+        async with self.sheet.recorder(path("aio.npz")) as recorder:
+            last = await self.sheet.step(5)
+        run = kerf.load_run(path("aio.npz"))
+        self.assertEqual((len(run), run[-1].tick), (recorder.num_frames, last.tick))
+
+    async def test_deleted_sheet(self):
+        other = await self.server.create_sheet("py-aio-gone", grid=(4, 4), paused=True)
+        frames = other.watch()
+        await frames.__anext__()
+        await other.delete()
+        with self.assertRaises(kerf.NotFound):
+            await frames.__anext__()

@@ -1,0 +1,121 @@
+"""Every kind of curve, cut with every option."""
+
+import math
+import pathlib
+
+import kerf
+from support import Case, path
+
+RING = ('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><g transform="translate(50 50)">'
+        '<circle r="40"/><circle r="20"/></g><text>ring</text></svg>')
+
+
+class Curves(Case):
+    def test_polyline_bezier_and_circle(self):
+        self.assertEqual(self.pieces_after(kerf.polyline((-0.1, 0.3), (1.1, 0.35))), 2)
+        self.assertEqual(self.pieces_after(kerf.bezier((0.2, 0.5), (0.4, 0.8), (0.6, 0.2), (0.8, 0.5))), 2)
+        self.assertEqual(self.pieces_after(kerf.circle((0.5, 0.8), 0.1)), 3)
+
+    def test_ellipse(self):
+        self.assertEqual(self.pieces_after(kerf.ellipse((0.5, 0.5), 0.3, 0.1, 30)), 2)
+        hole = min(self.sheet.pieces(), key=lambda piece: piece.area_m2)
+        self.assertAlmostEqual(hole.area_m2, math.pi * 0.3 * 0.1, delta=0.002)
+
+    def test_rational_curves(self):
+        self.assertEqual(self.pieces_after(kerf.rational((-0.1, 0.9, 1), (0.5, 0.5, 3), (1.1, 0.9, 1))), 2)
+        self.assertEqual(
+            self.pieces_after(kerf.rational((-0.1, 0.2, 1), (0.3, 0.5, 3), (0.6, 0.1, 1), (1.1, 0.3, 2))), 3)
+        with self.assertRaisesRegex(ValueError, "3 points or 4"):
+            kerf.rational((0, 0, 1), (1, 1, 1))
+
+    def test_path_of_every_piece(self):
+        path = kerf.Path((0.1, 0.1)).line((0.2, 0.1), (0.2, 0.2)).close()
+        path.move((0.4, 0.4)).quadratic((0.5, 0.5), (0.6, 0.4), weights=(1, 2, 1))
+        path.cubic((0.6, 0.3), (0.4, 0.3), (0.4, 0.4))
+        path.move((0.7, 0.7)).arc((0.9, 0.7), 0.1).close()
+        self.assertEqual(self.pieces_after(path.curve()), 4)
+        areas = sorted(piece.area_m2 for piece in self.sheet.pieces())
+        self.assertAlmostEqual(areas[0], 0.005, places=9)
+        self.assertAlmostEqual(areas[1], math.pi * 0.01 / 2, delta=2e-4)  # the half disc
+        # From left to right and counter-clockwise, it lies below its chord.
+        half_disc = sorted(self.sheet.pieces(), key=lambda piece: piece.area_m2)[1]
+        self.assertLess(half_disc.centroid.y, 0.7)
+
+    def test_svg_fitted_with_its_warnings(self):
+        result = self.sheet.cut(kerf.svg(RING))
+        self.assertEqual((result.status, result.pieces), (kerf.APPLIED, 3))
+        self.assertIn("SVG: 1 x text element: not cut", result.warnings)
+        pathlib.Path(path("ring.svg")).write_text(RING)
+        self.sheet.undo()
+        self.sheet.cut(kerf.svg_file(path("ring.svg")), fit=(0.1, 0.1, 0.3, 0.3))
+        ring = min(self.sheet.pieces(), key=lambda piece: piece.area_m2)
+        self.assertAlmostEqual(ring.area_m2, math.pi * 0.05 ** 2, delta=3e-4)
+
+    def test_fit_to_the_sheet_and_dashes(self):
+        self.assertEqual(self.pieces_after(kerf.circle((7, 7), 3), fit="sheet"), 2)
+        self.assertAlmostEqual(min(piece.area_m2 for piece in self.sheet.pieces()), 1 - math.pi * 0.45 ** 2, delta=0.005)
+        self.sheet.undo()
+        line = kerf.polyline((-0.1, 0.3), (1.1, 0.35))
+        self.assertEqual(self.pieces_after(line, dash=(0.1, 0.05), dash_offset=0.03), 1)
+
+    def test_a_width_takes_a_strip_away(self):
+        def area():
+            return sum(piece.area_m2 for piece in self.sheet.pieces())
+
+        result = self.sheet.cut(kerf.polyline((0.2, 0.5), (0.8, 0.5)), width_m=0.06)
+        self.assertAlmostEqual(result.removed.area_m2, 0.6 * 0.06 + math.pi * 0.03 ** 2, delta=1e-3)
+        self.assertAlmostEqual(area(), 1 - result.removed.area_m2, places=12)
+        self.assertGreater(result.removed.mass_kg, 0)
+        self.assertEqual((result.removed.pieces, self.sheet.cuts()[0].cut.width_m), (0, 0.06))
+        ring = kerf.cut(kerf.circle((0.3, 0.8), 0.1), width_m=0.02)
+        self.assertEqual(self.sheet.cut(ring).pieces, 2)
+        gone = self.sheet.cut(kerf.polyline((0.3, 0.8), (0.31, 0.8)), width_m=0.3)
+        self.assertEqual((gone.removed.pieces, gone.pieces), (1, 1))
+        self.assertEqual([len(split.children) for split in gone.split_pieces], [0])
+        self.assertFalse(self.sheet.cut(kerf.circle((0.8, 0.2), 0.1)).HasField("removed"))
+        for _ in range(4):
+            self.sheet.undo()
+        self.assertAlmostEqual(area(), 1, places=12)
+        everything = kerf.polyline((0, 0), (1, 1))
+        self.refused(kerf.FailedPrecondition, "FAILED_PRECONDITION", "STRIP_COVERS_SHEET", "cut.width_m",
+                     self.sheet.cut, everything, width_m=3)
+        self.refused(kerf.InvalidArgument, "INVALID_ARGUMENT", "OPTIONS_CONFLICT", "cut.width_m",
+                     self.sheet.cut, everything, width_m=0.1, method="element")
+
+    def test_cuts_on_a_picture(self):
+        # The sheet hangs in the plane y = 0, 1 m x 1 m; from 2 m in front of it 640 x 640 pixels show 1.456 m.
+        camera = kerf.camera((0.5, -2, 0.5), (0.5, 0, 0.5))
+        result = self.sheet.cut(kerf.polyline((0, 320), (640, 320)), view=kerf.view(camera, (640, 640), layers="all"))
+        self.assertEqual((result.status, result.pieces, len(result.layers)), (kerf.APPLIED, 2, 1))
+        self.assertAlmostEqual(result.layers[0].length_m, 1.0, 2)
+        self.assertAlmostEqual(result.layers[0].nearest_m, 2.0, 2)
+        # Beyond the depths asked for there is nothing; the same picture as matrices cuts the same.
+        far = kerf.view(camera, (640, 640), layers="depth_range", depth_m=(3, 4))
+        self.assertEqual(self.sheet.cut(kerf.circle((320, 250), 40), view=far).status, kerf.NO_INTERSECTION)
+        focal = 1 / math.tan(math.radians(20))
+        # Right is +x, up is +z: the camera looks along +y.
+        world_to_camera = (1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, -0.5, -0.5, -2, 1)
+        perspective = (focal, 0, 0, 0, 0, focal, 0, 0, 0, 0, -1.02, -1, 0, 0, -0.2, 0)
+        same = kerf.view_of_matrices(world_to_camera, perspective, (640, 640), layers="one_piece")
+        by_matrices = self.sheet.cut(kerf.circle((320, 250), 40), view=same)
+        self.sheet.undo()
+        by_camera = self.sheet.cut(kerf.circle((320, 250), 40), view=kerf.view(camera, (640, 640)))
+        self.assertEqual(by_matrices.pieces, by_camera.pieces)
+        self.assertEqual(by_matrices.new_triangles, by_camera.new_triangles)
+
+    def test_meshing_options(self):
+        curve = kerf.bezier((0.2, 0.5), (0.4, 0.8), (0.6, 0.2), (0.8, 0.5))
+
+        def fresh(**options):
+            self.sheet.reset()
+            return self.sheet.cut(curve, **options)
+
+        plain = fresh()
+        self.assertGreaterEqual(plain.min_angle_deg, 19.999)
+        self.assertGreaterEqual(fresh(quality="fine").min_angle_deg, 24.999)
+        self.assertLess(fresh(method="element").min_angle_deg, 20)
+        self.assertGreater(fresh(method="element", tolerance=0.005).new_triangles, 0)
+        self.assertLessEqual(fresh(tolerance_m=1e-4).deviation_m, 1e-4)
+        self.assertGreaterEqual(fresh(min_angle_deg=27).min_angle_deg, 26.999)
+        self.assertGreater(fresh(relax=False).new_triangles, plain.new_triangles)
+        self.assertGreater(fresh(tip_edge_length_m=0.002, tip_grading=1.3).new_triangles, plain.new_triangles + 100)

@@ -1,0 +1,133 @@
+"""The package itself: types, documentation, that both surfaces are the same, what it needs."""
+
+import doctest
+import importlib
+import inspect
+import pathlib
+import pkgutil
+import re
+import subprocess
+import unittest
+
+import kerf
+import kerf.aio
+import kerf.blocking
+import numpy
+import support
+from support import ROOT, Case, path
+
+MADE_OF = ("client", "sheet", "cutting", "running", "hands", "viewing", "streams", "recorder", "transport")
+RENAMED = {"__aenter__": "__enter__", "__aexit__": "__exit__", "__aiter__": "__iter__", "__anext__": "__next__",
+           "aclose": "close"}
+
+
+def modules_of(name):
+    """The module that awaits and the one that blocks."""
+    blocking = "kerf.transport" if name == "transport" else f"kerf.blocking.{name}"
+    return importlib.import_module(f"kerf.aio.{name}"), importlib.import_module(blocking)
+
+
+def surface(module):
+    """Of every class and function that the module defines: its public name, signature and whether it is awaited."""
+    found = {}
+    for name, value in vars(module).items():
+        if name.startswith("_") or getattr(value, "__module__", None) != module.__name__:
+            continue
+        members = vars(value).items() if inspect.isclass(value) else [("", value)]
+        for member, function in members:
+            if inspect.isfunction(function) and (not member.startswith("_") or member.startswith("__")):
+                key = f"{name}.{RENAMED.get(member, member)}"
+                found[key] = (signature_of(function), inspect.iscoroutinefunction(function))
+    return found
+
+
+def signature_of(function):
+    """What callers see; types that differ only in being awaited read the same."""
+    signature = str(inspect.signature(function))
+    for words, plain in ((r"AsyncIterator", "Iterator"), (r"Awaitable\[(\w+)\]", r"\1"),
+                         (r"Coroutine\[Any, Any, (\w+)\]", r"\1"), (r"grpc\.aio\.Channel", "grpc.Channel")):
+        signature = re.sub(words, plain, signature)
+    return signature
+
+
+class Surfaces(unittest.TestCase):
+    def test_both_have_the_same_members_with_the_same_signatures(self):
+        total = 0
+        for name in MADE_OF:
+            awaited, blocking = modules_of(name)
+            of_awaited, of_blocking = surface(awaited), surface(blocking)
+            self.assertEqual({key: value[0] for key, value in of_awaited.items()},
+                             {key: value[0] for key, value in of_blocking.items()}, name)
+            self.assertEqual([key for key, (_, is_awaited) in of_blocking.items() if is_awaited], [], name)
+            total += len(of_awaited)
+        self.assertGreater(total, 60)
+
+    def test_everything_of_aio_is_in_kerf(self):
+        self.assertEqual(set(kerf.aio.__all__) - set(kerf.__all__), set())
+        made = {value.__module__.rpartition(".")[2] for value in map(kerf.aio.__dict__.get, kerf.aio.__all__)}
+        self.assertLessEqual(made, set(MADE_OF))
+        for name in kerf.__all__:
+            self.assertTrue(hasattr(kerf, name), name)
+
+
+class Documentation(Case):
+    def test_everything_public_is_documented(self):
+        for name in kerf.__all__:
+            value = getattr(kerf, name)
+            if not inspect.isclass(value) or value.__module__.startswith("typing"):
+                continue
+            self.assertTrue(value.__doc__, name)
+
+    def test_examples_in_docstrings(self):
+        names = [module.name for package in (kerf, kerf.blocking)
+                 for module in pkgutil.iter_modules(package.__path__, package.__name__ + ".") if not module.ispkg]
+        has_renderer = not self.server.info().renderer.startswith("none")
+        attempted = 0
+        runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+        for name in names:
+            for test in doctest.DocTestFinder(exclude_empty=True).find(importlib.import_module(name)):
+                if not test.examples or (not has_renderer and "render(" in test.docstring):
+                    continue
+                with self.subTest(of=test.name), self.server.temporary_sheet(grid=(20, 20), paused=True) as sheet:
+                    test.globs.update(kerf=kerf, numpy=numpy, server=self.server, sheet=sheet, address=support.ADDRESS,
+                                      path=path("doctest.npz"))
+                    if test.name.endswith("load_run") or test.name.endswith("runs.Run"):
+                        with sheet.recorder(path("doctest.npz")):
+                            sheet.step(2)
+                    told = []
+                    self.assertEqual(runner.run(test, out=told.append).failed, 0, "".join(told))
+                    attempted += len(test.examples)
+        self.assertGreater(attempted, 50)
+
+
+class Package(unittest.TestCase):
+    def test_without_numpy_all_else_works(self):
+        script = ("import sys\nsys.modules['numpy'] = None\nimport kerf, kerf.aio\n"
+                  f"with kerf.connect('{support.ADDRESS}') as server:\n"
+                  "    with server.temporary_sheet(grid=(5, 5), paused=True) as sheet:\n"
+                  "        print(sheet.cut(kerf.circle((0.5, 0.5), 0.2)).pieces)\n"
+                  "        try:\n            sheet.state()\n"
+                  "        except ImportError as missing:\n            print(missing)\n")
+        done = support.run_python("-c", script)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        pieces, missing = done.stdout.splitlines()
+        self.assertEqual(pieces, "2")
+        self.assertIn("apt install python3-numpy", missing)
+
+    def test_version_is_that_of_the_build(self):
+        self.assertIn(f"project(kerf VERSION {kerf.__version__} ", (ROOT / "CMakeLists.txt").read_text())
+        with kerf.connect(support.ADDRESS) as server:
+            self.assertEqual(server.info().version, kerf.__version__)
+
+    def test_types(self):
+        def checked(*what):
+            return subprocess.run(["mypy", "--config-file", ROOT / "client/python/mypy.ini", *what], capture_output=True,
+                                  text=True, cwd=path("package"))
+        done = checked("-p", "kerf")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        pathlib.Path(path("wrong.py")).write_text(
+            "import kerf, kerf.aio\nsheet = kerf.connect().sheet('a')\nsheet.cut(kerf.circle((0, 0), 1), tolerence=1)\n"
+            "sheet.cut(kerf.circle((0, 0), 1), tolerance='much')\nsheet.cut(kerf.circle(0, 1))\n"
+            "kerf.aio.connect().sheet('a').cut(kerf.circle((0, 0), 1)).pieces\nsheet.watch(rate='fast')\n")
+        done = checked(path("wrong.py"))
+        self.assertEqual(done.stdout.count("error:"), 5, done.stdout)

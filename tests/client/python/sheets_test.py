@@ -1,0 +1,195 @@
+"""Making sheets, running them, pulling at them, analysing them."""
+
+import json
+import math
+import pathlib
+
+import kerf
+from support import Case, path
+
+
+class Sheets(Case):
+    def test_life_of_a_sheet(self):
+        self.assertIn(self.sheet.id, [sheet.id for sheet in self.server.sheets()])
+        self.assertIn("demo", self.server.info().material_presets)
+        tick = self.sheet.get().tick
+        stepped = self.sheet.step(7)
+        self.assertEqual((stepped.tick, stepped.state_hash), (tick + 7, self.sheet.get().state_hash))
+        self.sheet.resume()
+        with self.assertRaises(kerf.FailedPrecondition):
+            self.sheet.step()
+        self.sheet.pause()
+
+    def test_scenes(self):
+        scene = {"grid": {"columns": 3, "rows": 4, "width_m": 1, "height_m": 2}, "pins": [{"edge": "TOP"}]}
+        pathlib.Path(path("scene.json")).write_text(json.dumps(scene))
+        for given in (scene, path("scene.json")):
+            made = self.server.create_scene(given, "py-scene", paused=True)
+            self.assertEqual(made.get().num_vertices, 12)
+            made.delete()
+        solved = self.server.create_scene({**scene, "integrator": {"kind": "IMPLICIT_EULER", "solver": "PLAIN_CG"}},
+                                          "py-solver", paused=True)
+        solved.step(3)
+        self.assertIn("plain conjugate gradients", solved.get().integrator)
+        self.assertGreater(solved.get().linear_iterations, 0)
+        self.assertLess(solved.get().linear_residual, 1e-3)
+        solved.delete()
+        green = self.server.create_scene({**scene, "membrane_law": "GREEN"}, "py-green", paused=True)
+        self.assertEqual(kerf.v1.scene_pb2.MembraneLaw.Name(green.get().scene.membrane_law), "GREEN")
+        green.delete()
+        with self.assertRaisesRegex(ValueError, "colour"):
+            self.server.create_scene({"colour": "red"})
+
+    def test_parts_of_other_materials(self):
+        made = self.server.create_sheet("py-parts", grid=(9, 9), material="denim", parts=[((0.5, 0, 1, 1), "silk")],
+                                        paused=True)
+        scene = made.get().scene
+        self.assertEqual(scene.material.thickness_m, 1.066e-3)
+        self.assertEqual([part.material.thickness_m for part in scene.materials], [1.2e-4])
+        made.delete()
+        with self.assertRaisesRegex(kerf.InvalidArgument, "preset"):
+            self.server.create_sheet("py-parts", parts=[((0, 0, 1, 1), "unobtainium")])
+
+    def test_state_is_exact(self):
+        self.sheet.cut(kerf.polyline((-0.1, 0.3), (1.1, 0.35)))
+        told = self.sheet.step(3)
+        state = self.sheet.state()
+        self.assertEqual((state.tick, state.state_hash), (told.tick, told.state_hash))
+        self.assertEqual(state.positions.shape, (told.num_vertices, 3))
+        self.assertEqual(state.material_positions.shape, (told.num_vertices, 2))
+        self.assertEqual(state.triangles.shape[0], len(state.pieces))
+        self.assertEqual(max(state.pieces), 1)
+        # The upper left corner is pinned.
+        self.assertEqual([state.positions[380, axis] for axis in range(3)], [0.0, 0.0, 1.0])
+        self.assertTrue(any(state.velocities[i, 2] < 0 for i in range(told.num_vertices)))
+
+    def test_equilibria_and_vibrations(self):
+        sheet = self.server.create_sheet("rests", grid=(8, 8), pins=["top"], paused=True)
+        try:
+            modes = sheet.analyze(modes=3)
+            self.assertEqual(list(modes.tables), ["modes"])
+            self.assertEqual(modes.tables["modes"].values.shape, (3, 3))
+            self.assertTrue((modes.tables["modes"]["frequency_hz"] > 0).all())
+            with self.assertRaisesRegex(KeyError, "no column 'hertz'; there are mode, "):
+                modes.tables["modes"]["hertz"]
+            self.assertTrue(sheet.analyze(modes=2, about_equilibrium=True).static.converged)
+            probes = [{"name": "top", "quantity": "REACTION", "region": {"edge": "TOP"}}]
+            rest = sheet.analyze(request={"analysis": {"static": {"steps": 2}}, "probes": probes, "positions": True})
+            self.assertEqual(rest.tables["probes"].columns[3], "top.z")
+            self.assertEqual(len(rest.tables["probes"].values), 2)
+            # What holds it up is its weight, and it hangs below where it started.
+            weight = 9.81 * sum(piece.mass_kg for piece in sheet.pieces())
+            self.assertAlmostEqual(rest.tables["probes"]["top.z"][-1] / weight, 1, delta=0.01)
+            self.assertLess(rest.positions[:8, 2].mean(), sheet.state().positions[:8, 2].mean())
+            ahead = sheet.analyze(ticks=6, measure_every=4, request={"probes": probes})
+            self.assertEqual((ahead.tables["probes"]["time_s"] * 60).round().tolist(), [0, 4, 6])
+            self.assertEqual(sheet.step(6).state_hash, ahead.dynamic.state_hash)
+            self.assertEqual(sheet.analyze(ticks=0).dynamic.ticks, 0)
+            for wrong in ({"modes": 1}, {"about_equilibrium": True}):
+                with self.assertRaises(ValueError):
+                    sheet.analyze(request={}, **wrong)
+            with self.assertRaises(ValueError):
+                sheet.analyze(modes=1, ticks=1)
+            with self.assertRaises(ValueError):
+                sheet.analyze(ticks=1, request={"analysis": {"static": {}}})
+            with self.assertRaisesRegex(ValueError, "request: .*probe"):
+                sheet.analyze(request={"probe": []})
+        finally:
+            sheet.delete()
+
+    def test_hands(self):
+        self.sheet.set_pins([])
+        self.sheet.grab("corner", 399, (1.2, 0.0, 1.2))
+        self.sheet.grab("middle", (0.5, 0.5))
+        self.sheet.step(30)
+        self.assertLess(math.dist(self.sheet.state().positions.tolist()[399], (1.2, 0.0, 1.2)), 0.1)
+        self.sheet.drag("corner", (1.3, 0.0, 1.0))
+        self.sheet.release("middle")
+        self.refused(kerf.NotFound, "NOT_FOUND", "GRAB_NOT_FOUND", "release.grab_id", self.sheet.release, "middle")
+
+    def test_a_hand_lets_go_when_its_with_is_left(self):
+        self.sheet.set_pins([])
+        with self.sheet.holding(399, (1.2, 0.0, 1.2)) as hand:
+            self.sheet.step(30)
+            held = self.sheet.state().positions[399]
+            hand.move((1.3, 0.0, 1.2))
+            self.sheet.step(30)
+            self.assertGreater(self.sheet.state().positions[399, 0], held[0])
+        self.refused(kerf.NotFound, "NOT_FOUND", "GRAB_NOT_FOUND", "release.grab_id", self.sheet.release, hand.grab_id)
+        with self.assertRaisesRegex(RuntimeError, "inside"):
+            with self.sheet.holding((0.5, 0.5)) as hand:
+                raise RuntimeError("inside")
+        self.refused(kerf.NotFound, "NOT_FOUND", "GRAB_NOT_FOUND", "release.grab_id", self.sheet.release, hand.grab_id)
+
+    def test_pins_at_every_kind_of_place(self):
+        def pinned_by(*places):
+            self.sheet.set_pins(places)
+            return list(self.sheet.get().pinned_vertices)
+
+        self.assertEqual(pinned_by("top_corners"), [380, 399])
+        self.assertEqual(pinned_by(kerf.edge("bottom")), list(range(20)))
+        self.assertEqual(pinned_by(kerf.box((0, 0), (0.06, 0.06))), [0, 1, 20, 21])
+        self.assertEqual(pinned_by(kerf.vertices(7, 8), kerf.nearest((1, 1))), [7, 8, 399])
+        self.assertEqual(pinned_by(kerf.along(kerf.polyline((0, 0), (0, 1)), within=0.001)), list(range(0, 400, 20)))
+        self.assertEqual(len(pinned_by(kerf.whole())), 400)
+        self.assertEqual(pinned_by(), [])
+        self.refused(kerf.InvalidArgument, "INVALID_ARGUMENT", "REGION_EMPTY", "set_pins.pins[0]",
+                     self.sheet.set_pins, [kerf.box((5, 5), (6, 6))])
+        with self.assertRaisesRegex(ValueError, "edge is 'middle'; must be one of top, bottom, left, right"):
+            self.sheet.set_pins(["middle"])
+        with self.assertRaisesRegex(TypeError, r"give a list of places: \['top'\]"):
+            self.sheet.set_pins("top")
+        with self.assertRaisesRegex(TypeError, "not int"):
+            self.sheet.set_pins([3])
+
+    def test_gravity_and_wind(self):
+        self.sheet.set_gravity((0, 0, -1))
+        self.sheet.set_wind(kerf.wind((0, 5, 0), drag=2))
+        scene = self.sheet.get().scene
+        self.assertEqual((scene.gravity_mps2.z, scene.wind.velocity_mps.y, scene.wind.drag_coefficient), (-1, 5, 2))
+        self.sheet.step(20)
+        self.assertGreater(self.sheet.state().positions[:, 1].max(), 1e-4)  # blown along
+        self.sheet.set_wind(None)
+        self.assertFalse(self.sheet.get().scene.HasField("wind"))
+
+    def test_a_temporary_sheet_goes_with_its_with(self):
+        with self.server.temporary_sheet(grid=(5, 4), paused=True) as sheet:
+            self.assertEqual((sheet.get().num_vertices, sheet.step().tick), (20, 1))
+        with self.assertRaises(kerf.NotFound):
+            sheet.get()
+        with self.assertRaisesRegex(RuntimeError, "inside"):
+            with self.server.temporary_sheet({"grid": {"columns": 3, "rows": 3, "width_m": 1, "height_m": 1}}) as sheet:
+                raise RuntimeError("inside")
+        with self.assertRaises(kerf.NotFound):
+            sheet.get()
+        with self.server.temporary_sheet(grid=(3, 3)) as sheet:
+            sheet.delete()  # is no error then
+        with self.assertRaisesRegex(TypeError, "a scene is given: 'grid' belongs into it"):
+            with self.server.temporary_sheet({}, grid=(3, 3)):
+                pass
+        with self.assertRaisesRegex(TypeError, "a sheet has no option 'gird'; there are grid, "):
+            self.server.create_sheet("py-gird", gird=(3, 3))
+
+    def test_obj(self):
+        lines = self.sheet.obj().decode().splitlines()
+        self.assertEqual(sum(line.startswith("v ") for line in lines), 400)
+        self.assertEqual(sum(line.startswith("f ") for line in lines), 722)
+
+    def test_sheets_from_mesh_files(self):
+        square = ("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                  "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
+        pathlib.Path(path("square.ply")).write_text(square)
+        pathlib.Path(path("square.obj")).write_bytes(b"o T\xfcr\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")
+        made = [self.server.create_sheet("py-" + end, mesh_file=path("square." + end), pins=()) for end in ("ply", "obj")]
+        self.assertEqual([sheet.get().num_triangles for sheet in made], [2, 2])
+        for sheet in made:
+            sheet.delete()
+        pathlib.Path(path("bent.obj")).write_text("v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3\nf 1 3 4\n")
+        bent = self.server.create_sheet("py-bent", mesh_file=path("bent.obj"), rest="surface", pins=())
+        self.assertAlmostEqual(sum(piece.area_m2 for piece in bent.pieces()), 1.25 ** 0.5, places=12)
+        bent.delete()
+        with self.assertRaises(kerf.InvalidArgument) as refused:
+            self.server.create_sheet("py-bent", mesh_file=path("bent.obj"), rest="flat", pins=())
+        self.assertEqual(refused.exception.reason, "OBJ_NOT_PLANAR")
+        with self.assertRaisesRegex(ValueError, "ends in .obj or .ply"):
+            self.server.create_sheet("py-stl", mesh_file=path("square.stl"))

@@ -1,0 +1,87 @@
+"""What the tests of the Python package share: the package as it is generated, and one kerfd for all of them."""
+
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+PYTHON = "/usr/bin/python3"
+OPTIONS = None
+ADDRESS = None
+PROCESS = None
+
+
+def begin(options):
+    """Generates the package and starts the server; before any module of tests is imported."""
+    global OPTIONS, ADDRESS, PROCESS
+    OPTIONS = options
+    shutil.rmtree(options.work, ignore_errors=True)
+    os.makedirs(options.work)
+    subprocess.run([ROOT / "client/python/generate", path("package")], check=True)
+    sys.path.insert(0, path("package"))
+    PROCESS, ADDRESS = start_server()
+
+
+def start_server():
+    process = subprocess.Popen(
+        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0"], stdout=subprocess.PIPE, text=True)
+    return process, json.loads(process.stdout.readline())["grpc"]
+
+
+def stop_server(process):
+    process.send_signal(signal.SIGTERM)
+    process.stdout.close()
+    if process.wait(timeout=20) != 0:
+        raise AssertionError(f"kerfd left with {process.returncode} after SIGTERM")
+
+
+def path(name):
+    return os.path.join(OPTIONS.work, name)
+
+
+def run_python(*arguments, **options):
+    """Debian's Python with the package on its path, to its end."""
+    environment = {**os.environ, "PYTHONPATH": path("package"), "MPLBACKEND": "Agg", "MPLCONFIGDIR": path("matplotlib")}
+    return subprocess.run([PYTHON, *map(str, arguments)], capture_output=True, text=True, env=environment, **options)
+
+
+class Case(unittest.TestCase):
+    """A connection, and a paused sheet of 20 x 20 vertices that is the test's own."""
+
+    def setUp(self):
+        import kerf
+        self.server = kerf.connect(ADDRESS, timeout_s=300)
+        self.addCleanup(self.server.close)
+        self.sheet = self.server.create_sheet(
+            "py-" + self._testMethodName.replace("_", "-")[:50], grid=(20, 20), paused=True)
+        self.addCleanup(self.sheet.delete)
+
+    def pieces_after(self, curve, **options):
+        import kerf
+        result = self.sheet.cut(curve, **options)
+        self.assertEqual(result.status, kerf.APPLIED)
+        return result.pieces
+
+    def refused(self, kind, code, reason, field, call, *arguments, **options):
+        """The refusal; nothing may have changed."""
+        import kerf
+        before = self.sheet.get().state_hash
+        with self.assertRaises(kind) as caught:
+            call(*arguments, **options)
+        error = caught.exception
+        self.assertIsInstance(error, kerf.Error)
+        self.assertEqual((error.code, error.reason, error.field), (code, reason, field))
+        self.assertIn(error.message, str(error))
+        self.assertIn(reason, str(error))
+        self.assertEqual(self.sheet.get().state_hash, before)
+        return error
+
+    def needs_renderer(self):
+        renderer = self.server.info().renderer
+        if renderer.startswith("none"):
+            self.skipTest(renderer)

@@ -1,0 +1,165 @@
+"""Live frames as arrays: what they hold, that a slow loop does not lag, and how streams end."""
+
+import threading
+
+import kerf
+import numpy
+import support
+from support import Case
+
+
+def running(work):
+    """The work on a thread of its own; call what is returned to wait for its end and get what it came to."""
+    results = []
+
+    def run():
+        try:
+            results.append(work())
+        except kerf.Error as error:
+            results.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+
+    def result():
+        thread.join(timeout=60)
+        return results[0]
+
+    return result
+
+
+class Watching(Case):
+    def test_a_frame_is_the_state_within_its_resolution(self):
+        self.sheet.cut(kerf.polyline((-0.1, 0.3), (1.1, 0.35)))
+        self.sheet.cut(kerf.circle((0.5, 0.7), 0.1))
+        self.sheet.step(5)
+        state = self.sheet.state()
+        with self.sheet.watch(strains=True) as frames:
+            frame = next(frames)
+        self.assertEqual((frame.tick, frame.topology_version), (state.tick, state.topology_version))
+        self.assertTrue((abs(frame.positions - state.positions) <= frame.resolution / 2 + 1e-12).all())
+        numpy.testing.assert_array_equal(frame.triangles, state.triangles)
+        numpy.testing.assert_array_equal(frame.pieces, state.pieces)
+        numpy.testing.assert_array_equal(frame.material_positions, state.material_positions.astype("f4"))
+        self.assertEqual((frame.strains.shape, frame.stats.pieces), ((len(state.positions),), 3))
+        self.assertGreater(frame.strains.max(), 0)
+        self.assertTrue((numpy.diff(numpy.unique(frame.pieces)) == 1).all())
+
+    def test_ticks_and_topologies_come_as_they_happen(self):
+        with self.sheet.watch() as frames:
+            first = next(frames)
+            self.sheet.step(1)
+            second = next(frames)
+            self.assertEqual((second.tick, second.topology_changed), (first.tick + 1, False))
+            self.assertIs(second.triangles, first.triangles)
+            self.sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+            third = next(frames)
+            self.assertEqual((third.topology_changed, third.topology_version), (True, first.topology_version + 1))
+            self.assertEqual(len(numpy.unique(third.pieces)), 2)
+            self.sheet.undo()
+            self.assertEqual(len(numpy.unique(next(frames).pieces)), 1)
+            self.assertEqual(len(numpy.unique(third.pieces)), 2)  # is not changed by those after it
+
+    def test_a_slow_loop_skips_ticks_and_never_lags(self):
+        with self.sheet.watch() as frames:
+            next(frames)
+            for _ in range(5):
+                self.sheet.step(20)  # the loop is busy for 20 ticks
+                now = self.sheet.get().tick
+                frame = next(frames)
+                self.assertEqual((frame.tick, frame.stats.skipped), (now, 19))
+
+    def test_acknowledgements_tell_how_long_a_frame_was_held(self):
+        sent = []
+        frames = self.sheet.watch(window=0)
+        self.addCleanup(frames.close)
+        next(frames)
+        original = frames._stream.send
+        frames._stream.send = lambda request: (sent.append(request), original(request))
+        self.sheet.step(1)
+        next(frames)
+        self.assertEqual(sent[0].ack.sequence, 1)
+        self.assertGreater(sent[0].ack.held_us, 1)
+
+    def test_a_stream_that_was_ended_as_too_slow_goes_on(self):
+        frames = self.sheet.watch()
+        self.addCleanup(frames.close)
+        first = next(frames)
+        self.sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+        # What a server says after 10 seconds without an acknowledgement.
+        ended = kerf.v1.stream_pb2.WatchResponse(
+            ended=kerf.v1.stream_pb2.Ended(reason=kerf.v1.stream_pb2.Ended.TOO_SLOW))
+        stream = frames._stream
+        stream.receive = lambda: ended
+        second = next(frames)
+        self.assertIsNot(frames._stream, stream)
+        # The patch from where it was, not everything anew.
+        self.assertEqual((second.topology_version, second.topology_changed), (first.topology_version + 1, True))
+        self.assertEqual(frames._start.topology_version, first.topology_version)
+        self.sheet.step(1)
+        self.assertEqual(next(frames).tick, self.sheet.get().tick)
+
+    def test_rate_and_pace(self):
+        self.sheet.resume()
+        with self.sheet.watch(rate_hz=5) as frames:
+            ticks = [next(frames).tick for _ in range(4)]
+            # 60 ticks a second in frames of 5 a second, whatever the machine does.
+            self.assertGreaterEqual(min(numpy.diff(ticks)), 2)
+            frames.pace(paused=True)
+            frames.pace(rate_hz=1000)
+            self.assertGreater(next(frames).tick, ticks[-1])
+        with self.assertRaises(kerf.InvalidArgument) as caught:
+            next(self.sheet.watch(rate_hz=5000))
+        self.assertEqual((caught.exception.reason, caught.exception.field), ("OUT_OF_RANGE", "start.max_rate_hz"))
+
+    def test_how_streams_end(self):
+        self.assertEqual([frame.tick for frame in self.sheet.watch(duration_s=0.2)], [self.sheet.get().tick])
+        frames = self.sheet.watch()
+        next(frames)
+        waiting = running(lambda: next(frames, "closed"))
+        frames.close()
+        self.assertEqual(waiting(), "closed")
+        self.assertEqual(list(frames), [])
+        other = self.server.create_sheet("py-to-be-deleted", grid=(4, 4), paused=True)
+        frames = other.watch()
+        next(frames)
+        other.delete()
+        with self.assertRaises(kerf.NotFound) as caught:
+            next(frames)
+        self.assertEqual(caught.exception.reason, "SHEET_DELETED")
+        with self.assertRaises(kerf.NotFound) as caught:
+            next(other.watch())
+        self.assertEqual(caught.exception.reason, "SHEET_NOT_FOUND")
+
+    def test_a_server_that_stops_says_so(self):
+        process, address = support.start_server()
+        with kerf.connect(address) as server:
+            frames = server.create_sheet("s", grid=(4, 4), paused=True).watch()
+            next(frames)
+            support.stop_server(process)
+            with self.assertRaises(kerf.Unavailable) as caught:
+                next(frames)
+            self.assertEqual(caught.exception.reason, "SERVER_STOPPING")
+            with self.assertRaisesRegex(kerf.Unavailable, "start one with deploy/run"):
+                server.info()
+
+    def test_a_stream_that_is_dropped_leaves_no_thread(self):
+        before = threading.active_count()
+        for _ in range(5):
+            for _frame in self.sheet.watch():
+                break
+        for thread in threading.enumerate()[before:]:
+            thread.join(timeout=20)
+        self.assertEqual(threading.active_count(), before)
+
+    def test_subscribing(self):
+        frames = list(self.sheet.subscribe(rate_hz=10, max_frames=1))
+        self.assertEqual([frame.positions.shape for frame in frames], [(400, 3)])
+        self.sheet.resume()
+        ticks = [frame.tick for frame in self.sheet.subscribe(rate_hz=10, max_frames=3)]
+        self.assertEqual((len(ticks), ticks), (3, sorted(set(ticks))))
+        with self.assertRaises(kerf.InvalidArgument):
+            next(self.sheet.subscribe(rate_hz=60))
+        with self.sheet.subscribe() as open_end:
+            next(open_end)
+        self.assertEqual(list(open_end), [])
