@@ -35,8 +35,8 @@ from kerf.errors import (
     Unavailable,
 )
 from kerf.frames import Frame
-from kerf.images import Image, decode_image
-from kerf.regions import along, box, edge, nearest, vertices, whole, wind
+from kerf.images import Codec, ColorBy, Image, decode_image
+from kerf.regions import Edge, Place, along, box, edge, nearest, vertices, whole, wind
 from kerf.runs import Run, load_run
 from kerf.scenes import SheetOptions
 from kerf.version import __version__
@@ -47,9 +47,12 @@ __all__ = [
     "SCHEDULED",
     "AlreadyExists",
     "Analysis",
+    "Codec",
+    "ColorBy",
     "CutOptions",
     "DataLoss",
     "DeadlineExceeded",
+    "Edge",
     "Error",
     "FailedPrecondition",
     "Frame",
@@ -61,6 +64,7 @@ __all__ = [
     "InvalidArgument",
     "NotFound",
     "Path",
+    "Place",
     "Point",
     "Recorder",
     "ResourceExhausted",

@@ -1,23 +1,122 @@
-"""The examples, each as a user would run it, with small numbers."""
+"""The examples, each as a user would run it, with small numbers; and what they wrote."""
 
+import csv
+import json
+import os
+import pathlib
+import re
+
+import numpy
 import support
-from support import ROOT, Case
+from PIL import Image
+from support import ROOT, Case, path
 
 EXAMPLES = ROOT / "client/python/examples"
 
 
-class Examples(Case):
+def pixels(file):
+    with Image.open(file) as picture:
+        return numpy.asarray(picture).astype(int)
+
+
+class ExampleCase(Case):
     def run_example(self, name, *arguments):
         done = support.run_python(EXAMPLES / name, "--server", support.ADDRESS, *arguments)
         self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(len(self.server.sheets()), 1)  # the test's own: what an example made, it deleted
         return done.stdout
 
+
+class Examples(ExampleCase):
     def test_cut_example(self):
         told = self.run_example("cut_example.py", self.sheet.id)
         self.assertIn("status: APPLIED", told)
         self.assertIn("pieces: 2", told)
 
-    def test_no_server(self):
-        done = support.run_python(EXAMPLES / "cut_example.py", "--server", "127.0.0.1:1")
-        self.assertNotEqual(done.returncode, 0)
-        self.assertIn("start one with deploy/run", done.stderr)
+    def test_each_has_help_and_says_where_to_get_a_server(self):
+        for example in sorted(EXAMPLES.glob("*.py")):
+            if "argparse" not in example.read_text():
+                continue  # a module of others
+            with self.subTest(example=example.name):
+                helped = support.run_python(example, "--help")
+                self.assertEqual(helped.returncode, 0, helped.stderr)
+                self.assertIn("--server", helped.stdout)
+                done = support.run_python(example, "--server", "127.0.0.1:1", cwd=support.OPTIONS.work)
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn("start one with deploy/run", done.stderr)
+
+    def test_sweep_agrees_with_fracture_mechanics(self):
+        told = self.run_example("sweep.py", "--lengths", 3, "--columns", 21, "--out", path("sweep"))
+        self.assertIn("length/width", told)
+        with open(path("sweep/sweep.csv"), newline="", encoding="utf-8") as file:
+            rows = [{name: float(value) for name, value in row.items()} for row in csv.DictReader(file)]
+        self.assertEqual([row["length_over_width"] for row in rows], [0.1, 0.4, 0.7])
+        for row in rows:
+            self.assertAlmostEqual(row["opening_m"] / row["expected_m"], 1, delta=0.03)
+        plot = pixels(path("sweep/sweep.png"))[:, :, :3]
+        self.assertGreater(min(plot.shape[:2]), 500)
+        self.assertGreater(len(numpy.unique(plot.reshape(-1, 3), axis=0)), 20)
+
+    def test_robot_does_the_same_again(self):
+        def run(*arguments):
+            return self.run_example("robot.py", "--cuts", 6, "--vertices", 100, *arguments)
+
+        first = run()
+        seed = re.match(r"seed (\d+)\n", first).group(1)
+        self.assertEqual(first, run("--seed", seed))
+        self.assertRegex(first, r"state [0-9a-f]{16}; again with --seed " + seed)
+        self.assertNotEqual(first, run("--seed", int(seed) + 1))
+        outcomes = re.findall(r"^ +(\d+)  (?:\w+ cut|missed|refused, \w+)$", first, re.MULTILINE)
+        self.assertEqual(sum(map(int, outcomes)), 6)
+
+
+class Pictures(ExampleCase):
+    def setUp(self):
+        super().setUp()
+        self.needs_renderer()
+
+    def test_kirigami_opens(self):
+        told = self.run_example("kirigami.py", "--rows", 4, "--columns", 3, "--vertices", 200, "--out", path("kirigami"))
+        self.assertIn("14 slits", told)
+        height, depth = map(float, re.search(r"height ([\d.]+) m of 0.4 m, depth ([\d.]+) m", told).groups())
+        self.assertAlmostEqual(height, 0.48, delta=0.005)
+        self.assertGreater(depth, 0.005)  # it left its plane
+        names = ["pulled-1.png", "pulled-2.png", "pulled-3.png", "pulled-4.png", "slits.png", "strains.png"]
+        self.assertEqual(sorted(os.listdir(path("kirigami"))), names)
+        for name in names:
+            self.assertEqual(pixels(path(f"kirigami/{name}")).shape[:2], (720, 720))
+
+    def test_robot_draws_how_it_ends(self):
+        self.run_example("robot.py", "--cuts", 2, "--vertices", 100, "--seed", 1, "--picture", path("robot.png"))
+        self.assertEqual(pixels(path("robot.png")).shape[:2], (720, 720))
+
+    def test_dataset_is_complete_and_taken_up_again(self):
+        folder = pathlib.Path(path("dataset"))
+        how = ("--size", 96, "--grid", 12, "--max-cuts", 2, "--out", folder)
+        self.run_example("dataset.py", "--samples", 2, *how)
+        before = {file: file.read_bytes() for file in folder.glob("*/*")}
+        (folder / "labels/000001.json").unlink()
+        self.assertIn("1 of 5 samples are there", self.run_example("dataset.py", "--samples", 5, *how))
+        for file, content in before.items():
+            self.assertEqual(file.read_bytes(), content, file)
+        self.assertEqual((folder / "train.txt").read_text().split(), ["000000", "000001", "000002", "000003"])
+        self.assertEqual((folder / "val.txt").read_text().split(), ["000004"])
+        for number in range(5):
+            self.check_sample(folder, f"{number:06d}")
+        other = support.run_python(EXAMPLES / "dataset.py", "--server", support.ADDRESS, *how, "--seed", 2)
+        self.assertEqual(other.returncode, 1)
+        self.assertIn("was made with seed 1, not 2: take another --out", other.stderr)
+
+    def check_sample(self, folder, name):
+        label = json.loads((folder / f"labels/{name}.json").read_text())
+        picture, mask = pixels(folder / f"images/{name}.png")[:, :, :3], pixels(folder / f"masks/{name}.png")
+        self.assertEqual((picture.shape, mask.shape), ((96, 96, 3), (96, 96)))
+        self.assertGreaterEqual(len(label["cuts"]), 1)
+        for piece in label["pieces"]:
+            self.assertEqual(piece["pixels"], (mask == piece["mask"]).sum())
+        # The mask lies on the sheet: away from borders, what it calls background is what the picture's corner shows.
+        is_background = abs(picture - picture[0, 0]).max(axis=2) < 12
+        sure = numpy.ones(mask.shape, dtype=bool)
+        for axis, step in ((0, 1), (0, -1), (1, 1), (1, -1)):
+            sure &= (numpy.roll(mask, step, axis) > 0) == (mask > 0)
+        self.assertGreater((is_background == (mask == 0))[sure].mean(), 0.97)

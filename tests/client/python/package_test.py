@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import inspect
+import os
 import pathlib
 import pkgutil
 import re
@@ -120,11 +121,14 @@ class Package(unittest.TestCase):
             self.assertEqual(server.info().version, kerf.__version__)
 
     def test_types(self):
+        examples = ROOT / "client/python/examples"
+
         def checked(*what):
             return subprocess.run(["mypy", "--config-file", ROOT / "client/python/mypy.ini", *what], capture_output=True,
-                                  text=True, cwd=path("package"))
-        done = checked("-p", "kerf")
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                                  text=True, cwd=path("package"), env={**os.environ, "MYPYPATH": str(examples)})
+        for what in (["-p", "kerf"], sorted(examples.glob("*.py"))):
+            done = checked(*what)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         pathlib.Path(path("wrong.py")).write_text(
             "import kerf, kerf.aio\nsheet = kerf.connect().sheet('a')\nsheet.cut(kerf.circle((0, 0), 1), tolerence=1)\n"
             "sheet.cut(kerf.circle((0, 0), 1), tolerance='much')\nsheet.cut(kerf.circle(0, 1))\n"
