@@ -14,7 +14,9 @@ from kerf.regions import Place, as_regions
 from kerf.v1 import scene_pb2
 
 AnyScene = Union[scene_pb2.Scene, Mapping[str, Any], str, "os.PathLike[str]"]
-Part = Tuple[Tuple[float, float, float, float], str]
+# A preset, the JSON form of kerf.v1.Material as a dict, or the message.
+AnyMaterial = Union[str, Mapping[str, Any], scene_pb2.Material]
+Part = Tuple[Tuple[float, float, float, float], AnyMaterial]
 
 _REST_SHAPES = {
     "auto": scene_pb2.REST_SHAPE_UNSPECIFIED,
@@ -33,9 +35,9 @@ class SheetOptions(TypedDict, total=False):
     # as they are), or "auto", the default: flat where the file allows it.
     rest: Literal["auto", "flat", "surface"]
     pins: Iterable[Place]  # default ["top"]
-    material: str  # a preset; Server.info() lists them
-    # Of other materials, each a box (x0, y0, x1, y1) in metres on the undeformed sheet and a preset; a later one over those
-    # before.
+    material: AnyMaterial  # a preset, Server.info() lists them; or numbers, {"youngs_modulus_pa": 1e6}
+    # Of other materials, each a box (x0, y0, x1, y1) in metres on the undeformed sheet and a material; a later one over
+    # those before.
     parts: Iterable[Part]
     paused: bool  # its clock stands until resume() or step(); default False
 
@@ -47,10 +49,10 @@ def scene_with(options: SheetOptions) -> scene_pb2.Scene:
         raise TypeError(f"a sheet has no option {min(unknown)!r}; there are {', '.join(SheetOptions.__annotations__)}")
     scene = scene_pb2.Scene(
         pins=as_regions(options.get("pins", ["top"])),
-        material=scene_pb2.Material(preset=options.get("material", "")),
+        material=as_material(options.get("material", "")),
     )
-    for (x0, y0, x1, y1), preset in options.get("parts", ()):
-        part = scene.materials.add(material=scene_pb2.Material(preset=preset))
+    for (x0, y0, x1, y1), material in options.get("parts", ()):
+        part = scene.materials.add(material=as_material(material))
         part.region.box.min.x, part.region.box.min.y = x0, y0
         part.region.box.max.x, part.region.box.max.y = x1, y1
     if "mesh_file" in options:
@@ -59,6 +61,22 @@ def scene_with(options: SheetOptions) -> scene_pb2.Scene:
         (columns, rows), (width, height) = options.get("grid", (50, 50)), options.get("size_m", (1.0, 1.0))
         scene.grid.CopyFrom(scene_pb2.GridMesh(columns=columns, rows=rows, width_m=width, height_m=height))
     return scene
+
+
+def as_material(material: AnyMaterial) -> scene_pb2.Material:
+    """Raises ValueError where the dict is no material.
+
+    >>> as_material({"youngs_modulus_pa": 1e6}).youngs_modulus_pa
+    1000000.0
+    """
+    if isinstance(material, scene_pb2.Material):
+        return material
+    if isinstance(material, str):
+        return scene_pb2.Material(preset=material)
+    try:
+        return json_format.ParseDict(dict(material), scene_pb2.Material())
+    except json_format.ParseError as wrong:
+        raise ValueError(f"material: {wrong}") from None
 
 
 def as_scene(scene: AnyScene) -> scene_pb2.Scene:

@@ -7,6 +7,7 @@ import os
 import pathlib
 import pkgutil
 import re
+import shutil
 import subprocess
 import unittest
 
@@ -114,6 +115,18 @@ class Package(unittest.TestCase):
         pieces, missing = done.stdout.splitlines()
         self.assertEqual(pieces, "2")
         self.assertIn("apt install python3-numpy", missing)
+
+    def test_pip_installs_it(self):
+        # From a copy: building leaves files beside the sources.
+        for name in ("client/python", "proto"):
+            shutil.copytree(ROOT / name, path(f"sources/{name}"))
+        shutil.copy(ROOT / "CMakeLists.txt", path("sources"))
+        done = support.run_python("-m", "pip", "install", "--no-index", "--no-build-isolation", "--no-deps",
+                                  "--target", path("installed"), path("sources/client/python"))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        script = "import importlib.metadata, kerf, kerf.aio; print(kerf.__file__, importlib.metadata.version('kerf'))"
+        told = subprocess.run([support.PYTHON, "-c", script], capture_output=True, text=True, cwd=path("installed"))
+        self.assertEqual(told.stdout.split(), [path("installed/kerf/__init__.py"), kerf.__version__], told.stderr)
 
     def test_version_is_that_of_the_build(self):
         self.assertIn(f"project(kerf VERSION {kerf.__version__} ", (ROOT / "CMakeLists.txt").read_text())

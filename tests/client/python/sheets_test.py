@@ -47,6 +47,11 @@ class Sheets(Case):
         self.assertEqual(scene.material.thickness_m, 1.066e-3)
         self.assertEqual([part.material.thickness_m for part in scene.materials], [1.2e-4])
         made.delete()
+        made = self.server.create_sheet("py-numbers", grid=(9, 9), material={"preset": "silk", "thickness_m": 2e-4}, paused=True)
+        self.assertEqual(made.get().scene.material.thickness_m, 2e-4)
+        made.delete()
+        with self.assertRaisesRegex(ValueError, "material: .*thickness"):
+            self.server.create_sheet("py-parts", material={"thickness": 1})
         with self.assertRaisesRegex(kerf.InvalidArgument, "preset"):
             self.server.create_sheet("py-parts", parts=[((0, 0, 1, 1), "unobtainium")])
 
