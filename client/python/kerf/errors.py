@@ -112,6 +112,8 @@ def error_of(failure: Any, address: str) -> Error:
                 field = request.field_violations[0].field
             elif detail.Unpack(retry):
                 retry_after_s = retry.retry_delay.ToNanoseconds() / 1e9
+    if code == "UNIMPLEMENTED" and not reason:
+        message = f"the Kerf server at {address} has no such call: it is older than this package; {message}"
     if code == "UNAVAILABLE" and not reason:
         message = f"no Kerf server answers at {address}: start one with deploy/run, or name another ({message})"
     return _CLASSES.get(code, Error)(code, reason, message, field, metadata=metadata, retry_after_s=retry_after_s)

@@ -66,6 +66,21 @@ class Refusals(Case):
         self.assertEqual((caught.exception.code, caught.exception.reason), ("UNAVAILABLE", ""))
         self.assertIn("no Kerf server answers at 127.0.0.1:1", str(caught.exception))
 
+    def test_a_server_without_such_a_call(self):
+        missing = self.server._channel.unary_unary("/kerf.v1.SheetService/FoldSheet", bytes, bytes)
+        with self.assertRaisesRegex(kerf.Error, "has no such call: it is older than this package") as caught:
+            self.server.call(missing, b"")
+        self.assertEqual(caught.exception.code, "UNIMPLEMENTED")
+
+    def test_a_busy_server_says_when_to_try_again(self):
+        # More calls than may wait for their tick.
+        far = self.sheet.get().tick + 1000
+        with self.assertRaises(kerf.ResourceExhausted) as caught:
+            for _ in range(100):
+                self.sheet.cut(kerf.circle((0.5, 0.5), 0.1), at_tick=far)
+        self.assertGreater(caught.exception.retry_after_s, 0)
+        self.assertIn("may work in", str(caught.exception))
+
     def test_a_time_limit(self):
         with kerf.connect(support.ADDRESS, timeout_s=0.0001) as hasty, self.assertRaises(kerf.DeadlineExceeded):
             hasty.sheet(self.sheet.id).step(100000)
