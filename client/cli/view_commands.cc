@@ -152,9 +152,10 @@ int info(const Session& session) {
     std::printf("%s\n", to_script_json(reply).c_str());
     return kDone;
   }
-  std::printf("Kerf %s at %s, up %.0f s\n  sheets    %d of %d\n  workers   %d\n  renderer  %s\n  materials",
-              reply.version().c_str(), session.server.c_str(), reply.uptime_s(), reply.num_sheets(),
-              reply.limits().max_sheets(), reply.workers(), reply.renderer().c_str());
+  std::printf(
+      "Kerf %s at %s, up %.0f s\n  sheets    %d of %d\n  workers   %d, %.0f %% needed\n  renderer  %s\n  materials",
+      reply.version().c_str(), session.server.c_str(), reply.uptime_s(), reply.num_sheets(),
+      reply.limits().max_sheets(), reply.workers(), 100.0 * reply.load(), reply.renderer().c_str());
   for (const std::string& preset : reply.material_presets()) std::printf(" %s", preset.c_str());
   std::printf("\n");
   return kDone;

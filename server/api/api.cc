@@ -92,6 +92,7 @@ void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1:
   info.set_workers(host_options.workers);
   info.set_num_sheets(static_cast<std::int32_t>(core_->host.list().size()));
   info.set_uptime_s(std::chrono::duration<double>(core_->clock.now() - core_->started_at).count());
+  info.set_load(core_->host.load());
   for (const std::string_view name : fem::preset_names()) info.add_material_presets(std::string(name));
   v1::Limits& limits = *info.mutable_limits();
   limits.set_max_sheets(host_options.max_sheets);
@@ -100,6 +101,7 @@ void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1:
   limits.set_max_request_bytes(core_->options.limits.max_request_bytes);
   limits.set_max_subscribers_per_sheet(core_->options.limits.max_subscribers_per_sheet);
   limits.set_max_unsent_bytes_per_subscriber(core_->options.limits.max_unsent_bytes_per_subscriber);
+  limits.set_max_load(host_options.max_load);
   reply(std::move(info));
 }
 

@@ -15,12 +15,16 @@ constexpr const char* kDescription =
     "When ready it prints one line on standard output: {\"grpc\":\"HOST:PORT\",\"http\":\"http://HOST:PORT\"}\n"
     "SIGTERM or SIGINT (Ctrl-C) stops it in good order.";
 
+constexpr int kMostSheets = 100'000;
+
 // As typed; checked after parsing, so that every refusal is ours and on one line.
 struct Arguments {
   std::string listen = "127.0.0.1:50051";
   std::string http = "127.0.0.1:8080";
   std::vector<std::string> scenes;
   int workers = 0;
+  int max_sheets = Config().max_sheets;
+  double max_load = Config().max_load;
   std::string web;
   bool no_render = false;
   bool allow_remote = false;
@@ -44,6 +48,14 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->take_all();
   parser.add_option("--workers", arguments.workers, "Threads that step sheets, 1..256; 0: one for each processor")
       ->type_name("N")
+      ->capture_default_str();
+  parser.add_option("--max-sheets", arguments.max_sheets, "Sheets at a time, 1..100000")
+      ->type_name("N")
+      ->capture_default_str();
+  parser
+      .add_option("--max-load", arguments.max_load,
+                  "Refuse new sheets while those that run need this share of the workers or more, 0.01..1000; 0: never")
+      ->type_name("SHARE")
       ->capture_default_str();
   parser.add_option("--web", arguments.web, "Folder of the built viewer (default: found beside the program)")
       ->type_name("DIR");
@@ -87,6 +99,19 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
                             "--workers: " + std::to_string(arguments.workers) + " is not in 0..256", "--workers");
   }
   config.workers = arguments.workers;
+  if (arguments.max_sheets < 1 || arguments.max_sheets > kMostSheets) {
+    return invalid_argument(
+        "MAX_SHEETS_OUT_OF_RANGE",
+        "--max-sheets: " + std::to_string(arguments.max_sheets) + " is not in 1.." + std::to_string(kMostSheets),
+        "--max-sheets");
+  }
+  config.max_sheets = arguments.max_sheets;
+  if (arguments.max_load != 0.0 && !(arguments.max_load >= 0.01 && arguments.max_load <= 1000.0)) {
+    return invalid_argument("MAX_LOAD_OUT_OF_RANGE",
+                            "--max-load: " + std::to_string(arguments.max_load) + " is neither 0 nor in 0.01..1000",
+                            "--max-load");
+  }
+  config.max_load = arguments.max_load;
   config.scenes.assign(arguments.scenes.begin(), arguments.scenes.end());
   config.web = arguments.web;
   config.render = !arguments.no_render;

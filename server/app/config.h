@@ -17,6 +17,8 @@ struct Config {
   ws::Endpoint http{"127.0.0.1", 8080};
   std::vector<std::filesystem::path> scenes;  // scene files, each one sheet
   int workers = 0;                            // threads that step sheets, 1..256; 0: one for each processor
+  int max_sheets = 64;                        // 1..100,000
+  double max_load = 1.0;                      // see host::HostOptions
   std::filesystem::path web;                  // the built viewer; empty: none is served
   bool render = true;                         // pictures, where EGL works
   bool allow_remote = false;                  // may listen on other than loopback addresses

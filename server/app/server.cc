@@ -60,6 +60,8 @@ host::HostOptions Server::Impl::host_options() {
   host::HostOptions options;
   const auto processors = static_cast<std::int32_t>(std::thread::hardware_concurrency());
   options.workers = config.workers > 0 ? config.workers : std::clamp(processors, 1, 256);
+  options.max_sheets = config.max_sheets;
+  options.max_load = config.max_load;
   if (!config.record_dir.empty()) {
     options.make_recording = [this](const std::string& id) -> std::shared_ptr<sheet::RecordingSink> {
       // Two sheets may bear the same id, one after the other.

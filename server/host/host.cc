@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <mutex>
 #include <utility>
 
+#include "server/host/admission.h"
 #include "server/host/metrics_board.h"
 #include "server/host/sheet_runner.h"
 #include "server/host/workers.h"
@@ -46,15 +48,20 @@ std::string random_id(std::uint64_t bits) {
 class Host::Impl {
  public:
   Impl(HostOptions options, Clock& clock, Entropy& entropy)
-      : options_(std::move(options)), clock_(clock), entropy_(entropy), workers_(options_.workers) {}
+      : options_(std::move(options)),
+        clock_(clock),
+        entropy_(entropy),
+        admission_(options_.max_load),
+        workers_(options_.workers) {}
 
   void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done) {
     if (id.empty()) id = config.sheet_id;
     if (id.empty()) id = random_id(entropy_.next());
-    if (Status s = reserve(id, config); !s) return done(s.error());
+    if (Status s = reserve(id, config, paused); !s) return done(s.error());
     const Workers::Strand strand = workers_.make_strand();
+    const std::shared_ptr<ExpectedNeed> expected = paused ? nullptr : expected_need(config);
     auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
-    const bool posted = strand.post([this, id, shared, paused, strand, done] {
+    const bool posted = strand.post([this, id, shared, paused, strand, done, expected] {
       Result<sheet::Sheet> built = build(std::move(*shared));
       if (!built) {
         release(id);
@@ -118,6 +125,9 @@ class Host::Impl {
 
   void set_command_listener(CommandListener listener) { listener_.set(std::move(listener)); }
   [[nodiscard]] HostMetrics metrics() const { return board_.read(); }
+  [[nodiscard]] double load() const {
+    return static_cast<double>(board_.worker_need()) / (static_cast<double>(WorkerNeed::kWhole) * options_.workers);
+  }
   [[nodiscard]] const HostOptions& options() const { return options_; }
   void wait_idle() { workers_.wait_idle(); }
 
@@ -138,7 +148,13 @@ class Host::Impl {
  private:
   SheetRunner::Context context() { return {options_, clock_, board_, listener_, ++num_made_}; }
 
-  Status reserve(const std::string& id, const sheet::SheetConfig& config) {
+  std::shared_ptr<ExpectedNeed> expected_need(const sheet::SheetConfig& config) {
+    if (!(config.tick_rate_hz > 0.0)) return nullptr;  // will be refused
+    const Nanoseconds period(std::llround(1.0e9 / config.tick_rate_hz));
+    return std::make_shared<ExpectedNeed>(board_, WorkerNeed(period, declared_vertices(config)).value());
+  }
+
+  Status reserve(const std::string& id, const sheet::SheetConfig& config, bool paused) {
     if (!sheet::is_valid_sheet_id(id)) {
       return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
     }
@@ -155,6 +171,12 @@ class Host::Impl {
       return Error{ErrorCode::kResourceExhausted, "TOO_MANY_SHEETS",
                    "this server's limit of " + std::to_string(options_.max_sheets) + " sheets is reached; delete one",
                    ""};
+    }
+    if (!paused) {
+      if (Status s = admission_.admit(load(), options_.workers); !s) {
+        board_.update([](HostMetrics& m) { ++m.overload_refusals; });
+        return s;
+      }
     }
     sheets_.emplace(id, nullptr);
     return Nothing{};
@@ -198,6 +220,7 @@ class Host::Impl {
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
   std::atomic<std::uint64_t> num_made_{0};
   bool stopping_ = false;  // guarded by mutex_
+  Admission admission_;    // guarded by mutex_
   Workers workers_;        // last: its threads use everything above
 };
 
@@ -338,6 +361,9 @@ void Host::remove_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSin
 
 HostMetrics Host::metrics() const {
   return impl_->metrics();
+}
+double Host::load() const {
+  return impl_->load();
 }
 const HostOptions& Host::options() const {
   return impl_->options();

@@ -23,8 +23,10 @@
 namespace kerf::host {
 
 struct HostOptions {
-  std::int32_t workers = 2;                                   // threads that step sheets, 1..256
-  std::int32_t max_sheets = 64;                               // >= 1
+  std::int32_t workers = 2;      // threads that step sheets, 1..256
+  std::int32_t max_sheets = 64;  // >= 1
+  // Of the workers' time, what running sheets may need before new ones are refused; -, > 0; 0: whatever they need.
+  double max_load = 1.0;
   std::int32_t max_vertices_per_sheet = sheet::kMaxVertices;  // a config's own limit may be lower
   std::int32_t max_queued_commands = 64;                      // a sheet, >= 1
   std::int32_t max_scheduled_commands = 64;                   // a sheet: of schedule(), waiting for their tick, >= 1
@@ -113,7 +115,8 @@ class Host {
 
   // Builds a sheet on a worker and starts its clock unless `paused`. `id`: [a-z][a-z0-9-]{0,62}; empty:
   // config.sheet_id, and if that is empty too, a random one. kAlreadyExists SHEET_EXISTS, kResourceExhausted
-  // TOO_MANY_SHEETS or TOO_MANY_VERTICES, and the errors of Sheet::create.
+  // TOO_MANY_SHEETS, TOO_MANY_VERTICES or, unless `paused`, OVERLOADED where the sheets that run need max_load (see
+  // Admission), and the errors of Sheet::create.
   void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done);
   // Ends its sinks (kSheetDeleted) and what waits for it (kAborted). Then calls `closed`, from which on nothing more is
   // said of this sheet; only then its name is free for another.
@@ -169,6 +172,8 @@ class Host {
   void remove_sink(const std::string& id, std::shared_ptr<sheet::SnapshotSink> sink, Callback<Nothing> done);
 
   [[nodiscard]] HostMetrics metrics() const;
+  // What running sheets need over what the workers have, -, >= 0: above 1 they cannot all keep pace. See WorkerNeed.
+  [[nodiscard]] double load() const;
   [[nodiscard]] const HostOptions& options() const;
 
   // Blocks until no work is queued or running (timers do not count). For tests and simulation on a ManualClock.

@@ -34,15 +34,16 @@ using ResidualHistogram = Histogram<kResidualBounds>;
 // What a host has done and holds now. Counters never fall; they include sheets deleted since.
 struct HostMetrics {
   // Counters.
-  std::int64_t ticks = 0;             // stepped
-  std::int64_t failed_ticks = 0;      // of these: the integrator found no finite step
-  std::int64_t snapshots = 0;         // built
-  std::int64_t contact_phases = 0;    // substeps in which colliders were looked at
-  std::int64_t cuts = 0;              // applied
-  std::int64_t commands = 0;          // done, cuts and scheduled ones among them
-  std::int64_t commands_refused = 0;  // by a full queue, by validation or by the sheet
-  std::int64_t overruns = 0;          // ticks that ended after their deadline
-  std::int64_t sleeps = 0;            // times a sheet fell asleep
+  std::int64_t ticks = 0;              // stepped
+  std::int64_t failed_ticks = 0;       // of these: the integrator found no finite step
+  std::int64_t snapshots = 0;          // built
+  std::int64_t contact_phases = 0;     // substeps in which colliders were looked at
+  std::int64_t cuts = 0;               // applied
+  std::int64_t commands = 0;           // done, cuts and scheduled ones among them
+  std::int64_t commands_refused = 0;   // by a full queue, by validation or by the sheet
+  std::int64_t overruns = 0;           // ticks that ended after their deadline
+  std::int64_t sleeps = 0;             // times a sheet fell asleep
+  std::int64_t overload_refusals = 0;  // sheets that were not made because of the load
   fem::FlagCounts flagged_ticks{};
   double slipped_s = 0.0;              // s, simulated time given up
   double tick_cpu_s = 0.0;             // s, thread CPU time of all ticks
@@ -58,6 +59,7 @@ struct HostMetrics {
   std::int32_t failed_sheets = 0;
   std::int32_t queued_commands = 0;
   std::int32_t sinks = 0;
+  std::int64_t worker_need = 0;  // of running sheets and those being built to run, see WorkerNeed
 };
 
 }  // namespace kerf::host

@@ -37,7 +37,8 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
       context_(context),
       strand_(std::move(strand)),
       sheet_(std::move(sheet)),
-      pace_(period_of(sheet_)) {}
+      pace_(period_of(sheet_)),
+      need_(period_of(sheet_), sheet_.mesh().num_vertices()) {}
 
 void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse) {
   const bool posted = strand_.post([self = shared_from_this(), work = std::move(work), refuse] {
@@ -310,6 +311,7 @@ void SheetRunner::finish_step(Result<SheetStatus> result) {
 void SheetRunner::start_clock() {
   stop_clock();
   pace_.start(context_.clock.now());
+  note_need(need_.value());
   schedule();
 }
 
@@ -317,6 +319,13 @@ void SheetRunner::stop_clock() {
   ++generation_;
   if (timer_) context_.clock.cancel(*timer_);
   timer_.reset();
+  note_need(0);
+}
+
+void SheetRunner::note_need(std::int64_t need) {
+  if (need == noted_need_) return;
+  context_.board.update([&](HostMetrics& m) { m.worker_need += need - noted_need_; });
+  noted_need_ = need;
 }
 
 void SheetRunner::schedule() {

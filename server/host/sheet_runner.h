@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/host/admission.h"
 #include "server/host/host.h"
 #include "server/host/metrics_board.h"
 #include "server/host/pace.h"
@@ -109,6 +110,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void start_clock();
   void stop_clock();
   void schedule();
+  void note_need(std::int64_t need);
   void note_state();
   void note_status();
   [[nodiscard]] SheetStatus unhashed_status() const;
@@ -133,6 +135,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // On the strand.
   sheet::Sheet sheet_;
   Pace pace_;
+  WorkerNeed need_;
   std::vector<std::shared_ptr<sheet::SnapshotSink>> sinks_;
   std::shared_ptr<sheet::RecordingSink> recording_;
   std::vector<WaitingCommand> scheduled_;  // by tick, equal ticks in the order they came
@@ -150,6 +153,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::int64_t cuts_ = 0;                // already counted
   std::int64_t overruns_ = 0;            // already counted
   Nanoseconds slipped_{0};               // already counted
+  std::int64_t noted_need_ = 0;          // already counted
 };
 
 }  // namespace kerf::host

@@ -128,6 +128,9 @@ void SheetRunner::tell(const std::vector<sheet::Command>& commands, const std::v
 
 void SheetRunner::count(const sheet::TickReport& report, const std::vector<Result<CommandResult>>& results,
                         Nanoseconds wall, Nanoseconds cpu) {
+  const bool timed = report.advanced && !paused_;
+  if (timed) need_.tick_done(wall);
+  const std::int64_t need = timed ? need_.value() : noted_need_;
   const auto refused = [](const auto& result) { return !result.ok(); };
   const std::int64_t num_refused = std::count_if(results.begin(), results.end(), refused);
   const std::int64_t num_done = static_cast<std::int64_t>(results.size()) - num_refused;
@@ -153,11 +156,13 @@ void SheetRunner::count(const sheet::TickReport& report, const std::vector<Resul
     m.cuts += sheet_.num_cuts() - cuts_;
     m.overruns += pace_.overruns() - overruns_;
     m.slipped_s += seconds(pace_.slipped() - slipped_);
+    m.worker_need += need - noted_need_;
   });
   contact_phases_ = sheet_.contact_phases();
   cuts_ = sheet_.num_cuts();
   overruns_ = pace_.overruns();
   slipped_ = pace_.slipped();
+  noted_need_ = need;
 }
 
 }  // namespace kerf::host

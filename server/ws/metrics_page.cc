@@ -7,6 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/process_usage.h"
+#include "server/host/admission.h"
+
 namespace kerf::ws {
 namespace {
 
@@ -99,12 +102,23 @@ void add_host(Page& page, const host::HostMetrics& host) {
   page.counter("kerf_commands_refused_total", "Commands refused by a full queue, by validation or by the sheet.",
                host.commands_refused);
   page.counter("kerf_sheet_sleeps_total", "Times a sheet fell asleep.", host.sleeps);
+  page.counter("kerf_overload_refusals_total", "Sheets that were not made because of the load.",
+               host.overload_refusals);
+  page.gauge("kerf_needed_workers", "Workers that running sheets need; more than there are: they cannot all keep pace.",
+             static_cast<double>(host.worker_need) / static_cast<double>(host::WorkerNeed::kWhole));
   page.begin_gauge("kerf_sheets", "Sheets, by run state.");
   page.gauge_value({{"state", "running"}}, host.running_sheets);
   page.gauge_value({{"state", "paused"}}, host.paused_sheets);
   page.gauge_value({{"state", "sleeping"}}, host.sleeping_sheets);
   page.gauge_value({{"state", "failed"}}, host.failed_sheets);
   page.gauge("kerf_queued_commands", "Commands waiting for a tick boundary.", host.queued_commands);
+}
+
+// Under the names that every Prometheus client library gives them.
+void add_process(Page& page) {
+  const ProcessUsage usage = own_usage();
+  page.counter("process_cpu_seconds_total", "CPU time of the server's process.", usage.cpu_s);
+  page.gauge("process_resident_memory_bytes", "Memory of the server's process.", usage.resident_bytes);
 }
 
 void add_transports(Page& page, const HttpCounts& http, std::int32_t watchers) {
@@ -127,6 +141,7 @@ std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, 
   Page page;
   page.begin_gauge("kerf_build_info", "Always 1; the label is the version.");
   page.gauge_value({{"version", version}}, 1);
+  add_process(page);
   add_host(page, host);
   add_transports(page, http, watchers);
   return page.text();

@@ -1,4 +1,5 @@
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -6,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/base/process_usage.h"
 #include "server/base/random.h"
 #include "server/base/result.h"
 #include "server/base/state_hash.h"
@@ -70,6 +72,16 @@ TEST(SeededRandom, FollowsThePublishedSequence) {
   EXPECT_EQ(random.next(), 6457827717110365317ULL);
   EXPECT_EQ(random.next(), 3203168211198807973ULL);
   EXPECT_EQ(random.next(), 9817491932198370423ULL);
+}
+
+TEST(ProcessUsage, OfThisProcessGrowsAndOfNoneThereIsNone) {
+  const ProcessUsage before = own_usage();
+  EXPECT_GT(before.resident_bytes, 500'000);
+  std::vector<double> touched(std::size_t{4} << 20, 1.0);  // 32 MiB
+  std::uint64_t hash = 0;
+  while (own_usage().cpu_s < before.cpu_s + 0.02) hash += hash_of(touched);
+  EXPECT_GT(own_usage().resident_bytes, before.resident_bytes + (30 << 20)) << hash;
+  EXPECT_FALSE(usage_of(4'194'305));  // beyond the most that the kernel gives
 }
 
 TEST(SeededRandom, StaysInItsRange) {

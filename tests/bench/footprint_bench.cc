@@ -64,6 +64,7 @@ void print_sleep(int num_sheets) {
   host::SystemEntropy entropy;
   host::HostOptions options;
   options.max_sheets = num_sheets;
+  options.max_load = 0.0;  // until they sleep they need more than there is
   host::Host host(options, clock, entropy);
   const double before = allocated();
   sheet::SheetConfig still = scenes::hanging(kSide);

@@ -216,6 +216,11 @@ TEST_F(KerfdTest, RefusesOnOneLine) {
   EXPECT_NE(refusal({"--nonsense"}).find("--help"), std::string::npos);
   EXPECT_NE(refusal({"--listen", "nowhere"}).find("HOST:PORT"), std::string::npos);
   EXPECT_NE(refusal({"--workers", "257"}).find("257"), std::string::npos);
+  EXPECT_NE(refusal({"--max-sheets", "0"}).find("1..100000"), std::string::npos);
+  EXPECT_NE(refusal({"--max-sheets", "100001"}).find("100001"), std::string::npos);
+  for (const char* load : {"-1", "0.001", "1001", "nan"}) {
+    EXPECT_NE(refusal({"--max-load", load}).find("neither 0 nor in 0.01..1000"), std::string::npos) << load;
+  }
   const std::string remote = refusal({"--http", "0.0.0.0:0"});
   EXPECT_NE(remote.find("TLS"), std::string::npos) << remote;
   EXPECT_NE(remote.find("--allow-remote"), std::string::npos) << remote;
@@ -248,8 +253,8 @@ TEST_F(KerfdTest, ExplainsItself) {
   Kerfd help({"--help"});
   const std::string text = help.rest_of_output();
   EXPECT_EQ(help.wait(), 0);
-  for (const char* option : {"--listen", "--http", "--scene", "--workers", "--web", "--no-render", "--record",
-                             "--allow-remote", "--allow-origin", "--version"}) {
+  for (const char* option : {"--listen", "--http", "--scene", "--workers", "--max-sheets", "--max-load", "--web",
+                             "--no-render", "--record", "--allow-remote", "--allow-origin", "--version"}) {
     EXPECT_NE(text.find(option), std::string::npos) << option;
   }
   Kerfd version({"--version"});

@@ -172,6 +172,8 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   host::HostMetrics host;
   host.ticks = 123456789;
   host.running_sheets = 3;
+  host.overload_refusals = 9;
+  host.worker_need = 1'250'000;
   host.slipped_s = 0.5;
   host.flagged_ticks[1] = 6;
   host.tick_duration.counts[0] = 2;
@@ -184,15 +186,28 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   HttpCounts http;
   http.requests = 7;
   const std::string page = metrics_page(host, http, 4, "1.2.3");
-  for (const char* line :
-       {"# TYPE kerf_ticks_total counter\n", "kerf_ticks_total 123456789\n", "kerf_sheets{state=\"running\"} 3\n",
-        "kerf_sheets{state=\"failed\"} 0\n", "kerf_slipped_seconds_total 0.5\n",
-        "kerf_flagged_ticks_total{flag=\"substepped\"} 6\n", "kerf_flagged_ticks_total{flag=\"repaired\"} 0\n",
-        "# TYPE kerf_tick_duration_seconds histogram\n", "kerf_tick_duration_seconds_bucket{le=\"1e-05\"} 2\n",
-        "kerf_tick_duration_seconds_bucket{le=\"+Inf\"} 8\n", "kerf_tick_duration_seconds_count 8\n",
-        "kerf_tick_duration_seconds_sum 2.25\n", "kerf_linear_iterations_total 70\n",
-        "kerf_linear_residual_bucket{le=\"0.1\"} 0\n", "kerf_linear_residual_bucket{le=\"1\"} 1\n",
-        "kerf_http_requests_total 7\n", "kerf_watch_streams 4\n", "kerf_build_info{version=\"1.2.3\"} 1\n"}) {
+  for (const char* line : {"# TYPE kerf_ticks_total counter\n",
+                           "kerf_ticks_total 123456789\n",
+                           "kerf_sheets{state=\"running\"} 3\n",
+                           "kerf_sheets{state=\"failed\"} 0\n",
+                           "kerf_slipped_seconds_total 0.5\n",
+                           "kerf_flagged_ticks_total{flag=\"substepped\"} 6\n",
+                           "kerf_flagged_ticks_total{flag=\"repaired\"} 0\n",
+                           "# TYPE kerf_tick_duration_seconds histogram\n",
+                           "kerf_tick_duration_seconds_bucket{le=\"1e-05\"} 2\n",
+                           "kerf_tick_duration_seconds_bucket{le=\"+Inf\"} 8\n",
+                           "kerf_tick_duration_seconds_count 8\n",
+                           "kerf_tick_duration_seconds_sum 2.25\n",
+                           "kerf_linear_iterations_total 70\n",
+                           "kerf_linear_residual_bucket{le=\"0.1\"} 0\n",
+                           "kerf_linear_residual_bucket{le=\"1\"} 1\n",
+                           "kerf_overload_refusals_total 9\n",
+                           "kerf_needed_workers 1.25\n",
+                           "process_cpu_seconds_total ",
+                           "process_resident_memory_bytes ",
+                           "kerf_http_requests_total 7\n",
+                           "kerf_watch_streams 4\n",
+                           "kerf_build_info{version=\"1.2.3\"} 1\n"}) {
     EXPECT_NE(page.find(line), std::string::npos) << line << "is not in\n" << page;
   }
 }

@@ -1,0 +1,43 @@
+#include "server/base/process_usage.h"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
+
+namespace kerf {
+namespace {
+
+std::string content_of(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+std::optional<ProcessUsage> usage_of(std::int64_t pid) {
+  // proc(5): after the name, which may have blanks and brackets in it, fields 3, 4 ...; utime and stime are 14 and 15.
+  const std::string stat = content_of("/proc/" + std::to_string(pid) + "/stat");
+  const std::size_t bracket = stat.rfind(')');
+  if (bracket == std::string::npos) return std::nullopt;
+  std::istringstream fields(stat.substr(bracket + 1));
+  std::string skipped;
+  for (int field = 3; field < 14; ++field) fields >> skipped;
+  double user = 0.0;
+  double system = 0.0;
+  fields >> user >> system;
+  std::istringstream pages(content_of("/proc/" + std::to_string(pid) + "/statm"));
+  std::int64_t total = 0;
+  std::int64_t resident = 0;
+  pages >> total >> resident;
+  if (!fields || !pages) return std::nullopt;
+  return ProcessUsage{(user + system) / static_cast<double>(sysconf(_SC_CLK_TCK)), resident * sysconf(_SC_PAGESIZE)};
+}
+
+ProcessUsage own_usage() {
+  return usage_of(getpid()).value_or(ProcessUsage{});
+}
+
+}  // namespace kerf

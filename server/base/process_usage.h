@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+namespace kerf {
+
+struct ProcessUsage {
+  double cpu_s = 0.0;               // s, of all its threads since it began
+  std::int64_t resident_bytes = 0;  // memory
+};
+
+// Of a process of this machine, from /proc; nothing if there is none of that number.
+[[nodiscard]] std::optional<ProcessUsage> usage_of(std::int64_t pid);
+// Of this process.
+[[nodiscard]] ProcessUsage own_usage();
+
+}  // namespace kerf
