@@ -16,6 +16,7 @@ void add_cuts_commands(CLI::App& app, Session& session);     // cuts, undo, redo
 void add_view_commands(CLI::App& app, Session& session);     // render, watch, export, info
 void add_offline_commands(CLI::App& app, Session& session);  // run, replay
 void add_analyze_command(CLI::App& app, Session& session);
+void add_load_command(CLI::App& app, Session& session);
 
 // Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet, all or none; an exit code.
 int cut_batch(const Session& session, const std::string& id, const std::string& file, std::int64_t at_tick);

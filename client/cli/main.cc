@@ -32,6 +32,7 @@ int run(int argc, char** argv) {
   kerf::cli::add_view_commands(app, session);
   kerf::cli::add_offline_commands(app, session);
   kerf::cli::add_analyze_command(app, session);
+  kerf::cli::add_load_command(app, session);
 
   try {
     app.parse(argc, argv);

@@ -9,17 +9,18 @@
 namespace kerf::client {
 namespace {
 
-std::shared_ptr<grpc::Channel> open_channel(const std::string& address) {
+std::shared_ptr<grpc::Channel> open_channel(const std::string& address, Client::Connection connection) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(Client::kMaxReceiveBytes);
   // Never through a proxy of the environment: Kerf servers are near, and a proxy that buffers would spoil the stream.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, connection == Client::Connection::kOwn ? 1 : 0);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
 }
 
 }  // namespace
 
-Client::Client(const std::string& address) : Client(open_channel(address)) {}
+Client::Client(const std::string& address, Connection connection) : Client(open_channel(address, connection)) {}
 
 Client::Client(std::shared_ptr<grpc::Channel> channel)
     : channel_(std::move(channel)),

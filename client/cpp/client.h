@@ -24,8 +24,12 @@ class Client {
   // Messages up to this size are received: a 500,000-vertex sheet's exact state with room to spare.
   static constexpr int kMaxReceiveBytes = 64 << 20;
 
+  // Of clients of one process and address: whether calls go over one connection, or each has its own, as programs on
+  // different machines have.
+  enum class Connection { kShared, kOwn };
+
   // "HOST:PORT".
-  explicit Client(const std::string& address);
+  explicit Client(const std::string& address, Connection connection = Connection::kShared);
   explicit Client(std::shared_ptr<grpc::Channel> channel);
 
   // One unary call with a deadline:

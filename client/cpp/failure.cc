@@ -20,6 +20,11 @@ Failure failure_of(const grpc::Status& status) {
   return failure;
 }
 
+std::string reason_of(const grpc::Status& status) {
+  const Failure failure = failure_of(status);
+  return failure.reason.empty() ? name_of(failure.code) : failure.reason;
+}
+
 std::string name_of(grpc::StatusCode code) {
   switch (code) {
     case grpc::StatusCode::OK:

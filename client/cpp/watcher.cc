@@ -5,14 +5,27 @@
 
 namespace kerf::client {
 
+v1::WatchRequest start_of_watch(const std::string& name, const WatchOptions& options) {
+  v1::WatchRequest request;
+  v1::WatchStart& start = *request.mutable_start();
+  start.set_name(name);
+  start.set_window(options.window);
+  start.set_max_rate_hz(options.max_rate_hz);
+  start.set_encoding(options.encoding);
+  return request;
+}
+
+v1::WatchRequest acknowledgement(std::int64_t sequence, std::chrono::steady_clock::time_point arrived) {
+  const auto held = std::chrono::steady_clock::now() - arrived;
+  v1::WatchRequest request;
+  request.mutable_ack()->set_sequence(sequence);
+  request.mutable_ack()->set_held_us(1 + std::chrono::duration_cast<std::chrono::microseconds>(held).count());
+  return request;
+}
+
 grpc::Status Watcher::run(const std::string& name, const WatchOptions& options, const OnFrame& on_frame) {
   const auto stream = client_.stream().Watch(&context_);
-  v1::WatchRequest start;
-  start.mutable_start()->set_name(name);
-  start.mutable_start()->set_window(options.window);
-  start.mutable_start()->set_max_rate_hz(options.max_rate_hz);
-  start.mutable_start()->set_encoding(options.encoding);
-  stream->Write(start);
+  stream->Write(start_of_watch(name, options));
 
   Mirror mirror;
   v1::WatchResponse response;
@@ -27,11 +40,7 @@ grpc::Status Watcher::run(const std::string& name, const WatchOptions& options, 
       break;
     }
     wanted = on_frame(response.frame(), mirror);
-    v1::WatchRequest ack;
-    const auto held = std::chrono::steady_clock::now() - arrived;
-    ack.mutable_ack()->set_sequence(response.frame().sequence());
-    ack.mutable_ack()->set_held_us(1 + std::chrono::duration_cast<std::chrono::microseconds>(held).count());
-    stream->Write(ack);
+    stream->Write(acknowledgement(response.frame().sequence(), arrived));
   }
   if (!wanted || !failure.ok()) {
     context_.TryCancel();

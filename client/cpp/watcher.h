@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -18,6 +19,11 @@ struct WatchOptions {
   double max_rate_hz = 0.0;  // 0: every tick
   v1::Encoding encoding = v1::COMPACT;
 };
+
+// The first message of a stream of `name` ("sheets/demo").
+[[nodiscard]] v1::WatchRequest start_of_watch(const std::string& name, const WatchOptions& options);
+// That the frame of this sequence number, and all before it, are applied; `arrived`: when it came, by this clock.
+[[nodiscard]] v1::WatchRequest acknowledgement(std::int64_t sequence, std::chrono::steady_clock::time_point arrived);
 
 // Watches one sheet: reads frames, keeps a Mirror, acknowledges. Blocks the thread that calls run().
 class Watcher {

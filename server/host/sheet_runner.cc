@@ -322,12 +322,6 @@ void SheetRunner::stop_clock() {
   note_need(0);
 }
 
-void SheetRunner::note_need(std::int64_t need) {
-  if (need == noted_need_) return;
-  context_.board.update([&](HostMetrics& m) { m.worker_need += need - noted_need_; });
-  noted_need_ = need;
-}
-
 void SheetRunner::schedule() {
   const auto fire = [weak = weak_from_this(), strand = strand_, generation = generation_] {
     strand.post([weak, generation] {

@@ -165,4 +165,10 @@ void SheetRunner::count(const sheet::TickReport& report, const std::vector<Resul
   noted_need_ = need;
 }
 
+void SheetRunner::note_need(std::int64_t need) {
+  if (need == noted_need_) return;
+  context_.board.update([&](HostMetrics& m) { m.worker_need += need - noted_need_; });
+  noted_need_ = need;
+}
+
 }  // namespace kerf::host

@@ -87,9 +87,10 @@ const std::vector<Row>& table() {
        {"proto", "cli", "posix"}},
       {"render", {}, {"gl", "images"}},
       {"client/cpp", {"server/codec"}, {"proto", "grpc_stubs", "grpc"}},
+      {"client/load", {"client/cpp", "server/base"}, {"proto", "grpc_stubs", "grpc", "boost", "json", "posix"}},
       // `kerf run` and `kerf replay` need no server: they step the sheet themselves.
       {"client/cli",
-       {"client/cpp", "server/analysis", "server/sheet", "server/svg", "server/wire", "server/base",
+       {"client/cpp", "client/load", "server/analysis", "server/sheet", "server/svg", "server/wire", "server/base",
         "server/host/disk.h"},
        {"proto", "protobuf", "grpc_stubs", "grpc", "cli", "json", "posix"}},
   };

@@ -29,7 +29,7 @@ def begin(options):
 
 def start_server():
     process = subprocess.Popen(
-        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0"], stdout=subprocess.PIPE, text=True)
+        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--max-load", "0"], stdout=subprocess.PIPE, text=True)
     return process, json.loads(process.stdout.readline())["grpc"]
 
 

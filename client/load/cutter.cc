@@ -1,0 +1,132 @@
+#include "client/load/cutter.h"
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <optional>
+
+#include "client/cpp/failure.h"
+
+namespace kerf::load {
+namespace {
+
+constexpr double kLength = 0.1;   // m, of a slit; sheets are 1 m wide
+constexpr double kMargin = 0.15;  // m, of its middle from the border: it stays inside
+constexpr std::chrono::seconds kPatience(60);
+
+void add_point(double x, double y, v1::Polyline& line) {
+  v1::Vec2& point = *line.add_points();
+  point.set_x(x);
+  point.set_y(y);
+}
+
+}  // namespace
+
+// One CreateCut under way.
+struct Cutter::Call {
+  std::size_t sheet = 0;
+  Nanoseconds intended{0};
+  std::optional<std::int64_t> tick_when_sent;
+  grpc::ClientContext context;
+  v1::CreateCutRequest request;
+  v1::CutResult response;
+};
+
+Cutter::Cutter(const Plan& plan, const std::vector<std::string>& sheets, client::Client& client, Recorder& recorder,
+               CutTracker& tracker, Waiter& waiter)
+    : plan_(plan),
+      sheets_(sheets),
+      client_(client),
+      recorder_(recorder),
+      tracker_(tracker),
+      random_(plan.seed),
+      thread_([this, &waiter] {
+        const Schedule schedule{recorder_.begin(), Nanoseconds(std::llround(1.0e9 / plan_.cuts_per_second))};
+        run_schedule(schedule, recorder_.end(), waiter,
+                     [this](std::int64_t k, Nanoseconds intended) { send(k, intended); });
+      }) {}
+
+Cutter::~Cutter() {
+  thread_.join();
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return under_way_ == 0; });
+}
+
+bool Cutter::begin_call() {
+  const std::lock_guard lock(mutex_);
+  if (under_way_ >= kMostUnderWay) return false;
+  ++under_way_;
+  return true;
+}
+
+void Cutter::end_call() {
+  const std::lock_guard lock(mutex_);
+  --under_way_;
+  changed_.notify_all();
+}
+
+void Cutter::send(std::int64_t k, Nanoseconds intended) {
+  const double angle = random_.uniform(0.0, std::numbers::pi);
+  const double x = random_.uniform(kMargin, 1.0 - kMargin);
+  const double y = random_.uniform(kMargin, 1.0 - kMargin);
+  if (!begin_call()) return recorder_.error("TOO_MANY_CUTS_UNDER_WAY");
+  auto call = std::make_shared<Call>();
+  call->sheet = static_cast<std::size_t>(k) % sheets_.size();
+  call->intended = intended;
+  call->tick_when_sent = tracker_.newest_tick(call->sheet);
+  call->request.set_parent(sheets_[call->sheet]);
+  v1::Polyline& line = *call->request.mutable_cut()->mutable_curve()->mutable_polyline();
+  const double dx = 0.5 * kLength * std::cos(angle);
+  const double dy = 0.5 * kLength * std::sin(angle);
+  add_point(x - dx, y - dy, line);
+  add_point(x + dx, y + dy, line);
+  call->context.set_deadline(std::chrono::system_clock::now() + kPatience);
+  const std::int64_t late = microseconds(now() - intended);
+  recorder_.cuts([late](CutTotals& totals) {
+    ++totals.sent;
+    totals.late_us.add(late);
+  });
+  client_.cuts().async()->CreateCut(&call->context, &call->request, &call->response,
+                                    [this, call](const grpc::Status& status) {
+                                      answered(*call, status);
+                                      end_call();
+                                    });
+}
+
+void Cutter::answered(const Call& call, const grpc::Status& status) {
+  const std::int64_t took = microseconds(now() - call.intended);
+  if (!status.ok()) return recorder_.error("CreateCut " + client::reason_of(status));
+  const bool applied = call.response.status() == v1::CutResult::APPLIED;
+  recorder_.cuts([&](CutTotals& totals) {
+    ++(applied ? totals.applied : totals.missed);
+    totals.reply_us.add(took);
+    if (call.tick_when_sent) totals.reply_ticks.add(call.response.tick() - *call.tick_when_sent);
+  });
+  if (!applied) return;
+  tracker_.applied(call.sheet, call.response.tick(), call.response.topology_version(), call.intended);
+  if (!plan_.keep_cuts) undo(call.sheet);
+}
+
+void Cutter::undo(std::size_t sheet) {
+  struct Undo {
+    grpc::ClientContext context;
+    v1::UndoCutRequest request;
+    v1::UndoResult response;
+  };
+  if (!begin_call()) return recorder_.error("TOO_MANY_CUTS_UNDER_WAY");
+  const auto call = std::make_shared<Undo>();
+  call->request.set_parent(sheets_[sheet]);
+  call->context.set_deadline(std::chrono::system_clock::now() + kPatience);
+  client_.cuts().async()->UndoCut(&call->context, &call->request, &call->response,
+                                  [this, call](const grpc::Status& status) {
+                                    if (status.ok()) {
+                                      recorder_.cuts([](CutTotals& totals) { ++totals.undone; });
+                                    } else {
+                                      recorder_.error("UndoCut " + client::reason_of(status));
+                                    }
+                                    end_call();
+                                  });
+}
+
+}  // namespace kerf::load

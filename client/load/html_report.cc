@@ -1,0 +1,236 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "client/load/report.h"
+#include "client/load/svg_plot.h"
+
+namespace kerf::load {
+namespace {
+
+constexpr const char* kStyle = R"css(
+:root { color-scheme: light dark; --ground: #fdfcfa; --text: #23211e; --faint: #6b665e; --line: #dcd7cd; --box: #f4f1ea; --warn: #9a4b00;
+  --c0: #1f5fa8; --c1: #c2410c; --c2: #2f7d4f; --c3: #7c3aad; --c4: #8a6d00; --c5: #0f7f8a; --c6: #b02a5b; --c7: #6b665e; }
+@media (prefers-color-scheme: dark) { :root { --ground: #16181b; --text: #e8e4dc; --faint: #a39d92; --line: #34383d; --box: #1f2226;
+  --warn: #ffb066; --c0: #7db4f0; --c1: #ff9966; --c2: #74c893; --c3: #c79bf0; --c4: #e0c15a; --c5: #5fc9d4; --c6: #f58bb0; --c7: #a39d92; } }
+body { margin: 0 auto; max-width: 1320px; padding: 24px; background: var(--ground); color: var(--text);
+  font: 15px/1.5 system-ui, sans-serif; }
+h1 { font-size: 24px; margin: 0 0 4px; } h2 { font-size: 18px; margin: 32px 0 8px; } p { max-width: 80ch; } .faint, .none { color: var(--faint); }
+.note { border-left: 4px solid var(--warn); padding: 4px 12px; margin: 8px 0; background: var(--box); }
+.numbers { display: grid; grid-template-columns: repeat(auto-fill, minmax(190px, 1fr)); gap: 12px; margin: 16px 0; }
+.numbers div { background: var(--box); border-radius: 6px; padding: 10px 14px; } .numbers b { display: block; font-size: 22px; font-weight: 600; }
+.plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 480px), 1fr)); gap: 16px; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; } th, td { padding: 3px 12px 3px 0; text-align: right; border-bottom: 1px solid var(--line); }
+th:first-child, td:first-child { text-align: left; } th { color: var(--faint); font-weight: 500; } .wide { overflow-x: auto; }
+svg { width: 100%; height: auto; background: var(--box); border-radius: 6px; } svg text { fill: var(--text); font: 11px system-ui, sans-serif; }
+svg .title { font-size: 13px; font-weight: 600; } svg .tick, svg .label, svg .key { fill: var(--faint); }
+svg .grid { stroke: var(--line); stroke-width: 1; } svg polyline { fill: none; stroke-width: 1.8; stroke-linejoin: round; } svg line { stroke-width: 2.5; }
+.s0 { stroke: var(--c0); } .s1 { stroke: var(--c1); } .s2 { stroke: var(--c2); } .s3 { stroke: var(--c3); } .s4 { stroke: var(--c4); }
+.s5 { stroke: var(--c5); } .s6 { stroke: var(--c6); } .s7 { stroke: var(--c7); }
+)css";
+
+constexpr double kMega = 1e6;
+constexpr std::ptrdiff_t kColours = 8;  // s0 to s7
+constexpr double kShortest_s = 0.25;    // of a point of a plot over time; shorter ones show the single frames
+
+std::string fixed(double value, int digits) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  return text.data();
+}
+
+std::string tile(const std::string& value, const std::string& what) {
+  return "<div><b>" + escape_html(value) + "</b>" + escape_html(what) + "</div>";
+}
+
+std::string tiles(const Report& report) {
+  const Pace pace = pace_of(report);
+  const ReaderTotals& viewers = report.of(Role::kViewer);
+  std::string html = tile(std::to_string(report.sheets.size()) + " of " + std::to_string(report.plan.sheets), "sheets");
+  html += tile(std::to_string(ticks_of(report)), "ticks simulated");
+  html += tile(std::to_string(overruns_of(report)), "ticks after their deadline");
+  html += tile(fixed(pace.least, 3) + " / " + fixed(pace.median, 3),
+               "real-time factor, least / median of " + std::to_string(pace.running) + " running sheets");
+  if (viewers.readers > 0) {
+    const double each = viewers.readers * report.window_s;
+    html += tile(fixed(static_cast<double>(viewers.frames) / each, 1) + " Hz",
+                 "frames, each of " + std::to_string(viewers.readers) + " viewers");
+    html += tile(fixed(static_cast<double>(viewers.bytes) / each / 1e3, 1) + " kB/s", "each viewer");
+    html += tile(fixed(static_cast<double>(viewers.age_us.quantile(0.5)) / 1e3, 1) + " ms", "age of frames, p50");
+  }
+  if (report.cuts.sent > 0) {
+    html += tile(std::to_string(report.cuts.applied) + " of " + std::to_string(report.cuts.sent), "cuts applied");
+  }
+  html += tile(std::to_string(num_errors(report)), "errors");
+  if (server_cores(report) >= 0.0) html += tile(fixed(server_cores(report), 3), "cores, server");
+  html += tile(fixed(client_cores(report), 3), "cores, load tester");
+  return "<div class=\"numbers\">" + html + "</div>";
+}
+
+std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
+  std::string html = "<tr>";
+  for (const std::string& cell : cells) html += "<" + std::string(tag) + ">" + escape_html(cell) + "</" + tag + ">";
+  return html + "</tr>";
+}
+
+std::string latency_table(const Report& report) {
+  std::string html = row({"ms", "count", "p50", "p90", "p99", "p99.9", "max"}, "th");
+  for (const Latency& latency : latencies(report)) {
+    std::vector<std::string> cells{latency.name, std::to_string(latency.us->count())};
+    for (const double q : kQuantiles) cells.push_back(fixed(static_cast<double>(latency.us->quantile(q)) / 1e3, 2));
+    cells.push_back(fixed(static_cast<double>(latency.us->max()) / 1e3, 2));
+    html += row(cells);
+  }
+  return "<div class=\"wide\"><table>" + html + "</table></div>";
+}
+
+std::string reader_table(const Report& report) {
+  std::string html = row({"readers", "joined", "frames", "keyframes", "ticks skipped", "MB", "ended early"}, "th");
+  for (const Role role : kRoles) {
+    const ReaderTotals& of = report.of(role);
+    if (of.readers == 0 && of.ends.empty()) continue;
+    std::string ends;
+    for (const auto& [how, count] : of.ends) ends += (ends.empty() ? "" : ", ") + std::to_string(count) + " " + how;
+    html += row({name_of(role), std::to_string(of.readers), std::to_string(of.frames), std::to_string(of.keyframes),
+                 std::to_string(of.skipped), fixed(static_cast<double>(of.bytes) / kMega, 2),
+                 ends.empty() ? "none" : ends});
+  }
+  return "<div class=\"wide\"><table>" + html + "</table></div>";
+}
+
+// Value against the share of all values above it, from a half to one in 100,000.
+std::string percentile_plot(const Report& report) {
+  std::vector<PlotSeries> series;
+  std::vector<Latency> shown = latencies(report);
+  if (std::ssize(shown) > kColours)
+    shown.erase(shown.begin() + kColours - 1, shown.end() - 1);  // the control run stays
+  for (const Latency& latency : shown) {
+    PlotSeries line{latency.name, {}};
+    const auto most = static_cast<double>(latency.us->count());
+    for (double above = 0.5; above >= 1e-5 && above * most >= 1.0; above /= 1.25) {
+      line.points.emplace_back(1.0 / above, static_cast<double>(latency.us->quantile(1.0 - above)) / 1e3);
+    }
+    if (!line.points.empty()) series.push_back(std::move(line));
+  }
+  const PlotAxis share{"percentile", true, {{2, "50"}, {10, "90"}, {100, "99"}, {1000, "99.9"}, {10'000, "99.99"}}};
+  return svg_plot("Latencies by percentile", share, {"ms", true, {}}, series);
+}
+
+std::string stretch_plots(const Report& report) {
+  PlotSeries median{"p50", {}};
+  PlotSeries high{"p99", {}};
+  PlotSeries bytes{"all viewers", {}};
+  const double length = report.plan.duration_s / static_cast<double>(report.stretches.size());
+  const auto group = static_cast<std::size_t>(std::max(1.0, std::ceil(kShortest_s / length)));
+  for (std::size_t i = 0; i < report.stretches.size(); i += group) {
+    Stretch sum;
+    const std::size_t end = std::min(i + group, report.stretches.size());
+    for (std::size_t k = i; k < end; ++k) {
+      sum.frames += report.stretches[k].frames;
+      sum.bytes += report.stretches[k].bytes;
+      sum.age_us.merge(report.stretches[k].age_us);
+    }
+    if (sum.frames == 0) continue;
+    const double span = length * static_cast<double>(end - i);
+    const double time = length * static_cast<double>(i) + 0.5 * span;
+    median.points.emplace_back(time, static_cast<double>(sum.age_us.quantile(0.5)) / 1e3);
+    high.points.emplace_back(time, static_cast<double>(sum.age_us.quantile(0.99)) / 1e3);
+    bytes.points.emplace_back(time, static_cast<double>(sum.bytes) / span / kMega);
+  }
+  return svg_plot("Age of viewers' frames when decoded", {"s", false, {}}, {"ms", false, {}}, {median, high}) +
+         svg_plot("Bytes to viewers", {"s", false, {}}, {"MB/s", false, {}}, {bytes});
+}
+
+std::string probe_plots(const Report& report) {
+  PlotSeries ticks{"ticks", {}};
+  PlotSeries overruns{"after their deadline", {}};
+  PlotSeries server{"server", {}};
+  PlotSeries client{"load tester", {}};
+  PlotSeries memory{"server", {}};
+  for (std::size_t i = 1; i < report.probes.size(); ++i) {
+    const Probe& from = report.probes[i - 1];
+    const Probe& to = report.probes[i];
+    const double span = 1e-9 * static_cast<double>((to.time - from.time).count());
+    const double time = 1e-9 * static_cast<double>((to.time - report.probes.front().time).count());
+    if (span <= 0.0) continue;
+    ticks.points.emplace_back(time, static_cast<double>(to.ticks - from.ticks) / span);
+    overruns.points.emplace_back(time, static_cast<double>(to.overruns - from.overruns) / span);
+    client.points.emplace_back(time, (to.client.cpu_s - from.client.cpu_s) / span);
+    if (!from.server || !to.server) continue;
+    server.points.emplace_back(time, (to.server->cpu_s - from.server->cpu_s) / span);
+    memory.points.emplace_back(time, static_cast<double>(to.server->resident_bytes) / kMega);
+  }
+  return svg_plot("Ticks of all sheets", {"s", false, {}}, {"1/s", false, {}}, {ticks, overruns}) +
+         svg_plot("Processor time", {"s", false, {}}, {"cores", false, {}}, {server, client}) +
+         svg_plot("Memory", {"s", false, {}}, {"MB", false, {}}, {memory});
+}
+
+std::string pace_plot(const Report& report) {
+  std::vector<double> factors;
+  for (const SheetRun& sheet : report.sheets) {
+    if (sheet.run_state == "RUNNING") factors.push_back(sheet.real_time_factor);
+  }
+  std::sort(factors.begin(), factors.end());
+  PlotSeries line{"running sheets, slowest first", {}};
+  for (std::size_t i = 0; i < factors.size(); ++i) line.points.emplace_back(static_cast<double>(i + 1), factors[i]);
+  return svg_plot("Real-time factor of each sheet", {"sheet", false, {}}, {"simulated / clock", false, {}}, {line});
+}
+
+std::string list_of(const std::string& heading, const std::map<std::string, std::int64_t>& counts) {
+  if (counts.empty()) return {};
+  std::string html = row({heading, "count"}, "th");
+  for (const auto& [reason, count] : counts) html += row({reason, std::to_string(count)});
+  return "<table>" + html + "</table>";
+}
+
+}  // namespace
+
+std::string to_html(const Report& report) {
+  const Plan& plan = report.plan;
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"/>"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>"
+      "<title>Kerf under load</title><style>" +
+      std::string(kStyle) + "</style></head><body>\n<h1>Kerf under load</h1>";
+  html += "<p class=\"faint\">" +
+          escape_html("Kerf " + report.server_version + " at " + plan.server + ", " +
+                      std::to_string(report.server_workers) + " workers; " + report.started + ", measured for " +
+                      fixed(report.measured_s, 1) + " s. Sheets of " + std::to_string(plan.columns) + " x " +
+                      std::to_string(plan.rows) + " vertices at " + fixed(plan.tick_rate_hz, 0) + " Hz (" +
+                      report.integrator + ").") +
+          "</p>";
+  for (const std::string& warning : warnings(report)) html += "<p class=\"note\">" + escape_html(warning) + "</p>";
+  if (!report.first_refusal.empty()) {
+    html += "<p class=\"note\">A sheet was refused: " + escape_html(report.first_refusal) + "</p>";
+  }
+  html += tiles(report) + "\n<h2>Latencies</h2>" + latency_table(report);
+  html +=
+      "<p class=\"faint\">Of cuts from the time at which each should have been sent, and of what is shown at the times "
+      "of the ticks: a stall "
+      "counts in everything that falls into it. The last row is a thread that only sleeps to times that are fixed "
+      "beforehand: what this machine does to everybody.</p>";
+  html += "<div class=\"plots\">" + percentile_plot(report) + stretch_plots(report) + probe_plots(report) +
+          pace_plot(report) + "</div>";
+  html += "\n<h2>Readers</h2>" + reader_table(report);
+  if (report.cuts.sent > 0) {
+    const CutTotals& cuts = report.cuts;
+    html += "\n<h2>Cuts</h2><p>" + std::to_string(cuts.sent) + " sent, " + std::to_string(cuts.applied) + " applied, " +
+            std::to_string(cuts.missed) + " missed. Of those on watched sheets " +
+            std::to_string(cuts.seen_us.count() - cuts.seen_without) +
+            " were in the first frame at or after their tick, " + std::to_string(cuts.seen_without) + " were not, " +
+            std::to_string(cuts.unseen) +
+            " had no such frame before the end. Ticks from the one shown when a cut was sent to the one it was applied "
+            "at: p50 " +
+            std::to_string(cuts.reply_ticks.quantile(0.5)) + ", p99 " +
+            std::to_string(cuts.reply_ticks.quantile(0.99)) + ".</p>";
+  }
+  html += list_of("sheets refused", report.refusals) + list_of("errors", report.errors);
+  return html + "\n</body></html>\n";
+}
+
+}  // namespace kerf::load

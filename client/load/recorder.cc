@@ -1,0 +1,80 @@
+#include "client/load/recorder.h"
+
+#include <algorithm>
+
+namespace kerf::load {
+
+const char* name_of(Role role) {
+  switch (role) {
+    case Role::kViewer:
+      return "viewers";
+    case Role::kSlow:
+      return "slow readers";
+    case Role::kStalled:
+      return "stalled readers";
+    case Role::kImage:
+      return "image viewers";
+  }
+  return "";
+}
+
+void Recorder::joined(Role role, Nanoseconds took) {
+  const std::lock_guard lock(mutex_);
+  ++of(role).readers;
+  of(role).join_us.add(microseconds(took));
+}
+
+void Recorder::frame(Role role, const FrameSeen& frame) {
+  if (!counts(frame.decoded)) return;
+  const std::lock_guard lock(mutex_);
+  ReaderTotals& totals = of(role);
+  ++totals.frames;
+  totals.keyframes += frame.keyframe ? 1 : 0;
+  totals.bytes += frame.bytes;
+  totals.skipped += frame.skipped;
+  totals.age_us.add(frame.age_us);
+  if (role != Role::kViewer) return;
+  const double share =
+      static_cast<double>((frame.decoded - begin_).count()) / static_cast<double>((end_ - begin_).count());
+  Stretch& stretch = stretches_[std::min(static_cast<std::size_t>(share * kStretches), kStretches - 1)];
+  ++stretch.frames;
+  stretch.bytes += frame.bytes;
+  stretch.age_us.add(frame.age_us);
+}
+
+void Recorder::shown(Role role, std::int64_t age_us) {
+  const std::lock_guard lock(mutex_);
+  of(role).shown_us.add(age_us);
+}
+
+void Recorder::ended(Role role, const std::string& how) {
+  const std::lock_guard lock(mutex_);
+  ++of(role).ends[how];
+}
+
+void Recorder::error(const std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  ++errors_[reason];
+}
+
+ReaderTotals Recorder::readers(Role role) const {
+  const std::lock_guard lock(mutex_);
+  return readers_[static_cast<std::size_t>(role)];
+}
+
+CutTotals Recorder::cut_totals() const {
+  const std::lock_guard lock(mutex_);
+  return cuts_;
+}
+
+std::vector<Stretch> Recorder::stretches() const {
+  const std::lock_guard lock(mutex_);
+  return stretches_;
+}
+
+std::map<std::string, std::int64_t> Recorder::errors() const {
+  const std::lock_guard lock(mutex_);
+  return errors_;
+}
+
+}  // namespace kerf::load

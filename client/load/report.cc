@@ -1,0 +1,106 @@
+#include "client/load/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+
+namespace kerf::load {
+namespace {
+
+constexpr double kClientBusy = 0.7;  // of the machine's processors: from here on the client measures itself
+
+std::string sentence(const char* form, double a, double b) {
+  std::array<char, 300> text{};
+  std::snprintf(text.data(), text.size(), form, a, b);
+  return text.data();
+}
+
+}  // namespace
+
+Pace pace_of(const Report& report) {
+  Pace pace;
+  std::vector<double> factors;
+  for (const SheetRun& sheet : report.sheets) {
+    if (sheet.slipped_s > 0.0) ++pace.slipped;
+    if (sheet.run_state == "RUNNING") factors.push_back(sheet.real_time_factor);
+  }
+  if (factors.empty()) return pace;
+  std::sort(factors.begin(), factors.end());
+  pace.running = static_cast<std::int64_t>(factors.size());
+  pace.least = factors.front();
+  pace.median = factors[(factors.size() - 1) / 2];
+  pace.most = factors.back();
+  return pace;
+}
+
+double server_cores(const Report& report) {
+  if (report.probes.size() < 2 || !report.probes.front().server || !report.probes.back().server) return -1.0;
+  return (report.probes.back().server->cpu_s - report.probes.front().server->cpu_s) / report.measured_s;
+}
+
+double client_cores(const Report& report) {
+  if (report.probes.size() < 2) return -1.0;
+  return (report.probes.back().client.cpu_s - report.probes.front().client.cpu_s) / report.measured_s;
+}
+
+std::int64_t num_errors(const Report& report) {
+  return std::accumulate(report.errors.begin(), report.errors.end(), std::int64_t{0},
+                         [](std::int64_t sum, const auto& error) { return sum + error.second; });
+}
+
+std::int64_t ticks_of(const Report& report) {
+  return std::accumulate(report.sheets.begin(), report.sheets.end(), std::int64_t{0},
+                         [](std::int64_t sum, const SheetRun& sheet) { return sum + sheet.ticks; });
+}
+
+std::int64_t overruns_of(const Report& report) {
+  return std::accumulate(report.sheets.begin(), report.sheets.end(), std::int64_t{0},
+                         [](std::int64_t sum, const SheetRun& sheet) { return sum + sheet.overruns; });
+}
+
+std::vector<std::string> warnings(const Report& report) {
+  std::vector<std::string> found;
+  if (report.interrupted) found.push_back("The run was interrupted: figures are of its first part.");
+  const double client = client_cores(report);
+  if (report.processors > 0 && client > kClientBusy * report.processors) {
+    found.push_back(
+        sentence("The load tester itself used %.2f of %.0f processors: latencies are its own as much as the "
+                 "server's. Run it on another machine, or with fewer viewers.",
+                 client, report.processors));
+  }
+  const double tick_us = 1.0e6 / report.plan.tick_rate_hz;
+  const auto late = static_cast<double>(report.control_us.quantile(0.99));
+  if (late > 0.5 * tick_us) {
+    found.push_back(
+        sentence("A thread that only sleeps woke up to %.1f ms late (p99; a tick is %.1f ms): the machine is "
+                 "busy with other things, and so are all latencies here.",
+                 late / 1e3, tick_us / 1e3));
+  }
+  if (report.cuts.seen_without > 0) {
+    found.push_back(
+        sentence("%.0f frames at or after the tick of a cut came without it: this is an error of the server.%.0s",
+                 static_cast<double>(report.cuts.seen_without), 0.0));
+  }
+  return found;
+}
+
+std::vector<Latency> latencies(const Report& report) {
+  std::vector<Latency> found;
+  const auto add = [&](const std::string& name, const Histogram& us) {
+    if (us.count() > 0) found.push_back({name, &us});
+  };
+  for (const Role role : kRoles) {
+    const std::string who = name_of(role);
+    add(who + ": age of a frame when decoded", report.of(role).age_us);
+    add(who + ": age of what is shown", report.of(role).shown_us);
+    add(who + ": join to first frame", report.of(role).join_us);
+  }
+  add("cut: request to reply", report.cuts.reply_us);
+  add("cut: request to frame that shows it", report.cuts.seen_us);
+  add("cut: sent late by", report.cuts.late_us);
+  add("control: a thread that only sleeps", report.control_us);
+  return found;
+}
+
+}  // namespace kerf::load

@@ -1,0 +1,235 @@
+#include "client/load/run.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "client/cpp/client.h"
+#include "client/cpp/failure.h"
+#include "client/load/control.h"
+#include "client/load/cut_tracker.h"
+#include "client/load/cutter.h"
+#include "client/load/delaying_proxy.h"
+#include "client/load/sheet_set.h"
+#include "client/load/viewer.h"
+
+namespace kerf::load {
+namespace {
+
+constexpr std::chrono::milliseconds kProgressEvery(250);
+constexpr std::size_t kProbes = 60;                    // at most, of one run
+constexpr std::chrono::milliseconds kProbeEvery(500);  // at the most
+constexpr std::size_t kMostSheetsListedOften = 1000;   // more are listed at the begin and the end only
+
+Nanoseconds nanoseconds(double seconds) {
+  return Nanoseconds(std::llround(1.0e9 * seconds));
+}
+
+std::string utc_now() {
+  const std::time_t time = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm parts{};
+  gmtime_r(&time, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
+}
+
+Error error_of(const grpc::Status& status, const std::string& server) {
+  const client::Failure failure = client::failure_of(status);
+  const bool unreached = failure.code == grpc::StatusCode::UNAVAILABLE;
+  return {unreached ? ErrorCode::kUnavailable : ErrorCode::kFailedPrecondition, client::reason_of(status),
+          unreached ? "no server at " + server + " (" + failure.message + "): start kerfd, or give --server HOST:PORT"
+                    : client::describe(failure),
+          failure.field};
+}
+
+// One run, in the order of its stages.
+class Run {
+ public:
+  Run(const Plan& plan, const std::function<void(const Progress&)>& progress, Stopper& stopper)
+      : progress_(progress), stopper_(stopper), client_(plan.server), probe_(report_.plan, client_) {
+    report_.plan = plan;
+  }
+
+  Result<Report> all() {
+    if (const Status reached = greet(); !reached) return reached.error();
+    progress_({"making sheets", 0.0, 0, 0, 0});
+    const Nanoseconds begin = now();
+    SheetSet sheets(report_.plan, client_, stopper_);
+    report_.creation_s = 1e-9 * static_cast<double>((now() - begin).count());
+    if (!sheets.failure().ok()) return error_of(sheets.failure(), report_.plan.server);
+    report_.refusals = sheets.refusals();
+    report_.first_refusal = sheets.first_refusal();
+    report_.integrator = sheets.integrator();
+    if (sheets.names().empty()) {
+      return Error{ErrorCode::kResourceExhausted, "NO_SHEETS",
+                   "no sheet was made: " + (report_.first_refusal.empty() ? "interrupted" : report_.first_refusal), ""};
+    }
+    if (const Status measured = measure(sheets.names()); !measured) return measured.error();
+    progress_({"taking down", 0.0, 0, 0, 0});
+    return std::move(report_);
+  }
+
+ private:
+  Status greet() {
+    v1::ServerInfo info;
+    const grpc::Status status = client_.call(&v1::ServerService::Stub::GetServerInfo, client_.server(),
+                                             v1::GetServerInfoRequest(), info, std::chrono::seconds(5));
+    if (!status.ok()) return error_of(status, report_.plan.server);
+    report_.server_version = info.version();
+    report_.server_workers = info.workers();
+    report_.processors = static_cast<std::int32_t>(std::thread::hardware_concurrency());
+    report_.started = utc_now();
+    return Nothing{};
+  }
+
+  Status measure(const std::vector<std::string>& names) {
+    const Plan& plan = report_.plan;
+    if (plan.way_ms > 0.0 || plan.way_kib_per_s > 0.0) {
+      auto proxy = DelayingProxy::start(frames_at(), {nanoseconds(1e-3 * plan.way_ms), 1024.0 * plan.way_kib_per_s});
+      if (!proxy) return proxy.error();
+      proxy_ = std::move(proxy).value();
+    }
+    const Nanoseconds begin = now() + nanoseconds(plan.warm_up_s);
+    Recorder recorder(begin, begin + nanoseconds(plan.duration_s));
+    CutTracker tracker(recorder);
+    open_readers(names, recorder, tracker);
+    wait(begin, "warming up", recorder);
+    {
+      const Schedule ticks{begin, nanoseconds(1.0 / plan.tick_rate_hz)};
+      const Control control(ticks, recorder.end(), stopper_);
+      std::optional<Cutter> cutter;
+      if (plan.cuts_per_second > 0.0) cutter.emplace(plan, names, client_, recorder, tracker, stopper_);
+      watch_over(recorder);
+      report_.interrupted = stopper_.stopped();
+      report_.window_s =
+          1e-9 * static_cast<double>(std::max((std::min(now(), recorder.end()) - begin).count(), std::int64_t{1}));
+      cutter.reset();  // all its answers have come
+      report_.control_us = control.lateness_us();
+    }
+    stopper_.stop();
+    for (const auto& reader : readers_) reader->stop();
+    readers_.clear();
+    proxy_.reset();
+    tracker.finish();
+    collect(recorder);
+    return Nothing{};
+  }
+
+  void open_readers(const std::vector<std::string>& names, Recorder& recorder, CutTracker& tracker) {
+    const Plan& plan = report_.plan;
+    const auto open = [&](Role role, std::int32_t count) {
+      for (std::int32_t i = 0; i < count; ++i) {
+        Watching watching;
+        watching.role = role;
+        watching.index = static_cast<std::size_t>(i) % names.size();
+        watching.sheet = names[watching.index];
+        watching.address = role == Role::kImage ? plan.server : proxy_ ? proxy_->address() : frames_at();
+        if (role == Role::kViewer && static_cast<std::size_t>(i) < names.size()) {
+          tracker.watch(watching.index);
+          watching.tracker = &tracker;
+        }
+        readers_.push_back(open_reader(watching, recorder));
+      }
+    };
+    open(Role::kViewer, plan.viewers);
+    open(Role::kSlow, plan.slow_readers);
+    open(Role::kStalled, plan.stalled_readers);
+    open(Role::kImage, plan.image_viewers);
+  }
+
+  // Where readers of frames connect to, but for a proxy.
+  [[nodiscard]] const std::string& frames_at() const {
+    return report_.plan.transport == Transport::kGrpc ? report_.plan.server : report_.plan.http;
+  }
+
+  std::unique_ptr<Viewer> open_reader(const Watching& watching, Recorder& recorder) {
+    if (watching.role == Role::kImage) return watch_images(report_.plan, watching, recorder);
+    const auto watch = report_.plan.transport == Transport::kGrpc ? watch_frames : watch_frames_over_websocket;
+    return watch(report_.plan, watching, recorder, stopper_);
+  }
+
+  void wait(Nanoseconds until, const char* stage, const Recorder& recorder) {
+    const Nanoseconds from = now();
+    while (now() < until && stopper_.wait_until(std::min(until, now() + kProgressEvery))) {
+      tell(stage, from, until, recorder);
+    }
+  }
+
+  // Probes from the begin of what is measured to its end.
+  void watch_over(const Recorder& recorder) {
+    first_ = probe_.sheets();
+    report_.probes.push_back(probe_.probe(first_));
+    const Nanoseconds begin = recorder.begin();
+    const Nanoseconds every = std::max<Nanoseconds>((recorder.end() - begin) / kProbes, kProbeEvery);
+    for (Nanoseconds next = begin + every; next < recorder.end(); next += every) {
+      while (now() < next && stopper_.wait_until(std::min(next, now() + kProgressEvery))) {
+        tell("measuring", begin, recorder.end(), recorder);
+      }
+      if (stopper_.stopped()) break;
+      if (first_.size() <= kMostSheetsListedOften) report_.probes.push_back(probe_.probe(probe_.sheets()));
+    }
+    wait(recorder.end(), "measuring", recorder);
+    last_ = probe_.sheets();
+    report_.probes.push_back(probe_.probe(last_));
+  }
+
+  void collect(const Recorder& recorder) {
+    const Probe& from = report_.probes.front();
+    const Probe& to = report_.probes.back();
+    report_.measured_s = 1e-9 * static_cast<double>((to.time - from.time).count());
+    for (const auto& [name, last] : last_) {
+      const auto first = first_.find(name);
+      if (first == first_.end()) continue;
+      SheetRun sheet{name,
+                     last.run_state,
+                     last.tick - first->second.tick,
+                     last.overruns - first->second.overruns,
+                     last.slipped_s - first->second.slipped_s,
+                     0.0};
+      sheet.real_time_factor = static_cast<double>(sheet.ticks) / report_.plan.tick_rate_hz / report_.measured_s;
+      report_.sheets.push_back(std::move(sheet));
+    }
+    for (const Role role : kRoles) report_.readers[static_cast<std::size_t>(role)] = recorder.readers(role);
+    report_.cuts = recorder.cut_totals();
+    report_.stretches = recorder.stretches();
+    report_.errors = recorder.errors();
+    if (probe_.failure()) ++report_.errors["probe " + client::reason_of(*probe_.failure())];
+    report_.list_pages = probe_.pages();
+    report_.list_s = 1e-9 * static_cast<double>(probe_.listing_took().count());
+  }
+
+  void tell(const char* stage, Nanoseconds from, Nanoseconds to, const Recorder& recorder) const {
+    const double share = static_cast<double>((now() - from).count()) / static_cast<double>((to - from).count());
+    Progress progress{stage, std::clamp(share, 0.0, 1.0), 0, recorder.cut_totals().reply_us.count(), 0};
+    for (const Role role : kRoles) progress.frames += recorder.readers(role).frames;
+    for (const auto& [reason, count] : recorder.errors()) progress.errors += count;
+    progress_(progress);
+  }
+
+  Report report_;
+  const std::function<void(const Progress&)>& progress_;
+  Stopper& stopper_;
+  client::Client client_;
+  ServerProbe probe_;
+  std::unique_ptr<DelayingProxy> proxy_;
+  std::vector<std::unique_ptr<Viewer>> readers_;
+  std::map<std::string, SheetCounts> first_;
+  std::map<std::string, SheetCounts> last_;
+};
+
+}  // namespace
+
+Result<Report> run(const Plan& plan, const std::function<void(const Progress&)>& progress, Stopper& stopper) {
+  if (const Status valid = check(plan); !valid) return valid.error();
+  return Run(plan, progress, stopper).all();
+}
+
+}  // namespace kerf::load

@@ -1,0 +1,105 @@
+#include "client/load/sheet_set.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include "client/cpp/failure.h"
+
+namespace kerf::load {
+namespace {
+
+constexpr int kThreads = 4;  // that create and delete
+constexpr std::chrono::milliseconds kRetryAfter(100);
+constexpr double kSwing_m = 0.05;     // m, of the corners to each side
+constexpr double kHalfSwing_s = 0.5;  // s, from one side to the other
+constexpr double kSpare_s = 120.0;    // s, that the corners go on to move after the run
+
+// Calls `work` with 0, 1, ... n - 1 from some threads, until it says no.
+void share_out(std::int32_t n, const std::function<bool(std::int32_t)>& work) {
+  std::atomic<std::int32_t> next{0};
+  std::vector<std::thread> threads;
+  for (int t = 0; t < std::min(kThreads, n); ++t) {
+    threads.emplace_back([&] {
+      for (std::int32_t i = next++; i < n && work(i); i = next++) {
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
+v1::Scene scene_of(const Plan& plan) {
+  v1::Scene scene;
+  scene.mutable_grid()->set_columns(plan.columns);
+  scene.mutable_grid()->set_rows(plan.rows);
+  scene.mutable_grid()->set_width_m(1.0);
+  scene.mutable_grid()->set_height_m(1.0);
+  scene.set_tick_rate_hz(plan.tick_rate_hz);
+  if (plan.still) {
+    scene.mutable_gravity_mps2();
+    return scene;
+  }
+  v1::Constraint& corners = *scene.add_constraints();
+  corners.mutable_region()->set_edge(v1::Region::TOP_CORNERS);
+  corners.mutable_displacement_m()->set_y(kSwing_m);
+  const double end = plan.warm_up_s + plan.duration_s + kSpare_s;
+  for (int k = 0; k * kHalfSwing_s <= end; ++k) {
+    corners.mutable_history()->add_times(k * kHalfSwing_s);
+    corners.mutable_history()->add_factors(k == 0 ? 0.0 : (k % 2 == 0 ? -1.0 : 1.0));
+  }
+  return scene;
+}
+
+}  // namespace
+
+SheetSet::SheetSet(const Plan& plan, client::Client& client, Waiter& waiter) : plan_(plan), client_(client) {
+  v1::CreateSheetRequest request;
+  *request.mutable_scene() = scene_of(plan);
+  share_out(plan.sheets, [&](std::int32_t i) {
+    v1::CreateSheetRequest named = request;
+    named.set_sheet_id(plan_.prefix + "-" + std::to_string(i));
+    while (waiter.wait_until(waiter.now())) {
+      v1::Sheet sheet;
+      const grpc::Status status = client_.call(&v1::SheetService::Stub::CreateSheet, client_.sheets(), named, sheet);
+      const bool again = plan_.still && !status.ok() && client::reason_of(status) == "OVERLOADED";
+      if (!again) return take(status, sheet);
+      waiter.wait_until(waiter.now() + kRetryAfter);
+    }
+    return false;
+  });
+  std::sort(names_.begin(), names_.end(), [](const std::string& a, const std::string& b) {
+    return a.size() != b.size() ? a.size() < b.size() : a < b;  // -2 before -10
+  });
+}
+
+bool SheetSet::take(const grpc::Status& status, const v1::Sheet& sheet) {
+  const std::lock_guard lock(mutex_);
+  if (status.ok()) {
+    if (names_.empty()) integrator_ = sheet.integrator();
+    names_.push_back(sheet.name());
+    return !full_ && failure_.ok();
+  }
+  if (status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED) {
+    if (refusals_.empty()) first_refusal_ = client::failure_of(status).message;
+    ++refusals_[client::reason_of(status)];
+    full_ = true;
+  } else if (failure_.ok()) {
+    failure_ = status;
+  }
+  return false;
+}
+
+SheetSet::~SheetSet() {
+  share_out(static_cast<std::int32_t>(names_.size()), [&](std::int32_t i) {
+    v1::DeleteSheetRequest request;
+    request.set_name(names_[static_cast<std::size_t>(i)]);
+    google::protobuf::Empty nothing;
+    // Of a server that is gone the sheets are gone, too: the first call that finds that out ends it.
+    const grpc::Status status = client_.call(&v1::SheetService::Stub::DeleteSheet, client_.sheets(), request, nothing);
+    return status.error_code() != grpc::StatusCode::UNAVAILABLE;
+  });
+}
+
+}  // namespace kerf::load

@@ -1,0 +1,102 @@
+#include "client/load/viewer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <thread>
+#include <utility>
+
+#include "client/cpp/client.h"
+#include "client/cpp/failure.h"
+
+namespace kerf::load {
+namespace {
+
+Schedule shown_times(const Plan& plan, const Recorder& recorder) {
+  return {recorder.begin(), Nanoseconds(std::llround(1.0e9 / plan.tick_rate_hz))};
+}
+
+std::int64_t unix_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+class FrameViewer : public Viewer {
+ public:
+  FrameViewer(const Plan& plan, Watching watching, Recorder& recorder, Waiter& waiter)
+      : plan_(plan),
+        watching_(std::move(watching)),
+        waiter_(waiter),
+        client_(watching_.address, client::Client::Connection::kOwn),
+        watcher_(client_),
+        log_(plan, watching_, recorder),
+        thread_([this] { run(); }) {}
+  ~FrameViewer() override {
+    stop();
+    thread_.join();
+  }
+  void stop() override { watcher_.stop(); }
+
+ private:
+  void run() {
+    const Nanoseconds hold = hold_of(plan_, watching_.role);
+    bool over = false;
+    const grpc::Status status =
+        watcher_.run(watching_.sheet, options_of(plan_, watching_.role),
+                     [&](const v1::Frame& frame, const client::Mirror& /*mirror*/) {
+                       log_.seen(frame.tick(), frame.topology_version(), frame.stats(),
+                                 static_cast<std::int64_t>(frame.ByteSizeLong()), frame.base_tick() < 0);
+                       over = hold > Nanoseconds(0) && !waiter_.wait_until(waiter_.now() + hold);
+                       return !over;
+                     });
+    if (over) return;
+    if (watcher_.ended().reason() != v1::Ended::REASON_UNSPECIFIED) {
+      log_.ended(v1::Ended::Reason_Name(watcher_.ended().reason()));
+    } else if (!status.ok()) {
+      log_.ended(client::reason_of(status));
+    }
+  }
+
+  const Plan& plan_;
+  const Watching watching_;
+  Waiter& waiter_;
+  client::Client client_;
+  client::Watcher watcher_;
+  ReaderLog log_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+ReaderLog::ReaderLog(const Plan& plan, const Watching& watching, Recorder& recorder)
+    : watching_(watching), recorder_(recorder), shown_(shown_times(plan, recorder)), opened_(now()) {}
+
+void ReaderLog::seen(std::int64_t tick, std::int32_t topology_version, const v1::FrameStats& stats, std::int64_t bytes,
+                     bool keyframe) {
+  const Nanoseconds decoded = now();
+  const std::int64_t age_us = std::max<std::int64_t>(unix_us() - stats.published_unix_us(), 0);
+  if (!joined_) recorder_.joined(watching_.role, decoded - opened_);
+  joined_ = true;
+  recorder_.frame(watching_.role, {decoded, age_us, bytes, stats.skipped(), keyframe});
+  shown_.frame(decoded, std::chrono::microseconds(age_us), !stats.sleeping() && !stats.paused(),
+               [&](Nanoseconds time, std::int64_t age) {
+                 if (recorder_.counts(time)) recorder_.shown(watching_.role, age);
+               });
+  if (watching_.tracker != nullptr) watching_.tracker->frame(watching_.index, tick, topology_version, decoded);
+}
+
+client::WatchOptions options_of(const Plan& plan, Role role) {
+  client::WatchOptions options;
+  if (role == Role::kViewer) options.max_rate_hz = plan.viewer_rate_hz;
+  return options;
+}
+
+Nanoseconds hold_of(const Plan& plan, Role role) {
+  if (role == Role::kStalled) return std::chrono::hours(1);
+  return Nanoseconds(role == Role::kSlow ? std::llround(1.0e9 * plan.hold_s) : 0);
+}
+
+std::unique_ptr<Viewer> watch_frames(const Plan& plan, const Watching& watching, Recorder& recorder, Waiter& waiter) {
+  return std::make_unique<FrameViewer>(plan, watching, recorder, waiter);
+}
+
+}  // namespace kerf::load

@@ -1,0 +1,128 @@
+#include <atomic>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include <boost/asio/connect.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "client/cpp/mirror.h"
+#include "client/load/endpoint.h"
+#include "client/load/viewer.h"
+
+namespace kerf::load {
+namespace {
+
+namespace beast = boost::beast;
+
+constexpr std::size_t kMaxMessage = std::size_t{64} << 20;  // bytes, as client::Client::kMaxReceiveBytes
+
+class WebSocketViewer : public Viewer {
+ public:
+  WebSocketViewer(const Plan& plan, Watching watching, Recorder& recorder, Waiter& waiter)
+      : plan_(plan),
+        watching_(std::move(watching)),
+        waiter_(waiter),
+        log_(plan, watching_, recorder),
+        socket_(context_),
+        thread_([this] { run(); }) {}
+  ~WebSocketViewer() override {
+    stop();
+    thread_.join();
+  }
+  void stop() override {
+    if (stopped_.exchange(true)) return;
+    boost::asio::post(context_, [this] {
+      boost::system::error_code ignored;
+      beast::get_lowest_layer(socket_).socket().close(ignored);
+    });
+  }
+
+ private:
+  void run() {
+    if (const boost::system::error_code error = connect()) return ended(error.message());
+    send(client::start_of_watch(watching_.sheet, options_of(plan_, watching_.role)));
+    read();
+    context_.run();
+  }
+
+  boost::system::error_code connect() {
+    boost::system::error_code error;
+    const std::optional<Endpoint> endpoint = parse_endpoint(watching_.address);
+    if (!endpoint) return boost::asio::error::invalid_argument;
+    const auto found = boost::asio::ip::tcp::resolver(context_).resolve(endpoint->host, endpoint->port, error);
+    if (error) return error;
+    boost::asio::connect(beast::get_lowest_layer(socket_).socket(), found, error);
+    if (error) return error;
+    beast::get_lowest_layer(socket_).socket().set_option(boost::asio::ip::tcp::no_delay(true), error);
+    socket_.set_option(beast::websocket::stream_base::decorator([](beast::websocket::request_type& request) {
+      request.set(beast::http::field::sec_websocket_protocol, "kerf.v1");
+    }));
+    socket_.read_message_max(kMaxMessage);
+    socket_.binary(true);
+    socket_.handshake(plan_.http, "/watch", error);
+    return error;
+  }
+
+  void read() {
+    socket_.async_read(buffer_, [this](const boost::system::error_code& error, std::size_t bytes) {
+      if (error) return ended(error.message());
+      v1::WatchResponse response;
+      const bool sound = response.ParseFromArray(buffer_.data().data(), static_cast<int>(bytes));
+      buffer_.consume(bytes);
+      if (!sound) return ended("no message of kerf.v1");
+      if (response.has_ended()) return ended(v1::Ended::Reason_Name(response.ended().reason()));
+      if (response.has_frame() && !take(response.frame(), static_cast<std::int64_t>(bytes))) return;
+      read();
+    });
+  }
+
+  // Whether there is to be another.
+  bool take(const v1::Frame& frame, std::int64_t bytes) {
+    const auto arrived = std::chrono::steady_clock::now();
+    if (const std::optional<std::string> wrong = mirror_.apply(frame)) {
+      ended("DATA_LOSS " + *wrong);
+      return false;
+    }
+    log_.seen(frame.tick(), frame.topology_version(), frame.stats(), bytes, frame.base_tick() < 0);
+    const Nanoseconds hold = hold_of(plan_, watching_.role);
+    if (hold > Nanoseconds(0) && !waiter_.wait_until(waiter_.now() + hold)) return false;
+    return send(client::acknowledgement(frame.sequence(), arrived));
+  }
+
+  bool send(const v1::WatchRequest& request) {
+    boost::system::error_code error;
+    socket_.write(boost::asio::buffer(request.SerializeAsString()), error);
+    return !error;
+  }
+
+  void ended(const std::string& how) {
+    if (!stopped_) log_.ended(how);
+  }
+
+  const Plan& plan_;
+  const Watching watching_;
+  Waiter& waiter_;
+  ReaderLog log_;
+  std::atomic<bool> stopped_{false};
+  client::Mirror mirror_;
+  boost::asio::io_context context_{1};
+  beast::websocket::stream<beast::tcp_stream> socket_;
+  beast::flat_buffer buffer_;
+  std::thread thread_;
+};
+
+}  // namespace
+
+std::unique_ptr<Viewer> watch_frames_over_websocket(const Plan& plan, const Watching& watching, Recorder& recorder,
+                                                    Waiter& waiter) {
+  return std::make_unique<WebSocketViewer>(plan, watching, recorder, waiter);
+}
+
+}  // namespace kerf::load

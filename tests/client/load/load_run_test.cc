@@ -1,0 +1,197 @@
+#include "client/load/run.h"
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "client/cpp/client.h"
+#include "tests/ws/running_server.h"
+
+// Short runs against a whole server: counts, not times.
+namespace kerf::load {
+namespace {
+
+using testing::HasSubstr;
+
+class LoadRunTest : public testing::Test {
+ protected:
+  LoadRunTest() {
+    app::Config config = ws_test::test_config();
+    config.max_sheets = 3;
+    server_ = ws_test::start_server(config);
+  }
+
+  [[nodiscard]] Plan plan() const {
+    Plan plan;
+    plan.server = server_->grpc_address();
+    plan.http = server_->http_url().substr(std::string("http://").size());
+    plan.columns = 8;
+    plan.rows = 8;
+    plan.warm_up_s = 0.0;
+    plan.duration_s = 1.0;
+    return plan;
+  }
+
+  std::int32_t sheets_left() {
+    client::Client client(server_->grpc_address());
+    v1::ServerInfo info;
+    EXPECT_TRUE(
+        client.call(&v1::ServerService::Stub::GetServerInfo, client.server(), v1::GetServerInfoRequest(), info).ok());
+    return info.num_sheets();
+  }
+
+  Result<Report> run(const Plan& plan) {
+    Stopper stopper;
+    return load::run(
+        plan, [](const Progress&) {}, stopper);
+  }
+
+  std::unique_ptr<app::Server> server_;
+};
+
+TEST_F(LoadRunTest, CountsWhatItDoesAndLeavesNothingBehind) {
+  Plan wanted = plan();
+  wanted.sheets = 2;
+  wanted.viewers = 3;
+  wanted.slow_readers = 1;
+  wanted.hold_s = 0.3;
+  wanted.cuts_per_second = 10.0;
+  const Result<Report> report = run(wanted);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(sheets_left(), 0);
+  ASSERT_EQ(report->sheets.size(), 2U);
+  for (const SheetRun& sheet : report->sheets) {
+    EXPECT_EQ(sheet.run_state, "RUNNING");
+    EXPECT_GT(sheet.ticks, 0);
+  }
+  const ReaderTotals& viewers = report->of(Role::kViewer);
+  EXPECT_EQ(viewers.readers, 3);
+  EXPECT_TRUE(viewers.ends.empty());
+  EXPECT_GT(viewers.frames, 0);
+  EXPECT_EQ(viewers.age_us.count(), viewers.frames);
+  EXPECT_GT(viewers.shown_us.count(), 0);
+  EXPECT_LE(viewers.shown_us.count(), 3 * 60);
+  EXPECT_EQ(viewers.join_us.count(), 3);
+  const ReaderTotals& slow = report->of(Role::kSlow);
+  EXPECT_EQ(slow.readers, 1);
+  EXPECT_LE(slow.frames, 5);  // one every 0.3 s
+  EXPECT_EQ(report->cuts.sent, 10);
+  EXPECT_EQ(report->cuts.applied + report->cuts.missed, 10);
+  EXPECT_EQ(report->cuts.undone, report->cuts.applied);
+  EXPECT_EQ(report->cuts.reply_us.count(), 10);
+  EXPECT_EQ(report->cuts.seen_us.count() + report->cuts.unseen, report->cuts.applied);
+  EXPECT_EQ(report->cuts.seen_without, 0);
+  EXPECT_EQ(num_errors(*report), 0) << to_text(*report);
+  EXPECT_GT(report->control_us.count(), 0);
+  EXPECT_GE(report->probes.size(), 2U);
+  EXPECT_GE(server_cores(*report), 0.0);  // from the page of metrics
+}
+
+TEST_F(LoadRunTest, WebSocketsDoTheSame) {
+  Plan wanted = plan();
+  wanted.transport = Transport::kWebSocket;
+  wanted.sheets = 2;
+  wanted.viewers = 3;
+  wanted.stalled_readers = 1;
+  wanted.cuts_per_second = 10.0;
+  const Result<Report> report = run(wanted);
+  ASSERT_TRUE(report) << report.error().message;
+  const ReaderTotals& viewers = report->of(Role::kViewer);
+  EXPECT_EQ(viewers.readers, 3);
+  EXPECT_TRUE(viewers.ends.empty()) << viewers.ends.begin()->first;
+  EXPECT_GT(viewers.frames, 0);
+  EXPECT_EQ(report->of(Role::kStalled).readers, 1);
+  EXPECT_EQ(report->of(Role::kStalled).join_us.count(), 1);
+  EXPECT_EQ(report->cuts.sent, 10);
+  EXPECT_EQ(report->cuts.seen_without, 0);
+  EXPECT_EQ(num_errors(*report), 0) << to_text(*report);
+}
+
+TEST_F(LoadRunTest, TellsOfSheetsThatAreRefused) {
+  Plan wanted = plan();
+  wanted.sheets = 5;
+  wanted.duration_s = 0.1;
+  const Result<Report> report = run(wanted);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->sheets.size(), 3U);
+  EXPECT_GE(report->refusals.at("TOO_MANY_SHEETS"), 1);
+  EXPECT_THAT(report->first_refusal, HasSubstr("limit of 3 sheets"));
+  EXPECT_EQ(sheets_left(), 0);
+}
+
+TEST_F(LoadRunTest, SheetsOfAStillPlanFallAsleep) {
+  Plan wanted = plan();
+  wanted.sheets = 3;
+  wanted.still = true;
+  wanted.viewers = 0;
+  wanted.warm_up_s = 2.0;
+  wanted.duration_s = 0.2;
+  const Result<Report> report = run(wanted);
+  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_EQ(report->sheets.size(), 3U);
+  for (const SheetRun& sheet : report->sheets) {
+    EXPECT_EQ(sheet.run_state, "SLEEPING");
+    EXPECT_EQ(sheet.ticks, 0);
+  }
+}
+
+TEST_F(LoadRunTest, AStoppedRunDeletesItsSheetsToo) {
+  Plan wanted = plan();
+  wanted.sheets = 2;
+  wanted.duration_s = 600.0;
+  Stopper stopper;
+  const Result<Report> report = load::run(
+      wanted,
+      [&](const Progress& progress) {
+        if (progress.stage == "measuring") stopper.stop();
+      },
+      stopper);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_TRUE(report->interrupted);
+  EXPECT_EQ(sheets_left(), 0);
+}
+
+TEST_F(LoadRunTest, WhatCannotBeDoneIsToldBeforeAnythingIsMade) {
+  Plan wrong = plan();
+  wrong.sheets = 0;
+  EXPECT_EQ(run(wrong).error().field, "--sheets");
+  Plan taken = plan();
+  taken.sheets = 2;
+  client::Client client(server_->grpc_address());
+  v1::CreateSheetRequest request;
+  request.set_sheet_id("load-1");
+  request.mutable_scene()->mutable_grid()->set_columns(4);
+  request.mutable_scene()->mutable_grid()->set_rows(4);
+  request.mutable_scene()->mutable_grid()->set_width_m(1.0);
+  request.mutable_scene()->mutable_grid()->set_height_m(1.0);
+  v1::Sheet sheet;
+  ASSERT_TRUE(client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet).ok());
+  EXPECT_EQ(run(taken).error().reason, "SHEET_EXISTS");
+  EXPECT_EQ(sheets_left(), 1);  // that one
+  Plan nowhere = plan();
+  nowhere.server = "127.0.0.1:1";
+  EXPECT_THAT(run(nowhere).error().message, HasSubstr("no server at 127.0.0.1:1"));
+}
+
+// 20 ms each way: no frame is younger than that, none is lost, and with more of them under way each tick is seen.
+TEST_F(LoadRunTest, FramesFromFarAwayAreOlderByTheWay) {
+  Plan wanted = plan();
+  wanted.way_ms = 20.0;
+  wanted.cuts_per_second = 4.0;
+  const Result<Report> report = run(wanted);
+  ASSERT_TRUE(report) << report.error().message;
+  const ReaderTotals& viewers = report->of(Role::kViewer);
+  EXPECT_GT(viewers.frames, 0);
+  EXPECT_GE(viewers.age_us.min(), 20'000);
+  EXPECT_GE(viewers.join_us.min(), 40'000);  // there and back
+  EXPECT_EQ(report->cuts.seen_without, 0);
+  EXPECT_EQ(num_errors(*report), 0);
+}
+
+}  // namespace
+}  // namespace kerf::load
