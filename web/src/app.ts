@@ -1,12 +1,14 @@
-import { ApiError, call } from './api';
+import { call } from './api';
 import { SheetService, Sheet_RunState } from './gen/kerf/v1/sheets_pb';
 import type { Sheet } from './gen/kerf/v1/sheets_pb';
 import { Surface } from './geometry/surface';
 import { ColliderView } from './scene/colliders';
+import { pieceCentre } from './scene/piece_highlight';
 import { PinView } from './scene/pin_view';
 import { SheetView } from './scene/sheet_view';
 import { Stage } from './scene/stage';
 import { kStrainGradient } from './scene/strain_colors';
+import { WindView } from './scene/wind_view';
 import { worldBox } from './scene/world_box';
 import { FrameClock, unixTimeMs } from './stream/frame_clock';
 import type { Rejection } from './gen/kerf/v1/stream_pb';
@@ -17,17 +19,23 @@ import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
 import type { ConnectionState } from './stream/watch';
 import { CutTool } from './tools/cut_tool';
 import { GrabTool } from './tools/grab_tool';
+import { KeyboardPointer } from './tools/keyboard_pointer';
 import { PinTool } from './tools/pin_tool';
 import { PointerRouter } from './tools/pointer_router';
 import type { NoticeKind, Tool, ToolId, Viewer } from './tools/tool';
 import { ViewTool } from './tools/view_tool';
 import { CutPanel } from './ui/cut_panel';
 import { Choice, element, setText } from './ui/dom';
+import { errorText } from './ui/error_text';
 import { HistoryControls } from './ui/history_controls';
 import { Notices } from './ui/notices';
+import { PhysicsPanel } from './ui/physics/physics_panel';
+import { PiecePanel } from './ui/piece_panel';
+import { SidePanels } from './ui/side_panels';
 import { SimulationControls } from './ui/simulation_controls';
 import { StatusLine } from './ui/status_line';
 import { SvgFiles } from './ui/svg_files';
+import { Theme } from './ui/theme';
 
 const kStateText: Record<ConnectionState, string> = {
   connecting: 'Connecting',
@@ -43,7 +51,12 @@ export class App implements Viewer {
   readonly controls: SimulationControls;
   readonly history = new HistoryControls(this);
   readonly cutTool: CutTool;
+  readonly grabTool: GrabTool;
+  readonly theme: Theme;
   readonly svgFiles = new SvgFiles(this);
+  readonly panels = new SidePanels();
+  readonly pieces = new PiecePanel(this);
+  readonly keyboardPointer: KeyboardPointer;
   sheetName = '';
   surface: Surface | undefined;
   watch: RemoteWatch | undefined;
@@ -58,11 +71,12 @@ export class App implements Viewer {
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly sheetView = new SheetView();
   private readonly pinView = new PinView();
+  private readonly windView = new WindView();
   private readonly colliderView: ColliderView;
   private readonly notices = new Notices(element('notices'));
   private readonly status = new StatusLine();
+  private readonly physics = new PhysicsPanel(this);
   private readonly tools: Record<ToolId, Tool>;
-  private readonly grabTool: GrabTool;
   readonly cutPanel: CutPanel;
   private readonly toolChoice: Choice<ToolId>;
   private readonly pieceIds = new PieceIds(() => this.showAgain());
@@ -73,8 +87,9 @@ export class App implements Viewer {
 
   constructor() {
     this.stage = new Stage(this.canvas);
+    this.theme = new Theme(element('theme'), (isDark) => this.stage.setDark(isDark));
     this.colliderView = new ColliderView(this.stage.ground);
-    this.stage.scene.add(this.sheetView.object, this.pinView.object, this.colliderView.object);
+    this.stage.scene.add(this.sheetView.object, this.pinView.object, this.colliderView.object, this.windView.object);
     this.cutTool = new CutTool(this, () => this.cutPanel?.update(this.tool === this.cutTool));
     this.grabTool = new GrabTool(this);
     this.tools = { view: new ViewTool(), cut: this.cutTool, grab: this.grabTool, pin: new PinTool(this) };
@@ -86,6 +101,9 @@ export class App implements Viewer {
     );
     this.toolChoice = new Choice<ToolId>(element('tools'), 'tool', (id) => this.choose(id));
     this.controls = new SimulationControls(this);
+    this.keyboardPointer = new KeyboardPointer(this, () => this.tool);
+    this.canvas.addEventListener('pointerdown', () => this.keyboardPointer.hide());
+    this.panels.add('pieces', this.pieces);
     new PointerRouter(element('stage'), this.canvas, this.stage, () => this.tool);
     document.addEventListener('visibilitychange', () => {
       this.watch?.setPaused(document.hidden);
@@ -133,6 +151,7 @@ export class App implements Viewer {
   }
 
   choose(id: ToolId): void {
+    this.keyboardPointer.hide();
     if (this.tool !== this.tools[id]) this.tool.leave();
     this.tool = this.tools[id];
     this.tool.enter();
@@ -146,16 +165,22 @@ export class App implements Viewer {
     this.canvas.focus({ preventScroll: true });
   }
 
-  /** @param name  sheets/{sheet} */
-  open(name: string): void {
+  /** Watches no sheet; the last one stays in the picture. */
+  close(): void {
     this.tool.leave();
     this.watch?.close();
     this.settings.reset();
-    this.sheetName = name;
+    this.sheetName = '';
     this.surface = undefined;
     this.hasNewFrame = false;
     this.sheet = undefined;
     this.isFitted = false;
+  }
+
+  /** @param name  sheets/{sheet} */
+  open(name: string): void {
+    this.close();
+    this.sheetName = name;
     this.watch = this.startWatch(name, false);
     void this.refreshSheet();
   }
@@ -179,8 +204,24 @@ export class App implements Viewer {
   fit(): void {
     if (!this.surface) return;
     const colliders = this.sheet?.scene?.colliders ?? [];
-    this.stage.fit(worldBox(this.surface.mirror, colliders));
+    const box = worldBox(this.surface.mirror, colliders);
+    this.stage.fit(box);
+    this.windView.fit(box);
     this.colliderView.set(colliders);
+  }
+
+  get topologyVersion(): number | undefined {
+    return this.surface?.mirror.topologyVersion;
+  }
+
+  highlight(label: number | undefined): void {
+    this.sheetView.highlight(label);
+    this.showAgain();
+  }
+
+  centre(label: number): void {
+    const { surface } = this;
+    if (surface) this.stage.lookAt(pieceCentre(surface.mirror, label));
   }
 
   notify(kind: NoticeKind, text: string): void {
@@ -191,8 +232,7 @@ export class App implements Viewer {
     try {
       return await run();
     } catch (error) {
-      const code = error instanceof ApiError ? ` (${error.code})` : '';
-      this.notify('error', `${what}${(error as Error).message}${code}`);
+      this.notify('error', `${what}${errorText(error as Error)}`);
       return undefined;
     }
   }
@@ -206,7 +246,9 @@ export class App implements Viewer {
       this.notify('error', 'The sheet is frozen at its last good tick. Reset it to go on.');
     }
     this.sheet = sheet;
-    this.controls.show(sheet);
+    this.controls.show();
+    this.physics.show(sheet);
+    this.windView.set(sheet.scene?.wind);
     this.pinView.set(sheet.pinnedVertices);
     this.colliderView.set(sheet.scene?.colliders ?? []);
     this.showAgain();
@@ -283,5 +325,6 @@ export class App implements Viewer {
     const { min, max } = surface.locator;
     this.pinView.update(surface, 0.009 * Math.max(max.x - min.x, max.y - min.y));
     this.watch?.acknowledge();
+    this.pieces.update();
   }
 }

@@ -62,6 +62,7 @@ describe('GrabTool', () => {
       },
       nearestWithMaterial: (vertex: number) => (isTaken ? 5 : vertex),
       mirror: { numVertices: 9 },
+      locator: { min: { x: 0, y: 0 }, max: { x: 1, y: 1 } },
     };
     const stage = { scene: new Scene(), camera: new PerspectiveCamera(), invalidate: () => {} };
     viewer = { watch: connection(), notify: (_, text) => notices.push(text) };

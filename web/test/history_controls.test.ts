@@ -2,26 +2,7 @@ import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import type { call } from '../src/api';
 import { UndoResultSchema } from '../src/gen/kerf/v1/cuts_pb';
-import { HistoryControls, historyStep } from '../src/ui/history_controls';
-
-const kNone = { ctrlKey: false, metaKey: false, shiftKey: false, altKey: false };
-
-describe('historyStep', () => {
-  it('knows the usual keys of all systems', () => {
-    expect(historyStep({ ...kNone, key: 'z', ctrlKey: true })).toBe('undo');
-    expect(historyStep({ ...kNone, key: 'z', metaKey: true })).toBe('undo');
-    expect(historyStep({ ...kNone, key: 'Z', ctrlKey: true, shiftKey: true })).toBe('redo');
-    expect(historyStep({ ...kNone, key: 'Z', metaKey: true, shiftKey: true })).toBe('redo');
-    expect(historyStep({ ...kNone, key: 'y', ctrlKey: true })).toBe('redo');
-  });
-
-  it('leaves all other keys alone', () => {
-    expect(historyStep({ ...kNone, key: 'z' })).toBeUndefined();
-    expect(historyStep({ ...kNone, key: 'z', shiftKey: true })).toBeUndefined();
-    expect(historyStep({ ...kNone, key: 'z', ctrlKey: true, altKey: true })).toBeUndefined();
-    expect(historyStep({ ...kNone, key: 'x', ctrlKey: true })).toBeUndefined();
-  });
-});
+import { HistoryControls } from '../src/ui/history_controls';
 
 describe('HistoryControls', () => {
   const notices: string[] = [];

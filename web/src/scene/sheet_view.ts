@@ -4,6 +4,7 @@ import type { Surface } from '../geometry/surface';
 import { ClothMaterial } from './cloth_material';
 import { FatLines } from './fat_lines';
 import { carriedColors, pieceColors } from './piece_colors';
+import { PieceHighlight } from './piece_highlight';
 import { strainColors, strainScaleEnd } from './strain_colors';
 
 function upload(attribute: BufferAttribute, count: number): void {
@@ -23,6 +24,7 @@ export class SheetView {
     new LineBasicMaterial({ color: 0x05070a, transparent: true, opacity: 0.42, depthWrite: false }),
   );
   private readonly lips = new FatLines({ color: 0x10151c, width: 2 });
+  private readonly highlighted = new PieceHighlight();
   private surface: Surface | undefined;
   private shownVersion = -1;
   private wiresVersion = -1;
@@ -38,7 +40,7 @@ export class SheetView {
     this.mesh.frustumCulled = false;
     this.wires.frustumCulled = false;
     this.wires.visible = false;
-    this.object.add(this.mesh, this.wires, this.lips.object);
+    this.object.add(this.mesh, this.wires, this.lips.object, this.highlighted.object);
   }
 
   get isWireframe(): boolean {
@@ -48,6 +50,11 @@ export class SheetView {
   setWireframe(isOn: boolean): void {
     this.wires.visible = isOn;
     if (isOn) this.updateWires();
+  }
+
+  /** Lights one piece up, by its label in the frames, from the next update() on; undefined: none. */
+  highlight(label: number | undefined): void {
+    this.highlighted.set(label);
   }
 
   /**
@@ -106,6 +113,7 @@ export class SheetView {
     upload(positions, 3 * mirror.numVertices);
     upload(normals, 3 * mirror.numVertices);
     this.updateLips();
+    this.highlighted.update(mirror, positions);
     if (this.wires.visible) this.updateWires();
   }
 

@@ -18,6 +18,8 @@ const kFovDeg = 36;
 const kViewDirection = new Vector3(0.5, -1, 0.62).normalize();
 // Part of the picture's height or width that the sheet fills at first; it will swing and fall.
 const kFilled = 0.88;
+// Radians from straight above or below, where "up" would turn over.
+const kLeastPolar = 0.01;
 const kLightDirection = new Vector3(-0.45, -0.5, 1).normalize();
 
 /** Renderer, camera, lights and floor; z is up. Draws only when something called invalidate(). */
@@ -50,9 +52,6 @@ export class Stage {
     this.fit(new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 1)));
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
-    const dark = matchMedia('(prefers-color-scheme: dark)');
-    dark.addEventListener('change', () => this.setDark(dark.matches));
-    this.setDark(dark.matches);
   }
 
   invalidate(): void {
@@ -92,6 +91,42 @@ export class Stage {
     shadow.updateProjectionMatrix();
     this.ground.reach = 4 * radius;
     this.invalidate();
+  }
+
+  /** Turns the camera about what it looks at: `left` and `up` in radians, never over the top. */
+  orbit(left: number, up: number): void {
+    const { target } = this.controls;
+    const offset = this.camera.position.clone().sub(target);
+    const polar = offset.angleTo(this.camera.up);
+    const toPolar = Math.min(Math.PI - kLeastPolar, Math.max(kLeastPolar, polar - up));
+    const right = new Vector3().crossVectors(this.camera.up, offset).normalize();
+    offset.applyAxisAngle(right, toPolar - polar).applyAxisAngle(this.camera.up, left);
+    this.camera.position.copy(target).add(offset);
+    this.controls.update();
+  }
+
+  /** Nearer to what it looks at by this factor, farther below 1. */
+  zoom(factor: number): void {
+    const { target, minDistance, maxDistance } = this.controls;
+    const offset = this.camera.position.clone().sub(target);
+    offset.setLength(Math.min(maxDistance, Math.max(minDistance, offset.length() / factor)));
+    this.camera.position.copy(target).add(offset);
+    this.controls.update();
+  }
+
+  /** Moves the camera and what it looks at across the view, CSS pixels. */
+  pan(rightPx: number, upPx: number): void {
+    const scale = this.metresPerPx(this.controls.target);
+    const shift = new Vector3(rightPx * scale, upPx * scale, 0).applyQuaternion(this.camera.quaternion);
+    this.lookAt(this.controls.target.clone().add(shift));
+  }
+
+  /** Moves a world point into the middle of the picture, from the same side and as far away. */
+  lookAt(at: Vector3): void {
+    const { target } = this.controls;
+    this.camera.position.add(at).sub(target);
+    target.copy(at);
+    this.controls.update();
   }
 
   // The least distance from `center`, along the first view's direction, from which all corners of the box are in the
@@ -134,6 +169,14 @@ export class Stage {
     return (2 * Math.abs(depth) * Math.tan(0.5 * kFovDeg * (Math.PI / 180))) / this.sizePx.y;
   }
 
+  /** Light and floor for a dark page, or for a light one. */
+  setDark(isDark: boolean): void {
+    this.sky.intensity = isDark ? 0.9 : 1.25;
+    this.sky.groundColor.set(isDark ? 0x3a4250 : 0x9a948c);
+    this.ground.setColors(isDark ? 0x2a303a : 0xe6eaef, isDark ? 0x8794a8 : 0x5b6675);
+    this.invalidate();
+  }
+
   private resize(): void {
     const { clientWidth, clientHeight } = this.canvas;
     if (clientWidth === 0 || clientHeight === 0) return;
@@ -142,13 +185,6 @@ export class Stage {
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();
-    this.invalidate();
-  }
-
-  private setDark(isDark: boolean): void {
-    this.sky.intensity = isDark ? 0.9 : 1.25;
-    this.sky.groundColor.set(isDark ? 0x3a4250 : 0x9a948c);
-    this.ground.setColors(isDark ? 0x2a303a : 0xe6eaef, isDark ? 0x8794a8 : 0x5b6675);
     this.invalidate();
   }
 }

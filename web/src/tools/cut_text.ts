@@ -59,3 +59,10 @@ export function cutText(result: CutResult, hasWidth = false): string {
 export function warningText({ warnings }: CutResult): string {
   return warnings.map((warning) => `${warning.charAt(0).toUpperCase()}${warning.slice(1)}.`).join(' ');
 }
+
+/** Bytes in the unit in which they read best. */
+export function sizeText(bytes: number): string {
+  if (bytes < 1024) return countText(bytes, 'byte');
+  const [factor, unit] = bytes < 1024 ** 2 ? [1024, 'KiB'] : [1024 ** 2, 'MiB'];
+  return `${Number((bytes / factor).toPrecision(2)).toLocaleString('en')} ${unit}`;
+}

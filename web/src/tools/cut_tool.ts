@@ -1,5 +1,5 @@
 import type { MessageInitShape } from '@bufbuild/protobuf';
-import { Vector2, Vector3 } from 'three';
+import { Vector2 } from 'three';
 import { call } from '../api';
 import { CutResult_Status, CutService } from '../gen/kerf/v1/cuts_pb';
 import type { CutSchema } from '../gen/kerf/v1/scene_pb';
@@ -9,18 +9,14 @@ import { svgOutline } from '../geometry/svg_outline';
 import { CutHandles } from './cut_handles';
 import { CutPreview } from './cut_preview';
 import { cutText, warningText } from './cut_text';
-import { MaterialPlane, PicturePlane, cutView } from './drawing_plane';
+import { MaterialPlane, PicturePlane, cutView, frontHalf } from './drawing_plane';
 import type { CutTarget, DepthRange, DrawingPlane } from './drawing_plane';
-import { BezierDrawing } from './drawings/bezier_drawing';
 import type { Drawing, PreviewLine } from './drawings/drawing';
-import { EllipseDrawing } from './drawings/ellipse_drawing';
-import { FreehandDrawing } from './drawings/freehand_drawing';
-import { LinesDrawing } from './drawings/lines_drawing';
+import { newDrawing } from './drawings/kinds';
+import type { CutMode } from './drawings/kinds';
 import { PictureDrawing } from './drawings/picture_drawing';
 import type { Picture } from './drawings/picture_drawing';
 import type { Pointer, Tool, Viewer } from './tool';
-
-export type CutMode = 'curve' | 'lines' | 'freehand' | 'circle' | 'ellipse' | 'svg';
 
 /** Perforation: metres of the sheet that are cut and left in turn. */
 export interface Dashes {
@@ -28,15 +24,6 @@ export interface Dashes {
   cutM: number;
   leftM: number;
 }
-
-const kDrawings: Record<CutMode, () => Drawing> = {
-  curve: () => new BezierDrawing(),
-  lines: () => new LinesDrawing(),
-  freehand: () => new FreehandDrawing(),
-  circle: () => new EllipseDrawing(true),
-  ellipse: () => new EllipseDrawing(false),
-  svg: () => new PictureDrawing(),
-};
 
 // Of a drawing with more chords than this the preview of the strip leaves points out, evenly.
 const kMaxStripChords = 2000;
@@ -57,7 +44,7 @@ export class CutTool implements Tool {
   private currentWidthM = 0;
   private currentMode: CutMode = 'curve';
   private currentTarget: CutTarget = 'seen';
-  private drawing: Drawing = kDrawings.curve();
+  private drawing: Drawing = newDrawing('curve');
   private chosenHandle = -1;
   private isCutting = false;
   private isChoosing = false;
@@ -144,7 +131,7 @@ export class CutTool implements Tool {
     const from = this.plane;
     this.currentTarget = target;
     this.isChoosing = false;
-    if (target === 'depth') this.frontHalf();
+    if (target === 'depth' && this.viewer.surface) Object.assign(this.depth, frontHalf(this.viewer.surface, this.viewer.stage.camera));
     const to = this.plane;
     const isKept = from === to || this.drawing.map((point) => {
       const px = from.toPx(point);
@@ -229,6 +216,12 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
+  // A press that is taken began a drawing anew, but that of a picture's box, which only moved.
+  abandon(): void {
+    this.drawing.release(this.plane.tremor);
+    if (this.currentMode !== 'svg') this.cancel();
+  }
+
   tap(pointer: Pointer): void {
     if (this.isChoosing) {
       this.pieceMark = this.viewer.surface?.pick(pointer.ray)?.material;
@@ -241,20 +234,32 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
-  key(key: string): boolean {
-    if (key === 'Enter' && this.isReady) void this.cut();
-    else if (key === 'Escape' && this.isChoosing) this.isChoosing = false;
-    else if (key === 'Escape' && this.isStarted) this.cancel();
-    else if (key === 'Backspace' && this.isStarted) this.drawing.removeLast();
-    else if (key === '+' && this.weighted) this.setWeight(this.weighted.weight * kWeightStep);
-    else if (key === '-' && this.weighted) this.setWeight(this.weighted.weight / kWeightStep);
-    else return false;
+  /** Gives up what is going on: the choice of a piece, or the drawing; false if there is neither. */
+  escape(): boolean {
+    if (!this.isChoosing && !this.isStarted) return false;
+    if (this.isChoosing) this.isChoosing = false;
+    else this.cancel();
     this.refresh();
     return true;
   }
 
+  /** Takes the last point back; false if nothing is drawn. */
+  removeLast(): boolean {
+    if (!this.isStarted) return false;
+    this.drawing.removeLast();
+    this.refresh();
+    return true;
+  }
+
+  /** A step up or down of the chosen point's weight; false if none has one. */
+  stepWeight(direction: 1 | -1): boolean {
+    if (!this.weighted) return false;
+    this.setWeight(this.weighted.weight * kWeightStep ** direction);
+    return true;
+  }
+
   cancel(): void {
-    this.drawing = kDrawings[this.currentMode]();
+    this.drawing = newDrawing(this.currentMode);
     this.chosenHandle = -1;
     this.refresh();
   }
@@ -375,20 +380,6 @@ export class CutTool implements Tool {
       }));
     }
     this.drawnSizePx.copy(sizePx);
-  }
-
-  // The half of the sheet that is nearer to the camera, to begin with; whole millimetres.
-  private frontHalf(): void {
-    const { surface, stage } = this.viewer;
-    if (!surface) return;
-    const forward = stage.camera.getWorldDirection(new Vector3());
-    let [nearest, farthest] = [Infinity, 0];
-    for (let v = 0; v < surface.mirror.numVertices; ++v) {
-      const depth = surface.vertexPosition(v).sub(stage.camera.position).dot(forward);
-      [nearest, farthest] = [Math.min(nearest, depth), Math.max(farthest, depth)];
-    }
-    this.depth.nearestM = Math.max(0, Math.floor(1e3 * nearest) / 1e3);
-    this.depth.farthestM = Math.max(this.depth.nearestM, Math.ceil(500 * (nearest + farthest)) / 1e3);
   }
 
   private chooseHandle(index: number): void {

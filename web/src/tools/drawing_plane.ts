@@ -1,9 +1,10 @@
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import type { PerspectiveCamera } from 'three';
-import { Vector2 } from 'three';
+import { Vector2, Vector3 } from 'three';
 import { View_Layers } from '../gen/kerf/v1/scene_pb';
 import type { ViewSchema } from '../gen/kerf/v1/scene_pb';
 import type { Point2 } from '../geometry/locator';
+import type { Surface } from '../geometry/surface';
 import type { Viewer } from './tool';
 
 /** What a cut goes through: layers of the sheet as it is seen, or the material, wherever it is. */
@@ -43,6 +44,18 @@ export function cutView(
     ...(target === 'depth' ? depth : {}),
     ...(target === 'piece' ? { piece } : {}),
   };
+}
+
+/** The half of the sheet that is nearer to the camera, in whole millimetres. */
+export function frontHalf(surface: Surface, camera: PerspectiveCamera): DepthRange {
+  const forward = camera.getWorldDirection(new Vector3());
+  let [nearest, farthest] = [Infinity, 0];
+  for (let v = 0; v < surface.mirror.numVertices; ++v) {
+    const depth = surface.vertexPosition(v).sub(camera.position).dot(forward);
+    [nearest, farthest] = [Math.min(nearest, depth), Math.max(farthest, depth)];
+  }
+  const nearestM = Math.max(0, Math.floor(1e3 * nearest) / 1e3);
+  return { nearestM, farthestM: Math.max(nearestM, Math.ceil(500 * (nearest + farthest)) / 1e3) };
 }
 
 /** Where a drawing lies: how its coordinates and the canvas belong together. */

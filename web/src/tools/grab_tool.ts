@@ -2,6 +2,7 @@ import { Plane, Vector3 } from 'three';
 import { FatLines } from '../scene/fat_lines';
 import type { Rejection } from '../gen/kerf/v1/stream_pb';
 import type { RemoteWatch } from '../stream/remote_watch';
+import { springLook } from './spring_look';
 import type { Pointer, Tool, Viewer } from './tool';
 
 interface ActiveGrab {
@@ -17,7 +18,7 @@ interface ActiveGrab {
 // A release that found the server's queue full is sent again after this long.
 const kReleaseRetryMs = 100;
 
-/** Drags a vertex by a spring. Targets go out at most once a drawn frame. */
+/** Drags a vertex by a spring, which shows how hard it pulls. Targets go out at most once a drawn frame. */
 export class GrabTool implements Tool {
   readonly id = 'grab';
   readonly cursor = 'pointer';
@@ -69,12 +70,17 @@ export class GrabTool implements Tool {
     this.forget();
   }
 
+  abandon(): void {
+    this.release();
+  }
+
   tap(): void {}
 
-  key(key: string): boolean {
-    if (key !== 'Escape' || !this.active) return false;
+  /** Lets go; false if nothing is held. */
+  escape(): boolean {
+    const isHolding = this.active !== undefined;
     this.release();
-    return true;
+    return isHolding;
   }
 
   update(): void {
@@ -93,6 +99,10 @@ export class GrabTool implements Tool {
     // The server moves a grab to what is left beside it.
     const at = surface.vertexPosition(surface.nearestWithMaterial(active.vertex));
     this.spring.setPolyline([...at.toArray(), ...active.target.toArray()]);
+    const { min, max } = surface.locator;
+    const look = springLook(at.distanceTo(active.target), Math.hypot(max.x - min.x, max.y - min.y));
+    this.spring.material.linewidth = look.widthPx;
+    this.spring.material.color.copy(look.color);
   }
 
   rejected({ grabId, message, reason }: Rejection): void {

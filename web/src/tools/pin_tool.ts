@@ -22,10 +22,8 @@ export class PinTool implements Tool {
   }
   drag(): void {}
   release(): void {}
+  abandon(): void {}
   update(): void {}
-  key(): boolean {
-    return false;
-  }
 
   tap(pointer: Pointer): void {
     const vertex = this.pinNear(pointer.px) ?? this.viewer.surface?.pick(pointer.ray)?.vertex;

@@ -7,7 +7,8 @@ const kTapReachPx = 6;
 
 /** Gives pointer gestures on the canvas to the chosen tool first; what it does not take moves the view. */
 export class PointerRouter {
-  private pressed: { id: number; start: Vector2; isTaken: boolean; isTap: boolean } | undefined;
+  private pressed: { id: number; start: Vector2; last: PointerEvent; isTaken: boolean; isTap: boolean } | undefined;
+  private isHandingOver = false;
 
   /**
    * @param area  contains the canvas: events are seen here before OrbitControls sees them there
@@ -31,19 +32,18 @@ export class PointerRouter {
   }
 
   private down(event: PointerEvent): void {
-    if (event.target !== this.canvas) return;
+    if (event.target !== this.canvas || this.isHandingOver) return;
     // Keys belong to the tool from here on, not to the button that was pressed before.
     this.canvas.focus({ preventScroll: true });
     if (this.pressed) {
-      // A second finger: zooms the view, unless a tool holds the first.
       this.pressed.isTap = false;
-      if (this.pressed.isTaken) event.stopPropagation();
+      if (this.pressed.isTaken) this.handOver();
       return;
     }
     if (event.button !== 0) return;
     const pointer = this.pointer(event);
     const isTaken = this.tool().press(pointer);
-    this.pressed = { id: event.pointerId, start: pointer.px, isTaken, isTap: !isTaken };
+    this.pressed = { id: event.pointerId, start: pointer.px, last: event, isTaken, isTap: !isTaken };
     if (isTaken) {
       event.stopPropagation();
       this.canvas.setPointerCapture(event.pointerId);
@@ -54,9 +54,22 @@ export class PointerRouter {
     if (!this.pressed || event.pointerId !== this.pressed.id) return;
     const pointer = this.pointer(event);
     if (pointer.px.distanceTo(this.pressed.start) > kTapReachPx) this.pressed.isTap = false;
+    this.pressed.last = event;
     if (!this.pressed.isTaken) return;
     event.stopPropagation();
     this.tool().drag(pointer);
+  }
+
+  // A second finger: both move the view, whatever the first one had begun. The view has not seen it go down.
+  private handOver(): void {
+    const pressed = this.pressed!;
+    pressed.isTaken = false;
+    this.tool().abandon();
+    const { pointerId, pointerType, clientX, clientY, isPrimary } = pressed.last;
+    this.isHandingOver = true;
+    const down = { pointerId, pointerType, clientX, clientY, isPrimary, button: 0, buttons: 1, bubbles: true };
+    this.canvas.dispatchEvent(new PointerEvent('pointerdown', down));
+    this.isHandingOver = false;
   }
 
   private up(event: PointerEvent, isTapAllowed: boolean): void {

@@ -12,7 +12,7 @@ export interface Pointer {
   ray: Ray;
 }
 
-/** What a press, drag or key means while the tool is chosen. What a tool does not take moves the view. */
+/** What a press or a drag means while the tool is chosen; its keys are in ui/shortcuts.ts. What a tool does not take moves the view. */
 export interface Tool {
   readonly id: ToolId;
   /** CSS cursor over the canvas. */
@@ -23,10 +23,10 @@ export interface Tool {
   press(pointer: Pointer): boolean;
   drag(pointer: Pointer): void;
   release(): void;
+  /** A second finger came: the gesture that press() took is the view's, and what it began is undone. */
+  abandon(): void;
   /** The pointer went down and up in one place, and press() did not take it. */
   tap(pointer: Pointer): void;
-  /** True if the key was used. */
-  key(key: string): boolean;
   /** Before each drawing: the sheet may have moved. */
   update(): void;
 }

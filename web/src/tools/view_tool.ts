@@ -11,9 +11,7 @@ export class ViewTool implements Tool {
   }
   drag(): void {}
   release(): void {}
+  abandon(): void {}
   tap(): void {}
-  key(): boolean {
-    return false;
-  }
   update(): void {}
 }

@@ -1,5 +1,6 @@
 import { kLeastWeight } from '../tools/cut_tool';
-import type { CutMode, CutTool } from '../tools/cut_tool';
+import type { CutTool } from '../tools/cut_tool';
+import type { CutMode } from '../tools/drawings/kinds';
 import type { CutTarget } from '../tools/drawing_plane';
 import { Choice, element, setText } from './dom';
 

@@ -42,3 +42,29 @@ export class Choice<T extends string> {
     }
   }
 }
+
+/** A new element with these properties (attributes where the name has a dash, or is `role` or `for`) and children. */
+export function make<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  properties: Record<string, string | boolean | number>,
+  ...children: (Node | string)[]
+): HTMLElementTagNameMap[K] {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name.includes('-') || name === 'role' || name === 'for') made.setAttribute(name, String(value));
+    else Object.assign(made, { [name]: value });
+  }
+  made.append(...children);
+  return made;
+}
+
+/** A drawing of index.html's `icon-NAME`. */
+export function icon(name: string): SVGSVGElement {
+  const kSvg = 'http://www.w3.org/2000/svg';
+  const svg = document.createElementNS(kSvg, 'svg');
+  const use = document.createElementNS(kSvg, 'use');
+  use.setAttribute('href', `#icon-${name}`);
+  svg.setAttribute('aria-hidden', 'true');
+  svg.append(use);
+  return svg;
+}

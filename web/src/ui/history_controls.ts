@@ -5,15 +5,6 @@ import type { UndoCutRequestSchema, UndoResultSchema } from '../gen/kerf/v1/cuts
 import type { Viewer } from '../tools/tool';
 
 export type HistoryStep = 'undo' | 'redo';
-type Chord = Pick<KeyboardEvent, 'key' | 'ctrlKey' | 'metaKey' | 'shiftKey' | 'altKey'>;
-
-/** What the keys ask for: Ctrl+Z (on a Mac Cmd+Z) undoes; with Shift, and Ctrl+Y, makes again. */
-export function historyStep(chord: Chord): HistoryStep | undefined {
-  if (!(chord.ctrlKey || chord.metaKey) || chord.altKey) return undefined;
-  const key = chord.key.toLowerCase();
-  if (key === 'z') return chord.shiftKey ? 'redo' : 'undo';
-  return key === 'y' && !chord.shiftKey ? 'redo' : undefined;
-}
 
 function told(step: HistoryStep, { cuts, pieces }: MessageShape<typeof UndoResultSchema>): string {
   const what = cuts.length === 1 ? 'Cut' : `${cuts.length} cuts`;

@@ -1,64 +1,34 @@
 import type { App } from '../app';
-import type { CutMode, CutTool } from '../tools/cut_tool';
-import type { CutTarget } from '../tools/drawing_plane';
 import { element } from './dom';
-import { historyStep } from './history_controls';
+import { Help } from './help';
+import { chordOf, shortcutGroups, shortcutsFor } from './shortcuts';
+import type { Shortcut } from './shortcuts';
+
+// A tip names the key, and so does what screen readers are told.
+function annotate({ button, chords, isClicked, run }: Shortcut): void {
+  const target = button && document.querySelector<HTMLElement>(button);
+  if (!target) return;
+  const tip = target.closest<HTMLElement>('[title]');
+  if (tip) tip.title += ` (${chords[0]})`;
+  target.setAttribute('aria-keyshortcuts', chords.map((chord) => chord.replace('Ctrl', 'Control')).join(' '));
+  if (isClicked) target.addEventListener('click', () => run());
+}
+
+// Typing in a list searches it and in a field fills it; a button and a box are pressed by Space and Enter, and sliders
+// and choices are moved by arrows.
+function isForControl({ target, key }: KeyboardEvent): boolean {
+  const control = target as HTMLElement;
+  if (control.closest('select, textarea, input:not([type=checkbox], [type=radio], [type=range])')) return true;
+  if (control.closest('button, summary, input') && (key === ' ' || key === 'Enter')) return true;
+  return control.closest('[role=radio], input') !== null && key.startsWith('Arrow');
+}
 
 /** Keys and the buttons that do the same. */
 export function bindKeys(app: App): void {
-  const help = element<HTMLDialogElement>('help');
-  const openHelp = () => {
-    help.showModal();
-    // The focus is on its last line.
-    help.scrollTop = 0;
-  };
-  const actions: Record<string, () => void> = {
-    v: () => app.choose('view'),
-    c: () => app.choose('cut'),
-    g: () => app.choose('grab'),
-    p: () => app.choose('pin'),
-    b: () => setCutMode('curve'),
-    i: () => setCutMode('lines'),
-    l: () => setCutMode('freehand'),
-    o: () => setCutMode('circle'),
-    e: () => setCutMode('ellipse'),
-    s: () => {
-      setCutMode('svg');
-      whenCutting(() => app.svgFiles.choose());
-    },
-    d: () => whenCutting((tool) => tool.setDashes({ isOn: !tool.dashes.isOn })),
-    n: () => whenCutting((tool) => tool.again()),
-    t: () => whenCutting(() => app.cutPanel.askWidth()),
-    1: () => setCutTarget('seen'),
-    2: () => setCutTarget('all'),
-    3: () => setCutTarget('piece'),
-    4: () => setCutTarget('depth'),
-    5: () => setCutTarget('material'),
-    ' ': () => void app.controls.togglePause(),
-    '.': () => void app.controls.step(),
-    r: () => void app.controls.reset(),
-    w: () => app.toggleWireframe(),
-    k: () => app.toggleByPiece(),
-    x: () => app.toggleByStrain(),
-    f: () => app.fit(),
-    '?': openHelp,
-  };
-  const whenCutting = (act: (tool: CutTool) => void) => {
-    if (app.tool === app.cutTool) act(app.cutTool);
-  };
-  const setCutMode = (mode: CutMode) => whenCutting((tool) => tool.setMode(mode));
-  const setCutTarget = (target: CutTarget) => whenCutting((tool) => tool.setTarget(target));
-
-  element('undo').addEventListener('click', () => void app.history.run('undo'));
-  element('redo').addEventListener('click', () => void app.history.run('redo'));
-  element('wireframe').addEventListener('click', actions.w);
-  element('by-piece').addEventListener('click', actions.k);
-  element('by-strain').addEventListener('click', actions.x);
-  element('fit').addEventListener('click', actions.f);
-  element('help-open').addEventListener('click', openHelp);
-  help.addEventListener('click', (event) => {
-    if (event.target === help) help.close();
-  });
+  const help = new Help(element<HTMLDialogElement>('help'));
+  const groups = shortcutGroups(app, () => help.open());
+  help.fill(groups);
+  for (const { shortcuts } of groups) shortcuts.forEach(annotate);
 
   // A button that was clicked would keep the keyboard: Space would press it again rather than pause. Buttons reached
   // with the Tab key (a click of detail 0) keep it.
@@ -67,25 +37,12 @@ export function bindKeys(app: App): void {
   });
 
   addEventListener('keydown', (event) => {
-    const step = help.open ? undefined : historyStep(event);
-    if (step) {
-      event.preventDefault();
-      void app.history.run(step);
-      return;
+    if (document.querySelector('dialog[open]') || isForControl(event)) return;
+    for (const shortcut of shortcutsFor(groups, app.tool.id, chordOf(event))) {
+      // A held key does most things once.
+      if (event.repeat && !shortcut.isRepeated) event.preventDefault();
+      else if (shortcut.run() !== false) event.preventDefault();
+      if (event.defaultPrevented) return;
     }
-    if (event.ctrlKey || event.metaKey || event.altKey || help.open) return;
-    const target = event.target as HTMLElement;
-    // Typing in a list searches it and in a field fills it; sliders only want arrows.
-    if (target.closest('select, input[type=number]')) return;
-    if (target.closest('button, input[type=checkbox]') && (event.key === ' ' || event.key === 'Enter')) return;
-    if (app.tool.key(event.key)) {
-      event.preventDefault();
-      return;
-    }
-    const action = actions[event.key.toLowerCase()];
-    if (!action) return;
-    event.preventDefault();
-    // A held key steps on; everything else happens once.
-    if (!event.repeat || event.key === '.') action();
   });
 }

@@ -9,22 +9,11 @@ export class SvgFiles {
   private readonly input = element<HTMLInputElement>('svg-file');
 
   constructor(private readonly app: App) {
-    const stage = element('stage');
     this.input.addEventListener('change', () => {
-      void this.take(this.input.files);
+      const file = this.input.files?.[0];
+      if (file) void this.take(file);
       // The same file may be chosen again.
       this.input.value = '';
-    });
-    stage.addEventListener('dragover', (event) => {
-      if (!event.dataTransfer?.types.includes('Files')) return;
-      event.preventDefault();
-      stage.classList.add('dropping');
-    });
-    for (const name of ['dragleave', 'drop']) stage.addEventListener(name, () => stage.classList.remove('dropping'));
-    stage.addEventListener('drop', (event) => {
-      if (!event.dataTransfer?.files.length) return;
-      event.preventDefault();
-      void this.take(event.dataTransfer.files);
     });
   }
 
@@ -33,9 +22,7 @@ export class SvgFiles {
     this.input.click();
   }
 
-  private async take(files: FileList | null): Promise<void> {
-    const file = files?.[0];
-    if (!file) return;
+  async take(file: File): Promise<void> {
     const refuse = (why: string) => this.app.notify('error', `${file.name} ${why}`);
     if (!file.name.toLowerCase().endsWith('.svg') && file.type !== 'image/svg+xml') return refuse('is no SVG drawing');
     if (file.size > kMaxBytes) {

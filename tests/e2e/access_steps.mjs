@@ -1,0 +1,202 @@
+// The viewer without a mouse, in both themes, for those who hear it, and on a phone.
+import { readFile } from 'node:fs/promises';
+import { check, post, root } from './harness.mjs';
+import { ViewerPage } from './viewer_page.mjs';
+
+const kScene = {
+  grid: { columns: 31, rows: 31, widthM: 1, heightM: 1 },
+  placement: { origin: { x: -0.5, z: 0.2 }, xAxis: { x: 1 }, yAxis: { y: Math.cos(0.7), z: Math.sin(0.7) } },
+  gravityMps2: {},
+};
+const kDesktop = { viewport: { width: 1280, height: 720 } };
+const kPhone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
+
+export async function accessSteps(steps, browser, url) {
+  const axe = await readFile(`${root}/web/node_modules/axe-core/axe.min.js`, 'utf8');
+  let viewer;
+  const open = async (options) => {
+    const opened = await ViewerPage.open(browser, `${url}/?sheet=access`, options);
+    await opened.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    return opened;
+  };
+  // The page's policy allows no script from elsewhere; what the browser's own tools run, it does not ask.
+  const violations = async (page) => {
+    const session = await page.context().newCDPSession(page);
+    const run = (expression) => session.send('Runtime.evaluate', { expression, awaitPromise: true, returnByValue: true });
+    await run(axe);
+    const { result } = await run(`axe.run(document).then(({ violations }) =>
+      violations.map(({ id, nodes }) => id + ': ' + nodes.map(({ target }) => target.join(' ')).join(', ')))`);
+    await session.detach();
+    return result.value;
+  };
+  const audit = async (page, where) => {
+    const found = await violations(page);
+    check(found.length === 0, `axe, ${where}: ${found.join('; ')}`);
+  };
+
+  await steps.step('a sheet is cut by keys alone', async () => {
+    await post(url, 'SheetService/CreateSheet', { sheetId: 'access', scene: kScene, paused: true });
+    viewer = await open({ ...kDesktop, colorScheme: 'light' });
+    const { keyboard } = viewer.page;
+    await keyboard.press('c');
+    await keyboard.press('i');
+    // From beside the sheet to beside it, through its middle.
+    const reach = Math.ceil(((await viewer.at(1, 0.5)).x - (await viewer.at(0, 0.5)).x) / 2 / 16) + 4;
+    for (let i = 0; i < reach; ++i) await keyboard.press('ArrowLeft');
+    await viewer.shows('.cross output', 'beside the sheet');
+    await keyboard.press('Enter');
+    for (let i = 0; i < reach; ++i) await keyboard.press('ArrowRight');
+    const place = await viewer.page.textContent('.cross output');
+    check(/^[\d.-]+, [\d.-]+ m$/.test(place), `in the middle of the sheet the cross says ${place}`);
+    await keyboard.press('Shift+ArrowUp');
+    await keyboard.press('Enter');
+    for (let i = 0; i < reach; ++i) await keyboard.press('ArrowRight');
+    await viewer.screenshot('keys-cut');
+    await keyboard.press('Enter');
+    check((await viewer.read('k.pieces')) === 1, 'the first Enter at a new place cuts already');
+    await keyboard.press('Enter');
+    await viewer.until('k.pieces === 2');
+    await viewer.notice(/Cut at tick \d+: 2 pieces/);
+    await keyboard.press('Escape');
+    check(await viewer.page.isHidden('.cross'), 'the cross stays after Escape');
+  });
+
+  await steps.step('a circle is dragged, a vertex pinned and the view turned by keys', async () => {
+    const { keyboard } = viewer.page;
+    await keyboard.press('o');
+    await keyboard.press('Shift+ArrowUp');
+    await keyboard.press('Enter');
+    for (let i = 0; i < 3; ++i) await keyboard.press('ArrowRight');
+    await keyboard.press('Enter');
+    await keyboard.press('Enter');
+    await viewer.until('k.pieces > 2');
+    await keyboard.press('p');
+    await keyboard.press('ArrowDown');
+    await keyboard.press('Enter');
+    await viewer.until('k.pinnedVertices.length === 1');
+    await keyboard.press('v');
+    const before = await viewer.at(0, 0);
+    await keyboard.press('ArrowLeft');
+    await keyboard.press('+');
+    const after = await viewer.at(0, 0);
+    check(Math.hypot(after.x - before.x, after.y - before.y) > 5, 'the view did not turn');
+  });
+
+  await steps.step('the theme is the system’s, or chosen and kept, and the scene follows', async () => {
+    const shade = async (name) => (await viewer.colours([{ x: 1100, y: 200 }], name))[0].reduce((sum, c) => sum + c, 0);
+    const light = await shade('theme-light');
+    await viewer.page.emulateMedia({ colorScheme: 'dark' });
+    await viewer.until('k.framesDrawn > 0');
+    const dark = await shade('theme-dark');
+    check(light > 600 && dark < 250, `the page is ${light} in the light and ${dark} in the dark`);
+    await viewer.page.keyboard.press('h');
+    check((await shade('theme-chosen')) > 600, 'light was chosen, and it is dark');
+    await viewer.page.reload();
+    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    check((await shade('theme-kept')) > 600, 'the choice is not kept');
+    await viewer.page.keyboard.press('h');
+    await viewer.page.keyboard.press('h');
+    check((await viewer.page.getAttribute('html', 'data-theme')) === 'system', 'the third press is not the system again');
+  });
+
+  await steps.step('the help lists the keys that are bound', async () => {
+    await viewer.page.keyboard.press('?');
+    await viewer.page.locator('#help[open]').waitFor();
+    const caps = await viewer.page.locator('#help dt').allTextContents();
+    for (const key of ['V', 'C', 'Space', 'Ctrl+Z', 'Ctrl+Shift+Z or Ctrl+Y', 'Enter', 'ArrowLeft', 'A', 'M', 'J', 'H']) {
+      check(caps.includes(key), `the help does not list ${key}`);
+    }
+    await viewer.screenshot('help-keys');
+    await viewer.page.keyboard.press('Escape');
+  });
+
+  await steps.step('the Tab key goes through everything, and everything has a name', async () => {
+    await viewer.page.keyboard.press('c');
+    await viewer.page.focus('#canvas');
+    const seen = [];
+    for (;;) {
+      await viewer.page.keyboard.press('Tab');
+      const at = await viewer.page.evaluate(() => {
+        const element = document.activeElement;
+        if (element === document.body) return undefined;
+        const text = (node) => node?.textContent.trim() ?? '';
+        const label = element.labels?.length ? text(element.labels[0]) : '';
+        const name = element.getAttribute('aria-label') || label || text(element) || element.title;
+        const { outlineStyle } = getComputedStyle(element);
+        return { id: element.id || element.dataset.tool || element.dataset.panel || element.dataset.mode, name, outlineStyle };
+      });
+      if (!at || at.id === 'canvas') break;
+      check(at.name, `a control without a name: ${JSON.stringify(at)}`);
+      check(at.outlineStyle !== 'none', `the focus on ${at.name} cannot be seen`);
+      seen.push(at.id);
+      check(seen.length < 100, `Tab goes in circles: ${seen}`);
+    }
+    const order = ['sheet-picker', 'cut', 'curve', 'pause', 'undo', 'wireframe', 'theme', 'help-open', 'sheets', 'physics'];
+    const places = order.map((id) => seen.indexOf(id));
+    check(!places.includes(-1) && places.every((place, i) => i === 0 || place > places[i - 1]), `the order is ${seen}`);
+    await viewer.page.keyboard.press('Escape');
+    await viewer.page.focus('[data-panel=sheets]');
+    await viewer.page.keyboard.press('Enter');
+    check(await viewer.page.evaluate(() => document.activeElement.id === 'panel-sheets'), 'the focus is not in the panel');
+    await viewer.page.keyboard.press('Escape');
+    const back = await viewer.page.evaluate(() => document.activeElement.dataset.panel);
+    check(back === 'sheets', `closing the panel leaves the focus at ${back}`);
+  });
+
+  for (const [name, options] of [
+    ['desktop', kDesktop],
+    ['phone', kPhone],
+  ]) {
+    for (const colorScheme of ['light', 'dark']) {
+      await steps.step(`axe finds nothing at ${name} width, ${colorScheme}, with every panel`, async () => {
+        const page = await open({ ...options, colorScheme });
+        await audit(page.page, 'nothing open');
+        for (const panel of ['sheets', 'physics', 'pieces']) {
+          await page.page.click(`[data-panel=${panel}]`);
+          await audit(page.page, panel);
+          await page.screenshot(`${name}-${colorScheme}-${panel}`);
+          await page.page.click(`#panel-${panel} [data-close]`);
+        }
+        await page.choose('cut');
+        await audit(page.page, 'cut');
+        await page.screenshot(`${name}-${colorScheme}-cut`);
+        await page.page.click('[data-panel=sheets]');
+        await page.page.click('#new-sheet-open');
+        await audit(page.page, 'new sheet');
+        await page.page.keyboard.press('Escape');
+        const overflow = await page.page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+        check(overflow <= 0, `the page is ${overflow} px too wide`);
+        check(page.errors.length === 0, `console: ${page.errors.join('; ')}`);
+        await page.page.close();
+      });
+    }
+  }
+
+  await steps.step('two fingers move the view, whatever one finger would do', async () => {
+    const phone = await open({ ...kPhone, colorScheme: 'light' });
+    const pinch = async () => {
+      const session = await phone.page.context().newCDPSession(phone.page);
+      const touch = (type, ...touchPoints) => session.send('Input.dispatchTouchEvent', { type, touchPoints });
+      const at = (x, id) => ({ x, y: 420, id });
+      await touch('touchStart', at(180, 1));
+      await touch('touchStart', at(180, 1), at(210, 2));
+      for (let i = 1; i <= 6; ++i) await touch('touchMove', at(180 - 10 * i, 1), at(210 + 10 * i, 2));
+      await touch('touchEnd');
+      await session.detach();
+    };
+    const width = async () => (await phone.at(1, 0)).x - (await phone.at(0, 0)).x;
+    for (const tool of ['view', 'cut', 'grab', 'pin']) {
+      await phone.choose(tool);
+      if (tool === 'cut') await phone.page.click('#cut-panel [data-mode=freehand]');
+      const before = await width();
+      await pinch();
+      await phone.until('k.framesDrawn > 0');
+      check((await width()) > 1.2 * before, `with ${tool} a pinch took the sheet from ${before} px to ${await width()}`);
+      if (tool === 'cut') check(await phone.page.isDisabled('#cut-cancel'), 'the first finger has left a drawing');
+      await phone.page.click('#fit');
+    }
+    await phone.page.close();
+    check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+    await viewer.page.close();
+  });
+}

@@ -1,0 +1,188 @@
+// The panel of all sheets: what it lists, new sheets of every kind, refusals at their fields, deletion.
+import { check, post } from './harness.mjs';
+import { ViewerPage } from './viewer_page.mjs';
+
+const kWide = { viewport: { width: 1280, height: 720 }, colorScheme: 'light' };
+const kPhone = { viewport: { width: 390, height: 844 }, colorScheme: 'dark', hasTouch: true, isMobile: true };
+const kSquareObj = 'v 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 1 2 3\nf 1 3 4\n';
+// One closed line on a page of 200 x 100.
+const kOutline = `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 100"><ellipse cx="100" cy="50" rx="90" ry="45"/></svg>`;
+
+const kPly = `ply
+format ascii 1.0
+element vertex 4
+property float x
+property float y
+property float z
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 1
+1 0 1
+1 1 1
+0 1 1
+3 0 1 2
+3 0 2 3
+`;
+
+export async function sheetSteps(steps, browser, url) {
+  const sheet = (name) => post(url, 'SheetService/GetSheet', { name: `sheets/${name}` });
+  const names = async () => (await post(url, 'SheetService/ListSheets', {})).sheets.map(({ name }) => name);
+  let viewer;
+  const row = (name) => viewer.page.locator('#sheet-list li', { hasText: name });
+  const openForm = async () => {
+    await viewer.page.click('#new-sheet-open');
+    await viewer.page.locator('#new-sheet[open]').waitFor();
+    // The materials are the server's.
+    await viewer.page.locator('#new-material option').nth(1).waitFor({ state: 'attached' });
+  };
+  const shape = (value) => viewer.page.locator(`#new-sheet [name=shape][value=${value}]`).check({ force: true });
+  const create = async (name, numVertices) => {
+    await viewer.page.fill('#new-id', name);
+    await viewer.page.click('#new-create');
+    await viewer.until('k.sheet === given.sheet && k.connection === "live"', { sheet: `sheets/${name}` });
+    check(new URL(viewer.page.url()).searchParams.get('sheet') === name, `the address is ${viewer.page.url()}`);
+    const made = await sheet(name);
+    check(!numVertices || made.num_vertices === numVertices, `${name} has ${made.num_vertices} vertices`);
+    return made;
+  };
+
+  await steps.step('the panel of sheets lists what the server has, and follows it', async () => {
+    viewer = await ViewerPage.open(browser, url, kWide);
+    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.page.click('[data-panel=sheets]');
+    await row('demo').waitFor();
+    check((await row('demo').locator('[aria-current]').count()) === 1, 'the sheet that is watched is not marked');
+    await post(url, 'SheetService/PauseSheet', { name: 'sheets/demo' });
+    await row('demo').locator('.badge', { hasText: 'paused' }).waitFor();
+    check(/2,\d+ vertices, 1 piece$/.test(await row('demo').locator('small').textContent()), 'its size is not told');
+    await viewer.until('k.isPaused');
+    await viewer.screenshot('sheets');
+  });
+
+  await steps.step('a grid is made as asked for', async () => {
+    await openForm();
+    await viewer.page.fill('#new-columns', '12');
+    await viewer.page.fill('#new-rows', '8');
+    await viewer.page.fill('#new-width', '0.6');
+    await viewer.page.selectOption('#new-material', 'silk');
+    await viewer.page.selectOption('#new-pins', { label: 'left edge' });
+    await viewer.page.check('#new-paused');
+    await viewer.screenshot('new-sheet');
+    const made = await create('flag', 96);
+    check(made.run_state === 'PAUSED' && made.pinned_vertices.length === 8, JSON.stringify(made));
+    check(made.scene.material.density_kgpm3 === 420, `not silk: ${JSON.stringify(made.scene.material)}`);
+    await viewer.until('k.framesDrawn > 0 && k.numVertices === 96 && k.toWorld(0.6, 1)');
+    const width = await viewer.read('k.toWorld(0.6, 1).x - k.toWorld(0, 1).x');
+    check(Math.abs(width - 0.6) < 1e-3, `it is ${width} m wide`);
+    check(made.scene.colliders.length === 2, 'floor and ball are not there');
+    await row('flag').waitFor();
+  });
+
+  await steps.step('OBJ, PLY and an outline become sheets', async () => {
+    for (const [name, text] of [
+      ['square.obj', kSquareObj],
+      ['square2.ply', kPly],
+    ]) {
+      await openForm();
+      await shape('file');
+      await viewer.page.setInputFiles('#new-file', { name, mimeType: 'text/plain', buffer: Buffer.from(text) });
+      await viewer.page.locator('#new-file-name', { hasText: name }).waitFor();
+      await create(name.split('.')[0], 4);
+    }
+    await openForm();
+    await shape('outline');
+    const drawing = { name: 'egg.svg', mimeType: 'image/svg+xml', buffer: Buffer.from(kOutline) };
+    await viewer.page.setInputFiles('#new-outline', drawing);
+    await viewer.page.locator('#new-outline-name', { hasText: 'egg.svg' }).waitFor();
+    await create('egg');
+    // 0.9 m wide on a page of 1 m.
+    await viewer.until('k.framesDrawn > 0 && k.numVertices > 100');
+    const reach = await viewer.read('[k.toWorld(0.06, -0.25), k.toWorld(0.94, -0.25)].map((at) => at.x)');
+    check(Math.abs(reach[1] - reach[0] - 0.88) < 0.02, `the outline spans ${reach}`);
+  });
+
+  await steps.step('a mesh that is dropped on the sheet opens the form with it', async () => {
+    const transfer = await viewer.page.evaluateHandle((text) => {
+      const files = new DataTransfer();
+      files.items.add(new File([text], 'Dropped Cloth.obj'));
+      return files;
+    }, kSquareObj);
+    await viewer.page.dispatchEvent('#canvas', 'drop', { dataTransfer: transfer });
+    await viewer.page.locator('#new-sheet[open] #new-file-name', { hasText: 'Dropped Cloth.obj' }).waitFor();
+    check((await viewer.page.inputValue('#new-id')) === 'dropped-cloth', 'its name is not taken from the file');
+    await viewer.page.click('#new-create');
+    await viewer.until('k.sheet === "sheets/dropped-cloth"');
+  });
+
+  await steps.step('refusals stand at their fields, and what was typed stays', async () => {
+    await openForm();
+    const refusal = async (field, pattern) => {
+      await viewer.page.click('#new-create');
+      await viewer.page.locator(`#new-${field}-error`, { hasText: pattern }).waitFor();
+      check((await viewer.page.getAttribute(`#new-${field}`, 'aria-invalid')) === 'true', `${field} is not marked`);
+    };
+    await shape('grid');
+    await viewer.page.fill('#new-columns', '1');
+    await refusal('columns', /columns.*2.*1000/);
+    await viewer.screenshot('new-sheet-refused');
+    await viewer.page.fill('#new-columns', '');
+    await refusal('columns', /Give a number/);
+    await viewer.page.fill('#new-columns', '20');
+    check(await viewer.page.isHidden('#new-columns-error'), 'a refusal stays though the field was changed');
+    await viewer.page.fill('#new-id', 'demo');
+    await viewer.page.click('#new-create');
+    await viewer.page.locator('#new-sheet .error', { hasText: /demo.*ALREADY_EXISTS/ }).waitFor();
+    await viewer.page.fill('#new-id', 'Not An Id');
+    await refusal('id', /sheet_id/);
+    await shape('file');
+    await refusal('file', /Choose an OBJ/);
+    const file = async (name, buffer) => viewer.page.setInputFiles('#new-file', { name, mimeType: 'text/plain', buffer });
+    await file('notes.txt', Buffer.from('x'));
+    await viewer.page.locator('#new-file-error', { hasText: 'notes.txt is no OBJ, PLY or SVG file' }).waitFor();
+    await viewer.page.fill('#new-id', 'broken');
+    await file('broken.obj', Buffer.from('v 0 0 nonsense\n'));
+    await refusal('file', /line 1/);
+    await file('large.obj', Buffer.alloc(1 << 20, '#'));
+    await refusal('file', /request of 1 MiB.*at most 1 MiB/);
+    check((await viewer.page.inputValue('#new-id')) === 'broken', 'what was typed is gone');
+    await viewer.page.click('#new-sheet [data-close]');
+    // The browser writes refusals to the console.
+    viewer.errors = viewer.errors.filter((error) => !/40[09]/.test(error));
+  });
+
+  await steps.step('a sheet is deleted when that is confirmed, and another one is shown', async () => {
+    await row('egg').locator('.icon').click();
+    await viewer.page.locator('#confirmation[open]', { hasText: 'egg' }).waitFor();
+    await viewer.screenshot('confirmation');
+    await viewer.page.keyboard.press('Escape');
+    check((await names()).includes('sheets/egg'), 'a deletion that was not confirmed was done');
+    await row('egg').locator('.icon').click();
+    await viewer.page.click('#confirmation-yes');
+    await row('egg').waitFor({ state: 'detached' });
+    check(!(await names()).includes('sheets/egg'), 'the server still has it');
+    const rest = (await names()).filter((name) => name !== 'sheets/dropped-cloth');
+    await row('dropped-cloth').locator('.icon').click();
+    await viewer.page.click('#confirmation-yes');
+    await viewer.until('k.sheet === given.sheet && k.connection === "live"', { sheet: rest[0] });
+    check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+    await viewer.page.close();
+  });
+
+  await steps.step('on a phone, in the dark, a sheet is made and opened from another', async () => {
+    viewer = await ViewerPage.open(browser, `${url}/?sheet=demo`, kPhone);
+    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.page.tap('[data-panel=sheets]');
+    await row('demo').waitFor();
+    await viewer.screenshot('phone-sheets');
+    await openForm();
+    await viewer.page.fill('#new-columns', '10');
+    await viewer.page.fill('#new-rows', '10');
+    await viewer.screenshot('phone-new-sheet');
+    await create('phone', 100);
+    await row('flag').locator('.open').tap();
+    await viewer.until('k.sheet === "sheets/flag" && k.connection === "live"');
+    check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+    await viewer.page.close();
+  });
+}

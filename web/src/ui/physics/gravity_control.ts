@@ -1,0 +1,52 @@
+import { call } from '../../api';
+import { InteractionService } from '../../gen/kerf/v1/interaction_pb';
+import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
+import type { Viewer } from '../../tools/tool';
+import { element, setText } from '../dom';
+import { Newest } from '../newest';
+
+// kerf.v1.Scene.gravity_mps2 when the scene gives none.
+const kDefaultMps2 = 9.81;
+
+/** Downward acceleration, metres per second squared. */
+export class GravityControl {
+  private readonly slider = element<HTMLInputElement>('gravity');
+  private readonly value = element('gravity-value');
+  private readonly newest: Newest<number>;
+
+  constructor(viewer: Viewer) {
+    this.newest = new Newest(
+      (mps2) =>
+        viewer.attempt(() =>
+          call(InteractionService.method.setSheetGravity, {
+            name: viewer.sheetName,
+            setGravity: { gravityMps2: { x: 0, y: 0, z: -mps2 } },
+          }),
+        ),
+      () => viewer.refreshSheet(),
+    );
+    this.slider.addEventListener('input', () => this.set(this.slider.valueAsNumber));
+    for (const button of document.querySelectorAll<HTMLElement>('[data-gravity]')) {
+      button.addEventListener('click', () => {
+        this.slider.value = button.dataset.gravity!;
+        this.set(Number(button.dataset.gravity));
+      });
+    }
+  }
+
+  show({ scene }: Sheet): void {
+    if (this.newest.isBusy) return;
+    const mps2 = scene?.gravityMps2 ? -scene.gravityMps2.z : kDefaultMps2;
+    this.slider.value = String(mps2);
+    this.showValue(mps2);
+  }
+
+  private set(mps2: number): void {
+    this.showValue(mps2);
+    this.newest.put(mps2);
+  }
+
+  private showValue(mps2: number): void {
+    setText(this.value, `${mps2.toFixed(2)} m/s²`);
+  }
+}

@@ -1,0 +1,136 @@
+import type { MessageInitShape } from '@bufbuild/protobuf';
+import { Region_Edge } from '../../gen/kerf/v1/conditions_pb';
+import type { ColliderSchema, PlacementSchema, SceneSchema } from '../../gen/kerf/v1/scene_pb';
+import type { CreateSheetRequestSchema } from '../../gen/kerf/v1/sheets_pb';
+
+export type NewShape = 'grid' | 'file' | 'outline';
+export type Hang = 'upright' | 'flat';
+
+export interface MeshFile {
+  name: string;
+  kind: 'obj' | 'ply';
+  bytes: Uint8Array;
+}
+
+/** A drawing that says how large it is: see scaledDrawing(). */
+export interface Outline {
+  text: string;
+  /** metres */
+  heightM: number;
+}
+
+/** What the form asks for. Lengths in metres. */
+export interface NewSheet {
+  id: string;
+  shape: NewShape;
+  columns: number;
+  rows: number;
+  widthM: number;
+  heightM: number;
+  file: MeshFile | undefined;
+  outline: Outline | undefined;
+  outlineWidthM: number;
+  hang: Hang;
+  material: string;
+  /** EDGE_UNSPECIFIED: nothing is held. */
+  pins: Region_Edge;
+  hasFloor: boolean;
+  hasBall: boolean;
+  isPaused: boolean;
+}
+
+type Mesh = MessageInitShape<typeof SceneSchema>['mesh'];
+
+const kBallFriction = 0.4;
+const kFloorFriction = 0.5;
+// Of the sheet's smaller side.
+const kBallRadius = 0.25;
+// Of its larger side: how high a flat one starts, and how far it is from the ball below; and how far an upright one
+// hangs above the floor and from the ball behind it.
+const kFlatHeight = 0.8;
+const kUprightHeight = 0.3;
+const kBallGap = 0.08;
+
+function meshOf({ shape, columns, rows, widthM, heightM, file, outline }: NewSheet): Mesh {
+  if (shape === 'grid') return { case: 'grid', value: { columns, rows, widthM, heightM } };
+  if (shape === 'outline') {
+    return { case: 'outline', value: { boundary: { kind: { case: 'svg', value: { text: outline?.text ?? '' } } } } };
+  }
+  const bytes = file?.bytes ?? new Uint8Array();
+  if (file?.kind === 'ply') return { case: 'ply', value: { data: bytes } };
+  return { case: 'obj', value: { text: new TextDecoder().decode(bytes) } };
+}
+
+// A drawing has its upper left corner at the origin, a grid its lower left one.
+function extent(form: NewSheet): { width: number; height: number; bottom: number } {
+  if (form.shape === 'grid') return { width: form.widthM, height: form.heightM, bottom: 0 };
+  const height = form.outline?.heightM ?? 0;
+  return { width: form.outlineWidthM, height, bottom: -height };
+}
+
+// Above the floor at z = 0, its middle above the origin. A mesh file says itself where it is.
+function placementOf(form: NewSheet): MessageInitShape<typeof PlacementSchema> | undefined {
+  if (form.shape === 'file') return undefined;
+  const { width, height, bottom } = extent(form);
+  const larger = Math.max(width, height);
+  const xAxis = { x: 1, y: 0, z: 0 };
+  if (form.hang === 'flat') {
+    const origin = { x: -0.5 * width, y: -0.5 * height - bottom, z: kFlatHeight * larger };
+    return { origin, xAxis, yAxis: { x: 0, y: 1, z: 0 } };
+  }
+  const origin = { x: -0.5 * width, y: 0, z: kUprightHeight * larger - bottom };
+  return { origin, xAxis, yAxis: { x: 0, y: 0, z: 1 } };
+}
+
+function ballOf(form: NewSheet): MessageInitShape<typeof ColliderSchema> {
+  const { width, height } = extent(form);
+  const larger = Math.max(width, height);
+  const radiusM = kBallRadius * Math.min(width, height);
+  const gap = kBallGap * larger;
+  const center =
+    form.hang === 'flat'
+      ? { x: 0, y: 0, z: kFlatHeight * larger - radiusM - gap }
+      : { x: 0, y: radiusM + gap, z: kUprightHeight * larger + 0.4 * height };
+  return { shape: { case: 'sphere', value: { center, radiusM } }, friction: kBallFriction };
+}
+
+function collidersOf(form: NewSheet): MessageInitShape<typeof ColliderSchema>[] {
+  const plane = { point: {}, normal: { z: 1 } };
+  return [
+    ...(form.hasBall && form.shape !== 'file' ? [ballOf(form)] : []),
+    ...(form.hasFloor ? [{ shape: { case: 'plane' as const, value: plane }, friction: kFloorFriction }] : []),
+  ];
+}
+
+/** The request that makes the sheet; what is out of range the server refuses, naming the field. */
+export function createRequest(form: NewSheet): MessageInitShape<typeof CreateSheetRequestSchema> {
+  const pins =
+    form.pins === Region_Edge.EDGE_UNSPECIFIED ? [] : [{ region: { case: 'edge' as const, value: form.pins } }];
+  return {
+    sheetId: form.id,
+    paused: form.isPaused,
+    scene: {
+      mesh: meshOf(form),
+      material: { preset: form.material },
+      placement: placementOf(form),
+      pins,
+      colliders: collidersOf(form),
+    },
+  };
+}
+
+/** Which field of the form a field of the request is asked for in; undefined: none of them. */
+export function formField(path: string): string | undefined {
+  const fields: [RegExp, string][] = [
+    [/^sheet_id|^scene\.sheet_id/, 'id'],
+    [/^scene\.grid\.columns/, 'columns'],
+    [/^scene\.grid\.rows/, 'rows'],
+    [/^scene\.grid\.width_m/, 'width'],
+    [/^scene\.grid\.height_m/, 'height'],
+    [/^scene\.(obj|ply)/, 'file'],
+    [/^scene\.outline/, 'outline'],
+    [/^scene\.material/, 'material'],
+    [/^scene\.pins/, 'pins'],
+  ];
+  return fields.find(([pattern]) => pattern.test(path))?.[1];
+}

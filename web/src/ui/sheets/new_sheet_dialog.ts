@@ -1,0 +1,228 @@
+import { ApiError, call, requestBody } from '../../api';
+import { ServerService } from '../../gen/kerf/v1/server_pb';
+import type { ServerInfo } from '../../gen/kerf/v1/server_pb';
+import { CreateSheetRequestSchema, SheetService } from '../../gen/kerf/v1/sheets_pb';
+import { sizeText } from '../../tools/cut_text';
+import { element, setText } from '../dom';
+import { errorText } from '../error_text';
+import { createRequest, formField } from './new_sheet';
+import type { Hang, MeshFile, NewShape, NewSheet, Outline } from './new_sheet';
+import { scaledDrawing } from './scaled_drawing';
+
+function fieldOf<T extends HTMLElement = HTMLInputElement>(name: string): T {
+  return element<T>(`new-${name}`);
+}
+
+/** Asks for a new sheet and makes it: a grid, a mesh file or the outline of a drawing. */
+export class NewSheetDialog {
+  private readonly dialog = element<HTMLDialogElement>('new-sheet');
+  private readonly form = this.dialog.querySelector('form')!;
+  private readonly progress = element<HTMLProgressElement>('new-progress');
+  private info: ServerInfo | undefined;
+  private mesh: MeshFile | undefined;
+  private drawing: { name: string; text: string } | undefined;
+
+  /** @param created  sheets/{sheet}, once it is there */
+  constructor(private readonly created: (name: string) => void) {
+    this.form.addEventListener('submit', (event) => {
+      event.preventDefault();
+      void this.create();
+    });
+    this.form.addEventListener('input', ({ target }) => {
+      this.clearError((target as HTMLElement).id.replace('new-', ''));
+      this.update();
+    });
+    this.dialog.querySelector('[data-close]')!.addEventListener('click', () => this.dialog.close());
+    for (const name of ['file', 'outline']) {
+      const input = fieldOf(name);
+      input.addEventListener('change', () => void (input.files?.[0] && this.take(input.files[0])));
+    }
+    this.dialog.addEventListener('dragover', (event) => event.preventDefault());
+    this.dialog.addEventListener('drop', (event) => {
+      event.preventDefault();
+      const file = event.dataTransfer?.files[0];
+      if (file) void this.take(file);
+    });
+  }
+
+  /** @param file  a mesh or a drawing to begin with */
+  async open(file?: File): Promise<void> {
+    this.clearErrors();
+    this.update();
+    if (!this.dialog.open) this.dialog.showModal();
+    if (file) await this.take(file);
+    await this.fetchInfo();
+  }
+
+  // Materials and limits of this server.
+  private async fetchInfo(): Promise<void> {
+    try {
+      this.info ??= await call(ServerService.method.getServerInfo, {});
+    } catch (error) {
+      this.showError('', errorText(error as Error));
+      return;
+    }
+    const select = fieldOf<HTMLSelectElement>('material');
+    if (select.options.length === 0) {
+      select.append(...this.info.materialPresets.map((preset) => new Option(preset, preset)));
+    }
+    this.update();
+  }
+
+  private async take(file: File): Promise<void> {
+    const ending = file.name.toLowerCase().split('.').at(-1);
+    const name = ending === 'svg' ? 'outline' : 'file';
+    this.choose(name === 'outline' ? 'outline' : 'file');
+    this.clearErrors();
+    const bytes = await file.arrayBuffer().catch(() => undefined);
+    if (!bytes) return this.showError(name, `${file.name} cannot be read: choose it again`);
+    if (ending === 'svg') this.drawing = { name: file.name, text: new TextDecoder().decode(bytes) };
+    else if (ending === 'obj' || ending === 'ply') this.mesh = { name: file.name, kind: ending, bytes: new Uint8Array(bytes) };
+    else return this.showError(name, `${file.name} is no OBJ, PLY or SVG file: choose one that ends so`);
+    if (fieldOf('id').value === '') fieldOf('id').value = idFrom(file.name);
+    this.update();
+  }
+
+  private choose(shape: NewShape): void {
+    this.form.querySelector<HTMLInputElement>(`[name=shape][value=${shape}]`)!.checked = true;
+  }
+
+  private read(): NewSheet {
+    const chosen = (name: string) => this.form.querySelector<HTMLInputElement>(`[name=${name}]:checked`)!.value;
+    const number = (name: string) => fieldOf(name).valueAsNumber;
+    const shape = chosen('shape') as NewShape;
+    const outlineWidthM = number('outline-width');
+    return {
+      id: fieldOf('id').value.trim(),
+      shape,
+      columns: number('columns'),
+      rows: number('rows'),
+      widthM: number('width'),
+      heightM: number('height'),
+      file: this.mesh,
+      outline: shape === 'outline' ? this.outline(outlineWidthM) : undefined,
+      outlineWidthM,
+      hang: chosen('hang') as Hang,
+      material: fieldOf<HTMLSelectElement>('material').value,
+      pins: Number(fieldOf<HTMLSelectElement>('pins').value),
+      hasFloor: fieldOf('floor').checked,
+      hasBall: fieldOf('ball').checked,
+      isPaused: fieldOf('paused').checked,
+    };
+  }
+
+  // Undefined where there is no drawing, or none with a size; the field then says why.
+  private outline(widthM: number): Outline | undefined {
+    if (!this.drawing || !(widthM > 0)) return undefined;
+    try {
+      return scaledDrawing(this.drawing.text, widthM);
+    } catch (error) {
+      this.showError('outline', `${this.drawing.name} ${(error as Error).message}`);
+      return undefined;
+    }
+  }
+
+  private update(): void {
+    const form = this.read();
+    for (const shape of ['grid', 'file', 'outline']) fieldOf(`shape-${shape}`).hidden = form.shape !== shape;
+    const vertices = form.columns * form.rows;
+    setText(fieldOf('vertices'), Number.isFinite(vertices) ? `${vertices.toLocaleString('en')} vertices` : '');
+    setText(fieldOf('file-name'), this.mesh ? `${this.mesh.name}, ${sizeText(this.mesh.bytes.length)}` : 'none chosen');
+    setText(fieldOf('outline-name'), this.drawing?.name ?? 'none chosen');
+    // A mesh file says itself where it is, and with it where a ball would be.
+    fieldOf('hang').hidden = form.shape === 'file';
+    fieldOf('ball').disabled = form.shape === 'file';
+  }
+
+  private async create(): Promise<void> {
+    this.clearErrors();
+    const form = this.read();
+    if (!this.check(form)) return;
+    const request = createRequest(form);
+    if (!this.fits(form, requestBody(CreateSheetRequestSchema, request).length)) return;
+    this.setBusy(true);
+    try {
+      const onProgress = (part: number) => (this.progress.value = part);
+      const sheet = await call(SheetService.method.createSheet, request, { onProgress });
+      this.forgetFiles();
+      this.dialog.close();
+      this.created(sheet.name);
+    } catch (error) {
+      const path = error instanceof ApiError ? error.field : '';
+      this.showError(formField(path) ?? '', errorText(error as Error));
+    } finally {
+      this.setBusy(false);
+    }
+  }
+
+  // What names one sheet; numbers and choices stay for the next.
+  private forgetFiles(): void {
+    for (const name of ['id', 'file', 'outline']) fieldOf(name).value = '';
+    this.mesh = undefined;
+    this.drawing = undefined;
+  }
+
+  // What the server would not even be asked: fields that are empty. Ranges are the server's to know.
+  private check({ shape, file, outline, columns, rows, widthM, heightM }: NewSheet): boolean {
+    if (shape === 'file' && !file) this.showError('file', 'Choose an OBJ or a PLY file');
+    if (shape === 'outline' && !this.drawing) this.showError('outline', 'Choose an SVG file with one closed line');
+    if (shape === 'outline' && !(fieldOf('outline-width').valueAsNumber > 0)) {
+      this.showError('outline-width', 'Give a width above 0 m');
+    }
+    if (shape === 'grid') {
+      const numbers = { columns, rows, width: widthM, height: heightM };
+      for (const [name, value] of Object.entries(numbers)) {
+        if (!Number.isFinite(value)) this.showError(name, 'Give a number');
+      }
+    }
+    const isDrawn = shape !== 'outline' || outline !== undefined;
+    return isDrawn && this.form.querySelector('[aria-invalid=true]') === null;
+  }
+
+  // Of ASCII but for names: as many bytes as letters, nearly.
+  private fits({ shape }: NewSheet, numBytes: number): boolean {
+    const limit = this.info?.limits?.maxRequestBytes ?? Infinity;
+    if (numBytes <= limit) return true;
+    const what = `This file makes a request of ${sizeText(numBytes)}, and the server takes at most ${sizeText(limit)}`;
+    this.showError(
+      shape === 'outline' ? 'outline' : 'file',
+      `${what}: choose a coarser one, or start kerfd with a scene file that names it (kerfd --scene)`,
+    );
+    return false;
+  }
+
+  private setBusy(isBusy: boolean): void {
+    this.progress.hidden = !isBusy;
+    this.progress.value = 0;
+    fieldOf<HTMLButtonElement>('create').disabled = isBusy;
+  }
+
+  // Under the field, or under all of them, and the keyboard goes there.
+  private showError(name: string, text: string): void {
+    const line = element(name === '' ? 'new-error' : `new-${name}-error`);
+    setText(line, text);
+    line.hidden = false;
+    if (name === '') return;
+    fieldOf(name).setAttribute('aria-invalid', 'true');
+    if (!this.form.contains(document.activeElement) || this.form.querySelector('[aria-invalid=true]') === fieldOf(name)) {
+      fieldOf(name).focus();
+    }
+  }
+
+  private clearErrors(): void {
+    for (const line of this.form.querySelectorAll<HTMLElement>('.error')) line.hidden = true;
+    for (const field of this.form.querySelectorAll('[aria-invalid]')) field.removeAttribute('aria-invalid');
+  }
+
+  private clearError(name: string): void {
+    const line = document.getElementById(`new-${name}-error`);
+    if (line) line.hidden = true;
+    document.getElementById(`new-${name}`)?.removeAttribute('aria-invalid');
+  }
+}
+
+/** What of a file's name may be a sheet's id: "My Cloth.obj" -> "my-cloth"; empty where nothing may. */
+export function idFrom(fileName: string): string {
+  const stem = fileName.toLowerCase().replace(/\.[^.]*$/, '');
+  return stem.replace(/[^a-z0-9]+/g, '-').replace(/^[^a-z]+|-+$/g, '').slice(0, 63);
+}

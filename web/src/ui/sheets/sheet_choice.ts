@@ -1,0 +1,113 @@
+import { call } from '../../api';
+import type { ApiError } from '../../api';
+import type { App } from '../../app';
+import { SheetService } from '../../gen/kerf/v1/sheets_pb';
+import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
+import { listSheets, sheetId } from '../../sheets';
+import { confirmed } from '../confirmation';
+import { element } from '../dom';
+import { errorText } from '../error_text';
+import { Polling } from '../polling';
+import type { Panel } from '../side_panels';
+import { NewSheetDialog } from './new_sheet_dialog';
+import { SheetList } from './sheet_list';
+import { SheetPicker } from './sheet_picker';
+
+const kRetryMs = 1000;
+// While the panel is open.
+const kListPeriodMs = 1500;
+
+/** Which sheet is watched: asked for in the address, picked, opened in the panel of all sheets, made or deleted. */
+export class SheetChoice implements Panel {
+  readonly dialog = new NewSheetDialog((name) => this.open(name));
+  private readonly picker: SheetPicker;
+  private readonly list: SheetList;
+  private readonly polling = new Polling(() => this.refresh(), kListPeriodMs);
+
+  constructor(private readonly app: App) {
+    this.picker = new SheetPicker(
+      (name) => this.open(name),
+      () => void this.refresh(),
+    );
+    this.list = new SheetList(
+      element('sheet-list'),
+      (name) => this.open(name),
+      (name) => void this.remove(name),
+    );
+    element('new-sheet-open').addEventListener('click', () => void this.dialog.open());
+  }
+
+  opened(): void {
+    this.polling.start();
+  }
+
+  closed(): void {
+    this.polling.stop();
+  }
+
+  /** Opens the sheet of the address, else `demo`, else the first; waits until the server can be reached. */
+  async start(): Promise<void> {
+    const sheets = await this.reachable();
+    const names = sheets.map((sheet) => sheet.name);
+    const asked = new URLSearchParams(location.search).get('sheet');
+    // A sheet that was asked for and is not there is opened all the same: the server says what is wrong.
+    const name = asked ? `sheets/${asked}` : names.includes('sheets/demo') ? 'sheets/demo' : names[0];
+    if (name) this.app.open(name);
+    this.show(sheets);
+    if (!name) this.showNone();
+  }
+
+  private open(name: string): void {
+    const url = new URL(location.href);
+    url.searchParams.set('sheet', sheetId(name));
+    history.replaceState(null, '', url);
+    this.app.open(name);
+    void this.refresh();
+  }
+
+  private async remove(name: string): Promise<void> {
+    const question = `Delete the sheet ${sheetId(name)}? It ends for everybody who watches it, and cannot be brought back.`;
+    if (!(await confirmed(question, 'Delete'))) return;
+    const done = await this.app.attempt(() => call(SheetService.method.deleteSheet, { name }), 'Nothing was deleted: ');
+    if (!done) return;
+    this.app.notify('info', `Deleted ${sheetId(name)}`);
+    const sheets = await this.refresh();
+    if (name !== this.app.sheetName || !sheets) return;
+    if (sheets.length > 0) this.open(sheets[0].name);
+    else this.showNone();
+  }
+
+  private showNone(): void {
+    this.app.close();
+    this.app.showConnection('ended', 'This server has no sheets: make one under Sheets, New sheet');
+    if (this.app.panels.open !== 'sheets') this.app.panels.toggle('sheets');
+  }
+
+  private show(sheets: readonly Sheet[]): void {
+    const { sheetName } = this.app;
+    this.picker.show(
+      sheets.map((sheet) => sheet.name),
+      sheetName || undefined,
+    );
+    this.list.show(sheets, sheetName);
+    element('sheet-list-empty').hidden = sheets.length > 0;
+  }
+
+  // A server that cannot be reached is told about by the connection; the list stays as it was.
+  private async refresh(): Promise<Sheet[] | undefined> {
+    const sheets = await listSheets().catch(() => undefined);
+    if (sheets) this.show(sheets);
+    return sheets;
+  }
+
+  private async reachable(): Promise<Sheet[]> {
+    for (;;) {
+      try {
+        return await listSheets();
+      } catch (error) {
+        this.app.showConnection('lost', `${errorText(error as ApiError)}; trying again`);
+        await new Promise((resolve) => setTimeout(resolve, kRetryMs));
+      }
+    }
+  }
+}

@@ -1,0 +1,66 @@
+import { Sheet_RunState } from '../../gen/kerf/v1/sheets_pb';
+import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
+import { runStateText, sheetId } from '../../sheets';
+import { countText } from '../../tools/cut_text';
+import { icon, make, setText } from '../dom';
+
+/** "2,500 vertices, 1 piece, 0.98 × real time": the factor only of a sheet that runs. */
+export function sheetFacts(sheet: Sheet): string {
+  const facts = [countText(sheet.numVertices, 'vertex', 'vertices'), countText(sheet.pieces, 'piece')];
+  if (sheet.runState === Sheet_RunState.RUNNING) facts.push(`${sheet.realTimeFactor.toFixed(2)} × real time`);
+  return facts.join(', ');
+}
+
+interface Row {
+  item: HTMLLIElement;
+  open: HTMLButtonElement;
+  state: HTMLElement;
+  facts: HTMLElement;
+}
+
+/** One row a sheet, kept while it is there, so that whoever is in it stays in it. */
+export class SheetList {
+  private readonly rows = new Map<string, Row>();
+
+  constructor(
+    private readonly list: HTMLElement,
+    private readonly opened: (name: string) => void,
+    private readonly removed: (name: string) => void,
+  ) {}
+
+  /** @param current  sheets/{sheet} that is watched here */
+  show(sheets: readonly Sheet[], current: string): void {
+    const names = new Set(sheets.map((sheet) => sheet.name));
+    for (const [name, { item }] of this.rows) {
+      if (names.has(name)) continue;
+      item.remove();
+      this.rows.delete(name);
+    }
+    sheets.forEach((sheet, i) => {
+      const row = this.rows.get(sheet.name) ?? this.create(sheet.name);
+      if (this.list.children[i] !== row.item) this.list.insertBefore(row.item, this.list.children[i] ?? null);
+      if (sheet.name === current) row.open.setAttribute('aria-current', 'true');
+      else row.open.removeAttribute('aria-current');
+      row.state.dataset.state = runStateText(sheet.runState).replace(' ', '-');
+      setText(row.state, runStateText(sheet.runState));
+      setText(row.facts, sheetFacts(sheet));
+    });
+  }
+
+  private create(name: string): Row {
+    const state = make('span', { className: 'badge' });
+    const facts = make('small', {});
+    const title = `Watch ${sheetId(name)}`;
+    const open = make('button', { type: 'button', className: 'open', title }, make('b', {}, sheetId(name)), state, facts);
+    const remove = make(
+      'button',
+      { type: 'button', className: 'icon', title: `Delete ${sheetId(name)}`, 'aria-label': `Delete ${sheetId(name)}` },
+      icon('delete'),
+    );
+    open.addEventListener('click', () => this.opened(name));
+    remove.addEventListener('click', () => this.removed(name));
+    const row = { item: make('li', {}, open, remove), open, state, facts };
+    this.rows.set(name, row);
+    return row;
+  }
+}

@@ -1,0 +1,286 @@
+import type { App } from '../app';
+import type { CutMode } from '../tools/drawings/kinds';
+import type { CutTarget } from '../tools/drawing_plane';
+import { kCrossFineStep, kCrossStep } from '../tools/keyboard_pointer';
+import type { ToolId } from '../tools/tool';
+
+/** One thing that keys do. */
+export interface Shortcut {
+  /** As chordOf() names them; any of them does it. */
+  readonly chords: readonly string[];
+  /** For the help. */
+  readonly what: string;
+  /** CSS selector of the button that does the same: its tip names the key. */
+  readonly button?: string;
+  /** The button is pressed by nobody else's listener. */
+  readonly isClicked?: boolean;
+  /** A held key does it again and again. */
+  readonly isRepeated?: boolean;
+  /** False: there was nothing to do, and the key is somebody else's. */
+  run(): boolean | void;
+}
+
+export interface ShortcutGroup {
+  readonly title: string;
+  /** What there is besides keys. */
+  readonly intro?: string;
+  /** Keys that mean this only while one of these tools is chosen. */
+  readonly tools?: readonly ToolId[];
+  readonly shortcuts: readonly Shortcut[];
+}
+
+/** "Ctrl+Shift+Z", "W", "Space", "?": Cmd counts as Ctrl, and Shift only where the key does not say it already. */
+export function chordOf(event: Pick<KeyboardEvent, 'key' | 'ctrlKey' | 'metaKey' | 'shiftKey' | 'altKey'>): string {
+  const { key } = event;
+  const name = key === ' ' ? 'Space' : key.length === 1 ? key.toUpperCase() : key;
+  const isNamedByKey = key.length === 1 && key.toLowerCase() === key.toUpperCase() && key !== ' ';
+  const shift = event.shiftKey && !isNamedByKey ? 'Shift+' : '';
+  return `${event.ctrlKey || event.metaKey ? 'Ctrl+' : ''}${event.altKey ? 'Alt+' : ''}${shift}${name}`;
+}
+
+/** What a chord does while `tool` is chosen: the tool's own keys first. */
+export function shortcutsFor(groups: readonly ShortcutGroup[], tool: ToolId, chord: string): Shortcut[] {
+  const isOwn = (group: ShortcutGroup) => group.tools?.includes(tool);
+  const ordered = [...groups.filter(isOwn), ...groups.filter((group) => group.tools === undefined)];
+  return ordered.flatMap((group) => group.shortcuts.filter((shortcut) => shortcut.chords.includes(chord)));
+}
+
+function chooseTool(app: App, chord: string, tool: ToolId, what: string): Shortcut {
+  return { chords: [chord], what, button: `[data-tool=${tool}]`, run: () => app.choose(tool) };
+}
+
+function toolGroup(app: App): ShortcutGroup {
+  return {
+    title: 'Tools',
+    intro: 'What a tool does not take moves the view.',
+    shortcuts: [
+      chooseTool(app, 'V', 'view', 'View: drag to orbit, right-drag or two fingers to move, wheel or pinch to zoom'),
+      chooseTool(app, 'C', 'cut', 'Cut: draw on the picture, adjust, and what is seen under the line is cut'),
+      chooseTool(app, 'G', 'grab', 'Grab: drag a vertex, and the sheet follows on a spring'),
+      chooseTool(app, 'P', 'pin', 'Pin: tap a vertex to hold it where it is, tap again to let go'),
+    ],
+  };
+}
+
+function setMode(app: App, chord: string, mode: CutMode, what: string): Shortcut {
+  return { chords: [chord], what, button: `[data-mode=${mode}]`, run: () => app.cutTool.setMode(mode) };
+}
+
+function setTarget(app: App, chord: string, target: CutTarget, what: string): Shortcut {
+  return { chords: [chord], what, run: () => app.cutTool.setTarget(target) };
+}
+
+function cutGroups(app: App): ShortcutGroup[] {
+  const { cutTool } = app;
+  return [
+    {
+      title: 'Cutting',
+      intro: 'Start and end beside the sheet to cut it through.',
+      tools: ['cut'],
+      shortcuts: [
+        { chords: ['Enter'], what: 'Cut', button: '#cut-apply', run: () => cutTool.isReady && void cutTool.cut() },
+        { chords: ['Escape'], what: 'Give the drawing up', button: '#cut-cancel', run: () => cutTool.escape() },
+        { chords: ['Backspace'], what: 'Take the last point back', run: () => cutTool.removeLast() },
+        { chords: ['N'], what: 'The drawing that was cut last, once more', button: '#cut-again', run: () => cutTool.again() },
+        {
+          chords: ['D'],
+          what: 'Perforate instead of cutting through',
+          button: '#cut-dashed',
+          run: () => cutTool.setDashes({ isOn: !cutTool.dashes.isOn }),
+        },
+        {
+          chords: ['T'],
+          what: 'Width taken away: a strip of so many millimetres goes with the cut, and whole pieces inside it',
+          button: '#cut-width',
+          run: () => app.cutPanel.askWidth(),
+        },
+        { chords: ['+'], what: 'More weight for the chosen point of a curve', run: () => cutTool.stepWeight(1) },
+        { chords: ['-'], what: 'Less weight for it', run: () => cutTool.stepWeight(-1) },
+      ],
+    },
+    {
+      title: 'What is drawn',
+      tools: ['cut'],
+      shortcuts: [
+        setMode(app, 'B', 'curve', 'Bézier curve of three or four points'),
+        setMode(app, 'I', 'lines', 'Straight lines'),
+        setMode(app, 'L', 'freehand', 'Freehand line'),
+        setMode(app, 'O', 'circle', 'Circle'),
+        setMode(app, 'E', 'ellipse', 'Ellipse'),
+        {
+          ...setMode(app, 'S', 'svg', 'SVG file: chosen, or dropped on the sheet, then moved and scaled'),
+          run: () => {
+            cutTool.setMode('svg');
+            app.svgFiles.choose();
+          },
+        },
+      ],
+    },
+    {
+      title: 'What is cut',
+      tools: ['cut'],
+      shortcuts: [
+        setTarget(app, '1', 'seen', 'What is seen under the line'),
+        setTarget(app, '2', 'all', 'Every layer'),
+        setTarget(app, '3', 'piece', 'One piece: the one seen where the line first meets the sheet, or one that is tapped'),
+        setTarget(app, '4', 'depth', 'What lies between two distances from the camera'),
+        setTarget(app, '5', 'material', 'The material: the line then moves with the sheet'),
+      ],
+    },
+  ];
+}
+
+function simulationGroup(app: App): ShortcutGroup {
+  const { controls, history } = app;
+  return {
+    title: 'Simulation',
+    shortcuts: [
+      { chords: ['Space'], what: 'Pause or resume', button: '#pause', isClicked: true, run: () => void controls.togglePause() },
+      {
+        chords: ['.'],
+        what: 'One tick; pauses first',
+        button: '#step',
+        isClicked: true,
+        isRepeated: true,
+        run: () => void controls.step(),
+      },
+      { chords: ['R'], what: 'Back to the start', button: '#reset', isClicked: true, run: () => void controls.reset() },
+      {
+        chords: ['Ctrl+Z'],
+        what: 'Undo the last cut; the sheet moves on',
+        button: '#undo',
+        isClicked: true,
+        isRepeated: true,
+        run: () => void history.run('undo'),
+      },
+      {
+        chords: ['Ctrl+Shift+Z', 'Ctrl+Y'],
+        what: 'Make it again',
+        button: '#redo',
+        isClicked: true,
+        isRepeated: true,
+        run: () => void history.run('redo'),
+      },
+    ],
+  };
+}
+
+function viewGroup(app: App, openHelp: () => void): ShortcutGroup {
+  return {
+    title: 'What is shown',
+    shortcuts: [
+      { chords: ['W'], what: 'Wireframe', button: '#wireframe', isClicked: true, run: () => app.toggleWireframe() },
+      {
+        chords: ['K'],
+        what: 'A colour for each piece, which it keeps until it is cut itself',
+        button: '#by-piece',
+        isClicked: true,
+        run: () => app.toggleByPiece(),
+      },
+      { chords: ['X'], what: 'Colours by strain', button: '#by-strain', isClicked: true, run: () => app.toggleByStrain() },
+      { chords: ['F'], what: 'Show the whole sheet', button: '#fit', isClicked: true, run: () => app.fit() },
+      {
+        chords: ['H'],
+        what: 'Light, dark, or as the system is',
+        button: '#theme',
+        isClicked: true,
+        run: () => app.theme.next(),
+      },
+      { chords: ['?'], what: 'This page', button: '#help-open', isClicked: true, run: openHelp },
+    ],
+  };
+}
+
+function panelGroup(app: App): ShortcutGroup {
+  const panel = (chord: string, id: string, what: string): Shortcut => ({
+    chords: [chord],
+    what,
+    button: `[data-panel=${id}]`,
+    isClicked: true,
+    run: () => app.panels.toggle(id),
+  });
+  return {
+    title: 'Panels',
+    shortcuts: [
+      panel('A', 'sheets', 'All sheets: open, delete, make new ones'),
+      panel('M', 'physics', 'Gravity, wind and pins'),
+      panel('J', 'pieces', 'All pieces with their sizes'),
+      { chords: ['Escape'], what: 'Close the panel', run: () => app.panels.close() },
+    ],
+  };
+}
+
+function grabGroup(app: App): ShortcutGroup {
+  return {
+    title: 'Grabbing',
+    tools: ['grab'],
+    shortcuts: [{ chords: ['Escape'], what: 'Let go', run: () => app.grabTool.escape() }],
+  };
+}
+
+// Radians and a factor that one press of a key turns and nears the view by.
+const kTurn = Math.PI / 36;
+const kNearer = 1.15;
+// CSS pixels.
+const kShift = 40;
+
+const kArrows: readonly [key: string, word: string, right: number, up: number][] = [
+  ['ArrowLeft', 'left', -1, 0],
+  ['ArrowRight', 'right', 1, 0],
+  ['ArrowUp', 'up', 0, 1],
+  ['ArrowDown', 'down', 0, -1],
+];
+
+function viewKeys(app: App): ShortcutGroup {
+  const { stage } = app;
+  const turn = kArrows.map(([key, word, right, up]) => ({
+    chords: [key],
+    what: `Turn the view ${word}`,
+    isRepeated: true,
+    run: () => stage.orbit(-right * kTurn, up * kTurn),
+  }));
+  const shift = kArrows.map(([key, word, right, up]) => ({
+    chords: [`Shift+${key}`],
+    what: `Move it ${word}`,
+    isRepeated: true,
+    run: () => stage.pan(right * kShift, up * kShift),
+  }));
+  return {
+    title: 'Viewing',
+    tools: ['view'],
+    shortcuts: [
+      ...turn,
+      ...shift,
+      { chords: ['+'], what: 'Nearer', isRepeated: true, run: () => stage.zoom(kNearer) },
+      { chords: ['-'], what: 'Farther', isRepeated: true, run: () => stage.zoom(1 / kNearer) },
+    ],
+  };
+}
+
+function crossKeys(app: App): ShortcutGroup {
+  const { keyboardPointer } = app;
+  const moves = ([prefix, step, how]: [string, number, string]) =>
+    kArrows.map(([key, word, right, up]) => ({
+      chords: [`${prefix}${key}`],
+      what: `Move the cross ${word}${how}`,
+      isRepeated: true,
+      run: () => keyboardPointer.move(step * right, -step * up),
+    }));
+  return {
+    title: 'A cross in place of the mouse',
+    intro: 'What is pressed with Enter is dragged by arrows, until Enter lets go.',
+    tools: ['cut', 'grab', 'pin'],
+    shortcuts: [
+      { chords: ['Enter'], what: 'Set a point, press, or let go where the cross is', run: () => keyboardPointer.press() },
+      { chords: ['Escape'], what: 'Take the cross away', run: () => keyboardPointer.hide() },
+      ...moves(['', kCrossStep, '']),
+      ...moves(['Shift+', kCrossFineStep, ', a little']),
+    ],
+  };
+}
+
+/** Every key there is: what keys.ts listens for and what the help shows. Of keys that two groups have, the first counts. */
+export function shortcutGroups(app: App, openHelp: () => void): ShortcutGroup[] {
+  const always = [toolGroup(app), simulationGroup(app), viewGroup(app, openHelp), panelGroup(app)];
+  return [...always, viewKeys(app), crossKeys(app), ...cutGroups(app), grabGroup(app)];
+}
