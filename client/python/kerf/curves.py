@@ -19,17 +19,29 @@ def vec2(point: Point) -> geometry_pb2.Vec2:
 
 
 def polyline(*points: Point) -> geometry_pb2.Curve:
-    """Straight pieces; closed if the last point equals the first. 2..4096 points."""
+    """Straight pieces; closed if the last point equals the first. 2..4096 points.
+
+    >>> sheet.cut(polyline((-0.1, 0.3), (1.1, 0.35))).pieces
+    2
+    """
     return geometry_pb2.Curve(polyline=geometry_pb2.Polyline(points=[vec2(point) for point in points]))
 
 
 def bezier(*points: Point) -> geometry_pb2.Curve:
-    """Cubic Bezier pieces joined end to start: 3 n + 1 points for n of 1..64 pieces."""
+    """Cubic Bezier pieces joined end to start: 3 n + 1 points for n of 1..64 pieces.
+
+    >>> sheet.cut(bezier((-0.1, 0.3), (0.3, 0.6), (0.7, 0.1), (1.1, 0.4))).pieces
+    2
+    """
     return geometry_pb2.Curve(bezier=geometry_pb2.CubicBezier(points=[vec2(point) for point in points]))
 
 
 def rational(*points: Tuple[float, float, float]) -> geometry_pb2.Curve:
-    """A rational Bezier curve of three (quadratic) or four (cubic) points x, y, weight. Weights 1e-6..1e6."""
+    """A rational Bezier curve of three (quadratic) or four (cubic) points x, y, weight. Weights 1e-6..1e6.
+
+    >>> sheet.cut(rational((-0.1, 0.9, 1), (0.5, 0.5, 3), (1.1, 0.9, 1))).pieces
+    2
+    """
     if len(points) not in (3, 4):
         raise ValueError(f"a rational curve has 3 points or 4, not {len(points)}")
     path = Path(points[0][:2])
@@ -42,12 +54,20 @@ def rational(*points: Tuple[float, float, float]) -> geometry_pb2.Curve:
 
 
 def circle(center: Point, radius: float) -> geometry_pb2.Curve:
-    """A full circle: a punch."""
+    """A full circle: a punch.
+
+    >>> sheet.cut(circle((0.5, 0.5), 0.2)).pieces
+    2
+    """
     return geometry_pb2.Curve(circle=geometry_pb2.Circle(center=vec2(center), radius_m=radius))
 
 
 def ellipse(center: Point, semi_axis_x: float, semi_axis_y: float, rotation_deg: float = 0.0) -> geometry_pb2.Curve:
-    """A full ellipse; the rotation is counter-clockwise."""
+    """A full ellipse; the rotation is counter-clockwise.
+
+    >>> sheet.cut(ellipse((0.5, 0.5), 0.3, 0.1, rotation_deg=30)).pieces
+    2
+    """
     return geometry_pb2.Curve(
         ellipse=geometry_pb2.Ellipse(
             center=vec2(center),
@@ -59,7 +79,12 @@ def ellipse(center: Point, semi_axis_x: float, semi_axis_y: float, rotation_deg:
 
 
 def svg(text: str) -> geometry_pb2.Curve:
-    """The outlines of a drawing, given as SVG text. Without `fit` it is fitted into the sheet."""
+    """The outlines of a drawing, given as SVG text. Without `fit` it is fitted into the sheet.
+
+    >>> drawing = '<svg xmlns="http://www.w3.org/2000/svg"><circle r="40"/></svg>'
+    >>> sheet.cut(svg(drawing), fit=(0.1, 0.1, 0.3, 0.3)).pieces
+    2
+    """
     return geometry_pb2.Curve(svg=geometry_pb2.Svg(text=text))
 
 
@@ -72,6 +97,10 @@ class Path:
     """Lines of any pieces, built one after the other; each method returns the path, so that they chain:
 
     kerf.Path((0.1, 0.1)).line((0.3, 0.1)).arc((0.3, 0.3), 0.1).close().move((0.6, 0.6)).line((0.8, 0.7)).curve()
+
+    >>> half_disc = Path((0.4, 0.5)).line((0.6, 0.5)).arc((0.4, 0.5), 0.1).close()
+    >>> sheet.cut(half_disc.curve()).pieces
+    2
     """
 
     def __init__(self, start: Point) -> None:
@@ -84,6 +113,7 @@ class Path:
         return self
 
     def line(self, *ends: Point) -> Path:
+        """Straight on to each of the points."""
         for end in ends:
             self._segments().add(line=vec2(end))
         return self
@@ -130,6 +160,7 @@ class Path:
         return self
 
     def curve(self) -> geometry_pb2.Curve:
+        """All lines, to be cut at once. At most 10000 segments."""
         return geometry_pb2.Curve(path=self._path)
 
     def _segments(self) -> Any:

@@ -44,7 +44,12 @@ class CutOptions(TypedDict, total=False):
 
 
 def cut(curve: geometry_pb2.Curve, **options: Unpack[CutOptions]) -> scene_pb2.Cut:
-    """A cut to be made later: one of a batch."""
+    """A cut to be made later: one of a batch.
+
+    >>> fine = cut(kerf.circle((0.5, 0.5), 0.1), tolerance=0.01)
+    >>> sheet.cut_all([fine, kerf.circle((0.2, 0.2), 0.1)]).pieces
+    3
+    """
     fields: Dict[str, Any] = dict(options)
     unknown = fields.keys() - CutOptions.__annotations__.keys()
     if unknown:
@@ -66,7 +71,11 @@ def vec3(vector: Vector) -> geometry_pb2.Vec3:
 def camera(
     eye: Vector, target: Vector, up: Optional[Vector] = None, *, vertical_fov_deg: float = 0.0
 ) -> geometry_pb2.Camera:
-    """A perspective camera in the world, metres. up: +z; vertical_fov_deg: 40 degrees where it is 0."""
+    """A perspective camera in the world, metres. up: +z; vertical_fov_deg: 40 degrees where it is 0.
+
+    >>> camera((0.5, -2, 0.5), (0.5, 0, 0.5)).eye.y
+    -2.0
+    """
     return geometry_pb2.Camera(
         eye=vec3(eye),
         target=vec3(target),
@@ -87,6 +96,10 @@ def view(
 
     layers: "nearest", "all", "one_piece" (that with the label `piece`, else the one met first) or "depth_range" (`depth_m` from
     the camera).
+
+    >>> through = view(camera((0.5, -2, 0.5), (0.5, 0, 0.5)), (640, 640), layers="all")
+    >>> sheet.cut(kerf.polyline((0, 320), (640, 320)), view=through).pieces
+    2
     """
     return _with_layers(scene_pb2.View(camera=camera), size_px, layers, piece, depth_m)
 
@@ -105,7 +118,12 @@ def view_of_matrices(
 
 
 def save_cuts(path: "str | os.PathLike[str]", cuts: Iterable[scene_pb2.Cut]) -> None:
-    """Writes cuts as JSON, as `kerf cuts --export` does."""
+    """Writes cuts as JSON, as `kerf cuts --export` does.
+
+    >>> save_cuts(path, [cut(kerf.circle((0.5, 0.5), 0.1))])
+    >>> sheet.apply_cuts(path).applied
+    1
+    """
     text = json_format.MessageToJson(scene_pb2.CutBatch(cuts=cuts), preserving_proto_field_name=True)
     pathlib.Path(path).write_text(text + "\n", encoding="utf-8")
 

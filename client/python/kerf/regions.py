@@ -24,26 +24,52 @@ def edge(name: Edge) -> conditions_pb2.Region:
 
 
 def box(low: Point, high: Point) -> conditions_pb2.Region:
-    """All vertices in a closed box."""
+    """All vertices in a closed box.
+
+    >>> tick = sheet.set_pins([box((0, 0), (0.06, 0.06))])
+    >>> list(sheet.get().pinned_vertices)
+    [0, 1, 20, 21]
+    """
     return conditions_pb2.Region(box=conditions_pb2.MaterialBox(min=vec2(low), max=vec2(high)))
 
 
 def vertices(*ids: int) -> conditions_pb2.Region:
+    """These vertices.
+
+    >>> tick = sheet.set_pins([vertices(7, 8)])
+    >>> list(sheet.get().pinned_vertices)
+    [7, 8]
+    """
     return conditions_pb2.Region(vertices=conditions_pb2.VertexList(vertices=ids))
 
 
 def nearest(point: Point) -> conditions_pb2.Region:
-    """The one vertex that is nearest to the point."""
+    """The one vertex that is nearest to the point.
+
+    >>> tick = sheet.set_pins([nearest((1, 1))])
+    >>> list(sheet.get().pinned_vertices)
+    [399]
+    """
     return conditions_pb2.Region(nearest=vec2(point))
 
 
 def along(curve: geometry_pb2.Curve, within: float = 0.0) -> conditions_pb2.Region:
-    """All vertices closer to the curve than `within` metres, 0..1e4; 0: a twentieth of the edge length there."""
+    """All vertices closer to the curve than `within` metres, 0..1e4; 0: a twentieth of the edge length there.
+
+    >>> tick = sheet.set_pins([along(kerf.polyline((0, 0), (1, 0)))])
+    >>> len(sheet.get().pinned_vertices)
+    20
+    """
     return conditions_pb2.Region(curve=conditions_pb2.MaterialCurve(curve=curve, within_m=within))
 
 
 def whole() -> conditions_pb2.Region:
-    """The whole sheet."""
+    """The whole sheet.
+
+    >>> tick = sheet.set_pins([whole()])
+    >>> len(sheet.get().pinned_vertices)
+    400
+    """
     return conditions_pb2.Region(all=True)
 
 

@@ -140,6 +140,7 @@ class Run(Sequence[Frame]):
         return (self[number] for number in range(len(self)))
 
     def close(self) -> None:
+        """Closes the file; frames that were taken out stay."""
         self._arrays.close()
 
     def __enter__(self) -> Run:

@@ -74,11 +74,25 @@ class Surfaces(unittest.TestCase):
 
 class Documentation(Case):
     def test_everything_public_is_documented(self):
+        # Drawn from files, or the counterpart of what has an example.
+        without_example = {"svg_file", "load_cuts", "load_run", "view_of_matrices", "Sheet.drag", "Sheet.release",
+                           "Sheet.delete", "Sheet.watch_images", "Server.close"}
         for name in kerf.__all__:
             value = getattr(kerf, name)
-            if not inspect.isclass(value) or value.__module__.startswith("typing"):
-                continue
-            self.assertTrue(value.__doc__, name)
+            if inspect.isfunction(value):
+                self.assert_documented(name, value, without_example)
+            elif inspect.isclass(value) and value.__module__.startswith("kerf."):
+                self.assertTrue(value.__doc__, name)
+                for member, function in inspect.getmembers(value, inspect.isfunction):
+                    if not member.startswith("_") and function.__module__.startswith("kerf."):
+                        is_main = value in (kerf.Sheet, kerf.Server)
+                        self.assert_documented(f"{name}.{member}", function, without_example if is_main else None)
+
+    def assert_documented(self, name, function, without_example):
+        """without_example: names that need none; None: no function here needs one."""
+        self.assertTrue(function.__doc__, name)
+        if without_example is not None and name not in without_example:
+            self.assertIn(">>>", function.__doc__, name)
 
     def test_examples_in_docstrings(self):
         names = [module.name for package in (kerf, kerf.blocking)

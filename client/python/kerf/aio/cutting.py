@@ -66,17 +66,33 @@ class Cutting(SheetPart):
         return await self._call(self._server.cut_service.UndoCut, cuts_pb2.UndoCutRequest(parent=self.name))
 
     async def redo(self) -> cuts_pb2.UndoResult:
-        """Makes what was undone last again. FailedPrecondition: NOTHING_TO_REDO."""
+        """Makes what was undone last again. FailedPrecondition: NOTHING_TO_REDO.
+
+        >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+        >>> undone = await sheet.undo()
+        >>> (await sheet.redo()).pieces
+        2
+        """
         return await self._call(self._server.cut_service.RedoCut, cuts_pb2.RedoCutRequest(parent=self.name))
 
     async def cuts(self) -> List[cuts_pb2.ListCutsResponse.Entry]:
-        """The cuts applied since the last reset and not undone, oldest first: `cut` as applied and its `result`."""
+        """The cuts applied since the last reset and not undone, oldest first: `cut` as applied and its `result`.
+
+        >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+        >>> [entry.cut.curve.circle.radius_m for entry in await sheet.cuts()]
+        [0.2]
+        """
         return [entry async for page in self._pages_of_cuts() for entry in page.cuts]
 
     async def cancel(self, name: str) -> cuts_pb2.ScheduledCuts:
         """Takes back cuts that wait for their tick: by `scheduled_name` of the call's answer, or `name` of waiting().
 
         FailedPrecondition: SCHEDULED_CUTS_SETTLED, they wait no more.
+
+        >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2), at_tick=(await sheet.get()).tick + 60)
+        >>> cancelled = await sheet.cancel(result.scheduled_name)
+        >>> await sheet.waiting()
+        []
         """
         request = cuts_pb2.CancelScheduledCutsRequest(name=name)
         return await self._call(self._server.cut_service.CancelScheduledCuts, request)
@@ -91,17 +107,31 @@ class Cutting(SheetPart):
         return await self._scheduled(cuts_pb2.ScheduledCuts.WAITING)
 
     async def refused(self) -> List[cuts_pb2.ScheduledCuts]:
-        """The last scheduled cuts that were refused when their tick came, with reason, message and field."""
+        """The last scheduled cuts that were refused when their tick came, with reason, message and field.
+
+        >>> await sheet.refused()
+        []
+        """
         return await self._scheduled(cuts_pb2.ScheduledCuts.REFUSED)
 
     async def export_cuts(self, path: "str | os.PathLike[str]") -> int:
-        """Writes the sheet's cuts to a JSON file, for apply_cuts() or `kerf cuts --apply`; how many there are."""
+        """Writes the sheet's cuts to a JSON file, for apply_cuts() or `kerf cuts --apply`; how many there are.
+
+        >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+        >>> await sheet.export_cuts(path)
+        1
+        """
         cuts = [entry.cut for entry in await self.cuts()]
         save_cuts(path, cuts)
         return len(cuts)
 
     async def apply_cuts(self, path: "str | os.PathLike[str]", *, at_tick: int = 0) -> cuts_pb2.CreateCutsResponse:
-        """Makes all cuts of a file, or none. Raises ValueError where it is no list of cuts."""
+        """Makes all cuts of a file, or none. Raises ValueError where it is no list of cuts.
+
+        >>> kerf.save_cuts(path, [kerf.cut(kerf.circle((0.5, 0.5), 0.2))])
+        >>> (await sheet.apply_cuts(path)).pieces
+        2
+        """
         return await self.cut_all(load_cuts(path), at_tick=at_tick)
 
     async def pieces(self) -> List[cuts_pb2.Piece]:

@@ -23,10 +23,19 @@ class Running(SheetPart):
         return await self._call(self._server.sheet_service.GetSheet, sheets_pb2.GetSheetRequest(name=self.name))
 
     async def pause(self) -> sheets_pb2.Sheet:
-        """Stops the clock; cuts and hands take effect at once then, without time passing."""
+        """Stops the clock; cuts and hands take effect at once then, without time passing.
+
+        >>> (await sheet.pause()).run_state == kerf.v1.sheets_pb2.Sheet.PAUSED
+        True
+        """
         return await self._call(self._server.sheet_service.PauseSheet, sheets_pb2.PauseSheetRequest(name=self.name))
 
     async def resume(self) -> sheets_pb2.Sheet:
+        """Lets the clock go on.
+
+        >>> (await sheet.resume()).run_state == kerf.v1.sheets_pb2.Sheet.RUNNING
+        True
+        """
         return await self._call(self._server.sheet_service.ResumeSheet, sheets_pb2.ResumeSheetRequest(name=self.name))
 
     async def step(self, ticks: int = 1) -> sheets_pb2.Sheet:
@@ -42,7 +51,12 @@ class Running(SheetPart):
         return await self._call(self._server.sheet_service.StepSheet, request)
 
     async def reset(self) -> sheets_pb2.Sheet:
-        """Back to the initial state, without cuts; the tick goes on counting."""
+        """Back to the initial state, without cuts; the tick goes on counting.
+
+        >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
+        >>> (await sheet.reset()).pieces
+        1
+        """
         return await self._call(self._server.sheet_service.ResetSheet, sheets_pb2.ResetSheetRequest(name=self.name))
 
     async def delete(self) -> None:

@@ -129,7 +129,11 @@ class Viewing(SheetPart):
         return bytes((await self._call(self._server.render_service.RenderImage, request)).image)
 
     async def obj(self) -> bytes:
-        """The sheet as it is now, as a Wavefront OBJ file."""
+        """The sheet as it is now, as a Wavefront OBJ file.
+
+        >>> (await sheet.obj()).count(b"\\nv ")
+        400
+        """
         request = sheets_pb2.ExportSheetRequest(name=self.name)
         return bytes((await self._call(self._server.sheet_service.ExportSheet, request)).content)
 
