@@ -8,8 +8,9 @@ const kScene = {
   placement: { origin: { x: -0.5, z: 0.2 }, xAxis: { x: 1 }, yAxis: { y: Math.cos(0.7), z: Math.sin(0.7) } },
   gravityMps2: {},
 };
-const kDesktop = { viewport: { width: 1280, height: 720 } };
-const kPhone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true };
+// Pictures are of panels that have come, not of panels that are coming.
+const kDesktop = { viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' };
+const kPhone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, reducedMotion: 'reduce' };
 
 export async function accessSteps(steps, browser, url) {
   const axe = await readFile(`${root}/web/node_modules/axe-core/axe.min.js`, 'utf8');

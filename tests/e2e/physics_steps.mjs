@@ -48,6 +48,8 @@ export async function physicsSteps(steps, browser, url) {
     await serverHas('wind', blows);
     check(await viewer.page.isChecked('#wind-on'), 'air is not on though it blows');
     await viewer.shows('#wind-speed-value', '8.0 m/s');
+    const facts = await viewer.page.textContent('#material-facts');
+    check(facts.includes('400 kPa') && facts.includes('200 g/m²'), `the preset demo is shown as ${facts}`);
     await viewer.screenshot('physics');
     await viewer.page.uncheck('#wind-on');
     await serverHas('no wind', ({ scene }) => scene.wind === undefined);

@@ -1,15 +1,16 @@
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 import type { Viewer } from '../../tools/tool';
 import { GravityControl } from './gravity_control';
+import { MaterialFacts } from './material_facts';
 import { PinChoice } from './pin_choice';
 import { WindControl } from './wind_control';
 
-/** What acts on the sheet: gravity, wind, pins. */
+/** What acts on the sheet: gravity, wind, pins; and what it is made of. */
 export class PhysicsPanel {
   private readonly parts: readonly { show(sheet: Sheet): void }[];
 
   constructor(viewer: Viewer) {
-    this.parts = [new GravityControl(viewer), new WindControl(viewer), new PinChoice(viewer)];
+    this.parts = [new GravityControl(viewer), new WindControl(viewer), new PinChoice(viewer), new MaterialFacts()];
   }
 
   /** Shows the settings in force. */
