@@ -88,6 +88,21 @@ class Documentation(Case):
                         is_main = value in (kerf.Sheet, kerf.Server)
                         self.assert_documented(f"{name}.{member}", function, without_example if is_main else None)
 
+    def test_the_readme_works_as_it_stands(self):
+        self.needs_renderer()
+        blocks = re.findall(r"```python\n(.*?)```", (ROOT / "client/python/README.md").read_text(), re.DOTALL)
+        self.assertEqual(len(blocks), 3)
+        folder = pathlib.Path(path("readme"))
+        folder.mkdir()
+        (folder / "drawing.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><circle r="40"/></svg>')
+        refusal = "import kerf\nserver = kerf.connect()\nsheet = server.sheet('flag')\n" + blocks[2]
+        for script in (blocks[0], blocks[1], refusal):
+            script = script.replace('connect("127.0.0.1:50051")', "connect()")
+            done = support.run_python("-c", script.replace("connect()", f'connect("{support.ADDRESS}")'), cwd=folder)
+            self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stdout, "INVALID_ARGUMENT RADIUS_NOT_POSITIVE cut.curve.circle.radius_m\n")
+        self.server.sheet("flag").delete()
+
     def assert_documented(self, name, function, without_example):
         """without_example: names that need none; None: no function here needs one."""
         self.assertTrue(function.__doc__, name)
