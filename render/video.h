@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "render/image.h"
@@ -14,6 +15,8 @@ struct VideoOptions {
   int width = 0;               // pixels, in [kMinImageSize, kMaxImageSize]; width * height at most kMaxVideoPixels
   int height = 0;              // pixels
   double bits_per_second = 0;  // of the whole stream, > 0
+
+  friend bool operator==(const VideoOptions&, const VideoOptions&) = default;
 };
 
 // One VP8 stream (RFC 6386), made for being watched live: no frame waits for a later one, none is dropped. Equal calls
@@ -30,6 +33,11 @@ class VideoEncoder {
 
 // False in a build without libvpx and libyuv.
 [[nodiscard]] bool video_available();
+
+// Of what an encoder gave: whether it can be decoded by itself (RFC 6386, 9.1).
+[[nodiscard]] inline bool is_key_frame(std::span<const std::uint8_t> frame) {
+  return !frame.empty() && (frame[0] & 1U) == 0;
+}
 
 // Errors: "NO_VIDEO_CODEC" (kUnavailable), "SIZE_OUT_OF_RANGE", "ENCODING_FAILED"; `encoder` is then null.
 Status make_video_encoder(const VideoOptions& options, std::unique_ptr<VideoEncoder>& encoder);

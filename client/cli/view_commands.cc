@@ -10,6 +10,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <CLI/Validators.hpp>
 #include <nlohmann/json.hpp>
 
 #include "client/cli/arguments.h"
@@ -31,7 +32,14 @@ struct RenderArguments {
   double fov_deg = 0.0;
   bool wireframe = false;
   bool undeformed = false;
+  std::string color_by = "sides";
 };
+
+// Of an argument that was checked to be one of them.
+v1::ColorBy color_by_of(const std::string& name) {
+  if (name == "pieces") return v1::PIECES;
+  return name == "strains" ? v1::STRAINS : v1::SIDES;
+}
 
 int write(const std::string& path, std::string_view content) {
   host::RealDisk disk;
@@ -51,6 +59,7 @@ int render(const Session& session, const RenderArguments& arguments) {
   request.set_height_px(std::get<ImageSize>(size).height);
   request.set_wireframe(arguments.wireframe);
   request.set_undeformed(arguments.undeformed);
+  request.set_color_by(color_by_of(arguments.color_by));
   if (arguments.view) {
     const Parsed<v1::Camera> camera = parse_camera(*arguments.view);
     if (const auto* wrong = std::get_if<UsageError>(&camera)) return misuse("--view: " + wrong->message);
@@ -176,6 +185,9 @@ void add_render(CLI::App& app, Session& session) {
   command->add_flag("--wireframe", arguments->wireframe, "Draw the triangles' edges");
   command->add_flag("--undeformed", arguments->undeformed,
                     "Draw the sheet as it is cut, but flat: x,y,0 in material coordinates, without colliders");
+  command->add_option("--color-by", arguments->color_by, "What colours it: its sides, its pieces, or strains")
+      ->check(CLI::IsMember({"sides", "pieces", "strains"}))
+      ->capture_default_str();
   command->callback(
       [&session, arguments] { session.action = [&session, arguments] { return render(session, *arguments); }; });
 }

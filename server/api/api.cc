@@ -8,6 +8,7 @@
 #include "kerf/v1/render.pb.h"
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
+#include "render/video.h"
 #include "server/api/core.h"
 #include "server/api/session.h"
 #include "server/wire/json.h"
@@ -78,6 +79,7 @@ Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host:
 
 Api::~Api() {
   stop();
+  core_->studio.stop();
   core_->worker.stop();
   core_->analyst.stop();
 }
@@ -101,6 +103,8 @@ void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1:
   limits.set_max_request_bytes(core_->options.limits.max_request_bytes);
   limits.set_max_subscribers_per_sheet(core_->options.limits.max_subscribers_per_sheet);
   limits.set_max_unsent_bytes_per_subscriber(core_->options.limits.max_unsent_bytes_per_subscriber);
+  limits.set_max_image_streams(core_->options.limits.max_image_streams);
+  info.set_video(check_renderer(*core_).ok() && render::video_available());
   limits.set_max_load(host_options.max_load);
   reply(std::move(info));
 }
@@ -128,9 +132,10 @@ const Limits& Api::limits() const {
 void Api::stop() {
   core_->stopping = true;
   core_->hub.stop();
+  core_->studio.close();
   core_->analyst.close();  // the analysis under way sees `stopping`
   core_->worker.close();   // the transports wait for every answer: pictures in a row would take longer than a stop may
-  refuse_unstarted_sessions(*core_);
+  core_->streams.tell_stop();
 }
 
 }  // namespace kerf::api

@@ -65,12 +65,14 @@ class StepSheetRequest;
 class SubscribeRequest;
 class UndoCutRequest;
 class UndoResult;
+class WatchImagesStart;
 }  // namespace kerf::v1
 
 // What every transport offers, once: a transport turns its bytes into these messages, calls the method of the same name
 // as the RPC, and turns the answer into its bytes. Neither gRPC nor HTTP is known here.
 namespace kerf::api {
 
+class ImageSession;
 class WatchSession;
 struct ApiCore;
 
@@ -88,6 +90,7 @@ struct Limits {
   std::size_t max_remembered_bytes = std::size_t{16} << 20;  // of those and their answers
   std::size_t max_waiting_analyses = 8;                      // AnalyzeSheet calls behind the one being done
   std::int32_t max_analyzed_vertices = 100'000;              // of a sheet that is analysed
+  std::int32_t max_image_streams = 64;                       // WatchImages and MJPEG streams, of all sheets together
   std::size_t max_waiting_pictures = 16;  // RenderImage and ExportSheet calls behind the one being done
 };
 
@@ -95,6 +98,16 @@ struct ApiOptions {
   std::string version = "0.0.0";  // told by GetServerInfo
   std::string instance_id;        // told by GetServerInfo; different at each start of the server
   Limits limits;
+};
+
+// What was done for pictures so far, of streams and of RenderImage.
+struct PictureCounts {
+  std::int64_t rendered = 0;
+  std::int64_t encoded = 0;
+  std::int64_t shared = 0;   // given to a stream, and encoded for another one or for an earlier picture
+  std::int64_t sent = 0;     // to streams
+  std::int64_t skipped = 0;  // ticks that streams were sent no pictures of, summed over streams
+  std::int32_t streams = 0;  // open now
 };
 
 // A unary method for a transport that speaks JSON: request and response are the JSON forms of the RPC's messages
@@ -106,7 +119,7 @@ struct Method {
   std::function<void(std::string_view json, Reply<std::string> reply, std::stop_token stop)> call;
 };
 
-// One a server. Safe to call from any thread. `host`, `clock` and `renderer` must outlive it and every WatchSession
+// One a server. Safe to call from any thread. `host`, `clock` and `renderer` must outlive it and every session
 // made by it. Errors are those that the proto files name for each RPC; an unknown sheet is kNotFound SHEET_NOT_FOUND
 // with field "name" or "parent", a malformed name kInvalidArgument, and after stop() everything is kUnavailable.
 class Api {
@@ -156,11 +169,18 @@ class Api {
   // StreamService.Subscribe: a session that is under way, and is handed no requests.
   std::shared_ptr<WatchSession> subscribe(const v1::SubscribeRequest& request);
 
+  // A new stream of RenderService.WatchImages.
+  std::shared_ptr<ImageSession> watch_images();
+  // One that is under way, is handed no requests, and whose pictures count as acknowledged once they are sent: for a
+  // transport that notices by itself how fast its reader is.
+  std::shared_ptr<ImageSession> play_images(const v1::WatchImagesStart& start);
+
   // Every unary method above, ordered by path. Lives as long as the Api.
   [[nodiscard]] const std::vector<Method>& methods() const;
 
   // Streams open now.
   [[nodiscard]] std::int32_t num_watchers() const;
+  [[nodiscard]] PictureCounts picture_counts() const;
   [[nodiscard]] const Limits& limits() const;
 
   // Ends every stream with SERVER_STOPPING, refuses the pictures that wait behind the one being drawn and what comes

@@ -4,7 +4,10 @@
 
 namespace kerf::api {
 
-BackgroundWorker::BackgroundWorker(std::size_t max_waiting) : max_waiting_(max_waiting), thread_([this] { run(); }) {}
+BackgroundWorker::BackgroundWorker(std::size_t max_waiting, std::size_t num_threads)
+    : max_waiting_(max_waiting), idle_(num_threads) {
+  for (std::size_t i = 0; i < num_threads; ++i) threads_.emplace_back([this] { run(); });
+}
 
 BackgroundWorker::~BackgroundWorker() {
   stop();
@@ -14,8 +17,8 @@ BackgroundWorker::Outcome BackgroundWorker::submit(std::function<void()> work, s
   {
     const std::lock_guard lock(mutex_);
     if (stopped_) return Outcome::kStopped;
-    const std::size_t room = max_waiting_ + (busy_ ? 0 : 1);
-    if (waiting_.size() >= room) return Outcome::kFull;
+    // Those that idle threads will take at any moment do not wait.
+    if (waiting_.size() >= idle_ && waiting_.size() - idle_ >= max_waiting_) return Outcome::kFull;
     waiting_.push_back({std::move(work), std::move(refuse)});
   }
   changed_.notify_one();
@@ -35,7 +38,9 @@ void BackgroundWorker::close() {
 
 void BackgroundWorker::stop() {
   close();
-  if (thread_.joinable()) thread_.join();
+  for (std::thread& thread : threads_) {
+    if (thread.joinable()) thread.join();
+  }
 }
 
 void BackgroundWorker::run() {
@@ -43,14 +48,14 @@ void BackgroundWorker::run() {
   while (true) {
     changed_.wait(lock, [this] { return stopped_ || !waiting_.empty(); });
     if (stopped_) return;
-    busy_ = true;
+    --idle_;
     Task task = std::move(waiting_.front());
     waiting_.pop_front();
     lock.unlock();
     task.work();
     task = {};
     lock.lock();
-    busy_ = false;
+    ++idle_;
   }
 }
 

@@ -6,15 +6,17 @@
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <vector>
 
 namespace kerf::api {
 
-// One thread for work that takes long (drawing, encoding files) and must hold up neither a sheet nor a transport.
+// Threads for work that takes long (drawing, encoding files) and must hold up neither a sheet nor a transport. Work is
+// begun in the order in which it came.
 // Thread-safe.
 class BackgroundWorker {
  public:
-  // `max_waiting`: work that may wait behind what is being done.
-  explicit BackgroundWorker(std::size_t max_waiting);
+  // `max_waiting`: work that may wait behind what is being done, one piece on each thread.
+  explicit BackgroundWorker(std::size_t max_waiting, std::size_t num_threads = 1);
   ~BackgroundWorker();  // stop()
   BackgroundWorker(const BackgroundWorker&) = delete;
   BackgroundWorker& operator=(const BackgroundWorker&) = delete;
@@ -40,9 +42,9 @@ class BackgroundWorker {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Task> waiting_;
-  bool busy_ = false;
+  std::size_t idle_;  // threads
   bool stopped_ = false;
-  std::thread thread_;
+  std::vector<std::thread> threads_;
 };
 
 }  // namespace kerf::api

@@ -3,9 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 
@@ -14,6 +12,8 @@
 #include "server/api/api.h"
 #include "server/api/background_worker.h"
 #include "server/api/cut_journal.h"
+#include "server/api/open_streams.h"
+#include "server/api/picture_studio.h"
 #include "server/api/request_log.h"
 #include "server/api/resource_names.h"
 #include "server/api/stream_hub.h"
@@ -21,6 +21,9 @@
 #include "server/host/host.h"
 
 namespace kerf::api {
+
+// One draws or waits for the graphics device while another encodes.
+inline constexpr std::size_t kStudioThreads = 2;
 
 // What the methods of an Api and its streams share.
 struct ApiCore {
@@ -32,6 +35,7 @@ struct ApiCore {
         started_at(the_clock.now()),
         requests(options.limits.max_remembered_requests, options.limits.max_remembered_bytes),
         hub(the_host, options.limits.max_subscribers_per_sheet, options.instance_id),
+        studio(the_renderer, pictures, the_clock, kStudioThreads),
         worker(options.limits.max_waiting_pictures),
         analyst(options.limits.max_waiting_analyses) {}
 
@@ -44,16 +48,21 @@ struct ApiCore {
   std::atomic<std::int32_t> num_watchers{0};
   RequestLog requests;
   CutJournal journal;
+  std::atomic<std::int32_t> num_image_streams{0};
+  PictureCounters pictures;
   StreamHub hub;
-  BackgroundWorker worker;   // of pictures and files; stopped by ~Api, so that it never ends on its own thread
+  PictureStudio studio;      // of image streams; its threads, too, are
+  BackgroundWorker worker;   // of single pictures and files; stopped by ~Api, so that it never ends on its own thread
   BackgroundWorker analyst;  // of analyses; likewise
 
-  std::mutex sessions_mutex;
-  std::map<const WatchSession*, std::weak_ptr<WatchSession>> sessions;  // open ones; guarded by sessions_mutex
+  OpenStreams streams;
 };
 
 // kUnavailable, for everything after Api::stop().
 Error server_stopping();
+
+// kUnavailable RENDERER_UNAVAILABLE, with the reason.
+Status check_renderer(const ApiCore& core);
 
 // The sheet id that a request names in `field`, or why it is not served.
 Result<std::string> addressed_sheet(const ApiCore& core, const std::string& name, const char* field);

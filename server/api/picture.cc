@@ -8,56 +8,13 @@
 #include <variant>
 #include <vector>
 
-#include "render/image.h"
+#include "server/api/picture_colours.h"
 
 namespace kerf::api {
 namespace {
 
-Error to_error(const render::Status& status) {
-  ErrorCode code = ErrorCode::kInternal;
-  switch (status.code) {
-    case render::StatusCode::kOk:
-    case render::StatusCode::kInternal:
-      break;
-    case render::StatusCode::kInvalidArgument:
-      code = ErrorCode::kInvalidArgument;
-      break;
-    case render::StatusCode::kResourceExhausted:
-      code = ErrorCode::kResourceExhausted;
-      break;
-    case render::StatusCode::kUnavailable:
-      code = ErrorCode::kUnavailable;
-      break;
-  }
-  return {code, status.reason, status.message, status.field};
-}
-
-render::Vec3 to_vec3(const v1::Vec3& vector) {
-  return {vector.x(), vector.y(), vector.z()};
-}
 render::Vec3 to_vec3(const Eigen::Vector3d& vector) {
   return {vector.x(), vector.y(), vector.z()};
-}
-
-Result<render::Camera> decode_camera(const v1::Camera& message) {
-  render::Camera camera;
-  camera.eye = to_vec3(message.eye());
-  camera.target = to_vec3(message.target());
-  if (message.has_up()) camera.up = to_vec3(message.up());
-  if (message.vertical_fov_deg() != 0.0) camera.vertical_fov = message.vertical_fov_deg();
-  const render::Status status = render::validate(camera);
-  if (status.ok()) return camera;
-  Error error = to_error(status);
-  if (error.field == "camera.vertical_fov") error.field = "camera.vertical_fov_deg";
-  return error;
-}
-
-Status check_range(int value, int low, int high, const std::string& field) {
-  if (value >= low && value <= high) return Nothing{};
-  return invalid_argument(
-      "OUT_OF_RANGE",
-      field + " is " + std::to_string(value) + "; must be " + std::to_string(low) + " to " + std::to_string(high),
-      field);
 }
 
 struct ShapeForRenderer {
@@ -88,6 +45,7 @@ struct MeshArrays {
   std::vector<float> material;
   std::vector<std::int32_t> triangles;
   std::vector<std::int32_t> pieces;
+  std::vector<std::uint8_t> colours;  // empty: those of the sides
 };
 
 // Material points in the plane z = 0.
@@ -114,20 +72,20 @@ MeshArrays arrays_of(const sheet::Snapshot& snapshot, const Eigen::Matrix3Xd& po
   return arrays;
 }
 
-render::Style style_of(const PictureRequest& request) {
+render::Style style_of(const PictureView& view) {
   render::Style style;
-  style.wireframe = request.wireframe;
-  style.shadows = !request.undeformed;            // a flat sheet throws none on itself
-  if (request.undeformed && request.wireframe) {  // the triangles are what is looked at
+  style.wireframe = view.wireframe;
+  style.shadows = !view.undeformed;         // a flat sheet throws none on itself
+  if (view.undeformed && view.wireframe) {  // the triangles are what is looked at
     style.texture = false;
     style.front = {0.66, 0.76, 0.86};
   }
   return style;
 }
 
-render::Camera whole_sheet(std::span<const float> positions, const PictureRequest& request) {
-  const double aspect = static_cast<double>(request.width) / request.height;
-  if (!request.undeformed) return render::fit_camera(positions, aspect);
+render::Camera whole_sheet(std::span<const float> positions, const PictureView& view) {
+  const double aspect = static_cast<double>(view.width) / view.height;
+  if (!view.undeformed) return render::fit_camera(positions, aspect);
   return render::fit_camera(positions, aspect, {0.0, 0.0, 1.0}, {0.0, 1.0, 0.0});
 }
 
@@ -142,88 +100,70 @@ Error out_of_reach(const Eigen::Matrix3Xd& positions) {
   return {ErrorCode::kFailedPrecondition, "SHEET_OUT_OF_REACH", text.data(), {}};
 }
 
-Result<v1::RenderImageResponse> encode(const render::Pixels& pixels, const PictureRequest& request) {
-  std::vector<std::uint8_t> bytes;
-  const render::Status status =
-      request.jpeg ? render::encode_jpeg(pixels, request.jpeg_quality, bytes) : render::encode_png(pixels, bytes);
-  if (!status.ok()) return to_error(status);
-  v1::RenderImageResponse response;
-  response.set_image(bytes.data(), bytes.size());
-  response.set_media_type(request.jpeg ? "image/jpeg" : "image/png");
-  response.set_width_px(pixels.width);
-  response.set_height_px(pixels.height);
-  return response;
+// In the world, or laid out flat.
+Eigen::Matrix3Xd positions_of(const sheet::Snapshot& snapshot, const PictureView& view) {
+  return view.undeformed ? laid_out(snapshot.topology->material_positions) : snapshot.positions;
 }
 
-}  // namespace
-
-Result<PictureRequest> decode_picture_request(const v1::RenderImageRequest& message) {
-  PictureRequest request;
-  if (message.width_px() != 0) request.width = message.width_px();
-  if (message.height_px() != 0) request.height = message.height_px();
-  if (message.jpeg_quality() != 0) request.jpeg_quality = message.jpeg_quality();
-  request.wireframe = message.wireframe();
-  request.undeformed = message.undeformed();
-  if (Status s = check_range(request.width, render::kMinImageSize, render::kMaxImageSize, "width_px"); !s.ok()) {
-    return s.error();
+void colour(const sheet::Snapshot& snapshot, const PictureView& view, double strain_end, MeshArrays& arrays) {
+  if (view.color_by == v1::PIECES) arrays.colours = piece_colours(*snapshot.topology);
+  if (view.color_by == v1::STRAINS) {
+    arrays.colours = strain_colours(snapshot.strains, strain_end);
+    arrays.colours.resize(arrays.positions.size());  // strains that were not asked for in time: dark
   }
-  if (Status s = check_range(request.height, render::kMinImageSize, render::kMaxImageSize, "height_px"); !s.ok()) {
-    return s.error();
-  }
-  if (Status s = check_range(request.jpeg_quality, 1, 100, "jpeg_quality"); !s.ok()) return s.error();
-  switch (message.format()) {
-    case v1::RenderImageRequest::FORMAT_UNSPECIFIED:
-    case v1::RenderImageRequest::PNG:
-      break;
-    case v1::RenderImageRequest::JPEG:
-      request.jpeg = true;
-      break;
-    default:
-      return invalid_argument("UNKNOWN_ENUM_VALUE", "format must be PNG or JPEG", "format");
-  }
-  if (message.has_camera()) {
-    Result<render::Camera> camera = decode_camera(message.camera());
-    if (!camera.ok()) return camera.error();
-    request.camera = *camera;
-  }
-  return request;
 }
 
-PictureSubject picture_subject(const sheet::Sheet& sheet) {
-  return {sheet.snapshot(), sheet.shared_config(), sheet.mesh().bounding_box()};
-}
-
-Result<v1::RenderImageResponse> draw_picture(render::Renderer& renderer, const PictureSubject& subject,
-                                             const PictureRequest& request) {
-  const sheet::Snapshot& snapshot = *subject.snapshot;
-  const Eigen::Matrix3Xd positions =
-      request.undeformed ? laid_out(snapshot.topology->material_positions) : snapshot.positions;
-  if (!(positions.array().abs() <= render::kMaxCoordinate).all()) return out_of_reach(positions);
-  const MeshArrays arrays = arrays_of(snapshot, positions);
+// Views `arrays`.
+render::Scene scene_of(const MeshArrays& arrays, const Backdrop& backdrop, const PictureView& view) {
   render::Scene scene;
   scene.mesh.positions = arrays.positions;
   scene.mesh.material_coordinates = arrays.material;
   scene.mesh.triangles = arrays.triangles;
   scene.mesh.piece_ids = arrays.pieces;
+  scene.mesh.vertex_colours = arrays.colours;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
-    scene.mesh.material_lower[axis] = static_cast<float>(subject.material_box.min()[i]);
-    scene.mesh.material_upper[axis] = static_cast<float>(subject.material_box.max()[i]);
+    scene.mesh.material_lower[axis] = static_cast<float>(backdrop.material_box.min()[i]);
+    scene.mesh.material_upper[axis] = static_cast<float>(backdrop.material_box.max()[i]);
   }
-  if (!request.undeformed) {
-    for (const contact::Collider& collider : subject.config->colliders) {
+  if (!view.undeformed) {
+    for (const contact::Collider& collider : backdrop.config->colliders) {
       scene.colliders.push_back(std::visit(ShapeForRenderer{}, collider.shape));
     }
   }
-  scene.style = style_of(request);
-  const render::Camera camera = request.camera ? *request.camera : whole_sheet(scene.mesh.positions, request);
-  if (!request.camera && !render::validate(camera).ok()) return out_of_reach(positions);
-  render::Pixels pixels;
-  const render::Status status = renderer.render(scene, camera, request.width, request.height, pixels);
+  scene.style = style_of(view);
+  return scene;
+}
+
+}  // namespace
+
+Backdrop backdrop_of(const sheet::Sheet& sheet) {
+  return {sheet.shared_config(), sheet.mesh().bounding_box()};
+}
+
+Result<DrawnPicture> draw_picture(render::Renderer& renderer, const PictureSubject& subject, const PictureView& view,
+                                  double strain_end) {
+  const sheet::Snapshot& snapshot = *subject.snapshot;
+  const Eigen::Matrix3Xd positions = positions_of(snapshot, view);
+  if (!(positions.array().abs() <= render::kMaxCoordinate).all()) return out_of_reach(positions);
+  DrawnPicture picture;
+  if (view.color_by == v1::STRAINS) picture.strain_end = strain_scale_end(snapshot.strains, strain_end);
+  MeshArrays arrays = arrays_of(snapshot, positions);
+  colour(snapshot, view, picture.strain_end, arrays);
+  const render::Scene scene = scene_of(arrays, subject.backdrop, view);
+  picture.camera = view.camera ? *view.camera : whole_sheet(scene.mesh.positions, view);
+  if (!view.camera && !render::validate(picture.camera).ok()) return out_of_reach(positions);
+  const render::Status status = renderer.render(scene, picture.camera, view.width, view.height, picture.pixels);
   if (!status.ok()) return to_error(status);
-  Result<v1::RenderImageResponse> response = encode(pixels, request);
-  if (response.ok()) response->set_tick(subject.snapshot->tick);
-  return response;
+  return picture;
+}
+
+Result<std::string> encode_still(const render::Pixels& pixels, const StillFormat& format) {
+  std::vector<std::uint8_t> bytes;
+  const render::Status status =
+      format.jpeg ? render::encode_jpeg(pixels, format.quality, bytes) : render::encode_png(pixels, bytes);
+  if (!status.ok()) return to_error(status);
+  return std::string(bytes.begin(), bytes.end());
 }
 
 }  // namespace kerf::api

@@ -1,42 +1,42 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 
-#include "kerf/v1/render.pb.h"
+#include "render/image.h"
 #include "render/renderer.h"
+#include "server/api/picture_view.h"
 #include "server/base/result.h"
 #include "server/sheet/sheet.h"
 
-// RenderImage between the message and the renderer.
+// From a sheet to the bytes of a picture.
 namespace kerf::api {
 
-// A valid request with its defaults filled in.
-struct PictureRequest {
-  int width = 640;                       // pixels
-  int height = 360;                      // pixels
-  std::optional<render::Camera> camera;  // empty: chosen to show the whole sheet
-  bool wireframe = false;
-  bool undeformed = false;
-  bool jpeg = false;
-  int jpeg_quality = 85;
-};
-
-// kInvalidArgument with the field of RenderImageRequest.
-Result<PictureRequest> decode_picture_request(const v1::RenderImageRequest& request);
-
-// What of a sheet is drawn, taken between two ticks.
-struct PictureSubject {
-  std::shared_ptr<const sheet::Snapshot> snapshot;
+// What of a sheet stays the same as long as it lives.
+struct Backdrop {
   std::shared_ptr<const sheet::SheetConfig> config;  // for the colliders
   Eigen::AlignedBox2d material_box;                  // m, of the sheet as built
 };
-PictureSubject picture_subject(const sheet::Sheet& sheet);
+Backdrop backdrop_of(const sheet::Sheet& sheet);
 
-// Draws and encodes; blocks until it is done. Errors of render::Renderer::render() and the image encoders.
-Result<v1::RenderImageResponse> draw_picture(render::Renderer& renderer, const PictureSubject& subject,
-                                             const PictureRequest& request);
+// What of a sheet is drawn.
+struct PictureSubject {
+  std::shared_ptr<const sheet::Snapshot> snapshot;  // a view coloured by strains is dark where it has none
+  Backdrop backdrop;
+};
+
+struct DrawnPicture {
+  render::Pixels pixels;
+  render::Camera camera;    // the view's, or the one that was chosen
+  double strain_end = 0.0;  // of the scale, where the view is coloured by strains
+};
+
+// Blocks until the picture is drawn. `strain_end`: of the picture before, so that the scale does not change with each;
+// 0: there was none. Errors of render::Renderer::render(); kFailedPrecondition SHEET_OUT_OF_REACH.
+Result<DrawnPicture> draw_picture(render::Renderer& renderer, const PictureSubject& subject, const PictureView& view,
+                                  double strain_end = 0.0);
+
+// Errors of the image encoders.
+Result<std::string> encode_still(const render::Pixels& pixels, const StillFormat& format);
 
 }  // namespace kerf::api

@@ -1,10 +1,43 @@
 #include "kerf/v1/render.pb.h"
 #include "server/api/core.h"
+#include "server/api/image_session.h"
 #include "server/api/picture.h"
 
 // RenderService.
 namespace kerf::api {
 namespace {
+
+struct PictureRequest {
+  PictureView view;
+  StillFormat format;
+};
+
+Result<PictureRequest> decode_request(const v1::RenderImageRequest& message) {
+  const Result<PictureView> view = decode_view(message);
+  if (!view.ok()) return view.error();
+  const Result<StillFormat> format = decode_format(message);
+  if (!format.ok()) return format.error();
+  return PictureRequest{*view, *format};
+}
+
+Result<v1::RenderImageResponse> make_picture(ApiCore& core, const PictureSubject& subject,
+                                             const PictureRequest& request) {
+  const Result<DrawnPicture> picture = draw_picture(*core.renderer, subject, request.view);
+  if (!picture.ok()) return picture.error();
+  ++core.pictures.rendered;
+  Result<std::string> image = encode_still(picture->pixels, request.format);
+  if (!image.ok()) return image.error();
+  ++core.pictures.encoded;
+  v1::RenderImageResponse response;
+  response.set_image(std::move(*image));
+  response.set_media_type(request.format.jpeg ? "image/jpeg" : "image/png");
+  response.set_tick(subject.snapshot->tick);
+  response.set_width_px(request.view.width);
+  response.set_height_px(request.view.height);
+  return response;
+}
+
+}  // namespace
 
 Status check_renderer(const ApiCore& core) {
   if (core.renderer != nullptr && core.renderer->available()) return Nothing{};
@@ -12,23 +45,40 @@ Status check_renderer(const ApiCore& core) {
   return Error{ErrorCode::kUnavailable, "RENDERER_UNAVAILABLE", "this server draws no pictures (" + why + ")", {}};
 }
 
-}  // namespace
-
 void Api::render_image(const v1::RenderImageRequest& request, Reply<v1::RenderImageResponse> reply) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());
-  const Result<PictureRequest> wanted = decode_picture_request(request);
+  const Result<PictureRequest> wanted = decode_request(request);
   if (!wanted.ok()) return reply(wanted.error());
   if (const Status status = check_renderer(*core_); !status.ok()) return reply(status.error());
+  const bool with_strains = wanted->view.color_by == v1::STRAINS;
   look_at<PictureSubject>(
-      core_, *id, picture_subject, "name",
+      core_, *id,
+      [with_strains](const sheet::Sheet& sheet) {
+        return PictureSubject{sheet.snapshot({}, with_strains), backdrop_of(sheet)};
+      },
+      "name",
       [core = core_, wanted = *wanted, reply = std::move(reply)](Result<PictureSubject> subject) {
         if (!subject.ok()) return reply(subject.error());
         in_background(
             core->worker, reply,
-            [core, wanted, reply, drawn = std::move(*subject)] { reply(draw_picture(*core->renderer, drawn, wanted)); },
+            [core, wanted, reply, drawn = std::move(*subject)] { reply(make_picture(*core, drawn, wanted)); },
             too_many_pictures(*core));
       });
+}
+
+std::shared_ptr<ImageSession> Api::watch_images() {
+  return make_image_session(core_);
+}
+
+std::shared_ptr<ImageSession> Api::play_images(const v1::WatchImagesStart& start) {
+  return make_image_player(core_, start);
+}
+
+PictureCounts Api::picture_counts() const {
+  const PictureCounters& counters = core_->pictures;
+  return {counters.rendered, counters.encoded, counters.shared,
+          counters.sent,     counters.skipped, core_->num_image_streams};
 }
 
 }  // namespace kerf::api

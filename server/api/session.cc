@@ -1,18 +1,17 @@
 #include "server/api/session.h"
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <deque>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "kerf/v1/stream.pb.h"
+#include "server/api/flow_request.h"
+#include "server/api/open_streams.h"
 #include "server/api/ready_signal.h"
+#include "server/api/wake_timer.h"
 #include "server/wire/command_codec.h"
 #include "server/wire/frame_encoder.h"
 
@@ -21,19 +20,9 @@ namespace {
 
 // More than a client that reads can make: it answers nothing and only costs memory.
 constexpr std::size_t kMaxUnreadRejections = 256;
-constexpr double kMinRateHz = 1.0e-3;  // a frame in a quarter of an hour; far below it, periods overflow
-constexpr double kMaxRateHz = 1000.0;
 constexpr double kSubscriptionRateHz = 1.0;
 constexpr double kMaxSubscriptionRateHz = 10.0;
 constexpr std::size_t kMaxEpochBytes = 64;
-constexpr std::int64_t kMaxHeldUs = 3'600'000'000;  // an hour; far above it, nanoseconds overflow
-
-Result<double> decode_rate(double rate_hz, double max_hz, const char* meaning_of_0, const std::string& field) {
-  if (rate_hz == 0.0 || (rate_hz >= kMinRateHz && rate_hz <= max_hz)) return rate_hz;  // refuses NaN
-  std::ostringstream message;
-  message << field << " is " << rate_hz << "; must be 0.001 to " << max_hz << ", or 0 for " << meaning_of_0;
-  return invalid_argument("OUT_OF_RANGE", message.str(), field);
-}
 
 Result<wire::Encoding> decode_encoding(const v1::WatchStart& start) {
   switch (start.encoding()) {
@@ -50,25 +39,11 @@ Result<wire::Encoding> decode_encoding(const v1::WatchStart& start) {
   }
 }
 
-stream::SubscriberOptions options_within(const Limits& limits) {
-  stream::SubscriberOptions options;
-  options.flow.max_unacknowledged_bytes = static_cast<std::size_t>(limits.max_unsent_bytes_per_subscriber);
-  options.flow.ack_timeout = limits.watch_ack_timeout;
-  return options;
-}
-
 Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, const Limits& limits) {
-  stream::SubscriberOptions options = options_within(limits);
-  options.flow.window = start.window();
-  if (options.flow.window < 0 || options.flow.window > stream::kMaxWindow) {
-    return invalid_argument(
-        "OUT_OF_RANGE",
-        "start.window is " + std::to_string(start.window()) + "; must be 1 to 8, or 0 for one that adapts",
-        "start.window");
-  }
-  const Result<double> rate = decode_rate(start.max_rate_hz(), kMaxRateHz, "every tick", "start.max_rate_hz");
-  if (!rate.ok()) return rate.error();
-  options.flow.max_rate_hz = *rate;
+  const Result<stream::FlowOptions> flow = decode_flow(start.window(), start.max_rate_hz(), limits);
+  if (!flow.ok()) return flow.error();
+  stream::SubscriberOptions options;
+  options.flow = *flow;
   const Result<wire::Encoding> encoding = decode_encoding(start);
   if (!encoding.ok()) return encoding.error();
   options.encoding = *encoding;
@@ -85,7 +60,8 @@ Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, co
 }
 
 Result<stream::SubscriberOptions> decode_options(const v1::SubscribeRequest& request, const Limits& limits) {
-  stream::SubscriberOptions options = options_within(limits);
+  stream::SubscriberOptions options;
+  options.flow = flow_within(limits);
   const Result<double> rate = decode_rate(request.max_rate_hz(), kMaxSubscriptionRateHz, "one a second", "max_rate_hz");
   if (!rate.ok()) return rate.error();
   options.flow.max_rate_hz = *rate == 0.0 ? kSubscriptionRateHz : *rate;
@@ -99,9 +75,11 @@ Result<stream::SubscriberOptions> decode_options(const v1::SubscribeRequest& req
   return options;
 }
 
-class Session final : public WatchSession, public std::enable_shared_from_this<Session> {
+class Session final : public WatchSession, public OpenStream, public std::enable_shared_from_this<Session> {
  public:
-  explicit Session(std::shared_ptr<ApiCore> core) : core_(std::move(core)) { ++core_->num_watchers; }
+  explicit Session(std::shared_ptr<ApiCore> core) : core_(std::move(core)), timer_(core_->clock) {
+    ++core_->num_watchers;
+  }
   ~Session() override { close(); }
 
   void on_request(const v1::WatchRequest& request) override;
@@ -111,6 +89,7 @@ class Session final : public WatchSession, public std::enable_shared_from_this<S
   [[nodiscard]] bool ended() const override;
   [[nodiscard]] std::optional<Error> failure() const override;
   void close() override;
+  void server_stops() override;
 
   // Begins a stream that takes no requests.
   void subscribe(const v1::SubscribeRequest& request);
@@ -123,18 +102,18 @@ class Session final : public WatchSession, public std::enable_shared_from_this<S
   void join(const std::string& sheet_id, const stream::SubscriberOptions& options);
   void set_pace(const v1::WatchPace& pace);
   std::shared_ptr<stream::Subscriber> joined_subscriber();
-  void joined(Result<std::shared_ptr<stream::Subscriber>> subscriber);
+  void joined(const Result<std::shared_ptr<stream::Reader>>& reader);
   void acknowledge(const v1::WatchAck& ack);
   void submit(const std::string& grab_id, Result<sheet::Command> command);
   void answered(const std::string& grab_id, const sheet::Command& command, const Status& status);
   void reject(const std::string& grab_id, const Error& error);
   void count_frame();
   void wake_at(host::Nanoseconds deadline);
-  void on_timer();
   [[nodiscard]] bool over() const { return closed_ || failure_; }  // mutex_ held
 
   const std::shared_ptr<ApiCore> core_;
   ReadySignal ready_;
+  WakeTimer timer_;
   const char* name_field_ = "start.name";  // of the request that began the stream
 
   mutable std::mutex mutex_;  // of what follows; not held over calls to the host, the hub or the subscriber
@@ -145,7 +124,6 @@ class Session final : public WatchSession, public std::enable_shared_from_this<S
   std::optional<Error> failure_;
   std::optional<std::int32_t> frames_left_;  // until the stream is done
   bool done_ = false;
-  std::optional<std::pair<host::Nanoseconds, host::TimerId>> timer_;
   bool closed_ = false;
 };
 
@@ -158,15 +136,9 @@ void Session::on_bytes(std::string_view bytes) {
 }
 
 void Session::on_request(const v1::WatchRequest& request) {
-  const bool is_start = request.kind_case() == v1::WatchRequest::kStart;
-  if (request.kind_case() == v1::WatchRequest::KIND_NOT_SET) {
-    return fail(
-        invalid_argument("CHOICE_MISSING", "kind must be one of start, ack, grab, drag, release or pace", "kind"));
-  }
-  if (is_start == started()) {
-    return fail(is_start ? invalid_argument("STARTED_TWICE", "this stream was started before; open another", "start")
-                         : invalid_argument("START_MISSING", "the first message of a stream must be start", "start"));
-  }
+  const Status turn = check_turn(request.kind_case() != v1::WatchRequest::KIND_NOT_SET, request.has_start(), started(),
+                                 "start, ack, grab, drag, release or pace");
+  if (!turn.ok()) return fail(turn.error());
   switch (request.kind_case()) {
     case v1::WatchRequest::kStart:
       return start(request.start());
@@ -214,20 +186,25 @@ void Session::join(const std::string& sheet_id, const stream::SubscriberOptions&
   const auto ready = [weak] {
     if (const auto session = weak.lock()) session->ready_.raise();
   };
-  core_->hub.join(sheet_id, options, ready, [self](Result<std::shared_ptr<stream::Subscriber>> subscriber) {
-    self->joined(std::move(subscriber));
-  });
+  core_->hub.join(
+      sheet_id,
+      [options, ready](const std::shared_ptr<stream::Channel>& channel) -> Result<std::shared_ptr<stream::Reader>> {
+        Result<std::shared_ptr<stream::Subscriber>> subscriber = channel->subscribe(options, ready);
+        if (!subscriber.ok()) return subscriber.error();
+        return std::shared_ptr<stream::Reader>(std::move(*subscriber));
+      },
+      [self](const Result<std::shared_ptr<stream::Reader>>& reader) { self->joined(reader); });
 }
 
-void Session::joined(Result<std::shared_ptr<stream::Subscriber>> subscriber) {
-  if (!subscriber.ok()) return fail(at_field(subscriber.error(), name_field_));
+void Session::joined(const Result<std::shared_ptr<stream::Reader>>& reader) {
+  if (!reader.ok()) return fail(at_field(reader.error(), name_field_));
   bool unwanted = false;
   {
     const std::lock_guard lock(mutex_);
     unwanted = over();
-    if (!unwanted) subscriber_ = *subscriber;
+    if (!unwanted) subscriber_ = std::static_pointer_cast<stream::Subscriber>(*reader);  // join() made it
   }
-  if (unwanted) return core_->hub.leave(sheet_id_, **subscriber);
+  if (unwanted) return core_->hub.leave(sheet_id_, **reader);
   ready_.raise();
 }
 
@@ -241,10 +218,8 @@ void Session::acknowledge(const v1::WatchAck& ack) {
   if (!subscriber) {
     return fail(invalid_argument("ACK_OUT_OF_RANGE", "a frame is acknowledged before one was sent", "ack.sequence"));
   }
-  const std::chrono::microseconds held(std::min(ack.held_us(), kMaxHeldUs));
-  if (const Status status = subscriber->acknowledge(ack.sequence(), core_->clock.now(), held); !status.ok()) {
-    fail(status.error());
-  }
+  const Status status = subscriber->acknowledge(ack.sequence(), core_->clock.now(), held_of(ack));
+  if (!status.ok()) fail(status.error());
 }
 
 void Session::set_pace(const v1::WatchPace& pace) {
@@ -325,24 +300,13 @@ void Session::count_frame() {
   if (frames_left_ && --*frames_left_ == 0) done_ = true;
 }
 
-// One timer at a time: an earlier one stays, and asks for the later when it has fired in vain.
 void Session::wake_at(host::Nanoseconds deadline) {
-  const std::lock_guard lock(mutex_);
-  if (over() || (timer_ && timer_->first <= deadline)) return;
-  if (timer_) core_->clock.cancel(timer_->second);
-  const std::weak_ptr<Session> weak = weak_from_this();
-  const host::TimerId timer = core_->clock.schedule(deadline, [weak] {
-    if (const auto session = weak.lock()) session->on_timer();
+  timer_.wake_at(deadline, [weak = weak_from_this()] {
+    const auto session = weak.lock();
+    if (!session) return;
+    session->timer_.fired();
+    session->ready_.raise();
   });
-  timer_ = {deadline, timer};
-}
-
-void Session::on_timer() {
-  {
-    const std::lock_guard lock(mutex_);
-    timer_.reset();
-  }
-  ready_.raise();
 }
 
 void Session::set_ready(std::function<void()> ready) {
@@ -375,6 +339,10 @@ void Session::fail(Error error) {
   ready_.raise();
 }
 
+void Session::server_stops() {
+  if (!started()) fail(server_stopping());
+}
+
 void Session::close() {
   std::shared_ptr<stream::Subscriber> subscriber;
   std::set<std::string> grabs;
@@ -384,12 +352,9 @@ void Session::close() {
     closed_ = true;
     subscriber = std::move(subscriber_);
     grabs.swap(held_grabs_);
-    if (timer_) core_->clock.cancel(timer_->second);
   }
-  {
-    const std::lock_guard lock(core_->sessions_mutex);
-    core_->sessions.erase(this);
-  }
+  timer_.stop();
+  core_->streams.remove(*this);
   --core_->num_watchers;
   if (subscriber) core_->hub.leave(sheet_id_, *subscriber);
   for (const std::string& grab_id : grabs) core_->host.release_grab(sheet_id_, grab_id);
@@ -399,11 +364,8 @@ void Session::close() {
 
 std::shared_ptr<WatchSession> make_watch_session(const std::shared_ptr<ApiCore>& core) {
   auto session = std::make_shared<Session>(core);
-  {
-    const std::lock_guard lock(core->sessions_mutex);
-    core->sessions[session.get()] = session;
-  }
-  if (core->stopping) session->fail(server_stopping());
+  core->streams.add(session);
+  if (core->stopping) session->server_stops();
   return session;
 }
 
@@ -412,20 +374,6 @@ std::shared_ptr<WatchSession> make_subscription(const std::shared_ptr<ApiCore>& 
   auto session = std::static_pointer_cast<Session>(make_watch_session(core));
   session->subscribe(request);
   return session;
-}
-
-void refuse_unstarted_sessions(ApiCore& core) {
-  std::vector<std::shared_ptr<WatchSession>> sessions;
-  {
-    const std::lock_guard lock(core.sessions_mutex);
-    for (const auto& [address, weak] : core.sessions) {
-      if (auto session = weak.lock()) sessions.push_back(std::move(session));
-    }
-  }
-  for (const auto& each : sessions) {
-    auto& session = static_cast<Session&>(*each);
-    if (!session.started()) session.fail(server_stopping());
-  }
 }
 
 }  // namespace kerf::api

@@ -17,7 +17,4 @@ std::shared_ptr<WatchSession> make_watch_session(const std::shared_ptr<ApiCore>&
 std::shared_ptr<WatchSession> make_subscription(const std::shared_ptr<ApiCore>& core,
                                                 const v1::SubscribeRequest& request);
 
-// For Api::stop(): streams that watch no sheet yet end with kUnavailable; the hub ends the others.
-void refuse_unstarted_sessions(ApiCore& core);
-
 }  // namespace kerf::api

@@ -4,11 +4,10 @@
 
 namespace kerf::api {
 
-void StreamHub::join(const std::string& sheet_id, const stream::SubscriberOptions& options, std::function<void()> ready,
-                     Joined joined) {
+void StreamHub::join(const std::string& sheet_id, const Subscribe& subscribe, Joined joined) {
   std::shared_ptr<stream::Channel> fresh;
-  std::shared_ptr<stream::Channel> poorer;  // its newest snapshot may have no strains
-  Result<std::shared_ptr<stream::Subscriber>> subscriber =
+  std::shared_ptr<stream::Channel> poorer;  // its newest snapshot has no strains, which are wanted now
+  Result<std::shared_ptr<stream::Reader>> reader =
       Error{ErrorCode::kUnavailable, "SERVER_STOPPING", "the server is stopping; try again later", {}};
   {
     const std::lock_guard lock(mutex_);
@@ -19,18 +18,23 @@ void StreamHub::join(const std::string& sheet_id, const stream::SubscriberOption
         fresh = std::make_shared<stream::Channel>(max_subscribers_, instance_);
         entry = {fresh, false, {}};
       }
-      subscriber = entry.channel->subscribe(options, std::move(ready));
-      if (subscriber.ok() && !entry.attached) {
-        entry.waiting.push_back({*subscriber, std::move(joined)});
+      const bool had_strains = entry.channel->wants_strains();
+      reader = subscribe(entry.channel);
+      if (reader.ok() && !entry.attached) {
+        entry.waiting.push_back({*reader, std::move(joined)});
         joined = nullptr;  // answered once the channel is attached
-      } else if (subscriber.ok() && options.strains) {
+      } else if (reader.ok() && !had_strains && entry.channel->wants_strains()) {
         poorer = entry.channel;
       }
     }
   }
-  if (joined) joined(std::move(subscriber));
+  if (joined) joined(std::move(reader));
   if (fresh) attach(sheet_id, fresh);
-  if (poorer) host_.refresh_sink(sheet_id, poorer, [](const Status&) {});
+  if (poorer) refresh(sheet_id, poorer);
+}
+
+void StreamHub::refresh(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel) {
+  host_.refresh_sink(sheet_id, channel, [](const Status&) {});
 }
 
 // The hub outlives the host's callbacks only together with the core that owns it, which streams keep alive: every
@@ -53,16 +57,16 @@ void StreamHub::attached(const std::string& sheet_id, const std::shared_ptr<stre
   }
   for (Waiting& each : waiting) {
     if (status.ok()) {
-      each.joined(std::move(each.subscriber));
+      each.joined(std::move(each.reader));
     } else {
-      each.subscriber->leave();
+      each.reader->leave();
       each.joined(status.error());
     }
   }
 }
 
-void StreamHub::leave(const std::string& sheet_id, stream::Subscriber& subscriber) {
-  subscriber.leave();
+void StreamHub::leave(const std::string& sheet_id, stream::Reader& reader) {
+  reader.leave();
   std::shared_ptr<stream::Channel> unused;
   {
     const std::lock_guard lock(mutex_);

@@ -21,20 +21,22 @@ class StreamHub {
   StreamHub(host::Host& host, std::int32_t max_subscribers, std::string instance)
       : host_(host), max_subscribers_(max_subscribers), instance_(std::move(instance)) {}
 
-  using Joined = std::function<void(Result<std::shared_ptr<stream::Subscriber>>)>;
-  // `joined` is called once, here or on a thread of the host; `ready` as by stream::Channel::subscribe(), possibly
-  // before. Errors of subscribe() and of host::Host::add_sink().
-  void join(const std::string& sheet_id, const stream::SubscriberOptions& options, std::function<void()> ready,
-            Joined joined);
-  // To be called once for each subscriber that join() gave.
-  void leave(const std::string& sheet_id, stream::Subscriber& subscriber);
+  // Makes a reader of the sheet's channel; called once, or not at all where the server is stopping.
+  using Subscribe = std::function<Result<std::shared_ptr<stream::Reader>>(const std::shared_ptr<stream::Channel>&)>;
+  using Joined = std::function<void(Result<std::shared_ptr<stream::Reader>>)>;
+  // `joined` is called once, here or on a thread of the host. Errors of `subscribe` and of host::Host::add_sink().
+  void join(const std::string& sheet_id, const Subscribe& subscribe, Joined joined);
+  // To be called once for each reader that join() gave.
+  void leave(const std::string& sheet_id, stream::Reader& reader);
+  // A reader of this channel wants strains from now on: has the newest snapshot published with them.
+  void refresh(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel);
 
   // Ends all streams with kServerStopping; join() is refused from now on.
   void stop();
 
  private:
   struct Waiting {
-    std::shared_ptr<stream::Subscriber> subscriber;
+    std::shared_ptr<stream::Reader> reader;
     Joined joined;
   };
   struct Entry {

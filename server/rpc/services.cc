@@ -17,7 +17,9 @@
 #include "kerf/v1/sheets.grpc.pb.h"
 #include "kerf/v1/stream.grpc.pb.h"
 #include "server/api/api.h"
+#include "server/api/image_session.h"
 #include "server/rpc/grpc_status.h"
+#include "server/rpc/session_reactor.h"
 
 namespace kerf::rpc {
 namespace {
@@ -170,11 +172,15 @@ class Interaction final : public RawInteraction {
   api::Api& api_;
 };
 
-using RawRender = RawService<v1::RenderService::Service, v1::RenderService::WithRawCallbackMethod_RenderImage>::type;
+using RawRender = RawService<v1::RenderService::Service, v1::RenderService::WithRawCallbackMethod_RenderImage,
+                             v1::RenderService::WithRawCallbackMethod_WatchImages>::type;
 class Render final : public RawRender {
  public:
   explicit Render(api::Api& api) : api_(api) {}
   KERF_UNARY(RenderImage, render_image)
+  grpc::ServerBidiReactor<ByteBuffer, ByteBuffer>* WatchImages(Context* context) override {
+    return new TalkReactor(api_.watch_images(), *context);  // deletes itself in OnDone
+  }
 
  private:
   api::Api& api_;

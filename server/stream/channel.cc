@@ -1,13 +1,28 @@
 #include "server/stream/channel.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
 #include "server/base/check.h"
 
 namespace kerf::stream {
+namespace {
+
+// Positions are compared only where nothing else tells the two apart: while a sheet is paused or asleep.
+bool looks_the_same(const sheet::Snapshot& a, const sheet::Snapshot& b) {
+  return a.tick == b.tick && a.topology == b.topology && a.positions == b.positions;
+}
+
+}  // namespace
 
 Result<std::shared_ptr<Subscriber>> Channel::subscribe(const SubscriberOptions& options, std::function<void()> ready) {
+  auto subscriber = std::make_shared<Subscriber>(shared_from_this(), options, std::move(ready));
+  if (const Status status = admit(subscriber, options.strains); !status.ok()) return status.error();
+  return subscriber;
+}
+
+Status Channel::admit(const std::shared_ptr<Reader>& reader, bool wants_strains) {
   const std::lock_guard lock(mutex_);
   if (end_) return Error{ErrorCode::kUnavailable, "CHANNEL_ENDED", "the sheet is gone or the server is stopping", {}};
   if (num_subscribers_ >= max_subscribers_) {
@@ -16,50 +31,67 @@ Result<std::shared_ptr<Subscriber>> Channel::subscribe(const SubscriberOptions& 
                  "this sheet has " + std::to_string(max_subscribers_) + " viewers, as many as it may have",
                  {}};
   }
-  auto subscriber = std::make_shared<Subscriber>(shared_from_this(), options, std::move(ready));
-  auto subscribers = std::make_shared<Subscribers>(subscribers_ ? *subscribers_ : Subscribers{});
-  subscribers->push_back({subscriber.get(), subscriber});
-  subscribers_ = std::move(subscribers);
-  ++num_subscribers_;
-  if (options.strains) ++num_wanting_strains_;
-  return subscriber;
+  auto readers = std::make_shared<Readers>(*readers_);
+  readers->push_back({reader.get(), reader, wants_strains});
+  replace_readers(std::move(readers));
+  return Nothing{};
+}
+
+void Channel::want_strains(const Reader& reader, bool wants) {
+  const std::lock_guard lock(mutex_);
+  auto readers = std::make_shared<Readers>(*readers_);
+  for (Entry& each : *readers) {
+    if (each.reader == &reader) each.wants_strains = wants;
+  }
+  replace_readers(std::move(readers));
+}
+
+void Channel::leave(const Reader& reader) {
+  const std::lock_guard lock(mutex_);
+  auto remaining = std::make_shared<Readers>(*readers_);
+  std::erase_if(*remaining, [&](const Entry& each) { return each.reader == &reader; });
+  replace_readers(std::move(remaining));
+}
+
+void Channel::replace_readers(std::shared_ptr<const Readers> readers) {
+  readers_ = std::move(readers);
+  num_subscribers_ = static_cast<std::int32_t>(readers_->size());
+  num_wanting_strains_ = static_cast<std::int32_t>(
+      std::count_if(readers_->begin(), readers_->end(), [](const Entry& each) { return each.wants_strains; }));
 }
 
 void Channel::publish(std::shared_ptr<const sheet::Snapshot> snapshot) {
+  std::shared_ptr<const Readers> readers;
   {
     const std::lock_guard lock(mutex_);
+    if (!newest_ || !looks_the_same(*newest_, *snapshot)) ++revision_;
     newest_ = std::move(snapshot);
     ++newest_publication_;
+    readers = readers_;
   }
-  wake_all();
-}
-
-void Channel::wake_all() {
-  std::shared_ptr<const Subscribers> subscribers;
-  {
-    const std::lock_guard lock(mutex_);
-    subscribers = subscribers_;
-  }
-  if (!subscribers) return;
-  for (const Entry& each : *subscribers) {
-    if (const auto subscriber = each.handle.lock()) subscriber->wake();
+  for (const Entry& each : *readers) {
+    if (const auto reader = each.handle.lock()) reader->wake();
   }
 }
 
 void Channel::ended(sheet::SinkEnd reason) {
-  std::shared_ptr<const Subscribers> subscribers;
+  std::shared_ptr<const Readers> readers;
   {
     const std::lock_guard lock(mutex_);
     if (end_) return;
     end_ = reason;
-    subscribers = subscribers_;
+    readers = readers_;
   }
-  if (!subscribers) return;
   const auto why =
       reason == sheet::SinkEnd::kSheetDeleted ? wire::EndReason::kSheetDeleted : wire::EndReason::kServerStopping;
-  for (const Entry& each : *subscribers) {
-    if (const auto subscriber = each.handle.lock()) subscriber->end(why);
+  for (const Entry& each : *readers) {
+    if (const auto reader = each.handle.lock()) reader->end(why);
   }
+}
+
+Channel::Newest Channel::newest() const {
+  const std::lock_guard lock(mutex_);
+  return {newest_publication_, revision_, newest_};
 }
 
 bool Channel::has_ended() const {
@@ -90,15 +122,6 @@ FramePick Channel::pick(const Viewed& viewed) {
   }
   KERF_CHECK(newest != nullptr, "a frame is taken before the first snapshot");
   return history_.pick(publication, *newest, viewed);
-}
-
-void Channel::leave(const Subscriber& subscriber) {
-  const std::lock_guard lock(mutex_);
-  auto remaining = std::make_shared<Subscribers>(*subscribers_);
-  std::erase_if(*remaining, [&](const Entry& each) { return each.subscriber == &subscriber; });
-  subscribers_ = std::move(remaining);
-  --num_subscribers_;
-  if (subscriber.wants_strains()) --num_wanting_strains_;
 }
 
 }  // namespace kerf::stream

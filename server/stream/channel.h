@@ -14,17 +14,19 @@
 #include "server/base/result.h"
 #include "server/sheet/snapshot.h"
 #include "server/stream/frame_history.h"
+#include "server/stream/reader.h"
 #include "server/stream/subscriber.h"
 
 namespace kerf::stream {
 
-// The frames of one sheet, for everyone who watches it. The sheet's strand publishes; threads of transports take, each
-// for its own subscriber, what that one needs of the newest snapshot. Older snapshots are let go: nobody is sent one
-// when there is a newer. Quantising and encoding happen when the first subscriber takes a frame, once for all of them,
-// and not at all without subscribers. Thread-safe; publish() waits for no encoding.
+// The newest snapshot of one sheet, for everyone who watches it: subscribers, who are sent frames, and other readers,
+// who make pictures of it. The sheet's strand publishes; threads of transports take, each for its own subscriber, what
+// that one needs of the newest snapshot. Older snapshots are let go: nobody is sent one when there is a newer.
+// Quantising and encoding happen when the first subscriber takes a frame, once for all of them, and not at all without
+// subscribers. Thread-safe; publish() waits for no encoding.
 class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<Channel> {
  public:
-  // `instance`: of this start of the server; part of the epoch.
+  // `max_subscribers`: readers of any kind. `instance`: of this start of the server; part of the epoch.
   explicit Channel(std::int32_t max_subscribers, std::string instance = {})
       : max_subscribers_(max_subscribers), instance_(std::move(instance)) {}
 
@@ -32,6 +34,23 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   // take, an acknowledgement that opens its window, or the end.
   // kResourceExhausted TOO_MANY_SUBSCRIBERS; kUnavailable CHANNEL_ENDED.
   Result<std::shared_ptr<Subscriber>> subscribe(const SubscriberOptions& options, std::function<void()> ready);
+
+  // Wakes and ends `reader` from now on. Errors of subscribe().
+  Status admit(const std::shared_ptr<Reader>& reader, bool wants_strains);
+  // Whether the next snapshots are to have strains, for a reader that was admitted.
+  void want_strains(const Reader& reader, bool wants);
+  // Does nothing for a reader that is not here.
+  void leave(const Reader& reader);
+
+  struct Newest {
+    std::int64_t publication = 0;  // counts them, from 1; 0: there was none
+    std::int64_t revision =
+        0;  // of what the sheet looks like: that of the publication before where only its run state is new
+    std::shared_ptr<const sheet::Snapshot> snapshot;  // null before the first publication
+  };
+  [[nodiscard]] Newest newest() const;
+  // Counts publications from 1; 0 before the first.
+  [[nodiscard]] std::int64_t newest_publication() const { return newest_publication_.load(); }
 
   [[nodiscard]] bool wants_snapshot() const override { return num_subscribers_.load() > 0; }
   [[nodiscard]] bool wants_strains() const override { return num_wanting_strains_.load() > 0; }
@@ -45,19 +64,17 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
  private:
   friend class Subscriber;
   struct Entry {
-    const Subscriber* subscriber = nullptr;  // valid until it has left
-    std::weak_ptr<Subscriber> handle;
+    const Reader* reader = nullptr;  // valid until it has left
+    std::weak_ptr<Reader> handle;
+    bool wants_strains = false;
   };
-  using Subscribers = std::vector<Entry>;
+  using Readers = std::vector<Entry>;
 
-  // Counts publications from 1; 0 before the first.
-  [[nodiscard]] std::int64_t newest_publication() const { return newest_publication_.load(); }
   // kerf.v1.Frame.epoch of the newest snapshot; one must have been published.
   [[nodiscard]] std::string epoch() const;
   // What a subscriber in this state needs of the newest snapshot; one must have been published.
   FramePick pick(const Viewed& viewed);
-  void leave(const Subscriber& subscriber);
-  void wake_all();
+  void replace_readers(std::shared_ptr<const Readers> readers);  // mutex_ held
 
   const std::int32_t max_subscribers_;
   const std::string instance_;
@@ -70,9 +87,10 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   FrameHistory history_;  // guarded by frames_mutex_
 
   mutable std::mutex mutex_;
-  std::shared_ptr<const sheet::Snapshot> newest_;   // guarded by mutex_
-  std::shared_ptr<const Subscribers> subscribers_;  // guarded by mutex_; replaced, never changed
-  std::optional<sheet::SinkEnd> end_;               // guarded by mutex_
+  std::shared_ptr<const sheet::Snapshot> newest_;                         // guarded by mutex_
+  std::int64_t revision_ = 0;                                             // of newest_; guarded by mutex_
+  std::shared_ptr<const Readers> readers_ = std::make_shared<Readers>();  // guarded by mutex_; replaced, never changed
+  std::optional<sheet::SinkEnd> end_;                                     // guarded by mutex_
 };
 
 }  // namespace kerf::stream

@@ -7,22 +7,6 @@
 #include "server/stream/channel.h"
 
 namespace kerf::stream {
-namespace {
-
-std::string text_of(wire::EndReason reason) {
-  switch (reason) {
-    case wire::EndReason::kSheetDeleted:
-      return "the sheet was deleted";
-    case wire::EndReason::kServerStopping:
-      return "the server is stopping; connect again later";
-    case wire::EndReason::kTooSlow:
-      return "no frame was acknowledged for too long; acknowledge each, or watch again when there is time for it";
-  }
-  return {};
-}
-
-}  // namespace
-
 Subscriber::Subscriber(std::shared_ptr<Channel> channel, const SubscriberOptions& options, std::function<void()> ready)
     : channel_(std::move(channel)), options_(options), ready_(std::move(ready)), flow_(options.flow) {
   viewed_.encoding = options_.encoding;
@@ -84,7 +68,7 @@ std::int32_t Subscriber::window() const {
 Subscriber::Next Subscriber::end_now(wire::EndReason reason) {
   ended_ = true;
   Message message;
-  message.parts.push_back(std::make_shared<const std::string>(wire::encode_ended(reason, text_of(reason))));
+  message.parts.push_back(std::make_shared<const std::string>(wire::encode_ended(reason)));
   return {std::move(message), std::nullopt};
 }
 

@@ -12,6 +12,7 @@
 #include "server/stream/flow_control.h"
 #include "server/stream/frame_history.h"
 #include "server/stream/message.h"
+#include "server/stream/reader.h"
 #include "server/wire/frame_encoder.h"
 
 namespace kerf::stream {
@@ -29,11 +30,11 @@ struct SubscriberOptions {
 // One stream of frames. A frame is given only while its FlowControl allows, and it is always the sheet's newest: a slow
 // reader skips, never lags. The stream is taken as reliable and ordered: a frame given by next() is the base of later
 // deltas. Thread-safe.
-class Subscriber {
+class Subscriber : public Reader {
  public:
   // Made by Channel::subscribe().
   Subscriber(std::shared_ptr<Channel> channel, const SubscriberOptions& options, std::function<void()> ready);
-  ~Subscriber();  // leave()
+  ~Subscriber() override;  // leave()
   Subscriber(const Subscriber&) = delete;
   Subscriber& operator=(const Subscriber&) = delete;
 
@@ -50,21 +51,17 @@ class Subscriber {
   void set_pace(double max_rate_hz, bool paused, Nanoseconds now);
 
   [[nodiscard]] std::int32_t window() const;
-  [[nodiscard]] bool wants_strains() const { return options_.strains; }
-
   // next() has given an Ended message; nothing follows.
   [[nodiscard]] bool ended() const;
 
   // No more frames; `ready` is not called any more, though a call may still be under way. Idempotent.
-  void leave();
+  void leave() override;
+
+  // Calls `ready` if next() waits for a publication. Takes no lock, because another thread may be encoding in next().
+  void wake() override;
+  void end(wire::EndReason reason) override;
 
  private:
-  friend class Channel;
-  // By the channel after a publication: calls `ready` if next() waits for one. Takes no lock, because another thread
-  // may be encoding in next().
-  void wake();
-  void end(wire::EndReason reason);
-
   Next end_now(wire::EndReason reason);  // mutex_ held
   Message take(Nanoseconds now);         // mutex_ held
 

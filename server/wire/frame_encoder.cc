@@ -94,19 +94,6 @@ void fill_compact(const sheet::Topology& topology, const Listed& listed, const P
       {material.data(), static_cast<std::size_t>(material.size())}, listed.vertices, predictors));
 }
 
-void encode_stats(const QuantisedFrame& frame, v1::FrameStats& stats) {
-  stats.set_real_time_factor(frame.stats.real_time_factor);
-  stats.set_overruns(frame.stats.overruns);
-  stats.set_slipped_s(frame.stats.slipped_s);
-  stats.set_tick_cpu_us(frame.stats.tick_cpu_us);
-  stats.set_published_unix_us(frame.stats.published_unix_us);
-  stats.set_pieces(frame.topology->num_pieces);
-  stats.set_num_triangles(frame.topology->num_triangles);
-  stats.set_settings_version(frame.stats.settings_version);
-  stats.set_paused(frame.stats.paused);
-  stats.set_sleeping(frame.stats.sleeping);
-}
-
 void encode_box(const FrameBox& box, v1::Box3& message) {
   v1::Vec3& min = *message.mutable_min();
   min.set_x(box.min[0]);
@@ -125,7 +112,7 @@ v1::Frame begin_body(const QuantisedFrame& frame, v1::Encoding encoding) {
   message.set_topology_version(frame.topology->version);
   message.set_num_vertices(static_cast<std::int32_t>(frame.positions.size() / 3));
   message.set_encoding(encoding);
-  encode_stats(frame, *message.mutable_stats());
+  encode_stats(frame.stats, *frame.topology, *message.mutable_stats());
   return message;
 }
 
@@ -135,14 +122,6 @@ std::string keyframe_body(const QuantisedFrame& frame, v1::Encoding encoding, st
   encode_box(frame.box, *message.mutable_box());
   message.set_positions(std::move(positions));
   return message.SerializeAsString();
-}
-
-void append_varint(std::uint64_t value, std::string& bytes) {
-  while (value >= 0x80) {
-    bytes.push_back(static_cast<char>((value & 0x7f) | 0x80));
-    value >>= 7;
-  }
-  bytes.push_back(static_cast<char>(value));
 }
 
 }  // namespace
@@ -217,28 +196,12 @@ std::string encode_frame_head(std::int64_t sequence, std::int64_t skipped, std::
   own.set_epoch(std::string(epoch));
   own.mutable_stats()->set_skipped(skipped);
   const std::string fields = own.SerializeAsString();
-  std::string head;
-  constexpr std::uint64_t kLengthDelimited = 2;
-  append_varint(std::uint64_t{v1::WatchResponse::kFrameFieldNumber} << 3 | kLengthDelimited, head);
-  append_varint(fields.size() + rest_bytes, head);
-  return head + fields;
+  return begin_field(v1::WatchResponse::kFrameFieldNumber, fields.size() + rest_bytes) + fields;
 }
 
-std::string encode_ended(EndReason reason, std::string_view message) {
+std::string encode_ended(EndReason reason) {
   v1::WatchResponse response;
-  v1::Ended& ended = *response.mutable_ended();
-  switch (reason) {
-    case EndReason::kSheetDeleted:
-      ended.set_reason(v1::Ended::SHEET_DELETED);
-      break;
-    case EndReason::kServerStopping:
-      ended.set_reason(v1::Ended::SERVER_STOPPING);
-      break;
-    case EndReason::kTooSlow:
-      ended.set_reason(v1::Ended::TOO_SLOW);
-      break;
-  }
-  ended.set_message(std::string(message));
+  encode_end(reason, *response.mutable_ended());
   return response.SerializeAsString();
 }
 

@@ -12,6 +12,7 @@
 #include "server/codec/vertex_predictors.h"
 #include "server/sheet/snapshot.h"
 #include "server/wire/quantise.h"
+#include "server/wire/stream_codec.h"
 
 // Snapshots as kerf.v1.Frame. What depends on the sheet alone (body, topology) is encoded apart from what depends on
 // the stream (head), so that many streams send the same bytes: serialised messages that are written one behind the
@@ -65,8 +66,7 @@ std::string encode_frame_head(std::int64_t sequence, std::int64_t skipped, std::
                               std::size_t rest_bytes);
 
 // Whole serialised WatchResponses.
-enum class EndReason { kSheetDeleted, kServerStopping, kTooSlow };
-std::string encode_ended(EndReason reason, std::string_view message);
+std::string encode_ended(EndReason reason);
 std::string encode_rejection(std::string_view grab_id, const Error& error);
 
 }  // namespace kerf::wire

@@ -25,7 +25,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/ws/watch_stream.h"
+#include "server/ws/mjpeg.h"
+#include "server/ws/socket_stream.h"
 
 namespace kerf::ws {
 namespace {
@@ -105,8 +106,8 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
 
   // An upgraded connection's socket belongs to its stream.
   void close_now() {
-    if (watch_) {
-      watch_->abort();
+    if (socket_) {
+      socket_->abort();
     } else {
       stream_.close();
     }
@@ -142,7 +143,17 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     Request message = parser.release();
     Framing framing{message.version(), message.keep_alive(), message.method() == http::verb::head};
     const HttpRequest request = to_request(message);
-    const HttpResponse response = co_await answer(request);
+    const std::optional<Result<std::shared_ptr<api::ImageSession>>> player = context_.router.play(request);
+    if (player && player->ok()) {
+      co_await play(**player);
+      co_return false;
+    }
+    HttpResponse response;
+    if (player) {
+      response = refusal(player->error());
+    } else {
+      response = co_await answer(request);
+    }
     framing.keep_alive = framing.keep_alive && !finishing_;
     const bool written = co_await write(response, framing);
     co_return written&& framing.keep_alive;
@@ -171,19 +182,32 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
 
   asio::awaitable<void> upgrade(Request message) {
     const std::string subprotocols = header(message, http::field::sec_websocket_protocol);
-    const std::optional<HttpResponse> refused = context_.router.refuse_watch(to_request(message), subprotocols);
-    if (refused) {
-      co_await write(*refused, Framing());
+    Router::Upgrade upgrade = context_.router.upgrade(to_request(message), subprotocols);
+    if (upgrade.refused) {
+      co_await write(*upgrade.refused, Framing());
       co_return;
     }
-    watch_ = std::make_shared<WatchStream>(context_, std::move(stream_));
-    if (!finishing_) co_await watch_->run(message);
+    socket_ = std::make_shared<SocketStream>(context_, std::move(stream_), std::move(upgrade.open));
+    if (!finishing_) co_await socket_->run(message);
   }
 
   asio::awaitable<void> invite_body() {
     http::response<http::empty_body> invitation{http::status::continue_, 11};
     boost::system::error_code ignored;
     co_await http::async_write(stream_, invitation, asio::redirect_error(asio::use_awaitable, ignored));
+  }
+
+  asio::awaitable<void> play(std::shared_ptr<api::ImageSession> session) {
+    stream_.expires_never();
+    const std::stop_source hung_up;
+    watch_for_hang_up(hung_up);
+    const std::optional<Error> error =
+        co_await play_mjpeg(std::move(session), stream_, context_.options.write_timeout, hung_up.get_token());
+    if (error && !hung_up.stop_requested()) {
+      co_await write(refusal(in_words_of_query(*error)), Framing());
+    } else {
+      ++context_.requests;
+    }
   }
 
   asio::awaitable<HttpResponse> answer(const HttpRequest& request) {
@@ -271,7 +295,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   beast::tcp_stream stream_;
   const beast::tcp_stream::executor_type executor_;  // a strand
   beast::flat_buffer buffer_;
-  std::shared_ptr<WatchStream> watch_;  // once upgraded
+  std::shared_ptr<SocketStream> socket_;  // once upgraded
   bool first_ = true;
   bool idle_ = false;
   bool finishing_ = false;

@@ -45,6 +45,8 @@ struct HttpCounts {
 //   POST /kerf.v1.Service/Method      a unary RPC as JSON; errors as {"code", "message", "details"}. Ends sooner,
 //                                     where it may go on for long (StepSheet), if the client hangs up
 //   GET /watch                        WebSocket, subprotocol kerf.v1: StreamService.Watch, a message a binary message
+//   GET /images                       the same: RenderService.WatchImages
+//   GET /sheets/ID.png .jpg .mjpeg    one picture, or MJPEG for an <img>: ws/picture_query.h
 //   GET /healthz /readyz /metrics     alive; taking requests (503 while draining); Prometheus text format
 class HttpServer {
  public:

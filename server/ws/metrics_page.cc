@@ -134,16 +134,28 @@ void add_transports(Page& page, const HttpCounts& http, std::int32_t watchers) {
                http.failed_requests);
 }
 
+void add_pictures(Page& page, const api::PictureCounts& pictures) {
+  page.gauge("kerf_image_streams", "Image streams open now, of all transports.", pictures.streams);
+  page.counter("kerf_pictures_rendered_total", "Pictures drawn.", pictures.rendered);
+  page.counter("kerf_pictures_encoded_total", "Pictures encoded: JPEG, PNG and frames of VP8.", pictures.encoded);
+  page.counter("kerf_pictures_shared_total", "Pictures given to a stream that were encoded for another, or before.",
+               pictures.shared);
+  page.counter("kerf_pictures_sent_total", "Pictures sent to image streams.", pictures.sent);
+  page.counter("kerf_pictures_skipped_total", "Ticks that image streams were sent no picture of, of all streams.",
+               pictures.skipped);
+}
+
 }  // namespace
 
 std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, std::int32_t watchers,
-                         const std::string& version) {
+                         const api::PictureCounts& pictures, const std::string& version) {
   Page page;
   page.begin_gauge("kerf_build_info", "Always 1; the label is the version.");
   page.gauge_value({{"version", version}}, 1);
   add_process(page);
   add_host(page, host);
   add_transports(page, http, watchers);
+  add_pictures(page, pictures);
   return page.text();
 }
 

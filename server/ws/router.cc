@@ -4,6 +4,8 @@
 #include <cctype>
 
 #include "server/api/api.h"
+#include "server/api/image_session.h"
+#include "server/api/watch_session.h"
 #include "server/wire/error_codec.h"
 
 namespace kerf::ws {
@@ -38,6 +40,20 @@ HttpResponse method_not_allowed(std::string_view allowed) {
       405, {ErrorCode::kInvalidArgument, "METHOD_NOT_ALLOWED", "use " + std::string(allowed) + " here", {}});
   response.headers.emplace_back("Allow", allowed);
   return response;
+}
+
+HttpResponse refused_host(const Error& error) {
+  return refusal_with_status(error.code == ErrorCode::kInvalidArgument ? 400 : 403, error);
+}
+
+struct Target {
+  std::string_view path;
+  std::string_view query;  // without the question mark
+};
+
+Target split_target(std::string_view target) {
+  const std::size_t mark = std::min(target.find('?'), target.size());
+  return {target.substr(0, mark), target.substr(std::min(mark + 1, target.size()))};
 }
 
 // Browsers revalidate with the tag they were given; weak tags compare equal too (RFC 9110, 13.1.2).
@@ -109,7 +125,7 @@ bool lists_token(std::string_view list, std::string_view token) {
 }
 
 Router::Router(api::Api& api, AssetTable assets, std::function<std::string()> metrics)
-    : assets_(std::move(assets)), metrics_(std::move(metrics)) {
+    : api_(api), assets_(std::move(assets)), metrics_(std::move(metrics)) {
   for (const api::Method& method : api.methods()) methods_.emplace(method.path, &method);
 }
 
@@ -132,41 +148,42 @@ HttpResponse Router::get(const HttpRequest& request, std::string_view path) cons
 }
 
 void Router::respond(const HttpRequest& request, std::function<void(HttpResponse)> done, std::stop_token stop) const {
-  const std::string_view path = std::string_view(request.target).substr(0, request.target.find('?'));
+  const Target target = split_target(request.target);
   const bool reads = request.method == "GET" || request.method == "HEAD";
-  if (std::optional<HttpResponse> state = reads ? probe(path) : std::nullopt) {
-    done(*std::move(state));
-    return;
-  }
-  if (const Status host = check_host(access_, request.host); !host) {
-    done(refusal_with_status(host.error().code == ErrorCode::kInvalidArgument ? 400 : 403, host.error()));
-    return;
-  }
-  if (reads) {
-    done(get(request, path));
-    return;
-  }
-  if (request.method != "POST") {
-    done(method_not_allowed("GET, HEAD, POST"));
-    return;
-  }
+  if (std::optional<HttpResponse> state = reads ? probe(target.path) : std::nullopt) return done(*std::move(state));
+  if (const Status host = check_host(access_, request.host); !host) return done(refused_host(host.error()));
+  const std::optional<PicturePath> picture = reads ? parse_picture_path(target.path) : std::nullopt;
+  if (picture) return draw(*picture, target.query, std::move(done));
+  if (reads) return done(get(request, target.path));
+  if (request.method != "POST") return done(method_not_allowed("GET, HEAD, POST"));
+  call(request, target.path, std::move(done), std::move(stop));
+}
+
+void Router::draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const {
+  if (picture.kind == PictureKind::kMjpeg) return done(method_not_allowed("GET"));  // play() has the others
+  const Result<v1::RenderImageRequest> request = decode_still_query(picture, query);
+  if (!request.ok()) return done(refusal(request.error()));
+  api_.render_image(*request, [done = std::move(done)](Result<v1::RenderImageResponse> reply) {
+    if (!reply.ok()) return done(refusal(in_words_of_query(reply.error())));
+    done({200,
+          reply->media_type(),
+          std::make_shared<const std::string>(std::move(*reply->mutable_image())),
+          {{"Cache-Control", "no-store"}}});
+  });
+}
+
+void Router::call(const HttpRequest& request, std::string_view path, std::function<void(HttpResponse)> done,
+                  std::stop_token stop) const {
   const auto method = methods_.find(path);
-  if (method == methods_.end()) {
-    done(refusal(no_such_path(path)));
-    return;
-  }
+  if (method == methods_.end()) return done(refusal(no_such_path(path)));
   if (const Status origin = check_origin(access_, request.origin, request.host); !origin) {
-    done(refusal_with_status(403, origin.error()));
-    return;
+    return done(refusal_with_status(403, origin.error()));
   }
   // An empty body is the message with nothing set, so that `curl -X POST` works for List and Get*Info.
   method->second->call(
       request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
       [done = std::move(done)](Result<std::string> reply) {
-        if (!reply) {
-          done(refusal(reply.error()));
-          return;
-        }
+        if (!reply) return done(refusal(reply.error()));
         done({200,
               "application/json",
               std::make_shared<const std::string>(std::move(*reply)),
@@ -175,21 +192,31 @@ void Router::respond(const HttpRequest& request, std::function<void(HttpResponse
       std::move(stop));
 }
 
-std::optional<HttpResponse> Router::refuse_watch(const HttpRequest& request, std::string_view subprotocols) const {
-  if (const Status host = check_host(access_, request.host); !host) {
-    return refusal_with_status(host.error().code == ErrorCode::kInvalidArgument ? 400 : 403, host.error());
-  }
-  if (std::string_view(request.target).substr(0, request.target.find('?')) != "/watch") {
-    return refusal(no_such_path(request.target));
-  }
+std::optional<Result<std::shared_ptr<api::ImageSession>>> Router::play(const HttpRequest& request) const {
+  const Target target = split_target(request.target);
+  const std::optional<PicturePath> picture = parse_picture_path(target.path);
+  if (request.method != "GET" || !picture || picture->kind != PictureKind::kMjpeg) return std::nullopt;
+  // Told by respond(), which is asked next.
+  if (!check_host(access_, request.host)) return std::nullopt;
+  const Result<v1::WatchImagesStart> start = decode_stream_query(*picture, target.query);
+  if (!start.ok()) return start.error();
+  return api_.play_images(*start);
+}
+
+Router::Upgrade Router::upgrade(const HttpRequest& request, std::string_view subprotocols) const {
+  const std::string_view path = split_target(request.target).path;
+  if (const Status host = check_host(access_, request.host); !host) return {{}, refused_host(host.error())};
+  if (path != "/watch" && path != "/images") return {{}, refusal(no_such_path(request.target))};
   if (const Status origin = check_origin(access_, request.origin, request.host); !origin) {
-    return refusal_with_status(403, origin.error());
+    return {{}, refusal_with_status(403, origin.error())};
   }
   if (!lists_token(subprotocols, kSubprotocol)) {
-    return refusal(invalid_argument("SUBPROTOCOL_MISSING", "ask for the WebSocket subprotocol 'kerf.v1'",
-                                    "Sec-WebSocket-Protocol"));
+    return {{},
+            refusal(invalid_argument("SUBPROTOCOL_MISSING", "ask for the WebSocket subprotocol 'kerf.v1'",
+                                     "Sec-WebSocket-Protocol"))};
   }
-  return std::nullopt;
+  if (path == "/watch") return {[this] { return api_.watch(); }, std::nullopt};
+  return {[this] { return api_.watch_images(); }, std::nullopt};
 }
 
 }  // namespace kerf::ws

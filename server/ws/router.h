@@ -13,9 +13,12 @@
 
 #include "server/ws/access.h"
 #include "server/ws/asset_table.h"
+#include "server/ws/picture_query.h"
 
 namespace kerf::api {
 class Api;
+class ImageSession;
+class StreamSession;
 struct Method;
 }  // namespace kerf::api
 
@@ -57,16 +60,27 @@ class Router {
   // `done` is called exactly once: on this thread, or on one of the Api's. `stop`: see api::Method::call.
   void respond(const HttpRequest& request, std::function<void(HttpResponse)> done, std::stop_token stop = {}) const;
 
-  // Nothing if `request` may open a WebSocket that speaks the subprotocols listed in `subprotocols` (the value of
-  // Sec-WebSocket-Protocol), else the refusal.
-  [[nodiscard]] std::optional<HttpResponse> refuse_watch(const HttpRequest& request,
-                                                         std::string_view subprotocols) const;
+  // Nothing if `request` asks for no MJPEG stream (GET /sheets/ID.mjpeg), else that stream or why there is none.
+  [[nodiscard]] std::optional<Result<std::shared_ptr<api::ImageSession>>> play(const HttpRequest& request) const;
+
+  // What makes the session, /watch or /images, of a WebSocket that `request` may open and that speaks the subprotocols
+  // listed in `subprotocols` (the value of Sec-WebSocket-Protocol).
+  using OpenSession = std::function<std::shared_ptr<api::StreamSession>()>;
+  struct Upgrade {
+    OpenSession open;  // empty if refused
+    std::optional<HttpResponse> refused;
+  };
+  [[nodiscard]] Upgrade upgrade(const HttpRequest& request, std::string_view subprotocols) const;
 
  private:
   // /healthz and /readyz, which load balancers ask for without naming a host.
   [[nodiscard]] std::optional<HttpResponse> probe(std::string_view path) const;
   [[nodiscard]] HttpResponse get(const HttpRequest& request, std::string_view path) const;
+  void draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const;
+  void call(const HttpRequest& request, std::string_view path, std::function<void(HttpResponse)> done,
+            std::stop_token stop) const;
 
+  api::Api& api_;
   AssetTable assets_;
   std::function<std::string()> metrics_;
   AccessPolicy access_;

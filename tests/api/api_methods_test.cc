@@ -257,8 +257,8 @@ TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {
 // Draws nothing, and not before it is told to.
 class SlowRenderer : public render::Renderer {
  public:
-  render::Status render(const render::Scene&, const render::Camera&, int width, int height,
-                        render::Pixels& pixels) override {
+  render::Status render(const render::Scene&, const render::Camera&, int width, int height, render::Pixels& pixels,
+                        render::RenderTimes*) override {
     begun_.set_value();
     released_.wait();
     pixels = {width, height, std::vector<std::uint8_t>(static_cast<std::size_t>(4 * width * height))};

@@ -80,7 +80,7 @@ TEST_F(ApiTest, ObjHoldsEveryTriangleWithMaterialOnce) {
 class FakeRenderer : public render::Renderer {
  public:
   render::Status render(const render::Scene& scene, const render::Camera& camera, int width, int height,
-                        render::Pixels& pixels) override {
+                        render::Pixels& pixels, render::RenderTimes*) override {
     started.release();
     if (blocked) go.acquire();
     num_triangles = scene.mesh.triangles.size() / 3;

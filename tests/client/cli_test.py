@@ -465,6 +465,12 @@ class Views(Case):
                       for name, how in (("near.png", ("--view", "0.5,-1,0.5 0.5,0,0.5", "--fov", "30")),
                                         ("flat.png", ("--undeformed", "--wireframe"))))
         self.assertNotEqual(near, flat)
+        colours = set()
+        for by in ("sides", "pieces", "strains"):
+            self.json_of("render", "view", "--out", path("by.png"), "--size", "64x64", "--color-by", by)
+            colours.add(open(path("by.png"), "rb").read())
+        self.assertEqual(len(colours), 3)
+        self.refused("render", "view", "--out", path("a.png"), "--color-by", "mood", code=2, says="--color-by")
         self.refused("render", "view", "--out", path("a.png"), "--view", "0,0,0 0,0,0", says="CAMERA_SINGULAR")
         self.refused("render", "view", "--out", path("a.png"), "--view", "0,0,0", code=2, says="--view")
         self.refused("render", "view", "--out", path("a.png"), "--fov", "30", code=2)

@@ -63,6 +63,61 @@ TEST(Channel, QuantisesAndBuildsNothingWithoutSubscribers) {
   EXPECT_EQ(channel->counters().keyframes, 1);
 }
 
+// Notes what the channel tells it.
+class Note : public Reader {
+ public:
+  void wake() override { ++wakes; }
+  void end(wire::EndReason) override { ++ends; }
+  void leave() override {}
+  int wakes = 0;
+  int ends = 0;
+};
+
+TEST(Channel, ReadersOfAnyKindAreCountedWokenAndEnded) {
+  const auto channel = std::make_shared<Channel>(2);
+  ChangingSheet sheet(3, 50, 80);
+  EXPECT_EQ(channel->newest().publication, 0);
+  EXPECT_EQ(channel->newest().snapshot, nullptr);
+  const auto note = std::make_shared<Note>();
+  ASSERT_TRUE(channel->admit(note, false).ok());
+  const auto viewer = subscribe(*channel);
+  EXPECT_EQ(channel->admit(std::make_shared<Note>(), false).error().reason, "TOO_MANY_SUBSCRIBERS");
+  EXPECT_FALSE(channel->wants_strains());
+  channel->want_strains(*note, true);
+  EXPECT_TRUE(channel->wants_strains());
+  channel->publish(sheet.snapshot());
+  EXPECT_EQ(note->wakes, 1);
+  channel->leave(*note);
+  channel->leave(*note);
+  EXPECT_FALSE(channel->wants_strains());
+  EXPECT_EQ(channel->num_subscribers(), 1);
+  channel->publish(sheet.snapshot());
+  EXPECT_EQ(note->wakes, 1);
+  ASSERT_TRUE(channel->admit(note, false).ok());
+  channel->ended(sheet::SinkEnd::kSheetDeleted);
+  EXPECT_EQ(note->ends, 1);
+}
+
+TEST(Channel, ARevisionIsWhatTheSheetLooksLike) {
+  const auto channel = std::make_shared<Channel>(2);
+  ChangingSheet sheet(3, 50, 80);
+  const auto publish = [&](const sheet::Snapshot& snapshot) {
+    channel->publish(std::make_shared<const sheet::Snapshot>(snapshot));
+    return channel->newest().revision;
+  };
+  sheet::Snapshot snapshot = *sheet.snapshot();
+  EXPECT_EQ(publish(snapshot), 1);
+  snapshot.stats.paused = true;
+  EXPECT_EQ(publish(snapshot), 1) << "it is only paused";
+  snapshot.positions(0, 0) += 0.25;
+  EXPECT_EQ(publish(snapshot), 2);
+  ++snapshot.tick;
+  EXPECT_EQ(publish(snapshot), 3);
+  snapshot.topology = std::make_shared<const sheet::Topology>(*snapshot.topology);
+  EXPECT_EQ(publish(snapshot), 4);
+  EXPECT_EQ(channel->newest().publication, 5);
+}
+
 TEST(Channel, EncodesOnceForAllWhoNeedTheSame) {
   const auto channel = std::make_shared<Channel>(64);
   ChangingSheet sheet(2, 500, 800);

@@ -124,9 +124,9 @@ Response request(int port, std::string_view method, std::string_view target, std
   return client.read_response(method == "HEAD");
 }
 
-RawWebSocket::RawWebSocket(int port, std::string_view headers) : connection_(port) {
-  std::string text =
-      "GET /watch HTTP/1.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n";
+RawWebSocket::RawWebSocket(int port, std::string_view headers, std::string_view path) : connection_(port) {
+  std::string text = "GET " + std::string(path) +
+                     " HTTP/1.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n";
   text += "Sec-WebSocket-Key: " + std::string(kKey) + "\r\n";
   if (headers.find("Host:") == std::string_view::npos) text += "Host: 127.0.0.1:" + std::to_string(port) + "\r\n";
   connection_.send(text + std::string(headers) + "\r\n");

@@ -60,9 +60,10 @@ class RawWebSocket {
     std::string payload;
   };
 
-  // Sends the opening handshake to /watch and reads the answer. `headers` replaces the usual Sec-WebSocket-Protocol and
+  // Sends the opening handshake to `path` and reads the answer. `headers` replaces the usual Sec-WebSocket-Protocol and
   // Origin lines.
-  RawWebSocket(int port, std::string_view headers = "Sec-WebSocket-Protocol: kerf.v1\r\n");
+  RawWebSocket(int port, std::string_view headers = "Sec-WebSocket-Protocol: kerf.v1\r\n",
+               std::string_view path = "/watch");
 
   [[nodiscard]] const Response& handshake() const { return handshake_; }
   void send(std::uint8_t opcode, std::string_view payload, bool masked = true, std::uint8_t first_bits = 0x80);

@@ -185,7 +185,8 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   host.tick_duration.sum = 2.25;
   HttpCounts http;
   http.requests = 7;
-  const std::string page = metrics_page(host, http, 4, "1.2.3");
+  const api::PictureCounts pictures{11, 12, 13, 14, 15, 16};
+  const std::string page = metrics_page(host, http, 4, pictures, "1.2.3");
   for (const char* line : {"# TYPE kerf_ticks_total counter\n",
                            "kerf_ticks_total 123456789\n",
                            "kerf_sheets{state=\"running\"} 3\n",
@@ -207,6 +208,12 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
                            "process_resident_memory_bytes ",
                            "kerf_http_requests_total 7\n",
                            "kerf_watch_streams 4\n",
+                           "kerf_pictures_rendered_total 11\n",
+                           "kerf_pictures_encoded_total 12\n",
+                           "kerf_pictures_shared_total 13\n",
+                           "kerf_pictures_sent_total 14\n",
+                           "kerf_pictures_skipped_total 15\n",
+                           "kerf_image_streams 16\n",
                            "kerf_build_info{version=\"1.2.3\"} 1\n"}) {
     EXPECT_NE(page.find(line), std::string::npos) << line << "is not in\n" << page;
   }

@@ -1,4 +1,4 @@
-#include "server/ws/watch_stream.h"
+#include "server/ws/socket_stream.h"
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/post.hpp>
@@ -11,8 +11,6 @@
 #include <exception>
 #include <string>
 #include <vector>
-
-#include "server/api/api.h"
 
 namespace kerf::ws {
 namespace {
@@ -34,9 +32,8 @@ std::string close_text(std::string text) {
 
 }  // namespace
 
-WatchStream::WatchStream(ConnectionContext& context, beast::tcp_stream stream)
-    : context_(context), socket_(std::move(stream)), alarm_(socket_.get_executor()) {
-  alarm_.expires_at(asio::steady_timer::time_point::max());
+SocketStream::SocketStream(ConnectionContext& context, beast::tcp_stream stream, Router::OpenSession open)
+    : context_(context), socket_(std::move(stream)), open_(std::move(open)), woken_(socket_.get_executor()) {
   websocket::stream_base::timeout timeout{};
   timeout.handshake_timeout = context.options.handshake_timeout;
   timeout.idle_timeout = context.options.silence_timeout;
@@ -50,7 +47,7 @@ WatchStream::WatchStream(ConnectionContext& context, beast::tcp_stream stream)
   socket_.read_message_max(context.options.max_message_bytes);
 }
 
-asio::awaitable<bool> WatchStream::accept(const Request& request) {
+asio::awaitable<bool> SocketStream::accept(const Request& request) {
   socket_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
     response.set(beast::http::field::sec_websocket_protocol, "kerf.v1");
     response.set(beast::http::field::server, "kerfd");
@@ -61,22 +58,22 @@ asio::awaitable<bool> WatchStream::accept(const Request& request) {
   co_return !error;
 }
 
-asio::awaitable<void> WatchStream::run(const Request& request) {
-  const std::shared_ptr<WatchStream> self = shared_from_this();
+asio::awaitable<void> SocketStream::run(const Request& request) {
+  const std::shared_ptr<SocketStream> self = shared_from_this();
   const bool accepted = co_await accept(request);
   if (!accepted) co_return;
   ++context_.watch_streams;
   ++context_.open_watch_streams;
-  session_ = context_.api.watch();
+  session_ = open_();
   session_->set_ready([weak = weak_from_this(), executor = socket_.get_executor()] {
     asio::post(executor, [weak] {
-      if (const std::shared_ptr<WatchStream> stream = weak.lock()) stream->wake();
+      if (const std::shared_ptr<SocketStream> stream = weak.lock()) stream->woken_.raise();
     });
   });
   reading_ = true;
   asio::co_spawn(socket_.get_executor(), read_messages(), [self](const std::exception_ptr&) {
     self->reading_ = false;
-    self->wake();
+    self->woken_.raise();
   });
   co_await write_messages();
   session_->set_ready({});
@@ -85,15 +82,15 @@ asio::awaitable<void> WatchStream::run(const Request& request) {
   boost::system::error_code ignored;
   co_await socket_.async_close(reason, asio::redirect_error(asio::use_awaitable, ignored));
   abort();  // releases a reader where the closing handshake was not answered
-  while (reading_) co_await wait_until_woken();
+  while (reading_) co_await woken_.wait();
   --context_.open_watch_streams;
 }
 
-void WatchStream::abort() {
+void SocketStream::abort() {
   beast::get_lowest_layer(socket_).close();
 }
 
-asio::awaitable<void> WatchStream::read_messages() {
+asio::awaitable<void> SocketStream::read_messages() {
   beast::flat_buffer buffer;
   while (!session_->ended()) {
     boost::system::error_code error;
@@ -103,7 +100,7 @@ asio::awaitable<void> WatchStream::read_messages() {
       co_return;
     }
     if (!socket_.got_binary()) {
-      violation_.emplace(websocket::close_code::unknown_data, "messages are binary: a serialised WatchRequest each");
+      violation_.emplace(websocket::close_code::unknown_data, "messages are binary: a serialised request each");
       co_return;
     }
     session_->on_bytes({static_cast<const char*>(buffer.cdata().data()), buffer.size()});
@@ -111,7 +108,7 @@ asio::awaitable<void> WatchStream::read_messages() {
   }
 }
 
-asio::awaitable<void> WatchStream::write_messages() {
+asio::awaitable<void> SocketStream::write_messages() {
   while (!peer_gone_ && !violation_) {
     // Asked before the queue is emptied: what is there once the session has ended is all there will be.
     const bool ended = session_->ended();
@@ -124,24 +121,11 @@ asio::awaitable<void> WatchStream::write_messages() {
     }
     if (ended) co_return;
     // What next() gave may have been the end itself, after which nobody wakes this.
-    if (!session_->ended()) co_await wait_until_woken();
+    if (!session_->ended()) co_await woken_.wait();
   }
 }
 
-asio::awaitable<void> WatchStream::wait_until_woken() {
-  if (!woken_) {
-    boost::system::error_code cancelled;
-    co_await alarm_.async_wait(asio::redirect_error(asio::use_awaitable, cancelled));
-  }
-  woken_ = false;
-}
-
-void WatchStream::wake() {
-  woken_ = true;
-  alarm_.cancel();
-}
-
-websocket::close_reason WatchStream::closing_reason() const {
+websocket::close_reason SocketStream::closing_reason() const {
   if (violation_) return *violation_;
   if (const std::optional<Error> failure = session_->failure()) {
     return {websocket::close_code::policy_error, close_text(failure->reason + ": " + failure->message)};

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+
+namespace kerf::api {
+
+// A stream that Api::stop() tells.
+class OpenStream {
+ public:
+  virtual ~OpenStream() = default;
+  // Ends with kUnavailable, unless it watches a sheet: the hub ends those.
+  virtual void server_stops() = 0;
+};
+
+// The streams that clients have open. Thread-safe.
+class OpenStreams {
+ public:
+  void add(const std::shared_ptr<OpenStream>& stream);
+  void remove(const OpenStream& stream);
+  // server_stops() of each.
+  void tell_stop();
+
+ private:
+  std::mutex mutex_;
+  std::map<const OpenStream*, std::weak_ptr<OpenStream>> streams_;  // guarded by mutex_
+};
+
+}  // namespace kerf::api
