@@ -96,6 +96,7 @@ void fill_compact(const sheet::Topology& topology, const Listed& listed, const P
 
 void encode_stats(const QuantisedFrame& frame, v1::FrameStats& stats) {
   stats.set_real_time_factor(frame.stats.real_time_factor);
+  stats.set_speed(frame.stats.speed);
   stats.set_overruns(frame.stats.overruns);
   stats.set_slipped_s(frame.stats.slipped_s);
   stats.set_tick_cpu_us(frame.stats.tick_cpu_us);

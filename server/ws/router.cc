@@ -109,7 +109,10 @@ bool lists_token(std::string_view list, std::string_view token) {
 }
 
 Router::Router(api::Api& api, AssetTable assets, std::function<std::string()> metrics)
-    : assets_(std::move(assets)), metrics_(std::move(metrics)) {
+    : assets_(std::move(assets)),
+      metrics_(std::move(metrics)),
+      files_(api),
+      max_message_bytes_(api.limits().max_request_bytes) {
   for (const api::Method& method : api.methods()) methods_.emplace(method.path, &method);
 }
 
@@ -143,6 +146,7 @@ void Router::respond(const HttpRequest& request, std::function<void(HttpResponse
     return;
   }
   if (reads) {
+    if (FileRoutes::is_download(path)) return files_.download(path, std::move(done));
     done(get(request, path));
     return;
   }
@@ -150,8 +154,9 @@ void Router::respond(const HttpRequest& request, std::function<void(HttpResponse
     done(method_not_allowed("GET, HEAD, POST"));
     return;
   }
+  const bool is_upload = files_.upload_limit(path) > 0;
   const auto method = methods_.find(path);
-  if (method == methods_.end()) {
+  if (method == methods_.end() && !is_upload) {
     done(refusal(no_such_path(path)));
     return;
   }
@@ -159,6 +164,7 @@ void Router::respond(const HttpRequest& request, std::function<void(HttpResponse
     done(refusal_with_status(403, origin.error()));
     return;
   }
+  if (is_upload) return files_.upload(request, std::move(done));
   // An empty body is the message with nothing set, so that `curl -X POST` works for List and Get*Info.
   method->second->call(
       request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
@@ -173,6 +179,13 @@ void Router::respond(const HttpRequest& request, std::function<void(HttpResponse
               {{"Cache-Control", "no-store"}}});
       },
       std::move(stop));
+}
+
+std::int64_t Router::max_body_bytes(const HttpRequest& head) const {
+  const std::string_view path = std::string_view(head.target).substr(0, head.target.find('?'));
+  const std::int64_t limit = head.method == "POST" ? files_.upload_limit(path) : 0;
+  const bool trusted = limit > 0 && check_host(access_, head.host) && check_origin(access_, head.origin, head.host);
+  return trusted ? limit : max_message_bytes_;
 }
 
 std::optional<HttpResponse> Router::refuse_watch(const HttpRequest& request, std::string_view subprotocols) const {

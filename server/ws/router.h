@@ -13,6 +13,7 @@
 
 #include "server/ws/access.h"
 #include "server/ws/asset_table.h"
+#include "server/ws/file_routes.h"
 
 namespace kerf::api {
 class Api;
@@ -57,6 +58,10 @@ class Router {
   // `done` is called exactly once: on this thread, or on one of the Api's. `stop`: see api::Method::call.
   void respond(const HttpRequest& request, std::function<void(HttpResponse)> done, std::stop_token stop = {}) const;
 
+  // Largest body, in bytes, that is taken of a request with this head: much for a file from where files may come, else
+  // that of one message.
+  [[nodiscard]] std::int64_t max_body_bytes(const HttpRequest& head) const;
+
   // Nothing if `request` may open a WebSocket that speaks the subprotocols listed in `subprotocols` (the value of
   // Sec-WebSocket-Protocol), else the refusal.
   [[nodiscard]] std::optional<HttpResponse> refuse_watch(const HttpRequest& request,
@@ -71,6 +76,8 @@ class Router {
   std::function<std::string()> metrics_;
   AccessPolicy access_;
   std::map<std::string, const api::Method*, std::less<>> methods_;  // by path
+  FileRoutes files_;
+  std::int64_t max_message_bytes_;
   std::atomic<bool> draining_ = false;
 };
 

@@ -72,7 +72,7 @@ const std::vector<Row>& table() {
       {"server/api",
        {"server/stream", "server/wire", "server/host", "server/analysis", "server/sheet", "server/base",
         "render/renderer.h", "render/image.h"},
-       {"proto"}},
+       {"eigen", "proto"}},
       {"server/rpc",
        {"server/api", "server/stream", "server/wire", "server/host", "server/sheet", "server/base", "render/renderer.h",
         "render/image.h"},
