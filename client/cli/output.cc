@@ -99,6 +99,14 @@ std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::str
   return {flagged_ticks.begin(), flagged_ticks.end()};
 }
 
+void print(const Session& session, const v1::Sheet& sheet) {
+  if (session.json) {
+    std::printf("%s\n", to_script_json(sheet).c_str());
+  } else {
+    std::printf("%s\n  %s\n", describe(sheet).c_str(), sheet.integrator().c_str());
+  }
+}
+
 std::string describe(const v1::Sheet& sheet) {
   const std::string text =
       format("%-20s %-8s tick %-8lld %6d vertices %6d triangles %3d %s  x%.2f real time", sheet.name().c_str(),

@@ -45,6 +45,9 @@ int misuse(const std::string& message);
 // Protocol Buffers keep them in no order.
 std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks);
 
+// For people, or with --json all of it.
+void print(const Session& session, const v1::Sheet& sheet);
+
 // For people.
 std::string describe(const v1::Sheet& sheet);
 std::string describe(const v1::CutResult& result);

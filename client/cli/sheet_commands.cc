@@ -13,6 +13,7 @@
 #include "client/cli/commands.h"
 #include "client/cli/scene_options.h"
 #include "client/cpp/client.h"
+#include "client/cpp/transfers.h"
 #include "server/host/disk.h"
 #include "server/wire/integrator_codec.h"
 #include "server/wire/mesh_source_codec.h"
@@ -21,7 +22,9 @@
 namespace kerf::cli {
 namespace {
 
-constexpr std::size_t kMaxMeshFileBytes = std::size_t{1} << 20;  // of a request; larger ones are for scene files
+constexpr std::size_t kMaxMeshFileBytes = std::size_t{64} << 20;  // what a server takes
+// Mesh files up to this go with the request, which may have 1 MiB; larger ones are sent in parts.
+constexpr std::size_t kMaxEmbeddedBytes = std::size_t{512} << 10;
 
 struct CreateArguments {
   std::string id;
@@ -36,14 +39,6 @@ struct CreateArguments {
   std::string scene;               // a file, instead of all of the above
   IntegratorArguments integrator;
 };
-
-void print(const Session& session, const v1::Sheet& sheet) {
-  if (session.json) {
-    std::printf("%s\n", to_script_json(sheet).c_str());
-  } else {
-    std::printf("%s\n  %s\n", describe(sheet).c_str(), sheet.integrator().c_str());
-  }
-}
 
 v1::RestShape rest_shape(const std::string& name) {
   if (name == "flat") return v1::REST_SHAPE_FLAT;
@@ -117,6 +112,14 @@ int add_options(const CreateArguments& arguments, v1::Scene& scene) {
   return kDone;
 }
 
+// Takes the mesh file out of a request that it would make too large.
+std::string take_mesh_file(v1::Scene& scene) {
+  std::string* file = nullptr;
+  if (scene.has_obj()) file = scene.mutable_obj()->mutable_text();
+  if (scene.has_ply()) file = scene.mutable_ply()->mutable_data();
+  return file != nullptr && file->size() > kMaxEmbeddedBytes ? std::exchange(*file, {}) : std::string();
+}
+
 int create_sheet(const Session& session, const CreateArguments& arguments) {
   v1::CreateSheetRequest request;
   request.set_sheet_id(arguments.id);
@@ -124,10 +127,13 @@ int create_sheet(const Session& session, const CreateArguments& arguments) {
   const int code = arguments.scene.empty() ? add_options(arguments, scene) : add_scene_file(arguments, scene);
   if (code != kDone) return code;
   scene.clear_sheet_id();
+  const std::string upload = take_mesh_file(scene);
 
   client::Client client(session.server);
   v1::Sheet sheet;
-  const grpc::Status status = client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet);
+  const grpc::Status status = upload.empty()
+                                  ? client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet)
+                                  : client::upload_sheet(client, request, upload, sheet);
   if (!status.ok()) return refuse(status, session.server);
   print(session, sheet);
   return kDone;
@@ -207,7 +213,7 @@ void add_create(CLI::App& sheet, Session& session) {
   CLI::Option* obj =
       create->add_option("--obj", arguments->obj,
                          "Mesh from this Wavefront OBJ file: its positions place the sheet, its texture\n"
-                         "coordinates in metres are material coordinates; see --rest. A call takes 1 MiB");
+                         "coordinates in metres are material coordinates; see --rest. At most 64 MiB");
   CLI::Option* ply = create->add_option("--ply", arguments->ply,
                                         "The same from a PLY file, text or binary; s t, u v or texture_u texture_v");
   for (CLI::Option* file : {obj, ply}) file->excludes(grid)->excludes(size);
@@ -215,7 +221,7 @@ void add_create(CLI::App& sheet, Session& session) {
   CLI::Option* scene = create->add_option(
       "--scene", arguments->scene,
       "Everything from this scene file, the JSON form of kerf.v1.Scene, as `kerf run` reads it, but its\n"
-      "sheet_id and analysis; its probes are what `kerf analyze` measures. A call takes 1 MiB");
+      "sheet_id and analysis; its probes are what `kerf analyze` measures. But for a mesh file, at most 1 MiB");
   for (CLI::Option* other : {grid, size, obj, ply}) scene->excludes(other);
   add_integrator_options(*create, "the default, or the scene's", arguments->integrator);
   create
@@ -259,6 +265,8 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   CLI::App* sheet = app.add_subcommand("sheet", "Create, list, run and remove sheets");
   sheet->require_subcommand(1);
   add_create(*sheet, session);
+  add_settings_commands(*sheet, session);
+  add_recording_commands(*sheet, session);
   CLI::App* list = sheet->add_subcommand("list", "List all sheets");
   list->callback([&session] { session.action = [&session] { return list_sheets(session); }; });
   add_named(*sheet, session, "get", "Show one sheet", [](const Session& s, const std::string& id) {

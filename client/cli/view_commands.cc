@@ -85,8 +85,10 @@ int render(const Session& session, const RenderArguments& arguments) {
 }
 
 int export_sheet(const Session& session, const std::string& id, const std::string& out) {
-  if (!has_ending(out, ".obj")) return misuse("--out: the file must end in .obj");
+  const bool is_gltf = has_ending(out, ".glb");
+  if (!is_gltf && !has_ending(out, ".obj")) return misuse("--out: the file must end in .obj or .glb");
   v1::ExportSheetRequest request;
+  request.set_format(is_gltf ? v1::ExportSheetRequest::GLTF : v1::ExportSheetRequest::OBJ);
   request.set_name("sheets/" + id);
   client::Client client(session.server);
   v1::ExportSheetResponse response;
@@ -208,9 +210,10 @@ void add_view_commands(CLI::App& app, Session& session) {
   watching->callback(
       [&session, id, frames] { session.action = [&session, id, frames] { return watch(session, *id, *frames); }; });
 
-  CLI::App* exporting = app.add_subcommand("export", "Save a sheet as it is now, as a Wavefront OBJ file");
+  CLI::App* exporting =
+      app.add_subcommand("export", "Save a sheet as it is now, as a Wavefront OBJ or binary glTF file");
   exporting->add_option("ID", *id, "Name of the sheet")->required();
-  exporting->add_option("--out", *out, "File to write: .obj")->required();
+  exporting->add_option("--out", *out, "File to write: .obj or .glb")->required();
   exporting->callback(
       [&session, id, out] { session.action = [&session, id, out] { return export_sheet(session, *id, *out); }; });
 

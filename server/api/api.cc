@@ -43,6 +43,7 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.SheetService/ResumeSheet", api, &Api::resume_sheet),
       json_method("/kerf.v1.SheetService/StepSheet", api, &Api::step_sheet),
       json_method("/kerf.v1.SheetService/ResetSheet", api, &Api::reset_sheet),
+      json_method("/kerf.v1.SheetService/SetSheetSpeed", api, &Api::set_sheet_speed),
       json_method("/kerf.v1.SheetService/ExportSheet", api, &Api::export_sheet),
       json_method("/kerf.v1.SheetService/GetSheetState", api, &Api::get_sheet_state),
       json_method("/kerf.v1.SheetService/AnalyzeSheet", api, &Api::analyze_sheet),
@@ -59,6 +60,7 @@ std::vector<Method> json_methods(Api& api) {
       json_method("/kerf.v1.InteractionService/SetSheetPins", api, &Api::set_sheet_pins),
       json_method("/kerf.v1.InteractionService/SetSheetGravity", api, &Api::set_sheet_gravity),
       json_method("/kerf.v1.InteractionService/SetSheetWind", api, &Api::set_sheet_wind),
+      json_method("/kerf.v1.InteractionService/SetSheetMaterial", api, &Api::set_sheet_material),
       json_method("/kerf.v1.RenderService/RenderImage", api, &Api::render_image),
       json_method("/kerf.v1.ServerService/GetServerInfo", api, &Api::get_server_info),
   };

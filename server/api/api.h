@@ -37,6 +37,7 @@ class DragPointRequest;
 class ExportSheetRequest;
 class ExportSheetResponse;
 class GetServerInfoRequest;
+class GetSheetRecordingRequest;
 class GetSheetRequest;
 class GetSheetStateRequest;
 class GrabPointRequest;
@@ -48,6 +49,7 @@ class ListPiecesResponse;
 class ListSheetsRequest;
 class ListSheetsResponse;
 class PauseSheetRequest;
+class RecordingUpload;
 class RedoCutRequest;
 class ReleasePointRequest;
 class RenderImageRequest;
@@ -57,10 +59,13 @@ class ResumeSheetRequest;
 class ScheduledCuts;
 class ServerInfo;
 class SetSheetGravityRequest;
+class SetSheetMaterialRequest;
 class SetSheetPinsRequest;
+class SetSheetSpeedRequest;
 class SetSheetWindRequest;
 class Sheet;
 class SheetState;
+class SheetUpload;
 class StepSheetRequest;
 class SubscribeRequest;
 class UndoCutRequest;
@@ -73,6 +78,8 @@ class WatchImagesStart;
 namespace kerf::api {
 
 class ImageSession;
+class Upload;
+class UploadRoom;
 class WatchSession;
 struct ApiCore;
 
@@ -91,7 +98,11 @@ struct Limits {
   std::size_t max_waiting_analyses = 8;                      // AnalyzeSheet calls behind the one being done
   std::int32_t max_analyzed_vertices = 100'000;              // of a sheet that is analysed
   std::int32_t max_image_streams = 64;                       // WatchImages and MJPEG streams, of all sheets together
-  std::size_t max_waiting_pictures = 16;  // RenderImage and ExportSheet calls behind the one being done
+  std::size_t max_waiting_pictures = 16;  // RenderImage and ExportSheet calls, recordings and uploads behind the one
+                                          // being done
+  std::int64_t max_mesh_upload_bytes = std::int64_t{64} << 20;        // a mesh file of UploadSheet
+  std::int64_t max_recording_upload_bytes = std::int64_t{128} << 20;  // a file of ReplayRecording
+  std::int64_t max_uploading_bytes = std::int64_t{256} << 20;         // of all uploads under way
 };
 
 struct ApiOptions {
@@ -139,9 +150,20 @@ class Api {
   void resume_sheet(const v1::ResumeSheetRequest& request, Reply<v1::Sheet> reply);
   // Ends after a tick, with what was done, once `stop` asks for it: nobody waits for the answer any more.
   void step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop);
+  void set_sheet_speed(const v1::SetSheetSpeedRequest& request, Reply<v1::Sheet> reply);
   void reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply);
   void export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSheetResponse> reply);
   void get_sheet_state(const v1::GetSheetStateRequest& request, Reply<v1::SheetState> reply);
+  // SheetService.UploadSheet and ReplayRecording: whose bytes are then handed to the upload. Refused before a byte is
+  // taken: kInvalidArgument with the field below `start`, kResourceExhausted TOO_MANY_UPLOADS.
+  Result<std::unique_ptr<Upload>> upload_sheet(const v1::SheetUpload& start);
+  Result<std::unique_ptr<Upload>> replay_recording(const v1::RecordingUpload& start);
+  // For a transport that must read a whole file before it can begin its upload: room for it among all uploads until
+  // then.
+  Result<std::shared_ptr<const UploadRoom>> reserve_upload(std::int64_t num_bytes);
+  // The whole file of SheetService.GetSheetRecording.
+  void get_sheet_recording(const v1::GetSheetRecordingRequest& request,
+                           Reply<std::shared_ptr<const std::string>> reply);
   // Ends after an iteration, with what was found, once `stop` asks for it.
   void analyze_sheet(const v1::AnalyzeSheetRequest& request, Reply<v1::AnalyzeSheetResponse> reply,
                      std::stop_token stop);
@@ -160,6 +182,7 @@ class Api {
   void set_sheet_pins(const v1::SetSheetPinsRequest& request, Reply<v1::InteractionResponse> reply);
   void set_sheet_gravity(const v1::SetSheetGravityRequest& request, Reply<v1::InteractionResponse> reply);
   void set_sheet_wind(const v1::SetSheetWindRequest& request, Reply<v1::InteractionResponse> reply);
+  void set_sheet_material(const v1::SetSheetMaterialRequest& request, Reply<v1::InteractionResponse> reply);
 
   void render_image(const v1::RenderImageRequest& request, Reply<v1::RenderImageResponse> reply);
   void get_server_info(const v1::GetServerInfoRequest& request, Reply<v1::ServerInfo> reply);

@@ -22,6 +22,28 @@ v1::Sheet::RunState encode_run_state(host::RunState state) {
   return v1::Sheet::RUN_STATE_UNSPECIFIED;
 }
 
+v1::Replay encode_replay(const host::ReplayStatus& status) {
+  v1::Replay replay;
+  replay.set_end_tick(status.end_tick);
+  switch (status.state) {
+    case host::ReplayState::kPlaying:
+      replay.set_state(v1::Replay::PLAYING);
+      break;
+    case host::ReplayState::kDone:
+      replay.set_state(v1::Replay::DONE);
+      break;
+    case host::ReplayState::kDiverged:
+      replay.set_state(v1::Replay::DIVERGED);
+      break;
+  }
+  if (status.divergence) {
+    replay.set_diverged_tick(status.divergence->tick);
+    replay.set_recorded_hash(wire::encode_hash(status.divergence->recorded_hash));
+    replay.set_replayed_hash(wire::encode_hash(status.divergence->replayed_hash));
+  }
+  return replay;
+}
+
 }  // namespace
 
 Error too_many_pictures(const ApiCore& core) {
@@ -61,6 +83,11 @@ Status check_request_id(const std::string& request_id) {
                           "request_id");
 }
 
+Status check_sheet_id(const std::string& id) {
+  if (id.empty() || sheet::is_valid_sheet_id(id)) return Nothing{};
+  return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
+}
+
 v1::Sheet encode_sheet(const host::SheetStatus& status) {
   v1::Sheet sheet;
   sheet.set_name(sheet_name(status.id));
@@ -73,16 +100,18 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   if (status.state_hash) sheet.set_state_hash(wire::encode_hash(*status.state_hash));
   sheet.set_tick_rate_hz(status.config->tick_rate_hz);
   sheet.set_real_time_factor(status.stats.real_time_factor);
+  sheet.set_speed(status.stats.speed);
   sheet.set_overruns(status.stats.overruns);
   sheet.set_slipped_s(status.stats.slipped_s);
   sheet.set_tick_cpu_us(status.stats.tick_cpu_us);
   sheet.mutable_pinned_vertices()->Assign(status.pinned_vertices.begin(), status.pinned_vertices.end());
-  *sheet.mutable_scene() = wire::encode_settings({*status.config, status.gravity, status.wind});
+  *sheet.mutable_scene() = wire::encode_settings({*status.config, status.materials, status.gravity, status.wind});
   sheet.mutable_scene()->set_sheet_id(status.id);
   sheet.set_integrator(status.integrator);
   sheet.set_linear_iterations(status.linear_iterations);
   sheet.set_linear_residual(status.linear_residual);
   sheet.set_settings_version(status.stats.settings_version);
+  if (status.replay) *sheet.mutable_replay() = encode_replay(*status.replay);
   wire::encode_flags(status.flagged_ticks, *sheet.mutable_flagged_ticks());
   return sheet;
 }

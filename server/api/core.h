@@ -46,6 +46,7 @@ struct ApiCore {
   const host::Nanoseconds started_at;
   std::atomic<bool> stopping{false};
   std::atomic<std::int32_t> num_watchers{0};
+  std::atomic<std::int64_t> uploading_bytes{0};  // declared by uploads under way
   RequestLog requests;
   CutJournal journal;
   std::atomic<std::int32_t> num_image_streams{0};
@@ -69,6 +70,9 @@ Result<std::string> addressed_sheet(const ApiCore& core, const std::string& name
 
 // The host's errors with the request's field in place of none.
 Error at_field(Error error, const char* field);
+
+// Of a sheet to be made; empty: none given. kInvalidArgument SHEET_ID.
+Status check_sheet_id(const std::string& id);
 
 // kInvalidArgument REQUEST_ID_TOO_LONG.
 Status check_request_id(const std::string& request_id);

@@ -57,4 +57,10 @@ void Api::set_sheet_wind(const v1::SetSheetWindRequest& request, Reply<v1::Inter
          request.has_set_wind() ? wire::decode_set_wind(request.set_wind()) : missing("set_wind"), std::move(reply));
 }
 
+void Api::set_sheet_material(const v1::SetSheetMaterialRequest& request, Reply<v1::InteractionResponse> reply) {
+  submit(core_, request.name(),
+         request.has_set_material() ? wire::decode_set_material(request.set_material()) : missing("set_material"),
+         std::move(reply));
+}
+
 }  // namespace kerf::api

@@ -1,12 +1,11 @@
 #include "server/api/sheet_files.h"
 
-#include <array>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
 #include <memory>
 #include <vector>
 
+#include "server/api/used_vertices.h"
 #include "server/wire/reply_codec.h"
 
 namespace kerf::api {
@@ -22,32 +21,6 @@ std::string bytes_of(const T* data, std::size_t count) {
 template <typename Matrix>
 std::string bytes_of(const Matrix& matrix) {
   return bytes_of(matrix.data(), static_cast<std::size_t>(matrix.size()));
-}
-
-template <typename T>
-void append_number(T value, std::string& text) {
-  std::array<char, 32> digits{};
-  const auto [end, fault] = std::to_chars(digits.data(), digits.data() + digits.size(), value);
-  static_cast<void>(fault);  // 32 characters hold every double and every integer
-  text.append(digits.data(), end);
-}
-
-bool has_material(const std::array<mesh::VertexId, 3>& triangle) {
-  return triangle[0] != mesh::kNone;
-}
-
-// For each vertex its number in the file, from 1; 0 where no triangle uses it.
-std::vector<std::int32_t> number_used_vertices(const sheet::Topology& topology) {
-  std::vector<std::int32_t> numbers(topology.vertex_versions.size(), 0);
-  for (const auto& triangle : topology.triangles) {
-    if (!has_material(triangle)) continue;
-    for (const mesh::VertexId vertex : triangle) numbers[static_cast<std::size_t>(vertex)] = 1;
-  }
-  std::int32_t next = 0;
-  for (std::int32_t& number : numbers) {
-    if (number != 0) number = ++next;
-  }
-  return numbers;
 }
 
 template <typename Matrix>

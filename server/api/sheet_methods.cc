@@ -3,6 +3,7 @@
 #include "google/protobuf/empty.pb.h"
 #include "kerf/v1/sheets.pb.h"
 #include "server/api/core.h"
+#include "server/api/gltf_file.h"
 #include "server/api/paging.h"
 #include "server/api/sheet_files.h"
 #include "server/wire/scene_codec.h"
@@ -13,9 +14,7 @@ namespace kerf::api {
 void Api::create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply) {
   if (core_->stopping) return reply(server_stopping());
   const std::string& id = request.sheet_id();
-  if (!id.empty() && !sheet::is_valid_sheet_id(id)) {
-    return reply(invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id"));
-  }
+  if (const Status valid = check_sheet_id(id); !valid.ok()) return reply(valid.error());
   if (!request.has_scene()) {
     return reply(invalid_argument("FIELD_MISSING", "scene must be given: a mesh at least", "scene"));
   }
@@ -94,6 +93,12 @@ void Api::step_sheet(const v1::StepSheetRequest& request, Reply<v1::Sheet> reply
   core_->host.step(*id, request.ticks(), sheet_reply(std::move(reply), "name"), std::move(stop));
 }
 
+void Api::set_sheet_speed(const v1::SetSheetSpeedRequest& request, Reply<v1::Sheet> reply) {
+  const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
+  if (!id.ok()) return reply(id.error());
+  core_->host.set_speed(*id, request.speed(), sheet_reply(std::move(reply), "name"));
+}
+
 void Api::reset_sheet(const v1::ResetSheetRequest& request, Reply<v1::Sheet> reply) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());
@@ -120,21 +125,21 @@ void Api::get_sheet_state(const v1::GetSheetStateRequest& request, Reply<v1::She
 void Api::export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSheetResponse> reply) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());
-  if (request.format() != v1::ExportSheetRequest::FORMAT_UNSPECIFIED &&
-      request.format() != v1::ExportSheetRequest::OBJ) {
-    return reply(invalid_argument("UNKNOWN_ENUM_VALUE", "format must be OBJ", "format"));
+  if (!v1::ExportSheetRequest::Format_IsValid(request.format())) {
+    return reply(invalid_argument("UNKNOWN_ENUM_VALUE", "format must be OBJ or GLTF", "format"));
   }
   using Found = std::shared_ptr<const sheet::Snapshot>;
   look_at<Found>(
       core_, *id, [](const sheet::Sheet& sheet) { return sheet.snapshot(); }, "name",
-      [core = core_, reply = std::move(reply)](Result<Found> found) {
+      [core = core_, format = request.format(), reply = std::move(reply)](Result<Found> found) {
         if (!found.ok()) return reply(found.error());
         in_background(
             core->worker, reply,
-            [reply, snapshot = *found] {
+            [reply, format, snapshot = *found] {
+              const bool is_gltf = format == v1::ExportSheetRequest::GLTF;
               v1::ExportSheetResponse response;
-              response.set_content(encode_obj(*snapshot));
-              response.set_media_type("model/obj");
+              response.set_content(is_gltf ? encode_gltf(*snapshot) : encode_obj(*snapshot));
+              response.set_media_type(is_gltf ? "model/gltf-binary" : "model/obj");
               reply(std::move(response));
             },
             too_many_pictures(*core));

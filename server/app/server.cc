@@ -19,6 +19,7 @@
 #include "server/host/entropy.h"
 #include "server/host/host.h"
 #include "server/rpc/rpc_server.h"
+#include "server/wire/recording_codec.h"
 #include "server/wire/reply_codec.h"
 #include "server/ws/http_server.h"
 #include "server/ws/metrics_page.h"
@@ -62,6 +63,7 @@ host::HostOptions Server::Impl::host_options() {
   options.workers = config.workers > 0 ? config.workers : std::clamp(processors, 1, 256);
   options.max_sheets = config.max_sheets;
   options.max_load = config.max_load;
+  options.encode_tick = wire::encode_recorded_tick;
   if (!config.record_dir.empty()) {
     options.make_recording = [this](const std::string& id) -> std::shared_ptr<sheet::RecordingSink> {
       // Two sheets may bear the same id, one after the other.

@@ -23,6 +23,12 @@ void WorkerNeed::tick_done(Nanoseconds wall) {
   share_ += kNewestWeight * (share - share_);
 }
 
+void WorkerNeed::set_period(Nanoseconds period) {
+  const auto period_ns = static_cast<double>(period.count());
+  share_ = std::min(share_ * period_ns_ / period_ns, 1.0);
+  period_ns_ = period_ns;
+}
+
 std::int64_t WorkerNeed::value() const {
   return std::llround(share_ * static_cast<double>(kWhole));
 }

@@ -21,6 +21,8 @@ class WorkerNeed {
   WorkerNeed(Nanoseconds period, std::int64_t num_vertices);
 
   void tick_done(Nanoseconds wall);
+  // Ticks are so far apart from now on, > 0.
+  void set_period(Nanoseconds period);
   [[nodiscard]] std::int64_t value() const;  // 0..kWhole
 
  private:

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <sstream>
 #include <utility>
 
 #include "server/host/admission.h"
@@ -54,14 +55,19 @@ class Host::Impl {
         admission_(options_.max_load),
         workers_(options_.workers) {}
 
-  void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done) {
+  // `entries`: of a recording that the sheet is to play.
+  void create_sheet(std::string id, sheet::SheetConfig config, std::optional<std::vector<sheet::RecordedTick>> entries,
+                    bool paused, Callback<SheetStatus> done) {
     if (id.empty()) id = config.sheet_id;
     if (id.empty()) id = random_id(entropy_.next());
     if (Status s = reserve(id, config, paused); !s) return done(s.error());
     const Workers::Strand strand = workers_.make_strand();
     const std::shared_ptr<ExpectedNeed> expected = paused ? nullptr : expected_need(config);
     auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
-    const bool posted = strand.post([this, id, shared, paused, strand, done, expected] {
+    // Shared, as what is posted must be copyable.
+    const auto playback = std::make_shared<std::unique_ptr<Playback>>(
+        entries ? std::make_unique<Playback>(std::move(*entries)) : nullptr);
+    const bool posted = strand.post([this, id, shared, playback, paused, strand, done, expected] {
       Result<sheet::Sheet> built = build(std::move(*shared));
       if (!built) {
         release(id);
@@ -69,7 +75,7 @@ class Host::Impl {
       }
       const auto runner = std::make_shared<SheetRunner>(id, std::move(built).value(), context(), strand);
       // Begun before it can be found: on this strand, ahead of whatever finds it.
-      runner->begin(paused, options_.make_recording ? options_.make_recording(id) : nullptr);
+      runner->begin(paused, options_.make_recording ? options_.make_recording(id) : nullptr, std::move(*playback));
       if (!admit(id, runner)) {
         runner->close(sheet::SinkEnd::kHostStopping);
         return done(stopping());
@@ -265,7 +271,17 @@ Host::~Host() {
 }
 
 void Host::create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done) {
-  impl_->create_sheet(std::move(id), std::move(config), paused, std::move(done));
+  impl_->create_sheet(std::move(id), std::move(config), std::nullopt, paused, std::move(done));
+}
+
+void Host::replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done) {
+  if (const Status ordered = sheet::check_order(recording.entries); !ordered) return done(ordered.error());
+  impl_->create_sheet(std::move(id), std::move(recording.config), std::move(recording.entries), paused,
+                      std::move(done));
+}
+
+void Host::recording(const std::string& id, Callback<KeptRun> done) {
+  impl_->on_strand(id, done, [done](SheetRunner& r) { done(r.kept_run()); });
 }
 
 void Host::delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed) {
@@ -318,6 +334,18 @@ void Host::pause(const std::string& id, Callback<SheetStatus> done) {
 void Host::resume(const std::string& id, Callback<SheetStatus> done) {
   impl_->on_strand(id, done, [done](SheetRunner& r) {
     if (Status s = r.resume(); !s) return done(s.error());
+    done(r.status());
+  });
+}
+
+void Host::set_speed(const std::string& id, double speed, Callback<SheetStatus> done) {
+  if (!(speed >= kMinSpeed && speed <= kMaxSpeed)) {
+    std::ostringstream message;
+    message << "speed is " << speed << "; must be in " << kMinSpeed << ".." << kMaxSpeed << ", and 1 is live";
+    return done(invalid_argument("OUT_OF_RANGE", message.str(), "speed"));
+  }
+  impl_->on_strand(id, done, [speed, done](SheetRunner& r) {
+    r.set_speed(speed);
     done(r.status());
   });
 }

@@ -14,6 +14,7 @@
 #include "server/host/clock.h"
 #include "server/host/entropy.h"
 #include "server/host/metrics.h"
+#include "server/host/playback.h"
 #include "server/sheet/command.h"
 #include "server/sheet/recording.h"
 #include "server/sheet/sheet.h"
@@ -33,6 +34,9 @@ struct HostOptions {
   std::int32_t max_step_ticks = 100'000;                      // a call of step()
   // Where a new sheet's recording goes; null, or a null result: nowhere.
   std::function<std::shared_ptr<sheet::RecordingSink>(const std::string& id)> make_recording;
+  // Encodes what sheets keep of their runs, see KeptRecording; null: they keep nothing.
+  std::function<std::string(const sheet::RecordedTick&)> encode_tick;
+  std::size_t max_recording_bytes = std::size_t{16} << 20;          // of what one sheet keeps
   sheet::IntegratorFactory make_integrator = fem::make_integrator;  // what advances the sheets
 };
 
@@ -57,11 +61,19 @@ struct SheetStatus {
   std::vector<mesh::VertexId> pinned_vertices;
   Eigen::Vector3d gravity{0.0, 0.0, 0.0};            // m/s^2, in force
   sheet::Wind wind;                                  // in force
+  std::vector<fem::Material> materials;              // in force: the sheet's own, then those of config->materials
   std::shared_ptr<const sheet::SheetConfig> config;  // as created
   std::string integrator;                            // which one runs and why
   std::int32_t linear_iterations = 0;                // of the last tick, see fem::StepStats
   double linear_residual = 0.0;                      // -, likewise
   fem::FlagCounts flagged_ticks{};                   // since the sheet was made, resets included
+  std::optional<ReplayStatus> replay;                // of a sheet that plays, or played, a recording
+};
+
+// What a sheet has kept of its run: config and entries are all that a recording file has.
+struct KeptRun {
+  std::shared_ptr<const sheet::SheetConfig> config;
+  std::string entries;  // as HostOptions::encode_tick makes them, one after another
 };
 
 struct CommandTimings {
@@ -95,7 +107,7 @@ template <typename T>
 using Callback = std::function<void(Result<T>)>;
 
 // The only owner of sheets, and the only place where they meet real time. Runs each sheet on its own strand of one
-// thread pool, a tick at each absolute deadline t0 + k * dt. A sheet that is late catches up by at most
+// thread pool, a tick at each absolute deadline t0 + k * dt / speed. A sheet that is late catches up by at most
 // kMaxCatchUpTicks; the rest of the time is given up, counted and told. A sheet at rest gets no timer until something
 // touches it. Unwatched, no snapshot is built. All functions are thread-safe and return at once, but for stop() and
 // wait_idle().
@@ -105,6 +117,8 @@ using Callback = std::function<void(Result<T>)>;
 class Host {
  public:
   static constexpr std::int64_t kMaxCatchUpTicks = 2;
+  static constexpr double kMinSpeed = 0.01;
+  static constexpr double kMaxSpeed = 4.0;
   static constexpr std::int32_t kTicksPerTurn = 4;  // of a step() call, before other sheets get their turn
 
   // `clock` and `entropy` must outlive the host.
@@ -118,6 +132,12 @@ class Host {
   // TOO_MANY_SHEETS, TOO_MANY_VERTICES or, unless `paused`, OVERLOADED where the sheets that run need max_load (see
   // Admission), and the errors of Sheet::create.
   void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done);
+  // Builds the sheet of a recording, which then plays it: ticks at its pace, with the recorded commands in place of any
+  // others (kFailedPrecondition REPLAYING), and is paused where it ends, see ReplayState. Errors of create_sheet() and
+  // of sheet::check_order().
+  void replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done);
+  // The run of a sheet up to now. kFailedPrecondition: see KeptRecording.
+  void recording(const std::string& id, Callback<KeptRun> done);
   // Ends its sinks (kSheetDeleted) and what waits for it (kAborted). Then calls `closed`, from which on nothing more is
   // said of this sheet; only then its name is free for another.
   void delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed = {});
@@ -156,9 +176,12 @@ class Host {
   void pause(const std::string& id, Callback<SheetStatus> done);
   // kFailedPrecondition STEPPING while a step() call runs.
   void resume(const std::string& id, Callback<SheetStatus> done);
+  // How fast simulated time goes by the wall's, -, kMinSpeed..kMaxSpeed; 1 at first. The ticks are the same; a step()
+  // call takes no notice of it. kInvalidArgument OUT_OF_RANGE, field "speed".
+  void set_speed(const std::string& id, double speed, Callback<SheetStatus> done);
   // Runs exactly `ticks` ticks of a paused sheet as fast as it can, and answers when they are done, or sooner with what
-  // was done when a pause() or a Reset ends it or, between two ticks, `stop` asks it to end. kInvalidArgument outside
-  // 1..max_step_ticks; kFailedPrecondition NOT_PAUSED, STEPPING or SHEET_FROZEN.
+  // was done when a pause(), a Reset or the end of a replay ends it or, between two ticks, `stop` asks it to end.
+  // kInvalidArgument outside 1..max_step_ticks; kFailedPrecondition NOT_PAUSED, STEPPING or SHEET_FROZEN.
   void step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop = {});
 
   // Calls `look` between two ticks, on the sheet's strand.

@@ -1,5 +1,6 @@
 #include "server/host/pace.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "server/host/host.h"
@@ -19,21 +20,31 @@ void Pace::start(Nanoseconds now) {
   window_ticks_ = 0.0;
 }
 
+void Pace::set_speed(double speed, Nanoseconds now) {
+  const Nanoseconds period(std::max(std::llround(static_cast<double>(tick_.count()) / speed), 1LL));
+  const Nanoseconds due = deadline_ + period - period_;
+  deadline_ = std::max(due, std::min(deadline_, now));
+  period_ = period;
+  speed_ = speed;
+  window_begin_ = now;
+  window_ticks_ = 0.0;
+}
+
 void Pace::tick_done(Nanoseconds end, Nanoseconds cpu, double share) {
   deadline_ += period_;
   if (end > deadline_) ++overruns_;
   if (end >= deadline_) {
     const std::int64_t due = (end - deadline_) / period_ + 1;  // ticks that should have begun by now
     if (due > Host::kMaxCatchUpTicks) {
-      const Nanoseconds given_up = (due - Host::kMaxCatchUpTicks) * period_;
-      deadline_ += given_up;
-      slipped_ += given_up;
+      const std::int64_t given_up = due - Host::kMaxCatchUpTicks;
+      deadline_ += given_up * period_;
+      slipped_ += given_up * tick_;
     }
   }
-  slipped_ += Nanoseconds(std::llround((1.0 - share) * static_cast<double>(period_.count())));
+  slipped_ += Nanoseconds(std::llround((1.0 - share) * static_cast<double>(tick_.count())));
   window_ticks_ += share;
   if (end - window_begin_ >= kWindow) {
-    real_time_factor_ = window_ticks_ * seconds(period_) / seconds(end - window_begin_);
+    real_time_factor_ = window_ticks_ * seconds(tick_) / seconds(end - window_begin_);
     window_begin_ = end;
     window_ticks_ = 0.0;
   }

@@ -16,6 +16,11 @@ Error host_stopping() {
   return {ErrorCode::kUnavailable, "HOST_STOPPING", "the server is stopping", ""};
 }
 
+Error replaying() {
+  return {ErrorCode::kFailedPrecondition, "REPLAYING",
+          "the sheet plays a recording and takes no commands until that ends; delete the sheet to end it now", ""};
+}
+
 std::int32_t& gauge(HostMetrics& metrics, RunState state) {
   switch (state) {
     case RunState::kRunning:
@@ -38,7 +43,8 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
       strand_(std::move(strand)),
       sheet_(std::move(sheet)),
       pace_(period_of(sheet_)),
-      need_(period_of(sheet_), sheet_.mesh().num_vertices()) {}
+      need_(period_of(sheet_), sheet_.mesh().num_vertices()),
+      kept_(context_.options.encode_tick, context_.options.max_recording_bytes) {}
 
 void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse) {
   const bool posted = strand_.post([self = shared_from_this(), work = std::move(work), refuse] {
@@ -85,10 +91,12 @@ void SheetRunner::announce_commands() {
   for (Pending& pending : take_queue()) pending.done(host_stopping());
 }
 
-void SheetRunner::begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording) {
+void SheetRunner::begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording,
+                        std::unique_ptr<Playback> playback) {
   recording_ = std::move(recording);
   if (recording_) recording_->start(sheet_.config());
-  paused_ = paused;
+  playback_ = std::move(playback);
+  paused_ = paused || (playback_ && !playback_->is_playing());
   note_state();
   if (!paused_) start_clock();
 }
@@ -145,6 +153,7 @@ void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop
 }
 
 Result<std::int64_t> SheetRunner::schedule(sheet::Command command, std::int64_t at_tick) {
+  if (is_playing()) return replaying();
   if (at_tick <= sheet_.tick()) {
     return Error{ErrorCode::kFailedPrecondition, "TICK_PAST",
                  "at_tick is " + std::to_string(at_tick) + "; the sheet has done tick " +
@@ -231,11 +240,13 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.pinned_vertices = sheet_.pinned_vertices();
   status.gravity = sheet_.gravity();
   status.wind = sheet_.wind();
+  status.materials = sheet_.materials().entries;
   status.config = sheet_.shared_config();
   status.integrator = sheet_.integrator_description();
   status.linear_iterations = last_step_.linear_iterations;
   status.linear_residual = last_step_.linear_residual;
   status.flagged_ticks = flagged_ticks_;
+  if (playback_) status.replay = playback_->status();
   return status;
 }
 
@@ -243,6 +254,10 @@ SheetStatus SheetRunner::unhashed_status() const {
 void SheetRunner::commands_arrived() {
   if (closed_) {
     for (Pending& pending : take_queue()) pending.done(closed_error());
+    return;
+  }
+  if (is_playing()) {
+    for (Pending& pending : take_queue()) pending.done(replaying());
     return;
   }
   if (step_call_) return;  // its ticks take them
@@ -263,10 +278,11 @@ void SheetRunner::on_deadline(std::uint64_t generation) {
   if (closed_ || generation != generation_) return;
   timer_.reset();
   run_once(true);
+  if (paused_) return;  // a replay has ended
   if (sheet_.frozen()) {
     stop_clock();
     note_state();
-  } else if (sheet_.at_rest() && scheduled_.empty()) {
+  } else if (sheet_.at_rest() && scheduled_.empty() && !is_playing()) {
     stop_clock();
     sleeping_ = true;
     context_.board.update([](HostMetrics& m) { ++m.sleeps; });
@@ -308,33 +324,6 @@ void SheetRunner::finish_step(Result<SheetStatus> result) {
   commands_arrived();
 }
 
-void SheetRunner::start_clock() {
-  stop_clock();
-  pace_.start(context_.clock.now());
-  note_need(need_.value());
-  schedule();
-}
-
-void SheetRunner::stop_clock() {
-  ++generation_;
-  if (timer_) context_.clock.cancel(*timer_);
-  timer_.reset();
-  note_need(0);
-}
-
-void SheetRunner::schedule() {
-  const auto fire = [weak = weak_from_this(), strand = strand_, generation = generation_] {
-    strand.post([weak, generation] {
-      if (const auto self = weak.lock()) self->on_deadline(generation);
-    });
-  };
-  if (pace_.deadline() > context_.clock.now()) {
-    timer_ = context_.clock.schedule(pace_.deadline(), fire);
-  } else {
-    fire();
-  }
-}
-
 void SheetRunner::note_state() {
   const RunState state = run_state();
   if (noted_state_ == state) return;
@@ -373,6 +362,7 @@ sheet::RunStats SheetRunner::run_stats() const {
   const RunState state = run_state();
   const bool stands = state == RunState::kPaused || state == RunState::kFailed;
   stats.real_time_factor = stands ? 0.0 : pace_.real_time_factor();
+  stats.speed = pace_.speed();
   stats.overruns = pace_.overruns();
   stats.slipped_s = seconds(pace_.slipped());
   stats.tick_cpu_us = pace_.tick_cpu_us();

@@ -9,6 +9,7 @@
 
 #include "server/host/admission.h"
 #include "server/host/host.h"
+#include "server/host/kept_recording.h"
 #include "server/host/metrics_board.h"
 #include "server/host/pace.h"
 #include "server/host/stage_timer.h"
@@ -60,10 +61,12 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // From any thread, after begin(). Without state hash.
   [[nodiscard]] std::shared_ptr<const SheetStatus> last_status() const;
 
-  void begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording);
+  // `playback`: what the sheet is to play; may be null.
+  void begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording, std::unique_ptr<Playback> playback);
   void close(sheet::SinkEnd reason);
   void pause();
   Status resume();
+  void set_speed(double speed);
   void step(std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop);
   Result<std::int64_t> schedule(sheet::Command command, std::int64_t at_tick);
   [[nodiscard]] const std::vector<WaitingCommand>& scheduled() const { return scheduled_; }
@@ -71,6 +74,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void add_sink(std::shared_ptr<sheet::SnapshotSink> sink);
   void refresh_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
   void remove_sink(const std::shared_ptr<sheet::SnapshotSink>& sink);
+  [[nodiscard]] Result<KeptRun> kept_run() const;
   [[nodiscard]] SheetStatus status() const;
   [[nodiscard]] const sheet::Sheet& sheet() const { return sheet_; }
 
@@ -93,6 +97,14 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void on_deadline(std::uint64_t generation);
   void take_turn();
   bool run_once(bool advance);
+  void run_commands(bool advance, std::vector<Pending> pending);
+  // One tick of the recording, with what was applied before and after it (sheet_runner_replay.cc).
+  void play_tick();
+  void play_applied();
+  void play_entry(bool advance);
+  void end_playback();
+  [[nodiscard]] bool is_playing() const { return playback_ && playback_->is_playing(); }
+  void record(std::int64_t tick, std::vector<sheet::Command> commands);
   std::vector<Pending> take_queue();
   // Those of schedule() whose tick is the next one.
   std::vector<Pending> take_due();
@@ -107,6 +119,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void publish();
   void finish_step(Result<SheetStatus> result);
 
+  [[nodiscard]] bool ticks_by_clock() const;
   void start_clock();
   void stop_clock();
   void schedule();
@@ -138,6 +151,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   WorkerNeed need_;
   std::vector<std::shared_ptr<sheet::SnapshotSink>> sinks_;
   std::shared_ptr<sheet::RecordingSink> recording_;
+  KeptRecording kept_;
+  std::unique_ptr<Playback> playback_;     // null: the sheet never played a recording
   std::vector<WaitingCommand> scheduled_;  // by tick, equal ticks in the order they came
   std::int64_t num_scheduled_ = 0;         // ever
   std::optional<StepCall> step_call_;
@@ -148,7 +163,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   bool sleeping_ = false;
   std::optional<sheet::SinkEnd> closed_;
   std::optional<RunState> noted_state_;  // as counted on the board
-  std::int32_t state_changes_ = 0;       // of the run state; part of the settings version
+  std::int32_t state_changes_ = 0;       // of run state and speed; part of the settings version
   std::int64_t contact_phases_ = 0;      // already counted
   std::int64_t cuts_ = 0;                // already counted
   std::int64_t overruns_ = 0;            // already counted

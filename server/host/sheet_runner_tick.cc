@@ -18,12 +18,23 @@ double microseconds(Nanoseconds time) {
 
 // One Sheet::step, or, where time stands still, Sheet::apply; false if there was nothing to apply.
 bool SheetRunner::run_once(bool advance) {
-  const Nanoseconds begin = context_.clock.now();
-  const Nanoseconds cpu_begin = context_.clock.thread_cpu();
+  if (advance && is_playing()) {
+    play_tick();
+    return true;
+  }
   std::vector<Pending> pending = advance && !sheet_.frozen() ? take_due() : std::vector<Pending>();
   std::vector<Pending> queued = take_queue();
   std::move(queued.begin(), queued.end(), std::back_inserter(pending));
   if (!advance && pending.empty()) return false;
+  run_commands(advance, std::move(pending));
+  return true;
+}
+
+void SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
+  const Nanoseconds begin = context_.clock.now();
+  const Nanoseconds cpu_begin = context_.clock.thread_cpu();
+  const bool stands = !advance || sheet_.frozen();
+  if (stands && kept_.lags(sheet_.tick())) kept_.append({sheet_.tick(), {}, sheet_.state_hash()});
   std::vector<sheet::Command> commands;
   commands.reserve(pending.size());
   for (Pending& p : pending) commands.push_back(std::move(p.command));
@@ -36,7 +47,7 @@ bool SheetRunner::run_once(bool advance) {
   if (step_call_ && std::any_of(commands.begin(), commands.end(), is_reset)) step_call_->remaining = 0;
   const std::vector<Result<CommandResult>> results = results_of(report, pending, begin, timer);
   tell(commands, pending, report, results);
-  if (recording_) recording_->append({report.tick, std::move(commands), sheet_.state_hash()});
+  record(report.tick, std::move(commands));
   const Nanoseconds cpu = context_.clock.thread_cpu() - cpu_begin;
   const Nanoseconds end = context_.clock.now();
   if (timed) {
@@ -50,7 +61,20 @@ bool SheetRunner::run_once(bool advance) {
   publish();
   count(report, results, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
   for (std::size_t i = 0; i < pending.size(); ++i) pending[i].done(results[report.scheduled.size() + i]);
-  return true;
+}
+
+void SheetRunner::record(std::int64_t tick, std::vector<sheet::Command> commands) {
+  const bool is_kept = kept_.wants(tick, !commands.empty());
+  if (!is_kept && !recording_) return;
+  const sheet::RecordedTick entry{tick, std::move(commands), sheet_.state_hash()};
+  if (is_kept) kept_.append(entry);
+  if (recording_) recording_->append(entry);
+}
+
+Result<KeptRun> SheetRunner::kept_run() const {
+  Result<std::string> entries = kept_.until(sheet_.tick(), sheet_.state_hash());
+  if (!entries) return entries.error();
+  return KeptRun{sheet_.shared_config(), std::move(entries).value()};
 }
 
 std::vector<SheetRunner::Pending> SheetRunner::take_queue() {

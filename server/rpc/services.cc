@@ -1,8 +1,6 @@
 #include "server/rpc/services.h"
 
 #include <grpcpp/support/byte_buffer.h>
-#include <grpcpp/support/proto_buffer_reader.h>
-#include <grpcpp/support/proto_buffer_writer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include <optional>
@@ -19,7 +17,9 @@
 #include "server/api/api.h"
 #include "server/api/image_session.h"
 #include "server/rpc/grpc_status.h"
+#include "server/rpc/messages.h"
 #include "server/rpc/session_reactor.h"
+#include "server/rpc/transfers.h"
 
 namespace kerf::rpc {
 namespace {
@@ -47,19 +47,16 @@ api::Reply<Response> finisher(Reactor* reactor, ByteBuffer* response) {
       reactor->Finish(to_status(reply.error()));
       return;
     }
-    bool own_buffer = false;
-    reactor->Finish(grpc::SerializationTraits<Response>::Serialize(*reply, response, &own_buffer));
+    reactor->Finish(serialise(*reply, response));
   };
 }
 
 // Nothing, and the reactor finished, where `bytes` are no Request.
 template <typename Request>
 std::optional<Request> parse(const ByteBuffer* bytes, Reactor* reactor) {
-  std::optional<Request> request(std::in_place);
-  ByteBuffer copy = *bytes;  // shares the bytes; parsing takes them
-  if (grpc::SerializationTraits<Request>::Deserialize(&copy, &*request).ok()) return request;
-  reactor->Finish(to_status(invalid_argument(
-      "MALFORMED_MESSAGE", "this is no serialised " + std::string(Request::descriptor()->full_name()))));
+  Result<Request> request = parse_message<Request>(*bytes);
+  if (request) return std::move(request).value();
+  reactor->Finish(to_status(request.error()));
   return std::nullopt;
 }
 
@@ -104,14 +101,16 @@ Reactor* answer(api::Api& api, void (api::Api::*method)(const Request&, api::Rep
   }
 // NOLINTEND(bugprone-macro-parentheses)
 
-using RawSheets =
-    RawService<v1::SheetService::Service, v1::SheetService::WithRawCallbackMethod_CreateSheet,
-               v1::SheetService::WithRawCallbackMethod_GetSheet, v1::SheetService::WithRawCallbackMethod_ListSheets,
-               v1::SheetService::WithRawCallbackMethod_DeleteSheet, v1::SheetService::WithRawCallbackMethod_PauseSheet,
-               v1::SheetService::WithRawCallbackMethod_ResumeSheet, v1::SheetService::WithRawCallbackMethod_StepSheet,
-               v1::SheetService::WithRawCallbackMethod_ResetSheet, v1::SheetService::WithRawCallbackMethod_ExportSheet,
-               v1::SheetService::WithRawCallbackMethod_GetSheetState,
-               v1::SheetService::WithRawCallbackMethod_AnalyzeSheet>::type;
+using RawSheets = RawService<
+    v1::SheetService::Service, v1::SheetService::WithRawCallbackMethod_CreateSheet,
+    v1::SheetService::WithRawCallbackMethod_GetSheet, v1::SheetService::WithRawCallbackMethod_ListSheets,
+    v1::SheetService::WithRawCallbackMethod_DeleteSheet, v1::SheetService::WithRawCallbackMethod_PauseSheet,
+    v1::SheetService::WithRawCallbackMethod_ResumeSheet, v1::SheetService::WithRawCallbackMethod_StepSheet,
+    v1::SheetService::WithRawCallbackMethod_ResetSheet, v1::SheetService::WithRawCallbackMethod_SetSheetSpeed,
+    v1::SheetService::WithRawCallbackMethod_ExportSheet, v1::SheetService::WithRawCallbackMethod_GetSheetState,
+    v1::SheetService::WithRawCallbackMethod_AnalyzeSheet, v1::SheetService::WithRawCallbackMethod_UploadSheet,
+    v1::SheetService::WithRawCallbackMethod_GetSheetRecording,
+    v1::SheetService::WithRawCallbackMethod_ReplayRecording>::type;
 class Sheets final : public RawSheets {
  public:
   explicit Sheets(api::Api& api) : api_(api) {}
@@ -123,9 +122,20 @@ class Sheets final : public RawSheets {
   KERF_UNARY(ResumeSheet, resume_sheet)
   KERF_UNARY(StepSheet, step_sheet)
   KERF_UNARY(ResetSheet, reset_sheet)
+  KERF_UNARY(SetSheetSpeed, set_sheet_speed)
   KERF_UNARY(ExportSheet, export_sheet)
   KERF_UNARY(GetSheetState, get_sheet_state)
   KERF_UNARY(AnalyzeSheet, analyze_sheet)
+
+  grpc::ServerReadReactor<ByteBuffer>* UploadSheet(Context* /*context*/, ByteBuffer* response) override {
+    return receive_sheet(api_, response);
+  }
+  grpc::ServerReadReactor<ByteBuffer>* ReplayRecording(Context* /*context*/, ByteBuffer* response) override {
+    return receive_recording(api_, response);
+  }
+  grpc::ServerWriteReactor<ByteBuffer>* GetSheetRecording(Context* /*context*/, const ByteBuffer* request) override {
+    return send_recording(api_, request);
+  }
 
  private:
   api::Api& api_;
@@ -157,7 +167,8 @@ using RawInteraction =
                v1::InteractionService::WithRawCallbackMethod_ReleasePoint,
                v1::InteractionService::WithRawCallbackMethod_SetSheetPins,
                v1::InteractionService::WithRawCallbackMethod_SetSheetGravity,
-               v1::InteractionService::WithRawCallbackMethod_SetSheetWind>::type;
+               v1::InteractionService::WithRawCallbackMethod_SetSheetWind,
+               v1::InteractionService::WithRawCallbackMethod_SetSheetMaterial>::type;
 class Interaction final : public RawInteraction {
  public:
   explicit Interaction(api::Api& api) : api_(api) {}
@@ -167,6 +178,7 @@ class Interaction final : public RawInteraction {
   KERF_UNARY(SetSheetPins, set_sheet_pins)
   KERF_UNARY(SetSheetGravity, set_sheet_gravity)
   KERF_UNARY(SetSheetWind, set_sheet_wind)
+  KERF_UNARY(SetSheetMaterial, set_sheet_material)
 
  private:
   api::Api& api_;

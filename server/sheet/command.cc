@@ -106,6 +106,12 @@ Status validate_command(const SetWind& set_wind) {
   return validate(set_wind.wind, "set_wind.wind");
 }
 
+Status validate_command(const SetMaterial& set_material) {
+  if (Status s = fem::validate(set_material.material, "set_material.material"); !s) return s;
+  const std::int32_t part = set_material.part.value_or(SetMaterial::kOwn);
+  return check_integer(part, SetMaterial::kOwn, static_cast<std::int32_t>(kMaxRegions) - 1, "set_material.part");
+}
+
 Status validate_command(const Reset& /*reset*/) {
   return Nothing{};
 }

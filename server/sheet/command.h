@@ -10,6 +10,7 @@
 
 #include "server/base/result.h"
 #include "server/cut/cut.h"
+#include "server/fem/material.h"
 #include "server/mesh/ids.h"
 #include "server/sheet/lineage.h"
 #include "server/sheet/region.h"
@@ -100,8 +101,19 @@ struct SetWind {
   Wind wind;
 };
 
-// Back to the initial state: mesh, positions, pins, loads, no grabs. The tick and the topology version go on counting,
-// and scheduled commands are not repeated.
+// Replaces the material of all of the sheet, or of one part. What moves goes on moving: positions, velocities, pins,
+// grabs, cuts and what can be undone stay; masses, elements, bending and the choice of the integrator are those of the
+// new material, and springs of grabs that nobody gave a stiffness. The resistance to bending of a planar sheet stays
+// off. Refused with kInvalidArgument SHEET_TOO_STIFF, as the sheet would be when it is made, and see with_material().
+struct SetMaterial {
+  static constexpr std::int32_t kOwn = -1;
+
+  fem::Material material;
+  std::optional<std::int32_t> part;  // an index into SheetConfig::materials, or kOwn: what those leave; absent: all
+};
+
+// Back to the initial state: mesh, positions, pins, loads, materials, no grabs. The tick and the topology version go on
+// counting, and scheduled commands are not repeated.
 struct Reset {};
 
 // The error of a Cut as that of number `index` of a CutBatch.
@@ -109,7 +121,8 @@ Error in_batch(Error error, std::size_t index);
 
 Status validate(const Wind& wind, const std::string& field);
 
-using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetWind, Reset, CutBatch, UndoCut, RedoCut>;
+using Command = std::variant<Cut, Grab, Drag, Release, SetPins, SetGravity, SetWind, Reset, CutBatch, UndoCut, RedoCut,
+                             SetMaterial>;
 
 // Everything that can be said of a command without a sheet. Errors are kInvalidArgument with the field named as in
 // kerf.v1.Command ("cut.curve.bezier.points[1].x", "cut_batch.cuts[3].curve.circle.radius_m", "grab.stiffness_npm"); a

@@ -4,11 +4,6 @@
 
 namespace kerf::sheet {
 
-void ContactBridge::set_colliders(std::span<const contact::Collider> colliders, double half_thickness) {
-  solver_.set_colliders(colliders);
-  half_thickness_ = half_thickness;
-}
-
 void ContactBridge::set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
                                  const std::vector<mesh::VertexId>& removed) {
   for (const mesh::VertexId v : left_alone_) is_left_alone_[static_cast<std::size_t>(v)] = 0;

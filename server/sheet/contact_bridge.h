@@ -18,8 +18,9 @@ namespace kerf::sheet {
 // Contact as the integrators call it, once a substep: fem and contact do not know each other. Copyable.
 class ContactBridge : public fem::ContactConstraint {
  public:
-  // `half_thickness`: m, >= 0, the distance that the sheet's middle surface keeps from a collider.
-  void set_colliders(std::span<const contact::Collider> colliders, double half_thickness);
+  void set_colliders(std::span<const contact::Collider> colliders) { solver_.set_colliders(colliders); }
+  // m, >= 0, the distance that the sheet's middle surface keeps from a collider.
+  void set_half_thickness(double half_thickness) { half_thickness_ = half_thickness; }
   // After every change of pins or topology; `pinned`, and `removed` without material, are left alone. O(both and new
   // vertices). Allocates.
   void set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,

@@ -13,8 +13,10 @@
 // A run as (tick, commands, hash): bug report, regression test and journal in one.
 namespace kerf::sheet {
 
+inline constexpr std::int64_t kMaxRecordedGap = 4096;  // ticks from one entry to the next
+
 // One step() or apply(). An entry whose tick is that of the entry before it (0 before the first) was an apply(), or a
-// step of a frozen sheet, which is the same.
+// step of a frozen sheet, which is the same. Ticks between two entries were steps without commands from outside.
 struct RecordedTick {
   std::int64_t tick = 0;          // after it
   std::vector<Command> commands;  // that came from outside, in order; the config's own are not repeated
@@ -59,8 +61,11 @@ struct ReplayReport {
   std::optional<Divergence> divergence;  // the first; empty: equal bit for bit
 };
 
+// kDataLoss RECORDING_ORDER where ticks go back or skip more than kMaxRecordedGap.
+Status check_order(std::span<const RecordedTick> entries);
+
 // Builds the sheet anew, gives it the same commands at the same ticks and compares every hash; stops at the first that
-// differs. Errors: those of Sheet::create; kDataLoss RECORDING_ORDER where ticks go back or skip.
+// differs. Errors: those of Sheet::create and check_order().
 Result<ReplayReport> replay(const Recording& recording);
 
 }  // namespace kerf::sheet

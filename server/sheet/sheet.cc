@@ -4,7 +4,6 @@
 #include <numeric>
 #include <utility>
 
-#include "server/fem/condition.h"
 #include "server/fem/follower_loads.h"
 #include "server/sheet/material_point.h"
 #include "server/sheet/mesh_source.h"
@@ -36,18 +35,6 @@ Eigen::Matrix3Xd initial_velocities(const SheetConfig& config, const BuiltMesh& 
   return v;
 }
 
-// A sheet that is to move, and that double precision cannot move.
-Status check_condition(const SheetConfig& config, const fem::Model& model) {
-  const double condition = fem::condition_number(model, 1.0 / config.tick_rate_hz);
-  const bool moves = std::holds_alternative<DynamicAnalysis>(config.analysis);
-  if (!moves || fem::rate_condition(condition) != fem::ConditionClass::kRefused) return Nothing{};
-  return invalid_argument("SHEET_TOO_STIFF",
-                          fem::describe_condition(condition) +
-                              ": steps of this length would be all rounding; make the material softer or heavier, the "
-                              "mesh coarser, or the tick rate higher",
-                          "material.youngs_modulus_pa");
-}
-
 }  // namespace
 
 Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,
@@ -58,13 +45,15 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       dt(1.0 / config->tick_rate_hz),
       mesh(initial->built.mesh),
       state{initial->built.positions, initial->velocities},
+      materials(initial->materials),
       held_vertices(initial->held_vertices),
       applied_forces(initial->applied_forces),
       full_gravity(config->gravity),
       lineage(mesh.num_pieces()),
-      model(mesh, initial->materials, config->membrane_law),
+      model(mesh, materials->by_region, config->membrane_law),
       integrator(std::move(make_integrator), integrator_options(config->integrator, 1.0 / config->tick_rate_hz)) {
-  contact.set_colliders(config->colliders, 0.5 * greatest_thickness(initial->materials));
+  contact.set_colliders(config->colliders);
+  contact.set_half_thickness(0.5 * greatest_thickness(materials->by_region));
   set_wind(config->wind);
   loads.grabs.reserve(kMaxGrabs);
   pin(initial->pinned);
@@ -221,6 +210,7 @@ void Sheet::Impl::add_shape_to(StateHash& hash) const {
   add_vector(wind.velocity);
   hash.add(wind.air_density);
   hash.add(wind.drag_coefficient);
+  if (materials->entries != initial->materials->entries) add_to(hash, *materials);
 }
 
 Sheet::Sheet(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -248,19 +238,20 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   if (Status s = check_vertex_limit(config.integrator, built->mesh.num_vertices()); !s) return s.error();
   Result<std::vector<mesh::VertexId>> pinned = find_pins(built->mesh, config.pins, "pins");
   if (!pinned) return pinned.error();
-  Result<std::vector<fem::Material>> materials = assign_materials(config, built->mesh);
-  if (!materials) return materials.error();
+  Result<SheetMaterials> assigned = assign_materials(config, built->mesh);
+  if (!assigned) return assigned.error();
+  const auto materials = std::make_shared<const SheetMaterials>(std::move(assigned).value());
   auto shared = std::make_shared<const SheetConfig>(std::move(config));
   Result<HeldVertices> held = HeldVertices::create(shared, *built);
   if (!held) return held.error();
   Result<AppliedForces> applied = AppliedForces::create(shared, *built);
   if (!applied) return applied.error();
-  Eigen::Matrix3Xd velocities = initial_velocities(*shared, *built, *materials);
+  Eigen::Matrix3Xd velocities = initial_velocities(*shared, *built, materials->by_region);
   auto initial = std::make_shared<const InitialState>(
-      InitialState{std::move(built).value(), std::move(materials).value(), std::move(velocities),
-                   std::move(pinned).value(), std::move(held).value(), std::move(applied).value()});
+      InitialState{std::move(built).value(), materials, std::move(velocities), std::move(pinned).value(),
+                   std::move(held).value(), std::move(applied).value()});
   Sheet sheet(std::make_unique<Impl>(std::move(shared), std::move(initial), std::move(make_integrator)));
-  if (Status s = check_condition(*sheet.impl_->config, sheet.model()); !s) return s.error();
+  if (Status s = check_condition(*sheet.impl_->config, sheet.model(), "material"); !s) return s.error();
   return sheet;
 }
 
@@ -327,6 +318,9 @@ Eigen::Vector3d Sheet::start_of(const Eigen::Vector2d& material) const {
 const Eigen::Vector3d& Sheet::gravity() const {
   return impl_->full_gravity;
 }
+const SheetMaterials& Sheet::materials() const {
+  return *impl_->materials;
+}
 const Wind& Sheet::wind() const {
   return impl_->wind;
 }
@@ -346,7 +340,7 @@ const UndoHistory& Sheet::history() const {
   return impl_->history;
 }
 std::vector<Piece> Sheet::pieces() const {
-  return measure_pieces(impl_->mesh, impl_->lineage.pieces(), impl_->state.x, impl_->initial->materials);
+  return measure_pieces(impl_->mesh, impl_->lineage.pieces(), impl_->state.x, impl_->materials->by_region);
 }
 const std::string& Sheet::integrator_description() const {
   return impl_->integrator_description;

@@ -84,6 +84,7 @@ struct GrabState {
   Eigen::Vector3d target{0.0, 0.0, 0.0};           // m, world
   Eigen::Vector3d previous_target{0.0, 0.0, 0.0};  // m, when the last tick ended; the target moves in between
   double stiffness = 0.0;                          // N/m, in force
+  bool is_default = false;                         // nobody gave the stiffness: it follows the material
 };
 
 // Makes what advances a sheet; copies of a sheet each make their own. The integrator must keep fem::Integrator's
@@ -143,9 +144,9 @@ class Sheet {
   [[nodiscard]] double dt() const;                      // s
   [[nodiscard]] std::int32_t topology_version() const;  // 1 at first; + 1 with each applied cut or batch, undo, redo
                                                         // and reset
-  [[nodiscard]] std::int32_t settings_version() const;  // + 1 with each change of pins, gravity or wind
+  [[nodiscard]] std::int32_t settings_version() const;  // + 1 with each change of pins, gravity, wind or material
   [[nodiscard]] const mesh::TriangleMesh& mesh() const;
-  [[nodiscard]] const fem::Model& model() const;  // of mesh() and the config's materials
+  [[nodiscard]] const fem::Model& model() const;  // of mesh() and materials()
   [[nodiscard]] const fem::State& state() const;  // x: 3 x V, m; v: 3 x V, m/s
   [[nodiscard]] const fem::Loads& loads() const;  // of the last step, or settle()
   // Where the material point started (m, world; material in m): of a point of the sheet as it was made, else of the
@@ -153,6 +154,7 @@ class Sheet {
   [[nodiscard]] Eigen::Vector3d start_of(const Eigen::Vector2d& material) const;
   [[nodiscard]] const Eigen::Vector3d& gravity() const;                      // m/s^2, in force
   [[nodiscard]] const Wind& wind() const;                                    // in force
+  [[nodiscard]] const SheetMaterials& materials() const;                     // in force
   [[nodiscard]] const std::vector<mesh::VertexId>& pinned_vertices() const;  // sorted, unique
   [[nodiscard]] const std::vector<GrabState>& grabs() const;                 // in the order they were made
   [[nodiscard]] std::int64_t contact_phases() const;  // substeps in which colliders were looked at
@@ -170,7 +172,7 @@ class Sheet {
   // reset. Only a Reset lets it advance again.
   [[nodiscard]] bool frozen() const;
 
-  // Of mesh, positions, velocities, pins, grabs, loads and tick, bit for bit.
+  // Of mesh, positions, velocities, pins, grabs, loads, materials that are not the config's, and tick, bit for bit.
   [[nodiscard]] std::uint64_t state_hash() const;
 
   // The same without the tick and the versions: equal after a Reset to what it was at first.

@@ -73,6 +73,8 @@ Result<CommandReply> Sheet::Impl::do_command(const Command& command, const Comma
   } else if (const auto* w = std::get_if<SetWind>(&command)) {
     set_wind(w->wind);
     ++settings_version;
+  } else if (const auto* m = std::get_if<SetMaterial>(&command)) {
+    done = set_material(*m);
   } else {
     reset();
   }
@@ -108,7 +110,8 @@ CutReply Sheet::Impl::reply_of(const cut::CutOutcome& outcome, const Cut& cut, d
   reply.report.pieces = mesh.num_pieces();
   reply.warnings = warnings_of(outcome.report, cut.remarks);
   if (cut.width && outcome.status == cut::CutStatus::kApplied) {
-    const double density = initial->materials[0].density * initial->materials[0].thickness;
+    const fem::Material& material = materials->by_region[0];
+    const double density = material.density * material.thickness;
     reply.removed_mass = has_one_material() ? density * outcome.report.removed_area_m2 : mass_before - rest_mass();
   }
   return reply;
@@ -117,7 +120,7 @@ CutReply Sheet::Impl::reply_of(const cut::CutOutcome& outcome, const Cut& cut, d
 double Sheet::Impl::rest_mass() const {
   double mass = 0.0;
   for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (mesh.is_solid(t)) mass += surface_density(mesh, t, initial->materials) * mesh.area(t);
+    if (mesh.is_solid(t)) mass += surface_density(mesh, t, materials->by_region) * mesh.area(t);
   }
   return mass;
 }
@@ -160,7 +163,8 @@ Status Sheet::Impl::grab(const Grab& grab) {
   }
   held.target = grab.target.value_or(here);
   held.previous_target = here;
-  held.stiffness = grab.stiffness > 0.0 ? grab.stiffness : default_stiffness(held.vertices[0]);
+  held.is_default = grab.stiffness == 0.0;
+  held.stiffness = held.is_default ? default_stiffness(held.vertices[0]) : grab.stiffness;
   grabs.push_back(std::move(held));
   return Nothing{};
 }
@@ -200,7 +204,10 @@ void Sheet::Impl::reset() {
   mesh = initial->built.mesh;
   state.x = initial->built.positions;
   state.v = initial->velocities;
-  model = fem::Model(mesh, initial->materials, config->membrane_law);
+  materials = initial->materials;
+  model = fem::Model(mesh, materials->by_region, config->membrane_law);
+  clamped.clear();  // as this model is; set_slopes() tells the integrator of those to come
+  contact.set_half_thickness(0.5 * greatest_thickness(materials->by_region));
   grabs.clear();
   full_gravity = config->gravity;
   held_vertices = initial->held_vertices;

@@ -107,7 +107,7 @@ Result<std::vector<CutReply>> Sheet::Impl::do_cuts(std::span<const Cut> cuts, bo
   }
   std::vector<std::vector<SplitPiece>> splits(done.size());
   if (fell_apart) {
-    splits = describe_splits(changes, measure_pieces(mesh, lineage.pieces(), state.x, initial->materials));
+    splits = describe_splits(changes, measure_pieces(mesh, lineage.pieces(), state.x, materials->by_region));
   }
   std::size_t next = 0;
   for (CutReply& reply : *replies) {

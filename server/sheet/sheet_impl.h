@@ -22,8 +22,8 @@ namespace kerf::sheet {
 // What a Reset goes back to.
 struct InitialState {
   BuiltMesh built;
-  std::vector<fem::Material> materials;  // by region of the mesh, or one
-  Eigen::Matrix3Xd velocities;           // 3 x V, m/s
+  std::shared_ptr<const SheetMaterials> materials;
+  Eigen::Matrix3Xd velocities;  // 3 x V, m/s
   std::vector<mesh::VertexId> pinned;
   HeldVertices held_vertices;
   AppliedForces applied_forces;
@@ -74,6 +74,10 @@ struct CommandContext {
   std::int32_t index = -1;
 };
 
+// kInvalidArgument SHEET_TOO_STIFF for a sheet that is to move, and that double precision cannot move. `prefix`: path
+// of the material ("material").
+Status check_condition(const SheetConfig& config, const fem::Model& model, const std::string& prefix);
+
 struct Sheet::Impl {
   Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,
        IntegratorFactory make_integrator);
@@ -105,13 +109,14 @@ struct Sheet::Impl {
   Status release(const Release& release);
   Status set_pins(const SetPins& pins);
   void set_wind(const Wind& value);
+  Status set_material(const SetMaterial& change);  // sheet_change_material.cc
   void reset();
 
   [[nodiscard]] cut::CutRequest request_of(const Cut& cut) const;  // but for the fixed vertices
   // mass_before: kg, that of the sheet, of several materials.
   [[nodiscard]] CutReply reply_of(const cut::CutOutcome& outcome, const Cut& cut, double mass_before) const;
   [[nodiscard]] double rest_mass() const;  // kg, of the mesh; O(slots)
-  [[nodiscard]] bool has_one_material() const { return initial->materials.size() == 1; }
+  [[nodiscard]] bool has_one_material() const { return materials->by_region.size() == 1; }
 
   // Cuts (sheet_cuts.cc), whole or not at all like the others.
   Result<CommandReply> cut(const Cut& cut, const CommandContext& context);
@@ -151,6 +156,7 @@ struct Sheet::Impl {
   std::vector<mesh::VertexId> pinned;  // sorted, unique
   std::int32_t pins_version = 0;       // grows where a client sets them
   std::vector<GrabState> grabs;
+  std::shared_ptr<const SheetMaterials> materials;  // in force
   Wind wind;
   std::vector<fem::Pin> holds;  // of the vertices in `pinned`, in order
   HeldVertices held_vertices;

@@ -28,13 +28,14 @@ struct Topology {
 
 // What the owner of the clock knows about a sheet; part of a snapshot so that viewers see it. All zero offline.
 struct RunStats {
-  double real_time_factor = 0.0;       // -, simulated / wall time over the last second or so; 1 is live
+  double real_time_factor = 0.0;       // -, simulated / wall time over the last second or so
+  double speed = 0.0;                  // -, what it should be; 1 is live
   std::int64_t overruns = 0;           // ticks that ended after their deadline
   double slipped_s = 0.0;              // s, simulated time given up
   double tick_cpu_us = 0.0;            // us, recent mean
   std::int64_t published_unix_us = 0;  // us since 1970, when the tick ended
   std::uint64_t sheet_serial = 0;      // of all sheets that the owner has made, which; versions are of one sheet
-  std::int32_t settings_version = 0;   // grows when pins, gravity, wind or the run state change
+  std::int32_t settings_version = 0;   // grows when pins, gravity, wind, materials, speed or run state change
   bool paused = false;
   bool sleeping = false;
   bool failed = false;  // frozen at its last good tick

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "server/wire/geometry_codec.h"
+#include "server/wire/material_codec.h"
 #include "server/wire/region_codec.h"
 #include "server/wire/view_codec.h"
 
@@ -96,6 +97,11 @@ void encode(const sheet::SetGravity& set_gravity, v1::Command& message) {
 void encode(const sheet::SetWind& set_wind, v1::Command& message) {
   v1::SetWind& wind_message = *message.mutable_set_wind();
   if (set_wind.wind.air_density > 0.0) encode_wind(set_wind.wind, *wind_message.mutable_wind());
+}
+
+void encode(const sheet::SetMaterial& set_material, v1::Command& message) {
+  *message.mutable_set_material()->mutable_material() = encode_material(set_material.material);
+  if (set_material.part) message.mutable_set_material()->set_part(*set_material.part);
 }
 
 void encode(const sheet::Reset& /*reset*/, v1::Command& message) {
@@ -223,6 +229,16 @@ Result<sheet::Command> decode_set_wind(const v1::SetWind& message) {
   return checked(set_wind);
 }
 
+Result<sheet::Command> decode_set_material(const v1::SetMaterial& message) {
+  if (!message.has_material()) return missing("set_material.material");
+  const Result<fem::Material> material = decode_material(message.material(), "set_material.material");
+  if (!material.ok()) return material.error();
+  sheet::SetMaterial set_material;
+  set_material.material = *material;
+  if (message.has_part()) set_material.part = message.part();
+  return checked(set_material);
+}
+
 Result<sheet::Command> decode_command(const v1::Command& message, const FileReader& read_file) {
   switch (message.kind_case()) {
     case v1::Command::kCut:
@@ -247,11 +263,14 @@ Result<sheet::Command> decode_command(const v1::Command& message, const FileRead
       return sheet::Command(sheet::UndoCut{});
     case v1::Command::kRedoCut:
       return sheet::Command(sheet::RedoCut{});
+    case v1::Command::kSetMaterial:
+      return decode_set_material(message.set_material());
     case v1::Command::KIND_NOT_SET:
       break;
   }
-  return choice_missing(
-      "kind", "cut, grab, drag, release, set_pins, set_gravity, set_wind, reset, cut_batch, undo_cut or redo_cut");
+  return choice_missing("kind",
+                        "cut, grab, drag, release, set_pins, set_gravity, set_wind, reset, cut_batch, undo_cut, "
+                        "redo_cut or set_material");
 }
 
 v1::Command encode_command(const sheet::Command& command) {

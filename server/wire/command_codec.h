@@ -25,5 +25,6 @@ Result<sheet::Command> decode_release(const v1::Release& release);
 Result<sheet::Command> decode_set_pins(const v1::SetPins& set_pins);
 Result<sheet::Command> decode_set_gravity(const v1::SetGravity& set_gravity);
 Result<sheet::Command> decode_set_wind(const v1::SetWind& set_wind);
+Result<sheet::Command> decode_set_material(const v1::SetMaterial& set_material);
 
 }  // namespace kerf::wire

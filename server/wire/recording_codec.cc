@@ -116,9 +116,9 @@ Result<RecordingFile> decode_recording(std::string_view file) {
   if (!status.ok() || header.magic() != kMagic) {
     return damage("RECORDING_FORMAT", 0, "this is no Kerf recording");
   }
-  if (header.format_version() != kRecordingFormat) {
+  if (header.format_version() < 1 || header.format_version() > kRecordingFormat) {
     return damage("RECORDING_FORMAT", 0,
-                  "format version " + std::to_string(header.format_version()) + "; this program reads version " +
+                  "format version " + std::to_string(header.format_version()) + "; this program reads versions 1 to " +
                       std::to_string(kRecordingFormat));
   }
   RecordingFile decoded;

@@ -10,7 +10,7 @@
 // Recording files: a kerf.v1.RecordingHeader, then RecordedTicks, each preceded by its length as a varint.
 namespace kerf::wire {
 
-inline constexpr std::int32_t kRecordingFormat = 1;
+inline constexpr std::int32_t kRecordingFormat = 2;  // written; 1, in which no tick is left out, is read as well
 
 // The compiler of this build and whether it optimised.
 std::string build_name();

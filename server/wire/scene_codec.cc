@@ -133,11 +133,11 @@ v1::Collider encode_collider(const contact::Collider& collider) {
 
 v1::Scene encode_settings(const SettingsInForce& settings) {
   v1::Scene scene;
-  *scene.mutable_material() = encode_material(settings.config.material);
-  for (const sheet::RegionMaterial& part : settings.config.materials) {
+  *scene.mutable_material() = encode_material(settings.materials.front());
+  for (std::size_t i = 0; i < settings.config.materials.size(); ++i) {
     v1::RegionMaterial& message = *scene.add_materials();
-    encode_region(part.region, *message.mutable_region());
-    *message.mutable_material() = encode_material(part.material);
+    encode_region(settings.config.materials[i].region, *message.mutable_region());
+    *message.mutable_material() = encode_material(settings.materials[i + 1]);
   }
   scene.set_membrane_law(encode_membrane_law(settings.config.membrane_law));
   encode_vector(settings.gravity, *scene.mutable_gravity_mps2());
@@ -158,7 +158,7 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
 }
 
 v1::Scene encode_scene(const sheet::SheetConfig& config) {
-  v1::Scene scene = encode_settings({config, config.gravity, config.wind});
+  v1::Scene scene = encode_settings({config, sheet::materials_of(config), config.gravity, config.wind});
   encode_mesh_source(config.mesh, scene);
   encode_pins(config.pins, *scene.mutable_pins());
   encode_conditions(config, scene);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -30,8 +31,9 @@ Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const FileRe
 
 // What of a scene is in force now.
 struct SettingsInForce {
-  const sheet::SheetConfig& config;  // as created
-  Eigen::Vector3d gravity;           // m/s^2
+  const sheet::SheetConfig& config;          // as created
+  std::span<const fem::Material> materials;  // the sheet's own, then those of config.materials
+  Eigen::Vector3d gravity;                   // m/s^2
   sheet::Wind wind;
 };
 

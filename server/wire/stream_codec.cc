@@ -19,6 +19,7 @@ void append_varint(std::uint64_t value, std::string& bytes) {
 void encode_stats(const sheet::RunStats& stats, const sheet::Topology& topology, v1::FrameStats& message) {
   message.set_real_time_factor(stats.real_time_factor);
   message.set_overruns(stats.overruns);
+  message.set_speed(stats.speed);
   message.set_slipped_s(stats.slipped_s);
   message.set_tick_cpu_us(stats.tick_cpu_us);
   message.set_published_unix_us(stats.published_unix_us);

@@ -20,11 +20,13 @@
 
 #include <cerrno>
 #include <exception>
+#include <limits>
 #include <optional>
 #include <stop_token>
 #include <string>
 #include <string_view>
 
+#include "server/api/upload.h"
 #include "server/ws/mjpeg.h"
 #include "server/ws/socket_stream.h"
 
@@ -42,10 +44,17 @@ std::string header(const Request& request, http::field field) {
   return {value.data(), value.size()};
 }
 
-HttpRequest to_request(Request& message) {
+// The request, but for its body.
+HttpRequest head_of(const Request& message) {
   return {std::string(message.method_string()),        std::string(message.target()),
           header(message, http::field::host),          header(message, http::field::origin),
-          header(message, http::field::if_none_match), std::move(message.body())};
+          header(message, http::field::if_none_match), {}};
+}
+
+HttpRequest to_request(Request& message) {
+  HttpRequest request = head_of(message);
+  request.body = std::move(message.body());
+  return request;
 }
 
 // What to tell a client whose request cannot be read; nothing where nobody listens any more.
@@ -55,6 +64,12 @@ std::optional<HttpResponse> unreadable_request(const boost::system::error_code& 
         refusal({ErrorCode::kResourceExhausted, "REQUEST_TOO_LARGE", "the request's body exceeds the limit", {}});
     response.status = 413;
     return response;
+  }
+  if (error == boost::system::errc::not_enough_memory) {
+    return refusal({ErrorCode::kResourceExhausted,
+                    "TOO_MANY_UPLOADS",
+                    "as much is being uploaded as may be; try again when an upload has ended",
+                    {}});
   }
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
     HttpResponse response =
@@ -124,7 +139,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     if (!begun) co_return false;
     Parser parser;
     parser.header_limit(static_cast<std::uint32_t>(context_.options.max_header_bytes));
-    parser.body_limit(context_.max_body_bytes);
+    parser.body_limit(std::numeric_limits<std::uint64_t>::max());  // until it is known whose; see read_body()
     stream_.expires_after(context_.options.request_timeout);
     boost::system::error_code error;
     co_await http::async_read_header(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
@@ -132,10 +147,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       co_await upgrade(parser.release());
       co_return false;
     }
-    if (!error) {
-      if (parser.get()[http::field::expect] == "100-continue") co_await invite_body();
-      co_await http::async_read(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
-    }
+    if (!error) co_await read_body(parser, error);
     if (error) {
       co_await refuse(error);
       co_return false;
@@ -157,6 +169,30 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     framing.keep_alive = framing.keep_alive && !finishing_;
     const bool written = co_await write(response, framing);
     co_return written&& framing.keep_alive;
+  }
+
+  // The body of the request whose header was read, within the limit that its head has.
+  asio::awaitable<void> read_body(Parser& parser, boost::system::error_code& error) {
+    const std::int64_t limit = context_.router.max_body_bytes(head_of(parser.get()));
+    const std::uint64_t told = parser.content_length().value_or(static_cast<std::uint64_t>(limit));
+    if (told > static_cast<std::uint64_t>(limit)) {
+      error = http::error::body_limit;
+      co_return;
+    }
+    std::shared_ptr<const api::UploadRoom> room;  // while the body comes
+    if (limit > context_.api.limits().max_request_bytes) {
+      Result<std::shared_ptr<const api::UploadRoom>> reserved =
+          context_.api.reserve_upload(static_cast<std::int64_t>(told));
+      if (!reserved) {
+        error = make_error_code(boost::system::errc::not_enough_memory);
+        co_return;
+      }
+      room = std::move(reserved).value();
+      stream_.expires_after(context_.options.upload_timeout);
+    }
+    parser.body_limit(static_cast<std::uint64_t>(limit));
+    if (parser.get()[http::field::expect] == "100-continue") co_await invite_body();
+    co_await http::async_read(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
   }
 
   asio::awaitable<void> refuse(boost::system::error_code error) {

@@ -19,7 +19,6 @@ struct ConnectionContext {
   api::Api& api;
   const Router& router;
   const HttpOptions& options;
-  std::size_t max_body_bytes = 0;
   std::atomic<bool> draining = false;  // streams that end are told that the server goes away
 
   std::atomic<std::int64_t> requests = 0;

@@ -42,7 +42,7 @@ struct HttpServer::Impl {
   Impl(api::Api& api, AssetTable assets, std::function<std::string(const HttpCounts&)> metrics, HttpOptions chosen)
       : options(std::move(chosen)),
         router(api, std::move(assets), [this, metrics = std::move(metrics)] { return metrics(counts()); }),
-        context{api, router, options, static_cast<std::size_t>(api.limits().max_request_bytes)} {}
+        context{api, router, options} {}
 
   Result<int> start(const Endpoint& endpoint);
   void accept_next();

@@ -23,6 +23,7 @@ struct HttpOptions {
   std::size_t max_header_bytes = 16 << 10;             // of a request
   std::size_t max_message_bytes = 64 << 10;            // of one WebSocket message from a client
   std::chrono::milliseconds request_timeout{5'000};    // from the first byte of a request to its last
+  std::chrono::milliseconds upload_timeout{120'000};   // the same of a request with a file of FileRoutes
   std::chrono::milliseconds handshake_timeout{5'000};  // WebSocket opening and closing handshakes
   std::chrono::milliseconds idle_timeout{30'000};      // a kept-alive connection between requests
   std::chrono::milliseconds silence_timeout{10'000};   // WebSocket: without a sign of life, a pong included

@@ -125,7 +125,11 @@ bool lists_token(std::string_view list, std::string_view token) {
 }
 
 Router::Router(api::Api& api, AssetTable assets, std::function<std::string()> metrics)
-    : api_(api), assets_(std::move(assets)), metrics_(std::move(metrics)) {
+    : api_(api),
+      assets_(std::move(assets)),
+      metrics_(std::move(metrics)),
+      files_(api),
+      max_message_bytes_(api.limits().max_request_bytes) {
   for (const api::Method& method : api.methods()) methods_.emplace(method.path, &method);
 }
 
@@ -154,6 +158,7 @@ void Router::respond(const HttpRequest& request, std::function<void(HttpResponse
   if (const Status host = check_host(access_, request.host); !host) return done(refused_host(host.error()));
   const std::optional<PicturePath> picture = reads ? parse_picture_path(target.path) : std::nullopt;
   if (picture) return draw(*picture, target.query, std::move(done));
+  if (reads && FileRoutes::is_download(target.path)) return files_.download(target.path, std::move(done));
   if (reads) return done(get(request, target.path));
   if (request.method != "POST") return done(method_not_allowed("GET, HEAD, POST"));
   call(request, target.path, std::move(done), std::move(stop));
@@ -174,11 +179,13 @@ void Router::draw(const PicturePath& picture, std::string_view query, std::funct
 
 void Router::call(const HttpRequest& request, std::string_view path, std::function<void(HttpResponse)> done,
                   std::stop_token stop) const {
+  const bool is_upload = files_.upload_limit(path) > 0;
   const auto method = methods_.find(path);
-  if (method == methods_.end()) return done(refusal(no_such_path(path)));
+  if (method == methods_.end() && !is_upload) return done(refusal(no_such_path(path)));
   if (const Status origin = check_origin(access_, request.origin, request.host); !origin) {
     return done(refusal_with_status(403, origin.error()));
   }
+  if (is_upload) return files_.upload(request, std::move(done));
   // An empty body is the message with nothing set, so that `curl -X POST` works for List and Get*Info.
   method->second->call(
       request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
@@ -190,6 +197,13 @@ void Router::call(const HttpRequest& request, std::string_view path, std::functi
               {{"Cache-Control", "no-store"}}});
       },
       std::move(stop));
+}
+
+std::int64_t Router::max_body_bytes(const HttpRequest& head) const {
+  const std::string_view path = split_target(head.target).path;
+  const std::int64_t limit = head.method == "POST" ? files_.upload_limit(path) : 0;
+  const bool trusted = limit > 0 && check_host(access_, head.host) && check_origin(access_, head.origin, head.host);
+  return trusted ? limit : max_message_bytes_;
 }
 
 std::optional<Result<std::shared_ptr<api::ImageSession>>> Router::play(const HttpRequest& request) const {

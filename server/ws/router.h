@@ -13,6 +13,7 @@
 
 #include "server/ws/access.h"
 #include "server/ws/asset_table.h"
+#include "server/ws/file_routes.h"
 #include "server/ws/picture_query.h"
 
 namespace kerf::api {
@@ -72,6 +73,10 @@ class Router {
   };
   [[nodiscard]] Upgrade upgrade(const HttpRequest& request, std::string_view subprotocols) const;
 
+  // Largest body, in bytes, that is taken of a request with this head: much for a file from where files may come, else
+  // that of one message.
+  [[nodiscard]] std::int64_t max_body_bytes(const HttpRequest& head) const;
+
  private:
   // /healthz and /readyz, which load balancers ask for without naming a host.
   [[nodiscard]] std::optional<HttpResponse> probe(std::string_view path) const;
@@ -85,6 +90,8 @@ class Router {
   std::function<std::string()> metrics_;
   AccessPolicy access_;
   std::map<std::string, const api::Method*, std::less<>> methods_;  // by path
+  FileRoutes files_;
+  std::int64_t max_message_bytes_;
   std::atomic<bool> draining_ = false;
 };
 

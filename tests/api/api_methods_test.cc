@@ -184,6 +184,40 @@ TEST_F(ApiTest, SettingsInForceAreToldWithTheSheet) {
   EXPECT_GT(sheet.scene().material().youngs_modulus_pa(), 0.0);
 }
 
+TEST_F(ApiTest, MaterialsInForceAreToldWithTheSheetUntilAReset) {
+  const char* create = R"({"sheet_id":"m","paused":true,"scene":{"grid":{"columns":7,"rows":7,"width_m":1,"height_m":1},
+    "material":{"preset":"wool"},"materials":[{"region":{"box":{"min":{"x":0.5},"max":{"x":1,"y":1}}},
+    "material":{"preset":"denim"}}]}})";
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/CreateSheet", create).ok());
+  const v1::Sheet before = get_sheet("sheets/m");
+  ASSERT_TRUE(
+      call_json("/kerf.v1.InteractionService/SetSheetMaterial",
+                R"({"name":"sheets/m","set_material":{"material":{"preset":"silk","thickness_m":0.0003},"part":0}})")
+          .ok());
+  const v1::Sheet sheet = get_sheet("sheets/m");
+  const fem::Material silk = fem::find_preset("silk").value();
+  ASSERT_EQ(sheet.scene().materials_size(), 1);
+  EXPECT_EQ(sheet.scene().materials(0).material().thickness_m(), 0.0003);
+  EXPECT_EQ(sheet.scene().materials(0).material().density_kgpm3(), silk.density);
+  EXPECT_EQ(sheet.scene().materials(0).region().SerializeAsString(),
+            before.scene().materials(0).region().SerializeAsString());
+  EXPECT_EQ(sheet.scene().material().SerializeAsString(), before.scene().material().SerializeAsString());
+  EXPECT_EQ(sheet.settings_version(), before.settings_version() + 1);
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/ResetSheet", R"({"name":"sheets/m"})").ok());
+  EXPECT_EQ(get_sheet("sheets/m").scene().SerializeAsString(), before.scene().SerializeAsString());
+}
+
+TEST_F(ApiTest, TheSpeedIsToldWithTheSheet) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  const v1::Sheet before = get_sheet("sheets/a");
+  EXPECT_EQ(before.speed(), 1.0);
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/SetSheetSpeed", R"({"name":"sheets/a","speed":0.25})").ok());
+  const v1::Sheet sheet = get_sheet("sheets/a");
+  EXPECT_EQ(sheet.speed(), 0.25);
+  EXPECT_EQ(sheet.settings_version(), before.settings_version() + 1);
+  EXPECT_EQ(sheet.state_hash(), before.state_hash());
+}
+
 template <typename T>
 std::vector<T> unpack(const std::string& bytes) {
   std::vector<T> values(bytes.size() / sizeof(T));
@@ -251,7 +285,7 @@ TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {
     EXPECT_EQ(answers.at(0).error().code, ErrorCode::kUnavailable) << method.path;
     ++asked;
   }
-  EXPECT_EQ(asked, 26);
+  EXPECT_EQ(asked, 28);
 }
 
 // Draws nothing, and not before it is told to.

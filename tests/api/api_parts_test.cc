@@ -19,6 +19,18 @@
 namespace kerf::api {
 namespace {
 
+TEST_F(ApiTest, SheetsAreExportedAsBinaryGltf) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  v1::ExportSheetRequest request;
+  request.set_name("sheets/a");
+  request.set_format(v1::ExportSheetRequest::GLTF);
+  std::promise<v1::ExportSheetResponse> promise;
+  api_->export_sheet(request, [&promise](Result<v1::ExportSheetResponse> reply) { promise.set_value(reply.value()); });
+  const v1::ExportSheetResponse response = promise.get_future().get();
+  EXPECT_EQ(response.media_type(), "model/gltf-binary");
+  EXPECT_EQ(response.content().substr(0, 4), "glTF");
+}
+
 TEST_F(ApiTest, ObjHoldsEveryTriangleWithMaterialOnce) {
   ASSERT_TRUE(create_sheet("a", true).ok());
   ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.45)).ok());

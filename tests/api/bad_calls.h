@@ -138,6 +138,11 @@ inline std::vector<BadCall> bad_sheet_calls() {
       {"SheetService/ExportSheet", R"({"name":"sheets/a","format":7})", invalid, "format"},
       {"SheetService/StepSheet", R"({"name":"sheets/a","ticks":0})", invalid, "ticks"},
       {"SheetService/StepSheet", R"({"name":"sheets/a","ticks":100001})", invalid, "ticks"},
+      {"SheetService/SetSheetSpeed", R"({"name":"sheets/nobody","speed":1})", not_found, "name"},
+      {"SheetService/SetSheetSpeed", R"({"name":"sheets/a"})", invalid, "speed"},
+      {"SheetService/SetSheetSpeed", R"({"name":"sheets/a","speed":0.0099})", invalid, "speed"},
+      {"SheetService/SetSheetSpeed", R"({"name":"sheets/a","speed":4.01})", invalid, "speed"},
+      {"SheetService/SetSheetSpeed", R"({"name":"sheets/a","speed":"NaN"})", invalid, "speed"},
       {"SheetService/ListSheets", R"({"page_size":-1})", invalid, "page_size"},
       {"SheetService/ListSheets", R"({"page_token":"../a"})", invalid, "page_token"},
   };
@@ -147,6 +152,7 @@ inline std::vector<BadCall> bad_touches() {
   const ErrorCode invalid = ErrorCode::kInvalidArgument;
   const char* grab = "InteractionService/GrabPoint";
   const char* image = "RenderService/RenderImage";
+  const char* material = "InteractionService/SetSheetMaterial";
   return {
       {grab, R"({"name":"sheets/nobody","grab":{"grab_id":"g","vertex":0}})", ErrorCode::kNotFound, "name"},
       {grab, R"({"name":"sheets/a"})", invalid, "grab"},
@@ -164,6 +170,14 @@ inline std::vector<BadCall> bad_touches() {
        invalid, "set_gravity.gravity_mps2.x"},
       {"InteractionService/SetSheetWind", R"({"name":"sheets/a","set_wind":{"wind":{"velocity_mps":{"x":1001}}}})",
        invalid, "set_wind.wind.velocity_mps.x"},
+      {material, R"({"name":"sheets/nobody","set_material":{"material":{}}})", ErrorCode::kNotFound, "name"},
+      {material, R"({"name":"sheets/a"})", invalid, "set_material"},
+      {material, R"({"name":"sheets/a","set_material":{}})", invalid, "set_material.material"},
+      {material, R"({"name":"sheets/a","set_material":{"material":{"preset":"wood"}}})", invalid,
+       "set_material.material.preset"},
+      {material, R"({"name":"sheets/a","set_material":{"material":{"thickness_m":-1}}})", invalid,
+       "set_material.material.thickness_m"},
+      {material, R"({"name":"sheets/a","set_material":{"material":{},"part":0}})", invalid, "set_material.part"},
       {image, R"({"name":"sheets/a","width_px":15})", invalid, "width_px"},
       {image, R"({"name":"sheets/a","height_px":4097})", invalid, "height_px"},
       {image, R"({"name":"sheets/a","jpeg_quality":101})", invalid, "jpeg_quality"},

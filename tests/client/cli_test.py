@@ -106,6 +106,22 @@ class Sheets(Case):
         self.assertEqual([part["material"]["density_kgpm3"] for part in made["scene"]["materials"]], [304, 2710])
         self.json_of("sheet", "delete", "parts")
 
+    def test_material_and_speed_of_a_running_sheet(self):
+        self.json_of("sheet", "create", "set", "--grid", "9x9", "--material", "cotton", "--part", "0.5,0,1,1=denim")
+        self.assertGreaterEqual(self.json_of("sheet", "material", "set", "silk", "--with", "thickness_m=0.0003",
+                                             "--part=-1")["tick"], 0)
+        kerf("sheet", "material", "set", "foil", "--part", "0")
+        scene = self.json_of("sheet", "get", "set")["scene"]
+        self.assertEqual(scene["material"]["thickness_m"], 0.0003)
+        self.assertEqual(scene["materials"][0]["material"]["density_kgpm3"], 2710)
+        self.refused("sheet", "material", "set", "wood", says="wood")
+        self.refused("sheet", "material", "set", "--with", "thickness_m=thin", code=2, says="thickness_m=0.001")
+        self.refused("sheet", "material", "set", "--with", "thicknes_m=1", says="thicknes_m")
+        self.refused("sheet", "material", "set", "--part", "1", says="UNKNOWN_PART")
+        self.assertEqual(self.json_of("sheet", "speed", "set", "0.25")["speed"], 0.25)
+        self.refused("sheet", "speed", "set", "5", says="0.01..4")
+        self.json_of("sheet", "delete", "set")
+
     def test_output_for_people(self):
         done = kerf("sheet", "create", "people", "--grid", "5x5")
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -487,6 +503,11 @@ class Views(Case):
         for line in lines:
             if line.startswith("v "):
                 self.assertTrue(all(math.isfinite(float(number)) for number in line.split()[1:]))
+        self.assertEqual(kerf("export", "view", "--out", path("view.glb")).returncode, 0)
+        file = pathlib.Path(path("view.glb")).read_bytes()
+        self.assertEqual(struct.unpack("<4sII", file[:12]), (b"glTF", 2, len(file)))
+        gltf = json.loads(file[20:20 + struct.unpack("<I", file[12:16])[0]])
+        self.assertEqual([accessor["count"] for accessor in gltf["accessors"]], [400, 400, 400, 400, 3 * 722])
 
     def test_watch(self):
         done = kerf("--json", "watch", "view", "--frames", "5")

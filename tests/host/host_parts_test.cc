@@ -109,6 +109,43 @@ TEST(Pace, CountsWhatAStepStoppedShortOf) {
   EXPECT_NEAR(pace.real_time_factor(), 0.25, 1e-9);
 }
 
+TEST(Pace, AtAnotherSpeedTicksAreAsFarApartAsItSays) {
+  Pace pace(10ms);
+  pace.start(100ms);
+  pace.tick_done(101ms, 1ms, 1.0);
+  ASSERT_EQ(pace.deadline(), Nanoseconds(110ms));
+  pace.set_speed(0.25, 102ms);
+  EXPECT_EQ(pace.deadline(), Nanoseconds(140ms));  // 40 ms after the one before it
+  pace.tick_done(141ms, 1ms, 1.0);
+  EXPECT_EQ(pace.deadline(), Nanoseconds(180ms));
+  pace.set_speed(4.0, 150ms);  // it would have been due at 142.5 ms
+  EXPECT_EQ(pace.deadline(), Nanoseconds(150ms));
+  pace.tick_done(151ms, 1ms, 1.0);
+  EXPECT_EQ(pace.deadline(), Nanoseconds(152500us));
+  EXPECT_EQ(pace.overruns(), 0);
+  EXPECT_EQ(pace.slipped(), Nanoseconds(0));
+}
+
+TEST(Pace, AFasterOneForgivesNoDelay) {
+  Pace pace(10ms);
+  pace.start(0ms);
+  pace.tick_done(25ms, 1ms, 1.0);  // the next is due since 10 ms
+  pace.set_speed(2.0, 25ms);
+  EXPECT_EQ(pace.deadline(), Nanoseconds(10ms));
+}
+
+TEST(Pace, TellsWhatIsSimulatedHoweverSlow) {
+  Pace pace(10ms);
+  pace.start(0ms);
+  pace.set_speed(0.5, 0ms);
+  for (int i = 1; i <= 100; ++i) pace.tick_done(i * 20ms, 1ms, 1.0);
+  EXPECT_NEAR(pace.real_time_factor(), 0.5, 1e-9);
+  EXPECT_EQ(pace.overruns(), 0);
+  pace.tick_done(2100ms, 1ms, 1.0);  // due: 2020, 2040, 2060, 2080, 2100; three of 10 ms simulated are given up
+  EXPECT_EQ(pace.overruns(), 1);
+  EXPECT_EQ(pace.slipped(), Nanoseconds(30ms));
+}
+
 TEST(Workers, AStrandKeepsItsOrderAndRunsOneAtATime) {
   Workers workers(4);
   std::vector<Workers::Strand> strands;

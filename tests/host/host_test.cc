@@ -70,6 +70,58 @@ TEST_F(HostTest, PausedTimeStandsStillAndResumesWithoutCatchingUp) {
   EXPECT_GT(status("a").stats.settings_version, settings);
 }
 
+TEST_F(HostTest, AtAnotherSpeedTheSameTicksComeAtAnotherPace) {
+  create("live", small_sheet());
+  create("slow", small_sheet());
+  const auto set_speed = [this](double speed) {
+    Answers<SheetStatus> answers;
+    host_->set_speed("slow", speed, answers.callback());
+    host_->wait_idle();
+    return answers.at(0);
+  };
+  EXPECT_EQ(set_speed(0.25).value().stats.speed, 0.25);
+  const std::int64_t begun = status("slow").tick;
+  run_for(40 * kTick);
+  EXPECT_EQ(status("slow").tick, begun + 10);
+  EXPECT_EQ(status("slow").stats.overruns, 0);
+  EXPECT_EQ(status("slow").stats.slipped_s, 0.0);
+  run_for(80 * kTick);
+  EXPECT_NEAR(status("slow").stats.real_time_factor, 0.25, 0.01);
+  ASSERT_TRUE(set_speed(4.0).ok());
+  while (status("slow").tick < status("live").tick) run_for(kTick / 4);
+  EXPECT_EQ(status("slow").tick, status("live").tick);
+  EXPECT_EQ(status("slow").state_hash, status("live").state_hash);
+  EXPECT_EQ(status("slow").stats.overruns, 0);
+  EXPECT_EQ(set_speed(4.001).error().field, "speed");
+  EXPECT_EQ(set_speed(0.009).error().field, "speed");
+  EXPECT_EQ(status("slow").stats.speed, 4.0);
+}
+
+TEST_F(HostTest, ASlowTickToComeIsNotWaitedForOnceItIsFast) {
+  create("a", small_sheet());
+  run_for(kTick / 2);
+  const std::int64_t begun = status("a").tick;
+  Answers<SheetStatus> answers;
+  host_->set_speed("a", 0.01, answers.callback());
+  run_for(5 * kTick);
+  EXPECT_EQ(status("a").tick, begun) << "the next is due after 100 ticks' time";
+  host_->set_speed("a", 1.0, answers.callback());
+  run_for(kTick / 2);
+  EXPECT_EQ(status("a").tick, begun + 1);
+}
+
+TEST_F(HostTest, APausedSheetKeepsItsSpeedForLaterAndAResetLeavesIt) {
+  create("a", small_sheet(), true);
+  Answers<SheetStatus> answers;
+  host_->set_speed("a", 0.5, answers.callback());
+  run_for(10 * kTick);
+  EXPECT_EQ(status("a").tick, 0);
+  ASSERT_TRUE(submit("a", sheet::Reset{}).ok());
+  host_->resume("a", answers.callback());
+  run_for(10 * kTick);
+  EXPECT_EQ(status("a").tick, 6) << "one at once, then every other tick's time";
+}
+
 TEST_F(HostTest, APausedSheetIsCutAtOnce) {
   create("a", at_50_hz(scenes::hanging(10)), true);
   Answers<CommandResult> answers;

@@ -164,6 +164,20 @@ TEST(Constraints, CopiesGoOnAlike) {
   EXPECT_EQ(sheet.state_hash(), copy.state_hash());
 }
 
+TEST(Constraints, AfterAResetSlopesAreHeldAsByAFreshSheet) {
+  SheetConfig config = flat(9);
+  config.gravity = {0.0, 0.0, -9.81};
+  config.constraints = {hold(RegionEdge::kTop)};
+  config.constraints[0].slope = true;
+  Sheet fresh = make(config);
+  Sheet again = make(config);
+  run(again, 11);
+  ASSERT_TRUE(apply(again, Reset{}));
+  run(fresh, 20);
+  run(again, 20);
+  EXPECT_EQ(again.state().x, fresh.state().x);
+}
+
 TEST(PlanarSheets, StayInTheirPlaneAndDoNotBend) {
   SheetConfig config = flat(6);
   config.planar = true;

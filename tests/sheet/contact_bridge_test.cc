@@ -18,7 +18,8 @@ ContactBridge over_five_planes(const std::vector<mesh::VertexId>& pinned) {
     colliders.push_back({contact::Plane{{0.0, 0.0, -below}, {0.0, 0.0, 1.0}}, 0.1 * below});
   }
   ContactBridge bridge;
-  bridge.set_colliders(colliders, 0.25);
+  bridge.set_colliders(colliders);
+  bridge.set_half_thickness(0.25);
   bridge.set_vertices(2, pinned, {});
   return bridge;
 }

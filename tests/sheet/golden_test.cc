@@ -160,6 +160,28 @@ TEST(Recording, ACommandLeftOutDiverges) {
   EXPECT_EQ(report->divergence->tick, 13);
 }
 
+TEST(Recording, TicksLeftOutAreSteppedAllTheSame) {
+  const Recording whole = record();
+  Recording recording = whole;
+  std::erase_if(recording.entries, [&](const RecordedTick& entry) {
+    return entry.commands.empty() && entry.tick != whole.entries.back().tick;
+  });
+  ASSERT_LT(recording.entries.size(), whole.entries.size());
+  const Result<ReplayReport> report = replay(recording);
+  ASSERT_TRUE(report);
+  EXPECT_FALSE(report->divergence.has_value());
+  EXPECT_EQ(report->ticks, whole.entries.back().tick);
+}
+
+TEST(Recording, RefusesGapsBeyondTheLimit) {
+  Recording recording = record();
+  const std::int64_t last = recording.entries.back().tick;
+  recording.entries.push_back({last + kMaxRecordedGap, {}, 0});
+  EXPECT_TRUE(check_order(recording.entries).ok());
+  ++recording.entries.back().tick;
+  EXPECT_EQ(check_order(recording.entries).error().reason, "RECORDING_ORDER");
+}
+
 TEST(Recording, RefusesTicksOutOfOrder) {
   Recording recording = record();
   recording.entries[5].tick = 40;

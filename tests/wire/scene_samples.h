@@ -66,6 +66,26 @@ inline void add_placed_cuts(v1::Scene& scene) {
   cut->mutable_fit();
 }
 
+// Every number of a material given.
+inline v1::Material full_material() {
+  v1::Material material;
+  material.set_youngs_modulus_pa(4.0e5);
+  material.set_youngs_modulus_2_pa(3.0e5);
+  material.set_poissons_ratio(0.31);
+  material.set_shear_modulus_pa(1.1e5);
+  material.set_direction_rad(0.4);
+  material.set_thickness_m(4.0e-4);
+  material.set_density_kgpm3(410.0);
+  material.set_bending_scale(0.7);
+  material.set_mass_damping_per_s(0.1);
+  material.set_stiffness_damping_s(0.001);
+  material.set_bending_stiffness_1_nm(2.0e-6);
+  material.set_bending_stiffness_2_nm(1.5e-6);
+  material.set_bending_coupling_nm(-3.0e-7);
+  material.set_twisting_stiffness_nm(5.0e-7);
+  return material;
+}
+
 inline void add_commands(v1::Scene& scene) {
   v1::Cut* cut = add_command(scene, 1).mutable_cut();
   for (int i = 0; i < 4; ++i) set(cut->mutable_curve()->mutable_bezier()->add_points(), 0.1 * i, 0.3);
@@ -121,6 +141,10 @@ inline void add_commands(v1::Scene& scene) {
   *batch->add_cuts() = scene.commands(2).command().cut();
   add_command(scene, 13).mutable_undo_cut();
   add_command(scene, 14).mutable_redo_cut();
+  v1::SetMaterial* set_material = add_command(scene, 15).mutable_set_material();
+  *set_material->mutable_material() = full_material();
+  set_material->set_part(-1);
+  *add_command(scene, 16).mutable_set_material()->mutable_material() = full_material();
 }
 
 // Every field given that an encoder writes; the kinds of commands, pins and colliders all there.
@@ -135,26 +159,13 @@ inline v1::Scene full_scene() {
   grid->set_height_m(0.8);
   grid->set_pattern(v1::GridMesh::JITTERED_DELAUNAY);
   grid->set_seed(42);
-  v1::Material* material = scene.mutable_material();
-  material->set_youngs_modulus_pa(4.0e5);
-  material->set_youngs_modulus_2_pa(3.0e5);
-  material->set_poissons_ratio(0.31);
-  material->set_shear_modulus_pa(1.1e5);
-  material->set_direction_rad(0.4);
-  material->set_thickness_m(4.0e-4);
-  material->set_density_kgpm3(410.0);
-  material->set_bending_scale(0.7);
-  material->set_mass_damping_per_s(0.1);
-  material->set_stiffness_damping_s(0.001);
-  material->set_bending_stiffness_1_nm(2.0e-6);
-  material->set_bending_stiffness_2_nm(1.5e-6);
-  material->set_bending_coupling_nm(-3.0e-7);
-  material->set_twisting_stiffness_nm(5.0e-7);
+  const v1::Material material = full_material();
+  *scene.mutable_material() = material;
   for (const double density : {500.0, 600.0}) {
     v1::RegionMaterial* part = scene.add_materials();
     set(part->mutable_region()->mutable_box()->mutable_min(), 0.0, 0.0);
     set(part->mutable_region()->mutable_box()->mutable_max(), 0.5, 0.001 * density);
-    *part->mutable_material() = *material;
+    *part->mutable_material() = material;
     part->mutable_material()->set_density_kgpm3(density);
   }
   set(scene.mutable_placement()->mutable_origin(), 0.1, 0.2, 0.3);
@@ -351,7 +362,8 @@ inline std::vector<BadScene> bad_numbers() {
 }
 
 // The first cut of the scene is a Bezier, the second a polyline, the third a circle; then grabs, drag, release, pins,
-// gravity, wind; a dashed ellipse in a box, a path fitted into the sheet; a batch of a Bezier and a circle, undo, redo.
+// gravity, wind; a dashed ellipse in a box, a path fitted into the sheet; a batch of a Bezier and a circle, undo, redo;
+// materials.
 inline std::vector<BadScene> bad_commands() {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const auto command = [](v1::Scene& s, int i) { return s.mutable_commands(i)->mutable_command(); };
@@ -462,6 +474,16 @@ inline std::vector<BadScene> bad_commands() {
        [=](v1::Scene& s) { command(s, 11)->mutable_cut()->mutable_curve()->mutable_svg()->set_text("<svg"); }},
       {"commands[11].command.cut.curve.svg.file",
        [=](v1::Scene& s) { command(s, 11)->mutable_cut()->mutable_curve()->mutable_svg()->set_file("leaf.svg"); }},
+      {"commands[15].command.set_material.material",
+       [=](v1::Scene& s) { command(s, 15)->mutable_set_material()->clear_material(); }},
+      {"commands[15].command.set_material.material.preset",
+       [=](v1::Scene& s) { command(s, 15)->mutable_set_material()->mutable_material()->set_preset("wood"); }},
+      {"commands[15].command.set_material.material.density_kgpm3",
+       [=](v1::Scene& s) { command(s, 15)->mutable_set_material()->mutable_material()->set_density_kgpm3(nan); }},
+      {"commands[15].command.set_material.part",
+       [=](v1::Scene& s) { command(s, 15)->mutable_set_material()->set_part(-2); }},
+      {"commands[15].command.set_material.part",
+       [=](v1::Scene& s) { command(s, 15)->mutable_set_material()->set_part(64); }},
       {"commands",
        [](v1::Scene& s) {
          for (int i = 0; i < 10'000; ++i) add_command(s, 1).mutable_reset();

@@ -518,11 +518,27 @@ TEST(RecordingCodec, OtherFilesAreNoRecordings) {
   EXPECT_EQ(decode_recording(std::string("\x02\x7b\x7d", 3)).error().reason, "RECORDING_FORMAT");
   v1::RecordingHeader header;
   header.set_magic("kerf-recording");
-  header.set_format_version(2);
+  header.set_format_version(3);
   std::string file(1, static_cast<char>(header.ByteSizeLong()));
   header.AppendToString(&file);
   EXPECT_EQ(decode_recording(file).error().reason, "RECORDING_FORMAT");
-  EXPECT_THAT(decode_recording(file).error().message, HasSubstr("version 2"));
+  EXPECT_THAT(decode_recording(file).error().message, HasSubstr("version 3"));
+}
+
+TEST(RecordingCodec, FilesOfVersionOneAreReadAsWell) {
+  v1::RecordingHeader header;
+  header.set_magic("kerf-recording");
+  header.set_format_version(1);
+  header.mutable_scene()->mutable_grid()->set_columns(2);
+  header.mutable_scene()->mutable_grid()->set_rows(2);
+  header.mutable_scene()->mutable_grid()->set_width_m(1.0);
+  header.mutable_scene()->mutable_grid()->set_height_m(1.0);
+  ASSERT_LT(header.ByteSizeLong(), 128U);
+  std::string file(1, static_cast<char>(header.ByteSizeLong()));
+  header.AppendToString(&file);
+  const Result<RecordingFile> read = decode_recording(file);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  EXPECT_TRUE(read->recording.entries.empty());
 }
 
 TEST(ErrorCodec, StatusHasTheStandardDetails) {

@@ -182,6 +182,57 @@ TEST_F(HttpServerTest, BodiesEndAtTheLimit) {
   EXPECT_EQ(get("/healthz").status, 200);
 }
 
+TEST_F(HttpServerTest, MeshFilesAreUploadedBeyondTheLimitOfAMessage) {
+  start();
+  std::string file;
+  while (file.size() < (std::size_t{1} << 20) + 1) file += "# " + std::string(1000, 'x') + "\n";
+  file += "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const std::string target = "/sheets?format=obj&request=%7B%22sheet_id%22%3A%22large%22%2C%22paused%22%3Atrue%7D";
+  const Response made = request(port_, "POST", target, {}, file);
+  ASSERT_EQ(made.status, 200) << made.body;
+  v1::Sheet sheet;
+  ASSERT_TRUE(wire::from_json(made.body, sheet).ok());
+  EXPECT_EQ(sheet.name(), "sheets/large");
+  EXPECT_EQ(sheet.num_vertices(), 3);
+  EXPECT_EQ(request(port_, "POST", target, {}, file).status, 409) << "there already";
+  EXPECT_EQ(request(port_, "POST", "/sheets?format=stl", {}, file).status, 400);
+  EXPECT_EQ(request(port_, "POST", "/sheets?format=obj&request=%7", {}, file).status, 400);
+  EXPECT_EQ(request(port_, "POST", "/sheets?format=obj&request=%7B", {}, file).status, 400);
+  EXPECT_EQ(request(port_, "POST", "/sheets?format=obj", {}, "").status, 400);
+  EXPECT_EQ(request(port_, "POST", target, "Origin: http://elsewhere.example\r\n", file).status, 413)
+      << "whoever may not upload gets no more room than others";
+  EXPECT_EQ(request(port_, "POST", target, "Origin: http://elsewhere.example\r\n", "v").status, 403);
+  RawClient boastful(port_);
+  boastful.send("POST /sheets?format=obj HTTP/1.1\r\nHost: localhost\r\nContent-Length: 67108865\r\n\r\n");
+  EXPECT_EQ(boastful.read_response().status, 413);
+}
+
+TEST_F(HttpServerTest, RecordingsAreDownloadedAndPlayed) {
+  start();
+  ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
+  ASSERT_EQ(call("SheetService/StepSheet", R"({"name":"sheets/a","ticks":70})").status, 200);
+  const Response file = get("/sheets/a.rec");
+  ASSERT_EQ(file.status, 200);
+  EXPECT_EQ(file.headers.at("content-type"), "application/octet-stream");
+  EXPECT_EQ(file.headers.at("content-disposition"), "attachment; filename=\"a.rec\"");
+  const Response made = request(port_, "POST", "/recordings?sheet=again&paused=true", {}, file.body);
+  ASSERT_EQ(made.status, 200) << made.body;
+  const Response stepped = call("SheetService/StepSheet", R"({"name":"sheets/again","ticks":1000})");
+  v1::Sheet played, live;
+  ASSERT_TRUE(wire::from_json(stepped.body, played).ok());
+  ASSERT_TRUE(wire::from_json(call("SheetService/GetSheet", R"({"name":"sheets/a"})").body, live).ok());
+  EXPECT_EQ(played.replay().state(), v1::Replay::DONE);
+  EXPECT_EQ(played.state_hash(), live.state_hash());
+  EXPECT_EQ(get("/sheets/nobody.rec").status, 404);
+  EXPECT_EQ(get("/sheets/../a.rec").status, 400);
+  EXPECT_EQ(get("/sheets/.rec").status, 400);
+  EXPECT_EQ(request(port_, "POST", "/recordings?sheet=b", {}, "no recording").status, 400);
+  EXPECT_EQ(request(port_, "POST", "/recordings?sheet=b&paused=maybe", {}, file.body).status, 400);
+  RawClient rebound(port_);
+  rebound.send("GET /sheets/a.rec HTTP/1.1\r\nHost: evil.example\r\n\r\n");
+  EXPECT_EQ(rebound.read_response().status, 403);
+}
+
 TEST_F(HttpServerTest, RefusesWhatIsNotHttp) {
   start();
   for (const char* bytes :

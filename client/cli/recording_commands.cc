@@ -1,0 +1,76 @@
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/commands.h"
+#include "client/cpp/transfers.h"
+#include "server/host/disk.h"
+
+// Recordings of live sheets: fetched, and played live.
+namespace kerf::cli {
+namespace {
+
+constexpr std::size_t kMaxRecordingBytes = std::size_t{128} << 20;  // what a server takes
+
+struct PlayArguments {
+  std::string file;
+  std::string id;
+  bool paused = false;
+};
+
+int fetch(const Session& session, const std::string& id, const std::string& out) {
+  client::Client client(session.server);
+  std::string recording;
+  const grpc::Status status = client::fetch_recording(client, "sheets/" + id, recording);
+  if (!status.ok()) return refuse(status, session.server);
+  host::RealDisk disk;
+  if (const Status written = disk.write_file(out, recording); !written) return refuse(written.error());
+  if (session.json) {
+    const nlohmann::ordered_json json{{"file", out}, {"bytes", recording.size()}};
+    std::printf("%s\n", json.dump(2).c_str());
+  } else {
+    std::printf("%s: %zu bytes; `kerf replay %s` runs it again\n", out.c_str(), recording.size(), out.c_str());
+  }
+  return kDone;
+}
+
+int play(const Session& session, const PlayArguments& arguments) {
+  host::RealDisk disk;
+  const Result<std::string> recording = disk.read_file(arguments.file, kMaxRecordingBytes);
+  if (!recording) return refuse(recording.error());
+  client::Client client(session.server);
+  v1::Sheet sheet;
+  const grpc::Status status = client::replay_recording(client, arguments.id, arguments.paused, *recording, sheet);
+  if (!status.ok()) return refuse(status, session.server);
+  print(session, sheet);
+  return kDone;
+}
+
+}  // namespace
+
+void add_recording_commands(CLI::App& sheet, Session& session) {
+  const auto id = std::make_shared<std::string>();
+  const auto out = std::make_shared<std::string>();
+  CLI::App* record = sheet.add_subcommand("record",
+                                          "Save what a sheet has done since it was made, for `kerf replay`.\n"
+                                          "Example: kerf sheet record demo --out demo.rec");
+  record->add_option("ID", *id, "Name of the sheet")->required();
+  record->add_option("--out", *out, "File to write")->required();
+  record->callback([&session, id, out] { session.action = [&session, id, out] { return fetch(session, *id, *out); }; });
+
+  const auto arguments = std::make_shared<PlayArguments>();
+  CLI::App* playing = sheet.add_subcommand("play", "A new sheet that plays a recording live, and is paused at its end");
+  playing->add_option("FILE", arguments->file, "Recording")->required();
+  playing->add_option("--id", arguments->id, "Name of the sheet (default: that of the recording, else the server's)");
+  playing->add_flag("--paused", arguments->paused, "Begin paused");
+  playing->callback(
+      [&session, arguments] { session.action = [&session, arguments] { return play(session, *arguments); }; });
+}
+
+}  // namespace kerf::cli

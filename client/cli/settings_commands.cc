@@ -1,0 +1,105 @@
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/commands.h"
+#include "client/cpp/client.h"
+#include "server/wire/json.h"
+
+// What of a live sheet can be set: its material, its speed.
+namespace kerf::cli {
+namespace {
+
+struct MaterialArguments {
+  std::string id;
+  std::string preset;
+  std::vector<std::string> numbers;  // FIELD=VALUE
+  std::optional<std::int32_t> part;
+};
+
+// The material that the preset and the numbers put over it describe; kDone, or the exit code of what is wrong, which
+// has been said.
+int read_material(const MaterialArguments& arguments, v1::Material& material) {
+  nlohmann::json json = nlohmann::json::object();
+  if (!arguments.preset.empty()) json["preset"] = arguments.preset;
+  for (const std::string& number : arguments.numbers) {
+    const std::size_t equals = number.find('=');
+    const nlohmann::json value = equals == std::string::npos
+                                     ? nlohmann::json()
+                                     : nlohmann::json::parse(number.substr(equals + 1), nullptr, false);
+    if (!value.is_number()) {
+      return misuse("--with: \"" + number + "\" is no FIELD=NUMBER, such as thickness_m=0.001");
+    }
+    json[number.substr(0, equals)] = value;
+  }
+  const Status read = wire::from_json(json.dump(), material);
+  return read ? kDone : refuse(read.error());
+}
+
+int set_material(const Session& session, const MaterialArguments& arguments) {
+  v1::SetSheetMaterialRequest request;
+  request.set_name("sheets/" + arguments.id);
+  v1::SetMaterial& set_material = *request.mutable_set_material();
+  if (const int code = read_material(arguments, *set_material.mutable_material()); code != kDone) return code;
+  if (arguments.part) set_material.set_part(*arguments.part);
+  client::Client client(session.server);
+  v1::InteractionResponse response;
+  const grpc::Status status =
+      client.call(&v1::InteractionService::Stub::SetSheetMaterial, client.interaction(), request, response);
+  if (!status.ok()) return refuse(status, session.server);
+  if (session.json) {
+    std::printf("%s\n", to_script_json(response).c_str());
+  } else {
+    std::printf("set at tick %lld\n", static_cast<long long>(response.tick()));
+  }
+  return kDone;
+}
+
+int set_speed(const Session& session, const std::string& id, double speed) {
+  v1::SetSheetSpeedRequest request;
+  request.set_name("sheets/" + id);
+  request.set_speed(speed);
+  client::Client client(session.server);
+  v1::Sheet sheet;
+  const grpc::Status status = client.call(&v1::SheetService::Stub::SetSheetSpeed, client.sheets(), request, sheet);
+  if (!status.ok()) return refuse(status, session.server);
+  print(session, sheet);
+  return kDone;
+}
+
+}  // namespace
+
+void add_settings_commands(CLI::App& sheet, Session& session) {
+  const auto arguments = std::make_shared<MaterialArguments>();
+  CLI::App* material = sheet.add_subcommand("material",
+                                            "Another material for a running sheet; what moves goes on moving.\n"
+                                            "Example: kerf sheet material demo silk --with thickness_m=0.0002");
+  material->add_option("ID", arguments->id, "Name of the sheet")->required();
+  material->add_option("PRESET", arguments->preset, "Material preset; `kerf info` lists them (default: demo)");
+  material
+      ->add_option("--with", arguments->numbers,
+                   "FIELD=NUMBER, a field of kerf.v1.Material put over the preset; any number of times")
+      ->take_all();
+  material->add_option("--part", arguments->part,
+                       "Only this part of those that the sheet was made with, from 0; -1: what they leave");
+  material->callback(
+      [&session, arguments] { session.action = [&session, arguments] { return set_material(session, *arguments); }; });
+
+  const auto id = std::make_shared<std::string>();
+  const auto speed = std::make_shared<double>(1.0);
+  CLI::App* pace = sheet.add_subcommand("speed", "Slow motion or time lapse: the same ticks at another pace");
+  pace->add_option("ID", *id, "Name of the sheet")->required();
+  pace->add_option("SPEED", *speed, "Simulated seconds in one of the wall's, 0.01..4; 1 is live")->required();
+  pace->callback(
+      [&session, id, speed] { session.action = [&session, id, speed] { return set_speed(session, *id, *speed); }; });
+}
+
+}  // namespace kerf::cli

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include <grpcpp/support/status.h>
+
+#include "client/cpp/client.h"
+
+// Files that are larger than a message, to the server and from it.
+namespace kerf::client {
+
+// CreateSheet with the mesh file as the text or data that request.scene's obj or ply leaves empty.
+grpc::Status upload_sheet(Client& client, const v1::CreateSheetRequest& request, std::string_view mesh_file,
+                          v1::Sheet& sheet);
+
+// A new sheet that plays the recording. `sheet_id`: empty: that of the recording.
+grpc::Status replay_recording(Client& client, const std::string& sheet_id, bool paused, std::string_view recording,
+                              v1::Sheet& sheet);
+
+// The recording of the sheet ("sheets/ID") up to now, as a file's bytes.
+grpc::Status fetch_recording(Client& client, const std::string& name, std::string& recording);
+
+}  // namespace kerf::client

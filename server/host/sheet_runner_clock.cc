@@ -1,0 +1,51 @@
+#include "server/host/sheet_runner.h"
+
+// When the ticks of a SheetRunner are due.
+namespace kerf::host {
+
+void SheetRunner::set_speed(double speed) {
+  if (speed == pace_.speed()) return;
+  pace_.set_speed(speed, context_.clock.now());
+  need_.set_period(pace_.period());
+  if (ticks_by_clock()) {
+    stop_clock();
+    note_need(need_.value());
+    schedule();
+  }
+  ++state_changes_;
+  note_status();
+  publish();
+}
+
+bool SheetRunner::ticks_by_clock() const {
+  return run_state() == RunState::kRunning && !step_call_;
+}
+
+void SheetRunner::start_clock() {
+  stop_clock();
+  pace_.start(context_.clock.now());
+  note_need(need_.value());
+  schedule();
+}
+
+void SheetRunner::stop_clock() {
+  ++generation_;
+  if (timer_) context_.clock.cancel(*timer_);
+  timer_.reset();
+  note_need(0);
+}
+
+void SheetRunner::schedule() {
+  const auto fire = [weak = weak_from_this(), strand = strand_, generation = generation_] {
+    strand.post([weak, generation] {
+      if (const auto self = weak.lock()) self->on_deadline(generation);
+    });
+  };
+  if (pace_.deadline() > context_.clock.now()) {
+    timer_ = context_.clock.schedule(pace_.deadline(), fire);
+  } else {
+    fire();
+  }
+}
+
+}  // namespace kerf::host

@@ -1,0 +1,49 @@
+#include <utility>
+
+#include "server/host/sheet_runner.h"
+
+// The ticks of a SheetRunner that plays a recording.
+namespace kerf::host {
+
+void SheetRunner::play_tick() {
+  play_applied();
+  if (is_playing()) {
+    if (playback_->next_at(sheet_.tick() + 1) != nullptr) {
+      play_entry(true);
+    } else {
+      run_commands(true, {});
+    }
+    play_applied();
+    if (is_playing() && sheet_.frozen()) playback_->stuck(sheet_.tick(), sheet_.state_hash());
+  }
+  if (!is_playing()) end_playback();
+}
+
+// What was done while time stood still.
+void SheetRunner::play_applied() {
+  while (playback_->next_at(sheet_.tick()) != nullptr) play_entry(false);
+}
+
+void SheetRunner::play_entry(bool advance) {
+  const sheet::RecordedTick& entry = *playback_->next_at(sheet_.tick() + (advance ? 1 : 0));
+  std::vector<Pending> pending;
+  pending.reserve(entry.commands.size());
+  for (const sheet::Command& command : entry.commands) {
+    pending.push_back({command, [](const auto&) {}, context_.clock.now()});
+  }
+  run_commands(advance, std::move(pending));
+  playback_->passed(sheet_.tick(), sheet_.state_hash());
+}
+
+// The sheet is paused, and anybody's from here on.
+void SheetRunner::end_playback() {
+  if (step_call_) step_call_->remaining = 0;
+  ++state_changes_;
+  if (paused_) {
+    note_status();
+  } else {
+    pause();
+  }
+}
+
+}  // namespace kerf::host

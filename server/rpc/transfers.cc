@@ -1,0 +1,129 @@
+#include "server/rpc/transfers.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "kerf/v1/sheets.pb.h"
+#include "server/api/upload.h"
+#include "server/rpc/grpc_status.h"
+#include "server/rpc/messages.h"
+
+namespace kerf::rpc {
+namespace {
+
+using grpc::ByteBuffer;
+
+constexpr std::size_t kChunkBytes = std::size_t{64} << 10;
+
+// Hands the parts of a file to an upload. `Request`: start, then chunks. `Start`: how the Api begins one.
+template <typename Request, typename Start>
+class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
+ public:
+  UploadReactor(Start start, ByteBuffer* response) : start_(std::move(start)), response_(response) {
+    StartRead(&message_);
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) return end();
+    Result<Request> request = parse_message<Request>(message_);
+    const Status taken = request ? take(std::move(request).value()) : Status(request.error());
+    if (!taken) return Finish(to_status(taken.error()));
+    StartRead(&message_);
+  }
+
+  void OnDone() override { delete this; }
+
+ private:
+  Status take(Request request) {
+    if (request.has_start()) {
+      if (upload_) return invalid_argument("UPLOAD_ORDER", "start must come once, as the first message", "start");
+      Result<std::unique_ptr<api::Upload>> begun = start_(request.start());
+      if (!begun) return begun.error();
+      upload_ = std::move(begun).value();
+      return Nothing{};
+    }
+    if (!upload_) return missing_start();
+    return upload_->append(std::move(*request.mutable_chunk()));
+  }
+
+  // The client has sent all it had to, or is gone.
+  void end() {
+    if (!upload_) return Finish(to_status(missing_start()));
+    // The reply may end the call, and this object with it, before finish() returns.
+    const std::unique_ptr<api::Upload> upload = std::move(upload_);
+    upload->finish(
+        [this](Result<v1::Sheet> sheet) { Finish(sheet ? serialise(*sheet, response_) : to_status(sheet.error())); });
+  }
+
+  static Error missing_start() {
+    return invalid_argument("UPLOAD_ORDER", "the first message must be start, which tells what comes", "start");
+  }
+
+  Start start_;
+  ByteBuffer* response_;  // gRPC's, until the call is done
+  ByteBuffer message_;
+  std::unique_ptr<api::Upload> upload_;
+};
+
+template <typename Request, typename Start>
+grpc::ServerReadReactor<ByteBuffer>* receive(Start start, ByteBuffer* response) {
+  return new UploadReactor<Request, Start>(std::move(start), response);  // deletes itself in OnDone
+}
+
+// Sends a file in chunks, one write at a time.
+class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
+ public:
+  RecordingReactor(api::Api& api, const ByteBuffer* bytes) {
+    const Result<v1::GetSheetRecordingRequest> request = parse_message<v1::GetSheetRecordingRequest>(*bytes);
+    if (!request) {
+      Finish(to_status(request.error()));
+      return;
+    }
+    api.get_sheet_recording(*request, [this](Result<std::shared_ptr<const std::string>> file) {
+      if (!file) return Finish(to_status(file.error()));
+      file_ = std::move(file).value();
+      write_next();
+    });
+  }
+
+  void OnWriteDone(bool ok) override {
+    if (!ok) return Finish(grpc::Status::CANCELLED);
+    write_next();
+  }
+
+  void OnDone() override { delete this; }
+
+ private:
+  void write_next() {
+    if (sent_ == file_->size()) return Finish(grpc::Status::OK);
+    v1::RecordingChunk chunk;
+    chunk.set_content(file_->substr(sent_, kChunkBytes));
+    sent_ += chunk.content().size();
+    if (const grpc::Status status = serialise(chunk, &message_); !status.ok()) return Finish(status);
+    StartWrite(&message_);
+  }
+
+  std::shared_ptr<const std::string> file_;
+  std::size_t sent_ = 0;
+  ByteBuffer message_;
+};
+
+}  // namespace
+
+grpc::ServerReadReactor<ByteBuffer>* receive_sheet(api::Api& api, ByteBuffer* response) {
+  return receive<v1::UploadSheetRequest>([&api](const v1::SheetUpload& start) { return api.upload_sheet(start); },
+                                         response);
+}
+
+grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, ByteBuffer* response) {
+  return receive<v1::ReplayRecordingRequest>(
+      [&api](const v1::RecordingUpload& start) { return api.replay_recording(start); }, response);
+}
+
+grpc::ServerWriteReactor<ByteBuffer>* send_recording(api::Api& api, const ByteBuffer* request) {
+  return new RecordingReactor(api, request);  // deletes itself in OnDone
+}
+
+}  // namespace kerf::rpc

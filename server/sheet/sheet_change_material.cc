@@ -1,0 +1,42 @@
+// Another material while the sheet runs, and which materials can be stepped at all.
+
+#include <utility>
+
+#include "server/fem/condition.h"
+#include "server/sheet/sheet_impl.h"
+#include "server/sheet/sheet_materials.h"
+
+namespace kerf::sheet {
+
+Status check_condition(const SheetConfig& config, const fem::Model& model, const std::string& prefix) {
+  const double condition = fem::condition_number(model, 1.0 / config.tick_rate_hz);
+  const bool moves = std::holds_alternative<DynamicAnalysis>(config.analysis);
+  if (!moves || fem::rate_condition(condition) != fem::ConditionClass::kRefused) return Nothing{};
+  return invalid_argument("SHEET_TOO_STIFF",
+                          fem::describe_condition(condition) +
+                              ": steps of this length would be all rounding; make the material softer or heavier, the "
+                              "mesh coarser, or the tick rate higher",
+                          prefix + ".youngs_modulus_pa");
+}
+
+Status Sheet::Impl::set_material(const SetMaterial& change) {
+  SetMaterial wanted = change;
+  if (config->planar) wanted.material = fem::without_bending(wanted.material);
+  Result<SheetMaterials> changed = with_material(*materials, wanted);
+  if (!changed) return changed.error();
+  fem::Model made(mesh, changed->by_region, config->membrane_law);
+  if (held_vertices.has_slopes()) made.set_clamps(mesh, held_vertices.clamps(now));
+  if (Status s = check_condition(*config, made, "set_material.material"); !s) return s;
+  materials = std::make_shared<const SheetMaterials>(std::move(changed).value());
+  model = std::move(made);
+  contact.set_half_thickness(0.5 * greatest_thickness(materials->by_region));
+  for (GrabState& held : grabs) {
+    if (held.is_default) held.stiffness = default_stiffness(held.vertices[0]);
+  }
+  conditions_changed = true;  // moments at edges are those of the model
+  rebuild();
+  ++settings_version;
+  return Nothing{};
+}
+
+}  // namespace kerf::sheet

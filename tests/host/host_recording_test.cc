@@ -1,0 +1,196 @@
+// The recordings that sheets keep, and sheets that play one.
+#include <memory>
+#include <vector>
+
+#include "server/host/kept_recording.h"
+#include "tests/host/host_fixture.h"
+
+namespace kerf::host {
+namespace {
+
+constexpr std::size_t kEntryBytes = 10;  // of every entry, whatever is in it
+
+// What a host has encoded, of one sheet.
+using Entries = std::vector<sheet::RecordedTick>;
+
+class KeepingHostTest : public HostTest {
+ protected:
+  static HostOptions keeping(const std::shared_ptr<Entries>& entries) {
+    HostOptions options;
+    options.encode_tick = [entries](const sheet::RecordedTick& entry) {
+      entries->push_back(entry);
+      return std::string(kEntryBytes, 'e');
+    };
+    options.max_recording_bytes = 40 * kEntryBytes;
+    return options;
+  }
+  explicit KeepingHostTest(std::shared_ptr<Entries> entries = std::make_shared<Entries>())
+      : HostTest(keeping(entries)), entries_(std::move(entries)) {}
+
+  Result<KeptRun> recording(const std::string& id) {
+    Answers<KeptRun> answers;
+    host_->recording(id, answers.callback());
+    host_->wait_idle();
+    return answers.at(0);
+  }
+  // Of sheet a, up to now.
+  sheet::Recording taken() {
+    const Result<KeptRun> run = recording("a");
+    EXPECT_TRUE(run.ok());
+    return {*run->config, *entries_};
+  }
+  SheetStatus replay(const std::string& id, sheet::Recording recorded, bool paused = false) {
+    Answers<SheetStatus> answers;
+    host_->replay(id, std::move(recorded), paused, answers.callback());
+    host_->wait_idle();
+    return answers.at(0).value();
+  }
+
+  // A cut, a pause with a punch and a step by hand, gravity, a reset; 78 ticks or so.
+  void live() {
+    create("a", at_50_hz(scenes::hanging(8)));
+    run_for(5 * kTick);
+    ASSERT_TRUE(submit("a", scenes::line_cut({0.2, 0.5}, {0.8, 0.4})));
+    run_for(3 * kTick);
+    Answers<SheetStatus> done;
+    host_->pause("a", done.callback());
+    ASSERT_TRUE(submit("a", scenes::circle_cut({0.5, 0.7}, 0.1)));
+    ASSERT_FALSE(submit("a", sheet::Drag{"nothing", {0, 0, 0}}));
+    host_->step("a", 60, done.callback());
+    host_->resume("a", done.callback());
+    run_for(3 * kTick);
+    host_->resume("a", done.callback());
+    run_for(3 * kTick);
+    ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 1, -2}}));
+    ASSERT_TRUE(submit("a", sheet::SetMaterial{fem::find_preset("silk").value(), std::nullopt}));
+    run_for(3 * kTick);
+  }
+
+  std::shared_ptr<Entries> entries_;
+};
+
+TEST_F(KeepingHostTest, ARunIsKeptByItsCommandsAndEvery64thTickAndReplaysBitForBit) {
+  live();
+  const sheet::Recording recorded = taken();
+  const SheetStatus now = status("a");
+  // A cut; the pause, before the punch; punch, bad drag; tick 64; gravity, material; now.
+  EXPECT_EQ(recorded.entries.size(), 8U);
+  EXPECT_EQ(recording("a")->entries.size(), 8 * kEntryBytes);
+  const Result<sheet::ReplayReport> report = sheet::replay(recorded);
+  ASSERT_TRUE(report.ok()) << report.error().message;
+  EXPECT_FALSE(report->divergence);
+  EXPECT_EQ(report->ticks, now.tick);
+  EXPECT_EQ(recorded.entries.back().state_hash, now.state_hash);
+}
+
+TEST_F(KeepingHostTest, ASheetPlaysARecordingAndIsPausedAtItsEnd) {
+  live();
+  const sheet::Recording recorded = taken();
+  const SheetStatus original = status("a");
+  EXPECT_EQ(replay("b", recorded).replay->state, ReplayState::kPlaying);
+  run_for(20 * kTick);
+  const SheetStatus halfway = status("b");
+  EXPECT_EQ(halfway.replay->state, ReplayState::kPlaying);
+  EXPECT_EQ(halfway.replay->end_tick, original.tick);
+  EXPECT_EQ(halfway.tick, 21);
+  EXPECT_EQ(submit("b", sheet::SetPins{}).error().reason, "REPLAYING");
+  Answers<std::int64_t> scheduled;
+  host_->schedule("b", sheet::SetPins{}, 1000, scheduled.callback());
+  host_->wait_idle();
+  EXPECT_EQ(scheduled.reason(0), "REPLAYING");
+  run_for(200 * kTick);
+  const SheetStatus ended = status("b");
+  EXPECT_EQ(ended.replay->state, ReplayState::kDone);
+  EXPECT_EQ(ended.run_state, RunState::kPaused);
+  EXPECT_EQ(ended.tick, original.tick);
+  EXPECT_EQ(ended.state_hash, original.state_hash);
+  EXPECT_EQ(ended.materials, original.materials);
+  EXPECT_GT(ended.stats.settings_version, halfway.stats.settings_version);
+  ASSERT_TRUE(submit("b", sheet::Reset{}).ok()) << "anybody's from here on";
+}
+
+TEST_F(KeepingHostTest, APlayedRecordingIsPausedSteppedAndSpedUp) {
+  live();
+  const sheet::Recording recorded = taken();
+  const SheetStatus original = status("a");
+  replay("b", recorded, true);
+  run_for(10 * kTick);
+  EXPECT_EQ(status("b").tick, 0);
+  Answers<SheetStatus> done;
+  host_->step("b", 10, done.callback());
+  host_->wait_idle();
+  EXPECT_EQ(done.at(0)->tick, 10);
+  host_->set_speed("b", 4.0, done.callback());
+  host_->resume("b", done.callback());
+  run_for(5 * kTick);
+  EXPECT_EQ(status("b").tick, 10 + 21);
+  host_->pause("b", done.callback());
+  host_->step("b", 1000, done.callback());
+  host_->wait_idle();
+  EXPECT_EQ(done.at(4)->tick, original.tick) << "not beyond the recording";
+  EXPECT_EQ(status("b").state_hash, original.state_hash);
+  EXPECT_EQ(status("b").replay->state, ReplayState::kDone);
+}
+
+TEST_F(KeepingHostTest, AHashThatDiffersEndsTheReplayAndIsTold) {
+  live();
+  sheet::Recording recorded = taken();
+  const std::size_t changed = 4;
+  recorded.entries[changed].state_hash ^= 1;
+  replay("b", recorded);
+  run_for(200 * kTick);
+  const SheetStatus ended = status("b");
+  ASSERT_EQ(ended.replay->state, ReplayState::kDiverged);
+  EXPECT_EQ(ended.replay->divergence->entry, changed);
+  EXPECT_EQ(ended.replay->divergence->tick, recorded.entries[changed].tick);
+  EXPECT_EQ(ended.replay->divergence->recorded_hash, recorded.entries[changed].state_hash);
+  EXPECT_EQ(ended.replay->divergence->replayed_hash, recorded.entries[changed].state_hash ^ 1);
+  EXPECT_EQ(ended.tick, recorded.entries[changed].tick);
+  EXPECT_EQ(ended.run_state, RunState::kPaused);
+}
+
+TEST_F(KeepingHostTest, EntriesOutOfOrderAreRefusedAndLeaveNothing) {
+  live();
+  sheet::Recording recorded = taken();
+  const auto refused = [&] {
+    Answers<SheetStatus> answers;
+    host_->replay("b", recorded, false, answers.callback());
+    host_->wait_idle();
+    return answers.reason(0);
+  };
+  recorded.entries.push_back({recorded.entries.back().tick + sheet::kMaxRecordedGap + 1, {}, 0});
+  EXPECT_EQ(refused(), "RECORDING_ORDER");
+  recorded.entries.back().tick = 1;
+  EXPECT_EQ(refused(), "RECORDING_ORDER");
+  EXPECT_EQ(host_->list(), std::vector<std::string>{"a"});
+}
+
+TEST_F(KeepingHostTest, AnEmptyRecordingIsDoneAtOnce) {
+  const SheetStatus made = replay("b", {small_sheet(), {}});
+  EXPECT_EQ(made.replay->state, ReplayState::kDone);
+  EXPECT_EQ(made.run_state, RunState::kPaused);
+  EXPECT_EQ(made.tick, 0);
+}
+
+TEST_F(KeepingHostTest, ARecordingThatOutgrowsItsLimitIsGivenUpAsAWhole) {
+  create("a", small_sheet(), true);
+  for (int i = 0; i < 40; ++i) ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, -1.0}}).ok());
+  EXPECT_EQ(recording("a")->entries.size(), 40 * kEntryBytes) << "at the limit";
+  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, -1.0}}).ok());
+  const Result<KeptRun> run = recording("a");
+  ASSERT_FALSE(run.ok());
+  EXPECT_EQ(run.error().code, ErrorCode::kFailedPrecondition);
+  EXPECT_EQ(run.error().reason, "RECORDING_TOO_LONG");
+  EXPECT_NE(run.error().message.find("tick 0"), std::string::npos);
+}
+
+TEST_F(HostTest, WithoutAnEncoderNothingIsKept) {
+  create("a", small_sheet());
+  Answers<KeptRun> answers;
+  host_->recording("a", answers.callback());
+  host_->wait_idle();
+  EXPECT_EQ(answers.reason(0), "RECORDING_NOT_KEPT");
+}
+
+}  // namespace
+}  // namespace kerf::host
