@@ -1,5 +1,6 @@
 #include "render/gl_canvas.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -17,13 +18,6 @@ constexpr int kShadowMapSize = 1024;               // texels
 // Of the distance: solids are drawn that much farther away, so that a sheet's flat triangles hide the round one below.
 constexpr double kSolidsBehind = 0.0015;
 constexpr double kBordersInFront = 3.0;  // pixel sides by which borders are drawn nearer than the edges they mark
-
-Vec3 linear(const Colour& colour) {
-  const auto channel = [](double srgb) {
-    return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-  };
-  return {channel(colour.red), channel(colour.green), channel(colour.blue)};
-}
 
 // What lives in the context, made once it is there.
 struct Objects {
@@ -46,6 +40,7 @@ class GlCanvas final : public Canvas {
   Status open(const EglPlatform& platform);
   Status draw(const DrawList& list, Pixels& pixels, RenderTimes* times) override;
   [[nodiscard]] std::string description() const override { return description_; }
+  [[nodiscard]] bool draws_in_software() const override;
 
  private:
   Status check_context() const;
@@ -62,6 +57,7 @@ class GlCanvas final : public Canvas {
 
   EglContext context_;                                      // before the objects in it, so destroyed after them
   PFNGLGETGRAPHICSRESETSTATUSPROC reset_status_ = nullptr;  // null where the driver does not tell
+  std::string renderer_;                                    // OpenGL's name of what draws
   std::string description_;
   std::optional<Objects> objects_;
   int width_ = 0;    // pixels, of the targets
@@ -81,13 +77,19 @@ bool has_extension(const std::string& name) {
 Status GlCanvas::open(const EglPlatform& platform) {
   if (Status status = context_.open(platform); !status.ok()) return status;
   const auto text = [](GLenum name) { return std::string(reinterpret_cast<const char*>(glGetString(name))); };
-  description_ = platform.name + ", " + text(GL_VENDOR) + ", " + text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION);
+  renderer_ = text(GL_RENDERER);
+  description_ = text(GL_VENDOR) + ", " + renderer_ + ", OpenGL " + text(GL_VERSION);
   if (context_.tells_resets() && has_extension("GL_ARB_robustness")) {
     reset_status_ =
         reinterpret_cast<PFNGLGETGRAPHICSRESETSTATUSPROC>(EglContext::function("glGetGraphicsResetStatusARB"));
   }
   objects_.emplace();
   return build_programs();
+}
+
+bool GlCanvas::draws_in_software() const {
+  const auto names = {"llvmpipe", "softpipe", "swrast", "SwiftShader", "Software Rasterizer"};
+  return std::ranges::any_of(names, [this](const char* name) { return renderer_.find(name) != std::string::npos; });
 }
 
 Status GlCanvas::check_context() const {

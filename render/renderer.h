@@ -134,6 +134,32 @@ Status validate_size(int width, int height);
 Status validate(const Scene& scene);
 Status validate(const Scene& scene, const Camera& camera, int width, int height);  // size, camera, scene, in that order
 
+enum class DeviceKind {
+  kHardware,
+  kSoftware,  // draws on the processor
+  kUnknown,   // a way to whichever device the driver takes
+};
+
+// A way to a graphics context that needs no window system.
+struct RenderDevice {
+  std::string name;     // e.g. "EGL device 0"; no two have the same
+  std::string details;  // for people, e.g. "/dev/dri/renderD128" or "software"; may be empty
+  DeviceKind kind = DeviceKind::kUnknown;
+};
+
+enum class DeviceState {
+  kChosen,
+  kUsable,    // gives a context as well; probe_devices() only
+  kRejected,  // gives none, or not of the kind wished
+  kNotTried,  // not wished, or another was found first
+};
+
+struct DeviceOutcome {
+  RenderDevice device;
+  DeviceState state = DeviceState::kNotTried;
+  std::string words;  // chosen or usable: GL vendor, renderer and version; rejected: why
+};
+
 // Draws scenes. Safe to call from any thread; calls block until their picture is done and share one render thread,
 // which alone owns the graphics context.
 class Renderer {
@@ -154,17 +180,36 @@ class Renderer {
   // False for the null renderer.
   [[nodiscard]] virtual bool available() const = 0;
 
-  // One line: platform, GL vendor, renderer and version; "none: <reason>" for the null renderer.
+  // One line: device, GL vendor, renderer and version, and which devices were rejected before it and why; "none:
+  // <reason>" for the null renderer.
   [[nodiscard]] virtual std::string description() const = 0;
+
+  // What became of each device that this machine offers when the renderer was made; empty where nobody looked.
+  [[nodiscard]] virtual std::vector<DeviceOutcome> devices() const = 0;
 };
+
+inline constexpr const char* kAnyDevice = "auto";
+inline constexpr const char* kSoftwareDevice = "software";
+inline constexpr const char* kNoDevice = "none";
 
 struct RendererOptions {
   int max_waiting = 16;  // calls that may wait behind the one being drawn, >= 0; more are refused
+  // "auto": hardware if there is any, else software; "software"; "none"; the number of one of devices(); or a part of a
+  // device's name or details, whatever the case of letters.
+  std::string device = kAnyDevice;
 };
 
-// The EGL renderer: on a hardware device if there is one, else Mesa's software device, else Mesa's surfaceless
-// platform. Where none of these gives an OpenGL 3.3 core context, or the build has no EGL, the null renderer, which
+// Whether make_renderer() will find something to try. Errors: kInvalidArgument "UNKNOWN_DEVICE", with the list of
+// devices in the message.
+Status check_device(const std::string& device);
+
+// The EGL renderer, on the first of the devices wished that gives an OpenGL 3.3 core context: hardware, then Mesa's
+// software device, then Mesa's surfaceless platform. Where none does, or the build has no EGL, the null renderer, which
 // refuses every picture and says why. Never null.
 std::unique_ptr<Renderer> make_renderer(const RendererOptions& options = {});
+
+// Opens every device that this machine offers, one after the other, on the calling thread; kChosen is the one that
+// "auto" takes.
+std::vector<DeviceOutcome> probe_devices();
 
 }  // namespace kerf::render
