@@ -88,6 +88,7 @@ struct Style {
   Colour background{0.93, 0.94, 0.96};
   Colour front{0.20, 0.43, 0.66};  // of the side whose triangles are counter-clockwise
   Colour back{0.90, 0.50, 0.26};   // of the other
+  Colour lips{1.00, 0.93, 0.76};   // of the strips along the border and the lips of cuts
 };
 
 struct Scene {
