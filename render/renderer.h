@@ -43,13 +43,15 @@ struct Bounds {
 };
 
 // A sheet as it is now: a view, so the arrays must outlive the call. Edges that only one triangle uses (the border and
-// the lips of cuts) are found and drawn as dark lines.
+// the lips of cuts) are found; each is drawn as a dark line and, inside the sheet along it, a light strip that is lit
+// as a rounded edge, so that a cut that has not opened shows as a line between two strips.
 struct Mesh {
   std::span<const float> positions;             // 3*V, xyz interleaved, world, m, finite
   std::span<const float> material_coordinates;  // 2*V, xy interleaved, m, finite; or empty: no texture
   std::span<const std::int32_t> triangles;      // 3*T, vertex ids in [0, V), counter-clockwise from the front
   std::span<const std::int32_t> piece_ids;      // T, >= 0: pieces differ a little in colour; or empty: one piece
   // 3*V, sRGB, red, green, blue interleaved: in place of the style's front and back, of pieces and of checks; or empty.
+  // colours.h has those of strains and of pieces.
   std::span<const std::uint8_t> vertex_colours;
   // The box that the texture is scaled to: 20 checks along its longer side. It must not change while a sheet is being
   // cut, or the texture swims; taken from material_coordinates where lower == upper.
@@ -79,12 +81,13 @@ struct Capsule {
 using Collider = std::variant<Sphere, Plane, Box, Capsule>;
 
 struct Style {
-  bool texture = true;     // checks and threads in material coordinates
-  bool wireframe = false;  // the edges of every triangle over the surface
-  bool borders = true;     // dark lines along the border and the lips of cuts
+  bool texture = true;  // crossing bands of dyed yarn and threads, in material coordinates
+  bool wireframe =
+      false;            // the edges of every triangle over the surface, fainter the smaller triangles are; no threads
+  bool borders = true;  // lines and strips along the border and the lips of cuts
   bool antialias =
       true;  // four samples a pixel, in pictures of up to 4 megapixels; about doubles a software device's time
-  bool shadows = true;  // of the key light
+  bool shadows = true;  // of the key light, and what hides the sky from the ground
   Colour background{0.93, 0.94, 0.96};
   Colour front{0.20, 0.43, 0.66};  // of the side whose triangles are counter-clockwise
   Colour back{0.90, 0.50, 0.26};   // of the other
