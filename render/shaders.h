@@ -128,8 +128,7 @@ float resolved(float period_px) { return smoothstep(1.6, 4.0, period_px); }
 // Bands of dyed and of plain yarn, as wide as a check, in both directions; in each place one direction's thread lies on
 // top. The share of dye that is seen, in [0, 1], and how light the thread is there, about 1. Threads, then bands, are
 // averaged where a pixel holds several.
-vec2 cloth(vec2 p) {
-  vec2 footprint = max(fwidth(p), vec2(1e-4));
+vec2 cloth(vec2 p, vec2 footprint) {
   vec2 wave = 2.0 * (abs(fract((p - 0.5 * footprint) * 0.5) - 0.5) - abs(fract((p + 0.5 * footprint) * 0.5) - 0.5)) /
               footprint;
   vec2 dyed = 0.5 - 0.5 * wave;
@@ -152,19 +151,20 @@ vec2 cloth(vec2 p) {
 }
 
 // How much of the wire's colour is seen: less where triangles are a few pixels high, or nothing else would be.
-float wire() {
-  vec2 gradient_x = vec2(dFdx(v_barycentric.x), dFdy(v_barycentric.x));
-  vec2 gradient_y = vec2(dFdx(v_barycentric.y), dFdy(v_barycentric.y));
-  vec2 gradient_z = vec2(dFdx(v_barycentric.z), dFdy(v_barycentric.z));
-  vec3 per_px = max(vec3(length(gradient_x), length(gradient_y), length(gradient_z)), vec3(1e-9));
+// `per_px`: how much each barycentric coordinate changes over a pixel.
+float wire(vec3 per_px) {
   vec3 distance_px = v_barycentric / per_px;
   float nearest = min(distance_px.x, min(distance_px.y, distance_px.z));
   float line = 1.0 - smoothstep(0.5 * u_wire_width_px - 0.5, 0.5 * u_wire_width_px + 0.5, nearest);
   float height_px = 1.0 / max(per_px.x, max(per_px.y, per_px.z));
-  return line * mix(0.25, 0.70, smoothstep(1.5, 7.0, height_px / u_wire_width_px));
+  return line * mix(0.25, 0.76, smoothstep(1.5, 7.0, height_px / u_wire_width_px));
 }
 
 void main() {
+  // Derivatives before anything is decided: inside a branch they are undefined, and wrong along edges in llvmpipe.
+  vec2 footprint = max(fwidth(v_material), vec2(1e-4));
+  vec3 over_x = dFdx(v_barycentric);
+  vec3 over_y = dFdy(v_barycentric);
   vec3 n = unit(v_normal, u_up);
   float ridge = v_ridge;
   if (!gl_FrontFacing) {
@@ -174,13 +174,16 @@ void main() {
   vec3 albedo = (gl_FrontFacing ? u_front : u_back) * v_tint;
   if (u_coloured) albedo = pow(v_tint * (128.0 / 255.0), vec3(2.2));
   if (u_textured) {
-    vec2 woven = cloth(v_material);
+    vec2 woven = cloth(v_material, footprint);
     float dye = u_wireframe ? mix(0.5, woven.x, 0.35) : woven.x;  // the wires are what is looked at
     if (!u_coloured) albedo = mix(mix(albedo, vec3(0.72), 0.55), 0.62 * albedo, dye);
     albedo *= woven.y;
   }
   vec3 colour = shade(albedo, n, 0.18, 0.22, 1.0 + (ridge > 0.0 ? 0.25 : 0.75) * ridge);
-  if (u_wireframe) colour = mix(colour, vec3(0.012, 0.016, 0.025), wire());
+  if (u_wireframe) {
+    vec3 per_px = max(sqrt(over_x * over_x + over_y * over_y), vec3(1e-9));
+    colour = mix(colour, vec3(0.012, 0.016, 0.025), wire(per_px));
+  }
   f_colour = to_srgb(colour, 1.0);
 }
 )";

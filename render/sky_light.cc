@@ -34,34 +34,33 @@ void SkyLight::add(const std::vector<SurfaceVertex>& triangles, double weight) {
     const Vec3 v = to_vec3(triangles[i + 2].position) - a;
     const Vec3 place = in_frame(a + (1.0 / 3.0) * (u + v) - frame_.origin);
     if (place.z < 0.0) continue;
-    const Vec3 normal = 0.5 * weight * in_frame(cross(u, v));
-    const Vec3 across{std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)};
+    const Vec3 area = 0.5 * weight * in_frame(cross(u, v));
+    const double size = norm(area);
     Cell& cell = cells_[cell_of(place)];
-    cell.area = cell.area + across;
-    cell.moment = cell.moment + (across.x + across.y + across.z) * place;
+    cell.area = dot(cell.area, area) < 0.0 ? cell.area - area : cell.area + area;
+    cell.moment = cell.moment + size * place;
+    cell.size += size;
   }
 }
 
 std::array<float, SkyLight::kRow> SkyLight::occlusion(const std::array<float, kRow>& x, float y) const {
   std::array<float, kRow> sums{};
-  const double lowest = 0.15 * 2.0 * reach_ / kCells;  // a sheet that lies there is still seen to
+  const double nearest = 2.0 * reach_ / kCells;
   for (const Cell& cell : cells_) {
-    const double area = cell.area.x + cell.area.y + cell.area.z;
-    if (!(area > 0.0)) continue;
-    const Vec3 place = (1.0 / area) * cell.moment;
-    const auto height = static_cast<float>(std::max(place.z, lowest));
+    if (!(cell.size > 0.0)) continue;
+    const Vec3 place = (1.0 / cell.size) * cell.moment;
+    const auto height = static_cast<float>(std::max(place.z, nearest));
     const auto to_x = static_cast<float>(place.x);
     const float dy = static_cast<float>(place.y) - y;
-    const auto across_x = static_cast<float>(cell.area.x);
-    const float across_yz = static_cast<float>(cell.area.y) * std::abs(dy) + static_cast<float>(cell.area.z) * height;
+    const auto area_x = static_cast<float>(cell.area.x);
+    const float area_yz = static_cast<float>(cell.area.y) * dy + static_cast<float>(cell.area.z) * height;
     const float square_yz = dy * dy + height * height;
-    const auto size = static_cast<float>(area);
+    const float scale = height / std::numbers::pi_v<float>;
     // Of fixed length, so that it becomes vector code.
     for (std::size_t i = 0; i < kRow; ++i) {
       const float dx = to_x - x[i];
       const float square = dx * dx + square_yz;
-      sums[i] +=
-          (across_x * std::abs(dx) + across_yz) * height / (square * (std::numbers::pi_v<float> * square + size));
+      sums[i] += scale * std::abs(area_x * dx + area_yz) / (square * square);
     }
   }
   std::ranges::transform(sums, sums.begin(), [](float sum) { return 1.0F - std::exp(-sum); });

@@ -17,9 +17,8 @@ struct PlaneFrame {
 
 // How much of the light of an even sky things above a plane take from it: what is dark under a sheet and beside what
 // stands there. The share of the sky's light on the plane that a small patch takes is its form factor, |area . d| (d .
-// normal) / (pi |d|^4) for the way d to it, here with |d|^2 grown by the patch's size so that a near one takes all.
-// Triangles are gathered in cells first. What one patch hides behind another counts twice, hence occlusion = 1 -
-// exp(-sum).
+// normal) / (pi |d|^4) for the way d to it. Triangles are gathered in cells first, and what is nearer to the plane than
+// a cell is wide counts as that far. What one patch hides behind another counts twice, hence occlusion = 1 - exp(-sum).
 class SkyLight {
  public:
   static constexpr std::size_t kRow = 36;  // points evaluated at a time
@@ -38,8 +37,9 @@ class SkyLight {
   static constexpr std::size_t kCells = 20;  // along each side
 
   struct Cell {
-    Vec3 moment;  // m^3, centroids times areas, from the frame's origin
-    Vec3 area;    // m^2, across each axis
+    Vec3 moment;        // m^3, centroids times sizes, from the frame's origin
+    Vec3 area;          // m^2, of patches that all look the same way or are turned round to
+    double size = 0.0;  // m^2
   };
   [[nodiscard]] std::size_t cell_of(Vec3 place) const;
 

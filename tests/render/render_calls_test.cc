@@ -44,10 +44,14 @@ TEST_F(RenderCalls, TheDeviceForcedIsTheOneThatDraws) {
     EXPECT_TRUE(check_device(number).ok());
     const std::unique_ptr<Renderer> forced = make_renderer({.device = number});
     EXPECT_EQ(forced->available(), probed[i].state != DeviceState::kRejected) << forced->description();
-    if (forced->available()) EXPECT_EQ(forced->description(), probed[i].device.name + ", " + probed[i].words);
+    if (forced->available()) {
+      EXPECT_EQ(forced->description(), probed[i].device.name + ", " + probed[i].words);
+    }
     ASSERT_EQ(forced->devices().size(), probed.size());
     for (std::size_t k = 0; k < probed.size(); ++k) {
-      if (k != i) EXPECT_EQ(forced->devices()[k].state, DeviceState::kNotTried);
+      if (k != i) {
+        EXPECT_EQ(forced->devices()[k].state, DeviceState::kNotTried);
+      }
     }
   }
   EXPECT_EQ(num_chosen, 1);
@@ -82,7 +86,9 @@ TEST_F(RenderCalls, EveryPlatformOfferedDrawsTheSheet) {
       const Status made = make_gl_canvas(platform, canvas);
       ASSERT_TRUE(made.ok()) << made.message;
       EXPECT_NE(canvas->description().find("OpenGL"), std::string::npos) << canvas->description();
-      if (platform.device.kind == DeviceKind::kSoftware) EXPECT_TRUE(canvas->draws_in_software());
+      if (platform.device.kind == DeviceKind::kSoftware) {
+        EXPECT_TRUE(canvas->draws_in_software());
+      }
       Pixels pixels;
       const Status drawn = canvas->draw(make_draw_list(scene, front_camera(), 320, 240), pixels, nullptr);
       ASSERT_TRUE(drawn.ok()) << drawn.message;

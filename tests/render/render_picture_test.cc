@@ -197,6 +197,7 @@ TEST_F(RenderPicture, ASheetLyingOnASphereHidesIt) {
   }
   Scene scene = scene_of(sheet);
   scene.colliders = {Sphere{{0.0, 0.0, 0.0}, 0.5}};
+  scene.style.borders = false;
   const Camera camera = front_camera();
   const Pixels pixels = draw(scene, camera);
   for (std::size_t t = 0; t < sheet.triangles.size() / 3; ++t) {

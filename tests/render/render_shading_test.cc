@@ -58,7 +58,9 @@ TEST_F(RenderShading, LipsOfAClosedCutAreLightOnBothSidesOfADarkLine) {
         const double left = *std::max_element(across.begin(), middle);
         const double right = *std::max_element(middle, across.end());
         EXPECT_GT(std::min(left, right) - line, 35.0) << "of 100; " << height << " " << texture << " " << z;
-        if (!texture) EXPECT_GT(std::min(left, right), *std::ranges::max_element(cloth) + 12.0) << height << " " << z;
+        if (!texture) {
+          EXPECT_GT(std::min(left, right), *std::ranges::max_element(cloth) + 12.0) << height << " " << z;
+        }
       }
     }
   }
