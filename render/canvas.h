@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "render/draw_list.h"
 
@@ -17,11 +18,15 @@ class Canvas {
   // known state and must be thrown away.
   virtual Status draw(const DrawList& list, Pixels& pixels, RenderTimes* times) = 0;
 
-  // One line: platform, vendor, renderer, version.
+  // One line: vendor, renderer, version.
   [[nodiscard]] virtual std::string description() const = 0;
+
+  // On the processor, whatever the device is called.
+  [[nodiscard]] virtual bool draws_in_software() const = 0;
 };
 
-// Makes a canvas on the calling thread; on failure `canvas` stays null.
-using CanvasFactory = std::function<Status(std::unique_ptr<Canvas>& canvas)>;
+// Makes a canvas on the calling thread; on failure `canvas` stays null. `outcomes` is overwritten with what became of
+// each device on the way.
+using CanvasFactory = std::function<Status(std::unique_ptr<Canvas>& canvas, std::vector<DeviceOutcome>& outcomes)>;
 
 }  // namespace kerf::render

@@ -5,7 +5,10 @@
 #include <cstddef>
 #include <numbers>
 
+#include "render/borders.h"
+#include "render/ground.h"
 #include "render/shapes.h"
+#include "render/sheet_shape.h"
 
 namespace kerf::render {
 
@@ -13,36 +16,7 @@ namespace {
 
 constexpr float kChecksAlongLongerSide = 20.0F;
 constexpr double kGroundRadius = 4.0;  // of the disc, over the radius of what stands on it
-
-using Float3 = std::array<float, 3>;
-
-Float3 position(const Mesh& mesh, std::int32_t vertex) {
-  const std::size_t at = 3 * static_cast<std::size_t>(vertex);
-  return {mesh.positions[at], mesh.positions[at + 1], mesh.positions[at + 2]};
-}
-
-// Of each vertex: the sum of its triangles' normals weighted by their areas, made unit; (0, 0, 1) where that vanishes.
-std::vector<Float3> vertex_normals(const Mesh& mesh) {
-  std::vector<Float3> normals(mesh.positions.size() / 3, Float3{});
-  for (std::size_t t = 0; t < mesh.triangles.size(); t += 3) {
-    const Float3 a = position(mesh, mesh.triangles[t]);
-    const Float3 b = position(mesh, mesh.triangles[t + 1]);
-    const Float3 c = position(mesh, mesh.triangles[t + 2]);
-    const Float3 u{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    const Float3 v{c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-    const Float3 n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      Float3& sum = normals[static_cast<std::size_t>(mesh.triangles[t + corner])];
-      for (std::size_t k = 0; k < 3; ++k) sum[k] += n[k];
-    }
-  }
-  for (Float3& n : normals) {
-    const float length = std::hypot(n[0], n[1], n[2]);
-    n = length > 0.0F && std::isfinite(length) ? Float3{n[0] / length, n[1] / length, n[2] / length}
-                                               : Float3{0.0F, 0.0F, 1.0F};
-  }
-  return normals;
-}
+constexpr double kRidgeLength = 0.03;  // of the sheet's diagonal: a ridge as sharp as that is the lightest
 
 struct TextureFrame {
   std::array<float, 2> origin{0.0F, 0.0F};  // m
@@ -80,8 +54,9 @@ std::array<std::uint8_t, 4> own_colour(const Mesh& mesh, std::size_t vertex) {
   return {colour[0], colour[1], colour[2], 255};
 }
 
-std::vector<SurfaceVertex> sheet_vertices(const Mesh& mesh, const TextureFrame& texture) {
-  const std::vector<Float3> normals = vertex_normals(mesh);
+std::vector<SurfaceVertex> sheet_vertices(const Mesh& mesh, const TextureFrame& texture,
+                                          const std::vector<Float3>& normals, double ridge_length) {
+  const std::vector<float> heights = ridges(mesh, normals, ridge_length);
   std::vector<SurfaceVertex> vertices;
   vertices.reserve(mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -95,15 +70,15 @@ std::vector<SurfaceVertex> sheet_vertices(const Mesh& mesh, const TextureFrame& 
     vertices.push_back({position(mesh, mesh.triangles[i]), normals[vertex], material,
                         mesh.vertex_colours.empty() ? piece_tint(mesh.piece_ids.empty() ? 0 : mesh.piece_ids[i / 3])
                                                     : own_colour(mesh, vertex)});
+    vertices.back().tint[3] = static_cast<std::uint8_t>(128.5F + 127.0F * heights[vertex]);
   }
   return vertices;
 }
 
 // The plane, and how far it reaches into what is seen.
 void add_ground(const Plane& plane, const Bounds& lit, Bounds& seen, DrawList& list) {
-  const double reach = kGroundRadius * std::max(radius(lit), 1e-3);
   const std::size_t first = list.ground.size();
-  append_ground(plane, centre(lit), reach, list.ground);
+  append_ground(plane, centre(lit), kGroundRadius * std::max(radius(lit), 1e-3), list.style.shadows, list);
   for (std::size_t i = first; i < list.ground.size(); ++i) {
     const Float3& p = list.ground[i].position;
     extend(seen, {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
@@ -118,40 +93,6 @@ void add_solid(const Collider& collider, DrawList& list) {
 
 }  // namespace
 
-std::vector<std::array<std::int32_t, 2>> border_edges(std::span<const std::int32_t> triangles,
-                                                      std::size_t num_vertices) {
-  // Edges are chained by their lower vertex; few share one, so a chain is a handful long.
-  struct Edge {
-    std::int32_t upper;
-    std::int32_t uses;
-    std::size_t next;
-  };
-  constexpr std::size_t kEnd = static_cast<std::size_t>(-1);
-  std::vector<std::size_t> first(num_vertices, kEnd);
-  std::vector<Edge> edges;
-  edges.reserve(triangles.size());
-  std::vector<std::size_t> edge_of(triangles.size());  // of the side from corner i to the next of its triangle
-  const auto next_corner = [](std::size_t i) { return i % 3 == 2 ? i - 2 : i + 1; };
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const auto [lower, upper] = std::minmax({triangles[i], triangles[next_corner(i)]});
-    std::size_t& head = first[static_cast<std::size_t>(lower)];
-    std::size_t at = head;
-    while (at != kEnd && edges[at].upper != upper) at = edges[at].next;
-    if (at == kEnd) {
-      at = edges.size();
-      edges.push_back({upper, 0, head});
-      head = at;
-    }
-    ++edges[at].uses;
-    edge_of[i] = at;
-  }
-  std::vector<std::array<std::int32_t, 2>> borders;
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (edges[edge_of[i]].uses == 1) borders.push_back({triangles[i], triangles[next_corner(i)]});
-  }
-  return borders;
-}
-
 DrawList make_draw_list(const Scene& scene, const Camera& camera, int width, int height) {
   DrawList list;
   list.width = width;
@@ -163,19 +104,19 @@ DrawList make_draw_list(const Scene& scene, const Camera& camera, int width, int
   const TextureFrame texture = texture_frame(scene.mesh);
   list.textured = scene.style.texture && texture.checks_per_metre > 0.0F;
   list.coloured = !scene.mesh.vertex_colours.empty();
-  list.sheet = sheet_vertices(scene.mesh, texture);
-  if (scene.style.borders) {
-    for (const auto& [start, end] : border_edges(scene.mesh.triangles, scene.mesh.positions.size() / 3)) {
-      list.borders.push_back({position(scene.mesh, start), position(scene.mesh, end)});
-    }
-  }
-
   Bounds lit = bounds_of(scene.mesh);
-  for (const Collider& collider : scene.colliders) extend(lit, collider);
+  list.sheet_size = 2.0 * radius(lit);
+  const std::vector<Float3> normals = vertex_normals(scene.mesh);
+  list.sheet = sheet_vertices(scene.mesh, texture, normals, kRidgeLength * list.sheet_size);
+  if (scene.style.borders) list.borders = border_segments(scene.mesh, normals);
+
+  for (const Collider& collider : scene.colliders) {
+    extend(lit, collider);
+    add_solid(collider, list);
+  }
   if (is_empty(lit)) extend(lit, camera.target);
   Bounds seen = lit;
   for (const Collider& collider : scene.colliders) {
-    add_solid(collider, list);
     if (const auto* plane = std::get_if<Plane>(&collider)) add_ground(*plane, lit, seen, list);
   }
   if (scene.ground) add_ground(*scene.ground, lit, seen, list);

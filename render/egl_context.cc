@@ -30,6 +30,25 @@ bool has_word(const char* words, const std::string& word) {
   return words != nullptr && (" " + std::string(words) + " ").find(" " + word + " ") != std::string::npos;
 }
 
+// `query` may be null; then nothing is known of a device but its number.
+RenderDevice describe(EGLDeviceEXT device, EGLint number, PFNEGLQUERYDEVICESTRINGEXTPROC query) {
+  RenderDevice described{"EGL device " + std::to_string(number), "", DeviceKind::kHardware};
+  const char* extensions = query != nullptr ? query(device, EGL_EXTENSIONS) : nullptr;
+  const auto add = [&](const char* extension, EGLint name) {
+    const char* words = has_word(extensions, extension) ? query(device, name) : nullptr;
+    if (words != nullptr) described.details += (described.details.empty() ? "" : ", ") + std::string(words);
+  };
+  if (has_word(extensions, "EGL_MESA_device_software")) {
+    described.kind = DeviceKind::kSoftware;
+    described.details = "software";
+  }
+  add("EGL_EXT_device_query_name", EGL_VENDOR);
+  add("EGL_EXT_device_query_name", EGL_RENDERER_EXT);
+  add("EGL_EXT_device_drm", EGL_DRM_DEVICE_FILE_EXT);
+  add("EGL_EXT_device_drm_render_node", EGL_DRM_RENDER_NODE_FILE_EXT);
+  return described;
+}
+
 }  // namespace
 
 std::vector<EglPlatform> egl_platforms() {
@@ -44,18 +63,14 @@ std::vector<EglPlatform> egl_platforms() {
     std::array<EGLDeviceEXT, 16> devices{};
     EGLint count = 0;
     if (query_devices(static_cast<EGLint>(devices.size()), devices.data(), &count) == EGL_FALSE) count = 0;
-    for (const bool software : {false, true}) {
-      for (EGLint i = 0; i < count; ++i) {
-        EGLDeviceEXT device = devices[static_cast<std::size_t>(i)];
-        const char* words = query_device_string != nullptr ? query_device_string(device, EGL_EXTENSIONS) : nullptr;
-        if (has_word(words, "EGL_MESA_device_software") != software) continue;
-        const std::string name = "EGL device " + std::to_string(i) + (software ? " (software)" : "");
-        found.push_back({name, EGL_PLATFORM_DEVICE_EXT, device});
-      }
+    for (EGLint i = 0; i < count; ++i) {
+      EGLDeviceEXT device = devices[static_cast<std::size_t>(i)];
+      found.push_back({describe(device, i, query_device_string), EGL_PLATFORM_DEVICE_EXT, device});
     }
   }
   if (has_word(extensions, "EGL_MESA_platform_surfaceless")) {
-    found.push_back({"EGL surfaceless", EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY});
+    found.push_back(
+        {{"EGL surfaceless", "", DeviceKind::kUnknown}, EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY});
   }
   return found;
 }
@@ -69,19 +84,19 @@ EglContext::~EglContext() {
 }
 
 Status EglContext::open(const EglPlatform& platform) {
-  const auto failed = [&platform](const std::string& call) {
-    return unavailable(platform.name + ": " + call + " failed with " + hex(static_cast<unsigned>(eglGetError())));
+  const auto failed = [](const std::string& call) {
+    return unavailable(call + " failed with " + hex(static_cast<unsigned>(eglGetError())));
   };
   const auto get_display =
       reinterpret_cast<PFNEGLGETPLATFORMDISPLAYEXTPROC>(eglGetProcAddress("eglGetPlatformDisplayEXT"));
   if (get_display == nullptr) return unavailable("EGL has no eglGetPlatformDisplayEXT");
-  display_ = get_display(platform.kind, platform.device, nullptr);
+  display_ = get_display(platform.kind, platform.handle, nullptr);
   if (display_ == EGL_NO_DISPLAY) return failed("eglGetPlatformDisplayEXT");
   if (eglInitialize(display_, nullptr, nullptr) == EGL_FALSE) return failed("eglInitialize");
   if (eglBindAPI(EGL_OPENGL_API) == EGL_FALSE) return failed("eglBindAPI");
   const char* extensions = eglQueryString(display_, EGL_EXTENSIONS);
   if (!has_word(extensions, "EGL_KHR_surfaceless_context")) {
-    return unavailable(platform.name + ": no EGL_KHR_surfaceless_context");
+    return unavailable("no EGL_KHR_surfaceless_context");
   }
   const std::array<EGLint, 5> wanted{EGL_RENDERABLE_TYPE, EGL_OPENGL_BIT, EGL_SURFACE_TYPE, EGL_DONT_CARE, EGL_NONE};
   EGLConfig config = nullptr;

@@ -3,18 +3,18 @@
 #include <string>
 #include <vector>
 
-#include "render/image.h"
+#include "render/renderer.h"
 
 namespace kerf::render {
 
-// A way to a context that needs no window system.
 struct EglPlatform {
-  std::string name;        // for people
+  RenderDevice device;
   unsigned kind = 0;       // EGLenum
-  void* device = nullptr;  // what the platform of that kind takes
+  void* handle = nullptr;  // what the platform of that kind takes
 };
 
-// Hardware devices, then Mesa's software device, then Mesa's surfaceless platform; those that this machine offers.
+// EGL's devices in its order, "EGL device N" at index N, then Mesa's surfaceless platform; those that this machine
+// offers.
 std::vector<EglPlatform> egl_platforms();
 
 // An OpenGL 3.3 core context without a surface, current on the thread that opened it.

@@ -1,5 +1,6 @@
 #include "render/gl_canvas.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -17,19 +18,18 @@ constexpr int kShadowMapSize = 1024;               // texels
 // Of the distance: solids are drawn that much farther away, so that a sheet's flat triangles hide the round one below.
 constexpr double kSolidsBehind = 0.0015;
 constexpr double kBordersInFront = 3.0;  // pixel sides by which borders are drawn nearer than the edges they mark
-
-Vec3 linear(const Colour& colour) {
-  const auto channel = [](double srgb) {
-    return srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-  };
-  return {channel(colour.red), channel(colour.green), channel(colour.blue)};
-}
+constexpr double kLipsInFront = 2.0;     // pixel sides, likewise
+constexpr double kLipWidth = 2.0;        // pixels, up to 480 rows; more in proportion
+constexpr double kMaxLipWidth = 0.006;   // of the diagonal of the box around the sheet
+constexpr double kPenumbra = 3.0;        // texels of the shadow map
+constexpr double kGroundPenumbra = 5.0;  // texels; what throws a shadow there is farther away
 
 // What lives in the context, made once it is there.
 struct Objects {
   Program sheet;
   Program solid;
   Program ground;
+  Program lip;
   Program line;
   Program shadow;
   VertexStream sheet_vertices;
@@ -46,6 +46,7 @@ class GlCanvas final : public Canvas {
   Status open(const EglPlatform& platform);
   Status draw(const DrawList& list, Pixels& pixels, RenderTimes* times) override;
   [[nodiscard]] std::string description() const override { return description_; }
+  [[nodiscard]] bool draws_in_software() const override;
 
  private:
   Status check_context() const;
@@ -58,10 +59,13 @@ class GlCanvas final : public Canvas {
   void draw_solids(const DrawList& list) const;
   void draw_sheet(const DrawList& list) const;
   void draw_borders(const DrawList& list) const;
+  void draw_lips(const DrawList& list, double z_offset) const;
+  void draw_border_lines(const DrawList& list, double z_offset) const;
   void read_back(Pixels& pixels) const;
 
   EglContext context_;                                      // before the objects in it, so destroyed after them
   PFNGLGETGRAPHICSRESETSTATUSPROC reset_status_ = nullptr;  // null where the driver does not tell
+  std::string renderer_;                                    // OpenGL's name of what draws
   std::string description_;
   std::optional<Objects> objects_;
   int width_ = 0;    // pixels, of the targets
@@ -81,13 +85,19 @@ bool has_extension(const std::string& name) {
 Status GlCanvas::open(const EglPlatform& platform) {
   if (Status status = context_.open(platform); !status.ok()) return status;
   const auto text = [](GLenum name) { return std::string(reinterpret_cast<const char*>(glGetString(name))); };
-  description_ = platform.name + ", " + text(GL_VENDOR) + ", " + text(GL_RENDERER) + ", OpenGL " + text(GL_VERSION);
+  renderer_ = text(GL_RENDERER);
+  description_ = text(GL_VENDOR) + ", " + renderer_ + ", OpenGL " + text(GL_VERSION);
   if (context_.tells_resets() && has_extension("GL_ARB_robustness")) {
     reset_status_ =
         reinterpret_cast<PFNGLGETGRAPHICSRESETSTATUSPROC>(EglContext::function("glGetGraphicsResetStatusARB"));
   }
   objects_.emplace();
   return build_programs();
+}
+
+bool GlCanvas::draws_in_software() const {
+  const auto names = {"llvmpipe", "softpipe", "swrast", "SwiftShader", "Software Rasterizer"};
+  return std::ranges::any_of(names, [this](const char* name) { return renderer_.find(name) != std::string::npos; });
 }
 
 Status GlCanvas::check_context() const {
@@ -104,6 +114,7 @@ Status GlCanvas::build_programs() {
   if (Status s = o.sheet.build("sheet", surface, {kLightingShader, kSheetFragmentShader}); !s.ok()) return s;
   if (Status s = o.solid.build("solid", surface, {kLightingShader, kSolidFragmentShader}); !s.ok()) return s;
   if (Status s = o.ground.build("ground", surface, {kLightingShader, kGroundFragmentShader}); !s.ok()) return s;
+  if (Status s = o.lip.build("lip", {kLipVertexShader}, {kLightingShader, kLipFragmentShader}); !s.ok()) return s;
   if (Status s = o.line.build("line", {kLineVertexShader}, {kLineFragmentShader}); !s.ok()) return s;
   if (Status s = o.shadow.build("shadow", {kShadowVertexShader}, {kShadowFragmentShader}); !s.ok()) return s;
   for (const VertexStream* stream : {&o.sheet_vertices, &o.solid_vertices, &o.ground_vertices}) {
@@ -113,9 +124,13 @@ Status GlCanvas::build_programs() {
                         {4, GL_UNSIGNED_BYTE, offsetof(SurfaceVertex, tint)}},
                        sizeof(SurfaceVertex), 0);
   }
-  o.border_segments.set_layout(
-      {{3, GL_FLOAT, offsetof(BorderSegment, start)}, {3, GL_FLOAT, offsetof(BorderSegment, end)}},
-      sizeof(BorderSegment), 1);
+  o.border_segments.set_layout({{3, GL_FLOAT, offsetof(BorderSegment, start)},
+                                {3, GL_FLOAT, offsetof(BorderSegment, end)},
+                                {3, GL_FLOAT, offsetof(BorderSegment, start_inward)},
+                                {3, GL_FLOAT, offsetof(BorderSegment, end_inward)},
+                                {3, GL_FLOAT, offsetof(BorderSegment, start_normal)},
+                                {3, GL_FLOAT, offsetof(BorderSegment, end_normal)}},
+                               sizeof(BorderSegment), 1);
   return {};
 }
 
@@ -197,11 +212,13 @@ void GlCanvas::set_surface_uniforms(const Program& program, const DrawList& list
   program.set("u_shadow_from_world", list.views.shadow_from_world);
   program.set("u_shadow_texel_m", list.views.shadow_extent / kShadowMapSize);
   program.set("u_shadow_texel", 1.0 / kShadowMapSize);
+  program.set("u_penumbra_texels", kPenumbra);
 }
 
 void GlCanvas::draw_ground(const DrawList& list) const {
   if (list.ground.empty()) return;
   set_surface_uniforms(objects_->ground, list);
+  objects_->ground.set("u_penumbra_texels", kGroundPenumbra);
   glEnable(GL_BLEND);
   objects_->ground_vertices.draw(list.ground.size());
   glDisable(GL_BLEND);
@@ -229,18 +246,36 @@ void GlCanvas::draw_sheet(const DrawList& list) const {
 
 void GlCanvas::draw_borders(const DrawList& list) const {
   if (list.borders.empty()) return;
+  const auto nearer_by = [&list](double pixel_sides) {
+    const double fraction = std::min(pixel_sides * list.views.pixel_fraction, 0.05);
+    return list.views.depth_per_fraction * (1.0 / (1.0 - fraction) - 1.0);
+  };
+  glDepthMask(GL_FALSE);  // neighbours lie over one another
+  objects_->border_segments.bind();
+  draw_lips(list, nearer_by(kLipsInFront));
+  draw_border_lines(list, nearer_by(kBordersInFront));
+  glDepthMask(GL_TRUE);
+}
+
+void GlCanvas::draw_lips(const DrawList& list, double z_offset) const {
+  const Program& program = objects_->lip;
+  set_surface_uniforms(program, list);
+  program.set("u_clip_z_offset", z_offset);
+  program.set("u_lip", linear(list.style.lips));
+  program.set("u_width_fraction", kLipWidth * std::max(1.0, height_ / 480.0) * list.views.pixel_fraction);
+  program.set("u_max_width_m", kMaxLipWidth * list.sheet_size);
+  glDrawArraysInstanced(GL_TRIANGLES, 0, 6, static_cast<GLsizei>(list.borders.size()));
+}
+
+void GlCanvas::draw_border_lines(const DrawList& list, double z_offset) const {
   const Program& program = objects_->line;
   program.use();
   program.set("u_clip_from_world", list.views.clip_from_world);
-  const double fraction = std::min(kBordersInFront * list.views.pixel_fraction, 0.05);
-  program.set("u_clip_z_offset", list.views.depth_per_fraction * (1.0 / (1.0 - fraction) - 1.0));
+  program.set("u_clip_z_offset", z_offset);
   program.set("u_half_viewport_px", 0.5 * width_, 0.5 * height_);
   program.set("u_half_width_px", std::max(0.6, height_ / 800.0));
   glEnable(GL_BLEND);
-  glDepthMask(GL_FALSE);  // the ends of neighbours lie over one another
-  objects_->border_segments.bind();
   glDrawArraysInstanced(GL_TRIANGLES, 0, 6, static_cast<GLsizei>(list.borders.size()));
-  glDepthMask(GL_TRUE);
   glDisable(GL_BLEND);
 }
 

@@ -43,13 +43,15 @@ struct Bounds {
 };
 
 // A sheet as it is now: a view, so the arrays must outlive the call. Edges that only one triangle uses (the border and
-// the lips of cuts) are found and drawn as dark lines.
+// the lips of cuts) are found; each is drawn as a dark line and, inside the sheet along it, a light strip that is lit
+// as a rounded edge, so that a cut that has not opened shows as a line between two strips.
 struct Mesh {
   std::span<const float> positions;             // 3*V, xyz interleaved, world, m, finite
   std::span<const float> material_coordinates;  // 2*V, xy interleaved, m, finite; or empty: no texture
   std::span<const std::int32_t> triangles;      // 3*T, vertex ids in [0, V), counter-clockwise from the front
   std::span<const std::int32_t> piece_ids;      // T, >= 0: pieces differ a little in colour; or empty: one piece
   // 3*V, sRGB, red, green, blue interleaved: in place of the style's front and back, of pieces and of checks; or empty.
+  // colours.h has those of strains and of pieces.
   std::span<const std::uint8_t> vertex_colours;
   // The box that the texture is scaled to: 20 checks along its longer side. It must not change while a sheet is being
   // cut, or the texture swims; taken from material_coordinates where lower == upper.
@@ -79,15 +81,17 @@ struct Capsule {
 using Collider = std::variant<Sphere, Plane, Box, Capsule>;
 
 struct Style {
-  bool texture = true;     // checks and threads in material coordinates
-  bool wireframe = false;  // the edges of every triangle over the surface
-  bool borders = true;     // dark lines along the border and the lips of cuts
+  bool texture = true;  // crossing bands of dyed yarn and threads, in material coordinates
+  bool wireframe =
+      false;            // the edges of every triangle over the surface, fainter the smaller triangles are; no threads
+  bool borders = true;  // lines and strips along the border and the lips of cuts
   bool antialias =
       true;  // four samples a pixel, in pictures of up to 4 megapixels; about doubles a software device's time
-  bool shadows = true;  // of the key light
+  bool shadows = true;  // of the key light, and what hides the sky from the ground
   Colour background{0.93, 0.94, 0.96};
   Colour front{0.20, 0.43, 0.66};  // of the side whose triangles are counter-clockwise
   Colour back{0.90, 0.50, 0.26};   // of the other
+  Colour lips{1.00, 0.93, 0.76};   // of the strips along the border and the lips of cuts
 };
 
 struct Scene {
@@ -134,6 +138,32 @@ Status validate_size(int width, int height);
 Status validate(const Scene& scene);
 Status validate(const Scene& scene, const Camera& camera, int width, int height);  // size, camera, scene, in that order
 
+enum class DeviceKind {
+  kHardware,
+  kSoftware,  // draws on the processor
+  kUnknown,   // a way to whichever device the driver takes
+};
+
+// A way to a graphics context that needs no window system.
+struct RenderDevice {
+  std::string name;     // e.g. "EGL device 0"; no two have the same
+  std::string details;  // for people, e.g. "/dev/dri/renderD128" or "software"; may be empty
+  DeviceKind kind = DeviceKind::kUnknown;
+};
+
+enum class DeviceState {
+  kChosen,
+  kUsable,    // gives a context as well; probe_devices() only
+  kRejected,  // gives none, or not of the kind wished
+  kNotTried,  // not wished, or another was found first
+};
+
+struct DeviceOutcome {
+  RenderDevice device;
+  DeviceState state = DeviceState::kNotTried;
+  std::string words;  // chosen or usable: GL vendor, renderer and version; rejected: why
+};
+
 // Draws scenes. Safe to call from any thread; calls block until their picture is done and share one render thread,
 // which alone owns the graphics context.
 class Renderer {
@@ -154,17 +184,36 @@ class Renderer {
   // False for the null renderer.
   [[nodiscard]] virtual bool available() const = 0;
 
-  // One line: platform, GL vendor, renderer and version; "none: <reason>" for the null renderer.
+  // One line: device, GL vendor, renderer and version, and which devices were rejected before it and why; "none:
+  // <reason>" for the null renderer.
   [[nodiscard]] virtual std::string description() const = 0;
+
+  // What became of each device that this machine offers when the renderer was made; empty where nobody looked.
+  [[nodiscard]] virtual std::vector<DeviceOutcome> devices() const { return {}; }
 };
+
+inline constexpr const char* kAnyDevice = "auto";
+inline constexpr const char* kSoftwareDevice = "software";
+inline constexpr const char* kNoDevice = "none";
 
 struct RendererOptions {
   int max_waiting = 16;  // calls that may wait behind the one being drawn, >= 0; more are refused
+  // "auto": hardware if there is any, else software; "software"; "none"; the number of one of devices(); or a part of a
+  // device's name or details, whatever the case of letters.
+  std::string device = kAnyDevice;
 };
 
-// The EGL renderer: on a hardware device if there is one, else Mesa's software device, else Mesa's surfaceless
-// platform. Where none of these gives an OpenGL 3.3 core context, or the build has no EGL, the null renderer, which
+// Whether make_renderer() will find something to try. Errors: kInvalidArgument "UNKNOWN_DEVICE", with the list of
+// devices in the message.
+Status check_device(const std::string& device);
+
+// The EGL renderer, on the first of the devices wished that gives an OpenGL 3.3 core context: hardware, then Mesa's
+// software device, then Mesa's surfaceless platform. Where none does, or the build has no EGL, the null renderer, which
 // refuses every picture and says why. Never null.
 std::unique_ptr<Renderer> make_renderer(const RendererOptions& options = {});
+
+// Opens every device that this machine offers, one after the other, on the calling thread; kChosen is the one that
+// "auto" takes.
+std::vector<DeviceOutcome> probe_devices();
 
 }  // namespace kerf::render

@@ -17,6 +17,7 @@ out vec3 v_world;
 out vec3 v_normal;
 out vec2 v_material;
 out vec3 v_tint;
+out float v_ridge;
 out vec3 v_barycentric;
 
 void main() {
@@ -24,6 +25,7 @@ void main() {
   v_normal = a_normal;
   v_material = a_material;
   v_tint = a_tint.rgb * (255.0 / 128.0);
+  v_ridge = (a_tint.a - 128.0 / 255.0) * (255.0 / 127.0);
   int corner = gl_VertexID % 3;
   v_barycentric = vec3(corner == 0, corner == 1, corner == 2);
   gl_Position = u_clip_from_world * vec4(a_position, 1.0);
@@ -37,6 +39,7 @@ in vec3 v_world;
 in vec3 v_normal;
 in vec2 v_material;
 in vec3 v_tint;
+in float v_ridge;
 in vec3 v_barycentric;
 uniform vec3 u_eye;
 uniform vec3 u_up;
@@ -46,6 +49,7 @@ uniform bool u_shadows;
 uniform mat4 u_shadow_from_world;
 uniform float u_shadow_texel_m;
 uniform float u_shadow_texel;
+uniform float u_penumbra_texels;
 uniform sampler2DShadow u_shadow_map;
 out vec4 f_colour;
 
@@ -65,13 +69,14 @@ float light_visibility(vec3 point, vec3 n) {
   float sum = 0.0;
   for (int i = 0; i < 12; ++i) {
     if (i == 4 && (sum == 0.0 || sum == 4.0)) return 0.25 * sum;  // all in light or all in shadow: away from its edge
-    sum += texture(u_shadow_map, vec3(place.xy + 3.0 * u_shadow_texel * kDisc[i], place.z));
+    sum += texture(u_shadow_map, vec3(place.xy + u_penumbra_texels * u_shadow_texel * kDisc[i], place.z));
   }
   return sum / 12.0;
 }
 
-// `gloss` in [0, 1]: how much of a highlight there is; `translucency` in [0, 1]: how much light comes through.
-vec3 shade(vec3 albedo, vec3 n, float gloss, float translucency) {
+// `gloss` in [0, 1]: how much of a highlight there is; `translucency` in [0, 1]: how much light comes through; `open`
+// in [0, 2]: how much of the sky is seen, 1 where nothing stands around.
+vec3 shade(vec3 albedo, vec3 n, float gloss, float translucency, float open) {
   vec3 to_eye = normalize(u_eye - v_world);
   float facing = clamp(dot(n, to_eye), 0.0, 1.0);
   float towards_light = dot(n, u_to_light);
@@ -79,7 +84,7 @@ vec3 shade(vec3 albedo, vec3 n, float gloss, float translucency) {
   vec3 ambient = mix(vec3(0.17, 0.155, 0.15), vec3(0.42, 0.45, 0.50), 0.5 + 0.5 * dot(n, u_up));
   vec3 key = vec3(0.98, 0.94, 0.86) * visible *
              (max(towards_light, 0.0) + translucency * max(-towards_light, 0.0));
-  vec3 light = ambient + key + vec3(0.10) * facing;
+  vec3 light = open * (ambient + vec3(0.10) * facing) + mix(1.0, open, 0.35) * key;
   vec3 halfway = normalize(u_to_light + to_eye);
   float shine = max(dot(n, halfway), 0.0);
   for (int i = 0; i < 3; ++i) shine *= shine;
@@ -113,42 +118,71 @@ uniform bool u_coloured;
 uniform bool u_wireframe;
 uniform float u_wire_width_px;
 
-// Checks averaged over the fragment's footprint (the product of two box-filtered square waves), in [0, 1].
-float checks(vec2 p, vec2 footprint) {
-  vec2 w = max(footprint, 1e-4);
-  vec2 wave = 2.0 * (abs(fract((p - 0.5 * w) * 0.5) - 0.5) - abs(fract((p + 0.5 * w) * 0.5) - 0.5)) / w;
-  return 0.5 - 0.5 * wave.x * wave.y;
+const float kThreads = 16.0;  // a check
+
+float hash(float n) { return fract(sin(n * 12.9898) * 43758.5453); }
+
+// 1 where there are this many pixels to a period or more, 0 where it would only flicker.
+float resolved(float period_px) { return smoothstep(1.6, 4.0, period_px); }
+
+// Bands of dyed and of plain yarn, as wide as a check, in both directions; in each place one direction's thread lies on
+// top. The share of dye that is seen, in [0, 1], and how light the thread is there, about 1. Threads, then bands, are
+// averaged where a pixel holds several.
+vec2 cloth(vec2 p, vec2 footprint) {
+  vec2 wave = 2.0 * (abs(fract((p - 0.5 * footprint) * 0.5) - 0.5) - abs(fract((p + 0.5 * footprint) * 0.5) - 0.5)) /
+              footprint;
+  vec2 dyed = 0.5 - 0.5 * wave;
+  float mean = 0.5 * (dyed.x + dyed.y);
+  float check_px = 1.0 / max(footprint.x, footprint.y);
+  float slubs = 0.09 * resolved(0.25 * check_px);  // yarn is thicker here and thinner there
+  vec2 uneven = vec2(hash(floor(4.0 * p.x + 0.5)), hash(floor(4.0 * p.y + 0.5) + 71.0)) - 0.5;
+  float light = 1.0 + slubs * (uneven.x + uneven.y);
+  float seen = u_wireframe ? 0.0 : resolved(check_px / kThreads);
+  if (seen == 0.0) return vec2(mean, light);
+  vec2 along = kThreads * p;
+  vec2 thread = floor(along);
+  vec2 across = 2.0 * fract(along) - 1.0;
+  bool warp = mod(thread.x + thread.y, 2.0) < 0.5;
+  vec2 place = warp ? across : across.yx;  // across the thread on top, along it
+  float height = (1.0 - place.x * place.x) * (1.0 - 0.5 * place.y * place.y);
+  float yarn = hash(warp ? thread.x : thread.y + 71.0) - 0.5;
+  float dye = mix(mean, warp ? dyed.x : dyed.y, 0.75 * seen);
+  return vec2(dye, light + seen * (0.62 * (height - 0.5556) + 0.14 * yarn));
 }
 
-// A plain weave: threads that go over and under one another, as a factor near 1. Fades out where threads are too fine.
-float weave(vec2 p, vec2 footprint) {
-  vec2 along = p * 8.0;
-  float over = mod(floor(along.x) + floor(along.y), 2.0);
-  vec2 place = fract(along);
-  vec2 ridge = 4.0 * place * (1.0 - place);
-  float height = over > 0.5 ? ridge.x : ridge.y;
-  float fine = 8.0 * max(footprint.x, footprint.y);
-  return 1.0 + 0.16 * (height - 0.6667) * (1.0 - smoothstep(0.2, 0.6, fine));
+// How much of the wire's colour is seen: less where triangles are a few pixels high, or nothing else would be.
+// `per_px`: how much each barycentric coordinate changes over a pixel.
+float wire(vec3 per_px) {
+  vec3 distance_px = v_barycentric / per_px;
+  float nearest = min(distance_px.x, min(distance_px.y, distance_px.z));
+  float line = 1.0 - smoothstep(0.5 * u_wire_width_px - 0.5, 0.5 * u_wire_width_px + 0.5, nearest);
+  float height_px = 1.0 / max(per_px.x, max(per_px.y, per_px.z));
+  return line * mix(0.25, 0.76, smoothstep(1.5, 7.0, height_px / u_wire_width_px));
 }
 
 void main() {
+  // Derivatives before anything is decided: inside a branch they are undefined, and wrong along edges in llvmpipe.
+  vec2 footprint = max(fwidth(v_material), vec2(1e-4));
+  vec3 over_x = dFdx(v_barycentric);
+  vec3 over_y = dFdy(v_barycentric);
   vec3 n = unit(v_normal, u_up);
-  if (!gl_FrontFacing) n = -n;
-  vec3 albedo = (gl_FrontFacing ? u_front : u_back) * v_tint;
-  vec2 footprint = fwidth(v_material);
-  if (u_coloured) {
-    albedo = pow(v_tint * (128.0 / 255.0), vec3(2.2));
-    if (u_textured) albedo *= weave(v_material, footprint);
-  } else if (u_textured) {
-    float check = checks(v_material, footprint);
-    albedo = mix(albedo * 0.80, mix(albedo, vec3(1.0), 0.13) * 1.12, check) * weave(v_material, footprint);
+  float ridge = v_ridge;
+  if (!gl_FrontFacing) {
+    n = -n;
+    ridge = -ridge;
   }
-  vec3 colour = shade(albedo, n, 0.35, 0.22);
-  vec3 distance_px = v_barycentric / max(fwidth(v_barycentric), vec3(1e-9));
+  vec3 albedo = (gl_FrontFacing ? u_front : u_back) * v_tint;
+  if (u_coloured) albedo = pow(v_tint * (128.0 / 255.0), vec3(2.2));
+  if (u_textured) {
+    vec2 woven = cloth(v_material, footprint);
+    float dye = u_wireframe ? mix(0.5, woven.x, 0.35) : woven.x;  // the wires are what is looked at
+    if (!u_coloured) albedo = mix(mix(albedo, vec3(0.72), 0.55), 0.62 * albedo, dye);
+    albedo *= woven.y;
+  }
+  vec3 colour = shade(albedo, n, 0.18, 0.22, 1.0 + (ridge > 0.0 ? 0.25 : 0.75) * ridge);
   if (u_wireframe) {
-    float nearest = min(distance_px.x, min(distance_px.y, distance_px.z));
-    float line = 1.0 - smoothstep(0.5 * u_wire_width_px - 0.5, 0.5 * u_wire_width_px + 0.5, nearest);
-    colour = mix(colour, vec3(0.012, 0.016, 0.025), 0.62 * line);
+    vec3 per_px = max(sqrt(over_x * over_x + over_y * over_y), vec3(1e-9));
+    colour = mix(colour, vec3(0.012, 0.016, 0.025), wire(per_px));
   }
   f_colour = to_srgb(colour, 1.0);
 }
@@ -157,18 +191,68 @@ void main() {
 inline constexpr const char* kSolidFragmentShader = R"(
 void main() {
   vec3 n = unit(v_normal, u_up);
-  f_colour = to_srgb(shade(vec3(0.52, 0.52, 0.50), n, 0.6, 0.0), 1.0);
+  f_colour = to_srgb(shade(vec3(0.52, 0.52, 0.50), n, 0.6, 0.0, 1.0), 1.0);
 }
 )";
 
-// A disc of the background's colour, darkened by shadows, that fades out.
+// A disc of the background's colour that fades out, darkened by shadows and by what hides the sky from it.
 inline constexpr const char* kGroundFragmentShader = R"(
 void main() {
   float r = length(v_material);
   if (!gl_FrontFacing || r > 1.0) discard;
   vec3 n = unit(v_normal, u_up);
-  float light = mix(0.50, 0.86, light_visibility(v_world, n));
+  float light = mix(0.46, 0.86, light_visibility(v_world, n)) * v_tint.r;
   f_colour = to_srgb(u_background * light, 1.0 - smoothstep(0.25, 1.0, r));
+}
+)";
+
+// The lips: strips of constant width in the image along borders, inside the sheet, one instance a segment, six vertices
+// each. Rounded over the edge, so that of the two lips of a cut one catches the light.
+inline constexpr const char* kLipVertexShader = R"(
+layout(location = 0) in vec3 a_start;
+layout(location = 1) in vec3 a_end;
+layout(location = 2) in vec3 a_start_inward;
+layout(location = 3) in vec3 a_end_inward;
+layout(location = 4) in vec3 a_start_normal;
+layout(location = 5) in vec3 a_end_normal;
+uniform mat4 u_clip_from_world;
+uniform float u_clip_z_offset;
+uniform float u_width_fraction;
+uniform float u_max_width_m;
+out vec3 v_world;
+out vec3 v_normal;
+out vec2 v_material;
+out vec3 v_tint;
+out float v_ridge;
+out vec3 v_barycentric;
+
+const vec2 kCorners[6] = vec2[](vec2(0, 0), vec2(1, 0), vec2(1, 1), vec2(0, 0), vec2(1, 1), vec2(0, 1));
+
+void main() {
+  vec2 corner = kCorners[gl_VertexID];
+  bool at_end = corner.x > 0.5;
+  vec3 edge = at_end ? a_end : a_start;
+  vec3 inward = at_end ? a_end_inward : a_start_inward;
+  float distance = (u_clip_from_world * vec4(edge, 1.0)).w;
+  v_world = edge + corner.y * min(u_width_fraction * distance, u_max_width_m) * inward;
+  v_normal = at_end ? a_end_normal : a_start_normal;
+  v_material = vec2(corner.y, 0.0);
+  v_tint = inward;
+  v_ridge = 0.0;
+  v_barycentric = vec3(0.0);
+  gl_Position = u_clip_from_world * vec4(v_world, 1.0);
+  gl_Position.z += u_clip_z_offset;
+}
+)";
+
+inline constexpr const char* kLipFragmentShader = R"(
+uniform vec3 u_lip;
+
+void main() {
+  vec3 n = unit(v_normal, u_up);
+  if (dot(n, u_eye - v_world) < 0.0) n = -n;
+  vec3 rounded = normalize(n - 0.9 * (1.0 - v_material.x) * unit(v_tint, vec3(0.0)));
+  f_colour = to_srgb(shade(u_lip, rounded, 0.3, 0.1, 1.0), 1.0);
 }
 )";
 

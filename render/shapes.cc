@@ -10,11 +10,11 @@ namespace {
 constexpr int kSegments = 64;  // around a sphere or capsule
 constexpr int kRings = 16;     // from its equator to a pole
 
-SurfaceVertex vertex(Vec3 position, Vec3 normal, double u = 0.0, double v = 0.0) {
+SurfaceVertex vertex(Vec3 position, Vec3 normal) {
   return {{static_cast<float>(position.x), static_cast<float>(position.y), static_cast<float>(position.z)},
           {static_cast<float>(normal.x), static_cast<float>(normal.y), static_cast<float>(normal.z)},
-          {static_cast<float>(u), static_cast<float>(v)},
-          {128, 128, 128, 255}};
+          {0.0F, 0.0F},
+          {128, 128, 128, 128}};
 }
 
 void append_quad(const std::array<SurfaceVertex, 4>& quad, std::vector<SurfaceVertex>& out) {
@@ -90,16 +90,6 @@ void append_box(const Box& box, std::vector<SurfaceVertex>& out) {
                   out);
     }
   }
-}
-
-void append_ground(const Plane& plane, Vec3 near, double radius, std::vector<SurfaceVertex>& out) {
-  const Vec3 normal = normalized(plane.normal);
-  const Vec3 middle = near - dot(near - plane.point, normal) * normal;
-  const Vec3 right = radius * perpendicular(normal);
-  const Vec3 up = cross(normal, right);
-  append_quad({vertex(middle - right - up, normal, -1.0, -1.0), vertex(middle + right - up, normal, 1.0, -1.0),
-               vertex(middle + right + up, normal, 1.0, 1.0), vertex(middle - right + up, normal, -1.0, 1.0)},
-              out);
 }
 
 void extend(Bounds& bounds, const Collider& collider) {

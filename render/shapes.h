@@ -11,9 +11,6 @@ void append_sphere(const Sphere& sphere, std::vector<SurfaceVertex>& out);
 void append_box(const Box& box, std::vector<SurfaceVertex>& out);
 void append_capsule(const Capsule& capsule, std::vector<SurfaceVertex>& out);
 
-// A square around the plane's disc of the given radius (m); the shader keeps the disc.
-void append_ground(const Plane& plane, Vec3 near, double radius, std::vector<SurfaceVertex>& out);
-
 // What a collider adds to the bounds of what casts shadows; nothing for a plane.
 void extend(Bounds& bounds, const Collider& collider);
 

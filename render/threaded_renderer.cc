@@ -12,6 +12,17 @@ Status shutting_down() {
   return {StatusCode::kUnavailable, "SHUTTING_DOWN", "the renderer is shutting down", ""};
 }
 
+// The canvas, the device it is on, and those that were rejected.
+std::string describe(const Canvas& canvas, const std::vector<DeviceOutcome>& outcomes) {
+  std::string words = canvas.description();
+  std::string rejected;
+  for (const auto& [device, state, reason] : outcomes) {
+    if (state == DeviceState::kChosen) words = device.name + ", " + words;
+    if (state == DeviceState::kRejected) rejected += "; not " + device.name + ": " + reason;
+  }
+  return words + rejected;
+}
+
 }  // namespace
 
 ThreadedRenderer::ThreadedRenderer(CanvasFactory factory, const RendererOptions& options)
@@ -96,10 +107,12 @@ Status ThreadedRenderer::render(const Scene& scene, const Camera& camera, int wi
 
 void ThreadedRenderer::run(const CanvasFactory& factory) {
   std::unique_ptr<Canvas> canvas;
-  const Status first = factory(canvas);
+  std::vector<DeviceOutcome> outcomes;
+  const Status first = factory(canvas, outcomes);
   std::unique_lock lock(mutex_);
   available_ = first.ok();
-  description_ = first.ok() ? canvas->description() : "none: " + first.message;
+  description_ = first.ok() ? describe(*canvas, outcomes) : "none: " + first.message;
+  outcomes_ = std::move(outcomes);
   started_ = true;
   done_.notify_all();
   while (true) {
@@ -121,7 +134,8 @@ void ThreadedRenderer::run(const CanvasFactory& factory) {
 
 void ThreadedRenderer::draw(const CanvasFactory& factory, std::unique_ptr<Canvas>& canvas, Job& job) {
   if (canvas == nullptr) {
-    job.status = factory(canvas);
+    std::vector<DeviceOutcome> outcomes;
+    job.status = factory(canvas, outcomes);
     if (!job.status.ok()) {
       canvas.reset();
       return;

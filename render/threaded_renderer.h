@@ -6,6 +6,7 @@
 #include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "render/canvas.h"
 #include "render/renderer.h"
@@ -30,6 +31,8 @@ class ThreadedRenderer final : public Renderer {
   [[nodiscard]] bool available() const override { return available_; }
   // Of the first canvas, or why there was none.
   [[nodiscard]] std::string description() const override { return description_; }
+  // Of the first canvas.
+  [[nodiscard]] std::vector<DeviceOutcome> devices() const override { return outcomes_; }
 
   // Finishes the picture being drawn; refuses the calls that wait and all later ones. Returns at once.
   void stop();
@@ -55,6 +58,7 @@ class ThreadedRenderer final : public Renderer {
   // Written by the render thread before `started_`, then never again.
   bool available_ = false;
   std::string description_;
+  std::vector<DeviceOutcome> outcomes_;
 
   mutable std::mutex mutex_;
   std::condition_variable work_;  // the render thread waits on it

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "render/renderer.h"
 #include "server/app/version.h"
 
 namespace kerf::app {
@@ -27,6 +28,8 @@ struct Arguments {
   double max_load = Config().max_load;
   std::string web;
   bool no_render = false;
+  std::string render_device = render::kAnyDevice;
+  bool list_render_devices = false;
   bool allow_remote = false;
   std::vector<std::string> allowed_origins;
   std::string record_dir;
@@ -59,7 +62,17 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->capture_default_str();
   parser.add_option("--web", arguments.web, "Folder of the built viewer (default: found beside the program)")
       ->type_name("DIR");
-  parser.add_flag("--no-render", arguments.no_render, "Draw no pictures, even where EGL works");
+  CLI::Option* no_render =
+      parser.add_flag("--no-render", arguments.no_render, "Draw no pictures, even where EGL works");
+  parser
+      .add_option("--render-device", arguments.render_device,
+                  "What draws pictures: auto (hardware if there is any, else software), software, none, or the number "
+                  "or part of the name of a device")
+      ->type_name("DEVICE")
+      ->capture_default_str()
+      ->excludes(no_render);
+  parser.add_flag("--list-render-devices", arguments.list_render_devices,
+                  "Print the devices that can draw pictures and exit");
   parser.add_flag(
       "--allow-remote", arguments.allow_remote,
       "Listen on addresses that other machines can reach. There is no TLS and no login: whoever reaches the "
@@ -114,11 +127,26 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   config.max_load = arguments.max_load;
   config.scenes.assign(arguments.scenes.begin(), arguments.scenes.end());
   config.web = arguments.web;
-  config.render = !arguments.no_render;
+  config.render = !arguments.no_render && arguments.render_device != render::kNoDevice;
+  config.render_device = arguments.render_device;
   config.allow_remote = arguments.allow_remote;
   config.allowed_origins = arguments.allowed_origins;
   config.record_dir = arguments.record_dir;
   return std::variant<Config, Notice>(std::move(config));
+}
+
+// A line for each device: its number, what it is and whether it draws.
+std::string render_device_table() {
+  const std::vector<render::DeviceOutcome> outcomes = render::probe_devices();
+  if (outcomes.empty()) return render::make_renderer()->description() + "\n";
+  std::string table;
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    const auto& [device, state, words] = outcomes[i];
+    table += std::to_string(i) + (state == render::DeviceState::kChosen ? " * " : "   ") + device.name;
+    if (!device.details.empty()) table += ", " + device.details;
+    table += (state == render::DeviceState::kRejected ? ": does not draw: " : ": ") + words + "\n";
+  }
+  return table + "* is what --render-device auto takes\n";
 }
 
 }  // namespace
@@ -136,6 +164,7 @@ Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* co
   } catch (const CLI::ParseError& error) {
     return invalid_argument("BAD_COMMAND_LINE", std::string(error.what()) + " (kerfd --help lists the options)");
   }
+  if (arguments.list_render_devices) return std::variant<Config, Notice>(Notice{render_device_table()});
   return to_config(arguments);
 }
 

@@ -21,6 +21,7 @@ struct Config {
   double max_load = 1.0;                      // see host::HostOptions
   std::filesystem::path web;                  // the built viewer; empty: none is served
   bool render = true;                         // pictures, where EGL works
+  std::string render_device = "auto";         // as render::RendererOptions::device; nothing else than "auto" may fail
   bool allow_remote = false;                  // may listen on other than loopback addresses
   std::vector<std::string> allowed_origins;   // web pages of other origins that may use this server
   std::filesystem::path record_dir;           // where recordings go; empty: none

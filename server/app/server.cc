@@ -49,7 +49,7 @@ struct Server::Impl {
   int http_port = 0;
 
   host::HostOptions host_options();
-  void build_renderer();
+  Status build_renderer();
   void tell_what_is_missing() const;
   Status check_record_dir();
   Status listen(ws::AssetTable viewer);
@@ -74,9 +74,19 @@ host::HostOptions Server::Impl::host_options() {
   return options;
 }
 
-void Server::Impl::build_renderer() {
-  if (!config.render) return;
-  renderer = render::make_renderer();
+// A device that was asked for by name has to draw; "auto" may find none.
+Status Server::Impl::build_renderer() {
+  if (!config.render) return Nothing{};
+  const std::string option = "--render-device";
+  if (const render::Status known = render::check_device(config.render_device); !known.ok()) {
+    return invalid_argument(known.reason, option + ": " + known.message, option);
+  }
+  renderer = render::make_renderer({.device = config.render_device});
+  if (renderer->available() || config.render_device == render::kAnyDevice) return Nothing{};
+  return invalid_argument("RENDER_DEVICE_FAILED",
+                          option + ": " + config.render_device + " does not draw: " + renderer->description() +
+                              " (kerfd --list-render-devices lists those that do)",
+                          option);
 }
 
 // Once everything is up: a start that fails says why it failed, and nothing else.
@@ -128,7 +138,7 @@ Status Server::Impl::start() {
   host = std::make_unique<host::Host>(host_options(), clock, entropy);
   const Result<std::vector<std::string>> sheets = load_scenes(config.scenes, disk, *host);
   if (!sheets) return sheets.error();
-  build_renderer();
+  if (const Status drawing = build_renderer(); !drawing) return drawing.error();
   api::ApiOptions options;
   options.version = kVersion;
   options.instance_id = instance_id;

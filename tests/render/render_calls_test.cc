@@ -33,6 +33,47 @@ TEST_F(RenderCalls, TheSameSceneGivesTheSameBytes) {
   EXPECT_EQ(first.rgba, by_other.rgba);
 }
 
+TEST_F(RenderCalls, TheDeviceForcedIsTheOneThatDraws) {
+  const std::vector<DeviceOutcome> probed = probe_devices();
+  ASSERT_FALSE(probed.empty());
+  int num_chosen = 0;
+  for (std::size_t i = 0; i < probed.size(); ++i) {
+    EXPECT_NE(probed[i].state, DeviceState::kNotTried) << probed[i].device.name;
+    if (probed[i].state == DeviceState::kChosen) ++num_chosen;
+    const std::string number = std::to_string(i);
+    EXPECT_TRUE(check_device(number).ok());
+    const std::unique_ptr<Renderer> forced = make_renderer({.device = number});
+    EXPECT_EQ(forced->available(), probed[i].state != DeviceState::kRejected) << forced->description();
+    if (forced->available()) {
+      EXPECT_EQ(forced->description(), probed[i].device.name + ", " + probed[i].words);
+    }
+    ASSERT_EQ(forced->devices().size(), probed.size());
+    for (std::size_t k = 0; k < probed.size(); ++k) {
+      if (k != i) {
+        EXPECT_EQ(forced->devices()[k].state, DeviceState::kNotTried);
+      }
+    }
+  }
+  EXPECT_EQ(num_chosen, 1);
+}
+
+TEST_F(RenderCalls, SoftwareCanBeForced) {
+  const std::unique_ptr<Renderer> renderer = make_renderer({.device = kSoftwareDevice});
+  ASSERT_TRUE(renderer->available()) << renderer->description();
+  EXPECT_NE(renderer->description().find("llvmpipe"), std::string::npos) << renderer->description();
+}
+
+TEST_F(RenderCalls, NoDeviceAndAnUnknownOneDrawNothing) {
+  EXPECT_TRUE(check_device(kNoDevice).ok());
+  EXPECT_EQ(make_renderer({.device = kNoDevice})->description(), "none: switched off");
+  const Status status = check_device("abacus");
+  EXPECT_EQ(status.reason, "UNKNOWN_DEVICE");
+  EXPECT_NE(status.message.find(renderer_->devices().front().device.name), std::string::npos) << status.message;
+  const std::unique_ptr<Renderer> renderer = make_renderer({.device = "abacus"});
+  EXPECT_FALSE(renderer->available());
+  EXPECT_NE(renderer->description().find("abacus"), std::string::npos) << renderer->description();
+}
+
 // The later platforms stand in where the first is missing, so they must be able to.
 TEST_F(RenderCalls, EveryPlatformOfferedDrawsTheSheet) {
   const std::vector<EglPlatform> platforms = egl_platforms();
@@ -44,12 +85,15 @@ TEST_F(RenderCalls, EveryPlatformOfferedDrawsTheSheet) {
       std::unique_ptr<Canvas> canvas;
       const Status made = make_gl_canvas(platform, canvas);
       ASSERT_TRUE(made.ok()) << made.message;
-      EXPECT_EQ(canvas->description().rfind(platform.name, 0), 0U) << canvas->description();
+      EXPECT_NE(canvas->description().find("OpenGL"), std::string::npos) << canvas->description();
+      if (platform.device.kind == DeviceKind::kSoftware) {
+        EXPECT_TRUE(canvas->draws_in_software());
+      }
       Pixels pixels;
-      const Status drawn = canvas->draw(make_draw_list(scene, front_camera(), 320, 240), pixels);
+      const Status drawn = canvas->draw(make_draw_list(scene, front_camera(), 320, 240), pixels, nullptr);
       ASSERT_TRUE(drawn.ok()) << drawn.message;
-      EXPECT_TRUE(is_front(pixel(pixels, 163, 125))) << platform.name;
-      EXPECT_EQ(pixel(pixels, 2, 2), kBackground) << platform.name;
+      EXPECT_TRUE(is_front(pixel(pixels, 163, 125))) << platform.device.name;
+      EXPECT_EQ(pixel(pixels, 2, 2), kBackground) << platform.device.name;
     })
         .join();
   }

@@ -4,6 +4,8 @@
 #include <latch>
 #include <set>
 #include <thread>
+#include <tuple>
+#include <utility>
 
 #include "render/null_renderer.h"
 #include "render/threaded_renderer.h"
@@ -45,7 +47,8 @@ class FakeCanvas final : public Canvas {
     --studio_.num_alive;
   }
 
-  Status draw(const DrawList& list, Pixels& pixels) override {
+  Status draw(const DrawList& list, Pixels& pixels, RenderTimes* times) override {
+    if (times != nullptr) std::tie(times->draw_s, times->read_s) = std::pair(0.25, 0.125);
     if (studio_.begun != nullptr) studio_.begun->count_down();
     if (studio_.go_on != nullptr) studio_.go_on->wait();
     const std::lock_guard lock(studio_.mutex);
@@ -56,13 +59,17 @@ class FakeCanvas final : public Canvas {
     return take(studio_.next_outcomes);
   }
   [[nodiscard]] std::string description() const override { return "a fake"; }
+  [[nodiscard]] bool draws_in_software() const override { return true; }
 
  private:
   Studio& studio_;
 };
 
 CanvasFactory factory(Studio& studio) {
-  return [&studio](std::unique_ptr<Canvas>& canvas) {
+  return [&studio](std::unique_ptr<Canvas>& canvas, std::vector<DeviceOutcome>& outcomes) {
+    outcomes = {{{"card", "", DeviceKind::kHardware}, DeviceState::kRejected, "on fire"},
+                {{"easel", "", DeviceKind::kSoftware}, DeviceState::kChosen, "a fake"},
+                {{"spare", "", DeviceKind::kSoftware}, DeviceState::kNotTried, ""}};
     Status outcome;
     {
       const std::lock_guard lock(studio.mutex);
@@ -93,7 +100,8 @@ TEST(RenderQueue, OneThreadDoesAllTheDrawing) {
   {
     ThreadedRenderer renderer(factory(studio), {});
     EXPECT_TRUE(renderer.available());
-    EXPECT_EQ(renderer.description(), "a fake");
+    EXPECT_EQ(renderer.description(), "easel, a fake; not card: on fire");
+    EXPECT_EQ(renderer.devices().size(), 3U);
     std::vector<std::thread> callers;
     for (int caller = 0; caller < 4; ++caller) {
       callers.emplace_back([&renderer, caller] {
@@ -125,6 +133,21 @@ TEST(RenderQueue, RefusesWhenTooManyWait) {
   first.join();
   studio.begun = nullptr;
   EXPECT_TRUE(render(renderer).ok()) << "there is room again";
+}
+
+TEST(RenderQueue, TellsWhereTheTimeWent) {
+  Studio studio;
+  ThreadedRenderer renderer(factory(studio), {});
+  Pixels pixels;
+  RenderTimes times{-1.0, -1.0, -1.0, -1.0};
+  ASSERT_TRUE(renderer.render(Scene{}, Camera{}, 64, 48, pixels, &times).ok());
+  EXPECT_GE(times.prepare_s, 0.0);
+  EXPECT_GE(times.wait_s, 0.0);
+  EXPECT_EQ(times.draw_s, 0.25);
+  EXPECT_EQ(times.read_s, 0.125);
+  studio.next_outcomes = {kLost};
+  ASSERT_FALSE(renderer.render(Scene{}, Camera{}, 64, 48, pixels, &times).ok());
+  EXPECT_EQ(times.draw_s, 0.25) << "of the last picture that was drawn";
 }
 
 TEST(RenderQueue, ALostContextIsAnErrorAndTheNextCallGetsAFreshOne) {

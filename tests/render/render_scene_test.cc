@@ -7,7 +7,9 @@
 #include <set>
 #include <vector>
 
+#include "render/borders.h"
 #include "render/draw_list.h"
+#include "render/sheet_shape.h"
 #include "render/views.h"
 #include "tests/render/render_scenes.h"
 
@@ -119,6 +121,9 @@ TEST(RenderScene, BadMeshesAreRefusedByField) {
   sheet.pieces.assign(32, -1);
   expect_refused(status_of(sheet), "INDEX_OUT_OF_RANGE", "scene.mesh.piece_ids");
   sheet = good;
+  sheet.colours.assign(good.positions.size() - 1, 0);
+  expect_refused(status_of(sheet), "ARRAY_SIZE_MISMATCH", "scene.mesh.vertex_colours");
+  sheet = good;
   sheet.triangles.assign(3 * (kMaxTriangles + 1), 0);
   expect_refused(status_of(sheet), "LIMIT_EXCEEDED", "scene.mesh.triangles");
 }
@@ -152,6 +157,10 @@ TEST(RenderScene, BadCollidersAndColoursAreRefusedByField) {
   scene = {};
   scene.style.back.green = 1.01;
   expect_refused(validate(scene), "COLOUR_OUT_OF_RANGE", "scene.style.back");
+  scene.style = {};
+  scene.style.lips.red = -0.01;
+  expect_refused(validate(scene), "COLOUR_OUT_OF_RANGE", "scene.style.lips");
+  scene.style = {};
   scene.style.back.green = kNan;
   expect_refused(validate(scene), "COLOUR_OUT_OF_RANGE", "scene.style.back");
 }
@@ -166,10 +175,53 @@ TEST(RenderBorders, AreTheEdgesOfOneTriangleOnly) {
   EXPECT_EQ(num_borders(make_sheet(8, 0.0, Slit::kClosed)), 32U + 2U * 4U);
   EXPECT_TRUE(border_edges({}, 0).empty());
   const std::vector<std::int32_t> one{4, 2, 7};
-  EXPECT_EQ(border_edges(one, 8), (std::vector<std::array<std::int32_t, 2>>{{4, 2}, {2, 7}, {7, 4}}));
+  EXPECT_EQ(border_edges(one, 8), (std::vector<std::array<std::int32_t, 3>>{{4, 2, 7}, {2, 7, 4}, {7, 4, 2}}));
   // Three triangles on one edge: that edge is no border.
   const std::vector<std::int32_t> book{0, 1, 2, 1, 0, 3, 0, 1, 4};
   EXPECT_EQ(border_edges(book, 5).size(), 6U);
+}
+
+Vec3 to_vec3(const Float3& v) {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+TEST(RenderBorders, LipsReachIntoTheSheetAndMeet) {
+  const Sheet sheet = make_sheet(8, 0.0, Slit::kClosed);
+  const Mesh mesh = sheet.mesh();
+  int num_lips = 0;  // of the slit at x = 0
+  for (const BorderSegment& segment : border_segments(mesh, vertex_normals(mesh))) {
+    const Vec3 start = to_vec3(segment.start);
+    const Vec3 end = to_vec3(segment.end);
+    EXPECT_NEAR(to_vec3(segment.start_normal).y, -1.0, 1e-6);
+    if (std::abs(start.x) < 1e-6 && std::abs(end.x) < 1e-6) {
+      ++num_lips;
+      // The triangle is on the left of the edge, seen from -y.
+      EXPECT_NEAR(to_vec3(segment.start_inward).x, end.z > start.z ? -1.0 : 1.0, 1e-5);
+      EXPECT_NEAR(to_vec3(segment.end_inward).z, 0.0, 1e-5);
+      continue;
+    }
+    for (const auto& [place, inward] : {std::pair{start, segment.start_inward}, {end, segment.end_inward}}) {
+      // On the outer border a strip ends at the inset square, also at the corners.
+      const Vec3 inner = place + 0.1 * to_vec3(inward);
+      EXPECT_NEAR(std::max(std::abs(inner.x), std::abs(inner.z)), 0.4, 1e-5);
+    }
+  }
+  EXPECT_EQ(num_lips, 8);
+}
+
+TEST(RenderRidges, AreWhereTheSheetBulges) {
+  Sheet sheet = make_sheet(16, 0.3);  // y = -1.2 u (1 - u): curvature 2.4 / m across, none along, seen on the ridge
+  const Mesh mesh = sheet.mesh();
+  const std::vector<float> heights = ridges(mesh, vertex_normals(mesh), 0.1);
+  const std::size_t middle = 8 * 17 + 8;
+  // Of the six edges at a vertex two go across, two along, two askew.
+  EXPECT_GT(heights[middle], 0.08F);
+  EXPECT_LT(heights[middle], 0.24F);
+  for (std::size_t i = 0; i < sheet.triangles.size(); i += 3) std::swap(sheet.triangles[i], sheet.triangles[i + 1]);
+  const Mesh turned = sheet.mesh();
+  EXPECT_FLOAT_EQ(ridges(turned, vertex_normals(turned), 0.1)[middle], -heights[middle]);
+  const Sheet flat = make_sheet(4, 0.0);
+  for (const float height : ridges(flat.mesh(), vertex_normals(flat.mesh()), 10.0)) EXPECT_EQ(height, 0.0F);
 }
 
 TEST(RenderNormals, AreUnitAndPointToTheFront) {

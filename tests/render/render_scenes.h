@@ -15,6 +15,7 @@ struct Sheet {
   std::vector<float> material;
   std::vector<std::int32_t> triangles;
   std::vector<std::int32_t> pieces;
+  std::vector<std::uint8_t> colours;
 
   [[nodiscard]] Mesh mesh() const {
     Mesh mesh;
@@ -22,6 +23,7 @@ struct Sheet {
     mesh.material_coordinates = material;
     mesh.triangles = triangles;
     mesh.piece_ids = pieces;
+    mesh.vertex_colours = colours;
     mesh.material_upper = {1.0F, 1.0F};
     return mesh;
   }

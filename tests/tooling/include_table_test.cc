@@ -71,7 +71,7 @@ const std::vector<Row>& table() {
       {"server/stream", {"server/wire", "server/sheet", "server/mesh", "server/base"}, {}},
       {"server/api",
        {"server/stream", "server/wire", "server/host", "server/analysis", "server/sheet", "server/base",
-         "render/renderer.h", "render/image.h", "render/video.h"},
+         "render/renderer.h", "render/image.h", "render/video.h", "render/colours.h"},
         {"eigen", "proto"}},
       {"server/rpc",
        {"server/api", "server/stream", "server/wire", "server/host", "server/sheet", "server/base", "render/renderer.h",

@@ -1,0 +1,98 @@
+#include "render/colours.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "render/linear.h"
+
+namespace kerf::render {
+
+namespace {
+
+// In linear light.
+Vec3 from_hex(unsigned hex) {
+  return linear({(hex >> 16U) / 255.0, ((hex >> 8U) & 0xffU) / 255.0, (hex & 0xffU) / 255.0});
+}
+
+Rgb8 to_rgb8(Vec3 light) {
+  const auto channel = [](double value) {
+    const double srgb = value <= 0.0031308 ? 12.92 * value : 1.055 * std::pow(value, 1.0 / 2.4) - 0.055;
+    return static_cast<std::uint8_t>(std::lround(255.0 * srgb));
+  };
+  return {channel(light.x), channel(light.y), channel(light.z)};
+}
+
+Vec3 mix(Vec3 from, Vec3 to, double share) {
+  return (1.0 - share) * from + share * to;
+}
+
+constexpr std::array<unsigned, 6> kStops{0x440154, 0x414487, 0x2a788e, 0x22a884, 0x7ad151, 0xfde725};
+constexpr std::size_t kNumShades = 1024;  // of the table, so that neighbours differ by at most one in a channel
+constexpr double kSmallestEnd = 1e-4;     // -, of strain
+constexpr double kShareBelow = 0.99;      // of the vertices
+constexpr double kKeepsDownTo = 0.2;      // of the scale's end
+
+constexpr std::array<unsigned, 7> kPalette{0x0072b2, 0xe69f00, 0x009e73, 0xcc79a7, 0x56b4e9, 0xd55e00, 0xf0e442};
+struct Round {
+  unsigned towards;
+  double share;
+};
+constexpr std::array<Round, 3> kRounds{{{0xffffff, 0.0}, {0xffffff, 0.5}, {0x000000, 0.4}}};
+
+std::array<Rgb8, kNumShades> make_shades() {
+  std::array<Rgb8, kNumShades> shades{};
+  constexpr std::size_t kLast = kStops.size() - 1;
+  for (std::size_t i = 0; i < kNumShades; ++i) {
+    const double at = static_cast<double>(kLast * i) / (kNumShades - 1);
+    const std::size_t from = std::min(static_cast<std::size_t>(at), kLast - 1);
+    shades[i] = to_rgb8(mix(from_hex(kStops[from]), from_hex(kStops[from + 1]), at - static_cast<double>(from)));
+  }
+  return shades;
+}
+
+// The least of 1, 2, 5, 10, 20, ... times a power of ten that is not below `value` > 0.
+double rounded_up(double value) {
+  const double decade = std::pow(10.0, std::floor(std::log10(value)));
+  for (const double step : {1.0, 2.0, 5.0}) {
+    if (value <= step * decade * (1.0 + 1e-9)) return step * decade;
+  }
+  return 10.0 * decade;
+}
+
+}  // namespace
+
+Rgb8 strain_colour(double share) {
+  static const std::array<Rgb8, kNumShades> shades = make_shades();
+  const double within = share > 0.0 ? std::min(share, 1.0) : 0.0;  // 0 for NaN, too
+  return shades[static_cast<std::size_t>(within * (kNumShades - 1) + 0.5)];
+}
+
+double strain_scale_end(std::span<const float> strains, double current) {
+  double largest = kSmallestEnd;
+  if (!strains.empty()) {
+    std::vector<float> sorted(strains.begin(), strains.end());
+    const auto at = static_cast<std::ptrdiff_t>(kShareBelow * static_cast<double>(sorted.size() - 1));
+    std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
+    largest = std::max(largest, static_cast<double>(sorted[static_cast<std::size_t>(at)]));
+  }
+  return largest > current || largest < kKeepsDownTo * current ? rounded_up(largest) : current;
+}
+
+std::vector<std::uint8_t> strain_colours(std::span<const float> strains, double end) {
+  std::vector<std::uint8_t> colours;
+  colours.reserve(3 * strains.size());
+  for (const float strain : strains) {
+    const Rgb8 colour = strain_colour(static_cast<double>(strain) / end);
+    colours.insert(colours.end(), colour.begin(), colour.end());
+  }
+  return colours;
+}
+
+Rgb8 piece_colour(std::int64_t id) {
+  const auto index = static_cast<std::size_t>(id - 1);
+  const Round& round = kRounds[index / kPalette.size() % kRounds.size()];
+  return to_rgb8(mix(from_hex(kPalette[index % kPalette.size()]), from_hex(round.towards), round.share));
+}
+
+}  // namespace kerf::render

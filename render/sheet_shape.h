@@ -1,0 +1,36 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "render/renderer.h"
+
+// What a sheet's triangles say of its shape at its vertices.
+namespace kerf::render {
+
+using Float3 = std::array<float, 3>;
+
+inline Float3 position(const Mesh& mesh, std::int32_t vertex) {
+  const std::size_t at = 3 * static_cast<std::size_t>(vertex);
+  return {mesh.positions[at], mesh.positions[at + 1], mesh.positions[at + 2]};
+}
+inline Float3 difference(Float3 a, Float3 b) {
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+inline Float3 cross(Float3 u, Float3 v) {
+  return {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+}
+inline float dot(Float3 u, Float3 v) {
+  return u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+}
+// `otherwise` where v vanishes.
+Float3 unit(Float3 v, Float3 otherwise);
+
+// Of each vertex: the sum of its triangles' normals weighted by their areas, made unit; (0, 0, 1) where that vanishes.
+std::vector<Float3> vertex_normals(const Mesh& mesh);
+
+// Of each vertex, in [-1, 1]: the mean curvature along its edges times `length` (m), positive on what is a ridge to
+// the front. `normals`: as above.
+std::vector<float> ridges(const Mesh& mesh, const std::vector<Float3>& normals, double length);
+
+}  // namespace kerf::render
