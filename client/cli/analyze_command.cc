@@ -8,7 +8,9 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/progress.h"
 #include "client/cli/tables.h"
 #include "client/cpp/client.h"
 #include "kerf/v1/sheets.grpc.pb.h"
@@ -63,8 +65,11 @@ int analyze(const Session& session, const AnalyzeArguments& arguments) {
   request.set_name("sheets/" + arguments.id);
   client::Client client(session.server);
   v1::AnalyzeSheetResponse response;
-  const grpc::Status status =
-      client.call(&v1::SheetService::Stub::AnalyzeSheet, client.sheets(), request, response, std::chrono::hours(24));
+  const grpc::Status status = [&] {
+    const WaitingNote note(session, "analysing");
+    return client.call(&v1::SheetService::Stub::AnalyzeSheet, client.sheets(), request, response,
+                       std::chrono::hours(24));
+  }();
   if (!status.ok()) return refuse(status, session.server);
   if (const Status written = write_csv(disk, arguments.csv, response.tables()); !written) {
     return refuse(written.error());
@@ -93,7 +98,8 @@ void add_analyze_command(CLI::App& app, Session& session) {
                          "          kerf analyze cloth --modes 6\n"
                          "          kerf analyze cloth --dynamic --ticks 120 --csv tables/\n"
                          "          kerf analyze cloth --request probes.json --csv tables/");
-  analyzing->add_option("SHEET", arguments->id, "Its id")->required();
+  analyzing->group(group::kPhysics);
+  add_sheet_id(*analyzing, arguments->id);
   auto* modes =
       analyzing->add_option("--modes", arguments->modes, "So many of the lowest vibrations, about the sheet as it is")
           ->check(CLI::Range(1, 200));
@@ -121,11 +127,13 @@ void add_analyze_command(CLI::App& app, Session& session) {
       ->add_option("--request", arguments->file,
                    "A file with the whole request: kerf.v1.AnalyzeSheetRequest as JSON, probes included;\n"
                    "or with --dynamic all but its analysis")
+      ->type_name(value::kFile)
       ->excludes(modes)
       ->excludes(steps)
       ->excludes(tolerance);
   analyzing->add_option("--csv", arguments->csv, "Write the tables to this folder, as CSV")
-      ->check(CLI::ExistingDirectory);
+      ->type_name(value::kFolder)
+      ->check(existing_folder());
   analyzing->callback(
       [&session, arguments] { session.action = [&session, arguments] { return analyze(session, *arguments); }; });
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include <CLI/App.hpp>
 
@@ -14,11 +15,16 @@ void add_sheet_commands(CLI::App& app, Session& session);
 void add_recording_commands(CLI::App& sheet, Session& session);  // of `kerf sheet`: record, play
 void add_settings_commands(CLI::App& sheet, Session& session);   // of `kerf sheet`: material, speed
 void add_cut_command(CLI::App& app, Session& session);
-void add_cuts_commands(CLI::App& app, Session& session);     // cuts, undo, redo, pieces
-void add_view_commands(CLI::App& app, Session& session);     // render, watch, export, info
+void add_cuts_commands(CLI::App& app, Session& session);  // cuts, undo, redo, pieces
+void add_view_commands(CLI::App& app, Session& session);  // render, export, info
+void add_watch_command(CLI::App& app, Session& session);
 void add_offline_commands(CLI::App& app, Session& session);  // run, replay
 void add_analyze_command(CLI::App& app, Session& session);
 void add_load_command(CLI::App& app, Session& session);
+void add_shell_commands(CLI::App& app, Session& session);  // completion
+
+// Answers a shell that asks how the last of `words` may go on; an exit code.
+int print_completion(const CLI::App& app, const std::vector<std::string>& words, const std::string& address);
 
 // Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet, all or none; an exit code.
 int cut_batch(const Session& session, const std::string& id, const std::string& file, std::int64_t at_tick);

@@ -12,6 +12,7 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 
+#include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cpp/client.h"
@@ -156,7 +157,8 @@ void add_cut_command(CLI::App& app, Session& session) {
       "Cut a sheet along a curve, whole or not at all. Metres in material coordinates: a grid sheet spans (0,0) to\n"
       "(width,height). A curve that misses the sheet is no error (exit code 0, NO_INTERSECTION).\n"
       "Example: kerf cut demo --bezier \"0.2,0.5 0.4,0.8 0.6,0.2 0.8,0.5\"");
-  command->add_option("ID", arguments->id, "Name of the sheet")->required();
+  command->group(group::kCuts);
+  add_sheet_id(*command, arguments->id);
   CLI::Option_group* curve = command->add_option_group("curve", "Exactly one of");
   curve->add_option("--bezier", arguments->bezier,
                     "Cubic Bezier curve: \"x,y x,y x,y x,y\"; 3 more points a further piece");
@@ -168,13 +170,17 @@ void add_cut_command(CLI::App& app, Session& session) {
       "Rational Bezier curve, quadratic of 3 points or cubic of 4: \"x,y,w x,y,w x,y,w\", weights above 0");
   curve->add_option("--path", arguments->path,
                     "SVG path data in metres, y up: \"M 0.2,0.2 H 0.8 A 0.3,0.3 0 0 1 0.2,0.2 Z\"");
-  curve->add_option(
-      "--svg", arguments->svg,
-      "SVG file, at most 512 KiB: every outline in it is cut; fitted into the sheet unless --fit is given");
-  CLI::Option* batch = curve->add_option(
-      "--batch", arguments->batch,
-      "The cuts of this file, all of them or none: {\"cuts\": [{\"curve\": ...}, ...]}, as `kerf cuts ID\n"
-      "--export FILE` writes it; each cut has its own tolerance and angle there");
+  curve
+      ->add_option("--svg", arguments->svg,
+                   "SVG file, at most 512 KiB: every outline in it is cut; fitted into the sheet unless --fit is given")
+      ->type_name(value::kFile);
+  CLI::Option* batch =
+      curve
+          ->add_option(
+              "--batch", arguments->batch,
+              "The cuts of this file, all of them or none: {\"cuts\": [{\"curve\": ...}, ...]}, as `kerf cuts ID\n"
+              "--export FILE` writes it; each cut has its own tolerance and angle there")
+          ->type_name(value::kFile);
   curve->require_option(1);
   CLI::Option* fit = command->add_option(
       "--fit", arguments->fit,

@@ -7,7 +7,9 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <nlohmann/json.hpp>
 
+#include "client/cli/app.h"
 #include "client/cli/commands.h"
 #include "client/cpp/client.h"
 #include "server/host/disk.h"
@@ -58,13 +60,17 @@ void print_scheduled(const v1::ScheduledCuts& scheduled) {
               scheduled.message().c_str(), scheduled.reason().c_str());
 }
 
-int export_cuts(const v1::ListCutsResponse& all, const std::string& path) {
+int export_cuts(const Session& session, const v1::ListCutsResponse& all, const std::string& path) {
   v1::CutBatch batch;
   for (const v1::ListCutsResponse::Entry& entry : all.cuts()) *batch.add_cuts() = entry.cut();
   host::RealDisk disk;
   const Status written = disk.write_file(path, to_script_json(batch) + "\n");
   if (!written) return refuse(written.error());
-  std::fprintf(stderr, "%d cuts written to %s\n", batch.cuts_size(), path.c_str());
+  if (session.json) {
+    std::printf("%s\n", nlohmann::ordered_json{{"file", path}, {"cuts", batch.cuts_size()}}.dump(2).c_str());
+  } else {
+    std::printf("%s: %d %s\n", path.c_str(), batch.cuts_size(), batch.cuts_size() == 1 ? "cut" : "cuts");
+  }
   return kDone;
 }
 
@@ -97,7 +103,7 @@ int list_cuts(const Session& session, const CutsArguments& arguments) {
   const grpc::Status status =
       list_all<v1::ListCutsRequest>(client, arguments.id, &v1::CutService::Stub::ListCuts, merge, all);
   if (!status.ok()) return refuse(status, session.server);
-  if (!arguments.export_to.empty()) return export_cuts(all, arguments.export_to);
+  if (!arguments.export_to.empty()) return export_cuts(session, all, arguments.export_to);
   if (session.json) {
     std::printf("%s\n", to_script_json(all).c_str());
     return kDone;
@@ -150,16 +156,6 @@ int undo_or_redo(const Session& session, const std::string& id, const char* what
   return kDone;
 }
 
-void add_named(CLI::App& app, Session& session, const std::string& name, const std::string& help,
-               std::function<int(const Session&, const std::string&)> action) {
-  const auto id = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand(name, help);
-  command->add_option("ID", *id, "Name of the sheet")->required();
-  command->callback([&session, id, action = std::move(action)] {
-    session.action = [&session, id, action] { return action(session, *id); };
-  });
-}
-
 }  // namespace
 
 int cut_batch(const Session& session, const std::string& id, const std::string& file, std::int64_t at_tick) {
@@ -208,11 +204,14 @@ void add_cuts_commands(CLI::App& app, Session& session) {
       "List a sheet's cuts, those that wait for their tick and those refused then; take back one that waits; or carry\n"
       "them to another sheet.\n"
       "Example: kerf cuts demo --export cuts.json && kerf cuts flag --apply cuts.json");
-  cuts->add_option("ID", arguments->id, "Name of the sheet")->required();
+  cuts->group(group::kCuts);
+  add_sheet_id(*cuts, arguments->id);
   CLI::Option* export_to =
-      cuts->add_option("--export", arguments->export_to, "Write the cuts that are not undone to this file (JSON)");
+      cuts->add_option("--export", arguments->export_to, "Write the cuts that are not undone to this file (JSON)")
+          ->type_name(value::kFile);
   CLI::Option* apply = cuts->add_option("--apply", arguments->apply,
                                         "Make the cuts of this file, all or none (as kerf cut ID --batch FILE)")
+                           ->type_name(value::kFile)
                            ->excludes(export_to);
   cuts->add_option("--cancel", arguments->cancel,
                    "Take back the call of this number that waits for its tick (kerf cut ID --at-tick, which tells it)")
@@ -222,16 +221,19 @@ void add_cuts_commands(CLI::App& app, Session& session) {
   cuts->callback(
       [&session, arguments] { session.action = [&session, arguments] { return list_cuts(session, *arguments); }; });
 
-  add_named(app, session, "undo",
-            "Take the last cut (or batch of cuts) back: the mesh is what it was, the motion goes on",
-            [](const Session& s, const std::string& id) {
-              return undo_or_redo(s, id, "UNDONE", &v1::CutService::Stub::UndoCut);
-            });
-  add_named(app, session, "redo", "Make the cut that was undone last again",
-            [](const Session& s, const std::string& id) {
-              return undo_or_redo(s, id, "REDONE", &v1::CutService::Stub::RedoCut);
-            });
-  add_named(app, session, "pieces", "List the pieces of a sheet: id, parent, area, mass, centroid", list_pieces);
+  add_sheet_command(app, session, "undo",
+                    "Take the last cut (or batch of cuts) back: the mesh is what it was, the motion goes on",
+                    [](const Session& s, const std::string& id) {
+                      return undo_or_redo(s, id, "UNDONE", &v1::CutService::Stub::UndoCut);
+                    })
+      ->group(group::kCuts);
+  add_sheet_command(app, session, "redo", "Make the cut that was undone last again",
+                    [](const Session& s, const std::string& id) {
+                      return undo_or_redo(s, id, "REDONE", &v1::CutService::Stub::RedoCut);
+                    })
+      ->group(group::kCuts);
+  add_sheet_command(app, session, "pieces", "List the pieces of a sheet: id, parent, area, mass, centroid", list_pieces)
+      ->group(group::kCuts);
 }
 
 }  // namespace kerf::cli

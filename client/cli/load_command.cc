@@ -13,6 +13,7 @@
 #include <CLI/Formatter.hpp>
 #include <CLI/Validators.hpp>
 
+#include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/load/run.h"
@@ -174,7 +175,7 @@ void add_run_options(CLI::App& command, LoadArguments& arguments) {
       ->check(CLI::IsMember({"grpc", "ws"}))
       ->capture_default_str();
   command.add_option("--server-pid", plan.server_pid, "Its process on this machine: the same, from /proc");
-  command.add_option("--html", arguments.html, "File for a report with plots");
+  command.add_option("--html", arguments.html, "File to write: a report with plots")->type_name(value::kFile);
 }
 
 }  // namespace
@@ -186,6 +187,7 @@ void add_load_command(CLI::App& app, Session& session) {
       "Put a running server under load and measure it: makes sheets, watches and cuts them, deletes them again.\n"
       "Latencies count from when something should have happened, so that a stall is not left out.\n"
       "Example: kerf load --sheets 64 --viewers 16 --cuts-per-second 10 --duration 30 --html report.html");
+  command->group(group::kPhysics);
   add_sheet_options(*command, *arguments);
   add_reader_options(*command, *arguments);
   add_run_options(*command, *arguments);

@@ -2,42 +2,30 @@
 #include <cstdlib>
 #include <exception>
 #include <string>
+#include <string_view>
+#include <vector>
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
-
+#include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/suggestions.h"
 
 namespace {
 
 int run(int argc, char** argv) {
   kerf::cli::Session session;
   if (const char* server = std::getenv("KERF_SERVER")) session.server = server;  // NOLINT(concurrency-mt-unsafe)
+  const std::unique_ptr<CLI::App> app = kerf::cli::make_app(session);
 
-  CLI::App app{"kerf: cut, watch and run elastic sheets. Start a server with kerfd (or deploy/run)."};
-  app.set_version_flag("--version", std::string("kerf ") + KERF_VERSION);
-  app.add_option("--server", session.server, "Server's gRPC address, HOST:PORT (or environment KERF_SERVER)")
-      ->capture_default_str();
-  app.add_flag("--json", session.json, "Print replies as JSON");
-  app.fallthrough();  // --server and --json may stand after the subcommand too
-  app.require_subcommand(1);
-  app.footer(
-      "Exit codes: 0 done (a cut that misses included), 1 refused with the reason on stderr, 2 wrong usage.\n"
-      "Help on a command: kerf COMMAND --help");
-
-  kerf::cli::add_sheet_commands(app, session);
-  kerf::cli::add_cut_command(app, session);
-  kerf::cli::add_cuts_commands(app, session);
-  kerf::cli::add_view_commands(app, session);
-  kerf::cli::add_offline_commands(app, session);
-  kerf::cli::add_analyze_command(app, session);
-  kerf::cli::add_load_command(app, session);
-
+  // Words of somebody's unfinished command line, which are not ours to read.
+  if (argc > 1 && std::string_view(argv[1]) == "__complete") {
+    return kerf::cli::print_completion(*app, {argv + 2, argv + argc}, session.server);
+  }
   try {
-    app.parse(argc, argv);
+    app->parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // --help or --version
+    return app->exit(asked);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kerf::cli::kDone : kerf::cli::kWrongUsage;
+    return kerf::cli::misuse(kerf::cli::explain(*app, error));
   }
   return session.action();
 }

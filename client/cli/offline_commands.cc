@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <memory>
@@ -12,7 +10,9 @@
 #include <CLI/Formatter.hpp>
 #include <nlohmann/json.hpp>
 
+#include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/progress.h"
 #include "client/cli/scene_options.h"
 #include "client/cli/scene_run.h"
 #include "client/cli/tables.h"
@@ -34,27 +34,6 @@ struct RunArguments {
   std::string csv;
   std::string membrane_law;
   IntegratorArguments integrator;
-};
-
-// A bar on stderr while a person looks on, redrawn when the percentage changes, or `always`.
-class ProgressBar {
- public:
-  ~ProgressBar() {
-    if (shown_ >= 0) std::fprintf(stderr, "\n");
-  }
-  void show(const analysis::Progress& progress, bool always) {
-    const auto percent = static_cast<int>(100.0 * progress.done);
-    if (!live_ || (percent == shown_ && !always)) return;
-    shown_ = percent;
-    const auto filled = static_cast<std::size_t>(percent * 4 / 10);
-    const std::string bar = std::string(filled, '#') + std::string(40 - filled, '.');
-    std::fprintf(stderr, "\r[%s] %3d %%  %-40s", bar.c_str(), percent, progress.what.c_str());
-    std::fflush(stderr);
-  }
-
- private:
-  bool live_ = isatty(STDERR_FILENO) != 0;
-  int shown_ = -1;
 };
 
 std::string summary(const v1::RunResult& result) {
@@ -100,11 +79,10 @@ int run(const Session& session, const RunArguments& arguments) {
   if (arguments.membrane_law == "corotational") config->membrane_law = fem::MembraneLaw::kCorotational;
 
   const Result<SceneRun> done = [&] {
-    ProgressBar bar;
-    const bool is_dynamic = std::holds_alternative<sheet::DynamicAnalysis>(config->analysis);
+    ProgressBar bar(session);
     return run_scene(*config, {arguments.ticks, !arguments.record.empty(), wire::build_name(),
-                               [&bar, is_dynamic](const analysis::Progress& progress) {
-                                 bar.show(progress, !is_dynamic);
+                               [&bar](const analysis::Progress& progress) {
+                                 bar.show(progress.done, progress.what);
                                  return true;
                                }});
   }();
@@ -132,7 +110,10 @@ int replay(const Session& session, const std::string& path) {
   if (!bytes) return refuse(bytes.error());
   const Result<wire::RecordingFile> file = wire::decode_recording(*bytes);
   if (!file) return refuse(file.error());
-  const Result<sheet::ReplayReport> report = sheet::replay(file->recording);
+  const Result<sheet::ReplayReport> report = [&] {
+    const WaitingNote note(session, "replaying " + std::to_string(file->recording.entries.size()) + " entries");
+    return sheet::replay(file->recording);
+  }();
   if (!report) return refuse(report.error());
 
   nlohmann::ordered_json json{{"identical", !report->divergence.has_value()}, {"ticks", report->ticks}};
@@ -167,14 +148,19 @@ void add_offline_commands(CLI::App& app, Session& session) {
                          "Run a scene file as fast as this machine can, with no server: in time, to an\n"
                          "equilibrium, or for its vibrations, as its analysis says.\n"
                          "Example: kerf run deploy/scenes/demo.json --ticks 300 --out result.json");
-  running->add_option("SCENE", arguments->scene, "Scene file: the JSON form of kerf.v1.Scene")->required();
+  running->add_option("SCENE", arguments->scene, "Scene file: the JSON form of kerf.v1.Scene")
+      ->required()
+      ->type_name(value::kFile);
+  running->group(group::kPhysics);
   running->add_option("--ticks", arguments->ticks, "How many ticks (default: the scene's, else 600)")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{10'000'000}));
-  running->add_option("--out", arguments->out, "Write the results to this file (kerf.v1.RunResult as JSON)");
+  running->add_option("--out", arguments->out, "Write the results to this file (kerf.v1.RunResult as JSON)")
+      ->type_name(value::kFile);
   running
       ->add_option("--csv", arguments->csv, "Write the tables of the scene's probes and modes to this folder, as CSV")
-      ->check(CLI::ExistingDirectory);
-  running->add_option("--record", arguments->record, "Write a recording for `kerf replay`");
+      ->type_name(value::kFolder)
+      ->check(existing_folder());
+  running->add_option("--record", arguments->record, "Write a recording for `kerf replay`")->type_name(value::kFile);
   add_integrator_options(*running, "the scene's", arguments->integrator);
   running
       ->add_option("--membrane-law", arguments->membrane_law,
@@ -186,7 +172,8 @@ void add_offline_commands(CLI::App& app, Session& session) {
 
   const auto file = std::make_shared<std::string>();
   CLI::App* replaying = app.add_subcommand("replay", "Run a recording again and compare every tick, bit for bit");
-  replaying->add_option("FILE", *file, "Recording made with `kerf run --record`")->required();
+  replaying->add_option("FILE", *file, "Recording made with `kerf run --record`")->required()->type_name(value::kFile);
+  replaying->group(group::kPhysics);
   replaying->callback([&session, file] { session.action = [&session, file] { return replay(session, *file); }; });
 }
 

@@ -8,6 +8,8 @@
 #include <google/protobuf/message.h>
 #include <nlohmann/json.hpp>
 
+#include "client/cli/server_names.h"
+#include "client/cli/suggestions.h"
 #include "client/cpp/failure.h"
 #include "server/wire/json.h"
 
@@ -65,6 +67,17 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
+// What stands in the message's first quotation marks.
+std::string quoted_in(const std::string& message) {
+  const std::size_t begin = message.find('"') + 1;
+  return begin == 0 ? std::string() : message.substr(begin, message.find('"', begin) - begin);
+}
+
+std::string sheets_near(const std::string& id, const std::string& server) {
+  const std::string near = did_you_mean(near_names(id, sheet_ids(server)));
+  return near.empty() ? "; `kerf sheet list` lists those there are" : near;
+}
+
 }  // namespace
 
 std::string to_script_json(const google::protobuf::Message& message, int indent) {
@@ -77,9 +90,11 @@ int refuse(const grpc::Status& status, const std::string& server) {
   const client::Failure failure = client::failure_of(status);
   std::string line = client::describe(failure);
   if (failure.code == grpc::StatusCode::UNAVAILABLE && failure.reason.empty()) {
-    line = "no Kerf server answers at " + server + ": start one with deploy/run, or name another with --server (" +
-           failure.message + ")";
+    line = "no Kerf server answers at " + server +
+           ": start one with kerfd or deploy/run, or name another with --server or KERF_SERVER (" + failure.message +
+           ")";
   }
+  if (failure.reason == "SHEET_NOT_FOUND") line += sheets_near(quoted_in(failure.message), server);
   std::fprintf(stderr, "kerf: %s\n", line.c_str());
   return kRefused;
 }

@@ -29,6 +29,7 @@ enum ExitCode {
 struct Session {
   std::string server = "127.0.0.1:50051";
   bool json = false;
+  bool quiet = false;  // no progress bars and no status line
   // Set by the subcommand that was given; returns an exit code.
   std::function<int()> action;
 };
@@ -37,7 +38,7 @@ struct Session {
 // own mapping makes strings of them). `indent`: spaces, or -1 for one line.
 std::string to_script_json(const google::protobuf::Message& message, int indent = 2);
 
-// Print the reason on stderr and return the exit code.
+// Print the reason on stderr and return the exit code. Where a sheet is not there, `server` is asked for names near it.
 int refuse(const grpc::Status& status, const std::string& server);
 int refuse(const Error& error);
 int misuse(const std::string& message);

@@ -9,8 +9,10 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/progress.h"
 #include "client/cli/scene_options.h"
 #include "client/cpp/client.h"
 #include "client/cpp/transfers.h"
@@ -131,9 +133,11 @@ int create_sheet(const Session& session, const CreateArguments& arguments) {
 
   client::Client client(session.server);
   v1::Sheet sheet;
-  const grpc::Status status = upload.empty()
-                                  ? client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet)
-                                  : client::upload_sheet(client, request, upload, sheet);
+  const grpc::Status status = [&] {
+    const WaitingNote note(session, "making the sheet of " + std::to_string(request.ByteSizeLong() + upload.size()) + " bytes");
+    return upload.empty() ? client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet)
+                          : client::upload_sheet(client, request, upload, sheet);
+  }();
   if (!status.ok()) return refuse(status, session.server);
   print(session, sheet);
   return kDone;
@@ -191,8 +195,10 @@ int step_sheet(const Session& session, const std::string& id, std::int32_t ticks
   request.set_name("sheets/" + id);
   request.set_ticks(ticks);
   v1::Sheet sheet;
-  const grpc::Status status =
-      client.call(&v1::SheetService::Stub::StepSheet, client.sheets(), request, sheet, std::chrono::hours(24));
+  const grpc::Status status = [&] {
+    const StepProgress progress(session, request.name(), ticks);
+    return client.call(&v1::SheetService::Stub::StepSheet, client.sheets(), request, sheet, std::chrono::hours(24));
+  }();
   if (!status.ok()) return refuse(status, session.server);
   print(session, sheet);
   return kDone;
@@ -205,23 +211,32 @@ void add_create(CLI::App& sheet, Session& session) {
                                           "Example: kerf sheet create flag --grid 50x50 --size 1x1 --pin top");
   create->add_option("ID", arguments->id, "Name of the sheet: a small letter, then letters, digits, dashes")
       ->required();
-  CLI::Option* grid = create->add_option("--grid", arguments->grid, "Vertices along x and y")->capture_default_str();
+  CLI::Option* grid = create->add_option("--grid", arguments->grid, "Vertices along x and y")
+                          ->type_name("COLUMNSxROWS")
+                          ->capture_default_str();
   CLI::Option* size =
       create
           ->add_option("--size", arguments->size, "Width and height in metres; the sheet spans (0,0) to (width,height)")
+          ->type_name("WIDTHxHEIGHT")
           ->capture_default_str();
-  CLI::Option* obj =
-      create->add_option("--obj", arguments->obj,
-                         "Mesh from this Wavefront OBJ file: its positions place the sheet, its texture\n"
-                         "coordinates in metres are material coordinates; see --rest. At most 64 MiB");
-  CLI::Option* ply = create->add_option("--ply", arguments->ply,
-                                        "The same from a PLY file, text or binary; s t, u v or texture_u texture_v");
+  CLI::Option* obj = create
+                         ->add_option("--obj", arguments->obj,
+                                      "Mesh from this Wavefront OBJ file: its positions place the sheet, its texture\n"
+                                      "coordinates in metres are material coordinates; see --rest. At most 64 MiB")
+                         ->type_name(value::kFile);
+  CLI::Option* ply = create
+                         ->add_option("--ply", arguments->ply,
+                                      "The same from a PLY file, text or binary; s t, u v or texture_u texture_v")
+                         ->type_name(value::kFile);
   for (CLI::Option* file : {obj, ply}) file->excludes(grid)->excludes(size);
   obj->excludes(ply);
-  CLI::Option* scene = create->add_option(
-      "--scene", arguments->scene,
-      "Everything from this scene file, the JSON form of kerf.v1.Scene, as `kerf run` reads it, but its\n"
-      "sheet_id and analysis; its probes are what `kerf analyze` measures. But for a mesh file, at most 1 MiB");
+  CLI::Option* scene =
+      create
+          ->add_option(
+              "--scene", arguments->scene,
+              "Everything from this scene file, the JSON form of kerf.v1.Scene, as `kerf run` reads it, but its\n"
+              "sheet_id and analysis; its probes are what `kerf analyze` measures. But for a mesh file, at most 1 MiB")
+          ->type_name(value::kFile);
   for (CLI::Option* other : {grid, size, obj, ply}) scene->excludes(other);
   add_integrator_options(*create, "the default, or the scene's", arguments->integrator);
   create
@@ -237,56 +252,48 @@ void add_create(CLI::App& sheet, Session& session) {
       ->check(CLI::IsMember({"top", "corners", "none"}))
       ->excludes(scene)
       ->capture_default_str();
-  create->add_option("--material", arguments->material, "Material preset; `kerf info` lists them")->excludes(scene);
+  create->add_option("--material", arguments->material, "Material preset; `kerf info` lists them")
+      ->type_name(value::kMaterial)
+      ->excludes(scene);
   create
       ->add_option("--part", arguments->parts,
                    "A part of another material, x0,y0,x1,y1=PRESET: what is in this box, in metres on the\n"
                    "undeformed sheet; any number of times, a later one over those before")
+      ->type_name("BOX=MATERIAL")
       ->excludes(scene)
       ->take_all();
   create->callback(
       [&session, arguments] { session.action = [&session, arguments] { return create_sheet(session, *arguments); }; });
 }
 
-// A subcommand with the sheet's ID as its one argument.
-void add_named(CLI::App& sheet, Session& session, const std::string& name, const std::string& help,
-               std::function<int(const Session&, const std::string&)> action) {
-  const auto id = std::make_shared<std::string>();
-  CLI::App* command = sheet.add_subcommand(name, help);
-  command->add_option("ID", *id, "Name of the sheet")->required();
-  command->callback([&session, id, action = std::move(action)] {
-    session.action = [&session, id, action] { return action(session, *id); };
-  });
-}
-
 }  // namespace
 
 void add_sheet_commands(CLI::App& app, Session& session) {
   CLI::App* sheet = app.add_subcommand("sheet", "Create, list, run and remove sheets");
-  sheet->require_subcommand(1);
+  sheet->group(group::kSheets)->require_subcommand(1);
   add_create(*sheet, session);
   add_settings_commands(*sheet, session);
   add_recording_commands(*sheet, session);
   CLI::App* list = sheet->add_subcommand("list", "List all sheets");
   list->callback([&session] { session.action = [&session] { return list_sheets(session); }; });
-  add_named(*sheet, session, "get", "Show one sheet", [](const Session& s, const std::string& id) {
+  add_sheet_command(*sheet, session, "get", "Show one sheet", [](const Session& s, const std::string& id) {
     return call_with_name(s, id, &v1::SheetService::Stub::GetSheet);
   });
-  add_named(*sheet, session, "delete", "Remove a sheet", delete_sheet);
-  add_named(*sheet, session, "pause", "Stop a sheet's clock", [](const Session& s, const std::string& id) {
+  add_sheet_command(*sheet, session, "delete", "Remove a sheet", delete_sheet);
+  add_sheet_command(*sheet, session, "pause", "Stop a sheet's clock", [](const Session& s, const std::string& id) {
     return call_with_name(s, id, &v1::SheetService::Stub::PauseSheet);
   });
-  add_named(*sheet, session, "resume", "Let a sheet run again", [](const Session& s, const std::string& id) {
+  add_sheet_command(*sheet, session, "resume", "Let a sheet run again", [](const Session& s, const std::string& id) {
     return call_with_name(s, id, &v1::SheetService::Stub::ResumeSheet);
   });
-  add_named(*sheet, session, "reset", "Back to the initial state", [](const Session& s, const std::string& id) {
+  add_sheet_command(*sheet, session, "reset", "Back to the initial state", [](const Session& s, const std::string& id) {
     return call_with_name(s, id, &v1::SheetService::Stub::ResetSheet);
   });
 
   const auto id = std::make_shared<std::string>();
   const auto ticks = std::make_shared<std::int32_t>(1);
   CLI::App* step = sheet->add_subcommand("step", "Run exactly N ticks of a paused sheet, as fast as it can");
-  step->add_option("ID", *id, "Name of the sheet")->required();
+  add_sheet_id(*step, *id);
   step->add_option("N", *ticks, "Ticks, 1..100000")->required();
   step->callback(
       [&session, id, ticks] { session.action = [&session, id, ticks] { return step_sheet(session, *id, *ticks); }; });

@@ -1,6 +1,3 @@
-#include <unistd.h>
-
-#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -13,10 +10,11 @@
 #include <CLI/Validators.hpp>
 #include <nlohmann/json.hpp>
 
+#include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/progress.h"
 #include "client/cpp/client.h"
-#include "client/cpp/watcher.h"
 #include "server/host/disk.h"
 
 namespace kerf::cli {
@@ -69,7 +67,10 @@ int render(const Session& session, const RenderArguments& arguments) {
   request.set_format(jpeg ? v1::RenderImageRequest::JPEG : v1::RenderImageRequest::PNG);
   client::Client client(session.server);
   v1::RenderImageResponse response;
-  const grpc::Status status = client.call(&v1::RenderService::Stub::RenderImage, client.render(), request, response);
+  const grpc::Status status = [&] {
+    const WaitingNote note(session, "drawing");
+    return client.call(&v1::RenderService::Stub::RenderImage, client.render(), request, response);
+  }();
   if (!status.ok()) return refuse(status, session.server);
   if (const int code = write(arguments.out, response.image()); code != kDone) return code;
   if (session.json) {
@@ -92,7 +93,10 @@ int export_sheet(const Session& session, const std::string& id, const std::strin
   request.set_name("sheets/" + id);
   client::Client client(session.server);
   v1::ExportSheetResponse response;
-  const grpc::Status status = client.call(&v1::SheetService::Stub::ExportSheet, client.sheets(), request, response);
+  const grpc::Status status = [&] {
+    const WaitingNote note(session, "exporting");
+    return client.call(&v1::SheetService::Stub::ExportSheet, client.sheets(), request, response);
+  }();
   if (!status.ok()) return refuse(status, session.server);
   if (const int code = write(out, response.content()); code != kDone) return code;
   if (session.json) {
@@ -102,55 +106,6 @@ int export_sheet(const Session& session, const std::string& id, const std::strin
     std::printf("%s: %zu bytes\n", out.c_str(), response.content().size());
   }
   return kDone;
-}
-
-void print_frame(const Session& session, const v1::Frame& frame, const client::Mirror& mirror) {
-  const auto now =
-      std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::system_clock::now().time_since_epoch())
-          .count();
-  const double age_ms = static_cast<double>(now - frame.stats().published_unix_us()) / 1000.0;
-  const bool keyframe = frame.base_tick() < 0;
-  if (session.json) {
-    const Json json{{"sequence", frame.sequence()},
-                    {"tick", frame.tick()},
-                    {"kind", keyframe ? "keyframe" : "delta"},
-                    {"bytes", frame.ByteSizeLong()},
-                    {"topology_version", frame.topology_version()},
-                    {"num_vertices", mirror.num_vertices()},
-                    {"num_triangles", frame.stats().num_triangles()},
-                    {"pieces", mirror.num_pieces()},
-                    {"skipped", frame.stats().skipped()},
-                    {"age_ms", age_ms},
-                    {"real_time_factor", frame.stats().real_time_factor()}};
-    std::printf("%s\n", json.dump().c_str());
-    std::fflush(stdout);
-    return;
-  }
-  const bool live = isatty(STDOUT_FILENO) != 0;
-  std::printf("%stick %-8lld %-8s %7zu bytes  %6d vertices %3d pieces  skipped %lld  age %.1f ms  x%.2f real time%s",
-              live ? "\r" : "", static_cast<long long>(frame.tick()), keyframe ? "keyframe" : "delta",
-              frame.ByteSizeLong(), mirror.num_vertices(), mirror.num_pieces(),
-              static_cast<long long>(frame.stats().skipped()), age_ms, frame.stats().real_time_factor(),
-              live ? "\033[K" : "\n");
-  std::fflush(stdout);
-}
-
-int watch(const Session& session, const std::string& id, std::int64_t frames) {
-  client::Client client(session.server);
-  client::Watcher watcher(client);
-  std::int64_t seen = 0;
-  const grpc::Status status =
-      watcher.run("sheets/" + id, {}, [&](const v1::Frame& frame, const client::Mirror& mirror) {
-        print_frame(session, frame, mirror);
-        ++seen;
-        return frames == 0 || seen < frames;
-      });
-  if (!session.json && isatty(STDOUT_FILENO) != 0 && seen > 0) std::printf("\n");
-  if (!status.ok()) return refuse(status, session.server);
-  if (frames > 0 && seen == frames) return kDone;
-  std::fprintf(stderr, "kerf: the server ended the stream after %lld frames: %s\n", static_cast<long long>(seen),
-               watcher.ended().message().c_str());
-  return kRefused;
 }
 
 int info(const Session& session) {
@@ -177,9 +132,14 @@ void add_render(CLI::App& app, Session& session) {
   CLI::App* command = app.add_subcommand("render",
                                          "Draw a sheet on the server and save the picture (PNG or JPEG).\n"
                                          "Example: kerf render demo --out frame.png --size 1280x720");
-  command->add_option("ID", arguments->id, "Name of the sheet")->required();
-  command->add_option("--out", arguments->out, "File to write: .png, .jpg or .jpeg")->required();
-  command->add_option("--size", arguments->size, "Width and height in pixels, 16..4096 each")->capture_default_str();
+  command->group(group::kLooks);
+  add_sheet_id(*command, arguments->id);
+  command->add_option("--out", arguments->out, "File to write: .png, .jpg or .jpeg")
+      ->required()
+      ->type_name(value::kFile);
+  command->add_option("--size", arguments->size, "Width and height in pixels, 16..4096 each")
+      ->type_name("WIDTHxHEIGHT")
+      ->capture_default_str();
   CLI::Option* view = command->add_option("--view", arguments->view,
                                           "Seen from \"EYE TARGET [UP]\", each x,y,z in metres, as in kerf cut --view "
                                           "(default: all of it)");
@@ -201,23 +161,16 @@ void add_view_commands(CLI::App& app, Session& session) {
 
   const auto id = std::make_shared<std::string>();
   const auto out = std::make_shared<std::string>();
-  const auto frames = std::make_shared<std::int64_t>(0);
 
-  CLI::App* watching = app.add_subcommand("watch", "Follow a sheet live: a status line, or with --json a line a frame");
-  watching->add_option("ID", *id, "Name of the sheet")->required();
-  watching->add_option("--frames", *frames, "Stop after this many frames; 0: go on until interrupted")
-      ->check(CLI::NonNegativeNumber);
-  watching->callback(
-      [&session, id, frames] { session.action = [&session, id, frames] { return watch(session, *id, *frames); }; });
-
-  CLI::App* exporting =
-      app.add_subcommand("export", "Save a sheet as it is now, as a Wavefront OBJ or binary glTF file");
-  exporting->add_option("ID", *id, "Name of the sheet")->required();
-  exporting->add_option("--out", *out, "File to write: .obj or .glb")->required();
+  CLI::App* exporting = app.add_subcommand("export", "Save a sheet as it is now, as a Wavefront OBJ or binary glTF file");
+  exporting->group(group::kLooks);
+  add_sheet_id(*exporting, *id);
+  exporting->add_option("--out", *out, "File to write: .obj or .glb")->required()->type_name(value::kFile);
   exporting->callback(
       [&session, id, out] { session.action = [&session, id, out] { return export_sheet(session, *id, *out); }; });
 
   CLI::App* about = app.add_subcommand("info", "Show the server: version, renderer, limits, material presets");
+  about->group(group::kServer);
   about->callback([&session] { session.action = [&session] { return info(session); }; });
 }
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <memory>
 #include <system_error>
 #include <utility>
 
@@ -36,6 +37,7 @@ struct Arguments {
 };
 
 void declare(CLI::App& parser, Arguments& arguments) {
+  parser.get_help_ptr()->description("Print this help and exit");
   parser.set_version_flag("--version", std::string("kerfd ") + kVersion, "Print the version and exit");
   parser.add_option("--listen", arguments.listen, "Address of the gRPC services; port 0 picks a free one")
       ->type_name("HOST:PORT")
@@ -150,6 +152,16 @@ std::string render_device_table() {
 }
 
 }  // namespace
+
+std::shared_ptr<const CLI::App> command_line() {
+  struct Declared {
+    CLI::App parser{kDescription, "kerfd"};
+    Arguments arguments;  // the parser refers to them
+  };
+  const auto declared = std::make_shared<Declared>();
+  declare(declared->parser, declared->arguments);
+  return {declared, &declared->parser};
+}
 
 Result<std::variant<Config, Notice>> parse_command_line(int argc, const char* const* argv) {
   CLI::App parser(kDescription, "kerfd");

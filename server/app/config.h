@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -9,6 +10,10 @@
 #include "server/base/result.h"
 #include "server/ws/access.h"
 #include "server/ws/http_server.h"
+
+namespace CLI {
+class App;
+}
 
 namespace kerf::app {
 
@@ -33,6 +38,9 @@ struct Config {
 struct Notice {
   std::string text;
 };
+
+// The options of kerfd, for its manual.
+std::shared_ptr<const CLI::App> command_line();
 
 // The command line of kerfd. Refusals are INVALID_ARGUMENT with a one-line message; listening on an address that other
 // machines can reach is refused unless --allow-remote is given.

@@ -65,6 +65,9 @@ function(kerf_batches result)
   set(${result} ${batches} PARENT_SCOPE)
 endfunction()
 
+# The include root of our headers: in the source tree, and where they are installed.
+set(kerf_includes $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/kerf>)
+
 # kerf_module(name SOURCES ... [ALONE ...] DEPENDS ...): library kerf_<name> with alias kerf::<name>. With KERF_UNITY its
 # sources are compiled some at a time, as most of the time goes into the headers they share; those named in ALONE as well
 # are not, and names in unnamed namespaces must be unique in a module.
@@ -73,7 +76,7 @@ function(kerf_module name)
   if(NOT ARG_SOURCES)  # header-only
     add_library(kerf_${name} INTERFACE)
     add_library(kerf::${name} ALIAS kerf_${name})
-    target_include_directories(kerf_${name} INTERFACE ${PROJECT_SOURCE_DIR})
+    target_include_directories(kerf_${name} INTERFACE ${kerf_includes})
     target_link_libraries(kerf_${name} INTERFACE kerf_flags ${ARG_DEPENDS})
     return()
   endif()
@@ -85,8 +88,8 @@ function(kerf_module name)
   add_library(kerf_${name} STATIC ${${name}_batch} ${ARG_ALONE})
   set_target_properties(kerf_${name} PROPERTIES KERF_SOURCES "${ARG_SOURCES}")
   add_library(kerf::${name} ALIAS kerf_${name})
-  target_include_directories(kerf_${name} PUBLIC ${PROJECT_SOURCE_DIR})
-  target_link_libraries(kerf_${name} PUBLIC kerf_flags ${ARG_DEPENDS} PRIVATE kerf_warnings)
+  target_include_directories(kerf_${name} PUBLIC ${kerf_includes})
+  target_link_libraries(kerf_${name} PUBLIC kerf_flags ${ARG_DEPENDS} PRIVATE $<BUILD_INTERFACE:kerf_warnings>)
   if(KERF_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # False alarms on std::variant, where so much is inlined.
     target_compile_options(kerf_${name} PRIVATE $<$<CONFIG:Release>:-Wno-maybe-uninitialized>)

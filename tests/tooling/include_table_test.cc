@@ -86,13 +86,17 @@ const std::vector<Row>& table() {
         "server/base", "render/renderer.h", "render/image.h", "render/video.h"},
        {"proto", "cli", "posix"}},
       {"render", {}, {"gl", "images"}},
-      {"client/cpp", {"server/codec"}, {"proto", "grpc_stubs", "grpc"}},
+      {"client/cpp", {"server/codec"}, {"proto", "protobuf", "grpc_stubs", "grpc"}},
+      // One embeds the core, the other asks a server.
+      {"client/examples", {"client/cpp", "server/sheet"}, {"posix"}},
       {"client/load", {"client/cpp", "server/base"}, {"proto", "grpc_stubs", "grpc", "boost", "json", "posix"}},
       // `kerf run` and `kerf replay` need no server: they step the sheet themselves.
       {"client/cli",
        {"client/cpp", "client/load", "server/analysis", "server/sheet", "server/svg", "server/wire", "server/base",
         "server/host/disk.h"},
        {"proto", "protobuf", "grpc_stubs", "grpc", "cli", "json", "posix"}},
+      // Manual pages from the tables of both command lines.
+      {"client/manual", {"client/cli", "server/app"}, {"cli"}},
   };
   return rows;
 }

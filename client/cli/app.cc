@@ -1,0 +1,157 @@
+#include "client/cli/app.h"
+
+#include <algorithm>
+#include <functional>
+#include <sstream>
+#include <utility>
+
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+#include "client/cli/commands.h"
+
+namespace kerf::cli {
+namespace {
+
+// As CLI11 writes it, but that the list of commands has a line for each.
+class Help : public CLI::Formatter {
+ public:
+  Help() { column_width(26); }
+  std::string make_subcommand(const CLI::App* command) const override {
+    std::ostringstream out;
+    CLI::detail::format_help(out, command->get_name(), headline(command->get_description()), get_column_width());
+    return out.str();
+  }
+};
+
+// Calls `visit` with the app and its option groups, which CLI11 keeps as commands without a name.
+template <typename Visit>
+void visit_groups(const CLI::App& app, const Visit& visit) {
+  visit(app);
+  for (const CLI::App* group : app.get_subcommands([](const CLI::App* each) { return each->get_name().empty(); })) {
+    visit_groups(*group, visit);
+  }
+}
+
+std::vector<const CLI::Option*> visible(const CLI::App& app, bool positional) {
+  std::vector<const CLI::Option*> found;
+  visit_groups(app, [&](const CLI::App& group) {
+    for (const CLI::Option* option : group.get_options()) {
+      if (option->get_positional() == positional && !option->get_group().empty()) found.push_back(option);
+    }
+  });
+  return found;
+}
+
+// The parts of "TEXT:{top,corners}:FILE", which are the type of the value and what each validator says of it.
+std::vector<std::string> kinds_of(const CLI::Option& option) {
+  std::vector<std::string> kinds;
+  std::istringstream parts(option.get_type_name());
+  for (std::string part; std::getline(parts, part, ':');) kinds.push_back(part);
+  return kinds;
+}
+
+}  // namespace
+
+std::unique_ptr<CLI::App> make_app(Session& session) {
+  auto made = std::make_unique<CLI::App>(
+      "kerf: cut, watch and run elastic sheets. Start a server with kerfd (or deploy/run).", "kerf");
+  CLI::App& app = *made;
+  app.formatter(std::make_shared<Help>());
+  app.get_help_ptr()->description("Print this help and exit");
+  app.set_version_flag("--version", std::string("kerf ") + KERF_VERSION, "Print the version and exit");
+  app.add_option("--server", session.server, "Server's gRPC address (or environment KERF_SERVER)")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  app.add_flag("--json", session.json, "Print replies as JSON");
+  app.add_flag("-q,--quiet", session.quiet, "No progress bars and no status line");
+  app.fallthrough();  // --server and --json may stand after the subcommand too
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 done (a cut that misses included), 1 refused with the reason on stderr, 2 wrong usage.\n"
+      "Help on a command: kerf COMMAND --help. All of it: man kerf");
+
+  add_sheet_commands(app, session);
+  add_cut_command(app, session);
+  add_cuts_commands(app, session);
+  add_watch_command(app, session);
+  add_view_commands(app, session);
+  add_analyze_command(app, session);
+  add_offline_commands(app, session);
+  add_load_command(app, session);
+  add_shell_commands(app, session);
+  return made;
+}
+
+CLI::App* add_sheet_command(CLI::App& app, Session& session, const std::string& name, const std::string& help,
+                            std::function<int(const Session&, const std::string&)> action) {
+  const auto id = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand(name, help);
+  add_sheet_id(*command, *id);
+  command->callback([&session, id, action = std::move(action)] {
+    session.action = [&session, id, action] { return action(session, *id); };
+  });
+  return command;
+}
+
+CLI::Option* add_sheet_id(CLI::App& command, std::string& id) {
+  return command.add_option("ID", id, "Name of the sheet")->required()->type_name(value::kSheet);
+}
+
+CLI::Validator existing_folder() {
+  return CLI::Validator(CLI::ExistingDirectory).description("");
+}
+
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands(
+      [](const CLI::App* each) { return !each->get_name().empty() && !each->get_group().empty(); });
+}
+
+std::vector<const CLI::Option*> options_of(const CLI::App& app) {
+  return visible(app, false);
+}
+
+std::vector<const CLI::Option*> arguments_of(const CLI::App& app) {
+  return visible(app, true);
+}
+
+std::string full_name(const CLI::App& app) {
+  return app.get_parent() == nullptr ? app.get_name() : full_name(*app.get_parent()) + " " + app.get_name();
+}
+
+std::string option_name(const CLI::Option& option) {
+  if (!option.get_lnames().empty()) return "--" + option.get_lnames().front();
+  return option.get_snames().empty() ? option.get_name(true) : "-" + option.get_snames().front();
+}
+
+bool takes_value(const CLI::Option& option) {
+  return option.get_items_expected_max() > 0;
+}
+
+bool is_repeatable(const CLI::Option& option) {
+  return option.get_items_expected_max() > 1;
+}
+
+std::string headline(std::string description) {
+  std::replace(description.begin(), description.end(), '\n', ' ');
+  std::size_t end = description.size();
+  for (const char* pause : {". ", ": ", "; "}) end = std::min(end, description.find(pause));
+  return description.substr(0, end);
+}
+
+std::vector<std::string> choices_of(const CLI::Option& option) {
+  std::vector<std::string> choices;
+  for (const std::string& kind : kinds_of(option)) {
+    if (kind.size() < 2 || kind.front() != '{' || kind.back() != '}') continue;
+    std::istringstream list(kind.substr(1, kind.size() - 2));
+    for (std::string choice; std::getline(list, choice, ',');) choices.push_back(choice);
+  }
+  return choices;
+}
+
+bool has_values(const CLI::Option& option, const std::string& kind) {
+  const std::vector<std::string> kinds = kinds_of(option);
+  return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+}
+
+}  // namespace kerf::cli

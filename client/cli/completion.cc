@@ -1,0 +1,139 @@
+#include "client/cli/completion.h"
+
+#include <algorithm>
+#include <set>
+
+#include "client/cli/app.h"
+
+namespace kerf::cli {
+namespace {
+
+bool begins_with(const std::string& text, const std::string& beginning) {
+  return text.compare(0, beginning.size(), beginning) == 0;
+}
+
+// The option of this name, of the command or of those that it is part of, which may stand after it too.
+const CLI::Option* find_option(const CLI::App* command, const std::string& name) {
+  for (; command != nullptr; command = command->get_parent()) {
+    if (const CLI::Option* option = command->get_option_no_throw(name)) return option;
+  }
+  return nullptr;
+}
+
+// Where the words before the last lead.
+struct Place {
+  const CLI::App* command = nullptr;
+  std::set<const CLI::Option*> given;
+  const CLI::Option* open = nullptr;  // the last word is its value
+  std::size_t arguments = 0;          // of the command, before the last word
+  bool only_arguments = false;        // after "--"
+  std::string address;
+
+  void take_value(const CLI::Option& option, const std::string& value) {
+    if (option_name(option) == "--server") address = value;
+  }
+  void take_option(const std::string& word) {
+    const std::size_t equals = word.find('=');
+    const CLI::Option* option = find_option(command, word.substr(0, equals));
+    if (option == nullptr) return;
+    given.insert(option);
+    if (equals != std::string::npos) {
+      take_value(*option, word.substr(equals + 1));
+    } else if (takes_value(*option)) {
+      open = option;
+    }
+  }
+  void take(const std::string& word) {
+    if (open != nullptr) {
+      take_value(*open, word);
+      open = nullptr;
+    } else if (word == "--") {
+      only_arguments = true;
+    } else if (!only_arguments && word.size() > 1 && word.front() == '-') {
+      take_option(word);
+    } else if (const CLI::App* next = find_command(word); next != nullptr) {
+      command = next;
+      arguments = 0;
+    } else {
+      ++arguments;
+    }
+  }
+  [[nodiscard]] const CLI::App* find_command(const std::string& word) const {
+    for (const CLI::App* each : commands_of(*command)) {
+      if (each->get_name() == word) return each;
+    }
+    return nullptr;
+  }
+};
+
+void add(const std::string& word, const std::string& description, const std::string& typed, Completion& completion) {
+  if (begins_with(word, typed)) completion.candidates.push_back({word, headline(description)});
+}
+
+// `before`: what of the word stands before the value, as in --pin=top.
+void add_values(const CLI::Option& option, const Place& place, const ServerNames& names, const std::string& before,
+                const std::string& typed, Completion& completion) {
+  std::vector<std::string> values = choices_of(option);
+  if (has_values(option, value::kSheet)) values = names.sheets(place.address);
+  if (has_values(option, value::kMaterial)) values = names.materials(place.address);
+  for (const std::string& value : values) add(before + value, "", typed, completion);
+  if (has_values(option, value::kFile)) completion.paths = Completion::Paths::kFiles;
+  if (has_values(option, value::kFolder)) completion.paths = Completion::Paths::kFolders;
+}
+
+void add_options(const Place& place, const std::string& typed, Completion& completion) {
+  for (const CLI::App* command = place.command; command != nullptr; command = command->get_parent()) {
+    for (const CLI::Option* option : options_of(*command)) {
+      // Each command has a --help of its own.
+      const bool inherited = command != place.command && option == command->get_help_ptr();
+      const bool again = place.given.count(option) > 0 && !is_repeatable(*option);
+      if (!inherited && !again) add(option_name(*option), option->get_description(), typed, completion);
+    }
+  }
+}
+
+}  // namespace
+
+Completion complete(const CLI::App& app, const std::vector<std::string>& words, const std::string& address,
+                    const ServerNames& names) {
+  Place place;
+  place.command = &app;
+  place.address = address;
+  const std::string typed = words.empty() ? std::string() : words.back();
+  for (std::size_t i = 0; i + 1 < words.size(); ++i) place.take(words[i]);
+
+  Completion completion;
+  if (place.open != nullptr) {
+    add_values(*place.open, place, names, "", typed, completion);
+    return completion;
+  }
+  if (!place.only_arguments && !typed.empty() && typed.front() == '-') {
+    const std::size_t equals = typed.find('=');
+    if (equals == std::string::npos) {
+      add_options(place, typed, completion);
+    } else if (const CLI::Option* option = find_option(place.command, typed.substr(0, equals))) {
+      add_values(*option, place, names, typed.substr(0, equals + 1), typed, completion);
+    }
+    return completion;
+  }
+  for (const CLI::App* command : commands_of(*place.command)) {
+    add(command->get_name(), command->get_description(), typed, completion);
+  }
+  const std::vector<const CLI::Option*> arguments = arguments_of(*place.command);
+  if (place.arguments < arguments.size()) {
+    add_values(*arguments[place.arguments], place, names, "", typed, completion);
+  }
+  return completion;
+}
+
+std::string to_lines(const Completion& completion) {
+  std::string lines = "words\n";
+  if (completion.paths == Completion::Paths::kFiles) lines = "files\n";
+  if (completion.paths == Completion::Paths::kFolders) lines = "folders\n";
+  for (const Candidate& candidate : completion.candidates) {
+    lines += candidate.word + (candidate.description.empty() ? "" : "\t" + candidate.description) + "\n";
+  }
+  return lines;
+}
+
+}  // namespace kerf::cli

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "client/cpp/client.h"
+#include "client/cpp/result.h"
+
+namespace kerf::client {
+
+// A Client whose calls answer with a Result. Thread-safe.
+class Connection {
+ public:
+  Connection(const std::string& address, std::chrono::milliseconds timeout) : client_(address), timeout_(timeout) {}
+
+  //   connection.call(&v1::CutService::Stub::CreateCut, connection.client().cuts(), request)
+  template <typename Service, typename Request, typename Response>
+  Result<Response> call(grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, Response*),
+                        Service& service, const Request& request) {
+    Response response;
+    const grpc::Status status = client_.call(method, service, request, response, timeout_);
+    if (!status.ok()) return failure_of(status);
+    return response;
+  }
+
+  [[nodiscard]] Client& client() { return client_; }
+
+ private:
+  Client client_;
+  std::chrono::milliseconds timeout_;
+};
+
+}  // namespace kerf::client

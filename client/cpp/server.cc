@@ -1,0 +1,43 @@
+#include "client/cpp/server.h"
+
+namespace kerf::client {
+namespace {
+
+std::string id_of(const v1::Sheet& sheet) {
+  return sheet.name().substr(sheet.name().find('/') + 1);
+}
+
+}  // namespace
+
+Server::Server(const std::string& address, const ServerOptions& options)
+    : connection_(std::make_shared<Connection>(address, options.timeout)) {}
+
+Result<v1::ServerInfo> Server::info() {
+  return connection_->call(&v1::ServerService::Stub::GetServerInfo, client().server(), v1::GetServerInfoRequest());
+}
+
+Result<Sheet> Server::create(const v1::Scene& scene, const CreateOptions& options) {
+  v1::CreateSheetRequest request;
+  *request.mutable_scene() = scene;
+  request.set_sheet_id(options.id);
+  request.set_paused(options.paused);
+  request.set_request_id(options.request_id);
+  const auto made = connection_->call(&v1::SheetService::Stub::CreateSheet, client().sheets(), request);
+  if (!made) return made.failure();
+  return sheet(id_of(*made));
+}
+
+Result<std::vector<Sheet>> Server::sheets() {
+  v1::ListSheetsRequest request;
+  request.set_page_size(1000);
+  std::vector<Sheet> all;
+  do {
+    const auto page = connection_->call(&v1::SheetService::Stub::ListSheets, client().sheets(), request);
+    if (!page) return page.failure();
+    for (const v1::Sheet& each : page->sheets()) all.push_back(sheet(id_of(each)));
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty());
+  return all;
+}
+
+}  // namespace kerf::client

@@ -1,0 +1,67 @@
+// A sheet in the terminal, live: terminal_viewer [SHEET [HOST:PORT]]. The picture follows the window's size; q quits.
+
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include "client/cpp/server.h"
+
+// Two pixels a character: the upper one in its own colour, the lower one in that of its ground; brighter, the more it
+// lies across the light.
+bool draw(const kerf::client::Mirror& mirror) {
+  winsize window{24, 80, 0, 0};
+  ioctl(STDOUT_FILENO, TIOCGWINSZ, &window);
+  const int width = window.ws_col, height = 2 * window.ws_row - 2;
+  static const kerf::v1::Box3 box = mirror.box();  // of the first frame, so that the camera keeps still
+  const double x0 = (box.min().x() + box.max().x()) / 2, z0 = (box.min().z() + box.max().z()) / 2;
+  const double scale = std::min(width / (box.max().x() - x0), height / (box.max().z() - z0)) / 3;  // pixels a metre
+  std::vector<double> depth(std::size_t(width * height), INFINITY);
+  std::vector<int> pixels(depth.size(), 234);  // of the terminal's 256 colours, 232..255 are greys
+  for (const auto& [i, j, k] : mirror.triangles()) {
+    if (i < 0) continue;  // no material
+    const auto a = mirror.position(i), b = mirror.position(j), c = mirror.position(k);
+    const double u[] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, v[] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+    const double n[] = {u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+    const double light = std::abs(n[0] - n[1] + n[2]) / (std::hypot(n[0], n[1], n[2]) + 1e-12) / std::sqrt(3.0);
+    const int steps = 1 + int(1.5 * scale * std::max(std::hypot(u[0], u[1], u[2]), std::hypot(v[0], v[1], v[2])));
+    for (int step = 0; step < steps * steps; ++step) {
+      const double s = double(step % steps) / steps, t = (1 - s) * (step / steps) / steps;
+      const double y = a[1] + s * u[1] + t * v[1];  // away from the viewer
+      const int column = int(width / 2 + scale * (a[0] + s * u[0] + t * v[0] - x0 + 0.3 * y));
+      const int row = int(height / 2 - scale * (a[2] + s * u[2] + t * v[2] - z0 + 0.2 * y));
+      const std::size_t pixel = std::size_t(row * width + column);
+      if (column < 0 || column >= width || row < 0 || row >= height || y >= depth[pixel]) continue;
+      depth[pixel] = y;
+      pixels[pixel] = 238 + int(17.9 * light);
+    }
+  }
+  std::printf("\033[H");
+  for (int row = 0; row < height; row += 2)
+    for (int *pixel = &pixels[std::size_t(row * width)], *end = pixel + width; pixel < end; ++pixel)
+      std::printf("\033[38;5;%d;48;5;%dm▀", pixel[0], pixel[width]);
+  std::printf("\033[0m tick %lld, pieces %d; q quits\033[K", static_cast<long long>(mirror.tick()),
+              mirror.num_pieces());
+  return std::fflush(stdout) == 0;
+}
+
+int main(int argc, char** argv) {
+  kerf::client::Server server(argc > 2 ? argv[2] : "127.0.0.1:50051");
+  kerf::client::Watcher watcher(server.client());
+  if (std::system("stty -icanon -echo min 0 time 1") != 0) return 2;  // read() waits a tenth of a second for a key
+  std::atomic<bool> live = true;
+  std::thread keys([&] {
+    for (char key = 0; live && key != 'q' && read(STDIN_FILENO, &key, 1) >= 0;) continue;
+    watcher.stop();
+  });
+  const auto end = watcher.run(std::string("sheets/") + (argc > 1 ? argv[1] : "demo"), {.max_rate_hz = 30},
+                               [](const auto& /*frame*/, const auto& mirror) { return draw(mirror); });
+  live = false;
+  keys.join();
+  if (!end.ok()) std::fprintf(stderr, "%s\n", describe(kerf::client::failure_of(end)).c_str());
+  return std::system("stty icanon echo") != 0 || !end.ok();
+}

@@ -1,0 +1,103 @@
+"""What the tests of the `kerf` command share: a real kerfd of their own, and calls of `kerf` as a shell user makes them."""
+
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import signal
+import struct
+import subprocess
+import sys
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+SMALL_SCENE = {
+    "sheet_id": "small",
+    "grid": {"columns": 12, "rows": 12, "width_m": 1.0, "height_m": 1.0},
+    "pins": [{"edge": "TOP"}],
+    "ticks": 20,
+    "commands": [
+        {"tick": 5, "command": {"cut": {"curve": {"polyline": {"points": [{"x": -0.1, "y": 0.4}, {"x": 1.1, "y": 0.6}]}}}}}
+    ],
+}
+OPTIONS = None
+SERVER = None  # its ready line: "grpc" and "http"
+PROCESS = None
+
+
+def kerf(*arguments, server=True, timeout=120):
+    command = [OPTIONS.kerf]
+    if server:
+        command += ["--server", SERVER["grpc"]]
+    return subprocess.run(command + list(arguments), capture_output=True, text=True, timeout=timeout)
+
+
+def setUpModule(*options):
+    """options: more of kerfd's."""
+    global SERVER, PROCESS
+    shutil.rmtree(OPTIONS.work, ignore_errors=True)
+    os.makedirs(OPTIONS.work)
+    PROCESS = subprocess.Popen(
+        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--max-load", "0", *options], stdout=subprocess.PIPE, text=True)
+    SERVER = json.loads(PROCESS.stdout.readline())
+
+
+def tearDownModule():
+    PROCESS.send_signal(signal.SIGTERM)
+    if PROCESS.wait(timeout=20) != 0:
+        raise AssertionError(f"kerfd left with {PROCESS.returncode} after SIGTERM")
+
+
+def address():
+    """Of the gRPC services."""
+    return SERVER["grpc"]
+
+
+def path(name):
+    """Of a file in the test's own folder."""
+    return os.path.join(OPTIONS.work, name)
+
+
+def scene_file(name, **changes):
+    """A scene file: a small sheet that is cut at tick 5 of 20, but for what `changes` says otherwise (None: not at all)."""
+    content = {name: value for name, value in {**SMALL_SCENE, **changes}.items() if value is not None}
+    pathlib.Path(path(name)).write_text(json.dumps(content))
+    return path(name)
+
+
+def panel(kind, faces=((0, 1, 5), (0, 5, 4), (1, 2, 6), (1, 6, 5), (2, 3, 7), (2, 7, 6), (3, 0, 4), (3, 4, 7))):
+    """A PLY file: a square of 3 m with a square hole of 1 m, flat on the ground."""
+    points = [(0, 0), (3, 0), (3, 3), (0, 3), (1, 1), (2, 1), (2, 2), (1, 2)]
+    header = (f"ply\nformat {kind} 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+              f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n").encode()
+    if kind == "ascii":
+        rows = [f"{x} {y} 0" for x, y in points] + [f"3 {a} {b} {c}" for a, b, c in faces]
+        return header + ("\n".join(rows) + "\n").encode()
+    order = "<" if kind == "binary_little_endian" else ">"
+    return (header + b"".join(struct.pack(order + "3f", x, y, 0) for x, y in points)
+            + b"".join(struct.pack(order + "B3i", 3, *face) for face in faces))
+
+
+class Case(unittest.TestCase):
+    def json_of(self, *arguments):
+        done = kerf("--json", *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return json.loads(done.stdout)
+
+    def refused(self, *arguments, code=1, says=""):
+        done = kerf(*arguments)
+        self.assertEqual(done.returncode, code, f"{arguments}: {done.stdout}{done.stderr}")
+        self.assertIn(says, done.stderr)
+        self.assertEqual(done.stdout, "")
+        return done
+
+
+def main(description):
+    global OPTIONS
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--kerf", required=True)
+    parser.add_argument("--kerfd", required=True)
+    parser.add_argument("--work", required=True)
+    OPTIONS, rest = parser.parse_known_args()
+    unittest.main(module="__main__", argv=[sys.argv[0]] + rest)

@@ -1,0 +1,76 @@
+"""`--json` everywhere: every command that `kerf` has answers with JSON and nothing else on standard output."""
+
+import json
+import pathlib
+
+import cli_case
+from cli_case import Case, kerf, main, path, scene_file, setUpModule, tearDownModule
+
+# How each command is called here; a new one has to be added. {work} is the test's folder.
+CALLS = {
+    "analyze": "analyze still",
+    "completion": "completion bash",
+    "cut": "cut still --circle 0.5,0.5,0.2",
+    "cuts": "cuts still",
+    "export": "export still --out {work}/still.obj",
+    "info": "info",
+    "load": "load --grid 4x4 --warm-up 0.1 --duration 0.2",
+    "pieces": "pieces still",
+    "redo": "redo still",
+    "render": "render still --out {work}/still.png --size 64x64",
+    "replay": "replay {work}/small.rec",
+    "run": "run {work}/small.json --record {work}/small.rec",
+    "sheet create": "sheet create made --grid 4x4",
+    "sheet delete": "sheet delete made",
+    "sheet get": "sheet get still",
+    "sheet list": "sheet list",
+    "sheet pause": "sheet pause still",
+    "sheet reset": "sheet reset still",
+    "sheet resume": "sheet resume live",
+    "sheet step": "sheet step still 2",
+    "undo": "undo still",
+    "watch": "watch live --frames 2",
+}
+# Of the rest no order is asked.
+FIRST = ["sheet pause", "analyze", "cut", "cuts", "undo", "redo", "run", "sheet create"]
+
+
+def commands(*before):
+    """All commands that Tab offers, down to those that have none below them: commands say what they do, values do not."""
+    offered = kerf("__complete", *before, "", server=False).stdout.splitlines()[1:]
+    words = [line.split("\t")[0] for line in offered if "\t" in line]
+    return [name for word in words for name in commands(*before, word)] or [" ".join(before)]
+
+
+class Json(Case):
+    def test_every_command_answers_with_json(self):
+        scene_file("small.json")
+        self.json_of("sheet", "create", "still", "--grid", "6x6")
+        self.json_of("sheet", "create", "live", "--grid", "6x6")
+        everything = commands()
+        self.assertEqual(sorted(everything), sorted(CALLS), "CALLS of this test has to name each command of kerf")
+        for command in FIRST + [each for each in sorted(CALLS) if each not in FIRST]:
+            with self.subTest(command):
+                done = kerf("--json", *CALLS[command].format(work=cli_case.OPTIONS.work).split(" "))
+                if command == "render" and "RENDERER_UNAVAILABLE" in done.stderr:
+                    continue
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                documents = done.stdout.splitlines() if command == "watch" else [done.stdout]
+                self.assertTrue(documents)
+                for document in documents:
+                    self.assertIsInstance(json.loads(document), dict)
+
+    def test_the_other_ways_of_a_command(self):
+        self.json_of("sheet", "create", "ways", "--grid", "6x6")
+        self.json_of("cut", "ways", "--circle", "0.5,0.5,0.2")
+        written = self.json_of("cuts", "ways", "--export", path("ways.json"))
+        self.assertEqual(written, {"file": path("ways.json"), "cuts": 1})
+        self.assertEqual(len(json.loads(pathlib.Path(path("ways.json")).read_text())["cuts"]), 1)
+        self.json_of("undo", "ways")
+        self.assertEqual(self.json_of("cuts", "ways", "--apply", path("ways.json"))["applied"], 1)
+        self.assertEqual(self.json_of("completion", "zsh")["shell"], "zsh")
+        self.assertIn("__kerf_complete", self.json_of("completion", "fish")["script"])
+
+
+if __name__ == "__main__":
+    main(__doc__)

@@ -1,0 +1,135 @@
+"""The lines of README.md that call kerf, curl and grpcurl, run as they stand there, one after the other, against a server with the
+demo scene; the ports, and programs that lie elsewhere, are put in place of those of the text."""
+
+import json
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import unittest
+
+import cli_case
+from cli_case import ROOT, Case, address, main, panel, path, tearDownModule
+from reflection import Reflection
+
+PROGRAMS = ("kerf", "curl", "grpcurl")
+
+
+def setUpModule():
+    cli_case.setUpModule("--scene", str(ROOT / "deploy/scenes/demo.json"))
+    for folder in ("deploy", "tests", "proto"):
+        os.symlink(ROOT / folder, path(folder))
+    # What the text takes from its reader.
+    pathlib.Path(path("drawing.svg")).write_text('<svg viewBox="0 0 9 9"><circle cx="4" cy="4" r="3"/></svg>')
+    pathlib.Path(path("panel.ply")).write_bytes(panel("ascii"))
+    pathlib.Path(path("probes.json")).write_text(json.dumps({"probes": [{"name": "all", "quantity": "ENERGY"}],
+                                                             "analysis": {"dynamic": {"ticks": 2}}}))
+    cli_case.scene_file("scene.json")
+
+
+def lines():
+    """The commands of the fenced shell blocks, without comments, a line that goes on put together."""
+    blocks = re.findall(r"```sh\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    logical = "".join(blocks).replace("\\\n", " ").splitlines()
+    return [line for line in logical if line.split(" ")[0] in PROGRAMS]
+
+
+def with_ports(line):
+    http = cli_case.SERVER["http"].removeprefix("http://")
+    return line.replace("127.0.0.1:8080", http).replace("127.0.0.1:50051", address())
+
+
+class Readme(Case):
+    def run_line(self, line):
+        environment = {**os.environ, "KERF_SERVER": address(), "PATH": os.path.dirname(cli_case.OPTIONS.kerf) + ":" + os.environ["PATH"]}
+        # curl: an answer that tells of an error ends the call with one.
+        shell = "curl() { command curl --fail-with-body \"$@\"; }\n" + with_ports(line)
+        return subprocess.run(["bash", "-c", shell], cwd=path("."), env=environment, capture_output=True, text=True, timeout=300)
+
+    def test_every_line_does_what_it_says(self):
+        self.assertGreater(sum(line.startswith("kerf ") for line in lines()), 25)
+        self.assertGreaterEqual(sum(line.startswith("curl ") for line in lines()), 2)
+        for line in lines():
+            if line.startswith("grpcurl "):
+                continue
+            with self.subTest(line):
+                done = self.run_line(line)
+                if "RENDERER_UNAVAILABLE" in done.stderr:
+                    continue
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+                self.assertTrue(done.stdout + done.stderr)
+
+    def test_curl_answers_are_json(self):
+        for line in lines():
+            if line.startswith("curl "):
+                with self.subTest(line):
+                    self.assertIsInstance(json.loads(self.run_line(line).stdout), dict)
+
+    @unittest.skipUnless(shutil.which("grpcurl"), "there is no grpcurl here; the next test makes its calls")
+    def test_grpcurl(self):
+        for line in lines():
+            if line.startswith("grpcurl "):
+                with self.subTest(line):
+                    done = self.run_line(line)
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    self.assertTrue(done.stdout)
+
+    def test_what_grpcurl_asks_is_answered(self):
+        """Each of its lines taken apart, and made by reflection as grpcurl makes it."""
+        server = Reflection(address())
+        self.addCleanup(server.close)
+        kinds = set()
+        for line in lines():
+            if not line.startswith("grpcurl "):
+                continue
+            words = shlex.split(with_ports(line), comments=True)[1:]
+            self.assertEqual(words.pop(0), "-plaintext")
+            data = json.loads(words.pop(1)) if words[0] == "-d" and words.pop(0) else {}
+            at, what = words.index(address()), words[words.index(address()) + 1:]
+            self.assertEqual(at, 0)
+            with self.subTest(line):
+                kinds.add(what[0] if "/" not in what[0] else "call")
+                if what == ["list"]:
+                    self.assertIn("kerf.v1.CutService", server.list())
+                elif what[0] == "describe":
+                    self.assertEqual(server.describe(what[1]).full_name, what[1])
+                else:
+                    self.assertTrue(server.call(what[0], data))
+        self.assertEqual(kinds, {"list", "describe", "call"})
+
+
+class ByReflection(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.server = Reflection(address())
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.server.close()
+
+    def test_every_service_is_listed_and_described(self):
+        services = [name for name in self.server.list() if name.startswith("kerf.v1.")]
+        declared = re.findall(r"^service (\w+)", "".join(file.read_text() for file in (ROOT / "proto/kerf/v1").glob("*.proto")),
+                              re.MULTILINE)
+        self.assertEqual(sorted(services), sorted("kerf.v1." + name for name in declared))
+        for service in services:
+            self.assertTrue(self.server.describe(service).methods)
+        self.assertIn("radius_m", self.server.describe("kerf.v1.Circle").fields_by_name)
+        with self.assertRaises(LookupError):
+            self.server.describe("kerf.v1.Spline")
+
+    def test_calls_made_by_what_was_described(self):
+        made = self.server.call("kerf.v1.SheetService/CreateSheet", {
+            "sheet_id": "reflected", "paused": True, "scene": {"grid": {"columns": 6, "rows": 6, "width_m": 1, "height_m": 1}}})
+        self.assertEqual((made[0]["name"], made[0]["num_vertices"]), ("sheets/reflected", 36))
+        cut = self.server.call("kerf.v1.CutService/CreateCut", {"parent": "sheets/reflected", "cut": {"curve": {"circle": {
+            "center": {"x": 0.5, "y": 0.5}, "radius_m": 0.2}}}})
+        self.assertEqual((cut[0]["status"], cut[0]["pieces"]), ("APPLIED", 2))
+        frames = self.server.call("kerf.v1.StreamService/Subscribe", {"name": "sheets/demo", "max_rate_hz": 10, "max_frames": 2})
+        self.assertEqual([answer["frame"]["sequence"] for answer in frames if "frame" in answer], ["1", "2"])
+
+
+if __name__ == "__main__":
+    main(__doc__)

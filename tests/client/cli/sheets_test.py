@@ -1,0 +1,143 @@
+"""`kerf sheet`: sheets made, listed, run and removed; what is refused."""
+
+import json
+import pathlib
+
+from cli_case import Case, kerf, main, panel, path, setUpModule, tearDownModule
+
+
+class Sheets(Case):
+    def test_life_of_a_sheet(self):
+        made = self.json_of("sheet", "create", "life", "--grid", "10x8", "--size", "1x0.5", "--pin", "corners")
+        self.assertEqual((made["name"], made["num_vertices"], made["num_triangles"], made["pieces"]),
+                         ("sheets/life", 80, 126, 1))
+        self.assertEqual(len(made["pinned_vertices"]), 4)
+        self.assertIn("sheets/life", [sheet["name"] for sheet in self.json_of("sheet", "list")["sheets"]])
+        paused = self.json_of("sheet", "pause", "life")
+        self.assertEqual(paused["run_state"], "PAUSED")
+        stepped = self.json_of("sheet", "step", "life", "7")
+        self.assertEqual(stepped["tick"], paused["tick"] + 7)
+        self.assertEqual(self.json_of("sheet", "get", "life")["state_hash"], stepped["state_hash"])
+        self.json_of("sheet", "reset", "life")
+        self.assertIn(self.json_of("sheet", "resume", "life")["run_state"], ("RUNNING", "SLEEPING"))
+        self.refused("sheet", "step", "life", "1", says="pause")
+        self.json_of("sheet", "delete", "life")
+        self.refused("sheet", "get", "life", says="life")
+
+    def test_parts_of_other_materials(self):
+        made = self.json_of("sheet", "create", "parts", "--grid", "9x9", "--material", "cotton",
+                            "--part", "0.5,0,1,1=denim", "--part", "0.5,0.5,1,1=foil")
+        self.assertEqual(made["scene"]["material"]["density_kgpm3"], 375)
+        self.assertEqual([part["material"]["density_kgpm3"] for part in made["scene"]["materials"]], [304, 2710])
+        self.json_of("sheet", "delete", "parts")
+
+    def test_material_and_speed_of_a_running_sheet(self):
+        self.json_of("sheet", "create", "set", "--grid", "9x9", "--material", "cotton", "--part", "0.5,0,1,1=denim")
+        self.assertGreaterEqual(self.json_of("sheet", "material", "set", "silk", "--with", "thickness_m=0.0003",
+                                             "--part=-1")["tick"], 0)
+        kerf("sheet", "material", "set", "foil", "--part", "0")
+        scene = self.json_of("sheet", "get", "set")["scene"]
+        self.assertEqual(scene["material"]["thickness_m"], 0.0003)
+        self.assertEqual(scene["materials"][0]["material"]["density_kgpm3"], 2710)
+        self.refused("sheet", "material", "set", "wood", says="wood")
+        self.refused("sheet", "material", "set", "--with", "thickness_m=thin", code=2, says="thickness_m=0.001")
+        self.refused("sheet", "material", "set", "--with", "thicknes_m=1", says="thicknes_m")
+        self.refused("sheet", "material", "set", "--part", "1", says="UNKNOWN_PART")
+        self.assertEqual(self.json_of("sheet", "speed", "set", "0.25")["speed"], 0.25)
+        self.refused("sheet", "speed", "set", "5", says="0.01..4")
+        self.json_of("sheet", "delete", "set")
+
+    def test_output_for_people(self):
+        done = kerf("sheet", "create", "people", "--grid", "5x5")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("25 vertices", done.stdout)
+        self.assertIn("automatic: explicit; estimated per tick", kerf("sheet", "get", "people").stdout)
+        self.assertIn("sheets/people", kerf("sheet", "list").stdout)
+        self.assertIn("materials", kerf("info").stdout)
+
+    def test_sheets_from_mesh_files(self):
+        pathlib.Path(path("panel.ply")).write_bytes(panel("binary_big_endian"))
+        made = self.json_of("sheet", "create", "panel", "--ply", path("panel.ply"), "--pin", "none")
+        self.assertEqual((made["num_vertices"], made["num_triangles"], made["pieces"]), (8, 8, 1))
+        self.json_of("sheet", "pause", "panel")
+        cut = self.json_of("cut", "panel", "--polyline", "0.5,-1 0.5,4")
+        self.assertEqual((cut["status"], cut["pieces"]), ("APPLIED", 2))
+        kerf("export", "panel", "--out", path("panel.obj"))
+        made = self.json_of("sheet", "create", "panel-again", "--obj", path("panel.obj"), "--pin", "none")
+        self.assertEqual(made["pieces"], 2)
+        bent = path("bent.obj")
+        pathlib.Path(bent).write_text("v 0 0 0\nv 1 0 0\nv 1 1 0.5\nv 0 1 0\nf 1 2 3\nf 1 3 4\n")
+        for rest in ("auto", "surface"):
+            self.json_of("sheet", "create", f"bent-{rest}", "--obj", bent, "--pin", "none", "--rest", rest)
+            piece = self.json_of("pieces", f"bent-{rest}")["pieces"][0]
+            self.assertAlmostEqual(piece["area_m2"], 1.25 ** 0.5, places=12)
+        self.refused("sheet", "create", "none", "--obj", bent, "--rest", "flat", says="OBJ_NOT_PLANAR")
+        self.refused("sheet", "create", "none", "--obj", bent, "--rest", "round", code=2, says="--rest")
+        self.refused("sheet", "create", "none", "--rest", "surface", "--grid", "5x5", code=2, says="--grid")
+        self.refused("sheet", "create", "none", "--ply", path("missing.ply"), says="FILE_NOT_FOUND")
+        self.refused("sheet", "create", "none", "--ply", path("panel.obj"), says="PLY_HEADER")
+        self.refused("sheet", "create", "none", "--ply", path("panel.ply"), "--grid", "5x5", code=2, says="--grid")
+        self.refused("sheet", "create", "none", "--ply", path("panel.ply"), "--obj", path("panel.obj"), code=2)
+        pathlib.Path(path("bow.ply")).write_bytes(panel("ascii", faces=((0, 1, 5), (0, 3, 7))))
+        self.refused("sheet", "create", "none", "--ply", path("bow.ply"), "--pin", "none", says="MESH_NON_MANIFOLD_VERTEX")
+        pathlib.Path(path("large.obj")).write_bytes(b"#" * (1 << 20))
+        self.refused("sheet", "create", "none", "--obj", path("large.obj"), says="RESOURCE_EXHAUSTED")
+        pathlib.Path(path("larger.obj")).write_bytes(b"#" * ((1 << 20) + 1))
+        self.refused("sheet", "create", "none", "--obj", path("larger.obj"), says="FILE_TOO_LARGE")
+
+    def test_sheets_with_an_integrator_of_their_own(self):
+        made = self.json_of("sheet", "create", "euler", "--grid", "6x6", "--integrator", "implicit", "--solver", "direct")
+        self.assertEqual((made["scene"]["integrator"]["kind"], made["scene"]["integrator"]["solver"]),
+                         ("IMPLICIT_EULER", "DIRECT"))
+        self.assertIn("implicit: Euler, one step a tick; direct solver", made["integrator"])
+        made = self.json_of("sheet", "create", "leap", "--grid", "6x6", "--integrator", "explicit", "--precision", "double")
+        self.assertEqual((made["scene"]["integrator"]["kind"], made["scene"]["integrator"]["precision"]),
+                         ("EXPLICIT_LEAPFROG", "DOUBLE"))
+        self.refused("sheet", "create", "none", "--integrator", "magic", code=2, says="--integrator")
+        self.refused("sheet", "create", "none", "--precision", "half", code=2, says="--precision")
+        self.refused("sheet", "create", "none", "--solver", "guess", code=2, says="--solver")
+
+    def test_sheets_from_scene_files(self):
+        pathlib.Path(path("scene-panel.ply")).write_bytes(panel("binary_little_endian"))
+        scene = {"sheet_id": "of-the-file", "ply": {"file": "scene-panel.ply"}, "material": {"preset": "denim"},
+                 "gravity_mps2": {"z": -1.5}, "integrator": {"kind": "BDF2"},
+                 "constraints": [{"region": {"border": {}}}],
+                 "commands": [{"tick": 3, "command": {"cut": {"curve": {"polyline": {"points": [
+                     {"x": 0.5, "y": -1}, {"x": 0.5, "y": 4}]}}}}}]}
+        pathlib.Path(path("live.json")).write_text(json.dumps(scene))
+        made = self.json_of("sheet", "create", "live", "--scene", path("live.json"))
+        self.assertEqual((made["name"], made["num_vertices"]), ("sheets/live", 8))
+        self.assertEqual((made["scene"]["gravity_mps2"]["z"], made["scene"]["integrator"]["kind"]), (-1.5, "BDF2"))
+        self.json_of("sheet", "pause", "live")
+        self.json_of("sheet", "step", "live", "4")
+        self.assertEqual(self.json_of("sheet", "get", "live")["pieces"], 2)
+        made = self.json_of("sheet", "create", "live-again", "--scene", path("live.json"), "--integrator", "tr-bdf2")
+        self.assertEqual(made["scene"]["integrator"]["kind"], "TR_BDF2")
+        self.refused("sheet", "create", "none", "--scene", path("missing.json"), says="FILE_NOT_FOUND")
+        scene["constraints"] = [{"region": {"box": {"min": {"x": 5, "y": 5}, "max": {"x": 6, "y": 6}}}}]
+        pathlib.Path(path("empty.json")).write_text(json.dumps(scene))
+        self.refused("sheet", "create", "none", "--scene", path("live.json"), "--grid", "5x5", code=2, says="--grid")
+        self.refused("sheet", "create", "none", "--scene", path("live.json"), "--pin", "none", code=2, says="--pin")
+        self.refused("sheet", "create", "none", "--scene", path("live.json"), "--material", "silk", code=2)
+        del scene["commands"]
+        pathlib.Path(path("empty.json")).write_text(json.dumps(scene))
+        self.refused("sheet", "create", "none", "--scene", path("empty.json"), says="constraints[0].region")
+
+    def test_refusals(self):
+        self.refused("sheet", "create", "Bad_Name", says="sheet_id")
+        self.refused("sheet", "create", "huge", "--grid", "1000x1000", says="500000")
+        self.refused("sheet", "create", "flat", "--size", "1x0", says="height_m")
+        self.refused("sheet", "create", "odd", "--material", "unobtainium", says="preset")
+        self.refused("sheet", "create", "odd", "--part", "0,0,1=silk", code=2, says="--part")
+        self.refused("sheet", "create", "odd", "--part", "sheet=silk", code=2, says="--part")
+        self.refused("sheet", "create", "odd", "--part", "0,0,1,1", code=2, says="--part")
+        self.refused("sheet", "create", "odd", "--part", "0,0,1,1=unobtainium", says="materials[0].material.preset")
+        self.refused("sheet", "create", "odd", "--part", "4,4,5,5=silk", says="REGION_EMPTY")
+        kerf("sheet", "create", "twice", "--grid", "3x3")
+        self.refused("sheet", "create", "twice", "--grid", "3x3", says="ALREADY_EXISTS")
+        for verb in ("get", "delete", "pause", "resume", "reset"):
+            self.refused("sheet", verb, "nobody", says="NOT_FOUND")
+
+
+if __name__ == "__main__":
+    main(__doc__)
