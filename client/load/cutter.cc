@@ -1,5 +1,6 @@
 #include "client/load/cutter.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -11,8 +12,9 @@
 namespace kerf::load {
 namespace {
 
-constexpr double kLength = 0.1;   // m, of a slit; sheets are 1 m wide
-constexpr double kMargin = 0.15;  // m, of its middle from the border: it stays inside
+constexpr double kLongest = 0.1;  // m, of a slit
+constexpr double kLength = 0.3;   // of the sheet's shorter side, at most
+constexpr double kMargin = 0.2;   // of each side, of a slit's middle from the border: it stays inside
 constexpr std::chrono::seconds kPatience(60);
 
 void add_point(double x, double y, v1::Polyline& line) {
@@ -68,8 +70,11 @@ void Cutter::end_call() {
 
 void Cutter::send(std::int64_t k, Nanoseconds intended) {
   const double angle = random_.uniform(0.0, std::numbers::pi);
-  const double x = random_.uniform(kMargin, 1.0 - kMargin);
-  const double y = random_.uniform(kMargin, 1.0 - kMargin);
+  const double width = length_m(plan_.columns);
+  const double height = length_m(plan_.rows);
+  const double length = std::min(kLongest, kLength * std::min(width, height));
+  const double x = width * random_.uniform(kMargin, 1.0 - kMargin);
+  const double y = height * random_.uniform(kMargin, 1.0 - kMargin);
   if (!begin_call()) return recorder_.error("TOO_MANY_CUTS_UNDER_WAY");
   auto call = std::make_shared<Call>();
   call->sheet = static_cast<std::size_t>(k) % sheets_.size();
@@ -77,8 +82,8 @@ void Cutter::send(std::int64_t k, Nanoseconds intended) {
   call->tick_when_sent = tracker_.newest_tick(call->sheet);
   call->request.set_parent(sheets_[call->sheet]);
   v1::Polyline& line = *call->request.mutable_cut()->mutable_curve()->mutable_polyline();
-  const double dx = 0.5 * kLength * std::cos(angle);
-  const double dy = 0.5 * kLength * std::sin(angle);
+  const double dx = 0.5 * length * std::cos(angle);
+  const double dy = 0.5 * length * std::sin(angle);
   add_point(x - dx, y - dy, line);
   add_point(x + dx, y + dy, line);
   call->context.set_deadline(std::chrono::system_clock::now() + kPatience);

@@ -17,8 +17,8 @@
 
 namespace kerf::load {
 
-// Cuts sheets in turn, at times that are fixed beforehand, whether the cuts before are answered or not. Slits of a
-// tenth of a sheet's width at places drawn from the plan's seed.
+// Cuts sheets in turn, at times that are fixed beforehand, whether the cuts before are answered or not. Slits of at
+// most 0.1 m at places drawn from the plan's seed.
 class Cutter {
  public:
   static constexpr std::int32_t kMostUnderWay = 10'000;  // calls; beyond that one is not made, and is an error

@@ -42,6 +42,12 @@ struct Plan {
 // INVALID_ARGUMENT with the option as its field.
 [[nodiscard]] Status check(const Plan& plan);
 
+// m, of a sheet along `vertices` of them. Edges are of one length whatever the grid, so that a larger sheet takes as
+// many substeps a tick; 32 x 32 vertices are 1 m x 1 m.
+[[nodiscard]] inline double length_m(std::int32_t vertices) {
+  return (vertices - 1) / 31.0;
+}
+
 // Vertices of a sheet at first.
 [[nodiscard]] inline std::int64_t num_vertices(const Plan& plan) {
   return std::int64_t{plan.columns} * plan.rows;

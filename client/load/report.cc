@@ -10,6 +10,11 @@ namespace {
 
 constexpr double kClientBusy = 0.7;  // of the machine's processors: from here on the client measures itself
 
+// Between the first and the last probe.
+double probed_s(const Report& report) {
+  return 1e-9 * static_cast<double>((report.probes.back().time - report.probes.front().time).count());
+}
+
 std::string sentence(const char* form, double a, double b) {
   std::array<char, 300> text{};
   std::snprintf(text.data(), text.size(), form, a, b);
@@ -36,12 +41,12 @@ Pace pace_of(const Report& report) {
 
 double server_cores(const Report& report) {
   if (report.probes.size() < 2 || !report.probes.front().server || !report.probes.back().server) return -1.0;
-  return (report.probes.back().server->cpu_s - report.probes.front().server->cpu_s) / report.measured_s;
+  return (report.probes.back().server->cpu_s - report.probes.front().server->cpu_s) / probed_s(report);
 }
 
 double client_cores(const Report& report) {
   if (report.probes.size() < 2) return -1.0;
-  return (report.probes.back().client.cpu_s - report.probes.front().client.cpu_s) / report.measured_s;
+  return (report.probes.back().client.cpu_s - report.probes.front().client.cpu_s) / probed_s(report);
 }
 
 std::int64_t num_errors(const Report& report) {

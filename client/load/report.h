@@ -30,7 +30,7 @@ struct Report {
   std::int32_t processors = 0;  // of this machine
   std::string started;          // UTC, ISO 8601
   bool interrupted = false;
-  double measured_s = 0.0;                       // between the first and the last probe
+  double measured_s = 0.0;                       // between the first list of sheets and the last
   double window_s = 0.0;                         // of what readers and cuts count
   std::string integrator;                        // of the first sheet
   std::map<std::string, std::int64_t> refusals;  // sheets not made, by reason

@@ -166,7 +166,8 @@ class Run {
   // Probes from the begin of what is measured to its end.
   void watch_over(const Recorder& recorder) {
     first_ = probe_.sheets();
-    report_.probes.push_back(probe_.probe(first_));
+    first_listed_ = now();
+    add_probe(first_);
     const Nanoseconds begin = recorder.begin();
     const Nanoseconds every = std::max<Nanoseconds>((recorder.end() - begin) / kProbes, kProbeEvery);
     for (Nanoseconds next = begin + every; next < recorder.end(); next += every) {
@@ -174,17 +175,25 @@ class Run {
         tell("measuring", begin, recorder.end(), recorder);
       }
       if (stopper_.stopped()) break;
-      if (first_.size() <= kMostSheetsListedOften) report_.probes.push_back(probe_.probe(probe_.sheets()));
+      if (first_.size() <= kMostSheetsListedOften) add_probe(probe_.sheets());
     }
     wait(recorder.end(), "measuring", recorder);
+    // Listing ten thousand sheets takes more CPU time than they do asleep: it comes after the last reading.
+    Probe last = probe_.probe();
     last_ = probe_.sheets();
-    report_.probes.push_back(probe_.probe(last_));
+    last_listed_ = now();
+    add_sums(last_, last);
+    report_.probes.push_back(std::move(last));
+  }
+
+  void add_probe(const std::map<std::string, SheetCounts>& sheets) {
+    Probe probe = probe_.probe();
+    add_sums(sheets, probe);
+    report_.probes.push_back(std::move(probe));
   }
 
   void collect(const Recorder& recorder) {
-    const Probe& from = report_.probes.front();
-    const Probe& to = report_.probes.back();
-    report_.measured_s = 1e-9 * static_cast<double>((to.time - from.time).count());
+    report_.measured_s = 1e-9 * static_cast<double>((last_listed_ - first_listed_).count());
     for (const auto& [name, last] : last_) {
       const auto first = first_.find(name);
       if (first == first_.end()) continue;
@@ -223,6 +232,8 @@ class Run {
   std::vector<std::unique_ptr<Viewer>> readers_;
   std::map<std::string, SheetCounts> first_;
   std::map<std::string, SheetCounts> last_;
+  Nanoseconds first_listed_{0};
+  Nanoseconds last_listed_{0};
 };
 
 }  // namespace

@@ -47,14 +47,17 @@ std::map<std::string, SheetCounts> ServerProbe::sheets() {
   return found;
 }
 
-Probe ServerProbe::probe(const std::map<std::string, SheetCounts>& sheets) {
-  Probe probe;
-  probe.time = now();
+void add_sums(const std::map<std::string, SheetCounts>& sheets, Probe& probe) {
   for (const auto& [name, sheet] : sheets) {
     probe.ticks += sheet.tick;
     probe.overruns += sheet.overruns;
     probe.slipped_s += sheet.slipped_s;
   }
+}
+
+Probe ServerProbe::probe() {
+  Probe probe;
+  probe.time = now();
   v1::ServerInfo info;
   const grpc::Status status =
       client_.call(&v1::ServerService::Stub::GetServerInfo, client_.server(), v1::GetServerInfoRequest(), info);

@@ -33,6 +33,9 @@ struct Probe {
   std::optional<double> frames_encoded;  // of all sheets, from the metrics page
 };
 
+// Puts the sums over `sheets` into `probe`.
+void add_sums(const std::map<std::string, SheetCounts>& sheets, Probe& probe);
+
 // Asks the server how it does.
 class ServerProbe {
  public:
@@ -44,8 +47,8 @@ class ServerProbe {
   [[nodiscard]] std::int32_t pages() const { return pages_; }
   [[nodiscard]] Nanoseconds listing_took() const { return listing_took_; }
 
-  // `sheets`: of a call just before, for the sums.
-  Probe probe(const std::map<std::string, SheetCounts>& sheets);
+  // All but the sums over sheets.
+  Probe probe();
 
   [[nodiscard]] const std::optional<grpc::Status>& failure() const { return failure_; }
 

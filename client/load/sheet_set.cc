@@ -34,8 +34,8 @@ v1::Scene scene_of(const Plan& plan) {
   v1::Scene scene;
   scene.mutable_grid()->set_columns(plan.columns);
   scene.mutable_grid()->set_rows(plan.rows);
-  scene.mutable_grid()->set_width_m(1.0);
-  scene.mutable_grid()->set_height_m(1.0);
+  scene.mutable_grid()->set_width_m(length_m(plan.columns));
+  scene.mutable_grid()->set_height_m(length_m(plan.rows));
   scene.set_tick_rate_hz(plan.tick_rate_hz);
   if (plan.still) {
     scene.mutable_gravity_mps2();

@@ -22,7 +22,7 @@ BROKEN = []
 @contextlib.contextmanager
 def server(*options):
     """A kerfd on free ports; gives its addresses and process id."""
-    process = subprocess.Popen([OPTIONS.bin / "kerfd", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", *options],
+    process = subprocess.Popen([OPTIONS.bin / "kerfd", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--no-render", *options],
                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
         ready = json.loads(process.stdout.readline())
@@ -134,10 +134,10 @@ def crowd():
 
 def stalled():
     """A viewer of a 10,000-vertex sheet, alone and beside 100 that stall; by turns."""
-    head("beside it", "frames/s", "age when decoded: p50 / p99, ms", "server memory grows by, MB", "stalled ones", "control: p50 / p99 / max, ms")
+    head("beside it", "frames/s", "age when decoded: p50 / p99, ms", "server memory grows by, MB", "stalled ones that joined", "control: p50 / p99 / max, ms")
     for count in (0, 100, 0, 100):
         with server() as running:
-            report = load(running, "--grid", "100x100", "--viewers", 1, "--stalled-readers", count, "--warm-up", 3, duration=max(OPTIONS.duration, 12))
+            report = load(running, "--grid", "100x100", "--viewers", 1, "--stalled-readers", count, "--warm-up", 3, duration=max(OPTIONS.duration, 13))
         of = report["readers"]["viewers"]
         ends = report["readers"]["stalled readers"]
         first = report["probes"][0]["server_resident_bytes"]
@@ -146,7 +146,7 @@ def stalled():
         must(ends["readers"] == count and set(ends["ends"]) <= {"TOO_SLOW"}, f"stalled: {ends['readers']}, {ends['ends']}")
         must(most - first <= 100e6, f"{count} stalled readers cost {(most - first) / 1e6:.1f} MB")
         row(f"{count} stalled", f"{of['frames'] / report['window_s']:.1f}", ms(of["age_us"], "p50", "p99"), f"{(most - first) / 1e6:.1f}",
-            ends["ends"] or "-", control(report))
+            ends["readers"], control(report))
 
 
 def cuts():
