@@ -1,7 +1,6 @@
 """The same from asyncio: each kind of call and stream once; package_test compares the two surfaces."""
 
 import asyncio
-import unittest
 
 import kerf
 import kerf.aio
@@ -9,14 +8,7 @@ import support
 from support import path
 
 
-class Asynchronous(unittest.IsolatedAsyncioTestCase):
-    async def asyncSetUp(self):
-        self.server = kerf.aio.connect(support.ADDRESS, timeout_s=300)
-        self.addAsyncCleanup(self.server.aclose)
-        self.sheet = await self.server.create_sheet("py-aio-" + self._testMethodName[5:20].replace("_", "-"),
-                                                    grid=(20, 20), paused=True)
-        self.addAsyncCleanup(self.sheet.delete)
-
+class Asynchronous(support.AsyncCase):
     async def test_calls(self):
         self.assertIn(self.sheet.id, [sheet.id for sheet in await self.server.sheets()])
         result = await self.sheet.cut(kerf.circle((0.5, 0.5), 0.2))

@@ -76,7 +76,7 @@ class Documentation(Case):
     def test_everything_public_is_documented(self):
         # Drawn from files, or the counterpart of what has an example.
         without_example = {"svg_file", "load_cuts", "load_run", "view_of_matrices", "Sheet.drag", "Sheet.release",
-                           "Sheet.delete", "Sheet.watch_images", "Server.close"}
+                           "Sheet.delete", "Sheet.watch_images", "Server.close", "Server.replay"}
         for name in kerf.__all__:
             value = getattr(kerf, name)
             if inspect.isfunction(value):

@@ -85,3 +85,15 @@ class Case(unittest.TestCase):
         renderer = self.server.info().renderer
         if renderer.startswith("none"):
             self.skipTest(renderer)
+
+
+class AsyncCase(unittest.IsolatedAsyncioTestCase):
+    """The same for asyncio."""
+
+    async def asyncSetUp(self):
+        import kerf.aio
+        self.server = kerf.aio.connect(ADDRESS, timeout_s=300)
+        self.addAsyncCleanup(self.server.aclose)
+        self.sheet = await self.server.create_sheet(
+            "py-aio-" + self._testMethodName.replace("_", "-")[:50], grid=(20, 20), paused=True)
+        self.addAsyncCleanup(self.sheet.delete)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import os
+import pathlib
 import secrets
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import TYPE_CHECKING, Any, List, Optional
 
-from kerf.aio.transport import call_unary, close_channel, open_channel
+from kerf.aio.transport import call_sending, call_unary, close_channel, open_channel
 from kerf.aio.sheet import Sheet
 from kerf.errors import NotFound
+from kerf.files import chunks_of
 from kerf.scenes import AnyScene, SheetOptions, as_scene, scene_with
 from kerf.v1 import (
     cuts_pb2_grpc,
@@ -133,6 +136,21 @@ class Server:
             sheet_id=sheet_id, scene=as_scene(scene), paused=paused, request_id=request_id
         )
         made = await self.call(self.sheet_service.CreateSheet, request)
+        return Sheet(self, made.name.removeprefix("sheets/"))
+
+    async def replay(self, path: "str | os.PathLike[str]", sheet_id: str = "", *, paused: bool = False) -> Sheet:
+        """A sheet that plays a recording, by Sheet.record() or `kerf run --record`: the same commands at the same ticks. It takes
+        no commands until the recording ends; (await sheet.get()).replay says how far it is. At most 128 MiB.
+
+        sheet_id: empty: that of the recording, or one that the server chooses. InvalidArgument names the offset where the
+        file is damaged. OSError.
+        """
+        content = pathlib.Path(path).read_bytes()
+        start = sheets_pb2.RecordingUpload(sheet_id=sheet_id, paused=paused, num_bytes=len(content))
+        parts = [sheets_pb2.ReplayRecordingRequest(start=start)]
+        parts += [sheets_pb2.ReplayRecordingRequest(chunk=chunk) for chunk in chunks_of(content)]
+        method = self.sheet_service.ReplayRecording
+        made = await call_sending(method, parts, self.timeout_s, self.address)
         return Sheet(self, made.name.removeprefix("sheets/"))
 
     @asynccontextmanager

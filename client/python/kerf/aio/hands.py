@@ -12,6 +12,7 @@ from kerf.aio.part import SheetPart
 from kerf.curves import Point, vec2
 from kerf.cuts import Vector, vec3
 from kerf.regions import Place, as_regions
+from kerf.scenes import AnyMaterial, as_material
 from kerf.v1 import interaction_pb2, scene_pb2
 
 
@@ -93,6 +94,20 @@ class Hands(SheetPart):
         """
         request = interaction_pb2.SetSheetWindRequest(name=self.name, set_wind=scene_pb2.SetWind(wind=wind))
         return await self._interact("SetSheetWind", request)
+
+    async def set_material(self, material: AnyMaterial, *, part: Optional[int] = None) -> int:
+        """Another material for all of the sheet, or for one part of it: a preset, or numbers as a dict; what is not given comes
+        from its own preset. Positions, cuts and what can be undone stay; reset() brings the first material back.
+
+        part: which of the parts that it was made with; -1: what those leave; None: all of it. InvalidArgument:
+        SHEET_TOO_STIFF; FailedPrecondition: MATERIAL_SHARED, the part cannot be set apart.
+
+        >>> tick = await sheet.set_material("rubber")
+        >>> tick = await sheet.set_material({"preset": "rubber", "thickness_m": 5e-4})
+        """
+        change = scene_pb2.SetMaterial(material=as_material(material), part=part)
+        request = interaction_pb2.SetSheetMaterialRequest(name=self.name, set_material=change)
+        return await self._interact("SetSheetMaterial", request)
 
     async def _interact(self, method: str, request: Any) -> int:
         reply = await self._call(getattr(self._server.interaction_service, method), request)

@@ -50,6 +50,16 @@ class Running(SheetPart):
         request = sheets_pb2.StepSheetRequest(name=self.name, ticks=ticks)
         return await self._call(self._server.sheet_service.StepSheet, request)
 
+    async def set_speed(self, speed: float) -> sheets_pb2.Sheet:
+        """Slow motion and time lapse: simulated seconds in one of the wall's, 0.01..4; 1 is live. The ticks are the same, bit
+        for bit; step() takes no notice of it.
+
+        >>> (await sheet.set_speed(0.1)).speed
+        0.1
+        """
+        request = sheets_pb2.SetSheetSpeedRequest(name=self.name, speed=speed)
+        return await self._call(self._server.sheet_service.SetSheetSpeed, request)
+
     async def reset(self) -> sheets_pb2.Sheet:
         """Back to the initial state, without cuts; the tick goes on counting.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Callable, Coroutine
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterable
 from typing import Any, Optional
 
 import grpc
@@ -27,6 +27,11 @@ async def call_unary(method: Any, request: Any, timeout_s: Optional[float], addr
         return await method(request, timeout=timeout_s)
     except grpc.RpcError as failure:
         raise error_of(failure, address) from None
+
+
+async def call_sending(method: Any, requests: Iterable[Any], timeout_s: Optional[float], address: str) -> Any:
+    """A call whose request comes in parts. Raises kerf.Error where it fails."""
+    return await call_unary(method, iter(requests), timeout_s, address)
 
 
 class Stream:

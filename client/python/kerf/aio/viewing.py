@@ -8,7 +8,9 @@ from typing import Literal, Optional, Tuple
 from kerf.aio.part import SheetPart
 from kerf.aio.recorder import Recorder
 from kerf.aio.streams import FrameStream, ImageStream, Subscription
+from kerf.aio.transport import Stream
 from kerf.cuts import enum_value
+from kerf.files import whole_file
 from kerf.images import Codec, ColorBy, codec_value, image_view
 from kerf.v1 import geometry_pb2, render_pb2, sheets_pb2, stream_pb2
 
@@ -136,6 +138,32 @@ class Viewing(SheetPart):
         """
         request = sheets_pb2.ExportSheetRequest(name=self.name)
         return bytes((await self._call(self._server.sheet_service.ExportSheet, request)).content)
+
+    async def gltf(self) -> bytes:
+        """The sheet as it is now, as a binary glTF 2.0 file (.glb): y up, a colour for each piece.
+
+        >>> (await sheet.gltf())[:4]
+        b'glTF'
+        """
+        request = sheets_pb2.ExportSheetRequest(name=self.name, format=sheets_pb2.ExportSheetRequest.GLTF)
+        return bytes((await self._call(self._server.sheet_service.ExportSheet, request)).content)
+
+    async def record(self, path: "str | os.PathLike[str]") -> int:
+        """Writes what the server kept of the sheet's run, from its scene to now, for `kerf replay` and Server.replay(); how many
+        bytes. The file is there when all of it is. FailedPrecondition: RECORDING_TOO_LONG. OSError.
+
+        >>> await sheet.record(path) > 0
+        True
+        """
+        request = sheets_pb2.GetSheetRecordingRequest(name=self.name)
+        stream = Stream(self._server.sheet_service.GetSheetRecording, self._server.address, request=request)
+        try:
+            with whole_file(path) as file:
+                while (chunk := await stream.receive()) is not None:
+                    file.write(chunk.content)
+                return file.tell()
+        finally:
+            await stream.close()
 
     async def _tick(self) -> int:
         reply = await self._call(self._server.sheet_service.GetSheet, sheets_pb2.GetSheetRequest(name=self.name))

@@ -1,0 +1,29 @@
+"""Files that are there whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import pathlib
+from collections.abc import Iterator
+from typing import IO
+
+
+@contextlib.contextmanager
+def whole_file(path: "str | os.PathLike[str]") -> Iterator[IO[bytes]]:
+    """A file to write into, which gets its name when the `with` is left without an exception; until then it is FILE.part."""
+    target = pathlib.Path(path)
+    part = target.with_name(target.name + ".part")
+    try:
+        with open(part, "wb") as file:
+            yield file
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+_CHUNK_BYTES = 512 << 10  # a server takes messages of up to 1 MiB
+
+
+def chunks_of(content: bytes) -> Iterator[bytes]:
+    return (content[at : at + _CHUNK_BYTES] for at in range(0, len(content), _CHUNK_BYTES))
