@@ -31,6 +31,15 @@ export class ViewerPage {
     return viewer;
   }
 
+  /** Pictures of whatever is open, as NAME-1.png and so on. */
+  static async screenshotAll(browser, name) {
+    const pages = browser.contexts().flatMap((context) => context.pages());
+    for (const [i, page] of pages.entries()) {
+      const path = `${root}/build/e2e/${name}-${i + 1}.png`;
+      await page.screenshot({ path }).catch((error) => console.log(String(error)));
+    }
+  }
+
   /** Waits until `condition`, an expression of window.kerf as k and of `given`, is true of it. */
   async until(condition, given = {}) {
     await this.page.waitForFunction(pageFunction(condition), given, { timeout: kPatienceMs }).catch((error) => {
@@ -99,19 +108,25 @@ export class ViewerPage {
   /** Colours of a screenshot of the page at points of it, CSS pixels: an array of [red, green, blue], 0..255. */
   async colours(points, name) {
     const png = await this.page.screenshot({ path: `${root}/build/e2e/${name}.png` });
+    const scale = png.readUInt32BE(16) / this.page.viewportSize().width;
+    const pixels = points.map(({ x, y }) => ({ x: scale * x, y: scale * y }));
+    return this.coloursOf(png, pixels);
+  }
+
+  /** Colours of a PNG at points of it, pixels. */
+  async coloursOf(png, points) {
     // Decoded on a page of its own: the viewer's security policy allows no image from elsewhere.
     const decoder = await this.page.context().browser().newPage();
     const colours = await decoder.evaluate(
-      async ([base64, at, width]) => {
+      async ([base64, at]) => {
         const image = new Image();
         image.src = `data:image/png;base64,${base64}`;
         await image.decode();
         const canvas = new OffscreenCanvas(image.width, image.height).getContext('2d');
         canvas.drawImage(image, 0, 0);
-        const scale = image.width / width;
-        return at.map(({ x, y }) => [...canvas.getImageData(Math.floor(scale * x), Math.floor(scale * y), 1, 1).data]);
+        return at.map(({ x, y }) => [...canvas.getImageData(Math.floor(x), Math.floor(y), 1, 1).data]);
       },
-      [png.toString('base64'), points, this.page.viewportSize().width],
+      [png.toString('base64'), points],
     );
     await decoder.close();
     return colours.map(([red, green, blue]) => [red, green, blue]);

@@ -16,7 +16,9 @@ import { PieceIds } from './stream/piece_ids';
 import { SettingsFollower } from './stream/settings_follower';
 import { RemoteWatch } from './stream/remote_watch';
 import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
-import type { ConnectionState } from './stream/watch';
+import type { ConnectionState } from './stream/connection';
+import type { RecordingProgress } from './stream/stream_recorder';
+import type { Pace } from './stream/watch';
 import { CutTool } from './tools/cut_tool';
 import { GrabTool } from './tools/grab_tool';
 import { KeyboardPointer } from './tools/keyboard_pointer';
@@ -24,25 +26,24 @@ import { PinTool } from './tools/pin_tool';
 import { PointerRouter } from './tools/pointer_router';
 import type { NoticeKind, Tool, ToolId, Viewer } from './tools/tool';
 import { ViewTool } from './tools/view_tool';
+import { showState } from './ui/connection_chip';
+import type { ShownState } from './ui/connection_chip';
 import { CutPanel } from './ui/cut_panel';
-import { Choice, element, setText } from './ui/dom';
 import { errorText } from './ui/error_text';
 import { HistoryControls } from './ui/history_controls';
 import { Notices } from './ui/notices';
 import { PhysicsPanel } from './ui/physics/physics_panel';
 import { PiecePanel } from './ui/piece_panel';
 import { SidePanels } from './ui/side_panels';
+import { Choice, element, setLiveControls, setText } from './ui/dom';
+import { RecordingControl } from './ui/recording_control';
+import { ReplayBar } from './ui/replay_bar';
+import { SaveMenu } from './ui/save_menu';
 import { SimulationControls } from './ui/simulation_controls';
+import { StatisticsPanel } from './ui/statistics_panel';
 import { StatusLine } from './ui/status_line';
 import { SvgFiles } from './ui/svg_files';
 import { Theme } from './ui/theme';
-
-const kStateText: Record<ConnectionState, string> = {
-  connecting: 'Connecting',
-  live: 'Live',
-  lost: 'Connection lost',
-  ended: 'Ended',
-};
 
 /** The viewer of one sheet: what the server sends goes in, pictures and the tools' calls come out. */
 export class App implements Viewer {
@@ -76,12 +77,19 @@ export class App implements Viewer {
   private readonly notices = new Notices(element('notices'));
   private readonly status = new StatusLine();
   private readonly physics = new PhysicsPanel(this);
+  readonly statistics = new StatisticsPanel();
+  readonly recording = new RecordingControl(this);
+  readonly replayBar = new ReplayBar(this);
+  readonly saveMenu = new SaveMenu(this);
   private readonly tools: Record<ToolId, Tool>;
   readonly cutPanel: CutPanel;
   private readonly toolChoice: Choice<ToolId>;
   private readonly pieceIds = new PieceIds(() => this.showAgain());
+  private labels: ReadonlyMap<number, number> = new Map();
   private clock = new FrameClock();
   private hasNewFrame = false;
+  // What is drawn next came since the last drawing.
+  private hasArrived = false;
   private isFitted = false;
   private readonly settings = new SettingsFollower(() => this.fetchSheet());
 
@@ -106,12 +114,16 @@ export class App implements Viewer {
     this.panels.add('pieces', this.pieces);
     new PointerRouter(element('stage'), this.canvas, this.stage, () => this.tool);
     document.addEventListener('visibilitychange', () => {
-      this.watch?.setPaused(document.hidden);
+      this.watch?.setPace(this.pace);
       if (!document.hidden) this.watch?.retryNow();
     });
     element('strain-gradient').style.background = kStrainGradient;
     this.choose('view');
     requestAnimationFrame((nowMs) => this.draw(nowMs));
+  }
+
+  private get pace(): Pace {
+    return { isPaused: document.hidden, maxRateHz: 0 };
   }
 
   get isWireframe(): boolean {
@@ -137,21 +149,39 @@ export class App implements Viewer {
     element('by-strain').setAttribute('aria-pressed', String(this.isByStrain));
     element('strain-legend').hidden = !this.isByStrain;
     if (this.isByPiece && this.isByStrain) this.toggleByPiece();
-    if (this.watch) {
-      this.watch.close();
-      this.watch = this.startWatch(this.sheetName, true);
-    }
+    this.restartWatch(true);
     this.showAgain();
+  }
+
+  /** Another stream of the same sheet. `goesOn`: from the triangles that are here. */
+  restartWatch(goesOn: boolean): void {
+    if (!this.watch) return;
+    this.watch.close();
+    this.watch = this.startWatch(this.sheetName, goesOn);
   }
 
   /** Stable id of a piece by its label in the mirror's frames; undefined while it is not known. */
   pieceId(label: number): number | undefined {
     const version = this.surface?.mirror.topologyVersion;
-    return version === undefined ? undefined : this.pieceIds.at(this.sheetName, version)?.get(label);
+    return version === undefined ? undefined : this.idsOfPieces(version)?.get(label);
+  }
+
+  // Recordings have no ids: there, each number of a piece is one.
+  private idsOfPieces(version: number): ReadonlyMap<number, number> | undefined {
+    if (this.watch) return this.pieceIds.at(this.sheetName, version);
+    const numPieces = this.surface?.mirror.numPieces ?? 0;
+    if (this.labels.size !== numPieces) {
+      this.labels = new Map(Array.from({ length: numPieces }, (_, label) => [label, label]));
+    }
+    return this.labels;
   }
 
   choose(id: ToolId): void {
     this.keyboardPointer.hide();
+    if (this.replayBar.isOpen && id !== 'view') {
+      this.notify('info', 'A recording can be looked at, not changed: close it to go back to the live sheet');
+      return;
+    }
     if (this.tool !== this.tools[id]) this.tool.leave();
     this.tool = this.tools[id];
     this.tool.enter();
@@ -165,10 +195,12 @@ export class App implements Viewer {
     this.canvas.focus({ preventScroll: true });
   }
 
-  /** Watches no sheet; the last one stays in the picture. */
+  /** Watches no sheet and plays no recording; the last sheet stays in the picture. */
   close(): void {
     this.tool.leave();
+    this.recording.stop();
     this.watch?.close();
+    this.watch = undefined;
     this.settings.reset();
     this.sheetName = '';
     this.surface = undefined;
@@ -180,9 +212,28 @@ export class App implements Viewer {
   /** @param name  sheets/{sheet} */
   open(name: string): void {
     this.close();
+    this.replayBar.leave();
     this.sheetName = name;
     this.watch = this.startWatch(name, false);
     void this.refreshSheet();
+  }
+
+  /** Opens it unless a recording is shown; what comes after that. */
+  offer(name: string): void {
+    if (this.replayBar.isOpen) this.sheetName = name;
+    else this.open(name);
+  }
+
+  /** Shows the frames of a recording in place of the live sheet. */
+  showReplay(sheet: Sheet): void {
+    // Where closing it leads back to.
+    const { sheetName } = this;
+    this.close();
+    this.sheetName = sheetName;
+    this.choose('view');
+    setLiveControls(false);
+    this.setSheet(sheet);
+    this.showConnection('replay', '');
   }
 
   private startWatch(name: string, goesOn: boolean): RemoteWatch {
@@ -196,8 +247,10 @@ export class App implements Viewer {
       },
       onFrame: (copy: SheetCopy, frame: FrameCopy) => this.receive(copy, frame),
       onRejection: (rejection: Rejection) => this.grabTool.rejected(rejection),
+      onRecording: (progress: RecordingProgress, parts: ArrayBuffer[] | undefined) =>
+        this.recording.took(progress, parts),
     };
-    const options = { strains: this.isByStrain, goesOn, isPaused: document.hidden };
+    const options = { strains: this.isByStrain, goesOn, pace: this.pace };
     return new RemoteWatch(this.worker, url, name, events, options);
   }
 
@@ -254,13 +307,9 @@ export class App implements Viewer {
     this.showAgain();
   }
 
-  showConnection(state: ConnectionState, detail: string): void {
-    const chip = element('connection');
-    chip.dataset.state = state;
-    setText(chip.querySelector('b')!, kStateText[state]);
-    const line = element('connection-detail');
-    line.hidden = detail === '';
-    setText(line, detail);
+  showConnection(state: ShownState, detail: string): void {
+    // Whether there is a server does not matter to a recording.
+    if (!this.replayBar.isOpen || state === 'replay') showState(state, detail);
   }
 
   private showAgain(): void {
@@ -276,7 +325,8 @@ export class App implements Viewer {
     return sheet !== undefined;
   }
 
-  private receive(copy: SheetCopy, { stats, arrivedMs }: FrameCopy): void {
+  /** A frame of the live stream, or of a recording. */
+  receive(copy: SheetCopy, { stats, arrivedMs, delivery }: FrameCopy): void {
     if (this.surface?.mirror !== copy) {
       // A new connection, perhaps to another server: neither its clock nor its settings need be the old ones.
       this.surface = new Surface(copy);
@@ -286,24 +336,35 @@ export class App implements Viewer {
     }
     if (stats) {
       this.clock.arrived(stats.publishedUnixUs, arrivedMs);
-      this.settings.saw(stats.settingsVersion);
+      if (this.watch) this.settings.saw(stats.settingsVersion);
     }
+    this.statistics.arrived(delivery, stats);
     this.hasNewFrame = true;
+    this.hasArrived = true;
     this.stage.invalidate();
   }
 
   private draw(nowMs: number): void {
     requestAnimationFrame((nextMs) => this.draw(nextMs));
-    if (this.watch?.copy?.advance(nowMs)) this.showAgain();
+    if (this.watch?.copy?.advance(nowMs) || this.replayBar.advance(nowMs)) this.showAgain();
     if (this.stage.advance()) {
       if (this.surface && this.hasNewFrame) this.takeFrame(this.surface);
       this.tool.update();
       this.stage.draw();
       this.framesDrawn += 1;
       this.status.drawn(nowMs);
+      this.statistics.drawn(nowMs, this.hasArrived ? this.ageMs : undefined);
+      this.hasArrived = false;
     }
-    const isLive = this.watch?.state === 'live';
-    this.status.update(this.surface?.mirror, isLive ? this.clock.ageMs(unixTimeMs()) : undefined, nowMs);
+    this.status.update(this.surface?.mirror, this.ageMs, nowMs);
+    this.statistics.update(this.surface?.mirror, nowMs);
+  }
+
+  // A sheet that does not move sends nothing: its last frame is not old, it is the present.
+  private get ageMs(): number | undefined {
+    const stats = this.surface?.mirror.stats;
+    if (this.watch?.state !== 'live' || stats?.paused || stats?.sleeping) return undefined;
+    return this.clock.ageMs(unixTimeMs());
   }
 
   private showStrains(): void {
@@ -321,7 +382,7 @@ export class App implements Viewer {
     this.sheetView.update(surface);
     const version = surface.mirror.topologyVersion;
     if (this.isByStrain) this.showStrains();
-    else this.sheetView.colorByPiece(this.isByPiece ? this.pieceIds.at(this.sheetName, version) : null);
+    else this.sheetView.colorByPiece(this.isByPiece ? this.idsOfPieces(version) : null);
     const { min, max } = surface.locator;
     this.pinView.update(surface, 0.009 * Math.max(max.x - min.x, max.y - min.y));
     this.watch?.acknowledge();

@@ -1,4 +1,5 @@
 import type { App } from './app';
+import { meshHash } from './stream/mesh_hash';
 
 /**
  * window.kerf: what the browser test (tests/e2e) reads, and nothing that changes anything. Not an interface for
@@ -11,6 +12,9 @@ export interface Hooks {
   readonly topologyVersion: number;
   readonly pieces: number;
   readonly numVertices: number;
+  readonly numTriangles: number;
+  /** Ticks before the shown frame that were not sent. */
+  readonly skipped: number;
   readonly isPaused: boolean;
   readonly isWireframe: boolean;
   readonly isByPiece: boolean;
@@ -19,6 +23,11 @@ export interface Hooks {
   readonly tool: string;
   readonly pinnedVertices: readonly number[];
   readonly framesDrawn: number;
+  /** Of the recording that is shown; undefined without. */
+  readonly replay: { index: number; numFrames: number; isPlaying: boolean; atMs: number; durationMs: number } | undefined;
+  readonly isRecording: boolean;
+  /** See meshHash(); empty before the first frame. */
+  readonly meshHash: string;
   /** World position of a material point, metres; undefined before the first frame. */
   toWorld(materialX: number, materialY: number): { x: number; y: number; z: number } | undefined;
   /** The same on the page, CSS pixels. */
@@ -37,7 +46,7 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
   const world = (x: number, y: number) => app.surface?.toWorld({ x, y });
   window.kerf = {
     get connection() {
-      return app.watch?.state ?? 'connecting';
+      return app.replayBar.isOpen ? 'replay' : (app.watch?.state ?? 'connecting');
     },
     get sheet() {
       return app.sheetName;
@@ -53,6 +62,12 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
     },
     get numVertices() {
       return app.surface?.mirror.numVertices ?? 0;
+    },
+    get numTriangles() {
+      return app.surface?.mirror.stats?.numTriangles ?? 0;
+    },
+    get skipped() {
+      return Number(app.surface?.mirror.stats?.skipped ?? 0);
     },
     get isPaused() {
       return app.surface?.mirror.stats?.paused ?? false;
@@ -71,6 +86,18 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
     },
     get pinnedVertices() {
       return app.sheet?.pinnedVertices ?? [];
+    },
+    get replay() {
+      const { playing } = app.replayBar;
+      if (!playing) return undefined;
+      const { index, numFrames, isPlaying, atMs, durationMs } = playing;
+      return { index, numFrames, isPlaying, atMs, durationMs };
+    },
+    get isRecording() {
+      return app.recording.isOn;
+    },
+    get meshHash() {
+      return app.surface ? meshHash(app.surface.mirror) : '';
     },
     get framesDrawn() {
       return app.framesDrawn;

@@ -13,6 +13,7 @@ async function start(): Promise<void> {
   new FileDrop(
     (file) => void app.svgFiles.take(file),
     (file) => void sheets.dialog.open(file),
+    (file) => void app.replayBar.open(file),
   );
   bindKeys(app);
   await sheets.start();

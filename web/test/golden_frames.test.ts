@@ -5,21 +5,14 @@ import { describe, expect, it } from 'vitest';
 import { WatchResponseSchema } from '../src/gen/kerf/v1/stream_pb';
 import type { Frame } from '../src/gen/kerf/v1/stream_pb';
 import { MirrorError, SheetMirror } from '../src/stream/mirror';
-
-const kFolder = new URL('../../tests/data/frames/', import.meta.url);
+import { goldenMessages, kGoldenFolder } from './support/golden_messages';
 
 function framesOf(name: string): Frame[] {
-  const bytes = new Uint8Array(readFileSync(new URL(name, kFolder)));
-  const lengths = new DataView(bytes.buffer);
-  const frames: Frame[] = [];
-  for (let at = 0; at < bytes.length; ) {
-    const length = lengths.getUint32(at, true);
-    const { kind } = fromBinary(WatchResponseSchema, bytes.subarray(at + 4, at + 4 + length));
+  return goldenMessages(name).map((message) => {
+    const { kind } = fromBinary(WatchResponseSchema, message);
     if (kind.case !== 'frame') throw new Error(`${name} holds a ${kind.case}`);
-    frames.push(kind.value);
-    at += 4 + length;
-  }
-  return frames;
+    return kind.value;
+  });
 }
 
 /** FNV-1a, 32 bits, over little-endian words. */
@@ -38,7 +31,7 @@ function hashOf(mirror: SheetMirror): string {
   return (hash >>> 0).toString(16);
 }
 
-const hashes = readFileSync(new URL('hashes.txt', kFolder), 'utf8').trim().split('\n');
+const hashes = readFileSync(new URL('hashes.txt', kGoldenFolder), 'utf8').trim().split('\n');
 
 describe.each(['compact.bin', 'raw.bin'])('%s', (name) => {
   const frames = framesOf(name);

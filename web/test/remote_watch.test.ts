@@ -6,7 +6,10 @@ import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 import { WebSocket as NodeWebSocket, WebSocketServer } from 'ws';
 import { Encoding, FrameSchema, WatchRequestSchema, WatchResponseSchema } from '../src/gen/kerf/v1/stream_pb';
 import type { Frame, WatchRequest } from '../src/gen/kerf/v1/stream_pb';
+import { SheetSchema } from '../src/gen/kerf/v1/sheets_pb';
+import { decodeRecording, encodeHeader } from '../src/stream/recording_format';
 import { RemoteWatch } from '../src/stream/remote_watch';
+import { SpareArrays } from '../src/stream/spare_arrays';
 import type { FromWorker, Port, ToWorker } from '../src/stream/watch_messages';
 import { WatchService } from '../src/stream/watch_service';
 
@@ -49,15 +52,16 @@ describe('RemoteWatch', () => {
   let watch: RemoteWatch | undefined;
   const onState = vi.fn();
   const onRejection = vi.fn();
+  const onRecording = vi.fn();
   const ticks: number[] = [];
 
   const send = (value: Frame) =>
     socket!.send(toBinary(WatchResponseSchema, create(WatchResponseSchema, { kind: { case: 'frame', value } })));
   const open = (strains = false, goesOn = false, isPaused = false) => {
     const url = `ws://127.0.0.1:${(server.address() as AddressInfo).port}/watch`;
-    const events = { onState, onRejection, onFrame: ({ tick }: { tick: number }) => ticks.push(tick) };
+    const events = { onState, onRejection, onRecording, onFrame: ({ tick }: { tick: number }) => ticks.push(tick) };
     const port = channel.port1 as unknown as Port<ToWorker, FromWorker>;
-    watch = new RemoteWatch(port, url, 'sheets/a', events, { strains, goesOn, isPaused });
+    watch = new RemoteWatch(port, url, 'sheets/a', events, { strains, goesOn, pace: { isPaused, maxRateHz: 0 } });
     return watch;
   };
   const requested = (kind: string) => vi.waitUntil(() => requests.find((request) => request.case === kind));
@@ -65,6 +69,7 @@ describe('RemoteWatch', () => {
   beforeEach(async () => {
     requests.length = ticks.length = 0;
     onState.mockClear();
+    onRecording.mockClear();
     server = new WebSocketServer({ port: 0, host: '127.0.0.1', handleProtocols: () => 'kerf.v1' });
     server.on('connection', (connection) => {
       socket = connection;
@@ -103,6 +108,49 @@ describe('RemoteWatch', () => {
     expect(requests.filter((request) => request.case === 'ack')).toHaveLength(1);
   });
 
+  it('gives arrays back with the acknowledgement, and frames to come are in those', async () => {
+    const copyOf = vi.spyOn(SpareArrays.prototype, 'copyOf');
+    const watch = open();
+    await requested('start');
+    for (let i = 1; i <= 20; ++i) {
+      send(frame(i, i));
+      await vi.waitUntil(() => ticks.length === i);
+      watch.acknowledge();
+      await vi.waitUntil(() => requests.filter((request) => request.case === 'ack').length === i);
+    }
+    // Where frames come slowly they are on their way.
+    watch.copy!.advance(performance.now() + 10_000);
+    expect(watch.copy!.positions[0]).toBe(20);
+    const [spare] = copyOf.mock.contexts as SpareArrays[];
+    expect(copyOf.mock.calls).toHaveLength(20);
+    expect(spare.numAllocated).toBe(1);
+    copyOf.mockRestore();
+  });
+
+  it('records from a stream that brings everything, and gives the file when it is stopped', async () => {
+    const first = open();
+    await requested('start');
+    send(frame(1, 5));
+    await vi.waitUntil(() => ticks.length === 1);
+    first.record(encodeHeader(create(SheetSchema, { name: 'sheets/a' })), 1e6);
+    requests.length = 0;
+    const second = open(false, true);
+    // Though it could go on from the triangles that are here.
+    expect(await requested('start')).toMatchObject({ value: { epoch: '' } });
+    send(frame(1, 8));
+    send(frame(2, 9));
+    await vi.waitUntil(() => ticks.length === 3);
+    second.stopRecording();
+    await vi.waitUntil(() => onRecording.mock.calls.some(([, parts]) => parts !== undefined));
+    const [progress, parts] = onRecording.mock.calls.at(-1)!;
+    expect(progress).toMatchObject({ numFrames: 2, isFull: false });
+    const file = new Uint8Array(await new Blob(parts).arrayBuffer());
+    const { sheet, messages } = decodeRecording(file);
+    expect(sheet.name).toBe('sheets/a');
+    const recorded = messages.map(({ bytes }) => fromBinary(WatchResponseSchema, bytes).kind.value as Frame);
+    expect(recorded.map(({ tick }) => tick)).toEqual([8n, 9n]);
+  });
+
   it('goes on from the triangles of the stream before, and passes over what that still says', async () => {
     const first = open();
     await requested('start');
@@ -125,7 +173,7 @@ describe('RemoteWatch', () => {
     send(frame(1, 5));
     expect(await requested('pace')).toMatchObject({ value: { paused: true } });
     requests.length = 0;
-    watch.setPaused(false);
+    watch.setPace({ isPaused: false, maxRateHz: 0 });
     expect(await requested('pace')).toMatchObject({ value: { paused: false } });
   });
 

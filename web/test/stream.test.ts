@@ -10,7 +10,7 @@ import { Encoding, Ended_Reason, WatchRequestSchema, WatchResponseSchema } from 
 import type { WatchRequest } from '../src/gen/kerf/v1/stream_pb';
 import { FrameClock } from '../src/stream/frame_clock';
 import { Watch } from '../src/stream/watch';
-import type { ConnectionState } from '../src/stream/watch';
+import type { ConnectionState } from '../src/stream/connection';
 
 // Node 18 and 20 have no WebSocket of their own.
 Object.assign(globalThis, { WebSocket: NodeWebSocket });
@@ -166,13 +166,15 @@ describe('Watch', () => {
   });
 
   it('asks for no frames while nobody looks, and again on the next connection', async () => {
-    watch.setPaused(true);
+    watch.setPace({ isPaused: true, maxRateHz: 0 });
     server.sendKeyframe(1n, 5n);
     await ticks.next();
     expect(await server.requests.next()).toMatchObject({ case: 'pace', value: { paused: true } });
-    watch.setPaused(true);
-    watch.setPaused(false);
+    watch.setPace({ isPaused: true, maxRateHz: 0 });
+    watch.setPace({ isPaused: false, maxRateHz: 0 });
     expect(await server.requests.next()).toMatchObject({ case: 'pace', value: { paused: false } });
+    watch.setPace({ isPaused: false, maxRateHz: 5 });
+    expect(await server.requests.next()).toMatchObject({ case: 'pace', value: { paused: false, maxRateHz: 5 } });
   });
 
   it('starts anew when a frame does not fit', async () => {

@@ -87,8 +87,10 @@ export class SheetView {
     this.strainEnd = strainScaleEnd(strains, this.strainEnd);
     this.cloth.setOwnColors(true);
     this.coloredIds = undefined;
-    this.colors = strainColors(strains, this.strainEnd);
-    this.mesh.geometry.setAttribute('ownColor', new BufferAttribute(this.colors, 3));
+    this.colors = strainColors(strains, this.strainEnd, this.colors);
+    const attribute = this.mesh.geometry.getAttribute('ownColor') as BufferAttribute | undefined;
+    if (attribute?.array === this.colors) upload(attribute, this.colors.length);
+    else this.mesh.geometry.setAttribute('ownColor', new BufferAttribute(this.colors, 3).setUsage(DynamicDrawUsage));
     return this.strainEnd;
   }
 

@@ -69,6 +69,23 @@ export class Stage {
     this.renderer.render(this.scene, this.camera);
   }
 
+  /**
+   * The picture as it is drawn now, transparent where there is nothing, on a canvas of its own.
+   * @param scale  its pixels a CSS pixel
+   */
+  picture(scale: number): HTMLCanvasElement {
+    const copy = document.createElement('canvas');
+    this.renderer.setPixelRatio(scale);
+    this.renderer.setSize(this.sizePx.x, this.sizePx.y, false);
+    this.draw();
+    // What was drawn is there until this task ends.
+    copy.width = this.canvas.width;
+    copy.height = this.canvas.height;
+    copy.getContext('2d')!.drawImage(this.canvas, 0, 0);
+    this.resize();
+    return copy;
+  }
+
   /** Looks at the whole of a box, and sizes light, shadow and floor for it. */
   fit(box: Box3): void {
     const { center, radius } = box.getBoundingSphere(new Sphere());

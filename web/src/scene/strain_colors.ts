@@ -36,9 +36,11 @@ export function strainScaleEnd(strains: Float32Array, current: number): number {
 
 /**
  * A colour for each vertex, linear, 3 numbers each: viridis from 0 to `end` and beyond; what is not stretched at all is dark.
+ *
+ * @param room  is written to and returned where it has exactly the length
  */
-export function strainColors(strains: Float32Array, end: number): Float32Array {
-  const out = new Float32Array(3 * strains.length);
+export function strainColors(strains: Float32Array, end: number, room?: Float32Array): Float32Array {
+  const out = room?.length === 3 * strains.length ? room : new Float32Array(3 * strains.length);
   const last = kStops.length - 1;
   for (let v = 0; v < strains.length; ++v) {
     const at = last * Math.min(1, Math.max(0, strains[v] / end));

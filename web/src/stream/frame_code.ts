@@ -6,6 +6,7 @@ import type { Predictors } from './predictors';
 /**
  * @param base       coordinates of the base frame's `baseCount` / 3 vertices; a keyframe has none
  * @param positions  receives 3 coordinates a vertex; not `base`
+ * @param room       for 3 numbers a vertex, in between; more are allocated
  */
 export function unpackPositions(
   bytes: Uint8Array,
@@ -13,9 +14,10 @@ export function unpackPositions(
   baseCount: number,
   { nearA, nearB, across }: Predictors,
   positions: Uint16Array,
+  room?: Uint32Array,
 ): void {
   const count = 3 * nearA.length;
-  const differences = unpackIntegers(bytes, count, 3);
+  const differences = unpackIntegers(bytes, count, 3, room);
   for (let at = 0, vertex = 0; at < count; at += 3, ++vertex) {
     const a = 3 * nearA[vertex];
     const b = 3 * nearB[vertex];
@@ -39,9 +41,9 @@ export function unpackPositions(
   }
 }
 
-/** One signed number -128..127 a vertex. */
-export function unpackBytes(bytes: Uint8Array, { nearA, nearB }: Predictors): Int8Array {
-  const differences = unpackIntegers(bytes, nearA.length, 1);
+/** One signed number -128..127 a vertex. `room` as of unpackPositions(). */
+export function unpackBytes(bytes: Uint8Array, { nearA, nearB }: Predictors, room?: Uint32Array): Int8Array {
+  const differences = unpackIntegers(bytes, nearA.length, 1, room);
   const values = new Int8Array(nearA.length);
   for (let vertex = 0; vertex < values.length; ++vertex) {
     let foretold = nearA[vertex] === kNoVertex ? 0 : values[nearA[vertex]];

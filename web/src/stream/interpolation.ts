@@ -11,6 +11,7 @@ const kSmoothing = 0.3;
 export class Interpolation {
   private from: Float32Array = new Float32Array(0);
   private to: Float32Array = new Float32Array(0);
+  private count = 0;
   private startMs = 0;
   private durationMs = 0;
   private arrivedMs = Number.NEGATIVE_INFINITY;
@@ -19,6 +20,7 @@ export class Interpolation {
 
   /**
    * @param shown   what is shown, at least as long as `to`; is `to` at once where there is no way to go
+   * @param to      is copied: belongs to the caller again afterwards
    * @param goesOn  false: positions have nothing to do with those before
    */
   take(shown: Float32Array, to: Float32Array, nowMs: number, goesOn: boolean): void {
@@ -36,9 +38,11 @@ export class Interpolation {
       return;
     }
     this.advance(shown, nowMs);
+    this.count = to.length;
     if (this.from.length < to.length) this.from = new Float32Array(to.length);
+    if (this.to.length < to.length) this.to = new Float32Array(to.length);
     this.from.set(shown.subarray(0, to.length));
-    this.to = to;
+    this.to.set(to);
     this.startMs = nowMs;
     this.durationMs = this.intervalMs;
     this.isDone = false;
@@ -48,9 +52,9 @@ export class Interpolation {
   advance(shown: Float32Array, nowMs: number): boolean {
     if (this.isDone) return false;
     const share = Math.min(1, Math.max(0, (nowMs - this.startMs) / this.durationMs));
-    const { from, to } = this;
-    if (share === 1) shown.set(to);
-    else for (let i = 0; i < to.length; ++i) shown[i] = from[i] + share * (to[i] - from[i]);
+    const { from, to, count } = this;
+    if (share === 1) shown.set(to.length === count ? to : to.subarray(0, count));
+    else for (let i = 0; i < count; ++i) shown[i] = from[i] + share * (to[i] - from[i]);
     this.isDone = share === 1;
     return true;
   }

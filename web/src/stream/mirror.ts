@@ -22,7 +22,7 @@ function require(condition: boolean, message: () => string): asserts condition {
 }
 
 /** Array with room for `count` elements and the first `used` of `array` kept; grows by doubling. */
-function withRoom<T extends Int32Array | Float32Array | Uint16Array>(array: T, used: number, count: number): T {
+function withRoom<T extends Int32Array | Float32Array | Uint16Array | Uint32Array>(array: T, used: number, count: number): T {
   if (array.length >= count) return array;
   const grown = new (array.constructor as new (length: number) => T)(Math.max(count, 2 * array.length));
   grown.set(array.subarray(0, used) as never);
@@ -81,7 +81,7 @@ export class SheetMirror {
   triangles: Int32Array = new Int32Array(0);
   /** S, -1 for an empty slot */
   pieces: Int32Array = new Int32Array(0);
-  /** V largest principal strains, -, of the last frame; undefined where it had none */
+  /** V largest principal strains, -, of the last frame, exactly; undefined where it had none */
   strains: Float32Array | undefined;
   /** Of the last frame that had any. */
   stats: FrameStats | undefined;
@@ -89,6 +89,9 @@ export class SheetMirror {
   // q of stream.proto: 3 V, and the buffer that the next frame is decoded into.
   private quantised: Uint16Array = new Uint16Array(0);
   private next: Uint16Array = new Uint16Array(0);
+  // What a frame's numbers are unpacked into on their way.
+  private unpacked: Uint32Array = new Uint32Array(0);
+  private strainRoom: Float32Array = new Float32Array(0);
   private predictors: Predictors | undefined;
   private readonly boxMin = [0, 0, 0];
   private readonly boxStep = [0, 0, 0];
@@ -100,8 +103,25 @@ export class SheetMirror {
   resumed(): SheetMirror {
     const next = new SheetMirror();
     Object.assign(next, { ...this, sequence: 0, tick: -1, quantised: new Uint16Array(0), next: new Uint16Array(0) });
+    next.strainRoom = new Float32Array(0);
     next.positions = this.positions.slice();
     return next;
+  }
+
+  /** With this one's state, and no array that a frame which one of them applies changes in the other. */
+  copy(): SheetMirror {
+    const copy = new SheetMirror();
+    Object.assign(copy, this, {
+      positions: this.positions.slice(0, 3 * this.numVertices),
+      quantised: this.quantised.slice(0, 3 * this.numVertices),
+      next: new Uint16Array(0),
+      unpacked: new Uint32Array(0),
+      strains: this.strains?.slice(),
+      strainRoom: new Float32Array(0),
+      boxMin: [...this.boxMin],
+      boxStep: [...this.boxStep],
+    });
+    return copy;
   }
 
   /** The next stream must bring everything. */
@@ -122,13 +142,13 @@ export class SheetMirror {
       `delta against tick ${frame.baseTick}, but the mirror is at ${this.tick}`);
     require(frame.numVertices >= 0, () => `${frame.numVertices} vertices`);
     let topology: Topology | undefined;
-    let strains: Float32Array | undefined;
+    let strains: Int8Array | undefined;
     try {
       if (frame.topology) topology = this.patched(frame, frame.topology);
       else this.checkUnchanged(frame);
       const predictors = () => topology?.predictors ?? this.ownPredictors();
       this.decodePositions(frame, isKeyframe, predictors);
-      strains = readStrains(frame, predictors);
+      strains = readStrains(frame, predictors, this.unpacked);
     } catch (error) {
       throw error instanceof CodeError ? new MirrorError(`frame of tick ${frame.tick}: ${error.message}`) : error;
     }
@@ -136,7 +156,7 @@ export class SheetMirror {
     // Nothing fails from here on.
     if (topology) this.commitTopology(topology);
     this.commitPositions(frame, isKeyframe);
-    this.strains = strains;
+    this.strains = strains && this.scaledStrains(strains, frame.strainScale);
     if (frame.epoch !== '') this.epoch = frame.epoch;
     this.sequence = sequence;
     this.tick = Number(frame.tick);
@@ -156,7 +176,8 @@ export class SheetMirror {
     if (frame.encoding === Encoding.COMPACT) {
       const baseCount = isKeyframe ? 0 : 3 * this.numVertices;
       this.next = withRoom(this.next, 0, count);
-      unpackPositions(frame.positions, this.quantised, baseCount, predictors(), this.next);
+      this.unpacked = withRoom(this.unpacked, 0, count);
+      unpackPositions(frame.positions, this.quantised, baseCount, predictors(), this.next, this.unpacked);
       return;
     }
     require(frame.encoding === Encoding.RAW && isKeyframe, () => `frame of encoding ${frame.encoding}`);
@@ -184,6 +205,18 @@ export class SheetMirror {
       positions[i + 1] = minY + quantised[i + 1] * stepY;
       positions[i + 2] = minZ + quantised[i + 2] * stepZ;
     }
+  }
+
+  private scaledStrains(quantised: Int8Array, scale: number): Float32Array {
+    const { length } = quantised;
+    this.strainRoom = withRoom(this.strainRoom, 0, length);
+    for (let v = 0; v < length; ++v) {
+      const share = quantised[v] / 127;
+      this.strainRoom[v] = share * Math.abs(share) * scale;
+    }
+    return this.strains?.buffer === this.strainRoom.buffer && this.strains.length === length
+      ? this.strains
+      : this.strainRoom.subarray(0, length);
   }
 
   private checkUnchanged(frame: Frame): void {
@@ -241,7 +274,8 @@ export class SheetMirror {
   }
 }
 
-function readStrains(frame: Frame, predictors: () => Predictors): Float32Array | undefined {
+/** q of stream.proto, one a vertex. */
+function readStrains(frame: Frame, predictors: () => Predictors, room: Uint32Array): Int8Array | undefined {
   if (frame.strainScale === 0) {
     require(frame.strains.length === 0, () => 'strains without a scale');
     return undefined;
@@ -249,8 +283,7 @@ function readStrains(frame: Frame, predictors: () => Predictors): Float32Array |
   const isCompact = frame.encoding === Encoding.COMPACT;
   require(isCompact || frame.strains.length === frame.numVertices, () =>
     `${frame.strains.length} strains of ${frame.numVertices} vertices`);
-  const values = isCompact ? unpackBytes(frame.strains, predictors()) : new Int8Array(aligned(frame.strains));
-  return Float32Array.from(values, (q) => (q / 127) * Math.abs(q / 127) * frame.strainScale);
+  return isCompact ? unpackBytes(frame.strains, predictors(), room) : new Int8Array(aligned(frame.strains));
 }
 
 /** What a patch lists: slots with their triangles and pieces, and vertices. */

@@ -70,16 +70,17 @@ class BitReader {
 /**
  * @param count    numbers, a multiple of `columns`
  * @param columns  of each row
+ * @param room     receives the numbers where it is long enough; what is in it before does not matter
  * @throws CodeError where the bytes are not exactly those of so many numbers
  */
-export function unpackIntegers(bytes: Uint8Array, count: number, columns: number): Uint32Array {
+export function unpackIntegers(bytes: Uint8Array, count: number, columns: number, room?: Uint32Array): Uint32Array {
   const rows = count / columns;
   if (!Number.isInteger(rows) || rows < 0) throw new CodeError(`${count} numbers in rows of ${columns}`);
   // Each column of a block has a parameter: nothing is allocated for what cannot be there.
   if ((8 * bytes.length) / kParameterBits < Math.ceil(rows / kBlockRows) * columns) {
     throw new CodeError(`${bytes.length} bytes for ${count} numbers`);
   }
-  const values = new Uint32Array(count);
+  const values = room && room.length >= count ? room.subarray(0, count).fill(0) : new Uint32Array(count);
   const reader = new BitReader(bytes);
   for (let row = 0; row < rows; row += kBlockRows) {
     const end = Math.min(row + kBlockRows, rows) * columns;

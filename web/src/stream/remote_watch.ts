@@ -1,7 +1,9 @@
 import type { Rejection } from '../gen/kerf/v1/stream_pb';
-import { SheetCopy } from './sheet_copy';
+import type { ConnectionState } from './connection';
+import { SheetCopy, copiedBuffers } from './sheet_copy';
 import type { FrameCopy } from './sheet_copy';
-import type { ConnectionState, WatchRequestKind } from './watch';
+import type { RecordingProgress } from './stream_recorder';
+import type { Pace, WatchRequestKind } from './watch';
 import type { FromWorker, Port, ToWorker } from './watch_messages';
 
 export interface RemoteWatchEvents {
@@ -10,13 +12,15 @@ export interface RemoteWatchEvents {
   /** After each frame taken into `copy`. A new copy comes with each connection. */
   onFrame(copy: SheetCopy, frame: FrameCopy): void;
   onRejection(rejection: Rejection): void;
+  /** @param parts  the file, once it is finished */
+  onRecording(progress: RecordingProgress, parts: ArrayBuffer[] | undefined): void;
 }
 
 export interface RemoteWatchOptions {
   strains: boolean;
   /** From the triangles of the stream that this port had before, of the same sheet. */
   goesOn: boolean;
-  isPaused: boolean;
+  pace: Pace;
 }
 
 /** A Watch in a worker, seen from the page: the same calls, answered by and by. One at a time on a port. */
@@ -28,6 +32,7 @@ export class RemoteWatch {
   private static lastId = 0;
   private readonly id = ++RemoteWatch.lastId;
   private hasNews = false;
+  private spare: ArrayBuffer[] = [];
 
   /**
    * @param port  of a worker that has a WatchService
@@ -49,7 +54,9 @@ export class RemoteWatch {
   acknowledge(): void {
     if (!this.hasNews) return;
     this.hasNews = false;
-    this.port.postMessage({ kind: 'acknowledge', id: this.id });
+    const { spare } = this;
+    this.spare = [];
+    this.port.postMessage({ kind: 'acknowledge', id: this.id, spare }, spare);
   }
 
   /** Sends a grab, drag or release; false if there is no connection (the server then has already let go). */
@@ -59,9 +66,9 @@ export class RemoteWatch {
     return true;
   }
 
-  /** See Watch.setPaused(). */
-  setPaused(isPaused: boolean): void {
-    this.port.postMessage({ kind: 'pause', id: this.id, isPaused });
+  /** See Watch.setPace(). */
+  setPace(pace: Pace): void {
+    this.port.postMessage({ kind: 'pace', id: this.id, pace });
   }
 
   /** See Watch.retryNow(). */
@@ -69,23 +76,39 @@ export class RemoteWatch {
     this.port.postMessage({ kind: 'retry', id: this.id });
   }
 
+  /** Begins a recording with the next stream that starts on this port; see StreamRecorder. */
+  record(header: Uint8Array<ArrayBuffer>, limitBytes: number): void {
+    this.port.postMessage({ kind: 'record', header, limitBytes });
+  }
+
+  /** onRecording() then gets the file. */
+  stopRecording(): void {
+    this.port.postMessage({ kind: 'stopRecording' });
+  }
+
   close(): void {
     this.port.postMessage({ kind: 'close', id: this.id });
   }
 
   private receive(message: FromWorker): void {
-    if (message.id !== this.id) return;
+    if ('id' in message && message.id !== this.id) return;
     switch (message.kind) {
       case 'state':
         this.state = message.state;
         return this.events.onState(message.state, message.detail);
+      case 'recording':
+        return this.events.onRecording(message.progress, undefined);
+      case 'recorded':
+        return this.events.onRecording(message.progress, message.parts);
       case 'rejection':
         return this.events.onRejection(message.rejection);
       case 'frame':
         if (message.isFirst || !this.copy) this.copy = new SheetCopy();
         this.copy.take(message.frame, performance.now());
         this.hasNews = true;
-        return this.events.onFrame(this.copy, message.frame);
+        this.events.onFrame(this.copy, message.frame);
+        this.spare.push(...copiedBuffers(message.frame));
+        return;
     }
   }
 }

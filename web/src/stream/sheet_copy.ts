@@ -1,5 +1,6 @@
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import { Interpolation } from './interpolation';
+import type { Delivery } from './stream_meter';
 
 /** A sheet as the viewer's parts read it. Arrays may have spare room at the end; only the stated parts are valid. */
 export interface SheetArrays {
@@ -33,6 +34,11 @@ export interface TopologyCopy {
   materialPositions: Float32Array;
 }
 
+/** The buffers of a frame's arrays that SheetCopy.take() has copied. */
+export function copiedBuffers({ positions, strains }: FrameCopy): ArrayBuffer[] {
+  return [positions, strains].filter((array) => array !== undefined).map((array) => array.buffer as ArrayBuffer);
+}
+
 /** A frame after it was decoded: what goes from the worker to the page. */
 export interface FrameCopy {
   tick: number;
@@ -47,6 +53,7 @@ export interface FrameCopy {
   arrivedMs: number;
   /** Where it differs from that of the frame before, and in a connection's first frame. */
   topology: TopologyCopy | undefined;
+  delivery: Delivery;
 }
 
 /**
@@ -66,13 +73,18 @@ export class SheetCopy implements SheetArrays {
   strains: Float32Array | undefined;
   stats: FrameStats | undefined;
 
+  private strainRoom = new Float32Array(0);
   private readonly interpolation = new Interpolation();
 
-  /** @param nowMs  performance.now() */
-  take(frame: FrameCopy, nowMs: number): void {
+  /**
+   * Copies positions and strains, keeps the arrays of a topology.
+   * @param nowMs   performance.now()
+   * @param isNext  of the frames that were taken before, which it goes on from
+   */
+  take(frame: FrameCopy, nowMs: number, isNext = true): void {
     const count = frame.positions.length;
     // Vertices of another topology are others, though they have the same numbers.
-    const goesOn = frame.topology === undefined && count === 3 * this.numVertices && !frame.stats?.paused;
+    const goesOn = isNext && frame.topology === undefined && count === 3 * this.numVertices && !frame.stats?.paused;
     if (this.positions.length < count) this.positions = new Float32Array(Math.max(count, 2 * this.positions.length));
     this.interpolation.take(this.positions, frame.positions, nowMs, goesOn);
     if (frame.topology) Object.assign(this, frame.topology);
@@ -81,8 +93,20 @@ export class SheetCopy implements SheetArrays {
     this.numVertices = count / 3;
     this.numSlots = frame.numSlots;
     this.numPieces = frame.numPieces;
-    this.strains = frame.strains;
+    this.takeStrains(frame.strains);
     if (frame.stats) this.stats = frame.stats;
+  }
+
+  private takeStrains(strains: Float32Array | undefined): void {
+    if (!strains) {
+      this.strains = undefined;
+      return;
+    }
+    if (this.strains?.length !== strains.length) {
+      if (this.strainRoom.length < strains.length) this.strainRoom = new Float32Array(strains.length);
+      this.strains = this.strainRoom.subarray(0, strains.length);
+    }
+    this.strains.set(strains);
   }
 
   /** Brings `positions` to `nowMs`; true if they have changed, and perhaps will again. */

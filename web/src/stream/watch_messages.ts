@@ -1,24 +1,34 @@
 import type { Rejection } from '../gen/kerf/v1/stream_pb';
+import type { ConnectionState } from './connection';
 import type { FrameCopy } from './sheet_copy';
-import type { ConnectionState, WatchRequestKind } from './watch';
+import type { RecordingProgress } from './stream_recorder';
+import type { Pace, WatchRequestKind } from './watch';
 
 // What the page and the worker that holds its connection say to each other. `id` numbers the page's streams: what concerns an
 // earlier one is passed over.
 
 export type ToWorker =
   /** `goesOn`: from the triangles of the stream before, of the same sheet. */
-  | { kind: 'start'; id: number; url: string; name: string; strains: boolean; goesOn: boolean; isPaused: boolean }
-  | { kind: 'acknowledge'; id: number }
+  | { kind: 'start'; id: number; url: string; name: string; strains: boolean; goesOn: boolean; pace: Pace }
+  /** `spare`: arrays of frames that the page has copied, to be used again. */
+  | { kind: 'acknowledge'; id: number; spare: ArrayBuffer[] }
   | { kind: 'send'; id: number; request: WatchRequestKind }
-  | { kind: 'pause'; id: number; isPaused: boolean }
+  | { kind: 'pace'; id: number; pace: Pace }
   | { kind: 'retry'; id: number }
-  | { kind: 'close'; id: number };
+  | { kind: 'close'; id: number }
+  /** From the next connection on, which brings everything; see StreamRecorder. */
+  | { kind: 'record'; header: Uint8Array<ArrayBuffer>; limitBytes: number }
+  /** Answered by `recorded`. */
+  | { kind: 'stopRecording' };
 
 export type FromWorker =
   | { kind: 'state'; id: number; state: ConnectionState; detail: string }
   /** `isFirst`: of a connection. */
   | { kind: 'frame'; id: number; frame: FrameCopy; isFirst: boolean }
-  | { kind: 'rejection'; id: number; rejection: Rejection };
+  | { kind: 'rejection'; id: number; rejection: Rejection }
+  | { kind: 'recording'; progress: RecordingProgress }
+  /** `parts`: the file. */
+  | { kind: 'recorded'; progress: RecordingProgress; parts: ArrayBuffer[] };
 
 /** The part of Worker and of a worker's own scope that is used. */
 export interface Port<Out, In> {

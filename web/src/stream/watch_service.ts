@@ -1,8 +1,13 @@
-import { unixTimeMs } from './frame_clock';
+import type { ConnectionState } from './connection';
+import { FrameCopier } from './frame_copier';
 import type { SheetMirror } from './mirror';
-import type { FrameCopy, TopologyCopy } from './sheet_copy';
+import type { Delivery } from './stream_meter';
+import { StreamRecorder } from './stream_recorder';
 import { Watch } from './watch';
 import type { FromWorker, Port, ToWorker } from './watch_messages';
+
+// How far a recording has come is shown as text.
+const kTellEveryMs = 200;
 
 /**
  * The worker's side: holds the connection, decodes frames and hands copies of them to the page, which draws meanwhile. The
@@ -13,23 +18,34 @@ export class WatchService {
   private id = 0;
   private name = '';
   private shown: SheetMirror | undefined;
-  private shownVersion = -1;
+  private readonly copier = new FrameCopier();
+  private recorder: StreamRecorder | undefined;
+  private toldMs = 0;
 
   constructor(private readonly page: Port<FromWorker, ToWorker>) {
     page.onmessage = ({ data }) => this.receive(data);
   }
 
   private receive(message: ToWorker): void {
-    if (message.kind === 'start') return this.start(message);
+    switch (message.kind) {
+      case 'start':
+        return this.start(message);
+      case 'record':
+        this.recorder = new StreamRecorder(message.header, message.limitBytes);
+        return;
+      case 'stopRecording':
+        return this.stopRecording();
+    }
     if (message.id !== this.id) return;
     switch (message.kind) {
       case 'acknowledge':
+        this.copier.spare.put(message.spare);
         return this.watch?.acknowledge();
       case 'send':
         this.watch?.send(message.request);
         return;
-      case 'pause':
-        return this.watch?.setPaused(message.isPaused);
+      case 'pace':
+        return this.watch?.setPace(message.pace);
       case 'retry':
         return this.watch?.retryNow();
       case 'close':
@@ -37,55 +53,53 @@ export class WatchService {
     }
   }
 
-  private start({ id, url, name, strains, goesOn, isPaused }: ToWorker & { kind: 'start' }): void {
+  private start({ id, url, name, strains, goesOn, pace }: ToWorker & { kind: 'start' }): void {
     const from = goesOn && name === this.name ? this.watch?.mirror : undefined;
     this.watch?.close();
     this.id = id;
     this.name = name;
     this.shown = undefined;
     const events = {
-      onState: (state: 'connecting' | 'live' | 'lost' | 'ended', detail: string) =>
-        this.post({ kind: 'state', id, state, detail }),
-      onFrame: (mirror: SheetMirror) => this.handOn(id, mirror),
+      onState: (state: ConnectionState, detail: string) => this.post({ kind: 'state', id, state, detail }),
+      onFrame: (mirror: SheetMirror, delivery: Delivery, bytes: Uint8Array) => {
+        this.record(mirror, bytes);
+        this.handOn(id, mirror, delivery);
+      },
       onRejection: (rejection: (FromWorker & { kind: 'rejection' })['rejection']) =>
         this.post({ kind: 'rejection', id, rejection }),
     };
-    this.watch = new Watch(url, name, events, { strains, from });
-    this.watch.setPaused(isPaused);
+    const startsWhole = () => this.recorder !== undefined;
+    this.watch = new Watch(url, name, events, { strains, from, startsWhole });
+    this.watch.setPace(pace);
   }
 
-  private handOn(id: number, mirror: SheetMirror): void {
+  private record(mirror: SheetMirror, bytes: Uint8Array): void {
+    const { recorder } = this;
+    if (!recorder || recorder.progress.isFull) return;
+    const nowMs = performance.now();
+    recorder.add(bytes, mirror.sequence === 1, nowMs);
+    const { progress } = recorder;
+    if (!progress.isFull && nowMs - this.toldMs < kTellEveryMs) return;
+    this.toldMs = nowMs;
+    this.post({ kind: 'recording', progress });
+  }
+
+  private stopRecording(): void {
+    const { recorder } = this;
+    this.recorder = undefined;
+    if (!recorder) return;
+    const parts = recorder.finish();
+    this.post({ kind: 'recorded', progress: recorder.progress, parts }, parts);
+  }
+
+  private handOn(id: number, mirror: SheetMirror, delivery: Delivery): void {
     const isFirst = mirror !== this.shown;
-    const topology = isFirst || mirror.topologyVersion !== this.shownVersion ? topologyOf(mirror) : undefined;
     this.shown = mirror;
-    this.shownVersion = mirror.topologyVersion;
-    const frame: FrameCopy = {
-      tick: mirror.tick,
-      topologyVersion: mirror.topologyVersion,
-      numSlots: mirror.numSlots,
-      numPieces: mirror.numPieces,
-      positions: mirror.positions.slice(0, 3 * mirror.numVertices),
-      strains: mirror.strains?.slice(),
-      stats: mirror.stats,
-      arrivedMs: unixTimeMs(),
-      topology,
-    };
-    const arrays = [frame.positions, frame.strains, topology?.triangles, topology?.pieces, topology?.materialPositions];
-    this.post(
-      { kind: 'frame', id, frame, isFirst },
-      arrays.filter((array) => array !== undefined).map((array) => array.buffer as ArrayBuffer),
-    );
+    const { frame, buffers } = this.copier.copy(mirror, delivery, isFirst);
+    this.post({ kind: 'frame', id, frame, isFirst }, buffers);
   }
 
   private post(message: FromWorker, transfer: Transferable[] = []): void {
     this.page.postMessage(message, transfer);
   }
-}
-
-function topologyOf(mirror: SheetMirror): TopologyCopy {
-  return {
-    triangles: mirror.triangles.slice(0, 3 * mirror.numSlots),
-    pieces: mirror.pieces.slice(0, mirror.numSlots),
-    materialPositions: mirror.materialPositions.slice(0, 2 * mirror.numVertices),
-  };
 }

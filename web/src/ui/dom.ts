@@ -10,6 +10,11 @@ export function setText(target: HTMLElement, text: string): void {
   if (target.textContent !== text) target.textContent = text;
 }
 
+/** Switches off, or on again, all that acts on the live sheet: elements with data-live. */
+export function setLiveControls(isOn: boolean): void {
+  for (const control of document.querySelectorAll<HTMLElement>('[data-live]')) control.inert = !isOn;
+}
+
 /** Buttons of which one is chosen; arrow keys move between them. */
 export class Choice<T extends string> {
   private readonly buttons: HTMLButtonElement[];

@@ -1,8 +1,12 @@
 import { element } from './dom';
+import { isRecordingFile } from './replay_bar';
 
-/** Files that are dropped on the sheet: a mesh becomes a new one, anything else is taken for a drawing to cut along. */
+/**
+ * Files that are dropped on the sheet: a mesh becomes a new one, a recording is played, anything else is taken for a drawing
+ * to cut along.
+ */
 export class FileDrop {
-  constructor(drawing: (file: File) => void, mesh: (file: File) => void) {
+  constructor(drawing: (file: File) => void, mesh: (file: File) => void, recording: (file: File) => void) {
     const stage = element('stage');
     stage.addEventListener('dragover', (event) => {
       if (!event.dataTransfer?.types.includes('Files')) return;
@@ -15,6 +19,7 @@ export class FileDrop {
       if (!file) return;
       event.preventDefault();
       if (/\.(obj|ply)$/i.test(file.name)) mesh(file);
+      else if (isRecordingFile(file)) recording(file);
       else drawing(file);
     });
   }

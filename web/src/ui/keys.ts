@@ -38,6 +38,11 @@ export function bindKeys(app: App): void {
 
   addEventListener('keydown', (event) => {
     if (document.querySelector('dialog[open]') || isForControl(event)) return;
+    // Of a recording that is played, in place of the live sheet.
+    if (app.replayBar.key(chordOf(event))) {
+      event.preventDefault();
+      return;
+    }
     for (const shortcut of shortcutsFor(groups, app.tool.id, chordOf(event))) {
       // A held key does most things once.
       if (event.repeat && !shortcut.isRepeated) event.preventDefault();

@@ -191,6 +191,29 @@ function viewGroup(app: App, openHelp: () => void): ShortcutGroup {
   };
 }
 
+function streamGroup(app: App): ShortcutGroup {
+  return {
+    title: 'Stream and files',
+    intro: 'A recording that is played has Space to play or pause, . and , for a frame on or back, Escape to close it.',
+    shortcuts: [
+      {
+        chords: ['U'],
+        what: 'Statistics of the last seconds: frames, bytes, ages, ticks',
+        button: '#statistics-toggle',
+        isClicked: true,
+        run: () => app.statistics.toggle(),
+      },
+      {
+        chords: ['Ctrl+S'],
+        what: 'Save a picture, a mesh or a recording, or play one',
+        button: '#save-open',
+        isClicked: true,
+        run: () => app.saveMenu.toggle(),
+      },
+    ],
+  };
+}
+
 function panelGroup(app: App): ShortcutGroup {
   const panel = (chord: string, id: string, what: string): Shortcut => ({
     chords: [chord],
@@ -281,6 +304,6 @@ function crossKeys(app: App): ShortcutGroup {
 
 /** Every key there is: what keys.ts listens for and what the help shows. Of keys that two groups have, the first counts. */
 export function shortcutGroups(app: App, openHelp: () => void): ShortcutGroup[] {
-  const always = [toolGroup(app), simulationGroup(app), viewGroup(app, openHelp), panelGroup(app)];
+  const always = [toolGroup(app), simulationGroup(app), viewGroup(app, openHelp), panelGroup(app), streamGroup(app)];
   return [...always, viewKeys(app), crossKeys(app), ...cutGroups(app), grabGroup(app)];
 }

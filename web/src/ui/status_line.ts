@@ -1,8 +1,11 @@
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import type { SheetArrays } from '../stream/sheet_copy';
+import { SampleWindow } from '../stream/sample_window';
 import { element, setText } from './dom';
 
+// A second of pictures, on the fastest of screens.
 const kFpsWindowMs = 1000;
+const kMostPictures = 480;
 
 /** Tick, real-time factor, vertices, pieces, frame age and drawn frames a second. */
 export class StatusLine {
@@ -12,17 +15,17 @@ export class StatusLine {
   private readonly pieces = element('status-pieces');
   private readonly age = element('status-age');
   private readonly fps = element('status-fps');
-  private drawnMs: number[] = [];
+  private readonly pictures = new SampleWindow(kFpsWindowMs, kMostPictures);
 
   /** A frame was drawn at `nowMs` (performance.now()). */
   drawn(nowMs: number): void {
-    this.drawnMs.push(nowMs);
+    this.pictures.add(nowMs, 1);
   }
 
-  /** @param ageMs  of the shown state; undefined if none is shown or the connection is lost */
+  /** @param ageMs  of the shown state; undefined where it has none */
   update(mirror: SheetArrays | undefined, ageMs: number | undefined, nowMs: number): void {
-    this.drawnMs = this.drawnMs.filter((at) => nowMs - at < kFpsWindowMs);
-    setText(this.fps, String(this.drawnMs.length));
+    this.pictures.forget(nowMs);
+    setText(this.fps, String(this.pictures.count));
     if (!mirror) return;
     setText(this.tick, mirror.tick.toLocaleString('en'));
     setText(this.vertices, mirror.numVertices.toLocaleString('en'));
@@ -30,7 +33,7 @@ export class StatusLine {
     const { stats } = mirror;
     setText(this.realTime, this.realTimeText(stats));
     this.realTime.dataset.level = isBehind(stats) ? 'warn' : '';
-    setText(this.age, this.ageText(stats, ageMs));
+    setText(this.age, ageText(ageMs));
   }
 
   private realTimeText(stats: FrameStats | undefined): string {
@@ -40,11 +43,11 @@ export class StatusLine {
     return `${stats.realTimeFactor.toFixed(2)} ×`;
   }
 
-  // A sheet that does not move sends nothing: its last frame is not old, it is the present.
-  private ageText(stats: FrameStats | undefined, ageMs: number | undefined): string {
-    if (ageMs === undefined || stats?.paused || stats?.sleeping) return '–';
-    return ageMs < 1000 ? `${ageMs.toFixed(0)} ms` : `${(ageMs / 1000).toFixed(1)} s`;
-  }
+}
+
+function ageText(ageMs: number | undefined): string {
+  if (ageMs === undefined) return '–';
+  return ageMs < 1000 ? `${ageMs.toFixed(0)} ms` : `${(ageMs / 1000).toFixed(1)} s`;
 }
 
 function isBehind(stats: FrameStats | undefined): boolean {

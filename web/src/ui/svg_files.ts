@@ -4,7 +4,7 @@ import { element } from './dom';
 // kerf.v1.Svg.
 const kMaxBytes = 512 * 1024;
 
-/** SVG files that are dropped on the sheet or chosen: the cut tool lays them on it. */
+/** SVG files that are dropped on the sheet (see FileDrop) or chosen: the cut tool lays them on it. */
 export class SvgFiles {
   private readonly input = element<HTMLInputElement>('svg-file');
 

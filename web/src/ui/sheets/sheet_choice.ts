@@ -52,7 +52,7 @@ export class SheetChoice implements Panel {
     const asked = new URLSearchParams(location.search).get('sheet');
     // A sheet that was asked for and is not there is opened all the same: the server says what is wrong.
     const name = asked ? `sheets/${asked}` : names.includes('sheets/demo') ? 'sheets/demo' : names[0];
-    if (name) this.app.open(name);
+    if (name) this.app.offer(name);
     this.show(sheets);
     if (!name) this.showNone();
   }

@@ -1,0 +1,179 @@
+// What the viewer does on slow networks, beside other viewers, unseen, and when the server goes and comes back.
+import { check, post, root, startKerfd } from './harness.mjs';
+import { startSlowProxy } from './slow_proxy.mjs';
+import { ViewerPage } from './viewer_page.mjs';
+
+// Small, for it is drawn in software.
+const kSmall = { viewport: { width: 760, height: 480 }, colorScheme: 'light' };
+const kTall = { viewport: { width: 1280, height: 960 }, colorScheme: 'light' };
+const kDemo = { name: 'sheets/demo' };
+const kTickRateHz = 60;
+// The window that the server never exceeds.
+const kLargestWindow = 8;
+
+const kSlow = { name: 'sheets/slow' };
+const kSwinging = {
+  grid: { columns: 31, rows: 31, widthM: 1, heightM: 1 },
+  placement: { xAxis: { x: 1 }, yAxis: { y: 1 } },
+  pins: [{ nearest: { x: 0, y: 1 } }, { nearest: { x: 1, y: 1 } }],
+};
+
+// Nothing moves it: what is drawn on it is where it was meant.
+const kStill = {
+  grid: { columns: 31, rows: 31, widthM: 1, heightM: 1 },
+  placement: { xAxis: { x: 1 }, yAxis: { y: Math.cos(0.7), z: Math.sin(0.7) } },
+  gravityMps2: {},
+};
+
+async function serverTick(url, sheet) {
+  return Number((await post(url, 'SheetService/GetSheet', sheet)).tick ?? 0);
+}
+
+/** How many ticks what is shown is behind the server, ascending, seen `count` times, each a frame or more apart. */
+async function lags(viewer, url, sheet, count) {
+  const found = [];
+  for (let i = 0; i < count; ++i) {
+    const shown = await viewer.read('k.tick');
+    await viewer.until('k.tick > given.shown', { shown });
+    // The server's tick first: what is shown may only be newer by the time that it is read.
+    const now = await serverTick(url, sheet);
+    found.push(now - (await viewer.read('k.tick')));
+  }
+  return found.sort((a, b) => a - b);
+}
+
+async function slowNetwork(browser, kerfd) {
+  const kDelayMs = 150;
+  // Half of what every tick would take.
+  const kBytesPerS = 90_000;
+  const proxy = await startSlowProxy(kerfd.url, { delayMs: kDelayMs, bytesPerS: kBytesPerS });
+  await post(kerfd.url, 'SheetService/CreateSheet', { sheetId: 'slow', scene: kSwinging });
+  const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=slow`, kSmall);
+  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  const begin = await serverTick(kerfd.url, kSlow);
+  await viewer.page.keyboard.press('u');
+  // Five seconds of ticks: were frames queued, they would be later and later.
+  await viewer.until('k.tick > given.begin + 300', { begin });
+  const behind = await lags(viewer, kerfd.url, kSlow, 7);
+  const { mostInFlight, sent } = proxy.count('/watch');
+  const passed = (await serverTick(kerfd.url, kSlow)) - begin;
+  const roundTripTicks = (2 * kDelayMs * kTickRateHz) / 1000;
+  console.log(
+    `         ${sent} frames of ${passed} ticks, at most ${mostInFlight} in flight; shown ${behind[0]} to ` +
+      `${behind.at(-1)} ticks behind, median ${behind[behind.length >> 1]}; a round trip is ${roundTripTicks} ticks`,
+  );
+  // All that can be between the server's newest tick and the one shown.
+  check(mostInFlight <= kLargestWindow, `${mostInFlight} frames were in flight`);
+  check(sent < passed, `all of ${passed} ticks were sent over a network that cannot carry them`);
+  await viewer.screenshot('slow-network');
+  check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+  await viewer.page.close();
+  await proxy.stop();
+  await post(kerfd.url, 'SheetService/DeleteSheet', kSlow);
+}
+
+async function twoBrowsers(browser, kerfd) {
+  const parent = 'sheets/shared';
+  await post(kerfd.url, 'SheetService/CreateSheet', { sheetId: 'shared', scene: kStill });
+  const viewers = await Promise.all(
+    [0, 1].map(() => ViewerPage.open(browser, `${kerfd.url}/?sheet=shared`, kTall)),
+  );
+  await Promise.all(viewers.map((viewer) => viewer.until('k.connection === "live" && k.framesDrawn > 0')));
+  const { version: uncut } = await viewers[0].read('({ version: k.topologyVersion })');
+  // Each cuts lines of its own, as fast as it can draw them, while the other does.
+  await Promise.all(
+    viewers.map(async (viewer, i) => {
+      await viewer.choose('cut');
+      for (let line = 0; line < 3; ++line) {
+        await viewer.page.keyboard.press('5');
+        await viewer.page.keyboard.press('i');
+        const x = 0.15 + 0.25 * line + 0.1 * i;
+        await viewer.tap(x, 0.25 + 0.02 * line);
+        await viewer.tap(x + 0.05, 0.7);
+        await viewer.page.keyboard.press('Enter');
+        // The drawing goes when its cut is made.
+        await viewer.page.waitForFunction(() => !document.querySelector('.handle:not([hidden])'));
+      }
+    }),
+  );
+  for (const viewer of viewers) await viewer.until('k.topologyVersion >= given.uncut + 6', { uncut });
+  const { cuts } = await post(kerfd.url, 'CutService/ListCuts', { parent });
+  check(cuts.length === 6, `${cuts.length} cuts were made, not 6`);
+  const { topology_version: version } = await post(kerfd.url, 'SheetService/GetSheet', { name: parent });
+  for (const viewer of viewers) await viewer.until('k.topologyVersion === given.version', { version });
+  const hashes = [];
+  for (const viewer of viewers) hashes.push(await viewer.read('k.meshHash'));
+  // One that has seen none of the cuts gets the whole mesh at once.
+  const late = await ViewerPage.open(browser, `${kerfd.url}/?sheet=shared`, kTall);
+  await late.until('k.topologyVersion === given.version', { version });
+  hashes.push(await late.read('k.meshHash'));
+  check(new Set(hashes).size === 1 && hashes[0] !== '', `mesh hashes ${hashes}`);
+  // It is at rest: nothing more is drawn.
+  await viewers[1].page.screenshot({ path: `${root}/build/e2e/two-browsers.png` });
+  for (const { page } of [...viewers, late]) await page.close();
+  await post(kerfd.url, 'SheetService/DeleteSheet', { name: parent });
+}
+
+async function hiddenTab(browser, kerfd) {
+  const proxy = await startSlowProxy(kerfd.url, { delayMs: 0, bytesPerS: 1e9 });
+  const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=demo`, kSmall);
+  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  const setHidden = (isHidden) =>
+    viewer.page.evaluate((value) => {
+      Object.defineProperty(document, 'hidden', { configurable: true, value });
+      document.dispatchEvent(new Event('visibilitychange'));
+    }, isHidden);
+  await setHidden(true);
+  // The pause reaches the server, and what was on its way arrives.
+  const quiet = async () => {
+    const { sent } = proxy.count('/watch');
+    const tick = await serverTick(kerfd.url, kDemo);
+    while ((await serverTick(kerfd.url, kDemo)) < tick + 60);
+    return proxy.count('/watch').sent === sent;
+  };
+  let tries = 0;
+  while (!(await quiet())) check(++tries < 10, 'frames go on coming to a page that nobody sees');
+  const tick = await viewer.read('k.tick');
+  check((await viewer.read('k.connection')) === 'live', 'the connection is gone');
+  await setHidden(false);
+  await viewer.until('k.tick > given.tick + 60', { tick });
+  await viewer.page.close();
+  await proxy.stop();
+}
+
+async function restart(browser, kerfd, restarted) {
+  const { host } = new URL(kerfd.url);
+  const viewer = await ViewerPage.open(browser, `${kerfd.url}/?sheet=demo`, kSmall);
+  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  await viewer.page.evaluate(() => (window.notReloaded = true));
+  check((await kerfd.stop()) === 0, 'kerfd did not end with status 0 on SIGTERM');
+  await viewer.until('k.connection === "lost"');
+  const again = await restarted(host);
+  await viewer.until('k.connection === "live" && k.numVertices === 2500 && k.pieces === 1');
+  const tick = await viewer.read('k.tick');
+  await viewer.until('k.tick > given.tick', { tick });
+  check(await viewer.page.evaluate(() => window.notReloaded), 'the page was loaded again');
+  const fresh = await ViewerPage.open(browser, `${again.url}/?sheet=demo`, kSmall);
+  await fresh.until('k.connection === "live" && k.framesDrawn > 0');
+  const version = await fresh.read('k.topologyVersion');
+  await viewer.until('k.topologyVersion === given.version', { version });
+  const hashes = [await viewer.read('k.meshHash'), await fresh.read('k.meshHash')];
+  check(hashes[0] === hashes[1], `after the restart the page has mesh ${hashes[0]}, a new one ${hashes[1]}`);
+  for (const { page } of [viewer, fresh]) await page.close();
+  return again;
+}
+
+/** @param start  starts a kerfd like the one that `kerfd` is, at an address */
+export async function connectionSteps(steps, browser, kerfd, start = startKerfd) {
+  await steps.step('on a slow network what is shown is a round trip and a frame old, and nothing is queued', () =>
+    slowNetwork(browser, kerfd),
+  );
+  await steps.step('two browsers that cut one sheet at once end with the same mesh', () => twoBrowsers(browser, kerfd));
+  await steps.step('a page that nobody sees gets no frames, and goes on when it is seen', () =>
+    hiddenTab(browser, kerfd),
+  );
+  await steps.step('after a restart of the server the page goes on with its sheets, without a reload', async () => {
+    kerfd = await restart(browser, kerfd, start);
+  });
+  return kerfd;
+}

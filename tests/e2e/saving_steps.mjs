@@ -1,0 +1,221 @@
+// Statistics, pictures, meshes and recordings of what the viewer shows.
+import { readFile, writeFile } from 'node:fs/promises';
+import { check, root } from './harness.mjs';
+import { ViewerPage } from './viewer_page.mjs';
+
+const kWide = { viewport: { width: 1280, height: 720 }, colorScheme: 'light' };
+
+async function statistics(viewer) {
+  check(await viewer.page.isHidden('#statistics'), 'the statistics are there before they are asked for');
+  await viewer.page.keyboard.press('u');
+  // Every line has a value once a few frames have come.
+  await viewer.page.waitForFunction(() => {
+    const values = [...document.querySelectorAll('#statistics dd')].map((value) => value.textContent);
+    return values.length === 14 && values.every((text) => text !== '' && text !== '–');
+  });
+  const shown = await viewer.page.evaluate(() =>
+    Object.fromEntries(
+      [...document.querySelectorAll('#statistics dl > div')].map((row) => [
+        row.querySelector('dt').textContent,
+        row.querySelector('dd').textContent,
+      ]),
+    ),
+  );
+  check(shown.vertices === (await viewer.read('k.numVertices')).toLocaleString('en'), `vertices: ${shown.vertices}`);
+  check(/^[1-8]$/.test(shown['in flight']), `in flight: ${shown['in flight']}`);
+  check(/^\d+(\.\d+)? [kM]?B\/s, \d+(\.\d+)? [kM]?B$/.test(shown.bytes), `bytes: ${shown.bytes}`);
+  // A line needs two frames.
+  await viewer.page.waitForFunction(() => {
+    const plots = [...document.querySelectorAll('#statistics canvas')];
+    const isDrawn = (canvas) =>
+      canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data.some((value) => value !== 0);
+    return plots.length === 3 && plots.every(isDrawn);
+  });
+  await viewer.screenshot('statistics');
+  await viewer.page.click('#statistics-toggle');
+  check(await viewer.page.isHidden('#statistics'), 'the statistics do not go');
+}
+
+/** The downloaded file that a choice of the menu ends in. */
+async function save(viewer, item) {
+  const downloading = viewer.page.waitForEvent('download');
+  await viewer.page.keyboard.press('Control+s');
+  await viewer.page.locator('#save-menu').waitFor();
+  await viewer.page.click(`#${item}`);
+  const download = await downloading;
+  return { name: download.suggestedFilename(), bytes: await readFile(await download.path()) };
+}
+
+async function pictures(viewer) {
+  for (const [item, scale, extension] of [
+    ['save-png', 1, 'png'],
+    ['save-png-2', 2, '2x.png'],
+  ]) {
+    const { name, bytes } = await save(viewer, item);
+    check(name === `demo-${await viewer.read('k.tick')}.${extension}`, `the picture is called ${name}`);
+    await viewer.notice(`Saved ${name}`);
+    // The header of a PNG.
+    const [width, height] = [bytes.readUInt32BE(16), bytes.readUInt32BE(20)];
+    check(width === 1280 * scale && height === 720 * scale, `${width} x ${height} pixels`);
+    const at = await viewer.at(0.5, 0.3);
+    const [cloth, sky] = await viewer.coloursOf(bytes, [
+      { x: scale * at.x, y: scale * at.y },
+      { x: 3, y: 3 },
+    ]);
+    check(
+      cloth.some((value, i) => Math.abs(value - sky[i]) > 20),
+      `the cloth is ${cloth}, the sky ${sky}`,
+    );
+    // No button of the page is in it: where the tools are is sky.
+    const [tools] = await viewer.coloursOf(bytes, [{ x: scale * 30, y: scale * 360 }]);
+    check(tools.every((value, i) => Math.abs(value - sky[i]) < 45), `at the tools the picture is ${tools}`);
+    await writeFile(`${root}/build/e2e/saved-${extension}`, bytes);
+  }
+}
+
+async function meshes(viewer) {
+  const { vertices, tick } = await viewer.read('({ vertices: k.numVertices, tick: k.tick })');
+  const triangles = await viewer.read('k.numTriangles');
+  const obj = await save(viewer, 'save-obj');
+  check(obj.name === `demo-${tick}.obj`, `the mesh is called ${obj.name}`);
+  const lines = obj.bytes.toString().split('\n');
+  const count = (kind) => lines.filter((line) => line.startsWith(`${kind} `)).length;
+  const counts = [count('v'), count('vt'), count('f')];
+  check(counts.join() === [vertices, vertices, triangles].join(), `OBJ: v, vt, f: ${counts}`);
+
+  const { bytes } = await save(viewer, 'save-glb');
+  check(bytes.toString('latin1', 0, 4) === 'glTF' && bytes.readUInt32LE(4) === 2, 'no glTF 2');
+  check(bytes.readUInt32LE(8) === bytes.length, 'the length in the header is not that of the file');
+  const gltf = JSON.parse(bytes.toString('utf8', 20, 20 + bytes.readUInt32LE(12)));
+  const [primitive] = gltf.meshes[0].primitives;
+  check(gltf.accessors[primitive.indices].count === 3 * triangles, 'glTF: not all triangles');
+  const positions = gltf.accessors[primitive.attributes.POSITION];
+  check(positions.count === vertices && gltf.accessors[primitive.attributes.TEXCOORD_0], 'glTF: not all vertices');
+  // Corner (0, 0) of the sheet is its vertex 0.
+  const { x } = await viewer.read('k.toWorld(0, 0)');
+  check(positions.min[0] <= x + 1e-5 && positions.max[0] > positions.min[0] + 0.3, `glTF: x in ${positions.min[0]}..`);
+}
+
+/** Records while the sheet is cut and falls; the file, and what the page showed at its end. */
+async function record(viewer) {
+  await viewer.page.keyboard.press('r');
+  await viewer.until('k.pieces === 1 && k.numVertices === 2500');
+  await viewer.page.keyboard.press('Control+s');
+  await viewer.page.click('#save-recording');
+  await viewer.until('k.isRecording');
+  const begin = await viewer.read('k.tick');
+  await viewer.until('k.tick > given.begin + 40', { begin });
+  await viewer.screenshot('recording');
+  await viewer.choose('cut');
+  await viewer.page.keyboard.press('5');
+  await viewer.page.keyboard.press('o');
+  await viewer.drag(await viewer.at(0.3, 0.35), await viewer.at(0.45, 0.35));
+  await viewer.page.mouse.up();
+  await viewer.page.keyboard.press('Enter');
+  await viewer.until('k.pieces === 2');
+  const cut = await viewer.read('k.tick');
+  await viewer.until('k.tick > given.cut + 40', { cut });
+  await viewer.choose('view');
+  // It stands still when the recording ends: the last frame is known.
+  await viewer.page.keyboard.press(' ');
+  await viewer.until('k.isPaused');
+  const { hash, tick } = await viewer.read('({ hash: k.meshHash, tick: k.tick })');
+  const downloading = viewer.page.waitForEvent('download');
+  await viewer.page.click('#recording');
+  const download = await downloading;
+  check(download.suggestedFilename() === `demo-${tick}.kerfstream`, `called ${download.suggestedFilename()}`);
+  await viewer.notice(/Saved demo-\d+\.kerfstream \([\d.]+ [kM]B\): \d+ frames/);
+  check(!(await viewer.read('k.isRecording')), 'it goes on recording');
+  return { path: await download.path(), hash, tick };
+}
+
+async function replay(viewer, { path, hash, tick }) {
+  const file = { name: 'fall.kerfstream', mimeType: '', buffer: await readFile(path) };
+  await viewer.page.setInputFiles('#replay-file', file);
+  await viewer.until('k.connection === "replay" && k.replay.isPlaying && k.replay.index >= 0');
+  await viewer.until('k.replay.index > 2');
+  await viewer.screenshot('replay');
+  await viewer.page.selectOption('#replay-speed', '4');
+  await viewer.until('!k.replay.isPlaying && k.replay.index === k.replay.numFrames - 1');
+  const end = await viewer.read('({ tick: k.tick, pieces: k.pieces, hash: k.meshHash })');
+  check(end.tick === tick && end.pieces === 2 && end.hash === hash, `it ends with ${JSON.stringify(end)}`);
+  // Back to the beginning by the slider, before the cut; then step by step.
+  await viewer.page.fill('#replay-position', '0');
+  await viewer.until('k.replay.index === 0 && k.pieces === 1 && k.numVertices === 2500');
+  const first = await viewer.read('k.tick');
+  await viewer.page.focus('#canvas');
+  await viewer.page.keyboard.press('.');
+  await viewer.until('k.replay.index === 1 && k.tick > given.first', { first });
+  await viewer.page.click('#replay-back');
+  await viewer.until('k.replay.index === 0 && k.tick === given.first', { first });
+  await viewer.page.click('#replay-toggle');
+  await viewer.until('!k.replay.isPlaying && k.tick === given.tick', { tick });
+  check((await viewer.read('k.meshHash')) === hash, 'played again it ends with another mesh');
+}
+
+async function refusals(viewer) {
+  await viewer.page.keyboard.press('c');
+  await viewer.notice(/A recording can be looked at, not changed/);
+  check((await viewer.read('k.tool')) === 'view', 'a tool is chosen that has nothing to work on');
+  const isInert = (id) => viewer.page.evaluate((query) => document.querySelector(query).inert, id);
+  check((await isInert('#pause')) && (await isInert('[data-tool=cut]')), 'the live controls are not switched off');
+  const refuse = async (buffer, why) => {
+    await viewer.page.setInputFiles('#replay-file', { name: 'bad.kerfstream', mimeType: '', buffer });
+    await viewer.notice(why);
+  };
+  await refuse(Buffer.from('not a recording at all'), /bad.kerfstream cannot be played: it does not begin with KERFSTRM/);
+}
+
+/** @returns the kerfd that runs afterwards */
+export async function savingSteps(steps, browser, kerfd, start) {
+  let viewer;
+  let recorded;
+  await steps.step('the statistics come and go, with a value and a plot for each line', async () => {
+    viewer = await ViewerPage.open(browser, kerfd.url, kWide);
+    await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+    await statistics(viewer);
+  });
+  await steps.step('pictures of what is seen are saved, without what lies over it', async () => {
+    await viewer.page.keyboard.press(' ');
+    await viewer.until('k.isPaused');
+    await pictures(viewer);
+  });
+  await steps.step('the mesh that is shown is saved as OBJ and as glTF', async () => {
+    await meshes(viewer);
+    await viewer.page.keyboard.press(' ');
+    await viewer.until('!k.isPaused');
+  });
+  await steps.step('frames are recorded while the sheet is cut', async () => {
+    recorded = await record(viewer);
+  });
+  await steps.step('a recording is played, sought and stepped, and ends with the mesh that was live', () =>
+    replay(viewer, recorded),
+  );
+  await steps.step('a recording plays on without its server, and cannot be changed', async () => {
+    const { host } = new URL(kerfd.url);
+    check((await kerfd.stop()) === 0, 'kerfd did not end with status 0');
+    await viewer.page.fill('#replay-position', '0');
+    await viewer.until('k.replay.index === 0 && k.connection === "replay"');
+    await refusals(viewer);
+    await viewer.screenshot('replay-refused');
+    kerfd = await start(host);
+  });
+  await steps.step('a recording that is dropped is played, and closing it goes back to the live sheet', async () => {
+    const base64 = (await readFile(recorded.path)).toString('base64');
+    const transfer = await viewer.page.evaluateHandle(async (text) => {
+      const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+      const files = new DataTransfer();
+      files.items.add(new File([bytes], 'dropped.kerfstream'));
+      return files;
+    }, base64);
+    await viewer.page.dispatchEvent('#canvas', 'drop', { dataTransfer: transfer });
+    await viewer.until('k.connection === "replay" && k.replay.isPlaying');
+    await viewer.page.click('#replay-close');
+    await viewer.until('k.connection === "live" && k.replay === undefined && k.tick > 0');
+    // What the browser says about the server that was away.
+    viewer.errors = viewer.errors.filter((error) => !/ERR_CONNECTION_REFUSED|WebSocket/.test(error));
+    check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+    await viewer.page.close();
+  });
+  return kerfd;
+}

@@ -1,0 +1,157 @@
+import type { App } from '../app';
+import { Replay } from '../stream/replay';
+import type { FrameCopy, SheetCopy } from '../stream/sheet_copy';
+import { element, setLiveControls, setText } from './dom';
+import { bytesText } from './statistics_text';
+
+/** Of a file that is read into memory, bytes. Four times what this viewer records. */
+const kMaxFileBytes = 512 * 1024 * 1024;
+
+// What these do to the live sheet they do not while a recording is shown.
+const kLiveChords = new Set(['R', 'Ctrl+Z', 'Ctrl+Shift+Z', 'Ctrl+Y']);
+
+export function isRecordingFile(file: File): boolean {
+  return file.name.toLowerCase().endsWith('.kerfstream');
+}
+
+/** Plays a recording in place of the live sheet: files, buttons, slider, keys. Needs no server. */
+export class ReplayBar {
+  private readonly bar = element('replay');
+  private readonly input = element<HTMLInputElement>('replay-file');
+  private readonly toggleButton = element<HTMLButtonElement>('replay-toggle');
+  private readonly position = element<HTMLInputElement>('replay-position');
+  private readonly speed = element<HTMLSelectElement>('replay-speed');
+  private readonly progress = element<HTMLProgressElement>('replay-progress');
+  private worker: Worker | undefined;
+  private replay: Replay | undefined;
+
+  constructor(private readonly app: App) {
+    this.input.addEventListener('change', () => {
+      const file = this.input.files?.[0];
+      // The same file may be chosen again.
+      this.input.value = '';
+      if (file) void this.open(file);
+    });
+    const on = (id: string, act: () => void) => element(id).addEventListener('click', act);
+    on('replay-toggle', () => this.replay?.togglePlaying());
+    on('replay-back', () => this.replay?.step(-1));
+    on('replay-forward', () => this.replay?.step(1));
+    on('replay-close', () => this.close());
+    this.position.addEventListener('input', () => this.replay?.seek(this.position.valueAsNumber));
+    this.speed.addEventListener('change', () => this.setSpeed());
+  }
+
+  /** A recording is shown. */
+  get isOpen(): boolean {
+    return this.replay?.sheet !== undefined;
+  }
+
+  /** sheets/{sheet} that was recorded; undefined where none is shown */
+  get sheetName(): string | undefined {
+    return this.replay?.sheet?.name;
+  }
+
+  get playing(): Replay | undefined {
+    return this.isOpen ? this.replay : undefined;
+  }
+
+  /** Asks for a file. */
+  choose(): void {
+    this.input.click();
+  }
+
+  async open(file: File): Promise<void> {
+    const refuse = (why: string) => this.app.notify('error', `${file.name} cannot be played: ${why}`);
+    if (file.size > kMaxFileBytes) {
+      return refuse(`it has ${bytesText(file.size)}, and at most ${bytesText(kMaxFileBytes)} are read`);
+    }
+    const bytes = await file.arrayBuffer().catch(() => undefined);
+    if (!bytes) return refuse('the browser cannot read it');
+    this.leave();
+    this.bar.hidden = false;
+    this.setChecking(true);
+    this.worker = new Worker(new URL('../stream/replay_worker.ts', import.meta.url), { type: 'module' });
+    const events = {
+      onProgress: (share: number) => (this.progress.value = share),
+      onOpened: (replay: Replay) => this.opened(replay, file.name),
+      onFrame: (copy: SheetCopy, frame: FrameCopy) => this.app.receive(copy, frame),
+      onFailed: (message: string) => {
+        refuse(message);
+        this.close();
+      },
+    };
+    this.replay = new Replay(this.worker, events, bytes);
+  }
+
+  /** Back to the live sheet, if there is one. */
+  private close(): void {
+    const { app, isOpen } = this;
+    this.leave();
+    if (!isOpen) return;
+    if (app.sheetName !== '') app.open(app.sheetName);
+    else app.close();
+  }
+
+  /** Whatever is played ends. */
+  leave(): void {
+    this.worker?.terminate();
+    this.worker = undefined;
+    this.replay = undefined;
+    this.bar.hidden = true;
+    setLiveControls(true);
+  }
+
+  /** True if the chord (see chordOf) is one of a replay, or would change the live sheet, which is not the one shown. */
+  key(chord: string): boolean {
+    const { replay } = this;
+    if (!replay || !this.isOpen) return false;
+    if (chord === 'Space') replay.togglePlaying();
+    else if (chord === '.') replay.step(1);
+    else if (chord === ',') replay.step(-1);
+    else if (chord === 'Escape') this.close();
+    else return kLiveChords.has(chord);
+    return true;
+  }
+
+  /** Goes on to `nowMs`; true if what is shown has changed. */
+  advance(nowMs: number): boolean {
+    const { replay } = this;
+    if (!replay || !this.isOpen) return false;
+    const hasChanged = replay.advance(nowMs);
+    const isDragged = document.activeElement === this.position;
+    if (!isDragged || replay.isPlaying) this.position.valueAsNumber = replay.atMs;
+    setText(element('replay-time'), `${seconds(replay.atMs)} / ${seconds(replay.durationMs)} s`);
+    setText(element('replay-tick'), `tick ${replay.tick.toLocaleString('en')}`);
+    const [icon, label] = replay.isPlaying ? ['#icon-pause', 'Pause'] : ['#icon-play', 'Play'];
+    const use = this.toggleButton.querySelector('use')!;
+    if (use.getAttribute('href') !== icon) use.setAttribute('href', icon);
+    setText(this.toggleButton.querySelector('span')!, label);
+    return hasChanged;
+  }
+
+  private opened(replay: Replay, fileName: string): void {
+    this.setChecking(false);
+    this.position.max = String(replay.durationMs);
+    this.setSpeed();
+    this.app.showReplay(replay.sheet!);
+    replay.togglePlaying();
+    if (replay.numTornBytes > 0) {
+      const bytes = bytesText(replay.numTornBytes);
+      this.app.notify('warning', `${fileName} was not written to its end: ${bytes} after the last whole frame are left out`);
+    }
+  }
+
+  private setSpeed(): void {
+    if (this.replay) this.replay.speed = Number(this.speed.value);
+  }
+
+  private setChecking(isOn: boolean): void {
+    this.progress.value = 0;
+    this.progress.hidden = !isOn;
+    element('replay-controls').hidden = isOn;
+  }
+}
+
+function seconds(ms: number): string {
+  return (ms / 1000).toFixed(2);
+}

@@ -1,0 +1,79 @@
+import type { FrameStats } from '../gen/kerf/v1/stream_pb';
+import type { SheetArrays } from '../stream/sheet_copy';
+import type { StreamMeter } from '../stream/stream_meter';
+
+/** Labels of the overlay, and what they mean, in the order in which they are shown. */
+export const kStatistics = {
+  fps: ['drawn', 'Pictures drawn a second'],
+  age: ['frame age', 'Since the tick that is shown ended, as it was drawn: median and 95th percentile'],
+  frames: ['frames', 'Frames that came a second'],
+  bytes: ['bytes', 'Bytes a second, and a frame'],
+  keyframes: ['keyframes', 'Share of the frames that are keyframes; the others are differences to the frame before'],
+  skipped: ['skipped', 'Ticks a second that were not sent, because this viewer was not ready for them'],
+  window: ['in flight', 'Most frames that had come and were not acknowledged; the server sends none beyond its window'],
+  decode: ['decoding', 'Of a frame, in the worker: median and 95th percentile'],
+  tick: ['tick time', 'What a tick takes the server: median and 95th percentile'],
+  realTime: ['real time', 'Simulated over wall time'],
+  overruns: ['overruns', 'Ticks that ended after their deadline, and simulated time given up'],
+  vertices: ['vertices', ''],
+  triangles: ['triangles', ''],
+  pieces: ['pieces', ''],
+} as const;
+
+export type StatisticId = keyof typeof kStatistics;
+
+const kNothing = '–';
+
+/** Such as 1.23 kB; SI, three digits. */
+export function bytesText(bytes: number): string {
+  const units = ['B', 'kB', 'MB', 'GB'];
+  let unit = 0;
+  while (bytes >= 999.5 && unit < units.length - 1) {
+    bytes /= 1000;
+    unit += 1;
+  }
+  return `${unit === 0 ? bytes.toFixed(0) : Number(bytes.toPrecision(3))} ${units[unit]}`;
+}
+
+function pair(low: number | undefined, high: number | undefined, unit: string, digits: number): string {
+  if (low === undefined || high === undefined) return kNothing;
+  return `${low.toFixed(digits)} / ${high.toFixed(digits)} ${unit}`;
+}
+
+function sheetTexts(sheet: SheetArrays, stats: FrameStats | undefined) {
+  return {
+    realTime: stats ? `${stats.realTimeFactor.toFixed(2)} ×` : kNothing,
+    overruns: stats ? `${stats.overruns.toLocaleString('en')} (${stats.slippedS.toFixed(2)} s)` : kNothing,
+    vertices: sheet.numVertices.toLocaleString('en'),
+    triangles: stats ? stats.numTriangles.toLocaleString('en') : kNothing,
+    pieces: sheet.numPieces.toLocaleString('en'),
+  };
+}
+
+/** What the overlay says at `nowMs`; call meter.forget(nowMs) before. */
+export function statisticsTexts(
+  meter: StreamMeter,
+  sheet: SheetArrays | undefined,
+  nowMs: number,
+): Partial<Record<StatisticId, string>> {
+  const { ages, bytes, keyframes, decodeTimes, tickTimes, unacknowledged } = meter;
+  const hasFrames = bytes.count > 0;
+  return {
+    fps: `${meter.drawn.rate(nowMs).toFixed(0)} / s`,
+    age: pair(ages.quantile(0.5), ages.quantile(0.95), 'ms', 0),
+    frames: `${bytes.rate(nowMs).toFixed(0)} / s`,
+    bytes: hasFrames
+      ? `${bytesText(bytes.rate(nowMs, bytes.sum()))}/s, ${bytesText(bytes.sum() / bytes.count)}`
+      : '0 B/s',
+    keyframes: hasFrames ? `${((100 * keyframes.sum()) / keyframes.count).toFixed(0)} %` : kNothing,
+    skipped: `${meter.skipped.rate(nowMs, meter.skipped.sum()).toFixed(0)} / s`,
+    window: hasFrames ? unacknowledged.max().toFixed(0) : kNothing,
+    decode: pair(decodeTimes.quantile(0.5), decodeTimes.quantile(0.95), 'ms', 1),
+    tick: pair(scaled(tickTimes.quantile(0.5)), scaled(tickTimes.quantile(0.95)), 'ms', 2),
+    ...(sheet && sheetTexts(sheet, sheet.stats)),
+  };
+}
+
+function scaled(us: number | undefined): number | undefined {
+  return us === undefined ? undefined : us / 1000;
+}
