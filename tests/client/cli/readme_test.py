@@ -86,17 +86,19 @@ class Readme(Case):
                 continue
             words = shlex.split(with_ports(line), comments=True)[1:]
             self.assertEqual(words.pop(0), "-plaintext")
-            data = json.loads(words.pop(1)) if words[0] == "-d" and words.pop(0) else {}
-            at, what = words.index(address()), words[words.index(address()) + 1:]
-            self.assertEqual(at, 0)
+            data = {}
+            if words[0] == "-d":
+                data = json.loads(words[1])
+                words = words[2:]
+            self.assertEqual(words.pop(0), address())
             with self.subTest(line):
-                kinds.add(what[0] if "/" not in what[0] else "call")
-                if what == ["list"]:
+                kinds.add("call" if "/" in words[0] else words[0])
+                if words == ["list"]:
                     self.assertIn("kerf.v1.CutService", server.list())
-                elif what[0] == "describe":
-                    self.assertEqual(server.describe(what[1]).full_name, what[1])
+                elif words[0] == "describe":
+                    self.assertEqual(server.describe(words[1]).full_name, words[1])
                 else:
-                    self.assertTrue(server.call(what[0], data))
+                    self.assertTrue(server.call(words[0], data))
         self.assertEqual(kinds, {"list", "describe", "call"})
 
 

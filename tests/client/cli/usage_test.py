@@ -5,7 +5,7 @@ from cli_case import Case, kerf, main, setUpModule, tearDownModule
 
 class Usage(Case):
     def test_help_and_version(self):
-        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["cuts"], ["undo"], ["redo"], ["pieces"], ["render"], ["watch"], ["export"], ["run"], ["replay"], ["analyze"]):
+        for command in ([], ["sheet"], ["sheet", "create"], ["cut"], ["cuts"], ["undo"], ["redo"], ["pieces"], ["render"], ["watch"], ["export"], ["run"], ["replay"], ["analyze"], ["load"]):
             done = kerf(*command, "--help", server=False)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertIn("Usage", done.stdout)
