@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 
 #include "render/linear.h"
 
@@ -70,8 +71,10 @@ Rgb8 strain_colour(double share) {
 
 double strain_scale_end(std::span<const float> strains, double current) {
   double largest = kSmallestEnd;
-  if (!strains.empty()) {
-    std::vector<float> sorted(strains.begin(), strains.end());
+  std::vector<float> sorted;
+  std::copy_if(strains.begin(), strains.end(), std::back_inserter(sorted),
+               [](float strain) { return std::isfinite(strain); });
+  if (!sorted.empty()) {
     const auto at = static_cast<std::ptrdiff_t>(kShareBelow * static_cast<double>(sorted.size() - 1));
     std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
     largest = std::max(largest, static_cast<double>(sorted[static_cast<std::size_t>(at)]));

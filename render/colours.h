@@ -18,7 +18,7 @@ Rgb8 strain_colour(double share);
 // The end of a scale, -, >= 1e-4: 1, 2 or 5 times a power of ten that the largest principal strains of all but 1 % of
 // the vertices are below (at pins and ends of cuts a few have many times as much). Stays `current` while that is no
 // less than the strains and at most five times as much, so that a scale does not change with every picture; 0: none
-// yet.
+// yet. Strains that are not finite are left out.
 double strain_scale_end(std::span<const float> strains, double current = 0.0);
 
 // 3*V, as Mesh::vertex_colours wants them: strain_colour() of each vertex's strain over `end` (-, > 0).

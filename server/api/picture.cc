@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "render/colours.h"
 #include "server/api/picture_colours.h"
 
 namespace kerf::api {
@@ -108,7 +109,7 @@ Eigen::Matrix3Xd positions_of(const sheet::Snapshot& snapshot, const PictureView
 void colour(const sheet::Snapshot& snapshot, const PictureView& view, double strain_end, MeshArrays& arrays) {
   if (view.color_by == v1::PIECES) arrays.colours = piece_colours(*snapshot.topology);
   if (view.color_by == v1::STRAINS) {
-    arrays.colours = strain_colours(snapshot.strains, strain_end);
+    arrays.colours = render::strain_colours(snapshot.strains, strain_end);
     arrays.colours.resize(arrays.positions.size());  // strains that were not asked for in time: dark
   }
 }
@@ -147,7 +148,7 @@ Result<DrawnPicture> draw_picture(render::Renderer& renderer, const PictureSubje
   const Eigen::Matrix3Xd positions = positions_of(snapshot, view);
   if (!(positions.array().abs() <= render::kMaxCoordinate).all()) return out_of_reach(positions);
   DrawnPicture picture;
-  if (view.color_by == v1::STRAINS) picture.strain_end = strain_scale_end(snapshot.strains, strain_end);
+  if (view.color_by == v1::STRAINS) picture.strain_end = render::strain_scale_end(snapshot.strains, strain_end);
   MeshArrays arrays = arrays_of(snapshot, positions);
   colour(snapshot, view, picture.strain_end, arrays);
   const render::Scene scene = scene_of(arrays, subject.backdrop, view);

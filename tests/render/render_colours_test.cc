@@ -89,6 +89,7 @@ TEST(StrainScale, EndsAtARoundNumberAboveMostStrains) {
   EXPECT_DOUBLE_EQ(strain_scale_end(strains), 5.0);
   EXPECT_DOUBLE_EQ(strain_scale_end(std::vector<float>(10, 0.0F)), 1e-4);
   EXPECT_DOUBLE_EQ(strain_scale_end({}), 1e-4);
+  EXPECT_DOUBLE_EQ(strain_scale_end(std::vector<float>{NAN, 0.0199F, INFINITY}), 0.02);
   EXPECT_NEAR(strain_scale_end(std::vector<float>(10, 0.0499F)), 0.05, 1e-9) << "not 0.1";
 }
 
