@@ -8,6 +8,7 @@
 #include <CLI/Formatter.hpp>
 #include <nlohmann/json.hpp>
 
+#include "client/cli/app.h"
 #include "client/cli/commands.h"
 #include "client/cpp/transfers.h"
 #include "server/host/disk.h"
@@ -60,13 +61,13 @@ void add_recording_commands(CLI::App& sheet, Session& session) {
   CLI::App* record = sheet.add_subcommand("record",
                                           "Save what a sheet has done since it was made, for `kerf replay`.\n"
                                           "Example: kerf sheet record demo --out demo.rec");
-  record->add_option("ID", *id, "Name of the sheet")->required();
-  record->add_option("--out", *out, "File to write")->required();
+  add_sheet_id(*record, *id);
+  record->add_option("--out", *out, "File to write")->required()->type_name(value::kFile);
   record->callback([&session, id, out] { session.action = [&session, id, out] { return fetch(session, *id, *out); }; });
 
   const auto arguments = std::make_shared<PlayArguments>();
   CLI::App* playing = sheet.add_subcommand("play", "A new sheet that plays a recording live, and is paused at its end");
-  playing->add_option("FILE", arguments->file, "Recording")->required();
+  playing->add_option("FILE", arguments->file, "Recording")->required()->type_name(value::kFile);
   playing->add_option("--id", arguments->id, "Name of the sheet (default: that of the recording, else the server's)");
   playing->add_flag("--paused", arguments->paused, "Begin paused");
   playing->callback(

@@ -10,6 +10,7 @@
 #include <CLI/Formatter.hpp>
 #include <nlohmann/json.hpp>
 
+#include "client/cli/app.h"
 #include "client/cli/commands.h"
 #include "client/cpp/client.h"
 #include "server/wire/json.h"
@@ -82,8 +83,9 @@ void add_settings_commands(CLI::App& sheet, Session& session) {
   CLI::App* material = sheet.add_subcommand("material",
                                             "Another material for a running sheet; what moves goes on moving.\n"
                                             "Example: kerf sheet material demo silk --with thickness_m=0.0002");
-  material->add_option("ID", arguments->id, "Name of the sheet")->required();
-  material->add_option("PRESET", arguments->preset, "Material preset; `kerf info` lists them (default: demo)");
+  add_sheet_id(*material, arguments->id);
+  material->add_option("PRESET", arguments->preset, "Material preset; `kerf info` lists them (default: demo)")
+      ->type_name(value::kMaterial);
   material
       ->add_option("--with", arguments->numbers,
                    "FIELD=NUMBER, a field of kerf.v1.Material put over the preset; any number of times")
@@ -96,7 +98,7 @@ void add_settings_commands(CLI::App& sheet, Session& session) {
   const auto id = std::make_shared<std::string>();
   const auto speed = std::make_shared<double>(1.0);
   CLI::App* pace = sheet.add_subcommand("speed", "Slow motion or time lapse: the same ticks at another pace");
-  pace->add_option("ID", *id, "Name of the sheet")->required();
+  add_sheet_id(*pace, *id);
   pace->add_option("SPEED", *speed, "Simulated seconds in one of the wall's, 0.01..4; 1 is live")->required();
   pace->callback(
       [&session, id, speed] { session.action = [&session, id, speed] { return set_speed(session, *id, *speed); }; });

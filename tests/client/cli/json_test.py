@@ -24,15 +24,19 @@ CALLS = {
     "sheet delete": "sheet delete made",
     "sheet get": "sheet get still",
     "sheet list": "sheet list",
+    "sheet material": "sheet material still denim",
     "sheet pause": "sheet pause still",
+    "sheet play": "sheet play {work}/still.rec --id played",
+    "sheet record": "sheet record still --out {work}/still.rec",
     "sheet reset": "sheet reset still",
     "sheet resume": "sheet resume live",
+    "sheet speed": "sheet speed live 0.5",
     "sheet step": "sheet step still 2",
     "undo": "undo still",
     "watch": "watch live --frames 2",
 }
 # Of the rest no order is asked.
-FIRST = ["sheet pause", "analyze", "cut", "cuts", "undo", "redo", "run", "sheet create"]
+FIRST = ["sheet pause", "analyze", "cut", "cuts", "undo", "redo", "run", "sheet create", "sheet record"]
 
 
 def commands(*before):
