@@ -134,7 +134,8 @@ int create_sheet(const Session& session, const CreateArguments& arguments) {
   client::Client client(session.server);
   v1::Sheet sheet;
   const grpc::Status status = [&] {
-    const WaitingNote note(session, "making the sheet of " + std::to_string(request.ByteSizeLong() + upload.size()) + " bytes");
+    const WaitingNote note(session,
+                           "making the sheet of " + std::to_string(request.ByteSizeLong() + upload.size()) + " bytes");
     return upload.empty() ? client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet)
                           : client::upload_sheet(client, request, upload, sheet);
   }();

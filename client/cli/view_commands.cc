@@ -162,7 +162,8 @@ void add_view_commands(CLI::App& app, Session& session) {
   const auto id = std::make_shared<std::string>();
   const auto out = std::make_shared<std::string>();
 
-  CLI::App* exporting = app.add_subcommand("export", "Save a sheet as it is now, as a Wavefront OBJ or binary glTF file");
+  CLI::App* exporting =
+      app.add_subcommand("export", "Save a sheet as it is now, as a Wavefront OBJ or binary glTF file");
   exporting->group(group::kLooks);
   add_sheet_id(*exporting, *id);
   exporting->add_option("--out", *out, "File to write: .obj or .glb")->required()->type_name(value::kFile);
