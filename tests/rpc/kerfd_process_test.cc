@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "kerf/v1/sheets.pb.h"
+#include "render/renderer.h"
 #include "server/app/config.h"
 #include "server/wire/json.h"
 #include "tests/ws/raw_client.h"
@@ -233,6 +234,9 @@ TEST_F(KerfdTest, RefusesOnOneLine) {
   EXPECT_NE(refusal(free_ports({"--record", (folder_ / "none").string()})).find("none\" is no folder"),
             std::string::npos);
   EXPECT_NE(refusal(free_ports({"--record", "/proc"})).find("/proc"), std::string::npos);
+  const std::string device = refusal({"--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--render-device", "abacus"});
+  EXPECT_NE(device.find("--render-device: \"abacus\" is no device here"), std::string::npos) << device;
+  EXPECT_NE(refusal(free_ports({"--render-device", "auto"})).find("--no-render"), std::string::npos);
   EXPECT_NE(refusal(free_ports({"--web", (folder_ / "none").string()})).find("none"), std::string::npos);
 }
 
@@ -253,10 +257,15 @@ TEST_F(KerfdTest, ExplainsItself) {
   Kerfd help({"--help"});
   const std::string text = help.rest_of_output();
   EXPECT_EQ(help.wait(), 0);
-  for (const char* option : {"--listen", "--http", "--scene", "--workers", "--max-sheets", "--max-load", "--web",
-                             "--no-render", "--record", "--allow-remote", "--allow-origin", "--version"}) {
+  for (const char* option :
+       {"--listen", "--http", "--scene", "--workers", "--max-sheets", "--max-load", "--web", "--no-render",
+        "--render-device", "--list-render-devices", "--record", "--allow-remote", "--allow-origin", "--version"}) {
     EXPECT_NE(text.find(option), std::string::npos) << option;
   }
+  Kerfd devices({"--list-render-devices"});
+  EXPECT_NE(devices.rest_of_output().find(render::make_renderer()->available() ? "* EGL" : "none: "),
+            std::string::npos);
+  EXPECT_EQ(devices.wait(), 0);
   Kerfd version({"--version"});
   EXPECT_EQ(version.rest_of_output(), std::string("kerfd ") + KERF_VERSION + "\n");
   EXPECT_EQ(version.wait(), 0);
