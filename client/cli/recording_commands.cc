@@ -17,7 +17,7 @@
 namespace kerf::cli {
 namespace {
 
-constexpr std::size_t kMaxRecordingBytes = std::size_t{128} << 20;  // what a server takes
+constexpr std::size_t kMaxUploadedRecordingBytes = std::size_t{128} << 20;  // what a server takes
 
 struct PlayArguments {
   std::string file;
@@ -43,7 +43,7 @@ int fetch(const Session& session, const std::string& id, const std::string& out)
 
 int play(const Session& session, const PlayArguments& arguments) {
   host::RealDisk disk;
-  const Result<std::string> recording = disk.read_file(arguments.file, kMaxRecordingBytes);
+  const Result<std::string> recording = disk.read_file(arguments.file, kMaxUploadedRecordingBytes);
   if (!recording) return refuse(recording.error());
   client::Client client(session.server);
   v1::Sheet sheet;

@@ -326,8 +326,8 @@ TEST(Subscriber, RawReadersShareKeyframesOfTheirOwn) {
   const auto channel = std::make_shared<Channel>(4);
   ChangingSheet sheet(12, 200, 30);
   const auto compact = subscribe(*channel);
-  const auto first = subscribe(*channel, {.encoding = wire::Encoding::kRaw});
-  const auto second = subscribe(*channel, {.encoding = wire::Encoding::kRaw});
+  const auto first = subscribe(*channel, {.flow = {}, .encoding = wire::Encoding::kRaw});
+  const auto second = subscribe(*channel, {.flow = {}, .encoding = wire::Encoding::kRaw});
   FrameMirror mirror;
   for (int tick = 1; tick <= 4; ++tick) {
     sheet.move(0.001);
@@ -358,8 +358,8 @@ TEST(Subscriber, StrainsGoToWhoAsksAndAreEncodedOnce) {
   const auto plain = subscribe(*channel);
   EXPECT_FALSE(channel->wants_strains());
   {
-    const auto first = subscribe(*channel, {.strains = true});
-    const auto second = subscribe(*channel, {.strains = true});
+    const auto first = subscribe(*channel, {.flow = {}, .strains = true});
+    const auto second = subscribe(*channel, {.flow = {}, .strains = true});
     EXPECT_TRUE(channel->wants_strains());
     FrameMirror mirror;
     for (int tick = 1; tick <= 5; ++tick) {

@@ -261,16 +261,19 @@ TEST(Subscriber, ResumesFromWhatItsEpochHas) {
   EXPECT_EQ(fresh.topology().base_version(), -1);
   const std::int32_t version = fresh.topology_version();
 
-  EXPECT_FALSE(first_frame({.epoch = "instance-0", .topology_version = version}).has_topology());
+  EXPECT_FALSE(first_frame({.flow = {}, .epoch = "instance-0", .topology_version = version}).has_topology());
   sheet.cut(2);
   channel->publish(sheet.snapshot());
-  EXPECT_EQ(first_frame({.epoch = "instance-0", .topology_version = version}).topology().base_version(), version);
-  EXPECT_EQ(first_frame({.epoch = "earlier-0", .topology_version = version}).topology().base_version(), -1);
-  EXPECT_EQ(first_frame({.epoch = "instance-0", .topology_version = version + 9}).topology().base_version(), -1)
+  EXPECT_EQ(first_frame({.flow = {}, .epoch = "instance-0", .topology_version = version}).topology().base_version(),
+            version);
+  EXPECT_EQ(first_frame({.flow = {}, .epoch = "earlier-0", .topology_version = version}).topology().base_version(), -1);
+  EXPECT_EQ(first_frame({.flow = {}, .epoch = "instance-0", .topology_version = version + 9}).topology().base_version(),
+            -1)
       << "a version that this epoch has not had";
   sheet.reset(50, 60);
   channel->publish(sheet.snapshot());
-  EXPECT_EQ(first_frame({.epoch = "instance-0", .topology_version = version}).topology().base_version(), -1);
+  EXPECT_EQ(first_frame({.flow = {}, .epoch = "instance-0", .topology_version = version}).topology().base_version(),
+            -1);
 }
 
 }  // namespace
