@@ -30,7 +30,9 @@ std::string first_line(const std::string& text) {
 
 // Each command has a heading, each of its options an entry with what it says of itself.
 void expect_in(const std::string& page, const CLI::App& command) {
-  if (commands_of(command).empty()) EXPECT_THAT(page, HasSubstr(full_name(command)));
+  if (commands_of(command).empty()) {
+    EXPECT_THAT(page, HasSubstr(full_name(command)));
+  }
   for (const CLI::Option* option : options_of(command)) {
     if (option == command.get_help_ptr() && command.get_parent() != nullptr) continue;
     EXPECT_THAT(page, testing::ContainsRegex("\n.TP\n[^\n]*" + option_name(*option) + "[ \n]")) << full_name(command);
