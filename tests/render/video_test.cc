@@ -35,6 +35,20 @@ Pixels picture(int frame, int width = kWidth, int height = kHeight) {
   return pixels;
 }
 
+// The same with grain that is another in every frame, so that there is always more to send than bits for it.
+Pixels grainy_picture(int frame) {
+  Pixels pixels = picture(frame);
+  std::uint32_t state = 1U + static_cast<std::uint32_t>(frame);
+  for (std::size_t i = 0; i < pixels.rgba.size(); i += 4) {
+    state = 1'664'525U * state + 1'013'904'223U;  // Numerical Recipes' generator
+    const auto grain = static_cast<std::uint8_t>(state >> 27U);
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      pixels.rgba[i + channel] = static_cast<std::uint8_t>(pixels.rgba[i + channel] + grain);
+    }
+  }
+  return pixels;
+}
+
 class Decoder {
  public:
   Decoder() { EXPECT_EQ(vpx_codec_dec_init(&codec_, vpx_codec_vp8_dx(), nullptr, 0), VPX_CODEC_OK); }
@@ -106,7 +120,7 @@ TEST(Video, TheBitRateIsKept) {
     std::vector<std::uint8_t> frame;
     std::size_t bytes = 0;
     for (int i = 0; i < 90; ++i) {
-      EXPECT_TRUE(video->encode(picture(i % 30), kFrameS, false, frame).ok());
+      EXPECT_TRUE(video->encode(grainy_picture(i % 30), kFrameS, false, frame).ok());
       bytes += frame.size();
     }
     return static_cast<double>(bytes);
@@ -114,7 +128,7 @@ TEST(Video, TheBitRateIsKept) {
   const double low = bytes_at(60'000.0);
   const double high = bytes_at(400'000.0);
   EXPECT_LT(low, 2.0 * 60'000.0 / 8.0 * 3.0) << "three seconds of it, and the key frame";
-  EXPECT_GT(high, 1.3 * low);
+  EXPECT_GT(high, 3.0 * low);
 }
 
 TEST(Video, EqualCallsGiveEqualBytes) {

@@ -304,7 +304,7 @@ TEST(SceneCodec, ObjFilesMayHoldAnyBytes) {
 
 TEST(CommandCodec, EveryKindComesBackUnchanged) {
   const v1::Scene scene = full_scene();
-  ASSERT_EQ(scene.commands_size(), 15);
+  ASSERT_EQ(scene.commands_size(), 17);
   for (const v1::ScheduledCommand& scheduled : scene.commands()) {
     const Result<sheet::Command> command = decode_command(scheduled.command());
     ASSERT_TRUE(command.ok()) << command.error().message;
