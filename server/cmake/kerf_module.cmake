@@ -16,6 +16,7 @@ endif()
 # What every target, ours or generated, is compiled with. Contraction off: the same source gives the same bits
 # whether or not the processor has fused multiply-add.
 add_library(kerf_flags INTERFACE)
+target_compile_features(kerf_flags INTERFACE cxx_std_20)
 target_compile_options(kerf_flags INTERFACE -ffp-contract=off)
 target_compile_definitions(kerf_flags INTERFACE EIGEN_DONT_PARALLELIZE EIGEN_MPL2_ONLY)
 if(KERF_FUZZ)
