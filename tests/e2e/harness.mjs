@@ -13,7 +13,7 @@ export const kPatienceMs = 90_000;
 /** A kerfd with the demo scene; `http` may name an address to listen at again. */
 export async function startKerfd(path, web, http = '127.0.0.1:0') {
   const scene = `${root}/deploy/scenes/demo.json`;
-  const child = spawn(path, ['--listen', '127.0.0.1:0', '--http', http, '--web', web, '--scene', scene], {
+  const child = spawn(path, ['--listen', '127.0.0.1:0', '--http', http, '--max-load', '0', '--web', web, '--scene', scene], {
     stdio: ['ignore', 'pipe', 'inherit'],
   });
   const exited = new Promise((resolve) => child.once('exit', (code, signal) => resolve(signal ?? code)));
