@@ -329,7 +329,8 @@ TEST_F(HttpServerTest, CountsWhatItDoes) {
   EXPECT_EQ(metric("kerf_snapshots_total"), 0.0) << "nobody watches";
   const Response page = get("/metrics");
   EXPECT_EQ(page.headers.at("content-type"), "text/plain; version=0.0.4; charset=utf-8");
-  const std::regex line(R"(# (HELP|TYPE) (kerf|process)_[a-z_]+ .+|(kerf|process)_[a-z_]+(\{[a-z]+="[^"]*"\})? -?[0-9.+eE-]+)");
+  const std::regex line(
+      R"(# (HELP|TYPE) (kerf|process)_[a-z_]+ .+|(kerf|process)_[a-z_]+(\{[a-z]+="[^"]*"\})? -?[0-9.+eE-]+)");
   std::istringstream lines(page.body);
   int counted = 0;
   for (std::string text; std::getline(lines, text); ++counted) EXPECT_TRUE(std::regex_match(text, line)) << text;
