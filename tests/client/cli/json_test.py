@@ -33,7 +33,7 @@ CALLS = {
     "sheet speed": "sheet speed live 0.5",
     "sheet step": "sheet step still 2",
     "undo": "undo still",
-    "watch": "watch live --frames 2",
+    "watch": "watch live --frames 1",
 }
 # Of the rest no order is asked.
 FIRST = ["sheet pause", "analyze", "cut", "cuts", "undo", "redo", "run", "sheet create", "sheet record"]
