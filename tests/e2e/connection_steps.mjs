@@ -165,7 +165,7 @@ async function restart(browser, kerfd, restarted) {
 
 /** @param start  starts a kerfd like the one that `kerfd` is, at an address */
 export async function connectionSteps(steps, browser, kerfd, start = startKerfd) {
-  await steps.step('on a slow network what is shown is a round trip and a frame old, and nothing is queued', () =>
+  await steps.step('on a slow network frames are skipped, and no more are on their way than a window has', () =>
     slowNetwork(browser, kerfd),
   );
   await steps.step('two browsers that cut one sheet at once end with the same mesh', () => twoBrowsers(browser, kerfd));
