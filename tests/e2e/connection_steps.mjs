@@ -58,12 +58,16 @@ async function slowNetwork(browser, kerfd) {
   const { mostInFlight, sent } = proxy.count('/watch');
   const passed = (await serverTick(kerfd.url, kSlow)) - begin;
   const roundTripTicks = (2 * kDelayMs * kTickRateHz) / 1000;
+  const median = behind[behind.length >> 1];
   console.log(
     `         ${sent} frames of ${passed} ticks, at most ${mostInFlight} in flight; shown ${behind[0]} to ` +
-      `${behind.at(-1)} ticks behind, median ${behind[behind.length >> 1]}; a round trip is ${roundTripTicks} ticks`,
+      `${behind.at(-1)} ticks behind, median ${median}; a round trip is ${roundTripTicks} ticks`,
   );
   // All that can be between the server's newest tick and the one shown.
   check(mostInFlight <= kLargestWindow, `${mostInFlight} frames were in flight`);
+  // A round trip and a frame, and a frame for the page to draw it; a queue as long as the window would be several times that.
+  const most = roundTripTicks + (2 * passed) / sent;
+  check(median <= most, `in the median ${median} ticks behind, not ${most.toFixed(0)}`);
   check(sent < passed, `all of ${passed} ticks were sent over a network that cannot carry them`);
   await viewer.screenshot('slow-network');
   check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
