@@ -23,7 +23,7 @@ export function siText(value: number, unit: string): string {
 
 /** A number to three digits and its unit as it is, if it has one. */
 export function plainText(value: number, unit: string): string {
-  return `${digitsOf(value)}${unit === '' ? '' : ` ${unit}`}`;
+  return `${digitsOf(value)}${unit === '' || unit === '°' ? unit : ` ${unit}`}`;
 }
 
 // "1,300" is what these texts write; a comma anywhere else could be a decimal one.

@@ -35,6 +35,8 @@ export class MaterialControl {
   private presets: readonly Material[] = [];
   private material: Material | undefined;
   private sheetName = '';
+  // The server's, as it was shown last; undefined: a call was refused since.
+  private told: string | undefined;
 
   constructor(private readonly viewer: Viewer) {
     this.newest = new Newest(
@@ -57,6 +59,10 @@ export class MaterialControl {
     if (this.newest.isBusy) return;
     this.showParts(sheet);
     this.material = this.materialOf(sheet);
+    // A refusal stays until the material that it left is another one.
+    const told = JSON.stringify(this.material);
+    if (this.told !== undefined && told !== this.told) this.clearErrors();
+    this.told = told;
     const isPlanar = sheet.scene?.planar ?? false;
     for (const { quantity, row } of this.sliders) row.hidden = isPlanar && quantity.id === kBendingId;
     this.showNumbers();
@@ -74,7 +80,6 @@ export class MaterialControl {
     this.sheetName = sheet.name;
     const parts = Array.from({ length: numParts }, (_, i) => new Option(`part ${i}`, String(i)));
     this.part.replaceChildren(new Option('all of it', kWhole), new Option('what no part has', kOwn), ...parts);
-    this.clearErrors();
   }
 
   private showNumbers(): void {
@@ -108,7 +113,9 @@ export class MaterialControl {
     try {
       await call(InteractionService.method.setSheetMaterial, { name, setMaterial: { material, part } });
     } catch (error) {
-      refused(errorText(error as Error));
+      this.told = undefined;
+      // Which field it is, the place where it is told says.
+      refused(errorText(error as Error).replaceAll('set_material.material.', ''));
     }
   }
 
