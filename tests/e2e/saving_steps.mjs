@@ -100,6 +100,10 @@ async function meshes(viewer) {
 async function saveRun(viewer, url) {
   await viewer.page.keyboard.press(' ');
   await viewer.until('k.isPaused');
+  await viewer.page.keyboard.press('Control+s');
+  await viewer.page.locator('#save-run').waitFor();
+  await viewer.screenshot('save-menu');
+  await viewer.page.keyboard.press('Escape');
   const { name, bytes } = await save(viewer, 'save-run');
   const { tick, state_hash: hash } = await post(url, 'SheetService/GetSheet', { name: 'sheets/demo' });
   check(name === `demo-${tick}.rec`, `the recording is called ${name}`);
