@@ -9,6 +9,7 @@ export default defineConfig({
   server: {
     proxy: {
       '^/kerf\\.v1\\.': { target: kerfd },
+      '^/(sheets|recordings)\\b': { target: kerfd },
       '/watch': { target: kerfd, ws: true },
     },
   },

@@ -11,7 +11,9 @@
 #include "render/video.h"
 #include "server/api/core.h"
 #include "server/api/session.h"
+#include "server/fem/material.h"
 #include "server/wire/json.h"
+#include "server/wire/material_codec.h"
 
 namespace kerf::api {
 namespace {
@@ -97,7 +99,12 @@ void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1:
   info.set_num_sheets(static_cast<std::int32_t>(core_->host.list().size()));
   info.set_uptime_s(std::chrono::duration<double>(core_->clock.now() - core_->started_at).count());
   info.set_load(core_->host.load());
-  for (const std::string_view name : fem::preset_names()) info.add_material_presets(std::string(name));
+  for (const std::string_view name : fem::preset_names()) {
+    info.add_material_presets(std::string(name));
+    v1::Material& material = *info.add_materials();
+    material = wire::encode_material(fem::find_preset(name).value());
+    material.set_preset(std::string(name));
+  }
   v1::Limits& limits = *info.mutable_limits();
   limits.set_max_sheets(host_options.max_sheets);
   limits.set_max_vertices_per_sheet(host_options.max_vertices_per_sheet);
@@ -108,6 +115,8 @@ void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1:
   limits.set_max_image_streams(core_->options.limits.max_image_streams);
   info.set_video(check_renderer(*core_).ok() && render::video_available());
   limits.set_max_load(host_options.max_load);
+  limits.set_max_mesh_upload_bytes(core_->options.limits.max_mesh_upload_bytes);
+  limits.set_max_recording_upload_bytes(core_->options.limits.max_recording_upload_bytes);
   reply(std::move(info));
 }
 

@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "render/renderer.h"
+#include "server/fem/material.h"
 #include "server/wire/error_codec.h"
+#include "server/wire/material_codec.h"
 #include "tests/api/api_fixture.h"
 #include "tests/api/bad_calls.h"
 
@@ -270,6 +272,22 @@ TEST_F(ApiTest, ServerTellsItsLimits) {
   EXPECT_THAT(info.material_presets(), ::testing::Contains("demo"));
   EXPECT_EQ(info.limits().max_sheets(), 4);
   EXPECT_EQ(info.limits().max_queued_commands_per_sheet(), 8);
+  EXPECT_EQ(info.limits().max_mesh_upload_bytes(), 64 << 20);
+  EXPECT_EQ(info.limits().max_recording_upload_bytes(), 128 << 20);
+}
+
+TEST_F(ApiTest, ServerTellsTheNumbersOfItsMaterials) {
+  const v1::ServerInfo info = call(&Api::get_server_info, v1::GetServerInfoRequest()).value();
+  ASSERT_EQ(info.materials_size(), info.material_presets_size());
+  for (int i = 0; i < info.materials_size(); ++i) {
+    const v1::Material& told = info.materials(i);
+    EXPECT_EQ(told.preset(), info.material_presets(i));
+    // Whoever sends the numbers gets what the name gets.
+    v1::Material numbers = told;
+    numbers.clear_preset();
+    EXPECT_EQ(wire::decode_material(numbers, "material").value(), fem::find_preset(told.preset()).value())
+        << told.preset();
+  }
 }
 
 TEST_F(ApiTest, AfterStopEverythingIsUnavailable) {

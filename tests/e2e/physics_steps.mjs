@@ -48,8 +48,6 @@ export async function physicsSteps(steps, browser, url) {
     await serverHas('wind', blows);
     check(await viewer.page.isChecked('#wind-on'), 'air is not on though it blows');
     await viewer.shows('#wind-speed-value', '8.0 m/s');
-    const facts = await viewer.page.textContent('#material-facts');
-    check(facts.includes('400 kPa') && facts.includes('200 g/m²'), `the preset demo is shown as ${facts}`);
     await viewer.screenshot('physics');
     await viewer.page.uncheck('#wind-on');
     await serverHas('no wind', ({ scene }) => scene.wind === undefined);
@@ -69,6 +67,92 @@ export async function physicsSteps(steps, browser, url) {
     await viewer.page.click('#pin-apply');
     await viewer.shows('#pin-count', '0 vertices held');
     await serverHas('no pins', ({ pinned_vertices: pins }) => !pins?.length);
+  });
+
+  const field = (id) => viewer.page.locator(`#material-${id}-value`);
+  const fieldShows = (id, text) =>
+    viewer.page.waitForFunction(([name, wanted]) => document.getElementById(`material-${name}-value`).value === wanted, [id, text]);
+  const materialIs = (what, isSo) => serverHas(what, ({ scene }) => isSo(scene.material));
+
+  await steps.step('the material is set by sliders, numbers and presets, and is that of the server', async () => {
+    await fieldShows('stiffness', '400 kPa');
+    await viewer.shows('#material-mass', '200 g/m²');
+    check((await viewer.page.inputValue('#material-preset')) === 'demo', 'the preset of the sheet is not shown');
+    await viewer.page.locator('#material-stiffness').scrollIntoViewIfNeeded();
+    // Dragged to its right end: every value on the way may be sent, the last one must be.
+    const box = await viewer.page.locator('#material-stiffness').boundingBox();
+    const middle = box.y + box.height / 2;
+    await viewer.drag({ x: box.x + 0.3 * box.width, y: middle }, { x: box.x + 0.6 * box.width, y: middle });
+    const dragged = await field('stiffness').inputValue();
+    await viewer.page.mouse.up();
+    const [, digits, prefix] = /^([\d.]+) ([kM])Pa$/.exec(dragged);
+    const modulus = Number(digits) * (prefix === 'k' ? 1e3 : 1e6);
+    check(modulus > 1e6, `dragged to ${dragged}`);
+    const isNear = (value, wanted) => Math.abs(value / wanted - 1) < 1e-9;
+    // The ratio of the moduli is kept.
+    await materialIs('the dragged stiffness', (material) =>
+      isNear(material.youngs_modulus_pa, modulus) &&
+      isNear(material.youngs_modulus_2_pa, modulus) &&
+      isNear(material.shear_modulus_pa, 1.5385e5 * (modulus / 4e5)),
+    );
+    check((await viewer.page.inputValue('#material-preset')) === '', 'own numbers are shown as a preset');
+    await viewer.page.focus('#material-thickness');
+    await viewer.page.keyboard.press('ArrowRight');
+    await materialIs('thickness by a key', (material) => isNear(material.thickness_m, 5.31e-4));
+    await field('bending').fill('9e-6');
+    await field('bending').press('Enter');
+    await fieldShows('bending', '9 µN m');
+    await materialIs('bending as typed', ({ youngs_modulus_pa: e, thickness_m: t, bending_scale: scale }) =>
+      isNear((scale * e * t ** 3) / (12 * (1 - 0.3 * 0.3)), 9e-6),
+    );
+    await viewer.screenshot('material');
+    await viewer.page.selectOption('#material-preset', 'cotton');
+    await materialIs('cotton', (material) => material.density_kgpm3 === 375 && material.youngs_modulus_2_pa === 3e7);
+    await fieldShows('across', '30 MPa');
+  });
+
+  await steps.step('what is no number, and what the server refuses, is told at the number, and another viewer is followed', async () => {
+    await field('density').fill('heavy');
+    await field('density').press('Enter');
+    await viewer.page.locator('#material-density-error', { hasText: /^Give Density as a number, such as / }).waitFor();
+    check((await field('density').getAttribute('aria-invalid')) === 'true', 'the field is not marked');
+    await field('density').press('Escape');
+    check((await field('density').inputValue()) === '375 kg/m³', 'Escape does not take back what was typed');
+    check(await viewer.page.isVisible('#panel-physics'), 'Escape in a field that was typed in closes the panel');
+    await field('thickness').fill('2 m');
+    await field('thickness').press('Enter');
+    const refusal = viewer.page.locator('#material-thickness-error', { hasText: /^thickness_m is 2; choose a value from/ });
+    await refusal.waitFor();
+    await fieldShows('thickness', '400 µm');
+    await viewer.screenshot('material-refused');
+    const setMaterial = { material: { preset: 'silk' } };
+    await post(url, 'InteractionService/SetSheetMaterial', { ...kSheet, setMaterial });
+    await fieldShows('thickness', '120 µm');
+    check(await viewer.page.isHidden('#material-thickness-error'), 'a refusal stays though the material is another one');
+    check((await viewer.page.inputValue('#material-preset')) === 'silk', 'what another viewer chose is not shown');
+    viewer.errors = viewer.errors.filter((error) => !/400/.test(error));
+  });
+
+  await steps.step('the speed is set by keys and by choice, and another client’s is shown', async () => {
+    const speedIs = (wanted) => serverHas(`speed ${wanted}`, ({ speed }) => speed === wanted);
+    const chosen = (text) =>
+      viewer.page.waitForFunction((wanted) => document.getElementById('speed').selectedOptions[0]?.textContent === wanted, text);
+    await viewer.page.focus('#canvas');
+    await viewer.page.keyboard.press('<');
+    await viewer.page.keyboard.press('<');
+    await speedIs(0.25);
+    await chosen('1/4 ×');
+    await viewer.page.selectOption('#speed', { label: '1/16 ×' });
+    await speedIs(1 / 16);
+    await viewer.screenshot('slow-motion');
+    await viewer.page.focus('#canvas');
+    await viewer.page.keyboard.press('>');
+    await speedIs(1 / 8);
+    await post(url, 'SheetService/SetSheetSpeed', { ...kSheet, speed: 0.2 });
+    await chosen('0.2 ×');
+    await viewer.page.keyboard.press('0');
+    await speedIs(1);
+    await chosen('1 ×');
   });
 
   await steps.step('pieces are listed with their sizes, light up and come into the middle', async () => {

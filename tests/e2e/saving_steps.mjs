@@ -1,6 +1,6 @@
 // Statistics, pictures, meshes and recordings of what the viewer shows.
 import { readFile, writeFile } from 'node:fs/promises';
-import { check, root } from './harness.mjs';
+import { check, post, root } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
 const kWide = { viewport: { width: 1280, height: 720 }, colorScheme: 'light' };
@@ -96,6 +96,54 @@ async function meshes(viewer) {
   check(positions.min[0] <= x + 1e-5 && positions.max[0] > positions.min[0] + 0.3, `glTF: x in ${positions.min[0]}..`);
 }
 
+/** The server's recording of the sheet, which is paused; and how it was then. */
+async function saveRun(viewer, url) {
+  await viewer.page.keyboard.press(' ');
+  await viewer.until('k.isPaused');
+  await viewer.page.keyboard.press('Control+s');
+  await viewer.page.locator('#save-run').waitFor();
+  await viewer.screenshot('save-menu');
+  await viewer.page.keyboard.press('Escape');
+  const { name, bytes } = await save(viewer, 'save-run');
+  const { tick, state_hash: hash } = await post(url, 'SheetService/GetSheet', { name: 'sheets/demo' });
+  check(name === `demo-${tick}.rec`, `the recording is called ${name}`);
+  await viewer.notice(`Saved ${name}`);
+  await viewer.page.keyboard.press(' ');
+  await viewer.until('!k.isPaused');
+  return { bytes, tick, hash };
+}
+
+async function playRun(viewer, url, { bytes, tick, hash }) {
+  await viewer.page.setInputFiles('#run-file', { name: 'Fall again.rec', mimeType: '', buffer: bytes });
+  await viewer.until('k.sheet === "sheets/fall-again" && k.connection === "live" && k.framesDrawn > 0');
+  await viewer.notice(new RegExp(`fall-again plays Fall again.rec, ${tick} ticks: it takes no commands`));
+  await viewer.page.focus('#canvas');
+  await viewer.page.keyboard.press('>');
+  await viewer.page.keyboard.press('>');
+  await viewer.screenshot('run-played');
+  await viewer.notice(/Played to its end at tick \d+, bit for bit as recorded/);
+  const again = await post(url, 'SheetService/GetSheet', { name: 'sheets/fall-again' });
+  check(again.tick === tick && again.state_hash === hash, `it ends with ${again.tick} ${again.state_hash}, not ${tick} ${hash}`);
+}
+
+// What is no recording, and what is given up on the way.
+async function refuseRuns(viewer, { bytes }) {
+  await viewer.drop('broken.rec', bytes.subarray(0, bytes.length - 3));
+  await viewer.notice(/^broken.rec is not played: .*INVALID_ARGUMENT/);
+  await viewer.throttleUploads(200_000);
+  await viewer.drop('long.rec', Buffer.concat([bytes, Buffer.alloc(4 << 20)]));
+  await viewer.page.locator('#transfer', { hasText: 'Sending long.rec' }).waitFor();
+  await viewer.page.waitForFunction(() => document.getElementById('transfer-progress').value > 0.05);
+  await viewer.screenshot('transfer');
+  await viewer.drop('other.rec', bytes);
+  await viewer.notice(/^other.rec is not played: another file is on its way/);
+  await viewer.page.click('#transfer-cancel');
+  await viewer.notice(/^long.rec is not played: it was given up/);
+  check(await viewer.page.isHidden('#transfer'), 'what was given up is still shown');
+  await viewer.throttleUploads(-1);
+  viewer.errors = viewer.errors.filter((error) => !/400/.test(error));
+}
+
 /** Records while the sheet is cut and falls; the file, and what the page showed at its end. */
 async function record(viewer) {
   await viewer.page.keyboard.press('r');
@@ -185,6 +233,13 @@ export async function savingSteps(steps, browser, kerfd, start) {
     await viewer.page.keyboard.press(' ');
     await viewer.until('!k.isPaused');
   });
+  await steps.step('what the server recorded is saved, and played by it as a new sheet that ends the same', async () => {
+    const run = await saveRun(viewer, kerfd.url);
+    await playRun(viewer, kerfd.url, run);
+    await refuseRuns(viewer, run);
+    await viewer.pick('demo');
+    await viewer.until('k.sheet === "sheets/demo" && k.connection === "live"');
+  });
   await steps.step('frames are recorded while the sheet is cut', async () => {
     recorded = await record(viewer);
   });
@@ -201,14 +256,7 @@ export async function savingSteps(steps, browser, kerfd, start) {
     kerfd = await start(host);
   });
   await steps.step('a recording that is dropped is played, and closing it goes back to the live sheet', async () => {
-    const base64 = (await readFile(recorded.path)).toString('base64');
-    const transfer = await viewer.page.evaluateHandle(async (text) => {
-      const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
-      const files = new DataTransfer();
-      files.items.add(new File([bytes], 'dropped.kerfstream'));
-      return files;
-    }, base64);
-    await viewer.page.dispatchEvent('#canvas', 'drop', { dataTransfer: transfer });
+    await viewer.drop('dropped.kerfstream', await readFile(recorded.path));
     await viewer.until('k.connection === "replay" && k.replay.isPlaying');
     await viewer.page.click('#replay-close');
     await viewer.until('k.connection === "live" && k.replay === undefined && k.tick > 0');

@@ -1,5 +1,6 @@
 // The panel of all sheets: what it lists, new sheets of every kind, refusals at their fields, deletion.
-import { check, post } from './harness.mjs';
+import { rm, truncate, writeFile } from 'node:fs/promises';
+import { check, post, root } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
 const kWide = { viewport: { width: 1280, height: 720 }, colorScheme: 'light' };
@@ -24,6 +25,20 @@ end_header
 3 0 1 2
 3 0 2 3
 `;
+
+// A square of n x n vertices.
+function gridObj(n) {
+  const at = (i) => (i / (n - 1)).toFixed(12);
+  const lines = [];
+  for (let y = 0; y < n; ++y) for (let x = 0; x < n; ++x) lines.push(`v ${at(x)} ${at(y)} 1.000000000000`);
+  for (let y = 1; y < n; ++y) {
+    for (let x = 1; x < n; ++x) {
+      const corner = (y - 1) * n + x;
+      lines.push(`f ${corner} ${corner + 1} ${corner + n + 1}`, `f ${corner} ${corner + n + 1} ${corner + n}`);
+    }
+  }
+  return `${lines.join('\n')}\n`;
+}
 
 export async function sheetSteps(steps, browser, url) {
   const sheet = (name) => post(url, 'SheetService/GetSheet', { name: `sheets/${name}` });
@@ -66,6 +81,8 @@ export async function sheetSteps(steps, browser, url) {
     await viewer.page.fill('#new-rows', '8');
     await viewer.page.fill('#new-width', '0.6');
     await viewer.page.selectOption('#new-material', 'silk');
+    const facts = await viewer.page.textContent('#new-material-facts');
+    check(facts.includes('80 MPa along, 60 MPa across') && facts.includes('50.4 g/m²'), `silk is told as ${facts}`);
     await viewer.page.selectOption('#new-pins', { label: 'left edge' });
     await viewer.page.check('#new-paused');
     await viewer.screenshot('new-sheet');
@@ -102,13 +119,28 @@ export async function sheetSteps(steps, browser, url) {
     check(Math.abs(reach[1] - reach[0] - 0.88) < 0.02, `the outline spans ${reach}`);
   });
 
+  await steps.step('a mesh larger than a request is sent, and how far it is is told', async () => {
+    const text = gridObj(161);
+    check(text.length > 2 << 20, `the mesh has only ${text.length} bytes`);
+    await openForm();
+    await shape('file');
+    await viewer.page.setInputFiles('#new-file', { name: 'fine.obj', mimeType: 'text/plain', buffer: Buffer.from(text) });
+    await viewer.page.locator('#new-file-name', { hasText: /^fine.obj, 2\.\d MiB$/ }).waitFor();
+    await viewer.page.check('#new-paused');
+    await viewer.throttleUploads(300_000);
+    await viewer.page.click('#new-create');
+    await viewer.page.waitForFunction(() => {
+      const { hidden, value } = document.getElementById('new-progress');
+      return !hidden && value > 0.1 && value < 1;
+    });
+    await viewer.screenshot('new-sheet-sent');
+    await viewer.throttleUploads(-1);
+    await viewer.until('k.sheet === "sheets/fine" && k.numVertices === 161 * 161');
+    check((await sheet('fine')).run_state === 'PAUSED', 'what else was asked for is lost');
+  });
+
   await steps.step('a mesh that is dropped on the sheet opens the form with it', async () => {
-    const transfer = await viewer.page.evaluateHandle((text) => {
-      const files = new DataTransfer();
-      files.items.add(new File([text], 'Dropped Cloth.obj'));
-      return files;
-    }, kSquareObj);
-    await viewer.page.dispatchEvent('#canvas', 'drop', { dataTransfer: transfer });
+    await viewer.drop('Dropped Cloth.obj', Buffer.from(kSquareObj));
     await viewer.page.locator('#new-sheet[open] #new-file-name', { hasText: 'Dropped Cloth.obj' }).waitFor();
     check((await viewer.page.inputValue('#new-id')) === 'dropped-cloth', 'its name is not taken from the file');
     await viewer.page.click('#new-create');
@@ -143,8 +175,15 @@ export async function sheetSteps(steps, browser, url) {
     await viewer.page.fill('#new-id', 'broken');
     await file('broken.obj', Buffer.from('v 0 0 nonsense\n'));
     await refusal('file', /line 1/);
-    await file('large.obj', Buffer.alloc(1 << 20, '#'));
-    await refusal('file', /request of 1 MiB.*at most 1 MiB/);
+    await file('empty.obj', Buffer.alloc(0));
+    await refusal('file', /empty.obj is empty/);
+    // By its path: what is handed over as bytes may have 50 MB.
+    const huge = `${root}/build/e2e/huge.obj`;
+    await writeFile(huge, '');
+    await truncate(huge, 70 << 20);
+    await viewer.page.setInputFiles('#new-file', huge);
+    await refusal('file', /has 70 MiB.*at most 64 MiB/);
+    await rm(huge);
     check((await viewer.page.inputValue('#new-id')) === 'broken', 'what was typed is gone');
     await viewer.page.click('#new-sheet [data-close]');
     // The browser writes refusals to the console.

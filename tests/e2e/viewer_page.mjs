@@ -86,6 +86,28 @@ export class ViewerPage {
     await session.detach();
   }
 
+  /** What the page sends goes at this many bytes a second, until it is called with -1. */
+  async throttleUploads(bytesPerS) {
+    this.network ??= await this.page.context().newCDPSession(this.page);
+    await this.network.send('Network.enable');
+    const conditions = { offline: false, latency: 0, downloadThroughput: -1, uploadThroughput: bytesPerS };
+    await this.network.send('Network.emulateNetworkConditions', conditions);
+  }
+
+  /** Drops a file on the sheet. */
+  async drop(name, bytes) {
+    const transfer = await this.page.evaluateHandle(
+      ([base64, fileName]) => {
+        const content = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+        const files = new DataTransfer();
+        files.items.add(new File([content], fileName));
+        return files;
+      },
+      [bytes.toString('base64'), name],
+    );
+    await this.page.dispatchEvent('#canvas', 'drop', { dataTransfer: transfer });
+  }
+
   async choose(tool) {
     await this.page.click(`#tools [data-tool=${tool}]`);
     await this.until('k.tool === given.tool', { tool });

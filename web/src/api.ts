@@ -55,14 +55,22 @@ async function post(url: string, body: string, signal: AbortSignal | undefined):
 }
 
 // fetch() does not tell how much of a body is sent.
-function postTelling(url: string, body: string, told: (part: number) => void): Promise<Answer> {
+function postTelling(
+  url: string,
+  body: string | Blob,
+  told: (part: number) => void,
+  signal: AbortSignal | undefined,
+): Promise<Answer> {
   return new Promise((resolve, reject) => {
+    signal?.throwIfAborted();
     const request = new XMLHttpRequest();
     request.open('POST', url);
-    request.setRequestHeader('content-type', 'application/json');
+    if (typeof body === 'string') request.setRequestHeader('content-type', 'application/json');
     request.upload.onprogress = ({ loaded, total }) => told(total > 0 ? loaded / total : 0);
     request.onload = () => resolve({ status: request.status, body: request.responseText });
     request.onerror = () => reject(new Error('the connection broke'));
+    request.onabort = () => reject(new Error('cancelled'));
+    signal?.addEventListener('abort', () => request.abort());
     request.send(body);
   });
 }
@@ -79,6 +87,15 @@ function errorFromBody(status: number, body: string): ApiError {
       body.slice(0, 200) || `the server answered ${status}`,
     );
   }
+}
+
+function unreachable({ message }: Error): ApiError {
+  return new ApiError('UNAVAILABLE', `the server cannot be reached (${message})`);
+}
+
+function messageOf<O extends DescMessage>(output: O, { status, body }: Answer): MessageShape<O> {
+  if (status < 200 || status > 299) throw errorFromBody(status, body);
+  return fromJson(output, JSON.parse(body) as JsonValue, { ignoreUnknownFields: true });
 }
 
 /** A request as it is sent. */
@@ -101,10 +118,60 @@ export async function call<I extends DescMessage, O extends DescMessage>(
   const sent = requestBody(method.input, request);
   let answer: Answer;
   try {
-    answer = await (onProgress ? postTelling(url, sent, onProgress) : post(url, sent, signal));
+    answer = await (onProgress ? postTelling(url, sent, onProgress, signal) : post(url, sent, signal));
   } catch (error) {
-    throw new ApiError('UNAVAILABLE', `the server cannot be reached (${(error as Error).message})`);
+    throw unreachable(error as Error);
   }
-  if (answer.status < 200 || answer.status > 299) throw errorFromBody(answer.status, answer.body);
-  return fromJson(method.output, JSON.parse(answer.body) as JsonValue, { ignoreUnknownFields: true });
+  return messageOf(method.output, answer);
+}
+
+/** Of a long transfer. */
+export interface TransferOptions {
+  signal: AbortSignal;
+  /** Told the part that is sent or has come, 0..1. */
+  onProgress: (part: number) => void;
+}
+
+/**
+ * Sends a file, which may be larger than a request.
+ * @param path  "/recordings?sheet=again"
+ * @throws ApiError
+ */
+export async function sendFile<O extends DescMessage>(
+  output: O,
+  path: string,
+  file: Blob,
+  { signal, onProgress }: TransferOptions,
+): Promise<MessageShape<O>> {
+  let answer: Answer;
+  try {
+    answer = await postTelling(path, file, onProgress, signal);
+  } catch (error) {
+    throw unreachable(error as Error);
+  }
+  return messageOf(output, answer);
+}
+
+/**
+ * A file of the server's, in parts.
+ * @throws ApiError
+ */
+export async function fetchFile(path: string, { signal, onProgress }: TransferOptions): Promise<BlobPart[]> {
+  try {
+    const response = await fetch(path, { signal });
+    if (!response.ok) throw errorFromBody(response.status, await response.text());
+    const numBytes = Number(response.headers.get('content-length'));
+    const parts: BlobPart[] = [];
+    const reader = response.body!.getReader();
+    let numRead = 0;
+    for (;;) {
+      const { done, value } = await reader.read();
+      if (done) return parts;
+      parts.push(value);
+      numRead += value.length;
+      if (numBytes > 0) onProgress(numRead / numBytes);
+    }
+  } catch (error) {
+    throw error instanceof ApiError ? error : unreachable(error as Error);
+  }
 }

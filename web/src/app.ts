@@ -44,6 +44,7 @@ import { StatisticsPanel } from './ui/statistics_panel';
 import { StatusLine } from './ui/status_line';
 import { SvgFiles } from './ui/svg_files';
 import { Theme } from './ui/theme';
+import { Transfer } from './ui/transfer';
 
 /** The viewer of one sheet: what the server sends goes in, pictures and the tools' calls come out. */
 export class App implements Viewer {
@@ -80,6 +81,7 @@ export class App implements Viewer {
   readonly statistics = new StatisticsPanel();
   readonly recording = new RecordingControl(this);
   readonly replayBar = new ReplayBar(this);
+  readonly transfer = new Transfer(this);
   readonly saveMenu = new SaveMenu(this);
   private readonly tools: Record<ToolId, Tool>;
   readonly cutPanel: CutPanel;

@@ -3,6 +3,7 @@ import { installHooks } from './hooks';
 import { element } from './ui/dom';
 import { FileDrop } from './ui/file_drop';
 import { bindKeys } from './ui/keys';
+import { ServerRecordings } from './ui/server_recordings';
 import { SheetChoice } from './ui/sheets/sheet_choice';
 
 async function start(): Promise<void> {
@@ -10,11 +11,13 @@ async function start(): Promise<void> {
   installHooks(app, element<HTMLCanvasElement>('canvas'));
   const sheets = new SheetChoice(app);
   app.panels.add('sheets', sheets);
-  new FileDrop(
-    (file) => void app.svgFiles.take(file),
-    (file) => void sheets.dialog.open(file),
-    (file) => void app.replayBar.open(file),
-  );
+  const recordings = new ServerRecordings(app, (name) => sheets.open(name));
+  new FileDrop({
+    mesh: (file) => void sheets.dialog.open(file),
+    frames: (file) => void app.replayBar.open(file),
+    run: (file) => void recordings.play(file),
+    drawing: (file) => void app.svgFiles.take(file),
+  });
   bindKeys(app);
   await sheets.start();
 }

@@ -1,7 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { MaterialSchema } from '../src/gen/kerf/v1/scene_pb';
-import { bendingStiffness, materialFacts, siText } from '../src/ui/material_text';
+import { bendingStiffness, materialFacts, presetOf } from '../src/ui/material_text';
 
 const kSilk = create(MaterialSchema, {
   youngsModulusPa: 8e7,
@@ -13,16 +13,6 @@ const kSilk = create(MaterialSchema, {
   bendingScale: 0.15,
   massDampingPerS: 0.1,
   stiffnessDampingS: 1e-5,
-});
-
-describe('siText', () => {
-  it('takes the prefix that reads best', () => {
-    expect(siText(1.5e5, 'Pa')).toBe('150 kPa');
-    expect(siText(6.9e10, 'Pa')).toBe('69 GPa');
-    expect(siText(1.6e-5, 'm')).toBe('16 µm');
-    expect(siText(0, 's')).toBe('0 s');
-    expect(siText(1e-12, 'N m')).toBe('0.001 nN m');
-  });
 });
 
 describe('bendingStiffness', () => {
@@ -41,5 +31,16 @@ describe('materialFacts', () => {
     expect(facts.Stiffness).toBe('80 MPa along, 60 MPa across');
     expect(facts.Mass).toBe('50.4 g/m²');
     expect(facts.Damping).toBe('0.1 /s, 10 µs');
+  });
+});
+
+describe('presetOf', () => {
+  const presets = [{ ...kSilk, densityKgpm3: 400, preset: 'other' }, { ...kSilk, preset: 'silk' }];
+
+  it('goes by the numbers, whichever way the fibres run', () => {
+    expect(presetOf(kSilk, presets)).toBe('silk');
+    expect(presetOf({ ...kSilk, directionRad: 1 }, presets)).toBe('silk');
+    expect(presetOf({ ...kSilk, thicknessM: 1.3e-4 }, presets)).toBe('');
+    expect(presetOf({ ...kSilk, bendingStiffness1Nm: 1e-6 }, presets)).toBe('');
   });
 });

@@ -2,9 +2,8 @@ import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { Region_Edge } from '../src/gen/kerf/v1/conditions_pb';
 import { CreateSheetRequestSchema } from '../src/gen/kerf/v1/sheets_pb';
-import { createRequest, formField } from '../src/ui/sheets/new_sheet';
+import { createRequest, formField, uploadPath } from '../src/ui/sheets/new_sheet';
 import type { NewSheet } from '../src/ui/sheets/new_sheet';
-import { idFrom } from '../src/ui/sheets/new_sheet_dialog';
 
 const kGrid: NewSheet = {
   id: 'flag',
@@ -62,14 +61,15 @@ describe('createRequest', () => {
     }
   });
 
-  it('sends a mesh file as it is, and neither places it nor guesses where a ball would be', () => {
-    const bytes = new TextEncoder().encode('v 0 0 0\n');
-    const obj = made({ shape: 'file', file: { name: 'a.obj', kind: 'obj', bytes } }).scene;
-    expect(obj.mesh).toMatchObject({ case: 'obj', value: { text: 'v 0 0 0\n' } });
-    expect(obj.placement).toBeUndefined();
-    expect(obj.colliders.map((collider) => collider.shape.case)).toEqual(['plane']);
-    const ply = made({ shape: 'file', file: { name: 'a.ply', kind: 'ply', bytes } }).scene;
-    expect(ply.mesh).toMatchObject({ case: 'ply', value: { data: bytes } });
+  it('sends a mesh file apart from the request, and neither places it nor guesses where a ball would be', () => {
+    const content = new Blob(['v 0 0 0\n']);
+    const file = { name: 'a.obj', kind: 'obj' as const, content };
+    const { scene, request } = made({ shape: 'file', file });
+    expect([scene.mesh.case, scene.placement]).toEqual([undefined, undefined]);
+    expect(scene.colliders.map((collider) => collider.shape.case)).toEqual(['plane']);
+    const query = new URLSearchParams(uploadPath(file, request).replace('/sheets?', ''));
+    expect(query.get('format')).toBe('obj');
+    expect(JSON.parse(query.get('request')!)).toMatchObject({ sheetId: 'flag', scene: { material: { preset: 'silk' } } });
   });
 
   it('lays a drawing, which begins at its upper left corner, above the floor', () => {
@@ -84,17 +84,9 @@ describe('formField', () => {
   it('finds where a field of the request is asked for', () => {
     expect(formField('scene.grid.columns')).toBe('columns');
     expect(formField('scene.obj.text')).toBe('file');
+    expect(formField('start.num_bytes')).toBe('file');
     expect(formField('scene.outline.boundary')).toBe('outline');
     expect(formField('sheet_id')).toBe('id');
     expect(formField('scene.integrator')).toBeUndefined();
-  });
-});
-
-describe('idFrom', () => {
-  it('makes an id of what is in a name', () => {
-    expect(idFrom('My Cloth (2).obj')).toBe('my-cloth-2');
-    expect(idFrom('42 flag.svg')).toBe('flag');
-    expect(idFrom('布.ply')).toBe('');
-    expect(idFrom(`${'a'.repeat(80)}.obj`)).toHaveLength(63);
   });
 });

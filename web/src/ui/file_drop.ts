@@ -1,12 +1,22 @@
 import { element } from './dom';
 import { isRecordingFile } from './replay_bar';
+import { isRunFile } from './server_recordings';
 
-/**
- * Files that are dropped on the sheet: a mesh becomes a new one, a recording is played, anything else is taken for a drawing
- * to cut along.
- */
+/** What becomes of a file that is dropped on the sheet. */
+export interface FileTakers {
+  /** A new sheet. */
+  mesh(file: File): void;
+  /** Frames, played here. */
+  frames(file: File): void;
+  /** A recording of a server's, played by the server as a new sheet. */
+  run(file: File): void;
+  /** Anything else: to cut along. */
+  drawing(file: File): void;
+}
+
+/** Takes files that are dropped on the sheet. */
 export class FileDrop {
-  constructor(drawing: (file: File) => void, mesh: (file: File) => void, recording: (file: File) => void) {
+  constructor(takers: FileTakers) {
     const stage = element('stage');
     stage.addEventListener('dragover', (event) => {
       if (!event.dataTransfer?.types.includes('Files')) return;
@@ -18,9 +28,10 @@ export class FileDrop {
       const file = event.dataTransfer?.files[0];
       if (!file) return;
       event.preventDefault();
-      if (/\.(obj|ply)$/i.test(file.name)) mesh(file);
-      else if (isRecordingFile(file)) recording(file);
-      else drawing(file);
+      if (/\.(obj|ply)$/i.test(file.name)) takers.mesh(file);
+      else if (isRecordingFile(file)) takers.frames(file);
+      else if (isRunFile(file)) takers.run(file);
+      else takers.drawing(file);
     });
   }
 }

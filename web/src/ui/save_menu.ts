@@ -6,7 +6,7 @@ import { element, setText } from './dom';
 import { fileName, saveFile } from './download';
 import { Menu } from './menu';
 
-/** What is shown, as a file: pictures, meshes, recordings of frames. */
+/** What is shown, as a file: pictures, meshes, recordings of frames. Items of the server’s recordings: ServerRecordings. */
 export class SaveMenu {
   private readonly menu: Menu;
   private readonly record = element<HTMLButtonElement>('save-recording');
@@ -30,6 +30,9 @@ export class SaveMenu {
     const { app } = this;
     setText(this.record.querySelector('span')!, app.recording.isOn ? 'Stop recording and save' : 'Record the frames');
     this.record.disabled = app.watch === undefined;
+    // Of a live sheet, and one file at a time.
+    element<HTMLButtonElement>('save-run').disabled = app.watch === undefined || app.transfer.isOn;
+    element<HTMLButtonElement>('play-run').disabled = app.transfer.isOn;
     for (const id of ['save-png', 'save-png-2', 'save-obj', 'save-glb']) {
       element<HTMLButtonElement>(id).disabled = app.surface === undefined;
     }

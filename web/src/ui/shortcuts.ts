@@ -144,6 +144,15 @@ function simulationGroup(app: App): ShortcutGroup {
         isRepeated: true,
         run: () => void controls.step(),
       },
+      {
+        chords: ['<'],
+        what: 'Half as fast: slow motion',
+        button: '#speed',
+        isRepeated: true,
+        run: () => controls.speed.step(-1),
+      },
+      { chords: ['>'], what: 'Twice as fast', isRepeated: true, run: () => controls.speed.step(1) },
+      { chords: ['0'], what: 'As fast as it happens', run: () => controls.speed.set(1) },
       { chords: ['R'], what: 'Back to the start', button: '#reset', isClicked: true, run: () => void controls.reset() },
       {
         chords: ['Ctrl+Z'],
@@ -226,7 +235,7 @@ function panelGroup(app: App): ShortcutGroup {
     title: 'Panels',
     shortcuts: [
       panel('A', 'sheets', 'All sheets: open, delete, make new ones'),
-      panel('M', 'physics', 'Gravity, wind and pins'),
+      panel('M', 'physics', 'Gravity, wind, pins and material'),
       panel('J', 'pieces', 'All pieces with their sizes'),
       { chords: ['Escape'], what: 'Close the panel', run: () => app.panels.close() },
     ],

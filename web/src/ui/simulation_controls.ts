@@ -1,24 +1,44 @@
 import { call } from '../api';
-import { Sheet_RunState, SheetService } from '../gen/kerf/v1/sheets_pb';
+import { Replay_State, Sheet_RunState, SheetService } from '../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import type { Viewer } from '../tools/tool';
 import { element, setText } from './dom';
+import { runEndText } from './run_text';
+import { SpeedControl } from './speed_control';
 
-/** Pause, step and reset. */
+/** Pause, step, reset and how fast it runs. */
 export class SimulationControls {
   private readonly pauseButton = element<HTMLButtonElement>('pause');
 
-  constructor(private readonly viewer: Viewer & { setSheet(sheet: Sheet): void }) {}
+  readonly speed: SpeedControl;
+  // sheets/{sheet} that plays a recording.
+  private playing: string | undefined;
+
+  constructor(private readonly viewer: Viewer & { setSheet(sheet: Sheet): void }) {
+    this.speed = new SpeedControl(viewer);
+  }
 
   private get isPaused(): boolean {
     return this.viewer.sheet?.runState === Sheet_RunState.PAUSED;
   }
 
-  /** Shows the run state. */
+  /** Shows the run state and the speed. */
   show(): void {
+    const { sheet } = this.viewer;
+    if (sheet) {
+      this.speed.show(sheet);
+      this.showRun(sheet);
+    }
     const label = this.isPaused ? 'Resume' : 'Pause';
     setText(this.pauseButton.querySelector('span')!, label);
     this.pauseButton.querySelector('use')!.setAttribute('href', this.isPaused ? '#icon-play' : '#icon-pause');
+  }
+
+  // That a recording has been played is told once, to whoever saw it being played.
+  private showRun({ name, replay }: Sheet): void {
+    const end = replay && runEndText(replay);
+    if (end && this.playing === name) this.viewer.notify(...end);
+    this.playing = replay?.state === Replay_State.PLAYING ? name : undefined;
   }
 
   async togglePause(): Promise<void> {

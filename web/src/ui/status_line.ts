@@ -2,6 +2,7 @@ import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import type { SheetArrays } from '../stream/sheet_copy';
 import { SampleWindow } from '../stream/sample_window';
 import { element, setText } from './dom';
+import { speedOf } from './speeds';
 
 // A second of pictures, on the fastest of screens.
 const kFpsWindowMs = 1000;
@@ -50,6 +51,7 @@ function ageText(ageMs: number | undefined): string {
   return ageMs < 1000 ? `${ageMs.toFixed(0)} ms` : `${(ageMs / 1000).toFixed(1)} s`;
 }
 
+// In slow motion a sheet that keeps its pace is not behind.
 function isBehind(stats: FrameStats | undefined): boolean {
-  return stats !== undefined && !stats.paused && !stats.sleeping && stats.realTimeFactor < 0.95;
+  return stats !== undefined && !stats.paused && !stats.sleeping && stats.realTimeFactor < 0.95 * speedOf(stats);
 }

@@ -1,7 +1,7 @@
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 import type { Viewer } from '../../tools/tool';
 import { GravityControl } from './gravity_control';
-import { MaterialFacts } from './material_facts';
+import { MaterialControl } from './material_control';
 import { PinChoice } from './pin_choice';
 import { WindControl } from './wind_control';
 
@@ -10,7 +10,7 @@ export class PhysicsPanel {
   private readonly parts: readonly { show(sheet: Sheet): void }[];
 
   constructor(viewer: Viewer) {
-    this.parts = [new GravityControl(viewer), new WindControl(viewer), new PinChoice(viewer), new MaterialFacts()];
+    this.parts = [new GravityControl(viewer), new WindControl(viewer), new PinChoice(viewer), new MaterialControl(viewer)];
   }
 
   /** Shows the settings in force. */

@@ -1,7 +1,8 @@
 import type { MessageInitShape } from '@bufbuild/protobuf';
+import { requestBody } from '../../api';
 import { Region_Edge } from '../../gen/kerf/v1/conditions_pb';
 import type { ColliderSchema, PlacementSchema, SceneSchema } from '../../gen/kerf/v1/scene_pb';
-import type { CreateSheetRequestSchema } from '../../gen/kerf/v1/sheets_pb';
+import { CreateSheetRequestSchema } from '../../gen/kerf/v1/sheets_pb';
 
 export type NewShape = 'grid' | 'file' | 'outline';
 export type Hang = 'upright' | 'flat';
@@ -9,7 +10,7 @@ export type Hang = 'upright' | 'flat';
 export interface MeshFile {
   name: string;
   kind: 'obj' | 'ply';
-  bytes: Uint8Array;
+  content: Blob;
 }
 
 /** A drawing that says how large it is: see scaledDrawing(). */
@@ -51,14 +52,11 @@ const kFlatHeight = 0.8;
 const kUprightHeight = 0.3;
 const kBallGap = 0.08;
 
-function meshOf({ shape, columns, rows, widthM, heightM, file, outline }: NewSheet): Mesh {
+// A mesh file is no part of the request: see uploadPath().
+function meshOf({ shape, columns, rows, widthM, heightM, outline }: NewSheet): Mesh {
+  if (shape === 'file') return { case: undefined };
   if (shape === 'grid') return { case: 'grid', value: { columns, rows, widthM, heightM } };
-  if (shape === 'outline') {
-    return { case: 'outline', value: { boundary: { kind: { case: 'svg', value: { text: outline?.text ?? '' } } } } };
-  }
-  const bytes = file?.bytes ?? new Uint8Array();
-  if (file?.kind === 'ply') return { case: 'ply', value: { data: bytes } };
-  return { case: 'obj', value: { text: new TextDecoder().decode(bytes) } };
+  return { case: 'outline', value: { boundary: { kind: { case: 'svg', value: { text: outline?.text ?? '' } } } } };
 }
 
 // A drawing has its upper left corner at the origin, a grid its lower left one.
@@ -119,6 +117,12 @@ export function createRequest(form: NewSheet): MessageInitShape<typeof CreateShe
   };
 }
 
+/** Where a mesh file is sent, with all else that is asked for: it may be larger than a request. */
+export function uploadPath(file: MeshFile, request: MessageInitShape<typeof CreateSheetRequestSchema>): string {
+  const body = requestBody(CreateSheetRequestSchema, request);
+  return `/sheets?format=${file.kind}&request=${encodeURIComponent(body)}`;
+}
+
 /** Which field of the form a field of the request is asked for in; undefined: none of them. */
 export function formField(path: string): string | undefined {
   const fields: [RegExp, string][] = [
@@ -127,7 +131,7 @@ export function formField(path: string): string | undefined {
     [/^scene\.grid\.rows/, 'rows'],
     [/^scene\.grid\.width_m/, 'width'],
     [/^scene\.grid\.height_m/, 'height'],
-    [/^scene\.(obj|ply)/, 'file'],
+    [/^scene\.(obj|ply)|^start\.num_bytes/, 'file'],
     [/^scene\.outline/, 'outline'],
     [/^scene\.material/, 'material'],
     [/^scene\.pins/, 'pins'],

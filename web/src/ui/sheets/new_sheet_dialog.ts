@@ -1,13 +1,16 @@
-import { ApiError, call, requestBody } from '../../api';
-import { ServerService } from '../../gen/kerf/v1/server_pb';
+import { ApiError, call, requestBody, sendFile } from '../../api';
 import type { ServerInfo } from '../../gen/kerf/v1/server_pb';
-import { CreateSheetRequestSchema, SheetService } from '../../gen/kerf/v1/sheets_pb';
+import { CreateSheetRequestSchema, SheetSchema, SheetService } from '../../gen/kerf/v1/sheets_pb';
+import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
+import { serverInfo } from '../../server_info';
 import { sizeText } from '../../tools/cut_text';
-import { element, setText } from '../dom';
+import { element, make, setText } from '../dom';
 import { errorText } from '../error_text';
-import { createRequest, formField } from './new_sheet';
+import { materialFacts } from '../material_text';
+import { createRequest, formField, uploadPath } from './new_sheet';
 import type { Hang, MeshFile, NewShape, NewSheet, Outline } from './new_sheet';
 import { scaledDrawing } from './scaled_drawing';
+import { idFrom } from './sheet_ids';
 
 function fieldOf<T extends HTMLElement = HTMLInputElement>(name: string): T {
   return element<T>(`new-${name}`);
@@ -21,6 +24,7 @@ export class NewSheetDialog {
   private info: ServerInfo | undefined;
   private mesh: MeshFile | undefined;
   private drawing: { name: string; text: string } | undefined;
+  private sending: AbortController | undefined;
 
   /** @param created  sheets/{sheet}, once it is there */
   constructor(private readonly created: (name: string) => void) {
@@ -33,6 +37,7 @@ export class NewSheetDialog {
       this.update();
     });
     this.dialog.querySelector('[data-close]')!.addEventListener('click', () => this.dialog.close());
+    this.dialog.addEventListener('close', () => this.sending?.abort());
     for (const name of ['file', 'outline']) {
       const input = fieldOf(name);
       input.addEventListener('change', () => void (input.files?.[0] && this.take(input.files[0])));
@@ -57,7 +62,7 @@ export class NewSheetDialog {
   // Materials and limits of this server.
   private async fetchInfo(): Promise<void> {
     try {
-      this.info ??= await call(ServerService.method.getServerInfo, {});
+      this.info = await serverInfo();
     } catch (error) {
       this.showError('', errorText(error as Error));
       return;
@@ -74,11 +79,15 @@ export class NewSheetDialog {
     const name = ending === 'svg' ? 'outline' : 'file';
     this.choose(name === 'outline' ? 'outline' : 'file');
     this.clearErrors();
-    const bytes = await file.arrayBuffer().catch(() => undefined);
-    if (!bytes) return this.showError(name, `${file.name} cannot be read: choose it again`);
-    if (ending === 'svg') this.drawing = { name: file.name, text: new TextDecoder().decode(bytes) };
-    else if (ending === 'obj' || ending === 'ply') this.mesh = { name: file.name, kind: ending, bytes: new Uint8Array(bytes) };
-    else return this.showError(name, `${file.name} is no OBJ, PLY or SVG file: choose one that ends so`);
+    if (ending === 'svg') {
+      const text = await file.text().catch(() => undefined);
+      if (text === undefined) return this.showError(name, `${file.name} cannot be read: choose it again`);
+      this.drawing = { name: file.name, text };
+    } else if (ending === 'obj' || ending === 'ply') {
+      this.mesh = { name: file.name, kind: ending, content: file };
+    } else {
+      return this.showError(name, `${file.name} is no OBJ, PLY or SVG file: choose one that ends so`);
+    }
     if (fieldOf('id').value === '') fieldOf('id').value = idFrom(file.name);
     this.update();
   }
@@ -127,8 +136,9 @@ export class NewSheetDialog {
     for (const shape of ['grid', 'file', 'outline']) fieldOf(`shape-${shape}`).hidden = form.shape !== shape;
     const vertices = form.columns * form.rows;
     setText(fieldOf('vertices'), Number.isFinite(vertices) ? `${vertices.toLocaleString('en')} vertices` : '');
-    setText(fieldOf('file-name'), this.mesh ? `${this.mesh.name}, ${sizeText(this.mesh.bytes.length)}` : 'none chosen');
+    setText(fieldOf('file-name'), this.mesh ? `${this.mesh.name}, ${sizeText(this.mesh.content.size)}` : 'none chosen');
     setText(fieldOf('outline-name'), this.drawing?.name ?? 'none chosen');
+    this.showMaterial(form.material);
     // A mesh file says itself where it is, and with it where a ball would be.
     fieldOf('hang').hidden = form.shape === 'file';
     fieldOf('ball').disabled = form.shape === 'file';
@@ -140,19 +150,30 @@ export class NewSheetDialog {
     if (!this.check(form)) return;
     const request = createRequest(form);
     if (!this.fits(form, requestBody(CreateSheetRequestSchema, request).length)) return;
+    const sending = new AbortController();
+    this.sending = sending;
     this.setBusy(true);
     try {
-      const onProgress = (part: number) => (this.progress.value = part);
-      const sheet = await call(SheetService.method.createSheet, request, { onProgress });
+      const sheet = await this.send(form, request, sending.signal);
+      this.sending = undefined;
       this.forgetFiles();
       this.dialog.close();
       this.created(sheet.name);
     } catch (error) {
+      // Whoever closed the form knows.
+      if (sending.signal.aborted) return;
       const path = error instanceof ApiError ? error.field : '';
       this.showError(formField(path) ?? '', errorText(error as Error));
     } finally {
+      this.sending = undefined;
       this.setBusy(false);
     }
+  }
+
+  private send({ shape, file }: NewSheet, request: ReturnType<typeof createRequest>, signal: AbortSignal): Promise<Sheet> {
+    const onProgress = (part: number) => this.showProgress(part);
+    if (shape === 'file' && file) return sendFile(SheetSchema, uploadPath(file, request), file.content, { signal, onProgress });
+    return call(SheetService.method.createSheet, request, { signal, onProgress });
   }
 
   // What names one sheet; numbers and choices stay for the next.
@@ -165,6 +186,7 @@ export class NewSheetDialog {
   // What the server would not even be asked: fields that are empty. Ranges are the server's to know.
   private check({ shape, file, outline, columns, rows, widthM, heightM }: NewSheet): boolean {
     if (shape === 'file' && !file) this.showError('file', 'Choose an OBJ or a PLY file');
+    if (shape === 'file' && file?.content.size === 0) this.showError('file', `${file.name} is empty: choose another one`);
     if (shape === 'outline' && !this.drawing) this.showError('outline', 'Choose an SVG file with one closed line');
     if (shape === 'outline' && !(fieldOf('outline-width').valueAsNumber > 0)) {
       this.showError('outline-width', 'Give a width above 0 m');
@@ -179,16 +201,30 @@ export class NewSheetDialog {
     return isDrawn && this.form.querySelector('[aria-invalid=true]') === null;
   }
 
-  // Of ASCII but for names: as many bytes as letters, nearly.
-  private fits({ shape }: NewSheet, numBytes: number): boolean {
-    const limit = this.info?.limits?.maxRequestBytes ?? Infinity;
-    if (numBytes <= limit) return true;
-    const what = `This file makes a request of ${sizeText(numBytes)}, and the server takes at most ${sizeText(limit)}`;
-    this.showError(
-      shape === 'outline' ? 'outline' : 'file',
-      `${what}: choose a coarser one, or start kerfd with a scene file that names it (kerfd --scene)`,
-    );
+  // What the server would refuse after all of it was sent. Requests are of ASCII but for names: as many bytes as letters, nearly.
+  private fits({ shape, file }: NewSheet, numBytes: number): boolean {
+    const limits = this.info?.limits;
+    const [name, size, limit] =
+      shape === 'file'
+        ? ['file', file?.content.size ?? 0, Number(limits?.maxMeshUploadBytes ?? Infinity)]
+        : ['outline', numBytes, limits?.maxRequestBytes ?? Infinity];
+    if (size <= limit) return true;
+    const what = shape === 'file' ? 'This file has' : 'This drawing makes a request of';
+    this.showError(name, `${what} ${sizeText(size)}, and the server takes at most ${sizeText(limit)}: choose a coarser one`);
     return false;
+  }
+
+  private showMaterial(preset: string): void {
+    const material = this.info?.materials.find((each) => each.preset === preset);
+    const facts = material ? materialFacts(material) : [];
+    const rows = facts.map(([name, value]) => make('div', {}, make('dt', {}, name), make('dd', {}, value)));
+    fieldOf('material-facts').replaceChildren(...rows);
+  }
+
+  // All of it is there: now the server makes the sheet, and nobody knows for how long.
+  private showProgress(part: number): void {
+    if (part < 1) this.progress.value = part;
+    else this.progress.removeAttribute('value');
   }
 
   private setBusy(isBusy: boolean): void {
@@ -219,10 +255,4 @@ export class NewSheetDialog {
     if (line) line.hidden = true;
     document.getElementById(`new-${name}`)?.removeAttribute('aria-invalid');
   }
-}
-
-/** What of a file's name may be a sheet's id: "My Cloth.obj" -> "my-cloth"; empty where nothing may. */
-export function idFrom(fileName: string): string {
-  const stem = fileName.toLowerCase().replace(/\.[^.]*$/, '');
-  return stem.replace(/[^a-z0-9]+/g, '-').replace(/^[^a-z]+|-+$/g, '').slice(0, 63);
 }

@@ -57,7 +57,8 @@ export class SheetChoice implements Panel {
     if (!name) this.showNone();
   }
 
-  private open(name: string): void {
+  /** Watches this sheet, and the address then names it. */
+  open(name: string): void {
     const url = new URL(location.href);
     url.searchParams.set('sheet', sheetId(name));
     history.replaceState(null, '', url);

@@ -1,4 +1,4 @@
-import { Sheet_RunState } from '../../gen/kerf/v1/sheets_pb';
+import { Replay_State, Sheet_RunState } from '../../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 import { runStateText, sheetId } from '../../sheets';
 import { countText } from '../../tools/cut_text';
@@ -8,6 +8,8 @@ import { icon, make, setText } from '../dom';
 export function sheetFacts(sheet: Sheet): string {
   const facts = [countText(sheet.numVertices, 'vertex', 'vertices'), countText(sheet.pieces, 'piece')];
   if (sheet.runState === Sheet_RunState.RUNNING) facts.push(`${sheet.realTimeFactor.toFixed(2)} × real time`);
+  const { replay, tick } = sheet;
+  if (replay?.state === Replay_State.PLAYING) facts.push(`plays tick ${tick} of ${replay.endTick}`);
   return facts.join(', ');
 }
 

@@ -1,0 +1,136 @@
+import { call } from '../../api';
+import { InteractionService } from '../../gen/kerf/v1/interaction_pb';
+import type { Material } from '../../gen/kerf/v1/scene_pb';
+import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
+import { serverInfo } from '../../server_info';
+import type { Viewer } from '../../tools/tool';
+import { element, setText } from '../dom';
+import { errorText } from '../error_text';
+import { areaMassText, presetOf } from '../material_text';
+import { Newest } from '../newest';
+import { kBendingId, kMaterialQuantities } from './material_quantities';
+import { QuantitySlider } from './quantity_slider';
+
+interface Change {
+  name: string;
+  /** Numbers, or a preset. */
+  material: Material;
+  part: number | undefined;
+  /** Where a refusal is told. */
+  refused(text: string): void;
+}
+
+const kWhole = '';
+// Of kerf.v1.SetMaterial.part: what no part has.
+const kOwn = '-1';
+const kOwnNumbers = '';
+
+/** What the sheet, or a part of it, is made of: a preset, or numbers of one's own, in force as they are dragged. */
+export class MaterialControl {
+  private readonly preset = element<HTMLSelectElement>('material-preset');
+  private readonly part = element<HTMLSelectElement>('material-part');
+  private readonly error = element('material-error');
+  private readonly sliders: readonly QuantitySlider[];
+  private readonly newest: Newest<Change>;
+  private presets: readonly Material[] = [];
+  private material: Material | undefined;
+  private sheetName = '';
+  // The server's, as it was shown last; undefined: a call was refused since.
+  private told: string | undefined;
+
+  constructor(private readonly viewer: Viewer) {
+    this.newest = new Newest(
+      (change) => this.send(change),
+      () => viewer.refreshSheet(),
+    );
+    this.sliders = kMaterialQuantities.map((quantity) => {
+      const slider: QuantitySlider = new QuantitySlider(quantity, (value) => {
+        if (this.material) this.put(quantity.write(this.material, value), (text) => slider.refuse(text));
+      });
+      return slider;
+    });
+    element('material-rows').append(...this.sliders.map(({ row }) => row));
+    this.preset.addEventListener('change', () => this.choosePreset());
+    this.part.addEventListener('change', () => this.viewer.sheet && this.show(this.viewer.sheet));
+  }
+
+  show(sheet: Sheet): void {
+    if (this.presets.length === 0) void this.fetchPresets();
+    if (this.newest.isBusy) return;
+    this.showParts(sheet);
+    this.material = this.materialOf(sheet);
+    // A refusal stays until the material that it left is another one.
+    const told = JSON.stringify(this.material);
+    if (this.told !== undefined && told !== this.told) this.clearErrors();
+    this.told = told;
+    const isPlanar = sheet.scene?.planar ?? false;
+    for (const { quantity, row } of this.sliders) row.hidden = isPlanar && quantity.id === kBendingId;
+    this.showNumbers();
+  }
+
+  private materialOf({ scene }: Sheet): Material | undefined {
+    const { value } = this.part;
+    return value === kWhole || value === kOwn ? scene?.material : scene?.materials[Number(value)]?.material;
+  }
+
+  private showParts(sheet: Sheet): void {
+    const numParts = sheet.scene?.materials.length ?? 0;
+    element('material-part-label').hidden = numParts === 0;
+    if (sheet.name === this.sheetName && this.part.options.length === numParts + 2) return;
+    this.sheetName = sheet.name;
+    const parts = Array.from({ length: numParts }, (_, i) => new Option(`part ${i}`, String(i)));
+    this.part.replaceChildren(new Option('all of it', kWhole), new Option('what no part has', kOwn), ...parts);
+  }
+
+  private showNumbers(): void {
+    const { material } = this;
+    if (!material) return;
+    for (const slider of this.sliders) slider.show(slider.quantity.read(material));
+    this.preset.value = presetOf(material, this.presets);
+    setText(element('material-mass'), areaMassText(material));
+  }
+
+  private choosePreset(): void {
+    const { material, presets } = this;
+    const chosen = presets.find(({ preset }) => preset === this.preset.value);
+    if (!material || !chosen) return this.showNumbers();
+    // Fibres stay as they run.
+    this.put({ ...chosen, directionRad: material.directionRad }, (text) => {
+      setText(this.error, text);
+      this.error.hidden = false;
+    });
+  }
+
+  private put(material: Material, refused: (text: string) => void): void {
+    this.clearErrors();
+    this.material = material;
+    this.showNumbers();
+    const part = this.part.value === kWhole ? undefined : Number(this.part.value);
+    this.newest.put({ name: this.viewer.sheetName, material, part, refused });
+  }
+
+  private async send({ name, material, part, refused }: Change): Promise<void> {
+    try {
+      await call(InteractionService.method.setSheetMaterial, { name, setMaterial: { material, part } });
+    } catch (error) {
+      this.told = undefined;
+      // Which field it is, the place where it is told says.
+      refused(errorText(error as Error).replaceAll('set_material.material.', ''));
+    }
+  }
+
+  // Without them there are still numbers; the next settings ask again.
+  private async fetchPresets(): Promise<void> {
+    const info = await serverInfo().catch(() => undefined);
+    if (!info || this.presets.length > 0) return;
+    this.presets = info.materials;
+    const names = this.presets.map(({ preset }) => new Option(preset, preset));
+    this.preset.replaceChildren(new Option('own numbers', kOwnNumbers), ...names);
+    this.showNumbers();
+  }
+
+  private clearErrors(): void {
+    this.error.hidden = true;
+    for (const slider of this.sliders) slider.clearError();
+  }
+}

@@ -1,0 +1,161 @@
+import type { Material } from '../../gen/kerf/v1/scene_pb';
+import { bendingStiffness, plateStiffness } from '../material_text';
+import { linearScale, logScale } from './slider_scale';
+import type { SliderScale } from './slider_scale';
+
+/** One number of a material that a slider sets. Ranges are those that people want; the field beside it takes the server's. */
+export interface MaterialQuantity {
+  readonly id: string;
+  readonly name: string;
+  readonly tip: string;
+  /** With prefixes where isSi. */
+  readonly unit: string;
+  readonly isSi: boolean;
+  readonly scale: SliderScale;
+  read(material: Material): number;
+  /** The same material with this number. */
+  write(material: Material, value: number): Material;
+}
+
+const kDegree = Math.PI / 180;
+
+function times(value: number | undefined, factor: number): number | undefined {
+  return value === undefined ? undefined : factor * value;
+}
+
+// All of the membrane by one factor: how the directions differ stays.
+function withStiffness(material: Material, youngsModulusPa: number): Material {
+  const factor = youngsModulusPa / (material.youngsModulusPa ?? youngsModulusPa);
+  const youngsModulus2Pa = times(material.youngsModulus2Pa, factor);
+  return { ...material, youngsModulusPa, youngsModulus2Pa, shearModulusPa: times(material.shearModulusPa, factor) };
+}
+
+// All of the bending by one factor; what does not bend by a measured law bends as a plate of its numbers does.
+function withBending(material: Material, stiffnessNm: number): Material {
+  const before = bendingStiffness(material);
+  if (!(before > 0) || stiffnessNm === 0) {
+    return {
+      ...material,
+      bendingScale: stiffnessNm / plateStiffness(material),
+      bendingStiffness1Nm: undefined,
+      bendingStiffness2Nm: undefined,
+      bendingCouplingNm: undefined,
+      twistingStiffnessNm: undefined,
+    };
+  }
+  const factor = stiffnessNm / before;
+  return {
+    ...material,
+    bendingScale: times(material.bendingScale ?? 1, factor),
+    bendingStiffness1Nm: times(material.bendingStiffness1Nm, factor),
+    bendingStiffness2Nm: times(material.bendingStiffness2Nm, factor),
+    bendingCouplingNm: times(material.bendingCouplingNm, factor),
+    twistingStiffnessNm: times(material.twistingStiffnessNm, factor),
+  };
+}
+
+type NumberField = {
+  [K in keyof Material]-?: Material[K] extends number | undefined ? K : never;
+}[keyof Material];
+
+function field(name: NumberField): Pick<MaterialQuantity, 'read' | 'write'> {
+  return { read: (material) => material[name] ?? 0, write: (material, value) => ({ ...material, [name]: value }) };
+}
+
+export const kBendingId = 'bending';
+
+export const kMaterialQuantities: readonly MaterialQuantity[] = [
+  {
+    id: 'stiffness',
+    name: 'Stiffness',
+    tip: 'Young’s modulus along the fibres; across and shear change by the same factor',
+    unit: 'Pa',
+    isSi: true,
+    scale: logScale(1e3, 1e11),
+    read: ({ youngsModulusPa = 0 }) => youngsModulusPa,
+    write: withStiffness,
+  },
+  {
+    id: 'across',
+    name: '… across',
+    tip: 'Young’s modulus across the fibres, alone',
+    unit: 'Pa',
+    isSi: true,
+    scale: logScale(1e3, 1e11),
+    ...field('youngsModulus2Pa'),
+  },
+  {
+    id: 'shear',
+    name: 'Shear',
+    tip: 'Shear modulus, alone',
+    unit: 'Pa',
+    isSi: true,
+    scale: logScale(1e3, 1e11),
+    ...field('shearModulusPa'),
+  },
+  {
+    id: 'contraction',
+    name: 'Contraction',
+    tip: 'Poisson’s ratio: strain across from stress along',
+    unit: '',
+    isSi: false,
+    scale: linearScale(-0.5, 0.9, 0.01),
+    ...field('poissonsRatio'),
+  },
+  {
+    id: 'direction',
+    name: 'Direction',
+    tip: 'Of the fibres, from the sheet’s x to its y axis; presets leave it',
+    unit: '°',
+    isSi: false,
+    scale: linearScale(-180, 180, 5),
+    read: ({ directionRad = 0 }) => directionRad / kDegree,
+    write: (material, degrees) => ({ ...material, directionRad: degrees * kDegree }),
+  },
+  {
+    id: kBendingId,
+    name: 'Bending',
+    tip: 'Bending stiffness along the fibres; across and twisting change by the same factor. A plate’s goes with stiffness and thickness',
+    unit: 'N m',
+    isSi: true,
+    scale: logScale(1e-8, 1e-1, true),
+    read: bendingStiffness,
+    write: withBending,
+  },
+  {
+    id: 'thickness',
+    name: 'Thickness',
+    tip: 'Mass, stretching and bending grow with it',
+    unit: 'm',
+    isSi: true,
+    scale: logScale(1e-5, 1e-2),
+    ...field('thicknessM'),
+  },
+  {
+    id: 'density',
+    name: 'Density',
+    tip: 'Mass by volume',
+    unit: 'kg/m³',
+    isSi: false,
+    scale: logScale(10, 1e4),
+    ...field('densityKgpm3'),
+  },
+  {
+    id: 'drag',
+    name: 'Damping',
+    tip: 'Rayleigh’s alpha: slows all motion',
+    unit: '/s',
+    isSi: false,
+    scale: logScale(0.01, 100, true),
+    ...field('massDampingPerS'),
+  },
+  {
+    id: 'friction',
+    name: '… inside',
+    tip: 'Rayleigh’s beta: slows stretching, by damping that goes with stiffness',
+    unit: 's',
+    isSi: true,
+    scale: logScale(1e-7, 0.1, true),
+    ...field('stiffnessDampingS'),
+  },
+];

@@ -1,0 +1,60 @@
+import { fetchFile, sendFile } from '../api';
+import type { App } from '../app';
+import { SheetSchema } from '../gen/kerf/v1/sheets_pb';
+import { serverInfo } from '../server_info';
+import { listSheets, sheetId } from '../sheets';
+import { countText, sizeText } from '../tools/cut_text';
+import { element } from './dom';
+import { fileName, saveFile } from './download';
+import { freeId, idFrom } from './sheets/sheet_ids';
+
+export function isRunFile(file: File): boolean {
+  return file.name.toLowerCase().endsWith('.rec');
+}
+
+/** What the server keeps of a sheet's run: saved as a file, and played by it as a new sheet. */
+export class ServerRecordings {
+  private readonly input = element<HTMLInputElement>('run-file');
+
+  /** @param opened  sheets/{sheet} that plays one */
+  constructor(
+    private readonly app: App,
+    private readonly opened: (name: string) => void,
+  ) {
+    element('save-run').addEventListener('click', () => void this.save());
+    element('play-run').addEventListener('click', () => this.input.click());
+    this.input.addEventListener('change', () => {
+      const file = this.input.files?.[0];
+      // The same file may be chosen again.
+      this.input.value = '';
+      if (file) void this.play(file);
+    });
+  }
+
+  async play(file: File): Promise<void> {
+    const { app } = this;
+    const failed = `${file.name} is not played: `;
+    if (!isRunFile(file)) return app.notify('error', `${failed}a recording of the server’s ends in .rec`);
+    const sheet = await app.transfer.run(`Sending ${file.name}`, failed, async (options) => {
+      const limit = Number((await serverInfo()).limits?.maxRecordingUploadBytes ?? 0);
+      if (file.size > limit) throw new Error(`it has ${sizeText(file.size)}, and the server takes ${sizeText(limit)}`);
+      const taken = (await listSheets()).map(({ name }) => sheetId(name));
+      const id = freeId(idFrom(file.name) || 'recording', taken);
+      return sendFile(SheetSchema, `/recordings?sheet=${id}`, file, options);
+    });
+    if (!sheet) return;
+    this.opened(sheet.name);
+    const ticks = countText(Number(sheet.replay?.endTick ?? 0), 'tick');
+    app.notify('success', `${sheetId(sheet.name)} plays ${file.name}, ${ticks}: it takes no commands until the end`);
+  }
+
+  private async save(): Promise<void> {
+    const { app } = this;
+    const { sheetName } = app;
+    const name = fileName(sheetName, app.surface?.mirror.tick ?? 0, 'rec');
+    const parts = await app.transfer.run(`Fetching ${name}`, 'The recording was not saved: ', (options) =>
+      fetchFile(`/${sheetName}.rec`, options),
+    );
+    if (parts) app.notify('success', saveFile(parts, name, 'application/octet-stream'));
+  }
+}

@@ -1,0 +1,51 @@
+import { call } from '../api';
+import { SheetService } from '../gen/kerf/v1/sheets_pb';
+import type { Sheet } from '../gen/kerf/v1/sheets_pb';
+import type { Viewer } from '../tools/tool';
+import { element } from './dom';
+import { Newest } from './newest';
+import { kSpeeds, nextSpeed, speedOf, speedText } from './speeds';
+
+/** Slow motion and time lapse: the same ticks, farther apart or closer together. */
+export class SpeedControl {
+  private readonly select = element<HTMLSelectElement>('speed');
+  private readonly newest: Newest<number>;
+  private speed = 1;
+
+  constructor(viewer: Viewer) {
+    this.newest = new Newest(
+      (speed) =>
+        viewer.attempt(
+          () => call(SheetService.method.setSheetSpeed, { name: viewer.sheetName, speed }),
+          'The speed is as it was: ',
+        ),
+      () => viewer.refreshSheet(),
+    );
+    this.select.addEventListener('change', () => this.set(Number(this.select.value)));
+  }
+
+  show(sheet: Sheet): void {
+    if (!this.newest.isBusy) this.showSpeed(speedOf(sheet));
+  }
+
+  set(speed: number): void {
+    if (speed === this.speed) return;
+    this.showSpeed(speed);
+    this.newest.put(speed);
+  }
+
+  step(direction: 1 | -1): void {
+    this.set(nextSpeed(this.speed, direction));
+  }
+
+  // Another client may have set one that is not in the list.
+  private showSpeed(speed: number): void {
+    this.speed = speed;
+    const speeds = [...new Set([...kSpeeds, speed])].sort((a, b) => a - b);
+    if (this.select.options.length !== speeds.length || ![...this.select.options].some(({ value }) => Number(value) === speed)) {
+      this.select.replaceChildren(...speeds.map((each) => new Option(speedText(each), String(each))));
+    }
+    this.select.value = String(speed);
+    this.select.classList.toggle('changed', speed !== 1);
+  }
+}
