@@ -7,12 +7,10 @@ import { pieceCentre } from './scene/piece_highlight';
 import { PinView } from './scene/pin_view';
 import { SheetView } from './scene/sheet_view';
 import { Stage } from './scene/stage';
-import { kStrainGradient } from './scene/strain_colors';
 import { WindView } from './scene/wind_view';
 import { worldBox } from './scene/world_box';
 import { FrameClock, unixTimeMs } from './stream/frame_clock';
 import type { Rejection } from './gen/kerf/v1/stream_pb';
-import { PieceIds } from './stream/piece_ids';
 import { SettingsFollower } from './stream/settings_follower';
 import { RemoteWatch } from './stream/remote_watch';
 import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
@@ -35,10 +33,11 @@ import { Notices } from './ui/notices';
 import { PhysicsPanel } from './ui/physics/physics_panel';
 import { PiecePanel } from './ui/piece_panel';
 import { SidePanels } from './ui/side_panels';
-import { Choice, element, setLiveControls, setText } from './ui/dom';
+import { Choice, element, setLiveControls } from './ui/dom';
 import { RecordingControl } from './ui/recording_control';
 import { ReplayBar } from './ui/replay_bar';
 import { SaveMenu } from './ui/save_menu';
+import { SheetLook } from './ui/sheet_look';
 import { SimulationControls } from './ui/simulation_controls';
 import { StatisticsPanel } from './ui/statistics_panel';
 import { StatusLine } from './ui/status_line';
@@ -64,13 +63,12 @@ export class App implements Viewer {
   sheet: Sheet | undefined;
   tool: Tool;
   framesDrawn = 0;
-  isByPiece = false;
-  isByStrain = false;
 
   // Holds the connection and decodes frames.
   private readonly worker = new Worker(new URL('./stream/watch_worker.ts', import.meta.url), { type: 'module' });
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly sheetView = new SheetView();
+  readonly look = new SheetLook(this, this.sheetView);
   private readonly pinView = new PinView();
   private readonly windView = new WindView();
   private readonly colliderView: ColliderView;
@@ -84,8 +82,6 @@ export class App implements Viewer {
   private readonly tools: Record<ToolId, Tool>;
   readonly cutPanel: CutPanel;
   private readonly toolChoice: Choice<ToolId>;
-  private readonly pieceIds = new PieceIds(() => this.showAgain());
-  private labels: ReadonlyMap<number, number> = new Map();
   private clock = new FrameClock();
   private hasNewFrame = false;
   // What is drawn next came since the last drawing.
@@ -117,7 +113,6 @@ export class App implements Viewer {
       this.watch?.setPace(this.pace);
       if (!document.hidden) this.watch?.retryNow();
     });
-    element('strain-gradient').style.background = kStrainGradient;
     this.choose('view');
     requestAnimationFrame((nowMs) => this.draw(nowMs));
   }
@@ -126,54 +121,11 @@ export class App implements Viewer {
     return { isPaused: document.hidden, maxRateHz: 0 };
   }
 
-  get isWireframe(): boolean {
-    return this.sheetView.isWireframe;
-  }
-
-  toggleWireframe(): void {
-    this.sheetView.setWireframe(!this.isWireframe);
-    element('wireframe').setAttribute('aria-pressed', String(this.isWireframe));
-    this.stage.invalidate();
-  }
-
-  toggleByPiece(): void {
-    this.isByPiece = !this.isByPiece;
-    element('by-piece').setAttribute('aria-pressed', String(this.isByPiece));
-    if (this.isByPiece && this.isByStrain) this.toggleByStrain();
-    this.showAgain();
-  }
-
-  /** The server computes strains for whoever asks alone: another stream, which goes on from what is here. */
-  toggleByStrain(): void {
-    this.isByStrain = !this.isByStrain;
-    element('by-strain').setAttribute('aria-pressed', String(this.isByStrain));
-    element('strain-legend').hidden = !this.isByStrain;
-    if (this.isByPiece && this.isByStrain) this.toggleByPiece();
-    this.restartWatch(true);
-    this.showAgain();
-  }
-
   /** Another stream of the same sheet. `goesOn`: from the triangles that are here. */
   restartWatch(goesOn: boolean): void {
     if (!this.watch) return;
     this.watch.close();
     this.watch = this.startWatch(this.sheetName, goesOn);
-  }
-
-  /** Stable id of a piece by its label in the mirror's frames; undefined while it is not known. */
-  pieceId(label: number): number | undefined {
-    const version = this.surface?.mirror.topologyVersion;
-    return version === undefined ? undefined : this.idsOfPieces(version)?.get(label);
-  }
-
-  // Recordings have no ids: there, each number of a piece is one.
-  private idsOfPieces(version: number): ReadonlyMap<number, number> | undefined {
-    if (this.watch) return this.pieceIds.at(this.sheetName, version);
-    const numPieces = this.surface?.mirror.numPieces ?? 0;
-    if (this.labels.size !== numPieces) {
-      this.labels = new Map(Array.from({ length: numPieces }, (_, label) => [label, label]));
-    }
-    return this.labels;
   }
 
   choose(id: ToolId): void {
@@ -250,7 +202,7 @@ export class App implements Viewer {
       onRecording: (progress: RecordingProgress, parts: ArrayBuffer[] | undefined) =>
         this.recording.took(progress, parts),
     };
-    const options = { strains: this.isByStrain, goesOn, pace: this.pace };
+    const options = { strains: this.look.isByStrain, goesOn, pace: this.pace };
     return new RemoteWatch(this.worker, url, name, events, options);
   }
 
@@ -312,7 +264,8 @@ export class App implements Viewer {
     if (!this.replayBar.isOpen || state === 'replay') showState(state, detail);
   }
 
-  private showAgain(): void {
+  /** Draws what is here once more, in a look that may have changed. */
+  showAgain(): void {
     this.hasNewFrame = this.surface !== undefined;
     this.stage.invalidate();
   }
@@ -332,7 +285,7 @@ export class App implements Viewer {
       this.surface = new Surface(copy);
       this.clock = new FrameClock();
       this.settings.reset();
-      this.pieceIds.reset();
+      this.look.reset();
     }
     if (stats) {
       this.clock.arrived(stats.publishedUnixUs, arrivedMs);
@@ -367,11 +320,6 @@ export class App implements Viewer {
     return this.clock.ageMs(unixTimeMs());
   }
 
-  private showStrains(): void {
-    const end = this.sheetView.colorByStrain();
-    if (end !== undefined) setText(element('strain-end'), `${Number((100 * end).toPrecision(1))} % or more`);
-  }
-
   private takeFrame(surface: Surface): void {
     this.hasNewFrame = false;
     if (!this.isFitted) {
@@ -380,9 +328,7 @@ export class App implements Viewer {
       this.isFitted = this.sheet !== undefined;
     }
     this.sheetView.update(surface);
-    const version = surface.mirror.topologyVersion;
-    if (this.isByStrain) this.showStrains();
-    else this.sheetView.colorByPiece(this.isByPiece ? this.idsOfPieces(version) : null);
+    this.look.color();
     const { min, max } = surface.locator;
     this.pinView.update(surface, 0.009 * Math.max(max.x - min.x, max.y - min.y));
     this.watch?.acknowledge();

@@ -73,13 +73,13 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
       return app.surface?.mirror.stats?.paused ?? false;
     },
     get isWireframe() {
-      return app.isWireframe;
+      return app.look.isWireframe;
     },
     get numStrains() {
       return app.surface?.mirror.strains?.length ?? 0;
     },
     get isByPiece() {
-      return app.isByPiece;
+      return app.look.isByPiece;
     },
     get tool() {
       return app.tool.id;
@@ -109,7 +109,7 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
     pieceAt(x, y) {
       const { surface } = app;
       const place = surface?.locator.find({ x, y });
-      return place && app.pieceId(surface!.mirror.pieces[place.slot]);
+      return place && app.look.pieceId(surface!.mirror.pieces[place.slot]);
     },
     toClient(x, y) {
       const at = world(x, y);
