@@ -10,6 +10,7 @@ export default defineConfig({
     proxy: {
       '^/kerf\\.v1\\.': { target: kerfd },
       '/watch': { target: kerfd, ws: true },
+      '/images': { target: kerfd, ws: true },
     },
   },
   test: { include: ['test/**/*.test.ts'], environment: 'node' },

@@ -29,6 +29,7 @@ import type { ShownState } from './ui/connection_chip';
 import { CutPanel } from './ui/cut_panel';
 import { errorText } from './ui/error_text';
 import { HistoryControls } from './ui/history_controls';
+import { ImageMode } from './ui/image_mode';
 import { Notices } from './ui/notices';
 import { PhysicsPanel } from './ui/physics/physics_panel';
 import { PiecePanel } from './ui/piece_panel';
@@ -76,6 +77,7 @@ export class App implements Viewer {
   private readonly status = new StatusLine();
   private readonly physics = new PhysicsPanel(this);
   readonly statistics = new StatisticsPanel();
+  readonly imageMode = new ImageMode(this);
   readonly recording = new RecordingControl(this);
   readonly replayBar = new ReplayBar(this);
   readonly saveMenu = new SaveMenu(this);
@@ -112,13 +114,16 @@ export class App implements Viewer {
     document.addEventListener('visibilitychange', () => {
       this.watch?.setPace(this.pace);
       if (!document.hidden) this.watch?.retryNow();
+      this.imageMode.seen();
     });
     this.choose('view');
     requestAnimationFrame((nowMs) => this.draw(nowMs));
   }
 
   private get pace(): Pace {
-    return { isPaused: document.hidden, maxRateHz: 0 };
+    // A recording is of every tick, whatever is seen meanwhile.
+    const isSeldom = this.imageMode.isShown && !this.recording.isOn;
+    return { isPaused: document.hidden, maxRateHz: isSeldom ? this.imageMode.meshRateHz : 0 };
   }
 
   /** Another stream of the same sheet. `goesOn`: from the triangles that are here. */
@@ -153,6 +158,7 @@ export class App implements Viewer {
     this.recording.stop();
     this.watch?.close();
     this.watch = undefined;
+    this.imageMode.close();
     this.settings.reset();
     this.sheetName = '';
     this.surface = undefined;
@@ -167,6 +173,7 @@ export class App implements Viewer {
     this.replayBar.leave();
     this.sheetName = name;
     this.watch = this.startWatch(name, false);
+    this.imageMode.follow();
     void this.refreshSheet();
   }
 
@@ -181,6 +188,7 @@ export class App implements Viewer {
     // Where closing it leads back to.
     const { sheetName } = this;
     this.close();
+    this.imageMode.leave();
     this.sheetName = sheetName;
     this.choose('view');
     setLiveControls(false);
@@ -188,14 +196,18 @@ export class App implements Viewer {
     this.showConnection('replay', '');
   }
 
-  private startWatch(name: string, goesOn: boolean): RemoteWatch {
+  /** Of a WebSocket of the server that this page is from. */
+  streamUrl(path: 'watch' | 'images'): string {
     const { protocol, host } = location;
-    const url = `${protocol === 'https:' ? 'wss' : 'ws'}://${host}/watch`;
+    return `${protocol === 'https:' ? 'wss' : 'ws'}://${host}/${path}`;
+  }
+
+  private startWatch(name: string, goesOn: boolean): RemoteWatch {
     const events = {
-      onState: (state: ConnectionState, detail: string) => {
+      onState: (state: ConnectionState) => {
         // The first frame of the next connection asks again.
         if (state !== 'live') this.settings.reset();
-        this.showConnection(state, detail);
+        this.tellConnection();
       },
       onFrame: (copy: SheetCopy, frame: FrameCopy) => this.receive(copy, frame),
       onRejection: (rejection: Rejection) => this.grabTool.rejected(rejection),
@@ -203,7 +215,7 @@ export class App implements Viewer {
         this.recording.took(progress, parts),
     };
     const options = { strains: this.look.isByStrain, goesOn, pace: this.pace };
-    return new RemoteWatch(this.worker, url, name, events, options);
+    return new RemoteWatch(this.worker, this.streamUrl('watch'), name, events, options);
   }
 
   fit(): void {
@@ -259,9 +271,23 @@ export class App implements Viewer {
     this.showAgain();
   }
 
+  /** Says how the connections of the live sheet are: the mesh's, or the pictures' where that is well. */
+  tellConnection(): void {
+    if (!this.watch) return;
+    const { state, detail } = (this.watch.state === 'live' && this.imageMode.trouble) || this.watch;
+    this.showConnection(state, detail);
+  }
+
   showConnection(state: ShownState, detail: string): void {
     // Whether there is a server does not matter to a recording.
     if (!this.replayBar.isOpen || state === 'replay') showState(state, detail);
+  }
+
+  /** Sheet and colliders are drawn here, or are in the picture that the server draws. */
+  setMeshDrawn(isDrawn: boolean): void {
+    this.sheetView.setDrawn(isDrawn);
+    this.colliderView.object.visible = isDrawn;
+    this.showAgain();
   }
 
   /** Draws what is here once more, in a look that may have changed. */
@@ -291,7 +317,7 @@ export class App implements Viewer {
       this.clock.arrived(stats.publishedUnixUs, arrivedMs);
       if (this.watch) this.settings.saw(stats.settingsVersion);
     }
-    this.statistics.arrived(delivery, stats);
+    if (!this.imageMode.isOn) this.statistics.arrived(delivery, stats);
     this.hasNewFrame = true;
     this.hasArrived = true;
     this.stage.invalidate();
@@ -299,22 +325,35 @@ export class App implements Viewer {
 
   private draw(nowMs: number): void {
     requestAnimationFrame((nextMs) => this.draw(nextMs));
+    this.watch?.setPace(this.pace);
     if (this.watch?.copy?.advance(nowMs) || this.replayBar.advance(nowMs)) this.showAgain();
-    if (this.stage.advance()) {
+    const { imageMode } = this;
+    const isStale = this.stage.advance();
+    if (isStale) {
       if (this.surface && this.hasNewFrame) this.takeFrame(this.surface);
       this.tool.update();
       this.stage.draw();
-      this.framesDrawn += 1;
-      this.status.drawn(nowMs);
-      this.statistics.drawn(nowMs, this.hasArrived ? this.ageMs : undefined);
-      this.hasArrived = false;
+      imageMode.look();
     }
-    this.status.update(this.surface?.mirror, this.ageMs, nowMs);
-    this.statistics.update(this.surface?.mirror, nowMs);
+    // Under a picture of the server what is drawn here is not the sheet.
+    const isDrawn = imageMode.draw() || (isStale && !imageMode.isShown);
+    if (isDrawn) this.drawn(nowMs);
+    const mesh = this.surface?.mirror;
+    const figures = mesh && imageMode.isShown ? imageMode.figures(mesh) : mesh;
+    this.status.update(figures, this.ageMs, nowMs);
+    this.statistics.update(figures, imageMode.isShown ? imageMode.format : 'the mesh', nowMs);
+  }
+
+  private drawn(nowMs: number): void {
+    this.framesDrawn += 1;
+    this.status.drawn(nowMs);
+    this.statistics.drawn(nowMs, this.hasArrived || this.imageMode.isShown ? this.ageMs : undefined);
+    this.hasArrived = false;
   }
 
   // A sheet that does not move sends nothing: its last frame is not old, it is the present.
   private get ageMs(): number | undefined {
+    if (this.imageMode.isShown) return this.imageMode.ageMs;
     const stats = this.surface?.mirror.stats;
     if (this.watch?.state !== 'live' || stats?.paused || stats?.sleeping) return undefined;
     return this.clock.ageMs(unixTimeMs());

@@ -30,6 +30,8 @@ export class Stage {
   readonly ground = new GroundMaterial();
   /** Of the canvas, CSS pixels. */
   readonly sizePx = new Vector2(1, 1);
+  /** What is seen behind all that is drawn, as large as the canvas. */
+  backdrop: CanvasImageSource | undefined;
 
   private readonly renderer: WebGLRenderer;
   private readonly sun = new DirectionalLight(0xfff9f1, 2.3);
@@ -81,7 +83,9 @@ export class Stage {
     // What was drawn is there until this task ends.
     copy.width = this.canvas.width;
     copy.height = this.canvas.height;
-    copy.getContext('2d')!.drawImage(this.canvas, 0, 0);
+    const context = copy.getContext('2d')!;
+    if (this.backdrop) context.drawImage(this.backdrop, 0, 0, copy.width, copy.height);
+    context.drawImage(this.canvas, 0, 0);
     this.resize();
     return copy;
   }

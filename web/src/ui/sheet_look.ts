@@ -64,7 +64,10 @@ export class SheetLook {
       return;
     }
     const end = this.view.colorByStrain();
-    if (end !== undefined) setText(element('strain-end'), `${Number((100 * end).toPrecision(1))} % or more`);
+    if (end === undefined) return;
+    // The server has a scale of its own for its pictures.
+    const isOwn = !this.app.imageMode.isShown;
+    setText(element('strain-end'), isOwn ? `${Number((100 * end).toPrecision(1))} % or more` : 'the most');
   }
 
   // Recordings have no ids: there, each number of a piece is one.

@@ -178,6 +178,13 @@ function viewGroup(app: App, openHelp: () => void): ShortcutGroup {
         run: () => app.look.toggleByPiece(),
       },
       { chords: ['X'], what: 'Colours by strain', button: '#by-strain', isClicked: true, run: () => app.look.toggleByStrain() },
+      {
+        chords: ['Q'],
+        what: 'Pictures drawn by the server in place of the mesh, or the mesh again',
+        button: '#image-mode',
+        isClicked: true,
+        run: () => void app.imageMode.toggle(),
+      },
       { chords: ['F'], what: 'Show the whole sheet', button: '#fit', isClicked: true, run: () => app.fit() },
       {
         chords: ['H'],
