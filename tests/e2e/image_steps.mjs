@@ -76,6 +76,8 @@ async function isInPlace(viewer, name) {
   await setCards('hidden');
   const colours = await viewer.colours(points, name);
   await setCards('');
+  const lightest = Math.max(...colours.filter((_, i) => i % 2 === 0).flat());
+  check(lightest > 140, `${name}: the cloth is in the dark: its lightest channel is ${lightest}`);
   sides.forEach((side, i) => {
     const [inside, outside] = [colours[2 * i], colours[2 * i + 1]];
     check(distance(inside, outside) > 25, `${name}: at ${side} the cloth is ${inside}, beside it is ${outside}`);
@@ -134,8 +136,9 @@ async function followsCamera(viewer) {
   for (const key of ['ArrowLeft', 'ArrowUp', 'Shift+ArrowRight']) await viewer.page.keyboard.press(key);
   await settle(viewer);
   await isInPlace(viewer, 'image-mode-keys');
-  // Straight from above, where no fixed direction is up.
-  for (let i = 0; i < 20; ++i) await viewer.page.keyboard.press('ArrowUp');
+  // Straight from above, as far as the camera goes.
+  await viewer.drag({ x: 120, y: 60 }, { x: 120, y: 620 });
+  await viewer.page.mouse.up();
   await settle(viewer);
   await isInPlace(viewer, 'image-mode-above');
   await viewer.page.keyboard.press('f');

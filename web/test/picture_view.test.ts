@@ -34,28 +34,17 @@ describe('pictureSize', () => {
 describe('pictureView', () => {
   const size = { widthPx: 64, heightPx: 32 };
   const look = { wireframe: true, colorBy: ColorBy.PIECES };
-  const viewFrom = (eye: Vector3, target: Vector3) => {
-    const camera = new PerspectiveCamera(36, 2);
-    camera.up.set(0, 0, 1);
-    camera.position.copy(eye);
-    camera.lookAt(target);
-    return pictureView(camera, target, size, look);
-  };
 
   it('looks as the camera does', () => {
-    const view = viewFrom(new Vector3(1, -2, 3), new Vector3(0.5, 0.25, 0));
+    const camera = new PerspectiveCamera(36, 2);
+    const target = new Vector3(0.5, 0.25, 0);
+    camera.up.set(0, 0, 1);
+    camera.position.set(1, -2, 3);
+    camera.lookAt(target);
+    const view = pictureView(camera, target, size, look);
     expect(view).toMatchObject({ ...size, ...look });
     expect(view.camera).toMatchObject({ eye: { x: 1, y: -2, z: 3 }, target: { x: 0.5, y: 0.25, z: 0 }, verticalFovDeg: 36 });
-  });
-
-  it.each([
-    [1, -2, 3],
-    [0, 0, 3],
-    [1e-7, 0, 3],
-    [0, 0, -3],
-  ])('says which way is up from (%d, %d, %d), across the line of sight', (x, y, z) => {
-    const { x: upX, y: upY, z: upZ } = viewFrom(new Vector3(x, y, z), new Vector3()).camera!.up as Vector3;
-    expect(Math.hypot(upX, upY, upZ)).toBeCloseTo(1, 6);
-    expect((upX * x + upY * y + upZ * z) / Math.hypot(x, y, z)).toBeCloseTo(0, 3);
+    // The light of pictures comes from there.
+    expect(view.camera!.up).toEqual({ x: 0, y: 0, z: 1 });
   });
 });

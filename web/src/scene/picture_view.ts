@@ -1,5 +1,4 @@
-import { Vector3 } from 'three';
-import type { PerspectiveCamera, Vector2 } from 'three';
+import type { PerspectiveCamera, Vector2, Vector3 } from 'three';
 import type { ColorBy } from '../gen/kerf/v1/render_pb';
 import type { ImageView } from '../stream/image_watch';
 
@@ -39,8 +38,8 @@ export function pictureView(
     camera: {
       eye: vector(camera.position),
       target: vector(target),
-      // The camera's own, which is across what it looks along even from straight above.
-      up: vector(new Vector3(0, 1, 0).applyQuaternion(camera.quaternion)),
+      // Not the camera's own: the light comes from where up is.
+      up: vector(camera.up),
       verticalFovDeg: camera.fov,
     },
   };

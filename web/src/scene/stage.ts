@@ -18,7 +18,7 @@ const kFovDeg = 36;
 const kViewDirection = new Vector3(0.5, -1, 0.62).normalize();
 // Part of the picture's height or width that the sheet fills at first; it will swing and fall.
 const kFilled = 0.88;
-// Radians from straight above or below, where "up" would turn over.
+// Radians from straight above or below, where "up" would turn over, and the server could not tell what is right.
 const kLeastPolar = 0.01;
 const kLightDirection = new Vector3(-0.45, -0.5, 1).normalize();
 
@@ -50,6 +50,8 @@ export class Stage {
     this.sun.shadow.bias = -0.0008;
     this.scene.add(this.sky, this.sun, this.sun.target);
     this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.minPolarAngle = kLeastPolar;
+    this.controls.maxPolarAngle = Math.PI - kLeastPolar;
     this.controls.addEventListener('change', () => this.invalidate());
     this.fit(new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 1)));
     new ResizeObserver(() => this.resize()).observe(canvas);
