@@ -11,6 +11,7 @@ export default defineConfig({
       '^/kerf\\.v1\\.': { target: kerfd },
       '^/(sheets|recordings)\\b': { target: kerfd },
       '/watch': { target: kerfd, ws: true },
+      '/images': { target: kerfd, ws: true },
     },
   },
   test: { include: ['test/**/*.test.ts'], environment: 'node' },

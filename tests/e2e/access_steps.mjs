@@ -104,7 +104,7 @@ export async function accessSteps(steps, browser, url) {
     await viewer.page.keyboard.press('?');
     await viewer.page.locator('#help[open]').waitFor();
     const caps = await viewer.page.locator('#help dt').allTextContents();
-    for (const key of ['V', 'C', 'Space', 'Ctrl+Z', 'Ctrl+Shift+Z or Ctrl+Y', 'Enter', 'ArrowLeft', 'A', 'M', 'J', 'H']) {
+    for (const key of ['V', 'C', 'Space', 'Ctrl+Z', 'Ctrl+Shift+Z or Ctrl+Y', 'Enter', 'ArrowLeft', 'A', 'M', 'J', 'H', 'Q']) {
       check(caps.includes(key), `the help does not list ${key}`);
     }
     await viewer.screenshot('help-keys');

@@ -122,12 +122,7 @@ async function hiddenTab(browser, kerfd) {
   const proxy = await startSlowProxy(kerfd.url, { delayMs: 0, bytesPerS: 1e9 });
   const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=demo`, kSmall);
   await viewer.until('k.connection === "live" && k.framesDrawn > 5');
-  const setHidden = (isHidden) =>
-    viewer.page.evaluate((value) => {
-      Object.defineProperty(document, 'hidden', { configurable: true, value });
-      document.dispatchEvent(new Event('visibilitychange'));
-    }, isHidden);
-  await setHidden(true);
+  await viewer.setHidden(true);
   // The pause reaches the server, and what was on its way arrives.
   const quiet = async () => {
     const { sent } = proxy.count('/watch');
@@ -139,7 +134,7 @@ async function hiddenTab(browser, kerfd) {
   while (!(await quiet())) check(++tries < 10, 'frames go on coming to a page that nobody sees');
   const tick = await viewer.read('k.tick');
   check((await viewer.read('k.connection')) === 'live', 'the connection is gone');
-  await setHidden(false);
+  await viewer.setHidden(false);
   await viewer.until('k.tick > given.tick + 60', { tick });
   await viewer.page.close();
   await proxy.stop();

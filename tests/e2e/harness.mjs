@@ -10,12 +10,11 @@ const { chromium } = createRequire(`${root}/web/package.json`)('playwright-core'
 // Rendering in software on a busy machine: no wait is about speed.
 export const kPatienceMs = 90_000;
 
-/** A kerfd with the demo scene; `http` may name an address to listen at again. */
-export async function startKerfd(path, web, http = '127.0.0.1:0') {
+/** A kerfd with the demo scene; `http` may name an address to listen at again, `options` are others of its command line. */
+export async function startKerfd(path, web, http = '127.0.0.1:0', options = []) {
   const scene = `${root}/deploy/scenes/demo.json`;
-  const child = spawn(path, ['--listen', '127.0.0.1:0', '--http', http, '--max-load', '0', '--web', web, '--scene', scene], {
-    stdio: ['ignore', 'pipe', 'inherit'],
-  });
+  const usual = ['--listen', '127.0.0.1:0', '--http', http, '--max-load', '0', '--web', web, '--scene', scene];
+  const child = spawn(path, [...usual, ...options], { stdio: ['ignore', 'pipe', 'inherit'] });
   const exited = new Promise((resolve) => child.once('exit', (code, signal) => resolve(signal ?? code)));
   const line = await new Promise((resolve, reject) => {
     createInterface({ input: child.stdout }).once('line', resolve);

@@ -121,6 +121,14 @@ export class ViewerPage {
     await this.page.focus('#canvas');
   }
 
+  /** The page is told that nobody sees it, or that somebody does again. */
+  setHidden(isHidden) {
+    return this.page.evaluate((value) => {
+      Object.defineProperty(document, 'hidden', { configurable: true, value });
+      document.dispatchEvent(new Event('visibilitychange'));
+    }, isHidden);
+  }
+
   /** Waits until an element's text is this one. */
   async shows(selector, text) {
     const isShown = ([query, wanted]) => document.querySelector(query).textContent === wanted;

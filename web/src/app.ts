@@ -7,12 +7,10 @@ import { pieceCentre } from './scene/piece_highlight';
 import { PinView } from './scene/pin_view';
 import { SheetView } from './scene/sheet_view';
 import { Stage } from './scene/stage';
-import { kStrainGradient } from './scene/strain_colors';
 import { WindView } from './scene/wind_view';
 import { worldBox } from './scene/world_box';
 import { FrameClock, unixTimeMs } from './stream/frame_clock';
 import type { Rejection } from './gen/kerf/v1/stream_pb';
-import { PieceIds } from './stream/piece_ids';
 import { SettingsFollower } from './stream/settings_follower';
 import { RemoteWatch } from './stream/remote_watch';
 import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
@@ -31,14 +29,16 @@ import type { ShownState } from './ui/connection_chip';
 import { CutPanel } from './ui/cut_panel';
 import { errorText } from './ui/error_text';
 import { HistoryControls } from './ui/history_controls';
+import { ImageMode } from './ui/image_mode';
 import { Notices } from './ui/notices';
 import { PhysicsPanel } from './ui/physics/physics_panel';
 import { PiecePanel } from './ui/piece_panel';
 import { SidePanels } from './ui/side_panels';
-import { Choice, element, setLiveControls, setText } from './ui/dom';
+import { Choice, element, setLiveControls } from './ui/dom';
 import { RecordingControl } from './ui/recording_control';
 import { ReplayBar } from './ui/replay_bar';
 import { SaveMenu } from './ui/save_menu';
+import { SheetLook } from './ui/sheet_look';
 import { SimulationControls } from './ui/simulation_controls';
 import { StatisticsPanel } from './ui/statistics_panel';
 import { StatusLine } from './ui/status_line';
@@ -65,13 +65,12 @@ export class App implements Viewer {
   sheet: Sheet | undefined;
   tool: Tool;
   framesDrawn = 0;
-  isByPiece = false;
-  isByStrain = false;
 
   // Holds the connection and decodes frames.
   private readonly worker = new Worker(new URL('./stream/watch_worker.ts', import.meta.url), { type: 'module' });
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly sheetView = new SheetView();
+  readonly look = new SheetLook(this, this.sheetView);
   private readonly pinView = new PinView();
   private readonly windView = new WindView();
   private readonly colliderView: ColliderView;
@@ -79,6 +78,7 @@ export class App implements Viewer {
   private readonly status = new StatusLine();
   private readonly physics = new PhysicsPanel(this);
   readonly statistics = new StatisticsPanel();
+  readonly imageMode = new ImageMode(this);
   readonly recording = new RecordingControl(this);
   readonly replayBar = new ReplayBar(this);
   readonly transfer = new Transfer(this);
@@ -86,8 +86,6 @@ export class App implements Viewer {
   private readonly tools: Record<ToolId, Tool>;
   readonly cutPanel: CutPanel;
   private readonly toolChoice: Choice<ToolId>;
-  private readonly pieceIds = new PieceIds(() => this.showAgain());
-  private labels: ReadonlyMap<number, number> = new Map();
   private clock = new FrameClock();
   private hasNewFrame = false;
   // What is drawn next came since the last drawing.
@@ -118,41 +116,16 @@ export class App implements Viewer {
     document.addEventListener('visibilitychange', () => {
       this.watch?.setPace(this.pace);
       if (!document.hidden) this.watch?.retryNow();
+      this.imageMode.seen();
     });
-    element('strain-gradient').style.background = kStrainGradient;
     this.choose('view');
     requestAnimationFrame((nowMs) => this.draw(nowMs));
   }
 
   private get pace(): Pace {
-    return { isPaused: document.hidden, maxRateHz: 0 };
-  }
-
-  get isWireframe(): boolean {
-    return this.sheetView.isWireframe;
-  }
-
-  toggleWireframe(): void {
-    this.sheetView.setWireframe(!this.isWireframe);
-    element('wireframe').setAttribute('aria-pressed', String(this.isWireframe));
-    this.stage.invalidate();
-  }
-
-  toggleByPiece(): void {
-    this.isByPiece = !this.isByPiece;
-    element('by-piece').setAttribute('aria-pressed', String(this.isByPiece));
-    if (this.isByPiece && this.isByStrain) this.toggleByStrain();
-    this.showAgain();
-  }
-
-  /** The server computes strains for whoever asks alone: another stream, which goes on from what is here. */
-  toggleByStrain(): void {
-    this.isByStrain = !this.isByStrain;
-    element('by-strain').setAttribute('aria-pressed', String(this.isByStrain));
-    element('strain-legend').hidden = !this.isByStrain;
-    if (this.isByPiece && this.isByStrain) this.toggleByPiece();
-    this.restartWatch(true);
-    this.showAgain();
+    // A recording is of every tick, whatever is seen meanwhile.
+    const isSeldom = this.imageMode.isShown && !this.recording.isOn;
+    return { isPaused: document.hidden, maxRateHz: isSeldom ? this.imageMode.meshRateHz : 0 };
   }
 
   /** Another stream of the same sheet. `goesOn`: from the triangles that are here. */
@@ -160,22 +133,6 @@ export class App implements Viewer {
     if (!this.watch) return;
     this.watch.close();
     this.watch = this.startWatch(this.sheetName, goesOn);
-  }
-
-  /** Stable id of a piece by its label in the mirror's frames; undefined while it is not known. */
-  pieceId(label: number): number | undefined {
-    const version = this.surface?.mirror.topologyVersion;
-    return version === undefined ? undefined : this.idsOfPieces(version)?.get(label);
-  }
-
-  // Recordings have no ids: there, each number of a piece is one.
-  private idsOfPieces(version: number): ReadonlyMap<number, number> | undefined {
-    if (this.watch) return this.pieceIds.at(this.sheetName, version);
-    const numPieces = this.surface?.mirror.numPieces ?? 0;
-    if (this.labels.size !== numPieces) {
-      this.labels = new Map(Array.from({ length: numPieces }, (_, label) => [label, label]));
-    }
-    return this.labels;
   }
 
   choose(id: ToolId): void {
@@ -203,6 +160,7 @@ export class App implements Viewer {
     this.recording.stop();
     this.watch?.close();
     this.watch = undefined;
+    this.imageMode.close();
     this.settings.reset();
     this.sheetName = '';
     this.surface = undefined;
@@ -217,6 +175,7 @@ export class App implements Viewer {
     this.replayBar.leave();
     this.sheetName = name;
     this.watch = this.startWatch(name, false);
+    this.imageMode.follow();
     void this.refreshSheet();
   }
 
@@ -231,6 +190,7 @@ export class App implements Viewer {
     // Where closing it leads back to.
     const { sheetName } = this;
     this.close();
+    this.imageMode.leave();
     this.sheetName = sheetName;
     this.choose('view');
     setLiveControls(false);
@@ -238,22 +198,26 @@ export class App implements Viewer {
     this.showConnection('replay', '');
   }
 
-  private startWatch(name: string, goesOn: boolean): RemoteWatch {
+  /** Of a WebSocket of the server that this page is from. */
+  streamUrl(path: 'watch' | 'images'): string {
     const { protocol, host } = location;
-    const url = `${protocol === 'https:' ? 'wss' : 'ws'}://${host}/watch`;
+    return `${protocol === 'https:' ? 'wss' : 'ws'}://${host}/${path}`;
+  }
+
+  private startWatch(name: string, goesOn: boolean): RemoteWatch {
     const events = {
-      onState: (state: ConnectionState, detail: string) => {
+      onState: (state: ConnectionState) => {
         // The first frame of the next connection asks again.
         if (state !== 'live') this.settings.reset();
-        this.showConnection(state, detail);
+        this.tellConnection();
       },
       onFrame: (copy: SheetCopy, frame: FrameCopy) => this.receive(copy, frame),
       onRejection: (rejection: Rejection) => this.grabTool.rejected(rejection),
       onRecording: (progress: RecordingProgress, parts: ArrayBuffer[] | undefined) =>
         this.recording.took(progress, parts),
     };
-    const options = { strains: this.isByStrain, goesOn, pace: this.pace };
-    return new RemoteWatch(this.worker, url, name, events, options);
+    const options = { strains: this.look.isByStrain, goesOn, pace: this.pace };
+    return new RemoteWatch(this.worker, this.streamUrl('watch'), name, events, options);
   }
 
   fit(): void {
@@ -309,12 +273,27 @@ export class App implements Viewer {
     this.showAgain();
   }
 
+  /** Says how the connections of the live sheet are: the mesh's, or the pictures' where that is well. */
+  tellConnection(): void {
+    if (!this.watch) return;
+    const { state, detail } = (this.watch.state === 'live' && this.imageMode.trouble) || this.watch;
+    this.showConnection(state, detail);
+  }
+
   showConnection(state: ShownState, detail: string): void {
     // Whether there is a server does not matter to a recording.
     if (!this.replayBar.isOpen || state === 'replay') showState(state, detail);
   }
 
-  private showAgain(): void {
+  /** Sheet and colliders are drawn here, or are in the picture that the server draws. */
+  setMeshDrawn(isDrawn: boolean): void {
+    this.sheetView.setDrawn(isDrawn);
+    this.colliderView.object.visible = isDrawn;
+    this.showAgain();
+  }
+
+  /** Draws what is here once more, in a look that may have changed. */
+  showAgain(): void {
     this.hasNewFrame = this.surface !== undefined;
     this.stage.invalidate();
   }
@@ -334,13 +313,13 @@ export class App implements Viewer {
       this.surface = new Surface(copy);
       this.clock = new FrameClock();
       this.settings.reset();
-      this.pieceIds.reset();
+      this.look.reset();
     }
     if (stats) {
       this.clock.arrived(stats.publishedUnixUs, arrivedMs);
       if (this.watch) this.settings.saw(stats.settingsVersion);
     }
-    this.statistics.arrived(delivery, stats);
+    if (!this.imageMode.isOn) this.statistics.arrived(delivery, stats);
     this.hasNewFrame = true;
     this.hasArrived = true;
     this.stage.invalidate();
@@ -348,30 +327,38 @@ export class App implements Viewer {
 
   private draw(nowMs: number): void {
     requestAnimationFrame((nextMs) => this.draw(nextMs));
+    this.watch?.setPace(this.pace);
     if (this.watch?.copy?.advance(nowMs) || this.replayBar.advance(nowMs)) this.showAgain();
-    if (this.stage.advance()) {
+    const { imageMode } = this;
+    const isStale = this.stage.advance();
+    if (isStale) {
       if (this.surface && this.hasNewFrame) this.takeFrame(this.surface);
       this.tool.update();
       this.stage.draw();
-      this.framesDrawn += 1;
-      this.status.drawn(nowMs);
-      this.statistics.drawn(nowMs, this.hasArrived ? this.ageMs : undefined);
-      this.hasArrived = false;
+      imageMode.look();
     }
-    this.status.update(this.surface?.mirror, this.ageMs, nowMs);
-    this.statistics.update(this.surface?.mirror, nowMs);
+    // Under a picture of the server what is drawn here is not the sheet.
+    const isDrawn = imageMode.draw() || (isStale && !imageMode.isShown);
+    if (isDrawn) this.drawn(nowMs);
+    const mesh = this.surface?.mirror;
+    const figures = mesh && imageMode.isShown ? imageMode.figures(mesh) : mesh;
+    this.status.update(figures, this.ageMs, nowMs);
+    this.statistics.update(figures, imageMode.isShown ? imageMode.format : 'the mesh', nowMs);
+  }
+
+  private drawn(nowMs: number): void {
+    this.framesDrawn += 1;
+    this.status.drawn(nowMs);
+    this.statistics.drawn(nowMs, this.hasArrived || this.imageMode.isShown ? this.ageMs : undefined);
+    this.hasArrived = false;
   }
 
   // A sheet that does not move sends nothing: its last frame is not old, it is the present.
   private get ageMs(): number | undefined {
+    if (this.imageMode.isShown) return this.imageMode.ageMs;
     const stats = this.surface?.mirror.stats;
     if (this.watch?.state !== 'live' || stats?.paused || stats?.sleeping) return undefined;
     return this.clock.ageMs(unixTimeMs());
-  }
-
-  private showStrains(): void {
-    const end = this.sheetView.colorByStrain();
-    if (end !== undefined) setText(element('strain-end'), `${Number((100 * end).toPrecision(1))} % or more`);
   }
 
   private takeFrame(surface: Surface): void {
@@ -382,9 +369,7 @@ export class App implements Viewer {
       this.isFitted = this.sheet !== undefined;
     }
     this.sheetView.update(surface);
-    const version = surface.mirror.topologyVersion;
-    if (this.isByStrain) this.showStrains();
-    else this.sheetView.colorByPiece(this.isByPiece ? this.idsOfPieces(version) : null);
+    this.look.color();
     const { min, max } = surface.locator;
     this.pinView.update(surface, 0.009 * Math.max(max.x - min.x, max.y - min.y));
     this.watch?.acknowledge();

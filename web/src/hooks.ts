@@ -1,5 +1,19 @@
 import type { App } from './app';
+import { ImageCodec } from './gen/kerf/v1/render_pb';
 import { meshHash } from './stream/mesh_hash';
+
+/** Of the picture of the server that is shown; undefined while the mesh is drawn here. */
+interface PictureHooks {
+  readonly tick: number;
+  /** Pictures that were shown since the mode was chosen. */
+  readonly numShown: number;
+  readonly width: number;
+  readonly height: number;
+  readonly codec: string;
+  readonly connection: string;
+  /** It is seen from where the page's camera is. */
+  readonly isOfView: boolean;
+}
 
 /**
  * window.kerf: what the browser test (tests/e2e) reads, and nothing that changes anything. Not an interface for
@@ -26,6 +40,7 @@ export interface Hooks {
   /** Of the recording that is shown; undefined without. */
   readonly replay: { index: number; numFrames: number; isPlaying: boolean; atMs: number; durationMs: number } | undefined;
   readonly isRecording: boolean;
+  readonly picture: PictureHooks | undefined;
   /** See meshHash(); empty before the first frame. */
   readonly meshHash: string;
   /** World position of a material point, metres; undefined before the first frame. */
@@ -73,13 +88,13 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
       return app.surface?.mirror.stats?.paused ?? false;
     },
     get isWireframe() {
-      return app.isWireframe;
+      return app.look.isWireframe;
     },
     get numStrains() {
       return app.surface?.mirror.strains?.length ?? 0;
     },
     get isByPiece() {
-      return app.isByPiece;
+      return app.look.isByPiece;
     },
     get tool() {
       return app.tool.id;
@@ -96,6 +111,13 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
     get isRecording() {
       return app.recording.isOn;
     },
+    get picture() {
+      const { isShown, tick, numShown, size, codec, state, camera } = app.imageMode;
+      if (!isShown) return undefined;
+      const { x, y, z } = camera?.eye ?? { x: NaN, y: NaN, z: NaN };
+      const isOfView = Math.hypot(...app.stage.camera.position.clone().sub({ x, y, z })) < 1e-9;
+      return { tick, numShown, ...size, codec: ImageCodec[codec], connection: state ?? 'none', isOfView };
+    },
     get meshHash() {
       return app.surface ? meshHash(app.surface.mirror) : '';
     },
@@ -109,7 +131,7 @@ export function installHooks(app: App, canvas: HTMLCanvasElement): void {
     pieceAt(x, y) {
       const { surface } = app;
       const place = surface?.locator.find({ x, y });
-      return place && app.pieceId(surface!.mirror.pieces[place.slot]);
+      return place && app.look.pieceId(surface!.mirror.pieces[place.slot]);
     },
     toClient(x, y) {
       const at = world(x, y);

@@ -64,7 +64,8 @@ describe('statisticsTexts', () => {
     }
     const stats = create(FrameStatsSchema, { realTimeFactor: 0.5, overruns: 1234n, slippedS: 2.5, numTriangles: 4802 });
     const sheet = { numVertices: 2500, numPieces: 3, stats } as SheetArrays;
-    expect(statisticsTexts(meter, sheet, 5000)).toEqual({
+    expect(statisticsTexts(meter, sheet, 'VP8, 640 × 360', 5000)).toEqual({
+      format: 'VP8, 640 × 360',
       fps: '30 / s',
       age: '20 / 90 ms',
       frames: '30 / s',
@@ -84,7 +85,7 @@ describe('statisticsTexts', () => {
 
   it('says nothing where nothing came, and has a text for every line', () => {
     const meter = new StreamMeter();
-    const texts = statisticsTexts(meter, { numVertices: 0, numPieces: 0, stats: undefined } as SheetArrays, 0);
+    const texts = statisticsTexts(meter, { numVertices: 0, numPieces: 0, stats: undefined } as SheetArrays, 'the mesh', 0);
     expect(Object.keys(texts).sort()).toEqual(Object.keys(kStatistics).sort());
     expect(texts).toMatchObject({ age: '–', keyframes: '–', window: '–', tick: '–', bytes: '0 B/s' });
   });

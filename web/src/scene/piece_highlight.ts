@@ -35,6 +35,10 @@ export class PieceHighlight {
     this.object.visible = false;
   }
 
+  get isOn(): boolean {
+    return this.label !== undefined;
+  }
+
   /** @param label  of the piece in the mirror's frames; undefined: none */
   set(label: number | undefined): void {
     this.label = label;

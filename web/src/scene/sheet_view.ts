@@ -26,6 +26,8 @@ export class SheetView {
   private readonly lips = new FatLines({ color: 0x10151c, width: 2 });
   private readonly highlighted = new PieceHighlight();
   private surface: Surface | undefined;
+  private isDrawn = true;
+  private hasWires = false;
   private shownVersion = -1;
   private wiresVersion = -1;
   private colors: Float32Array | undefined;
@@ -44,12 +46,20 @@ export class SheetView {
   }
 
   get isWireframe(): boolean {
-    return this.wires.visible;
+    return this.hasWires;
   }
 
   setWireframe(isOn: boolean): void {
-    this.wires.visible = isOn;
-    if (isOn) this.updateWires();
+    this.hasWires = isOn;
+    this.wires.visible = isOn && this.isDrawn;
+    if (this.wires.visible) this.updateWires();
+  }
+
+  /** Whether all but a piece that is lit up is drawn; update() is due afterwards. */
+  setDrawn(isDrawn: boolean): void {
+    this.isDrawn = isDrawn;
+    this.mesh.visible = this.lips.object.visible = isDrawn;
+    this.wires.visible = isDrawn && this.hasWires;
   }
 
   /** Lights one piece up, by its label in the frames, from the next update() on; undefined: none. */
@@ -62,6 +72,7 @@ export class SheetView {
    * @param ids  label -> id in the mirror's topology version; undefined while it is not known; null: off
    */
   colorByPiece(ids: ReadonlyMap<number, number> | undefined | null): void {
+    if (!this.isDrawn) return;
     this.cloth.setOwnColors(ids !== null);
     if (ids === null || !this.surface) {
       this.colors = undefined;
@@ -85,6 +96,7 @@ export class SheetView {
     const strains = this.surface?.mirror.strains;
     if (!strains) return undefined;
     this.strainEnd = strainScaleEnd(strains, this.strainEnd);
+    if (!this.isDrawn) return this.strainEnd;
     this.cloth.setOwnColors(true);
     this.coloredIds = undefined;
     this.colors = strainColors(strains, this.strainEnd, this.colors);
@@ -97,8 +109,13 @@ export class SheetView {
   /** Takes the mirror's newest state; `surface` may be another one after a new connection. */
   update(surface: Surface): void {
     const { mirror } = surface;
-    if (surface !== this.surface || mirror.topologyVersion !== this.shownVersion) {
-      this.surface = surface;
+    if (surface !== this.surface) this.shownVersion = -1;
+    this.surface = surface;
+    if (!this.isDrawn && !this.highlighted.isOn) {
+      this.highlighted.object.visible = false;
+      return;
+    }
+    if (mirror.topologyVersion !== this.shownVersion) {
       this.updateTopology();
       this.shownVersion = mirror.topologyVersion;
     }

@@ -18,7 +18,7 @@ const kFovDeg = 36;
 const kViewDirection = new Vector3(0.5, -1, 0.62).normalize();
 // Part of the picture's height or width that the sheet fills at first; it will swing and fall.
 const kFilled = 0.88;
-// Radians from straight above or below, where "up" would turn over.
+// Radians from straight above or below, where "up" would turn over, and the server could not tell what is right.
 const kLeastPolar = 0.01;
 const kLightDirection = new Vector3(-0.45, -0.5, 1).normalize();
 
@@ -30,6 +30,8 @@ export class Stage {
   readonly ground = new GroundMaterial();
   /** Of the canvas, CSS pixels. */
   readonly sizePx = new Vector2(1, 1);
+  /** What is seen behind all that is drawn, as large as the canvas. */
+  backdrop: CanvasImageSource | undefined;
 
   private readonly renderer: WebGLRenderer;
   private readonly sun = new DirectionalLight(0xfff9f1, 2.3);
@@ -48,6 +50,8 @@ export class Stage {
     this.sun.shadow.bias = -0.0008;
     this.scene.add(this.sky, this.sun, this.sun.target);
     this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.minPolarAngle = kLeastPolar;
+    this.controls.maxPolarAngle = Math.PI - kLeastPolar;
     this.controls.addEventListener('change', () => this.invalidate());
     this.fit(new Box3(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 1)));
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -81,7 +85,9 @@ export class Stage {
     // What was drawn is there until this task ends.
     copy.width = this.canvas.width;
     copy.height = this.canvas.height;
-    copy.getContext('2d')!.drawImage(this.canvas, 0, 0);
+    const context = copy.getContext('2d')!;
+    if (this.backdrop) context.drawImage(this.backdrop, 0, 0, copy.width, copy.height);
+    context.drawImage(this.canvas, 0, 0);
     this.resize();
     return copy;
   }

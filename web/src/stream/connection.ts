@@ -7,6 +7,8 @@ export interface ConnectionEvents {
   onOpen(): void;
   /** What it throws ends this connection, with its message as the reason, and another is tried. */
   onMessage(bytes: Uint8Array): void;
+  /** The server closed the connection, with this reason: true if trying again is of no use. */
+  isFinal?(reason: string): boolean;
 }
 
 const kFirstRetryMs = 250;
@@ -104,6 +106,10 @@ export class Connection {
     if (socket !== this.socket || this.isClosed) return;
     if (this.state === 'live' && performance.now() - this.liveSinceMs > kStableAfterMs) this.retryMs = kFirstRetryMs;
     const why = this.whyLost || reason || 'no connection to the server';
+    if (this.events.isFinal?.(reason)) {
+      this.end(why);
+      return;
+    }
     if (this.isPaused) {
       // A page that draws nothing acknowledges nothing: wait for retryNow().
       this.setState('lost', why);

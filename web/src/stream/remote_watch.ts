@@ -28,11 +28,14 @@ export class RemoteWatch {
   /** Survives a lost connection, so that the last picture stays. */
   copy: SheetCopy | undefined;
   state: ConnectionState = 'connecting';
+  /** Says why, for people, and is empty when all is well. */
+  detail = '';
 
   private static lastId = 0;
   private readonly id = ++RemoteWatch.lastId;
   private hasNews = false;
   private spare: ArrayBuffer[] = [];
+  private pace: Pace;
 
   /**
    * @param port  of a worker that has a WatchService
@@ -46,6 +49,7 @@ export class RemoteWatch {
     private readonly events: RemoteWatchEvents,
     options: RemoteWatchOptions,
   ) {
+    this.pace = options.pace;
     port.onmessage = ({ data }) => this.receive(data);
     port.postMessage({ kind: 'start', id: this.id, url, name, ...options });
   }
@@ -66,8 +70,10 @@ export class RemoteWatch {
     return true;
   }
 
-  /** See Watch.setPace(). */
+  /** See Watch.setPace(). Cheap when it is the pace that it has. */
   setPace(pace: Pace): void {
+    if (pace.isPaused === this.pace.isPaused && pace.maxRateHz === this.pace.maxRateHz) return;
+    this.pace = pace;
     this.port.postMessage({ kind: 'pace', id: this.id, pace });
   }
 
@@ -95,6 +101,7 @@ export class RemoteWatch {
     switch (message.kind) {
       case 'state':
         this.state = message.state;
+        this.detail = message.detail;
         return this.events.onState(message.state, message.detail);
       case 'recording':
         return this.events.onRecording(message.progress, undefined);

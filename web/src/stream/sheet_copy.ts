@@ -27,6 +27,9 @@ export interface SheetArrays {
   readonly stats: FrameStats | undefined;
 }
 
+/** What is said of a sheet in numbers. */
+export type SheetFigures = Pick<SheetArrays, 'tick' | 'numVertices' | 'numPieces' | 'stats'>;
+
 /** Triangles, pieces and material positions of one topology version, in arrays of exactly their length. */
 export interface TopologyCopy {
   triangles: Int32Array;

@@ -178,15 +178,22 @@ function viewGroup(app: App, openHelp: () => void): ShortcutGroup {
   return {
     title: 'What is shown',
     shortcuts: [
-      { chords: ['W'], what: 'Wireframe', button: '#wireframe', isClicked: true, run: () => app.toggleWireframe() },
+      { chords: ['W'], what: 'Wireframe', button: '#wireframe', isClicked: true, run: () => app.look.toggleWireframe() },
       {
         chords: ['K'],
         what: 'A colour for each piece, which it keeps until it is cut itself',
         button: '#by-piece',
         isClicked: true,
-        run: () => app.toggleByPiece(),
+        run: () => app.look.toggleByPiece(),
       },
-      { chords: ['X'], what: 'Colours by strain', button: '#by-strain', isClicked: true, run: () => app.toggleByStrain() },
+      { chords: ['X'], what: 'Colours by strain', button: '#by-strain', isClicked: true, run: () => app.look.toggleByStrain() },
+      {
+        chords: ['Q'],
+        what: 'Pictures drawn by the server in place of the mesh, or the mesh again',
+        button: '#image-mode',
+        isClicked: true,
+        run: () => void app.imageMode.toggle(),
+      },
       { chords: ['F'], what: 'Show the whole sheet', button: '#fit', isClicked: true, run: () => app.fit() },
       {
         chords: ['H'],

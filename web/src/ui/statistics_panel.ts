@@ -1,5 +1,5 @@
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
-import type { SheetArrays } from '../stream/sheet_copy';
+import type { SheetFigures } from '../stream/sheet_copy';
 import { StreamMeter } from '../stream/stream_meter';
 import type { Delivery } from '../stream/stream_meter';
 import type { SampleWindow } from '../stream/sample_window';
@@ -68,11 +68,12 @@ export class StatisticsPanel {
     if (this.isShown) this.meter.wasDrawn(nowMs, ageMs);
   }
 
-  update(sheet: SheetArrays | undefined, nowMs: number): void {
+  /** @param format  of what comes, for people */
+  update(sheet: SheetFigures | undefined, format: string, nowMs: number): void {
     if (!this.isShown || nowMs - this.updatedMs < kUpdateEveryMs) return;
     this.updatedMs = nowMs;
     this.meter.forget(nowMs);
-    const texts = statisticsTexts(this.meter, sheet, nowMs);
+    const texts = statisticsTexts(this.meter, sheet, format, nowMs);
     for (const [id, value] of this.values) setText(value, texts[id] ?? '–');
     for (const [plot, samples] of this.plots) plot.draw(samples, nowMs);
   }

@@ -1,14 +1,15 @@
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
-import type { SheetArrays } from '../stream/sheet_copy';
+import type { SheetFigures } from '../stream/sheet_copy';
 import type { StreamMeter } from '../stream/stream_meter';
 
 /** Labels of the overlay, and what they mean, in the order in which they are shown. */
 export const kStatistics = {
+  format: ['what comes', 'The mesh, or pictures that the server draws; what comes of the mesh beside pictures is not counted here'],
   fps: ['drawn', 'Pictures drawn a second'],
   age: ['frame age', 'Since the tick that is shown ended, as it was drawn: median and 95th percentile'],
-  frames: ['frames', 'Frames that came a second'],
+  frames: ['frames', 'Frames of the mesh, or pictures, that came a second'],
   bytes: ['bytes', 'Bytes a second, and a frame'],
-  keyframes: ['keyframes', 'Share of the frames that are keyframes; the others are differences to the frame before'],
+  keyframes: ['keyframes', 'Share of the frames that can be read by themselves; the others are differences to the frame before'],
   skipped: ['skipped', 'Ticks a second that were not sent, because this viewer was not ready for them'],
   window: ['in flight', 'Most frames that had come and were not acknowledged; the server sends none beyond its window'],
   decode: ['decoding', 'Of a frame, in the worker: median and 95th percentile'],
@@ -40,7 +41,7 @@ function pair(low: number | undefined, high: number | undefined, unit: string, d
   return `${low.toFixed(digits)} / ${high.toFixed(digits)} ${unit}`;
 }
 
-function sheetTexts(sheet: SheetArrays, stats: FrameStats | undefined) {
+function sheetTexts(sheet: SheetFigures, stats: FrameStats | undefined) {
   return {
     realTime: stats ? `${stats.realTimeFactor.toFixed(2)} ×` : kNothing,
     overruns: stats ? `${stats.overruns.toLocaleString('en')} (${stats.slippedS.toFixed(2)} s)` : kNothing,
@@ -53,12 +54,14 @@ function sheetTexts(sheet: SheetArrays, stats: FrameStats | undefined) {
 /** What the overlay says at `nowMs`; call meter.forget(nowMs) before. */
 export function statisticsTexts(
   meter: StreamMeter,
-  sheet: SheetArrays | undefined,
+  sheet: SheetFigures | undefined,
+  format: string,
   nowMs: number,
 ): Partial<Record<StatisticId, string>> {
   const { ages, bytes, keyframes, decodeTimes, tickTimes, unacknowledged } = meter;
   const hasFrames = bytes.count > 0;
   return {
+    format,
     fps: `${meter.drawn.rate(nowMs).toFixed(0)} / s`,
     age: pair(ages.quantile(0.5), ages.quantile(0.95), 'ms', 0),
     frames: `${bytes.rate(nowMs).toFixed(0)} / s`,

@@ -1,5 +1,5 @@
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
-import type { SheetArrays } from '../stream/sheet_copy';
+import type { SheetFigures } from '../stream/sheet_copy';
 import { SampleWindow } from '../stream/sample_window';
 import { element, setText } from './dom';
 import { speedOf } from './speeds';
@@ -24,14 +24,14 @@ export class StatusLine {
   }
 
   /** @param ageMs  of the shown state; undefined where it has none */
-  update(mirror: SheetArrays | undefined, ageMs: number | undefined, nowMs: number): void {
+  update(sheet: SheetFigures | undefined, ageMs: number | undefined, nowMs: number): void {
     this.pictures.forget(nowMs);
     setText(this.fps, String(this.pictures.count));
-    if (!mirror) return;
-    setText(this.tick, mirror.tick.toLocaleString('en'));
-    setText(this.vertices, mirror.numVertices.toLocaleString('en'));
-    setText(this.pieces, String(mirror.numPieces));
-    const { stats } = mirror;
+    if (!sheet) return;
+    setText(this.tick, sheet.tick.toLocaleString('en'));
+    setText(this.vertices, sheet.numVertices.toLocaleString('en'));
+    setText(this.pieces, String(sheet.numPieces));
+    const { stats } = sheet;
     setText(this.realTime, this.realTimeText(stats));
     this.realTime.dataset.level = isBehind(stats) ? 'warn' : '';
     setText(this.age, ageText(ageMs));
@@ -43,7 +43,6 @@ export class StatusLine {
     if (stats.sleeping) return 'at rest';
     return `${stats.realTimeFactor.toFixed(2)} ×`;
   }
-
 }
 
 function ageText(ageMs: number | undefined): string {

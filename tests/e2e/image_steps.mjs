@@ -1,0 +1,324 @@
+// Pictures that the server draws in place of the mesh, in Chromium against a real kerfd.
+import { writeFile } from 'node:fs/promises';
+import { check, post, root } from './harness.mjs';
+import { startSlowProxy } from './slow_proxy.mjs';
+import { ViewerPage } from './viewer_page.mjs';
+
+// Small, for it is drawn in software twice; wide enough for nothing to lie over the sheet where it is looked at.
+const kSmall = { viewport: { width: 760, height: 480 }, colorScheme: 'light' };
+const kWide = { viewport: { width: 900, height: 640 }, colorScheme: 'light' };
+const kSeen = { name: 'sheets/seen' };
+// Nothing moves it: what is cut out stays where it was, and each place is where it is expected.
+const kStill = {
+  grid: { columns: 31, rows: 31, widthM: 1, heightM: 1 },
+  placement: { xAxis: { x: 1 }, yAxis: { y: Math.cos(0.7), z: Math.sin(0.7) } },
+  gravityMps2: {},
+};
+
+function distance(one, other) {
+  return Math.max(...one.map((value, i) => Math.abs(value - other[i])));
+}
+
+function pictureText(viewer) {
+  return viewer.page.evaluate(() => document.querySelector('#picture').toDataURL());
+}
+
+/** Whether this Chromium decodes VP8 itself. */
+function decodesVp8(page) {
+  return page.evaluate(
+    async () =>
+      typeof VideoDecoder !== 'undefined' && (await VideoDecoder.isConfigSupported({ codec: 'vp8' })).supported === true,
+  );
+}
+
+async function enter(viewer) {
+  await viewer.page.click('#image-mode');
+  await viewer.until('k.picture?.connection === "live" && k.picture.isOfView');
+}
+
+/** Waits for the picture from where the camera is now. */
+function settle(viewer) {
+  return viewer.until('k.picture.isOfView');
+}
+
+/** Does what changes the picture of a sheet that does not move, and waits until it has. */
+async function changes(viewer, act) {
+  const before = await pictureText(viewer);
+  await act();
+  await viewer.page.waitForFunction((was) => document.querySelector('#picture').toDataURL() !== was, before);
+}
+
+/**
+ * Checks that the sheet ends in the picture where the page's camera sees its sides: inside it looks like cloth, outside like
+ * what is beside it.
+ */
+async function isInPlace(viewer, name) {
+  const sides = [
+    [0, 0.5],
+    [1, 0.5],
+    [0.5, 0],
+    [0.5, 1],
+  ];
+  const points = [];
+  for (const [x, y] of sides) {
+    const side = await viewer.at(x, y);
+    const middle = await viewer.at(0.5, 0.5);
+    // A twentieth of the sheet to each side of its border.
+    for (const share of [0.9, 1.1]) {
+      points.push({ x: middle.x + share * (side.x - middle.x), y: middle.y + share * (side.y - middle.y) });
+    }
+  }
+  // What lies over the picture is no part of it.
+  const setCards = (visibility) =>
+    viewer.page.evaluate((value) => {
+      for (const card of document.querySelectorAll('.card')) card.style.visibility = value;
+    }, visibility);
+  await setCards('hidden');
+  const colours = await viewer.colours(points, name);
+  await setCards('');
+  const lightest = Math.max(...colours.filter((_, i) => i % 2 === 0).flat());
+  check(lightest > 140, `${name}: the cloth is in the dark: its lightest channel is ${lightest}`);
+  sides.forEach((side, i) => {
+    const [inside, outside] = [colours[2 * i], colours[2 * i + 1]];
+    check(distance(inside, outside) > 25, `${name}: at ${side} the cloth is ${inside}, beside it is ${outside}`);
+  });
+}
+
+async function takesThePlace(browser, kerfd) {
+  const proxy = await startSlowProxy(kerfd.url, { delayMs: 0, bytesPerS: 1e9 });
+  const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=demo`, kSmall);
+  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  await viewer.screenshot('image-mode-before');
+  await viewer.page.keyboard.press('u');
+  await enter(viewer);
+  const expected = (await decodesVp8(viewer.page)) ? 'IMAGE_VP8' : 'IMAGE_JPEG';
+  const { codec, width, height } = await viewer.read('k.picture');
+  check(codec === expected, `this Chromium should get ${expected}, not ${codec}`);
+  check(width === 760 && height === 480, `pictures of ${width} x ${height}`);
+  check((await viewer.page.getAttribute('#image-mode', 'aria-pressed')) === 'true', 'the button does not look pressed');
+  const label = expected === 'IMAGE_VP8' ? 'VP8, 760 × 480' : 'JPEG, 760 × 480';
+  await viewer.page.waitForFunction(
+    (text) => [...document.querySelectorAll('#statistics dd')].some((value) => value.textContent === text),
+    label,
+  );
+  // The pictures go on, and the mesh comes once a second at most.
+  const meshBefore = proxy.count('/watch').sent;
+  const [startMs, { tick, numShown }] = [performance.now(), await viewer.read('k.picture')];
+  await viewer.until('k.picture.tick > given.tick + 90 && k.picture.numShown > given.numShown + 10', { tick, numShown });
+  const meshes = proxy.count('/watch').sent - meshBefore;
+  const seconds = (performance.now() - startMs) / 1000;
+  const { sent, mostInFlight } = proxy.count('/images');
+  console.log(`         ${sent} pictures, at most ${mostInFlight} in flight; beside them ${meshes} meshes in ${seconds.toFixed(1)} s`);
+  check(meshes <= seconds + 2, `${meshes} frames of the mesh in ${seconds} s`);
+  check(mostInFlight <= 8, `${mostInFlight} pictures were in flight`);
+  const shown = Number((await viewer.page.textContent('#status-tick')).replaceAll(',', ''));
+  check(shown > tick + 90, `the status line says tick ${shown}, the picture was at ${tick} before 90 more`);
+  const [cloth, sky] = await viewer.colours([await viewer.at(0.5, 0.3), { x: 380, y: 4 }], 'image-mode-demo');
+  check(distance(cloth, sky) > 25, `the cloth is ${cloth}, the sky ${sky}`);
+  check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+  await viewer.page.close();
+  await proxy.stop();
+}
+
+async function followsCamera(viewer) {
+  await enter(viewer);
+  await settle(viewer);
+  await isInPlace(viewer, 'image-mode-view');
+  await changes(viewer, async () => {
+    await viewer.drag({ x: 120, y: 400 }, { x: 250, y: 350 });
+    await viewer.page.mouse.up();
+  });
+  await settle(viewer);
+  await isInPlace(viewer, 'image-mode-orbit');
+  for (let i = 0; i < 3; ++i) await viewer.page.keyboard.press('-');
+  await settle(viewer);
+  await isInPlace(viewer, 'image-mode-zoom');
+  for (const key of ['ArrowLeft', 'ArrowUp', 'Shift+ArrowRight']) await viewer.page.keyboard.press(key);
+  await settle(viewer);
+  await isInPlace(viewer, 'image-mode-keys');
+  // Straight from above, as far as the camera goes.
+  await viewer.drag({ x: 120, y: 60 }, { x: 120, y: 620 });
+  await viewer.page.mouse.up();
+  await settle(viewer);
+  await isInPlace(viewer, 'image-mode-above');
+  await viewer.page.keyboard.press('f');
+  await settle(viewer);
+}
+
+async function followsWindow(viewer) {
+  for (const [width, height] of [
+    [801, 560],
+    [900, 640],
+  ]) {
+    await viewer.page.setViewportSize({ width, height });
+    await viewer.until('k.picture.width === given.width && k.picture.height === given.height && k.picture.isOfView', {
+      width: 2 * Math.floor(width / 2),
+      height,
+    });
+  }
+  await viewer.page.keyboard.press('f');
+  await settle(viewer);
+  await isInPlace(viewer, 'image-mode-resized');
+}
+
+async function showsCuts(viewer, url) {
+  await changes(viewer, () => viewer.page.keyboard.press('k'));
+  const places = async () => [await viewer.at(0.5, 0.5), await viewer.at(0.5, 0.2), await viewer.at(0.2, 0.8)];
+  const [disc, cloth] = await viewer.colours(await places(), 'image-mode-uncut');
+  check(distance(disc, cloth) < 25, `one piece has colours ${disc} and ${cloth}`);
+  const cut = { curve: { circle: { center: { x: 0.5, y: 0.5 }, radiusM: 0.12 } } };
+  await post(url, 'CutService/CreateCut', { parent: kSeen.name, cut });
+  const { tick } = await post(url, 'SheetService/GetSheet', kSeen);
+  await viewer.until('k.picture.tick >= given.tick', { tick: Number(tick) });
+  const [cutDisc, rest] = await viewer.colours(await places(), 'image-mode-cut');
+  check(distance(cutDisc, rest) > 40, `the disc is ${cutDisc}, the rest ${rest}`);
+  // Tools work on what the picture shows.
+  await viewer.choose('cut');
+  await viewer.page.keyboard.press('o');
+  await viewer.until('k.pieces === 2');
+  await viewer.drag(await viewer.at(0.2, 0.8), await viewer.at(0.28, 0.8));
+  await viewer.page.mouse.up();
+  await viewer.page.screenshot({ path: `${root}/build/e2e/image-mode-drawing.png` });
+  await viewer.page.keyboard.press('Enter');
+  await viewer.until('k.pieces === 3');
+  await viewer.choose('view');
+  await viewer.shows('#status-pieces', '3');
+  const [, other, second] = await viewer.colours(await places(), 'image-mode-cut-here');
+  check(distance(second, other) > 40, `the disc that was drawn here is ${second}, the rest ${other}`);
+}
+
+async function changesLook(viewer) {
+  for (const [key, name] of [
+    ['w', 'wireframe'],
+    ['x', 'strains'],
+  ]) {
+    await changes(viewer, () => viewer.page.keyboard.press(key));
+    await viewer.page.screenshot({ path: `${root}/build/e2e/image-mode-${name}.png` });
+  }
+  await viewer.shows('#strain-end', 'the most');
+  for (const key of ['w', 'x']) await changes(viewer, () => viewer.page.keyboard.press(key));
+}
+
+async function savesPicture(viewer) {
+  const downloading = viewer.page.waitForEvent('download');
+  await viewer.page.keyboard.press('Control+s');
+  await viewer.page.click('#save-png');
+  const chunks = [];
+  for await (const chunk of await (await downloading).createReadStream()) chunks.push(chunk);
+  const png = Buffer.concat(chunks);
+  await writeFile(`${root}/build/e2e/image-mode-saved.png`, png);
+  const at = await viewer.at(0.5, 0.2);
+  const [[saved], [shown]] = [await viewer.coloursOf(png, [at]), await viewer.colours([at], 'image-mode-to-save')];
+  check(distance(saved, shown) < 6, `the cloth is ${saved} in the file and ${shown} on the page`);
+}
+
+async function goesBack(viewer) {
+  await viewer.page.keyboard.press('q');
+  await viewer.until('k.picture === undefined');
+  check(await viewer.page.isHidden('#picture'), 'the picture is still there');
+  const drawn = await viewer.read('k.framesDrawn');
+  await viewer.page.keyboard.press('ArrowLeft');
+  await viewer.until('k.framesDrawn > given.drawn', { drawn });
+  await isInPlace(viewer, 'image-mode-left');
+  check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+}
+
+async function hidden(browser, kerfd) {
+  const proxy = await startSlowProxy(kerfd.url, { delayMs: 0, bytesPerS: 1e9 });
+  const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=demo`, kSmall);
+  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  await enter(viewer);
+  await viewer.setHidden(true);
+  const serverTick = async () => Number((await post(kerfd.url, 'SheetService/GetSheet', { name: 'sheets/demo' })).tick);
+  // The pause reaches the server, and what was on its way arrives.
+  const quiet = async () => {
+    const { sent } = proxy.count('/images');
+    const tick = await serverTick();
+    while ((await serverTick()) < tick + 60);
+    return proxy.count('/images').sent === sent;
+  };
+  let tries = 0;
+  while (!(await quiet())) check(++tries < 10, 'pictures go on coming to a page that nobody sees');
+  check((await viewer.read('k.picture.connection')) === 'live', 'the connection is gone');
+  const { tick } = await viewer.read('k.picture');
+  await viewer.setHidden(false);
+  await viewer.until('k.picture.tick > given.tick + 60', { tick });
+  await viewer.page.close();
+  await proxy.stop();
+}
+
+async function withoutVideo(browser, kerfd) {
+  const viewer = await ViewerPage.open(browser, `${kerfd.url}/?sheet=demo`, kSmall, (page) =>
+    page.addInitScript(() => delete window.VideoDecoder),
+  );
+  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  await enter(viewer);
+  check((await viewer.read('k.picture.codec')) === 'IMAGE_JPEG', 'without VideoDecoder these are no JPEG pictures');
+  const { tick } = await viewer.read('k.picture');
+  await viewer.until('k.picture.tick > given.tick + 30', { tick });
+  const [cloth, sky] = await viewer.colours([await viewer.at(0.5, 0.3), { x: 380, y: 4 }], 'image-mode-jpeg');
+  check(distance(cloth, sky) > 25, `the cloth is ${cloth}, the sky ${sky}`);
+  check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+  return viewer;
+}
+
+/** @returns the kerfd that runs afterwards */
+async function restarts(viewer, kerfd, start) {
+  const { host } = new URL(kerfd.url);
+  const stop = async () => {
+    check((await kerfd.stop()) === 0, 'kerfd did not end with status 0');
+    await viewer.until('k.connection === "lost"');
+  };
+  await stop();
+  kerfd = await start(host);
+  await viewer.until('k.connection === "live" && k.picture.connection === "live"');
+  const { numShown } = await viewer.read('k.picture');
+  await viewer.until('k.picture.numShown > given.numShown + 2', { numShown });
+  await viewer.shows('#connection b', 'Live');
+  await stop();
+  kerfd = await start(host, ['--no-render']);
+  await viewer.until('k.connection === "live" && k.picture === undefined');
+  await viewer.notice(/No pictures, so the mesh is shown: this server draws no pictures \(none/);
+  check((await viewer.page.getAttribute('#image-mode', 'aria-pressed')) === 'false', 'the button still looks pressed');
+  await viewer.until('k.framesDrawn > given.drawn + 2', { drawn: await viewer.read('k.framesDrawn') });
+  await viewer.shows('#connection b', 'Live');
+  const [cloth, sky] = await viewer.colours([await viewer.at(0.5, 0.3), { x: 380, y: 4 }], 'image-mode-refused');
+  check(distance(cloth, sky) > 25, `the cloth is ${cloth}, the sky ${sky}`);
+  await stop();
+  kerfd = await start(host);
+  await viewer.until('k.connection === "live"');
+  await enter(viewer);
+  return kerfd;
+}
+
+/** @returns the kerfd that runs afterwards */
+export async function imageSteps(steps, browser, kerfd, start) {
+  let viewer;
+  await steps.step('pictures that the server draws take the place of the mesh, which then comes seldom', () =>
+    takesThePlace(browser, kerfd),
+  );
+  await steps.step('they follow the camera: turned, nearer, moved, and from straight above', async () => {
+    await post(kerfd.url, 'SheetService/CreateSheet', { sheetId: 'seen', scene: kStill });
+    viewer = await ViewerPage.open(browser, `${kerfd.url}/?sheet=seen`, kWide);
+    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await followsCamera(viewer);
+  });
+  await steps.step('they have the size of the window', () => followsWindow(viewer));
+  await steps.step('they show cuts, made elsewhere and here', () => showsCuts(viewer, kerfd.url));
+  await steps.step('they have wires and colours by strain', () => changesLook(viewer));
+  await steps.step('the picture that is seen is the one that is saved', () => savesPicture(viewer));
+  await steps.step('the mesh comes back', async () => {
+    await goesBack(viewer);
+    await viewer.page.close();
+    await post(kerfd.url, 'SheetService/DeleteSheet', kSeen);
+  });
+  await steps.step('a page that nobody sees gets no pictures, and goes on when it is seen', () => hidden(browser, kerfd));
+  await steps.step('where the browser has no WebCodecs they are JPEG', async () => {
+    viewer = await withoutVideo(browser, kerfd);
+  });
+  await steps.step('they go on after a restart of the server, and where it has no renderer the mesh is shown', async () => {
+    kerfd = await restarts(viewer, kerfd, start);
+    await viewer.page.close();
+  });
+  return kerfd;
+}

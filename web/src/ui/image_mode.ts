@@ -1,0 +1,212 @@
+import type { App } from '../app';
+import type { Camera } from '../gen/kerf/v1/geometry_pb';
+import { ColorBy, ImageCodec } from '../gen/kerf/v1/render_pb';
+import type { FrameStats } from '../gen/kerf/v1/stream_pb';
+import { pictureSize, pictureView } from '../scene/picture_view';
+import type { ConnectionState } from '../stream/connection';
+import { FrameClock, unixTimeMs } from '../stream/frame_clock';
+import type { ImageView, Refusal, ShownPicture } from '../stream/image_watch';
+import { decodesVideo } from '../stream/picture_decoder';
+import { RemoteImages } from '../stream/remote_images';
+import type { SheetFigures } from '../stream/sheet_copy';
+import type { Pace } from '../stream/watch';
+import { element } from './dom';
+
+// How often the mesh comes beside pictures: for tools that pick vertices, and else for figures and the next tool.
+const kPickingRateHz = 10;
+const kIdleRateHz = 1;
+
+/**
+ * The sheet in pictures that the server draws, in place of the mesh that is drawn here. The mesh goes on coming, seldom, so
+ * that tools have what they pick from; what tools and pins draw lies over the picture.
+ */
+export class ImageMode {
+  /** Of the picture that is shown; -1 before the first. */
+  tick = -1;
+  /** Pictures that were shown since the mode was chosen. */
+  numShown = 0;
+  codec = ImageCodec.IMAGE_CODEC_UNSPECIFIED;
+  /** That the picture that is shown was drawn with. */
+  camera: Camera | undefined;
+
+  private readonly canvas = element<HTMLCanvasElement>('picture');
+  private readonly context = this.canvas.getContext('2d')!;
+  private readonly button = element('image-mode');
+  private worker: Worker | undefined;
+  private images: RemoteImages | undefined;
+  private clock = new FrameClock();
+  private stats: FrameStats | undefined;
+  private sentView = '';
+  private canVideo: boolean | undefined;
+  private isChosen = false;
+
+  constructor(private readonly app: App) {}
+
+  get isOn(): boolean {
+    return this.isChosen;
+  }
+
+  /** A picture is seen in place of the mesh: from the first one on. */
+  get isShown(): boolean {
+    return !this.canvas.hidden;
+  }
+
+  get state(): ConnectionState | undefined {
+    return this.images?.state;
+  }
+
+  /** What the connection that pictures come by has to say; undefined while all is well. */
+  get trouble(): { state: ConnectionState; detail: string } | undefined {
+    const { images } = this;
+    if (!images || images.detail === '') return undefined;
+    return { state: images.state, detail: `No pictures: ${images.detail}` };
+  }
+
+  /** Of the shown picture's tick; undefined where the sheet does not move or no picture is live. */
+  get ageMs(): number | undefined {
+    const isMoving = this.stats !== undefined && !this.stats.paused && !this.stats.sleeping;
+    return isMoving && this.state === 'live' ? this.clock.ageMs(unixTimeMs()) : undefined;
+  }
+
+  /** For people. */
+  get format(): string {
+    const { width, height } = this.canvas;
+    return `${this.codec === ImageCodec.IMAGE_VP8 ? 'VP8' : 'JPEG'}, ${width} × ${height}`;
+  }
+
+  get size(): { width: number; height: number } {
+    return { width: this.canvas.width, height: this.canvas.height };
+  }
+
+  /** Of the mesh, while pictures are seen. */
+  get meshRateHz(): number {
+    const { tool, panels } = this.app;
+    return tool.id !== 'view' || panels.open === 'pieces' ? kPickingRateHz : kIdleRateHz;
+  }
+
+  /** Of the sheet as the picture shows it, as far as that is told; the rest is the mesh's. */
+  figures({ numVertices }: SheetFigures): SheetFigures {
+    const { tick, stats } = this;
+    return { tick, numVertices, numPieces: stats?.pieces ?? 0, stats };
+  }
+
+  async toggle(): Promise<void> {
+    if (this.isChosen) {
+      this.leave();
+      return;
+    }
+    if (!this.app.watch) {
+      this.app.notify('info', 'The server draws pictures of live sheets only');
+      return;
+    }
+    this.setChosen(true);
+    this.canVideo ??= await decodesVideo();
+    // It may have been left meanwhile, or have followed another sheet.
+    if (this.app.watch && !this.images) this.follow();
+  }
+
+  leave(): void {
+    if (!this.isChosen) return;
+    this.close();
+    this.setChosen(false);
+    this.setShown(false);
+  }
+
+  /** Watches the app's sheet, from now on. */
+  follow(): void {
+    if (!this.isChosen || this.canVideo === undefined) return;
+    this.close();
+    this.worker ??= new Worker(new URL('../stream/image_worker.ts', import.meta.url), { type: 'module' });
+    this.codec = this.canVideo ? ImageCodec.IMAGE_VP8 : ImageCodec.IMAGE_JPEG;
+    const view = this.view();
+    this.sentView = JSON.stringify(view);
+    const events = {
+      onState: () => this.app.tellConnection(),
+      onPicture: (shown: ShownPicture) => this.app.statistics.arrived(shown.delivery, shown.stats),
+      onRefused: (refusal: Refusal, message: string) => this.refused(refusal, message),
+    };
+    const options = { codec: this.codec, view, pace: this.pace };
+    this.images = new RemoteImages(this.worker, this.app.streamUrl('images'), this.app.sheetName, events, options);
+  }
+
+  /** Watches no sheet; the last picture stays. */
+  close(): void {
+    this.images?.close();
+    this.images = undefined;
+    this.clock = new FrameClock();
+    this.stats = undefined;
+  }
+
+  /** The page is seen, or not any more. */
+  seen(): void {
+    this.images?.setPace(this.pace);
+    if (!document.hidden) this.images?.retryNow();
+  }
+
+  /** Asks for pictures of what the camera sees now, if that is something else than before. */
+  look(): void {
+    if (!this.images) return;
+    const view = this.view();
+    const text = JSON.stringify(view);
+    if (text === this.sentView) return;
+    this.sentView = text;
+    this.images.setView(view);
+  }
+
+  /** Draws the newest picture; false if there is none that was not drawn yet. */
+  draw(): boolean {
+    return this.images?.draw((shown) => this.paint(shown)) ?? false;
+  }
+
+  private paint({ picture, tick, stats, camera, arrivedMs }: ShownPicture): void {
+    const { canvas } = this;
+    const [width, height] =
+      picture instanceof ImageBitmap ? [picture.width, picture.height] : [picture.displayWidth, picture.displayHeight];
+    if (canvas.width !== width) canvas.width = width;
+    if (canvas.height !== height) canvas.height = height;
+    this.context.drawImage(picture, 0, 0);
+    if (stats) this.clock.arrived(stats.publishedUnixUs, arrivedMs);
+    this.tick = tick;
+    this.stats = stats;
+    this.camera = camera;
+    this.numShown += 1;
+    if (!this.isShown) this.setShown(true);
+  }
+
+  private setChosen(isChosen: boolean): void {
+    this.isChosen = isChosen;
+    this.numShown = 0;
+    this.tick = -1;
+    this.button.setAttribute('aria-pressed', String(isChosen));
+    this.app.statistics.reset();
+    this.app.tellConnection();
+  }
+
+  private setShown(isShown: boolean): void {
+    this.canvas.hidden = !isShown;
+    this.app.stage.backdrop = isShown ? this.canvas : undefined;
+    this.app.setMeshDrawn(!isShown);
+  }
+
+  // What the server or this browser lacks for one codec it may have for the other; without a renderer there is none.
+  private refused(refusal: Refusal, message: string): void {
+    if (refusal !== 'RENDERER_UNAVAILABLE' && this.codec === ImageCodec.IMAGE_VP8) {
+      this.canVideo = false;
+      this.follow();
+      return;
+    }
+    this.leave();
+    this.app.notify('error', `No pictures, so the mesh is shown: ${message}`);
+  }
+
+  private get pace(): Pace {
+    return { isPaused: document.hidden, maxRateHz: 0 };
+  }
+
+  private view(): ImageView {
+    const { stage, look } = this.app;
+    const colorBy = look.isByPiece ? ColorBy.PIECES : look.isByStrain ? ColorBy.STRAINS : ColorBy.SIDES;
+    const size = pictureSize(stage.sizePx, Math.min(devicePixelRatio, 2));
+    return pictureView(stage.camera, stage.controls.target, size, { wireframe: look.isWireframe, colorBy });
+  }
+}

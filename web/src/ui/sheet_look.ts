@@ -1,0 +1,84 @@
+import type { App } from '../app';
+import type { SheetView } from '../scene/sheet_view';
+import { kStrainGradient } from '../scene/strain_colors';
+import { PieceIds } from '../stream/piece_ids';
+import { element, setText } from './dom';
+
+/** How the sheet is drawn: wireframe, a colour for each piece, or colours by strain. */
+export class SheetLook {
+  isByPiece = false;
+  isByStrain = false;
+
+  private readonly pieceIds: PieceIds;
+  private labels: ReadonlyMap<number, number> = new Map();
+
+  constructor(
+    private readonly app: App,
+    private readonly view: SheetView,
+  ) {
+    this.pieceIds = new PieceIds(() => app.showAgain());
+    element('strain-gradient').style.background = kStrainGradient;
+  }
+
+  get isWireframe(): boolean {
+    return this.view.isWireframe;
+  }
+
+  toggleWireframe(): void {
+    this.view.setWireframe(!this.isWireframe);
+    element('wireframe').setAttribute('aria-pressed', String(this.isWireframe));
+    this.app.stage.invalidate();
+  }
+
+  toggleByPiece(): void {
+    this.isByPiece = !this.isByPiece;
+    element('by-piece').setAttribute('aria-pressed', String(this.isByPiece));
+    if (this.isByPiece && this.isByStrain) this.toggleByStrain();
+    this.app.showAgain();
+  }
+
+  /** The server computes strains for whoever asks alone: another stream, which goes on from what is here. */
+  toggleByStrain(): void {
+    this.isByStrain = !this.isByStrain;
+    element('by-strain').setAttribute('aria-pressed', String(this.isByStrain));
+    element('strain-legend').hidden = !this.isByStrain;
+    if (this.isByPiece && this.isByStrain) this.toggleByPiece();
+    this.app.restartWatch(true);
+    this.app.showAgain();
+  }
+
+  /** Stable id of a piece by its label in the mirror's frames; undefined while it is not known. */
+  pieceId(label: number): number | undefined {
+    return this.idsOfPieces()?.get(label);
+  }
+
+  /** What is known of pieces is not of the sheet that comes. */
+  reset(): void {
+    this.pieceIds.reset();
+  }
+
+  /** Colours the sheet's newest state, which the view has. */
+  color(): void {
+    if (!this.isByStrain) {
+      this.view.colorByPiece(this.isByPiece ? this.idsOfPieces() : null);
+      return;
+    }
+    const end = this.view.colorByStrain();
+    if (end === undefined) return;
+    // The server has a scale of its own for its pictures.
+    const isOwn = !this.app.imageMode.isShown;
+    setText(element('strain-end'), isOwn ? `${Number((100 * end).toPrecision(1))} % or more` : 'the most');
+  }
+
+  // Recordings have no ids: there, each number of a piece is one.
+  private idsOfPieces(): ReadonlyMap<number, number> | undefined {
+    const { surface, watch, sheetName } = this.app;
+    if (!surface) return undefined;
+    const { topologyVersion, numPieces } = surface.mirror;
+    if (watch) return this.pieceIds.at(sheetName, topologyVersion);
+    if (this.labels.size !== numPieces) {
+      this.labels = new Map(Array.from({ length: numPieces }, (_, label) => [label, label]));
+    }
+    return this.labels;
+  }
+}
