@@ -6,7 +6,7 @@ import { element, setText } from './dom';
 import { fileName, saveFile } from './download';
 import { Menu } from './menu';
 
-/** What is shown, as a file: pictures, meshes, recordings of frames. Items of the server’s recordings: ServerRecordings. */
+/** What is shown, as a file: pictures, meshes, recordings of frames. ServerRecordings has the items of the server’s recordings. */
 export class SaveMenu {
   private readonly menu: Menu;
   private readonly record = element<HTMLButtonElement>('save-recording');
