@@ -76,6 +76,7 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   add_cuts_commands(app, session);
   add_watch_command(app, session);
   add_view_commands(app, session);
+  add_images_command(app, session);
   add_analyze_command(app, session);
   add_offline_commands(app, session);
   add_load_command(app, session);

@@ -50,11 +50,19 @@ ProgressBar::~ProgressBar() {
   if (drawn_ != Clock::time_point()) draw("");
 }
 
-void ProgressBar::show(double done, const std::string& what) {
+bool ProgressBar::is_due() {
   const Clock::time_point now = Clock::now();
-  if (!live_ || now - drawn_ < kRedrawn) return;
+  if (!live_ || now - drawn_ < kRedrawn) return false;
   drawn_ = now;
-  draw(progress_line(done, std::chrono::duration<double>(now - started_).count(), what));
+  return true;
+}
+
+void ProgressBar::show(double done, const std::string& what) {
+  if (is_due()) draw(progress_line(done, std::chrono::duration<double>(drawn_ - started_).count(), what));
+}
+
+void ProgressBar::show(const std::string& what) {
+  if (is_due()) draw(what);
 }
 
 WaitingNote::WaitingNote(const Session& session, std::string what) : what_(std::move(what)) {

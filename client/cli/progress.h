@@ -29,9 +29,13 @@ class ProgressBar {
 
   // Draws at most ten times a second, so it may be called as often as there is news.
   void show(double done, const std::string& what);
+  void show(const std::string& what);  // of work without an end
 
  private:
   using Clock = std::chrono::steady_clock;
+  // Whether there is somebody to see it, and the last one is old enough.
+  bool is_due();
+
   bool live_ = false;
   Clock::time_point started_ = Clock::now();
   Clock::time_point drawn_;  // the epoch: not yet

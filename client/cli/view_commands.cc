@@ -1,18 +1,17 @@
 #include <cstdio>
 #include <memory>
-#include <optional>
 #include <string>
 #include <variant>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <CLI/Validators.hpp>
 #include <nlohmann/json.hpp>
 
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/picture_options.h"
 #include "client/cli/progress.h"
 #include "client/cpp/client.h"
 #include "server/host/disk.h"
@@ -25,19 +24,8 @@ using Json = nlohmann::ordered_json;
 struct RenderArguments {
   std::string id;
   std::string out;
-  std::string size = "640x360";
-  std::optional<std::string> view;
-  double fov_deg = 0.0;
-  bool wireframe = false;
-  bool undeformed = false;
-  std::string color_by = "sides";
+  PictureOptions picture;
 };
-
-// Of an argument that was checked to be one of them.
-v1::ColorBy color_by_of(const std::string& name) {
-  if (name == "pieces") return v1::PIECES;
-  return name == "strains" ? v1::STRAINS : v1::SIDES;
-}
 
 int write(const std::string& path, std::string_view content) {
   host::RealDisk disk;
@@ -46,24 +34,20 @@ int write(const std::string& path, std::string_view content) {
 }
 
 int render(const Session& session, const RenderArguments& arguments) {
-  const Parsed<ImageSize> size = parse_image_size(arguments.size);
-  if (const auto* wrong = std::get_if<UsageError>(&size)) return misuse("--size: " + wrong->message);
+  const Parsed<Picture> picture = parse_picture(arguments.picture);
+  if (const auto* wrong = std::get_if<UsageError>(&picture)) return misuse(wrong->message);
+  const Picture& wanted = std::get<Picture>(picture);
   const bool jpeg = has_ending(arguments.out, ".jpg") || has_ending(arguments.out, ".jpeg");
   if (!jpeg && !has_ending(arguments.out, ".png")) return misuse("--out: the file must end in .png, .jpg or .jpeg");
 
   v1::RenderImageRequest request;
   request.set_name("sheets/" + arguments.id);
-  request.set_width_px(std::get<ImageSize>(size).width);
-  request.set_height_px(std::get<ImageSize>(size).height);
-  request.set_wireframe(arguments.wireframe);
-  request.set_undeformed(arguments.undeformed);
-  request.set_color_by(color_by_of(arguments.color_by));
-  if (arguments.view) {
-    const Parsed<v1::Camera> camera = parse_camera(*arguments.view);
-    if (const auto* wrong = std::get_if<UsageError>(&camera)) return misuse("--view: " + wrong->message);
-    *request.mutable_camera() = std::get<v1::Camera>(camera);
-    request.mutable_camera()->set_vertical_fov_deg(arguments.fov_deg);
-  }
+  request.set_width_px(wanted.size.width);
+  request.set_height_px(wanted.size.height);
+  request.set_wireframe(wanted.wireframe);
+  request.set_undeformed(wanted.undeformed);
+  request.set_color_by(wanted.color_by);
+  if (wanted.camera) *request.mutable_camera() = *wanted.camera;
   request.set_format(jpeg ? v1::RenderImageRequest::JPEG : v1::RenderImageRequest::PNG);
   client::Client client(session.server);
   v1::RenderImageResponse response;
@@ -137,19 +121,7 @@ void add_render(CLI::App& app, Session& session) {
   command->add_option("--out", arguments->out, "File to write: .png, .jpg or .jpeg")
       ->required()
       ->type_name(value::kFile);
-  command->add_option("--size", arguments->size, "Width and height in pixels, 16..4096 each")
-      ->type_name("WIDTHxHEIGHT")
-      ->capture_default_str();
-  CLI::Option* view = command->add_option("--view", arguments->view,
-                                          "Seen from \"EYE TARGET [UP]\", each x,y,z in metres, as in kerf cut --view "
-                                          "(default: all of it)");
-  command->add_option("--fov", arguments->fov_deg, "Its vertical field of view, degrees (default 40)")->needs(view);
-  command->add_flag("--wireframe", arguments->wireframe, "Draw the triangles' edges");
-  command->add_flag("--undeformed", arguments->undeformed,
-                    "Draw the sheet as it is cut, but flat: x,y,0 in material coordinates, without colliders");
-  command->add_option("--color-by", arguments->color_by, "What colours it: its sides, its pieces, or strains")
-      ->check(CLI::IsMember({"sides", "pieces", "strains"}))
-      ->capture_default_str();
+  add_picture_options(*command, arguments->picture);
   command->callback(
       [&session, arguments] { session.action = [&session, arguments] { return render(session, *arguments); }; });
 }

@@ -1,15 +1,9 @@
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
-#include <ctime>
-#include <functional>
 #include <memory>
 #include <string>
-#include <thread>
-#include <utility>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -18,6 +12,7 @@
 
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/on_signal.h"
 #include "client/cli/watch_meter.h"
 #include "client/cpp/client.h"
 #include "client/cpp/watcher.h"
@@ -29,46 +24,6 @@ struct WatchArguments {
   std::string id;
   std::int64_t frames = 0;
   double max_rate_hz = 0.0;
-};
-
-// Ctrl-C, blocked in this thread and those that it starts from now on.
-sigset_t block_interrupts() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGINT);
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  return signals;
-}
-
-// Calls `act` at the first of the signals, in a thread of its own.
-class OnSignal {
- public:
-  OnSignal(const sigset_t& signals, std::function<void()> act) : signals_(signals), act_(std::move(act)) {
-    thread_ = std::thread([this] { run(); });
-  }
-  ~OnSignal() {
-    over_ = true;
-    thread_.join();
-  }
-  OnSignal(const OnSignal&) = delete;
-  OnSignal& operator=(const OnSignal&) = delete;
-  [[nodiscard]] bool came() const { return came_; }
-
- private:
-  void run() {
-    while (!over_ && !came_) {
-      const timespec wait{0, 100'000'000};
-      if (sigtimedwait(&signals_, nullptr, &wait) < 0) continue;
-      came_ = true;
-      act_();
-    }
-  }
-
-  const sigset_t signals_;
-  const std::function<void()> act_;
-  std::atomic<bool> over_{false};
-  std::atomic<bool> came_{false};
-  std::thread thread_;
 };
 
 WatchMeter::Frame measure(const v1::Frame& frame, const client::Mirror& mirror) {

@@ -1,5 +1,7 @@
 #include "client/cpp/server.h"
 
+#include "client/cpp/transfers.h"
+
 namespace kerf::client {
 namespace {
 
@@ -25,6 +27,13 @@ Result<Sheet> Server::create(const v1::Scene& scene, const CreateOptions& option
   const auto made = connection_->call(&v1::SheetService::Stub::CreateSheet, client().sheets(), request);
   if (!made) return made.failure();
   return sheet(id_of(*made));
+}
+
+Result<Sheet> Server::replay(const std::string& recording, const std::string& id, bool paused) {
+  v1::Sheet made;
+  const grpc::Status status = replay_recording(client(), id, paused, recording, made);
+  if (!status.ok()) return failure_of(status);
+  return sheet(id_of(made));
 }
 
 Result<std::vector<Sheet>> Server::sheets() {

@@ -32,6 +32,9 @@ class Server {
 
   Result<v1::ServerInfo> info();  // version, renderer, limits, material presets
   Result<Sheet> create(const v1::Scene& scene, const CreateOptions& options = {});
+  // A new sheet that plays a recording (Sheet::recording(), or a file's bytes) live and is paused at its end. id:
+  // empty: that of the recording, else the server chooses.
+  Result<Sheet> replay(const std::string& recording, const std::string& id = {}, bool paused = false);
   Result<std::vector<Sheet>> sheets();  // by name
   // One that there is; nothing is asked of the server yet.
   [[nodiscard]] Sheet sheet(const std::string& id) const { return {connection_, id}; }

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <utility>
 
+#include "client/cpp/transfers.h"
+
 namespace kerf::client {
 namespace {
 
@@ -125,6 +127,13 @@ Result<v1::Sheet> Sheet::step(std::int32_t ticks) {
   return connection_->call(&v1::SheetService::Stub::StepSheet, connection_->client().sheets(), request);
 }
 
+Result<v1::Sheet> Sheet::set_speed(double speed) {
+  v1::SetSheetSpeedRequest request;
+  request.set_name(name());
+  request.set_speed(speed);
+  return connection_->call(&v1::SheetService::Stub::SetSheetSpeed, connection_->client().sheets(), request);
+}
+
 Result<Done> Sheet::remove() {
   v1::DeleteSheetRequest request;
   request.set_name(name());
@@ -189,6 +198,13 @@ Result<std::int64_t> Sheet::set_wind(const std::optional<v1::Wind>& wind) {
   return interact(&v1::InteractionService::Stub::SetSheetWind, std::move(request));
 }
 
+Result<std::int64_t> Sheet::set_material(const v1::Material& material, std::optional<std::int32_t> part) {
+  v1::SetSheetMaterialRequest request;
+  *request.mutable_set_material()->mutable_material() = material;
+  if (part) request.mutable_set_material()->set_part(*part);
+  return interact(&v1::InteractionService::Stub::SetSheetMaterial, std::move(request));
+}
+
 Result<State> Sheet::state() {
   v1::GetSheetStateRequest request;
   request.set_name(name());
@@ -212,14 +228,30 @@ Result<v1::RenderImageResponse> Sheet::render(const RenderOptions& options) {
   if (options.camera) *request.mutable_camera() = *options.camera;
   request.set_wireframe(options.wireframe);
   request.set_undeformed(options.undeformed);
+  request.set_color_by(options.color_by);
   request.set_format(options.format);
   request.set_jpeg_quality(options.jpeg_quality);
   return connection_->call(&v1::RenderService::Stub::RenderImage, connection_->client().render(), request);
 }
 
 Result<std::string> Sheet::obj() {
+  return exported(v1::ExportSheetRequest::OBJ);
+}
+Result<std::string> Sheet::gltf() {
+  return exported(v1::ExportSheetRequest::GLTF);
+}
+
+Result<std::string> Sheet::recording() {
+  std::string file;
+  const grpc::Status status = fetch_recording(connection_->client(), name(), file);
+  if (!status.ok()) return failure_of(status);
+  return file;
+}
+
+Result<std::string> Sheet::exported(v1::ExportSheetRequest::Format format) {
   v1::ExportSheetRequest request;
   request.set_name(name());
+  request.set_format(format);
   auto reply = connection_->call(&v1::SheetService::Stub::ExportSheet, connection_->client().sheets(), request);
   if (!reply) return reply.failure();
   return std::move(*reply->mutable_content());
@@ -233,6 +265,13 @@ Result<v1::AnalyzeSheetResponse> Sheet::analyze(v1::AnalyzeSheetRequest request)
 Result<v1::Ended> Sheet::watch(const Watcher::OnFrame& on_frame, const WatchOptions& options) {
   Watcher watcher(connection_->client());
   const grpc::Status status = watcher.run(name(), options, on_frame);
+  if (!status.ok()) return failure_of(status);
+  return watcher.ended();
+}
+
+Result<v1::Ended> Sheet::watch_images(const ImageWatcher::OnImage& on_image, const ImageOptions& options) {
+  ImageWatcher watcher(connection_->client());
+  const grpc::Status status = watcher.run(name(), options, on_image);
   if (!status.ok()) return failure_of(status);
   return watcher.ended();
 }

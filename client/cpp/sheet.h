@@ -10,6 +10,7 @@
 #include "client/cpp/connection.h"
 #include "client/cpp/cut_options.h"
 #include "client/cpp/geometry.h"
+#include "client/cpp/image_watcher.h"
 #include "client/cpp/result.h"
 #include "client/cpp/watcher.h"
 
@@ -33,6 +34,7 @@ struct RenderOptions {
   std::optional<v1::Camera> camera = {};  // absent: all of the sheet
   bool wireframe = false;
   bool undeformed = false;  // as it is cut, but flat
+  v1::ColorBy color_by = v1::SIDES;
   v1::RenderImageRequest::Format format = v1::RenderImageRequest::PNG;
   std::int32_t jpeg_quality = 0;  // 1..100; 0: 85
 };
@@ -64,6 +66,8 @@ class Sheet {
   Result<v1::Sheet> pause();
   Result<v1::Sheet> resume();
   Result<v1::Sheet> step(std::int32_t ticks);  // of a paused sheet, 1..100000; answers when they are done
+  // Simulated seconds in one of the wall's, 0.01..4; 1: live. The same ticks, farther apart.
+  Result<v1::Sheet> set_speed(double speed);
   Result<v1::Sheet> reset();
   Result<Done> remove();
 
@@ -79,16 +83,24 @@ class Sheet {
   Result<std::int64_t> set_pins(std::span<const v1::Region> pins);  // in place of all; none: the sheet is free
   Result<std::int64_t> set_gravity(Vector gravity_mps2);
   Result<std::int64_t> set_wind(const std::optional<v1::Wind>& wind);  // absent: no air at all
+  // What `material` does not give comes from its own preset. part: an index into the scene's materials, or -1: what
+  // those leave; absent: all of the sheet. reset() brings the first material back.
+  Result<std::int64_t> set_material(const v1::Material& material, std::optional<std::int32_t> part = {});
 
   // Looks.
   Result<State> state();
   Result<v1::RenderImageResponse> render(const RenderOptions& options = {});
-  Result<std::string> obj();  // a Wavefront OBJ file
+  Result<std::string> obj();   // a Wavefront OBJ file
+  Result<std::string> gltf();  // a binary glTF 2.0 file, y up, with a colour for each piece
+  // What it has done since it was made, for `kerf replay` and Server::replay(): a file's bytes.
+  Result<std::string> recording();
   // Equilibrium, vibrations or ticks to come, on a copy; the request's name is set here.
   Result<v1::AnalyzeSheetResponse> analyze(v1::AnalyzeSheetRequest request);
   // Blocks: calls on_frame with each frame applied to a mirror of the sheet, until it says false or the server ends the
   // stream, which Ended then tells.
   Result<v1::Ended> watch(const Watcher::OnFrame& on_frame, const WatchOptions& options = {});
+  // The same with pictures that the server draws.
+  Result<v1::Ended> watch_images(const ImageWatcher::OnImage& on_image, const ImageOptions& options = {});
 
  private:
   template <typename Request>
@@ -100,6 +112,7 @@ class Sheet {
                                                                                      v1::InteractionResponse*),
                                 Request request);
   Result<std::int64_t> grab(v1::Grab grab, std::optional<Vector> target, double stiffness_npm);
+  Result<std::string> exported(v1::ExportSheetRequest::Format format);
 
   std::shared_ptr<Connection> connection_;
   std::string id_;

@@ -1,9 +1,10 @@
 #include "client/cpp/watcher.h"
 
-#include <chrono>
 #include <optional>
 
 namespace kerf::client {
+
+using FrameStream = LiveStream<v1::WatchRequest, v1::WatchResponse>;
 
 v1::WatchRequest start_of_watch(const std::string& name, const WatchOptions& options) {
   v1::WatchRequest request;
@@ -16,45 +17,29 @@ v1::WatchRequest start_of_watch(const std::string& name, const WatchOptions& opt
 }
 
 v1::WatchRequest acknowledgement(std::int64_t sequence, std::chrono::steady_clock::time_point arrived) {
-  const auto held = std::chrono::steady_clock::now() - arrived;
-  v1::WatchRequest request;
-  request.mutable_ack()->set_sequence(sequence);
-  request.mutable_ack()->set_held_us(1 + std::chrono::duration_cast<std::chrono::microseconds>(held).count());
-  return request;
+  return FrameStream::acknowledgement(sequence, arrived);
 }
 
 grpc::Status Watcher::run(const std::string& name, const WatchOptions& options, const OnFrame& on_frame) {
-  const auto stream = client_.stream().Watch(&context_);
-  stream->Write(start_of_watch(name, options));
-
   Mirror mirror;
-  v1::WatchResponse response;
-  grpc::Status failure = grpc::Status::OK;
-  bool wanted = true;
-  while (wanted && stream->Read(&response)) {
-    const auto arrived = std::chrono::steady_clock::now();
-    if (response.has_ended()) ended_ = response.ended();
-    if (!response.has_frame()) continue;
-    if (const std::optional<std::string> wrong = mirror.apply(response.frame())) {
-      failure = grpc::Status(grpc::StatusCode::DATA_LOSS, "a frame does not fit: " + *wrong);
-      break;
-    }
-    wanted = on_frame(response.frame(), mirror);
-    stream->Write(acknowledgement(response.frame().sequence(), arrived));
-  }
-  if (!wanted || !failure.ok()) {
-    context_.TryCancel();
-    stream->Finish();
-    return failure;
-  }
-  stream->WritesDone();
-  const grpc::Status status = stream->Finish();
-  return stopped_ ? grpc::Status::OK : status;
+  return stream_.run([this](grpc::ClientContext* context) { return client_.stream().Watch(context); },
+                     start_of_watch(name, options),
+                     [&](const v1::WatchResponse& response) -> FrameStream::Taken {
+                       if (!response.has_frame()) return {};
+                       const v1::Frame& frame = response.frame();
+                       if (const std::optional<std::string> wrong = mirror.apply(frame)) {
+                         return {0, grpc::Status(grpc::StatusCode::DATA_LOSS, "a frame does not fit: " + *wrong)};
+                       }
+                       if (on_frame(frame, mirror)) return {frame.sequence(), {}};
+                       return {frame.sequence(), grpc::Status::OK};
+                     });
 }
 
-void Watcher::stop() {
-  stopped_ = true;
-  context_.TryCancel();
+void Watcher::set_pace(double max_rate_hz, bool paused) {
+  v1::WatchRequest request;
+  request.mutable_pace()->set_max_rate_hz(max_rate_hz);
+  request.mutable_pace()->set_paused(paused);
+  stream_.send(request);
 }
 
 }  // namespace kerf::client

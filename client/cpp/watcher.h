@@ -1,15 +1,14 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <string>
 
-#include <grpcpp/client_context.h>
+#include <grpcpp/support/status.h>
 
 #include "client/cpp/client.h"
+#include "client/cpp/live_stream.h"
 #include "client/cpp/mirror.h"
 
 namespace kerf::client {
@@ -31,24 +30,24 @@ class Watcher {
   // Called after each applied frame; return false to stop.
   using OnFrame = std::function<bool(const v1::Frame& frame, const Mirror& mirror)>;
 
-  explicit Watcher(Client& client) : client_(client) {}
+  explicit Watcher(Client& client) : client_(client) {}  // for one run()
 
   // Watches `name` ("sheets/demo") until on_frame says stop, stop() is called, the server ends the stream, or it fails.
   // OK in the first three cases; DATA_LOSS if a frame does not fit the mirror. The server is told how long on_frame
   // took, so that a slow one is given newer frames, not queued ones.
   grpc::Status run(const std::string& name, const WatchOptions& options, const OnFrame& on_frame);
 
+  // From any thread: how often frames come from now on; max_rate_hz as in WatchOptions. While paused none come.
+  void set_pace(double max_rate_hz, bool paused = false);
   // From any thread, also from a signal handler's aid: ends run().
-  void stop();
+  void stop() { stream_.stop(); }
 
   // Why the server ended the stream, if it did.
-  [[nodiscard]] const v1::Ended& ended() const { return ended_; }
+  [[nodiscard]] const v1::Ended& ended() const { return stream_.ended(); }
 
  private:
   Client& client_;
-  grpc::ClientContext context_;
-  std::atomic<bool> stopped_{false};
-  v1::Ended ended_;
+  LiveStream<v1::WatchRequest, v1::WatchResponse> stream_;
 };
 
 }  // namespace kerf::client

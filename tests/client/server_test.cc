@@ -131,6 +131,9 @@ TEST_F(ServerTest, TimeGoesAsItIsTold) {
   EXPECT_EQ(sheet.resume().value().run_state(), v1::Sheet::RUNNING);
   EXPECT_EQ(sheet.step(1).failure().code, grpc::StatusCode::FAILED_PRECONDITION);
   EXPECT_EQ(sheet.pause().value().run_state(), v1::Sheet::PAUSED);
+  EXPECT_EQ(sheet.set_speed(0.25).value().speed(), 0.25);
+  EXPECT_EQ(sheet.get().value().speed(), 0.25);
+  EXPECT_EQ(sheet.set_speed(5.0).failure().field, "speed");
   ASSERT_TRUE(sheet.reset().ok());
   ASSERT_TRUE(sheet.remove().ok());
   EXPECT_EQ(sheet.get().failure().reason, "SHEET_NOT_FOUND");
@@ -170,6 +173,42 @@ TEST_F(ServerTest, HandsPullTheSheet) {
   EXPECT_FALSE(sheet.get().value().scene().has_wind());
 }
 
+TEST_F(ServerTest, AMaterialIsSetForAllOfASheetOrAPart) {
+  v1::Scene scene = grid_scene(8, 8, 1.0, 1.0);
+  v1::RegionMaterial& part = *scene.add_materials();
+  part.mutable_region()->mutable_box()->mutable_min()->set_x(0.5);
+  part.mutable_region()->mutable_box()->mutable_max()->set_x(1.0);
+  part.mutable_region()->mutable_box()->mutable_max()->set_y(1.0);
+  part.mutable_material()->set_preset("denim");
+  Sheet sheet = server_->create(scene, {"two", true, ""}).value();
+  v1::Material material;
+  material.set_preset("silk");
+  material.set_thickness_m(0.0003);
+  ASSERT_TRUE(sheet.set_material(material, 0).ok());
+  EXPECT_EQ(sheet.get().value().scene().materials(0).material().thickness_m(), 0.0003);
+  EXPECT_NE(sheet.get().value().scene().material().thickness_m(), 0.0003);
+  ASSERT_TRUE(sheet.set_material(material).ok());
+  EXPECT_EQ(sheet.get().value().scene().material().thickness_m(), 0.0003);
+  EXPECT_EQ(sheet.set_material(material, 1).failure().field, "set_material.part");
+  material.set_preset("steel");
+  EXPECT_EQ(sheet.set_material(material).failure().field, "set_material.material.preset");
+}
+
+TEST_F(ServerTest, ARecordingIsPlayedAsAnotherSheet) {
+  Sheet sheet = make("first");
+  ASSERT_TRUE(sheet.step(10).ok());
+  ASSERT_TRUE(sheet.cut(circle({0.5, 0.5}, 0.2)).ok());
+  const v1::Sheet after = sheet.step(10).value();
+  const std::string file = sheet.recording().value();
+  Sheet again = server_->replay(file, "again", true).value();
+  EXPECT_EQ(again.name(), "sheets/again");
+  const v1::Sheet played = again.step(1000).value();
+  EXPECT_EQ(played.replay().state(), v1::Replay::DONE);
+  EXPECT_EQ(played.state_hash(), after.state_hash());
+  EXPECT_EQ(server_->replay("no recording").failure().code, grpc::StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(server_->sheet("nobody").recording().failure().reason, "SHEET_NOT_FOUND");
+}
+
 TEST_F(ServerTest, TheExactStateComesAsArrays) {
   Sheet sheet = make("state");
   const State state = sheet.state().value();
@@ -195,6 +234,7 @@ TEST_F(ServerTest, FramesFilesAndAnalyses) {
   EXPECT_EQ(vertices, 64);
   EXPECT_NE(sheet.obj().value().find("\nv "), std::string::npos);
   EXPECT_NE(sheet.obj().value().find("\nf "), std::string::npos);
+  EXPECT_EQ(sheet.gltf().value().substr(0, 4), "glTF");
   v1::AnalyzeSheetRequest modes;
   modes.mutable_analysis()->mutable_modes()->set_count(2);
   EXPECT_EQ(sheet.analyze(modes).value().tables(0).rows_size(), 2);

@@ -9,6 +9,7 @@
 #include <array>
 #include <cctype>
 #include <cstdlib>
+#include <utility>
 
 namespace kerf::ws_test {
 namespace {
@@ -87,6 +88,12 @@ std::optional<std::string> RawClient::read_exactly(std::size_t bytes) {
   std::string result = buffer_.substr(0, bytes);
   buffer_.erase(0, bytes);
   return result;
+}
+
+std::string RawClient::read_rest() {
+  while (receive()) {
+  }
+  return std::exchange(buffer_, {});
 }
 
 Response RawClient::read_response(bool head) {

@@ -30,6 +30,8 @@ class RawClient {
   std::optional<std::string> read_exactly(std::size_t bytes);
   // The next response; its body by Content-Length, none for `head`.
   Response read_response(bool head = false);
+  // All that comes until the peer closes.
+  std::string read_rest();
   // Waits; true if the peer closes (or resets) and nothing more comes before it.
   bool closed_by_peer();
   void hang_up();

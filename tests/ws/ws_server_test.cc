@@ -1,7 +1,7 @@
+// What is asked over HTTP, and answered.
+
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <regex>
 #include <sstream>
@@ -11,56 +11,10 @@
 #include "kerf/v1/server.pb.h"
 #include "kerf/v1/sheets.pb.h"
 #include "server/wire/json.h"
-#include "tests/ws/raw_client.h"
-#include "tests/ws/running_server.h"
+#include "tests/ws/http_fixture.h"
 
 namespace kerf::ws_test {
 namespace {
-
-namespace fs = std::filesystem;
-using std::chrono::milliseconds;
-
-constexpr const char* kSheet =
-    R"({"sheet_id":"a","paused":true,"scene":{"grid":{"columns":6,"rows":6,"width_m":1,"height_m":1}}})";
-
-fs::path make_viewer() {
-  std::string name = (fs::temp_directory_path() / "kerf-viewer-XXXXXX").string();
-  EXPECT_NE(::mkdtemp(name.data()), nullptr);
-  const fs::path folder = name;
-  fs::create_directories(folder / "assets");
-  std::ofstream(folder / "index.html") << "<p>viewer</p>";
-  std::ofstream(folder / "assets" / "app-12.js") << "let viewer;";
-  return folder;
-}
-
-class HttpServerTest : public ::testing::Test {
- protected:
-  void start(app::Config config = test_config()) {
-    config.web = viewer_;
-    server_ = start_server(config);
-    ASSERT_NE(server_, nullptr);
-    port_ = port_of(server_->http_url());
-  }
-  void TearDown() override {
-    server_.reset();
-    fs::remove_all(viewer_);
-  }
-  [[nodiscard]] Response get(std::string_view target, std::string_view headers = {}) const {
-    return request(port_, "GET", target, headers);
-  }
-  [[nodiscard]] Response call(const std::string& method, std::string_view json, std::string_view headers = {}) const {
-    return request(port_, "POST", "/kerf.v1." + method, headers, json);
-  }
-  [[nodiscard]] double metric(const std::string& name) const {
-    const std::string page = get("/metrics").body;
-    const std::size_t found = page.find("\n" + name + " ");
-    return found == std::string::npos ? -1.0 : std::stod(page.substr(found + name.size() + 2));
-  }
-
-  const fs::path viewer_ = make_viewer();
-  std::unique_ptr<app::Server> server_;
-  int port_ = 0;
-};
 
 TEST_F(HttpServerTest, ServesTheViewer) {
   start();
@@ -233,91 +187,6 @@ TEST_F(HttpServerTest, RecordingsAreDownloadedAndPlayed) {
   EXPECT_EQ(rebound.read_response().status, 403);
 }
 
-TEST_F(HttpServerTest, RefusesWhatIsNotHttp) {
-  start();
-  for (const char* bytes :
-       {"garbage\r\n\r\n", "GET / HTTP/9.9\r\n\r\n", "GET /\r\n\r\n", "\x16\x03\x01\x02\x01\xfc\x03\x03\r\n\r\n",
-        "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: -1\r\n\r\n",
-        "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\nContent-Length: 2\r\n\r\n",
-        "POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n"}) {
-    RawClient client(port_);
-    client.send(bytes);
-    EXPECT_EQ(client.read_response().status, 400) << bytes;
-    EXPECT_TRUE(client.closed_by_peer()) << bytes;
-  }
-  EXPECT_EQ(get("/healthz").status, 200);
-}
-
-TEST_F(HttpServerTest, KeepsConnectionsAndTheOrderOfAnswers) {
-  start();
-  RawClient client(port_);
-  client.send(
-      "POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
-      "2\r\n{}\r\n0\r\n\r\nGET /readyz HTTP/1.1\r\nHost: localhost\r\n\r\n"
-      "GET /none HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  EXPECT_EQ(client.read_response().headers.at("content-type"), "application/json");
-  EXPECT_EQ(client.read_response().body, "ready\n");
-  EXPECT_EQ(client.read_response().status, 404);
-  client.send(
-      "POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 2\r\n"
-      "Expect: 100-continue\r\n\r\n");
-  EXPECT_EQ(client.read_response().status, 100);
-  client.send("{}");
-  EXPECT_EQ(client.read_response().status, 200);
-  client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
-  EXPECT_EQ(client.read_response().status, 200);
-  EXPECT_TRUE(client.closed_by_peer());
-}
-
-TEST_F(HttpServerTest, WaitsForNobodyForEver) {
-  app::Config config = test_config();
-  config.http_options.request_timeout = milliseconds(100);
-  config.http_options.idle_timeout = milliseconds(150);
-  start(config);
-  RawClient mute(port_);
-  RawClient slow(port_);
-  slow.send("GET /healthz HT");
-  RawClient stalled(port_);
-  stalled.send("POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\n{");
-  RawClient idle(port_);
-  idle.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  EXPECT_EQ(idle.read_response().status, 200);
-  EXPECT_TRUE(mute.closed_by_peer());
-  EXPECT_TRUE(slow.closed_by_peer());
-  EXPECT_TRUE(stalled.closed_by_peer());
-  EXPECT_TRUE(idle.closed_by_peer());
-}
-
-TEST_F(HttpServerTest, TurnsAwayConnectionsBeyondTheLimit) {
-  app::Config config = test_config();
-  config.http_options.max_connections = 2;
-  start(config);
-  const auto ask = [](RawClient& client) {
-    client.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
-    return client.read_response().status;
-  };
-  RawClient first(port_);
-  EXPECT_EQ(ask(first), 200);
-  {
-    RawClient second(port_);
-    EXPECT_EQ(ask(second), 200);
-    RawClient third(port_);
-    EXPECT_TRUE(third.closed_by_peer());
-    second.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
-    const std::string page = second.read_response().body;
-    EXPECT_NE(page.find("\nkerf_http_refused_connections_total 1\n"), std::string::npos) << page;
-    EXPECT_NE(page.find("\nkerf_http_open_connections 2\n"), std::string::npos) << page;
-    EXPECT_TRUE(second.closed_by_peer());
-  }
-  // The place is free once the server has seen the second one go.
-  int status = 0;
-  for (int attempt = 0; attempt < 1000 && status != 200; ++attempt) {
-    RawClient next(port_);
-    status = ask(next);
-  }
-  EXPECT_EQ(status, 200);
-}
-
 TEST_F(HttpServerTest, CountsWhatItDoes) {
   start();
   ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
@@ -335,90 +204,6 @@ TEST_F(HttpServerTest, CountsWhatItDoes) {
   int counted = 0;
   for (std::string text; std::getline(lines, text); ++counted) EXPECT_TRUE(std::regex_match(text, line)) << text;
   EXPECT_GT(counted, 60);
-}
-
-// One call as it is sent.
-std::string step_request(std::int32_t ticks) {
-  const std::string body = R"({"name":"sheets/a","ticks":)" + std::to_string(ticks) + "}";
-  return "POST /kerf.v1.SheetService/StepSheet HTTP/1.1\r\nHost: localhost\r\nContent-Length: " +
-         std::to_string(body.size()) + "\r\n\r\n" + body;
-}
-
-constexpr std::int32_t kManyTicks = 100'000;
-
-TEST_F(HttpServerTest, AStepWhoseClientHangsUpEnds) {
-  start();
-  ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
-  {
-    RawClient client(port_);
-    ASSERT_TRUE(client.send(step_request(kManyTicks)));
-    while (metric("kerf_ticks_total") == 0.0) {
-    }
-  }
-  Response response;
-  do {  // refused as long as the first goes on
-    response = call("SheetService/StepSheet", R"({"name":"sheets/a","ticks":1})");
-  } while (response.status == 400);
-  ASSERT_EQ(response.status, 200) << response.body;
-  v1::Sheet sheet;
-  ASSERT_TRUE(wire::from_json(response.body, sheet));
-  EXPECT_LT(sheet.tick(), kManyTicks);
-}
-
-TEST_F(HttpServerTest, AStepWhoseClientEndsItsHalfIsAnsweredWithWhatWasDone) {
-  start();
-  ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
-  RawClient client(port_);
-  ASSERT_TRUE(client.send(step_request(kManyTicks)));
-  while (metric("kerf_ticks_total") == 0.0) {
-  }
-  client.end_sending();
-  const Response response = client.read_response();
-  ASSERT_EQ(response.status, 200) << response.body;
-  v1::Sheet sheet;
-  ASSERT_TRUE(wire::from_json(response.body, sheet));
-  EXPECT_GT(sheet.tick(), 0);
-  EXPECT_LT(sheet.tick(), kManyTicks);
-  EXPECT_TRUE(client.closed_by_peer());
-}
-
-TEST_F(HttpServerTest, AStepWhoseClientSendsItsNextRequestGoesOn) {
-  start();
-  ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
-  RawClient client(port_);
-  ASSERT_TRUE(client.send(step_request(200)));
-  ASSERT_TRUE(client.send(step_request(30)));
-  for (const std::int64_t tick : {200, 230}) {
-    const Response response = client.read_response();
-    ASSERT_EQ(response.status, 200) << response.body;
-    v1::Sheet sheet;
-    ASSERT_TRUE(wire::from_json(response.body, sheet));
-    EXPECT_EQ(sheet.tick(), tick);
-  }
-}
-
-TEST_F(HttpServerTest, NeverSharesAPort) {
-  start();
-  app::Config config = test_config();
-  config.http.port = port_;
-  const auto second = app::Server::start(config, [](std::string_view) {});
-  ASSERT_FALSE(second);
-  EXPECT_EQ(second.error().reason, "ADDRESS_IN_USE");
-  EXPECT_NE(second.error().message.find(std::to_string(port_)), std::string::npos) << second.error().message;
-  EXPECT_EQ(get("/healthz").status, 200);
-}
-
-TEST_F(HttpServerTest, StopsWithIdleConnectionsOpen) {
-  start();
-  RawClient idle(port_);
-  idle.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
-  EXPECT_EQ(idle.read_response().status, 200);
-  RawClient mute(port_);
-  server_->stop();
-  EXPECT_TRUE(idle.closed_by_peer());
-  EXPECT_TRUE(mute.closed_by_peer());
-  EXPECT_EQ(get("/healthz").status, 0);
-  server_->stop();
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ class Bash(Case):
 
     def test_commands(self):
         commands = self.offered("kerf ")
-        for command in ("sheet", "cut", "undo", "watch", "render", "run", "analyze", "completion"):
+        for command in ("sheet", "cut", "undo", "watch", "render", "images", "run", "analyze", "completion"):
             self.assertIn(command, commands)
         self.assertNotIn("__complete", commands)
         self.assertEqual(self.offered("kerf ren"), ["render"])
@@ -68,6 +68,7 @@ class Bash(Case):
     def test_values(self):
         self.assertEqual(self.offered("kerf sheet create a --pin "), ["top", "corners", "none"])
         self.assertEqual(self.offered("kerf cut a --method el"), ["element"])
+        self.assertEqual(self.offered("kerf images a --format "), ["jpeg", "png"])
         self.assertIn("tr-bdf2", self.offered("kerf run scene.json --integrator "))
         self.assertEqual(self.offered("kerf completion "), ["bash", "zsh", "fish"])
         self.assertEqual(self.offered("kerf sheet create a --material de"), ["demo", "denim"])

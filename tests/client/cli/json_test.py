@@ -13,6 +13,7 @@ CALLS = {
     "cut": "cut still --circle 0.5,0.5,0.2",
     "cuts": "cuts still",
     "export": "export still --out {work}/still.obj",
+    "images": "images still --out {work}/film --size 64x64 --count 1",
     "info": "info",
     "load": "load --grid 4x4 --warm-up 0.1 --duration 0.2",
     "pieces": "pieces still",
@@ -56,10 +57,10 @@ class Json(Case):
         for command in FIRST + [each for each in sorted(CALLS) if each not in FIRST]:
             with self.subTest(command):
                 done = kerf("--json", *CALLS[command].format(work=cli_case.OPTIONS.work).split(" "))
-                if command == "render" and "RENDERER_UNAVAILABLE" in done.stderr:
+                if command in ("images", "render") and "RENDERER_UNAVAILABLE" in done.stderr:
                     continue
                 self.assertEqual((done.returncode, done.stderr), (0, ""))
-                documents = done.stdout.splitlines() if command == "watch" else [done.stdout]
+                documents = done.stdout.splitlines() if command in ("images", "watch") else [done.stdout]
                 self.assertTrue(documents)
                 for document in documents:
                     self.assertIsInstance(json.loads(document), dict)

@@ -1,0 +1,34 @@
+#include "client/cli/on_signal.h"
+
+#include <ctime>
+#include <utility>
+
+namespace kerf::cli {
+
+sigset_t block_interrupts() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGINT);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+OnSignal::OnSignal(const sigset_t& signals, std::function<void()> act) : signals_(signals), act_(std::move(act)) {
+  thread_ = std::thread([this] { run(); });
+}
+
+OnSignal::~OnSignal() {
+  over_ = true;
+  thread_.join();
+}
+
+void OnSignal::run() {
+  while (!over_ && !came_) {
+    const timespec wait{0, 100'000'000};
+    if (sigtimedwait(&signals_, nullptr, &wait) < 0) continue;
+    came_ = true;
+    act_();
+  }
+}
+
+}  // namespace kerf::cli

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <CLI/App.hpp>
+
+#include "client/cli/arguments.h"
+#include "kerf/v1/render.pb.h"
+
+// What `kerf render` and `kerf images` draw.
+namespace kerf::cli {
+
+// As it was typed.
+struct PictureOptions {
+  std::string size = "640x360";
+  std::optional<std::string> view;
+  double fov_deg = 0.0;
+  bool wireframe = false;
+  bool undeformed = false;
+  std::string color_by = "sides";
+};
+
+struct Picture {
+  ImageSize size;
+  std::optional<v1::Camera> camera;
+  bool wireframe = false;
+  bool undeformed = false;
+  v1::ColorBy color_by = v1::SIDES;
+};
+
+// --size, --view, --fov, --wireframe, --undeformed, --color-by.
+void add_picture_options(CLI::App& command, PictureOptions& options);
+
+Parsed<Picture> parse_picture(const PictureOptions& options);
+
+}  // namespace kerf::cli

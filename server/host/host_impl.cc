@@ -1,0 +1,207 @@
+#include "server/host/host_impl.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace kerf::host {
+
+namespace {
+
+Error not_found(const std::string& id) {
+  return {ErrorCode::kNotFound, "SHEET_NOT_FOUND", "there is no sheet \"" + id + "\"", ""};
+}
+
+Error stopping() {
+  return {ErrorCode::kUnavailable, "HOST_STOPPING", "the server is stopping", ""};
+}
+
+Error too_many_vertices(std::int64_t count, std::int32_t limit) {
+  return {ErrorCode::kResourceExhausted, "TOO_MANY_VERTICES",
+          "the sheet has " + std::to_string(count) + " vertices; this server's limit is " + std::to_string(limit), ""};
+}
+
+// Vertices that a config asks for, as far as that can be told without building it.
+std::int64_t declared_vertices(const sheet::SheetConfig& config) {
+  if (const auto* grid = std::get_if<sheet::GridSource>(&config.mesh)) return std::int64_t{grid->columns} * grid->rows;
+  if (const auto* arrays = std::get_if<sheet::ArraySource>(&config.mesh)) return arrays->num_vertices();
+  return 0;
+}
+
+std::string random_id(std::uint64_t bits) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string id = "sheet-";
+  for (int i = 0; i < 10; ++i, bits >>= 4U) id += kDigits[bits & 15U];
+  return id;
+}
+
+}  // namespace
+
+void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config,
+                              std::optional<std::vector<sheet::RecordedTick>> entries, bool paused,
+                              Callback<SheetStatus> done) {
+  if (id.empty()) id = config.sheet_id;
+  if (id.empty()) id = random_id(entropy_.next());
+  if (Status s = reserve(id, config, paused); !s) return done(s.error());
+  const Workers::Strand strand = workers_.make_strand();
+  const std::shared_ptr<ExpectedNeed> expected = paused ? nullptr : expected_need(config);
+  auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
+  // Shared, as what is posted must be copyable.
+  const auto playback =
+      std::make_shared<std::unique_ptr<Playback>>(entries ? std::make_unique<Playback>(std::move(*entries)) : nullptr);
+  const bool posted = strand.post([this, id, shared, playback, paused, strand, done, expected] {
+    Result<sheet::Sheet> built = build(std::move(*shared));
+    if (!built) {
+      release(id);
+      return done(built.error());
+    }
+    const auto runner = std::make_shared<SheetRunner>(id, std::move(built).value(), context(), strand);
+    // Begun before it can be found: on this strand, ahead of whatever finds it.
+    runner->begin(paused, options_.make_recording ? options_.make_recording(id) : nullptr, std::move(*playback));
+    if (!admit(id, runner)) {
+      runner->close(sheet::SinkEnd::kHostStopping);
+      return done(stopping());
+    }
+    done(runner->status());
+  });
+  if (!posted) done(stopping());
+}
+
+void Host::Impl::delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed) {
+  std::shared_ptr<SheetRunner> runner;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = sheets_.find(id);
+    if (found != sheets_.end()) runner = std::move(found->second);  // nobody finds it from here on
+  }
+  if (!runner) return done(missing(id));
+  runner->post(
+      [this, id, done, closed = std::move(closed)](SheetRunner& r) {
+        r.close(sheet::SinkEnd::kSheetDeleted);
+        if (closed) closed();
+        release(id);
+        done(Nothing{});
+      },
+      done);
+}
+
+std::vector<std::string> Host::Impl::list() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::string> ids;
+  for (const auto& [id, runner] : sheets_) {
+    if (runner) ids.push_back(id);
+  }
+  return ids;
+}
+
+void Host::Impl::stop() {
+  std::map<std::string, std::shared_ptr<SheetRunner>> taken;
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    taken.swap(sheets_);
+  }
+  for (const auto& [id, runner] : taken) {
+    if (!runner) continue;  // admit() will turn it away, or its deletion is on its way
+    runner->post([](SheetRunner& r) { r.close(sheet::SinkEnd::kHostStopping); }, [](const Error&) {});
+  }
+  workers_.join();
+}
+
+std::shared_ptr<ExpectedNeed> Host::Impl::expected_need(const sheet::SheetConfig& config) {
+  if (!(config.tick_rate_hz > 0.0)) return nullptr;  // will be refused
+  const Nanoseconds period(std::llround(1.0e9 / config.tick_rate_hz));
+  return std::make_shared<ExpectedNeed>(board_, WorkerNeed(period, declared_vertices(config)).value());
+}
+
+Status Host::Impl::reserve(const std::string& id, const sheet::SheetConfig& config, bool paused) {
+  if (!sheet::is_valid_sheet_id(id)) {
+    return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
+  }
+  const std::int64_t declared = declared_vertices(config);
+  if (declared > options_.max_vertices_per_sheet && declared <= sheet::kMaxVertices) {
+    return too_many_vertices(declared, options_.max_vertices_per_sheet);
+  }
+  const std::lock_guard lock(mutex_);
+  if (stopping_) return stopping();
+  if (sheets_.contains(id)) {
+    return Error{ErrorCode::kAlreadyExists, "SHEET_EXISTS", "there is a sheet \"" + id + "\" already", "sheet_id"};
+  }
+  if (sheets_.size() >= static_cast<std::size_t>(options_.max_sheets)) {
+    return Error{ErrorCode::kResourceExhausted, "TOO_MANY_SHEETS",
+                 "this server's limit of " + std::to_string(options_.max_sheets) + " sheets is reached; delete one",
+                 ""};
+  }
+  if (!paused) {
+    if (Status s = admission_.admit(load(), options_.workers); !s) {
+      board_.update([](HostMetrics& m) { ++m.overload_refusals; });
+      return s;
+    }
+  }
+  sheets_.emplace(id, nullptr);
+  return Nothing{};
+}
+
+Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config) {
+  // In the config, and so in a recording: a cut that is refused here is refused in a replay.
+  config.max_vertices = std::min(config.max_vertices, options_.max_vertices_per_sheet);
+  return sheet::Sheet::create(std::move(config), options_.make_integrator);
+}
+
+void Host::Impl::release(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  sheets_.erase(id);
+}
+
+bool Host::Impl::admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner) {
+  const std::lock_guard lock(mutex_);
+  if (stopping_) return false;
+  sheets_[id] = runner;
+  return true;
+}
+
+std::shared_ptr<SheetRunner> Host::Impl::find(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = sheets_.find(id);
+  return found == sheets_.end() ? nullptr : found->second;
+}
+
+Error Host::Impl::missing(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  return stopping_ ? stopping() : not_found(id);
+}
+
+std::vector<SheetStatus> Host::Impl::statuses(const std::vector<std::string>& ids) const {
+  std::vector<SheetStatus> found;
+  for (const std::string& id : ids) {
+    if (const std::shared_ptr<SheetRunner> runner = find(id)) found.push_back(*runner->last_status());
+  }
+  return found;
+}
+
+void Host::Impl::submit(const std::string& id, sheet::Command command, Callback<CommandResult> done) {
+  const std::shared_ptr<SheetRunner> runner = find(id);
+  Status accepted = Nothing{};
+  if (!runner) {
+    accepted = missing(id);
+  } else if (accepted = sheet::validate(command); accepted) {
+    accepted = runner->enqueue(std::move(command), done);
+  }
+  if (accepted) return;
+  board_.update([](HostMetrics& m) { ++m.commands_refused; });
+  done(accepted.error());
+}
+
+void Host::Impl::schedule(const std::string& id, sheet::Command command, std::int64_t at_tick,
+                          const Callback<std::int64_t>& done) {
+  const auto answer = [this, done](Result<std::int64_t> number) {
+    if (!number) board_.update([](HostMetrics& m) { ++m.commands_refused; });
+    done(std::move(number));
+  };
+  if (const Status valid = sheet::validate(command); !valid) return answer(valid.error());
+  on_strand<std::int64_t>(id, answer, [command = std::move(command), at_tick, answer](SheetRunner& r) mutable {
+    answer(r.schedule(std::move(command), at_tick));
+  });
+}
+
+}  // namespace kerf::host

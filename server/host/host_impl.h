@@ -1,0 +1,87 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "server/host/admission.h"
+#include "server/host/host.h"
+#include "server/host/metrics_board.h"
+#include "server/host/sheet_runner.h"
+#include "server/host/workers.h"
+
+// Which sheets there are, and the way to the strand of each; seen by host.cc and host_impl.cc alone.
+namespace kerf::host {
+
+class Host::Impl {
+ public:
+  Impl(HostOptions options, Clock& clock, Entropy& entropy)
+      : options_(std::move(options)),
+        clock_(clock),
+        entropy_(entropy),
+        admission_(options_.max_load),
+        workers_(options_.workers) {}
+
+  // `entries`: of a recording that the sheet is to play.
+  void create_sheet(std::string id, sheet::SheetConfig config, std::optional<std::vector<sheet::RecordedTick>> entries,
+                    bool paused, Callback<SheetStatus> done);
+  void delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed);
+  [[nodiscard]] std::vector<std::string> list() const;
+  [[nodiscard]] std::vector<SheetStatus> statuses(const std::vector<std::string>& ids) const;
+  void submit(const std::string& id, sheet::Command command, Callback<CommandResult> done);
+  void schedule(const std::string& id, sheet::Command command, std::int64_t at_tick,
+                const Callback<std::int64_t>& done);
+
+  void release_grab(const std::string& id, std::string grab_id) {
+    if (const std::shared_ptr<SheetRunner> runner = find(id)) runner->release_grab(std::move(grab_id));
+  }
+
+  // Runs `work` on the sheet's strand; what stands against it goes to `done`.
+  template <typename T>
+  void on_strand(const std::string& id, const Callback<T>& done, std::function<void(SheetRunner&)> work) {
+    const std::shared_ptr<SheetRunner> runner = find(id);
+    if (!runner) return done(missing(id));
+    runner->post(std::move(work), [done](Error error) { done(std::move(error)); });
+  }
+
+  void set_command_listener(CommandListener listener) { listener_.set(std::move(listener)); }
+  [[nodiscard]] HostMetrics metrics() const { return board_.read(); }
+  [[nodiscard]] double load() const {
+    return static_cast<double>(board_.worker_need()) / (static_cast<double>(WorkerNeed::kWhole) * options_.workers);
+  }
+  [[nodiscard]] const HostOptions& options() const { return options_; }
+  void wait_idle() { workers_.wait_idle(); }
+  void stop();
+
+ private:
+  SheetRunner::Context context() { return {options_, clock_, board_, listener_, ++num_made_}; }
+
+  std::shared_ptr<ExpectedNeed> expected_need(const sheet::SheetConfig& config);
+  Status reserve(const std::string& id, const sheet::SheetConfig& config, bool paused);
+  Result<sheet::Sheet> build(sheet::SheetConfig config);
+  void release(const std::string& id);
+  bool admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner);
+  [[nodiscard]] std::shared_ptr<SheetRunner> find(const std::string& id) const;
+  [[nodiscard]] Error missing(const std::string& id) const;
+
+  const HostOptions options_;
+  Clock& clock_;
+  Entropy& entropy_;
+  MetricsBoard board_;
+  ListenerSlot listener_;
+  mutable std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
+  std::atomic<std::uint64_t> num_made_{0};
+  bool stopping_ = false;  // guarded by mutex_
+  Admission admission_;    // guarded by mutex_
+  Workers workers_;        // last: its threads use everything above
+};
+
+}  // namespace kerf::host

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <google/protobuf/util/message_differencer.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "server/wire/scene_codec.h"
+
+// What is decoded, and messages compared field by field.
+namespace kerf::wire {
+
+inline void expect_equal(const google::protobuf::Message& a, const google::protobuf::Message& b) {
+  std::string difference;
+  google::protobuf::util::MessageDifferencer differencer;
+  differencer.ReportDifferencesToString(&difference);
+  EXPECT_TRUE(differencer.Compare(a, b)) << difference;
+}
+
+inline sheet::SheetConfig decoded(const v1::Scene& scene) {
+  const Result<sheet::SheetConfig> config = decode_scene(scene);
+  EXPECT_TRUE(config.ok()) << config.error().message << " at " << config.error().field;
+  return config.value();
+}
+
+}  // namespace kerf::wire
