@@ -68,7 +68,7 @@ class Host::Impl {
     const auto playback = std::make_shared<std::unique_ptr<Playback>>(
         entries ? std::make_unique<Playback>(std::move(*entries)) : nullptr);
     const bool posted = strand.post([this, id, shared, playback, paused, strand, done, expected] {
-      Result<sheet::Sheet> built = build(std::move(*shared));
+      Result<sheet::Sheet> built = stopping_ ? stopping() : build(std::move(*shared));
       if (!built) {
         release(id);
         return done(built.error());
@@ -144,15 +144,16 @@ class Host::Impl {
       stopping_ = true;
       taken.swap(sheets_);
     }
-    for (const auto& [id, runner] : taken) {
+    for (auto& [id, runner] : taken) {
       if (!runner) continue;  // admit() will turn it away, or its deletion is on its way
       runner->post([](SheetRunner& r) { r.close(sheet::SinkEnd::kHostStopping); }, [](const Error&) {});
+      runner.reset();  // the workers take sheets down side by side
     }
     workers_.join();
   }
 
  private:
-  SheetRunner::Context context() { return {options_, clock_, board_, listener_, ++num_made_}; }
+  SheetRunner::Context context() { return {options_, clock_, board_, listener_, stopping_, ++num_made_}; }
 
   std::shared_ptr<ExpectedNeed> expected_need(const sheet::SheetConfig& config) {
     if (!(config.tick_rate_hz > 0.0)) return nullptr;  // will be refused
@@ -225,9 +226,9 @@ class Host::Impl {
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
   std::atomic<std::uint64_t> num_made_{0};
-  bool stopping_ = false;  // guarded by mutex_
-  Admission admission_;    // guarded by mutex_
-  Workers workers_;        // last: its threads use everything above
+  std::atomic<bool> stopping_{false};  // set under mutex_
+  Admission admission_;                // guarded by mutex_
+  Workers workers_;                    // last: its threads use everything above
 };
 
 std::vector<SheetStatus> Host::Impl::statuses(const std::vector<std::string>& ids) const {
