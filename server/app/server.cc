@@ -96,7 +96,7 @@ void Server::Impl::tell_what_is_missing() const {
 }
 
 Status Server::Impl::listen(ws::AssetTable viewer) {
-  rpc = std::make_unique<rpc::RpcServer>(*api);
+  rpc = std::make_unique<rpc::RpcServer>(*api, clock);
   const Result<int> grpc = rpc->start(ws::format_endpoint(config.grpc.host, config.grpc.port));
   if (!grpc) return grpc.error();
   grpc_port = *grpc;
