@@ -136,6 +136,11 @@ std::int32_t Api::num_watchers() const {
   return core_->num_watchers;
 }
 
+FrameCounts Api::frame_counts() const {
+  const stream::FrameCounters& counters = core_->hub.counters();
+  return {counters.encoded, counters.sent};
+}
+
 const Limits& Api::limits() const {
   return core_->options.limits;
 }

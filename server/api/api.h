@@ -111,6 +111,12 @@ struct ApiOptions {
   Limits limits;
 };
 
+// What was done for streams of frames so far.
+struct FrameCounts {
+  std::int64_t encoded = 0;  // keyframes and differences to an older frame; one for all viewers who need the same
+  std::int64_t sent = 0;
+};
+
 // What was done for pictures so far, of streams and of RenderImage.
 struct PictureCounts {
   std::int64_t rendered = 0;
@@ -203,6 +209,8 @@ class Api {
 
   // Streams open now.
   [[nodiscard]] std::int32_t num_watchers() const;
+  // Frames of all streams since the start.
+  [[nodiscard]] FrameCounts frame_counts() const;
   [[nodiscard]] PictureCounts picture_counts() const;
   [[nodiscard]] const Limits& limits() const;
 

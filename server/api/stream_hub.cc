@@ -15,7 +15,7 @@ void StreamHub::join(const std::string& sheet_id, const Subscribe& subscribe, Jo
       Entry& entry = entries_[sheet_id];
       // A channel that ended belonged to a sheet of this name that is gone.
       if (!entry.channel || entry.channel->has_ended()) {
-        fresh = std::make_shared<stream::Channel>(max_subscribers_, instance_);
+        fresh = std::make_shared<stream::Channel>(max_subscribers_, instance_, counters_);
         entry = {fresh, false, {}};
       }
       const bool had_strains = entry.channel->wants_strains();

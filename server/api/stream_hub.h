@@ -31,6 +31,9 @@ class StreamHub {
   // A reader of this channel wants strains from now on: has the newest snapshot published with them.
   void refresh(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel);
 
+  // Of all channels that there were.
+  [[nodiscard]] const stream::FrameCounters& counters() const { return *counters_; }
+
   // Ends all streams with kServerStopping; join() is refused from now on.
   void stop();
 
@@ -51,6 +54,7 @@ class StreamHub {
   host::Host& host_;
   const std::int32_t max_subscribers_;
   const std::string instance_;
+  const std::shared_ptr<stream::FrameCounters> counters_ = std::make_shared<stream::FrameCounters>();
   std::mutex mutex_;
   std::map<std::string, Entry> entries_;
   bool stopped_ = false;

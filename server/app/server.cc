@@ -96,7 +96,7 @@ void Server::Impl::tell_what_is_missing() const {
 }
 
 Status Server::Impl::listen(ws::AssetTable viewer) {
-  rpc = std::make_unique<rpc::RpcServer>(*api);
+  rpc = std::make_unique<rpc::RpcServer>(*api, clock);
   const Result<int> grpc = rpc->start(ws::format_endpoint(config.grpc.host, config.grpc.port));
   if (!grpc) return grpc.error();
   grpc_port = *grpc;
@@ -105,7 +105,8 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
   http = std::make_unique<ws::HttpServer>(
       *api, std::move(viewer),
       [this](const ws::HttpCounts& counts) {
-        return ws::metrics_page(host->metrics(), counts, api->num_watchers(), api->picture_counts(), kVersion);
+        return ws::metrics_page(host->metrics(), counts, api->num_watchers(), api->frame_counts(),
+                                api->picture_counts(), kVersion);
       },
       options);
   const Result<int> bound = http->start(config.http);

@@ -50,7 +50,7 @@ void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config,
   const auto playback =
       std::make_shared<std::unique_ptr<Playback>>(entries ? std::make_unique<Playback>(std::move(*entries)) : nullptr);
   const bool posted = strand.post([this, id, shared, playback, paused, strand, done, expected] {
-    Result<sheet::Sheet> built = build(std::move(*shared));
+    Result<sheet::Sheet> built = stopping_ ? stopping() : build(std::move(*shared));
     if (!built) {
       release(id);
       return done(built.error());
@@ -101,9 +101,10 @@ void Host::Impl::stop() {
     stopping_ = true;
     taken.swap(sheets_);
   }
-  for (const auto& [id, runner] : taken) {
+  for (auto& [id, runner] : taken) {
     if (!runner) continue;  // admit() will turn it away, or its deletion is on its way
     runner->post([](SheetRunner& r) { r.close(sheet::SinkEnd::kHostStopping); }, [](const Error&) {});
+    runner.reset();  // the workers take sheets down side by side
   }
   workers_.join();
 }

@@ -61,7 +61,7 @@ class Host::Impl {
   void stop();
 
  private:
-  SheetRunner::Context context() { return {options_, clock_, board_, listener_, ++num_made_}; }
+  SheetRunner::Context context() { return {options_, clock_, board_, listener_, stopping_, ++num_made_}; }
 
   std::shared_ptr<ExpectedNeed> expected_need(const sheet::SheetConfig& config);
   Status reserve(const std::string& id, const sheet::SheetConfig& config, bool paused);
@@ -79,9 +79,9 @@ class Host::Impl {
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
   std::atomic<std::uint64_t> num_made_{0};
-  bool stopping_ = false;  // guarded by mutex_
-  Admission admission_;    // guarded by mutex_
-  Workers workers_;        // last: its threads use everything above
+  std::atomic<bool> stopping_{false};  // set under mutex_
+  Admission admission_;                // guarded by mutex_
+  Workers workers_;                    // last: its threads use everything above
 };
 
 }  // namespace kerf::host

@@ -275,7 +275,7 @@ void SheetRunner::commands_arrived() {
 }
 
 void SheetRunner::on_deadline(std::uint64_t generation) {
-  if (closed_ || generation != generation_) return;
+  if (closed_ || context_.stopping || generation != generation_) return;
   timer_.reset();
   run_once(true);
   if (paused_) return;  // a replay has ended
@@ -296,6 +296,7 @@ void SheetRunner::on_deadline(std::uint64_t generation) {
 void SheetRunner::take_turn() {
   if (closed_ || !step_call_) return;
   for (std::int32_t i = 0; i < Host::kTicksPerTurn && step_call_->remaining > 0; ++i) {
+    if (context_.stopping) return;  // close() answers
     if (step_call_->stop.stop_requested()) return finish_step(status());
     --step_call_->remaining;
     run_once(true);

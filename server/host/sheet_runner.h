@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -46,7 +47,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     Clock& clock;
     MetricsBoard& board;
     const ListenerSlot& listener;
-    std::uint64_t serial = 0;  // of all sheets that the host has made, which
+    const std::atomic<bool>& stopping;  // close() is on its way: what is due is not done any more
+    std::uint64_t serial = 0;           // of all sheets that the host has made, which
   };
 
   SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand);

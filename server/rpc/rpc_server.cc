@@ -38,10 +38,10 @@ void set_limits(grpc::ServerBuilder& builder, const RpcOptions& options, int max
 
 }  // namespace
 
-RpcServer::RpcServer(api::Api& api, const RpcOptions& options) : impl_(std::make_unique<Impl>()) {
+RpcServer::RpcServer(api::Api& api, host::Clock& clock, const RpcOptions& options) : impl_(std::make_unique<Impl>()) {
   impl_->options = options;
   impl_->max_request_bytes = api.limits().max_request_bytes;
-  impl_->services = make_services(api);
+  impl_->services = make_services(api, {clock, options.upload_timeout});
 }
 
 RpcServer::~RpcServer() {

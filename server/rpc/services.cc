@@ -19,7 +19,6 @@
 #include "server/rpc/grpc_status.h"
 #include "server/rpc/messages.h"
 #include "server/rpc/session_reactor.h"
-#include "server/rpc/transfers.h"
 
 namespace kerf::rpc {
 namespace {
@@ -113,7 +112,7 @@ using RawSheets = RawService<
     v1::SheetService::WithRawCallbackMethod_ReplayRecording>::type;
 class Sheets final : public RawSheets {
  public:
-  explicit Sheets(api::Api& api) : api_(api) {}
+  Sheets(api::Api& api, UploadPatience patience) : api_(api), patience_(patience) {}
   KERF_UNARY(CreateSheet, create_sheet)
   KERF_UNARY(GetSheet, get_sheet)
   KERF_UNARY(ListSheets, list_sheets)
@@ -128,10 +127,10 @@ class Sheets final : public RawSheets {
   KERF_UNARY(AnalyzeSheet, analyze_sheet)
 
   grpc::ServerReadReactor<ByteBuffer>* UploadSheet(Context* /*context*/, ByteBuffer* response) override {
-    return receive_sheet(api_, response);
+    return receive_sheet(api_, patience_, response);
   }
   grpc::ServerReadReactor<ByteBuffer>* ReplayRecording(Context* /*context*/, ByteBuffer* response) override {
-    return receive_recording(api_, response);
+    return receive_recording(api_, patience_, response);
   }
   grpc::ServerWriteReactor<ByteBuffer>* GetSheetRecording(Context* /*context*/, const ByteBuffer* request) override {
     return send_recording(api_, request);
@@ -139,6 +138,7 @@ class Sheets final : public RawSheets {
 
  private:
   api::Api& api_;
+  const UploadPatience patience_;
 };
 
 using RawCuts =
@@ -213,9 +213,9 @@ class ServerInformation final : public RawServerInformation {
 
 }  // namespace
 
-std::vector<NamedService> make_services(api::Api& api) {
+std::vector<NamedService> make_services(api::Api& api, UploadPatience patience) {
   std::vector<NamedService> services;
-  services.push_back({v1::SheetService::service_full_name(), std::make_unique<Sheets>(api)});
+  services.push_back({v1::SheetService::service_full_name(), std::make_unique<Sheets>(api, patience)});
   services.push_back({v1::CutService::service_full_name(), std::make_unique<Cuts>(api)});
   services.push_back({v1::InteractionService::service_full_name(), std::make_unique<Interaction>(api)});
   services.push_back({v1::StreamService::service_full_name(), make_stream_service(api)});

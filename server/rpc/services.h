@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "server/rpc/transfers.h"
+
 namespace kerf::api {
 class Api;
 }  // namespace kerf::api
@@ -17,8 +19,8 @@ struct NamedService {
   std::unique_ptr<grpc::Service> service;
 };
 
-// Every service of kerf.v1 over `api`, which must outlive them.
-std::vector<NamedService> make_services(api::Api& api);
+// Every service of kerf.v1 over `api`, which must outlive them, as must the clock.
+std::vector<NamedService> make_services(api::Api& api, UploadPatience patience);
 
 // StreamService, whose messages are passed through as bytes: frames are serialised once for all streams.
 std::unique_ptr<grpc::Service> make_stream_service(api::Api& api);

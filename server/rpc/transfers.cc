@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "server/api/upload.h"
 #include "server/rpc/grpc_status.h"
 #include "server/rpc/messages.h"
+#include "server/rpc/patience.h"
 
 namespace kerf::rpc {
 namespace {
@@ -21,15 +23,20 @@ constexpr std::size_t kChunkBytes = std::size_t{64} << 10;
 template <typename Request, typename Start>
 class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
  public:
-  UploadReactor(Start start, ByteBuffer* response) : start_(std::move(start)), response_(response) {
+  UploadReactor(Start start, UploadPatience patience, ByteBuffer* response)
+      : start_(std::move(start)),
+        response_(response),
+        patience_(std::make_shared<Patience>(patience.clock, patience.limit)) {
+    patience_->begin([this, limit = patience.limit] { Finish(to_status(stalled(limit))); });
     StartRead(&message_);
   }
 
   void OnReadDone(bool ok) override {
+    if (!patience_->arrived()) return;
     if (!ok) return end();
     Result<Request> request = parse_message<Request>(message_);
     const Status taken = request ? take(std::move(request).value()) : Status(request.error());
-    if (!taken) return Finish(to_status(taken.error()));
+    if (!taken) return refuse(taken.error());
     StartRead(&message_);
   }
 
@@ -50,11 +57,22 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
 
   // The client has sent all it had to, or is gone.
   void end() {
-    if (!upload_) return Finish(to_status(missing_start()));
+    if (!upload_) return refuse(missing_start());
+    if (!patience_->end()) return;
     // The reply may end the call, and this object with it, before finish() returns.
     const std::unique_ptr<api::Upload> upload = std::move(upload_);
     upload->finish(
         [this](Result<v1::Sheet> sheet) { Finish(sheet ? serialise(*sheet, response_) : to_status(sheet.error())); });
+  }
+
+  void refuse(const Error& error) {
+    if (patience_->end()) Finish(to_status(error));
+  }
+
+  static Error stalled(host::Nanoseconds limit) {
+    std::ostringstream message;
+    message << "nothing of the upload came for " << host::seconds(limit) << " s: send all of it again, without a pause";
+    return {ErrorCode::kAborted, "UPLOAD_STALLED", message.str(), ""};
   }
 
   static Error missing_start() {
@@ -65,11 +83,12 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   ByteBuffer* response_;  // gRPC's, until the call is done
   ByteBuffer message_;
   std::unique_ptr<api::Upload> upload_;
+  const std::shared_ptr<Patience> patience_;  // whose timer may fire when this is gone
 };
 
 template <typename Request, typename Start>
-grpc::ServerReadReactor<ByteBuffer>* receive(Start start, ByteBuffer* response) {
-  return new UploadReactor<Request, Start>(std::move(start), response);  // deletes itself in OnDone
+grpc::ServerReadReactor<ByteBuffer>* receive(Start start, UploadPatience patience, ByteBuffer* response) {
+  return new UploadReactor<Request, Start>(std::move(start), patience, response);  // deletes itself in OnDone
 }
 
 // Sends a file in chunks, one write at a time.
@@ -112,14 +131,14 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
 
 }  // namespace
 
-grpc::ServerReadReactor<ByteBuffer>* receive_sheet(api::Api& api, ByteBuffer* response) {
+grpc::ServerReadReactor<ByteBuffer>* receive_sheet(api::Api& api, UploadPatience patience, ByteBuffer* response) {
   return receive<v1::UploadSheetRequest>([&api](const v1::SheetUpload& start) { return api.upload_sheet(start); },
-                                         response);
+                                         patience, response);
 }
 
-grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, ByteBuffer* response) {
+grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, UploadPatience patience, ByteBuffer* response) {
   return receive<v1::ReplayRecordingRequest>(
-      [&api](const v1::RecordingUpload& start) { return api.replay_recording(start); }, response);
+      [&api](const v1::RecordingUpload& start) { return api.replay_recording(start); }, patience, response);
 }
 
 grpc::ServerWriteReactor<ByteBuffer>* send_recording(api::Api& api, const ByteBuffer* request) {

@@ -3,6 +3,8 @@
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
+#include "server/host/clock.h"
+
 namespace kerf::api {
 class Api;
 }  // namespace kerf::api
@@ -11,8 +13,16 @@ class Api;
 // Each reactor deletes itself when its call is done.
 namespace kerf::rpc {
 
-grpc::ServerReadReactor<grpc::ByteBuffer>* receive_sheet(api::Api& api, grpc::ByteBuffer* response);
-grpc::ServerReadReactor<grpc::ByteBuffer>* receive_recording(api::Api& api, grpc::ByteBuffer* response);
+// How long an upload may stand still: then it is ended with ABORTED, UPLOAD_STALLED.
+struct UploadPatience {
+  host::Clock& clock;
+  host::Nanoseconds limit;
+};
+
+grpc::ServerReadReactor<grpc::ByteBuffer>* receive_sheet(api::Api& api, UploadPatience patience,
+                                                         grpc::ByteBuffer* response);
+grpc::ServerReadReactor<grpc::ByteBuffer>* receive_recording(api::Api& api, UploadPatience patience,
+                                                             grpc::ByteBuffer* response);
 grpc::ServerWriteReactor<grpc::ByteBuffer>* send_recording(api::Api& api, const grpc::ByteBuffer* request);
 
 }  // namespace kerf::rpc

@@ -121,7 +121,13 @@ FramePick Channel::pick(const Viewed& viewed) {
     publication = newest_publication_;
   }
   KERF_CHECK(newest != nullptr, "a frame is taken before the first snapshot");
-  return history_.pick(publication, *newest, viewed);
+  const std::int64_t encoded_before = history_.counters().bodies();
+  FramePick pick = history_.pick(publication, *newest, viewed);
+  if (shared_counters_) {
+    shared_counters_->encoded += history_.counters().bodies() - encoded_before;
+    ++shared_counters_->sent;
+  }
+  return pick;
 }
 
 }  // namespace kerf::stream

@@ -19,6 +19,12 @@
 
 namespace kerf::stream {
 
+// Of several channels together, for metrics.
+struct FrameCounters {
+  std::atomic<std::int64_t> encoded{0};  // keyframes and differences to an older frame; one for all who need the same
+  std::atomic<std::int64_t> sent{0};     // given to subscribers
+};
+
 // The newest snapshot of one sheet, for everyone who watches it: subscribers, who are sent frames, and other readers,
 // who make pictures of it. The sheet's strand publishes; threads of transports take, each for its own subscriber, what
 // that one needs of the newest snapshot. Older snapshots are let go: nobody is sent one when there is a newer.
@@ -26,9 +32,11 @@ namespace kerf::stream {
 // subscribers. Thread-safe; publish() waits for no encoding.
 class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<Channel> {
  public:
-  // `max_subscribers`: readers of any kind. `instance`: of this start of the server; part of the epoch.
-  explicit Channel(std::int32_t max_subscribers, std::string instance = {})
-      : max_subscribers_(max_subscribers), instance_(std::move(instance)) {}
+  // `max_subscribers`: readers of any kind. `instance`: of this start of the server; part of the epoch. `counters`:
+  // where frames are counted together with those of other channels; may be null.
+  explicit Channel(std::int32_t max_subscribers, std::string instance = {},
+                   std::shared_ptr<FrameCounters> counters = nullptr)
+      : max_subscribers_(max_subscribers), instance_(std::move(instance)), shared_counters_(std::move(counters)) {}
 
   // `ready` is called, with no lock held, when the subscriber's next() may have something: after a snapshot that it can
   // take, an acknowledgement that opens its window, or the end.
@@ -78,6 +86,7 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
 
   const std::int32_t max_subscribers_;
   const std::string instance_;
+  const std::shared_ptr<FrameCounters> shared_counters_;
   std::atomic<std::int32_t> num_subscribers_{0};
   std::atomic<std::int32_t> num_wanting_strains_{0};
   std::atomic<std::int64_t> newest_publication_{0};

@@ -23,6 +23,8 @@ struct EncodeCounters {
   std::int64_t strains = 0;     // encoded
   std::int64_t predictors = 0;  // made, once a topology that is sent to anyone
   std::int64_t taken = 0;       // frames given to subscribers
+
+  [[nodiscard]] std::int64_t bodies() const { return keyframes + deltas; }
 };
 
 // What a subscriber has been sent so far.

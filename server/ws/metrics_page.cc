@@ -134,6 +134,11 @@ void add_transports(Page& page, const HttpCounts& http, std::int32_t watchers) {
                http.failed_requests);
 }
 
+void add_frames(Page& page, const api::FrameCounts& frames) {
+  page.counter("kerf_frames_encoded_total", "Frames encoded; viewers at one rate share one a tick.", frames.encoded);
+  page.counter("kerf_frames_sent_total", "Frames sent to streams, of all viewers.", frames.sent);
+}
+
 void add_pictures(Page& page, const api::PictureCounts& pictures) {
   page.gauge("kerf_image_streams", "Image streams open now, of all transports.", pictures.streams);
   page.counter("kerf_pictures_rendered_total", "Pictures drawn.", pictures.rendered);
@@ -148,13 +153,15 @@ void add_pictures(Page& page, const api::PictureCounts& pictures) {
 }  // namespace
 
 std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, std::int32_t watchers,
-                         const api::PictureCounts& pictures, const std::string& version) {
+                         const api::FrameCounts& frames, const api::PictureCounts& pictures,
+                         const std::string& version) {
   Page page;
   page.begin_gauge("kerf_build_info", "Always 1; the label is the version.");
   page.gauge_value({{"version", version}}, 1);
   add_process(page);
   add_host(page, host);
   add_transports(page, http, watchers);
+  add_frames(page, frames);
   add_pictures(page, pictures);
   return page.text();
 }

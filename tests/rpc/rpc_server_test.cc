@@ -291,7 +291,7 @@ TEST(RpcServer, HealthFollowsTheDrain) {
   host::SeededEntropy entropy(1);
   host::Host host({}, clock, entropy);
   api::Api api(host, nullptr, {}, clock);
-  rpc::RpcServer server(api);
+  rpc::RpcServer server(api, clock);
   const Result<int> port = server.start("127.0.0.1:0");
   ASSERT_TRUE(port);
   const auto channel = grpc::CreateChannel("127.0.0.1:" + std::to_string(*port), grpc::InsecureChannelCredentials());

@@ -186,7 +186,7 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   HttpCounts http;
   http.requests = 7;
   const api::PictureCounts pictures{11, 12, 13, 14, 15, 16};
-  const std::string page = metrics_page(host, http, 4, pictures, "1.2.3");
+  const std::string page = metrics_page(host, http, 4, {17, 18}, pictures, "1.2.3");
   for (const char* line : {"# TYPE kerf_ticks_total counter\n",
                            "kerf_ticks_total 123456789\n",
                            "kerf_sheets{state=\"running\"} 3\n",
@@ -208,6 +208,8 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
                            "process_resident_memory_bytes ",
                            "kerf_http_requests_total 7\n",
                            "kerf_watch_streams 4\n",
+                           "kerf_frames_encoded_total 17\n",
+                           "kerf_frames_sent_total 18\n",
                            "kerf_pictures_rendered_total 11\n",
                            "kerf_pictures_encoded_total 12\n",
                            "kerf_pictures_shared_total 13\n",

@@ -22,8 +22,8 @@ def whole_file(path: "str | os.PathLike[str]") -> Iterator[IO[bytes]]:
         part.unlink(missing_ok=True)
 
 
-_CHUNK_BYTES = 512 << 10  # a server takes messages of up to 1 MiB
+CHUNK_BYTES = 512 << 10  # a server takes messages of up to 1 MiB
 
 
 def chunks_of(content: bytes) -> Iterator[bytes]:
-    return (content[at : at + _CHUNK_BYTES] for at in range(0, len(content), _CHUNK_BYTES))
+    return (content[at : at + CHUNK_BYTES] for at in range(0, len(content), CHUNK_BYTES))

@@ -10,6 +10,7 @@ from typing import Any, Literal, Tuple, TypedDict, Union
 
 from google.protobuf import json_format
 
+from kerf.files import CHUNK_BYTES
 from kerf.regions import Place, as_regions
 from kerf.v1 import scene_pb2
 
@@ -90,6 +91,19 @@ def as_scene(scene: AnyScene) -> scene_pb2.Scene:
     except (json_format.ParseError, json.JSONDecodeError) as wrong:
         name = "scene" if isinstance(scene, Mapping) else os.fspath(scene)
         raise ValueError(f"{name}: {wrong}") from None
+
+
+def take_large_mesh(scene: scene_pb2.Scene) -> bytes:
+    """Takes the mesh file out of a scene where it is too large for one message; empty: it is not, and stays."""
+    if len(scene.ply.data) > CHUNK_BYTES:
+        content = scene.ply.data
+        scene.ply.ClearField("data")
+        return content
+    if len(scene.obj.text) > CHUNK_BYTES:
+        content = scene.obj.text.encode("utf-8")
+        scene.obj.ClearField("text")
+        return content
+    return b""
 
 
 def _add_mesh_file(scene: scene_pb2.Scene, file: pathlib.Path, rest: str) -> None:

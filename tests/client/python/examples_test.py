@@ -1,10 +1,13 @@
 """The examples, each as a user would run it, with small numbers; and what they wrote."""
 
 import csv
+import importlib.util
 import json
 import os
 import pathlib
 import re
+import sys
+import unittest.mock
 
 import numpy
 import support
@@ -56,6 +59,18 @@ class Examples(ExampleCase):
         plot = pixels(path("sweep/sweep.png"))[:, :, :3]
         self.assertGreater(min(plot.shape[:2]), 500)
         self.assertGreater(len(numpy.unique(plot.reshape(-1, 3), axis=0)), 20)
+
+    def test_formula_of_the_sweep_is_as_good_as_it_says(self):
+        spec = importlib.util.spec_from_file_location("sweep", EXAMPLES / "sweep.py")
+        sweep = importlib.util.module_from_spec(spec)
+        with unittest.mock.patch.object(sys, "path", [str(EXAMPLES), *sys.path]):
+            spec.loader.exec_module(sweep)
+        for case, share in (("05a_centre_slit_025", 0.25), ("05b_centre_slit_050", 0.5)):
+            reference = json.loads((ROOT / f"tests/data/reference/{case}.json").read_text(encoding="utf-8"))
+            profile = next(each for each in reference["quantities"] if each["name"] == "slit opening profile")
+            opening_m = next(row[1] for row in profile["table"]["rows"] if row[0] == 0)
+            self.assertAlmostEqual(sweep.expected_m(share) / opening_m, 1, delta=0.006, msg=case)
+        self.assertAlmostEqual(sweep.tada(1e-6), 1, delta=1e-5, msg="a short slit opens as in an endless sheet")
 
     def test_robot_does_the_same_again(self):
         def run(*arguments):

@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import pathlib
 
 import kerf
@@ -179,6 +180,22 @@ class Sheets(Case):
         lines = self.sheet.obj().decode().splitlines()
         self.assertEqual(sum(line.startswith("v ") for line in lines), 400)
         self.assertEqual(sum(line.startswith("f ") for line in lines), 722)
+
+    def test_a_mesh_file_larger_than_a_message_goes_in_parts(self):
+        # 150 x 150 vertices with long numbers: 1.4 MB, where a call may have 1 MiB.
+        side = 150
+        vertices = "".join(f"v {x / side:.17f} {y / side:.17f} 0\n" for y in range(side) for x in range(side))
+        corner = [y * side + x + 1 for y in range(side - 1) for x in range(side - 1)]
+        faces = "".join(f"f {v} {v + 1} {v + side + 1} {v + side}\n" for v in corner)
+        pathlib.Path(path("large.obj")).write_text(vertices + faces)
+        self.assertGreater(os.path.getsize(path("large.obj")), 1 << 20)
+        large = self.server.create_sheet("py-large", mesh_file=path("large.obj"), pins=(), paused=True)
+        self.assertEqual(large.get().num_vertices, side * side)
+        large.delete()
+        pathlib.Path(path("damaged.obj")).write_text(vertices + faces + "f 1 2 90000\n")
+        with self.assertRaises(kerf.InvalidArgument) as refused:
+            self.server.create_sheet("py-damaged", mesh_file=path("damaged.obj"), pins=(), paused=True)
+        self.assertIn("90000", str(refused.exception))
 
     def test_sheets_from_mesh_files(self):
         square = ("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"

@@ -14,7 +14,7 @@ from kerf.aio.transport import call_sending, call_unary, close_channel, open_cha
 from kerf.aio.sheet import Sheet
 from kerf.errors import NotFound
 from kerf.files import chunks_of
-from kerf.scenes import AnyScene, SheetOptions, as_scene, scene_with
+from kerf.scenes import AnyScene, SheetOptions, as_scene, scene_with, take_large_mesh
 from kerf.v1 import (
     cuts_pb2_grpc,
     interaction_pb2_grpc,
@@ -113,7 +113,7 @@ class Server:
 
         sheet_id: [a-z][a-z0-9-]{0,62}; empty: the server chooses. For anything else than the options: create_scene(). Raises
         AlreadyExists, ResourceExhausted (sheets or vertices of this server), and ValueError where the file's name has another
-        ending; a server takes calls of up to 1 MiB.
+        ending. A mesh file of up to 64 MiB goes in parts; the rest of a call may have up to 1 MiB.
 
         >>> flag = await server.create_sheet("flag", grid=(15, 10), size_m=(1.5, 1.0), pins=["left"], paused=True)
         >>> (await flag.get()).num_vertices
@@ -135,6 +135,9 @@ class Server:
         request = sheets_pb2.CreateSheetRequest(
             sheet_id=sheet_id, scene=as_scene(scene), paused=paused, request_id=request_id
         )
+        if mesh := take_large_mesh(request.scene):
+            start = sheets_pb2.SheetUpload(sheet=request, num_bytes=len(mesh))
+            return await self._upload(self.sheet_service.UploadSheet, sheets_pb2.UploadSheetRequest, start, mesh)
         made = await self.call(self.sheet_service.CreateSheet, request)
         return Sheet(self, made.name.removeprefix("sheets/"))
 
@@ -147,9 +150,12 @@ class Server:
         """
         content = pathlib.Path(path).read_bytes()
         start = sheets_pb2.RecordingUpload(sheet_id=sheet_id, paused=paused, num_bytes=len(content))
-        parts = [sheets_pb2.ReplayRecordingRequest(start=start)]
-        parts += [sheets_pb2.ReplayRecordingRequest(chunk=chunk) for chunk in chunks_of(content)]
-        method = self.sheet_service.ReplayRecording
+        method, request = self.sheet_service.ReplayRecording, sheets_pb2.ReplayRecordingRequest
+        return await self._upload(method, request, start, content)
+
+    async def _upload(self, method: Any, request: Any, start: Any, content: bytes) -> Sheet:
+        """The sheet that is made of a file. request: the class of the call's messages: start, then chunks."""
+        parts = [request(start=start), *(request(chunk=chunk) for chunk in chunks_of(content))]
         made = await call_sending(method, parts, self.timeout_s, self.address)
         return Sheet(self, made.name.removeprefix("sheets/"))
 

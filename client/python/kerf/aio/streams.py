@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 from kerf.aio.transport import Stream
 from kerf.errors import Error, NotFound, Unavailable
@@ -11,8 +11,27 @@ from kerf.frames import Frame, FrameDecoder
 from kerf.images import ColorBy, Image, image_of, image_view
 from kerf.v1 import geometry_pb2, render_pb2, stream_pb2
 
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
-class AcknowledgedStream:
+
+class _Loop:
+    """A loop over what comes, and a `with` that ends it."""
+
+    async def aclose(self) -> None:
+        raise NotImplementedError
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.aclose()
+
+    def __aiter__(self) -> Self:
+        return self
+
+
+class AcknowledgedStream(_Loop):
     """What streams with acknowledgements have in common. The answer that a loop holds is acknowledged when it comes back for
     the next, so that the server sends no more than the loop can take. A server ends a stream that acknowledges nothing for
     10 seconds: it is opened again then, and the loop sees nothing of that."""
@@ -55,7 +74,7 @@ class AcknowledgedStream:
         raise NotImplementedError
 
     async def _next(self) -> Any:
-        """The next answer; None when the stream has ended as it should."""
+        """The next answer; ends the loop when the stream has ended as it should."""
         if self._sequence:
             held_us = 1 + (time.monotonic_ns() - self._arrived_ns) // 1000
             await self._send(self._request(ack=stream_pb2.WatchAck(sequence=self._sequence, held_us=held_us)))
@@ -66,7 +85,7 @@ class AcknowledgedStream:
             assert self._stream is not None
             response = await self._stream.receive()
             if response is None:
-                return None
+                break
             kind = response.WhichOneof("kind")
             if kind == "ended" and response.ended.reason == stream_pb2.Ended.TOO_SLOW:
                 await self._stream.close()
@@ -78,7 +97,7 @@ class AcknowledgedStream:
                 self._arrived_ns = time.monotonic_ns()
                 self._sequence = answer.sequence
                 return answer
-        return None
+        raise StopAsyncIteration
 
 
 class FrameStream(AcknowledgedStream):
@@ -91,19 +110,8 @@ class FrameStream(AcknowledgedStream):
         self._start = start
         self._decoder = FrameDecoder()
 
-    async def __aenter__(self) -> FrameStream:
-        return self
-
-    async def __aexit__(self, *_: object) -> None:
-        await self.aclose()
-
-    def __aiter__(self) -> FrameStream:
-        return self
-
     async def __anext__(self) -> Frame:
         message = await self._next()
-        if message is None:
-            raise StopAsyncIteration
         return self._decoder.decode(message)
 
     def _first(self) -> stream_pb2.WatchRequest:
@@ -125,19 +133,8 @@ class ImageStream(AcknowledgedStream):
         super().__init__(method, address, render_pb2.WatchImagesRequest, duration_s)
         self._start = start
 
-    async def __aenter__(self) -> ImageStream:
-        return self
-
-    async def __aexit__(self, *_: object) -> None:
-        await self.aclose()
-
-    def __aiter__(self) -> ImageStream:
-        return self
-
     async def __anext__(self) -> Image:
         message = await self._next()
-        if message is None:
-            raise StopAsyncIteration
         return image_of(message)
 
     async def look(
@@ -160,25 +157,16 @@ class ImageStream(AcknowledgedStream):
         return render_pb2.WatchImagesRequest(start=self._start)
 
 
-class Subscription:
+class Subscription(_Loop):
     """Frames of a sheet at a low rate, by Sheet.subscribe(): a loop over them, and a `with` that ends them."""
 
     def __init__(self, method: Any, address: str, request: stream_pb2.SubscribeRequest) -> None:
         self._stream = Stream(method, address, request=request)
         self._decoder = FrameDecoder()
 
-    async def __aenter__(self) -> Subscription:
-        return self
-
-    async def __aexit__(self, *_: object) -> None:
-        await self.aclose()
-
     async def aclose(self) -> None:
         """Ends the subscription; idempotent."""
         await self._stream.close()
-
-    def __aiter__(self) -> Subscription:
-        return self
 
     async def __anext__(self) -> Frame:
         response = await self._stream.receive()
