@@ -24,16 +24,15 @@ struct Plan {
   double viewer_rate_hz = 0.0;             // that viewers ask for, 0.001..1000; 0: every tick
   std::int32_t slow_readers = 0;           // 0..1,000, that hold every frame for hold_s
   double hold_s = 0.5;                     // 0.001..60
-  std::int32_t stalled_readers =
-      0;                           // 0..1,000, that take a frame, do nothing for stall_s, then read how they were ended
-  double stall_s = 12.0;           // 0.001..3600; a server ends readers after 10
-  std::int32_t image_viewers = 0;  // 0..100
-  std::int32_t image_width = 640;  // pixels, 16..4096
-  std::int32_t image_height = 360;  // likewise
-  double cuts_per_second = 0.0;     // of all sheets together, 0..1000
-  bool keep_cuts = false;           // else each is taken back once it is answered, so that sheets keep their size
-  double way_ms = 0.0;              // added to each direction between readers and server, 0..10,000
-  double way_kib_per_s = 0.0;       // limit of each direction of each reader's connection, 1..1e6; 0: none
+  std::int32_t stalled_readers = 0;        // 0..1,000, that take a frame, then nothing for stall_s
+  double stall_s = 12.0;                   // 0.001..3600; a server ends readers after 10
+  std::int32_t image_viewers = 0;          // 0..100
+  std::int32_t image_width = 640;          // pixels, 16..4096
+  std::int32_t image_height = 360;         // likewise
+  double cuts_per_second = 0.0;            // of all sheets together, 0..1000
+  bool keep_cuts = false;      // else each is taken back once it is answered, so that sheets keep their size
+  double way_ms = 0.0;         // added to each direction between readers and server, 0..10,000
+  double way_kib_per_s = 0.0;  // limit of each direction of each reader's connection, 1..1e6; 0: none
   Transport transport = Transport::kGrpc;  // of viewers, slow and stalled readers
   double warm_up_s = 1.0;                  // before anything is counted, 0..600
   double duration_s = 10.0;                // counted, 0.1..1,800
