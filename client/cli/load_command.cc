@@ -151,7 +151,10 @@ void add_reader_options(CLI::App& command, LoadArguments& arguments) {
   command.add_option("--hold", plan.hold_s, "Seconds, 0.001..60")->capture_default_str();
   command
       .add_option("--stalled-readers", plan.stalled_readers,
-                  "Readers that take one frame, then neither read nor acknowledge, 0..1000")
+                  "Readers that take one frame, neither read nor acknowledge for --stall, then tell how they were "
+                  "ended, 0..1000")
+      ->capture_default_str();
+  command.add_option("--stall", plan.stall_s, "Seconds, 0.001..3600; a server ends readers after 10")
       ->capture_default_str();
   command.add_option("--image-viewers", plan.image_viewers, "Readers of pictures, 0..100")->capture_default_str();
   command.add_option("--image-size", arguments.image_size, "Of their pictures, in pixels")->capture_default_str();

@@ -27,6 +27,7 @@ Json of(const Plan& plan) {
           {"viewer_rate_hz", plan.viewer_rate_hz},
           {"slow_readers", plan.slow_readers},
           {"hold_s", plan.hold_s},
+          {"stall_s", plan.stall_s},
           {"stalled_readers", plan.stalled_readers},
           {"image_viewers", plan.image_viewers},
           {"cuts_per_second", plan.cuts_per_second},

@@ -28,6 +28,7 @@ std::vector<Range> ranges(const Plan& p) {
       {"--viewer-rate", p.viewer_rate_hz, 0.001, 1000, true},
       {"--slow-readers", static_cast<double>(p.slow_readers), 0, 1000},
       {"--hold", p.hold_s, 0.001, 60},
+      {"--stall", p.stall_s, 0.001, 3600},
       {"--stalled-readers", static_cast<double>(p.stalled_readers), 0, 1000},
       {"--image-viewers", static_cast<double>(p.image_viewers), 0, 100},
       {"--image-size", static_cast<double>(p.image_width), 16, 4096},

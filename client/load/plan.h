@@ -24,7 +24,8 @@ struct Plan {
   double viewer_rate_hz = 0.0;             // that viewers ask for, 0.001..1000; 0: every tick
   std::int32_t slow_readers = 0;           // 0..1,000, that hold every frame for hold_s
   double hold_s = 0.5;                     // 0.001..60
-  std::int32_t stalled_readers = 0;        // 0..1,000, that acknowledge nothing after their first frame
+  std::int32_t stalled_readers = 0;        // 0..1,000, that take a frame, then nothing for stall_s
+  double stall_s = 12.0;                   // 0.001..3600; a server ends readers after 10
   std::int32_t image_viewers = 0;          // 0..100
   std::int32_t image_width = 640;          // pixels, 16..4096
   std::int32_t image_height = 360;         // likewise

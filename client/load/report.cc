@@ -74,6 +74,15 @@ std::vector<std::string> warnings(const Report& report) {
                  "server's. Run it on another machine, or with fewer viewers.",
                  client, report.processors));
   }
+  const ReaderTotals& stalled = report.of(Role::kStalled);
+  const std::int64_t ended = std::accumulate(stalled.ends.begin(), stalled.ends.end(), std::int64_t{0},
+                                             [](std::int64_t sum, const auto& end) { return sum + end.second; });
+  if (ended < stalled.readers) {
+    found.push_back(
+        sentence("%.0f of %.0f stalled readers do not know how they were ended, if they were: they look after --stall, "
+                 "and the run must be longer than that.",
+                 static_cast<double>(stalled.readers - ended), stalled.readers));
+  }
   const double tick_us = 1.0e6 / report.plan.tick_rate_hz;
   const auto late = static_cast<double>(report.control_us.quantile(0.99));
   if (late > 0.5 * tick_us) {

@@ -38,13 +38,14 @@ class FrameViewer : public Viewer {
 
  private:
   void run() {
-    const Nanoseconds hold = hold_of(plan_, watching_.role);
+    std::int64_t frames = 0;
     bool over = false;
     const grpc::Status status =
         watcher_.run(watching_.sheet, options_of(plan_, watching_.role),
                      [&](const v1::Frame& frame, const client::Mirror& /*mirror*/) {
                        log_.seen(frame.tick(), frame.topology_version(), frame.stats(),
                                  static_cast<std::int64_t>(frame.ByteSizeLong()), frame.base_tick() < 0);
+                       const Nanoseconds hold = hold_of(plan_, watching_.role, ++frames);
                        over = hold > Nanoseconds(0) && !waiter_.wait_until(waiter_.now() + hold);
                        return !over;
                      });
@@ -90,9 +91,10 @@ client::WatchOptions options_of(const Plan& plan, Role role) {
   return options;
 }
 
-Nanoseconds hold_of(const Plan& plan, Role role) {
-  if (role == Role::kStalled) return std::chrono::hours(1);
-  return Nanoseconds(role == Role::kSlow ? std::llround(1.0e9 * plan.hold_s) : 0);
+Nanoseconds hold_of(const Plan& plan, Role role, std::int64_t frame) {
+  const auto nanoseconds = [](double seconds) { return Nanoseconds(std::llround(1.0e9 * seconds)); };
+  if (role == Role::kStalled) return nanoseconds(frame == 1 ? plan.stall_s : 0.0);
+  return nanoseconds(role == Role::kSlow ? plan.hold_s : 0.0);
 }
 
 std::unique_ptr<Viewer> watch_frames(const Plan& plan, const Watching& watching, Recorder& recorder, Waiter& waiter) {

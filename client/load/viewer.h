@@ -42,9 +42,9 @@ class ReaderLog {
   bool joined_ = false;
 };
 
-// What a reader of frames asks for, and how long it holds each frame, 0: not at all.
+// What a reader of frames asks for, and how long it holds its frame number `frame`, from 1; 0: not at all.
 [[nodiscard]] client::WatchOptions options_of(const Plan& plan, Role role);
-[[nodiscard]] Nanoseconds hold_of(const Plan& plan, Role role);
+[[nodiscard]] Nanoseconds hold_of(const Plan& plan, Role role, std::int64_t frame);
 
 // Watches one sheet on a thread and a connection of its own until it is destroyed.
 class Viewer {

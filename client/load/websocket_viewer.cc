@@ -91,8 +91,10 @@ class WebSocketViewer : public Viewer {
       return false;
     }
     log_.seen(frame.tick(), frame.topology_version(), frame.stats(), bytes, frame.base_tick() < 0);
-    const Nanoseconds hold = hold_of(plan_, watching_.role);
+    const Nanoseconds hold = hold_of(plan_, watching_.role, ++frames_);
     if (hold > Nanoseconds(0) && !waiter_.wait_until(waiter_.now() + hold)) return false;
+    // A reset in answer to what is sent too late would take with it what the server said before it closed.
+    if (watching_.role == Role::kStalled) return true;
     return send(client::acknowledgement(frame.sequence(), arrived));
   }
 
@@ -112,6 +114,7 @@ class WebSocketViewer : public Viewer {
   ReaderLog log_;
   std::atomic<bool> stopped_{false};
   client::Mirror mirror_;
+  std::int64_t frames_ = 0;
   boost::asio::io_context context_{1};
   beast::websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer buffer_;

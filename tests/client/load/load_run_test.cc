@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <thread>
@@ -20,10 +21,12 @@ using testing::HasSubstr;
 
 class LoadRunTest : public testing::Test {
  protected:
-  LoadRunTest() {
+  LoadRunTest() { server_ = ws_test::start_server(config()); }
+
+  static app::Config config() {
     app::Config config = ws_test::test_config();
     config.max_sheets = 3;
-    server_ = ws_test::start_server(config);
+    return config;
   }
 
   [[nodiscard]] Plan plan() const {
@@ -110,6 +113,27 @@ TEST_F(LoadRunTest, WebSocketsDoTheSame) {
   EXPECT_EQ(report->cuts.sent, 10);
   EXPECT_EQ(report->cuts.seen_without, 0);
   EXPECT_EQ(num_errors(*report), 0) << to_text(*report);
+}
+
+// The server gives them up, they read of it once they wake, and the others never notice.
+TEST_F(LoadRunTest, StalledReadersTellHowTheyWereEnded) {
+  app::Config impatient = config();
+  impatient.limits.watch_ack_timeout = std::chrono::seconds(2);
+  server_ = ws_test::start_server(impatient);
+  for (const Transport transport : {Transport::kGrpc, Transport::kWebSocket}) {
+    Plan wanted = plan();
+    wanted.transport = transport;
+    wanted.stalled_readers = 4;
+    wanted.stall_s = 5.0;
+    wanted.duration_s = 7.0;
+    const Result<Report> report = run(wanted);
+    ASSERT_TRUE(report) << report.error().message;
+    const ReaderTotals& stalled = report->of(Role::kStalled);
+    EXPECT_EQ(stalled.readers, 4);
+    EXPECT_EQ(stalled.ends, (std::map<std::string, std::int64_t>{{"TOO_SLOW", 4}})) << to_text(*report);
+    EXPECT_TRUE(report->of(Role::kViewer).ends.empty()) << to_text(*report);
+    EXPECT_EQ(num_errors(*report), 0) << to_text(*report);
+  }
 }
 
 TEST_F(LoadRunTest, TellsOfSheetsThatAreRefused) {

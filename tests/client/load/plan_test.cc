@@ -35,6 +35,7 @@ TEST(Plan, RangesAreTakenToTheirEndsAndNotBeyond) {
       {"--viewers", [&](Plan& p, double v) { p.viewers = whole(v); }, 0, 1000},
       {"--slow-readers", [&](Plan& p, double v) { p.slow_readers = whole(v); }, 0, 1000},
       {"--stalled-readers", [&](Plan& p, double v) { p.stalled_readers = whole(v); }, 0, 1000},
+      {"--stall", [](Plan& p, double v) { p.stall_s = v; }, 0.001, 3600},
       {"--image-viewers", [&](Plan& p, double v) { p.image_viewers = whole(v); }, 0, 100},
       {"--cuts-per-second", [](Plan& p, double v) { p.cuts_per_second = v; }, 0, 1000},
       {"--way", [](Plan& p, double v) { p.way_ms = v; }, 0, 10'000},

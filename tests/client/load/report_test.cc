@@ -87,6 +87,8 @@ TEST(Report, WarnsOfWhatSpoilsIt) {
   report.cuts.seen_without = 0;
   for (Probe& probe : report.probes) probe.client.cpu_s = 0.0;
   EXPECT_THAT(warnings(report), testing::ElementsAre(HasSubstr("interrupted"), HasSubstr("30.0 ms late")));
+  report.readers[2].readers = 3;
+  EXPECT_THAT(warnings(report), testing::Contains(HasSubstr("2 of 3 stalled readers")));
 }
 
 TEST(Report, TextHasTheNumbers) {
