@@ -121,9 +121,8 @@ TEST_F(ImageWatcherTest, ThePaceMayBeSetBeforeAndFromAnotherThread) {
   images.set_pace(0.0, true);
   frames.set_pace(0.0, true);
   int num_images = 0;
-  std::thread viewer([&] {
-    EXPECT_TRUE(images.run("sheets/a", small(), [&](const v1::Image&) { return ++num_images < 1; }).ok());
-  });
+  std::thread viewer(
+      [&] { EXPECT_TRUE(images.run("sheets/a", small(), [&](const v1::Image&) { return ++num_images < 1; }).ok()); });
   images.set_pace(0.0);
   viewer.join();
   EXPECT_EQ(num_images, 1);
