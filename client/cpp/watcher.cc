@@ -13,6 +13,7 @@ v1::WatchRequest start_of_watch(const std::string& name, const WatchOptions& opt
   start.set_window(options.window);
   start.set_max_rate_hz(options.max_rate_hz);
   start.set_encoding(options.encoding);
+  start.set_strains(options.strains);
   return request;
 }
 

@@ -17,6 +17,7 @@ struct WatchOptions {
   std::int32_t window = 0;   // frames in flight, 1..8; 0: what way and reader want
   double max_rate_hz = 0.0;  // 0: every tick
   v1::Encoding encoding = v1::COMPACT;
+  bool strains = false;  // Mirror::strain() has them then
 };
 
 // The first message of a stream of `name` ("sheets/demo").

@@ -232,6 +232,18 @@ TEST_F(ServerTest, FramesFilesAndAnalyses) {
   });
   EXPECT_TRUE(ended.ok());
   EXPECT_EQ(vertices, 64);
+  bool has_strains = false;
+  WatchOptions with_strains;
+  with_strains.strains = true;
+  EXPECT_TRUE(sheet
+                  .watch(
+                      [&](const v1::Frame& /*frame*/, const Mirror& mirror) {
+                        has_strains = mirror.has_strains();
+                        return false;
+                      },
+                      with_strains)
+                  .ok());
+  EXPECT_TRUE(has_strains);
   EXPECT_NE(sheet.obj().value().find("\nv "), std::string::npos);
   EXPECT_NE(sheet.obj().value().find("\nf "), std::string::npos);
   EXPECT_EQ(sheet.gltf().value().substr(0, 4), "glTF");
