@@ -11,7 +11,6 @@
 #include "render/video.h"
 #include "server/api/core.h"
 #include "server/api/session.h"
-#include "server/fem/material.h"
 #include "server/wire/json.h"
 #include "server/wire/material_codec.h"
 

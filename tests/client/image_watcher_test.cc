@@ -132,7 +132,8 @@ TEST_F(ImageWatcherTest, ThePaceMayBeSetBeforeAndFromAnotherThread) {
       tick = frame.tick();
       return false;
     };
-    EXPECT_TRUE(frames.run("sheets/a", {}, on_frame).ok());
+    const grpc::Status status = frames.run("sheets/a", {}, on_frame);
+    EXPECT_TRUE(status.ok()) << status.error_message();
   });
   frames.set_pace(30.0);
   watcher.join();
