@@ -29,10 +29,26 @@ describe('HistoryControls', () => {
     },
   };
 
+  // Until the next call has been sent.
+  const settled = () => new Promise((resolve) => setTimeout(resolve));
+
+  it('makes one more of what is asked for while a call is under way, and none after a refusal', async () => {
+    const controls = new HistoryControls(viewer, send);
+    const run = controls.run('undo');
+    for (let i = 0; i < 5; ++i) await controls.run('undo'); // a held key
+    answer(1);
+    await settled();
+    expect(sent.length).toBe(2);
+    await controls.run('redo');
+    refuse('the sheet has no cut to undo');
+    await run;
+    expect(sent.splice(0)).toEqual(['UndoCut sheets/a', 'UndoCut sheets/a']);
+    expect(notices.splice(0)).toEqual(['success: Cut undone: 1 piece', 'error: the sheet has no cut to undo']);
+  });
+
   it('sends one call at a time and tells what came of it', async () => {
     const controls = new HistoryControls(viewer, send);
     const first = controls.run('undo');
-    await controls.run('undo'); // a held key
     answer(1);
     await first;
     const second = controls.run('redo');

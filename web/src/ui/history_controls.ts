@@ -11,9 +11,13 @@ function told(step: HistoryStep, { cuts, pieces }: MessageShape<typeof UndoResul
   return `${what} ${step === 'undo' ? 'undone' : 'made again'}: ${pieces} ${pieces === 1 ? 'piece' : 'pieces'}`;
 }
 
-/** Undo and redo of the sheet's cuts, one at a time: a held key does not fill the server's queue. */
+/**
+ * Undo and redo of the sheet's cuts: one under way and the newest that was asked for meanwhile, so that two quick presses are
+ * two steps, and a held key does not fill the server's queue.
+ */
 export class HistoryControls {
   private isSending = false;
+  private waiting: { step: HistoryStep; sheetName: string } | undefined;
 
   constructor(
     private readonly viewer: Pick<Viewer, 'sheetName' | 'attempt' | 'notify'>,
@@ -21,16 +25,27 @@ export class HistoryControls {
   ) {}
 
   async run(step: HistoryStep): Promise<void> {
+    this.waiting = { step, sheetName: this.viewer.sheetName };
     if (this.isSending) return;
     this.isSending = true;
+    while (this.waiting) {
+      const { step: next, sheetName }: { step: HistoryStep; sheetName: string } = this.waiting;
+      this.waiting = undefined;
+      // After a refusal the next would only be refused as well.
+      if (!(await this.make(next, sheetName))) this.waiting = undefined;
+    }
+    this.isSending = false;
+  }
+
+  private async make(step: HistoryStep, parent: string): Promise<boolean> {
     const { undoCut, redoCut } = CutService.method;
     // The two requests have the same fields.
     const method = (step === 'undo' ? undoCut : redoCut) as DescMethodUnary<
       typeof UndoCutRequestSchema,
       typeof UndoResultSchema
     >;
-    const result = await this.viewer.attempt(() => this.send(method, { parent: this.viewer.sheetName }));
-    this.isSending = false;
+    const result = await this.viewer.attempt(() => this.send(method, { parent }));
     if (result) this.viewer.notify('success', told(step, result));
+    return result !== undefined;
   }
 }
