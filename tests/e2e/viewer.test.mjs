@@ -76,6 +76,15 @@ await steps.step('pause stops the tick, step makes one, resume goes on', async (
   await viewer.until('!k.isPaused && k.tick > given.tick + 1', { tick });
 });
 
+await steps.step('two quick presses pause and go on, whatever has been answered in between', async () => {
+  const resumed = viewer.page.waitForResponse(/SheetService\/ResumeSheet$/);
+  await viewer.page.keyboard.press(' ');
+  await viewer.page.keyboard.press(' ');
+  check((await resumed).ok(), 'the sheet was not resumed');
+  const tick = await viewer.read('k.tick');
+  await viewer.until('!k.isPaused && k.tick > given.tick + 5', { tick });
+});
+
 await steps.step('reset goes back to the uncut sheet', async () => {
   await viewer.page.keyboard.press(' ');
   await viewer.until('k.isPaused');

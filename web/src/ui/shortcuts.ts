@@ -135,7 +135,7 @@ function simulationGroup(app: App): ShortcutGroup {
   return {
     title: 'Simulation',
     shortcuts: [
-      { chords: ['Space'], what: 'Pause or resume', button: '#pause', isClicked: true, run: () => void controls.togglePause() },
+      { chords: ['Space'], what: 'Pause or resume', button: '#pause', isClicked: true, run: () => controls.togglePause() },
       {
         chords: ['.'],
         what: 'One tick; pauses first',

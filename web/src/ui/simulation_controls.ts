@@ -3,8 +3,15 @@ import { Replay_State, Sheet_RunState, SheetService } from '../gen/kerf/v1/sheet
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import type { Viewer } from '../tools/tool';
 import { element, setText } from './dom';
+import { Newest } from './newest';
 import { runEndText } from './run_text';
 import { SpeedControl } from './speed_control';
+
+interface PauseWish {
+  /** sheets/{sheet} */
+  name: string;
+  isPaused: boolean;
+}
 
 /** Pause, step, reset and how fast it runs. */
 export class SimulationControls {
@@ -13,6 +20,16 @@ export class SimulationControls {
   readonly speed: SpeedControl;
   // sheets/{sheet} that plays a recording.
   private playing: string | undefined;
+  // Not answered yet.
+  private wish: PauseWish | undefined;
+  private readonly pauses = new Newest<PauseWish>(
+    async ({ name, isPaused }) => {
+      const { pauseSheet, resumeSheet } = SheetService.method;
+      const sheet = await this.viewer.attempt(() => (isPaused ? call(pauseSheet, { name }) : call(resumeSheet, { name })));
+      if (name === this.viewer.sheetName) this.take(sheet);
+    },
+    async () => void (this.wish = undefined),
+  );
 
   constructor(private readonly viewer: Viewer & { setSheet(sheet: Sheet): void }) {
     this.speed = new SpeedControl(viewer);
@@ -41,12 +58,12 @@ export class SimulationControls {
     this.playing = replay?.state === Replay_State.PLAYING ? name : undefined;
   }
 
-  async togglePause(): Promise<void> {
-    const { pauseSheet, resumeSheet } = SheetService.method;
-    const request = { name: this.viewer.sheetName };
-    this.take(
-      await this.viewer.attempt(() => (this.isPaused ? call(resumeSheet, request) : call(pauseSheet, request))),
-    );
+  /** The other of what was asked for last: two quick presses are two changes, whatever has been answered. */
+  togglePause(): void {
+    const { sheetName: name } = this.viewer;
+    const isPaused = this.wish?.name === name ? this.wish.isPaused : this.isPaused;
+    this.wish = { name, isPaused: !isPaused };
+    this.pauses.put(this.wish);
   }
 
   /** One tick; a running sheet is paused first. */
