@@ -94,9 +94,11 @@ async function twoBrowsers(browser, kerfd) {
         const x = 0.15 + 0.25 * line + 0.1 * i;
         await viewer.tap(x, 0.25 + 0.02 * line);
         await viewer.tap(x + 0.05, 0.7);
+        const areShown = (count) => document.querySelectorAll('.handle:not([hidden])').length === count;
+        await viewer.page.waitForFunction(areShown, 2);
         await viewer.page.keyboard.press('Enter');
         // The drawing goes when its cut is made.
-        await viewer.page.waitForFunction(() => !document.querySelector('.handle:not([hidden])'));
+        await viewer.page.waitForFunction(areShown, 0);
       }
     }),
   );

@@ -46,7 +46,7 @@ export class CutTool implements Tool {
   private currentTarget: CutTarget = 'seen';
   private drawing: Drawing = newDrawing('curve');
   private chosenHandle = -1;
-  private isCutting = false;
+  private readonly underWay = new Set<Drawing>(); // being cut; meanwhile another may be drawn and cut
   private isChoosing = false;
   // Material point of the chosen piece: its label may be another one after each cut.
   private pieceMark: Point2 | undefined;
@@ -142,7 +142,7 @@ export class CutTool implements Tool {
   }
 
   get isReady(): boolean {
-    return !this.isCutting && this.drawing.isReady;
+    return !this.underWay.has(this.drawing) && this.drawing.isReady;
   }
 
   get isStarted(): boolean {
@@ -271,7 +271,7 @@ export class CutTool implements Tool {
       this.viewer.notify('error', 'Nothing was cut: the chosen piece is gone there; choose another');
       return;
     }
-    this.isCutting = true;
+    this.underWay.add(drawing);
     this.refresh();
     const { widthM } = this;
     const request = { parent: this.viewer.sheetName, cut: this.request() };
@@ -279,7 +279,7 @@ export class CutTool implements Tool {
       () => call(CutService.method.createCut, request),
       'Nothing was cut: ',
     );
-    this.isCutting = false;
+    this.underWay.delete(drawing);
     if (result) {
       this.viewer.notify(result.status === CutResult_Status.APPLIED ? 'success' : 'info', cutText(result, widthM > 0));
       if (result.warnings.length > 0) this.viewer.notify('warning', warningText(result));
