@@ -98,6 +98,11 @@ class Session final : public WatchSession, public OpenStream, public std::enable
   [[nodiscard]] bool started() const;
 
  private:
+  struct Pace {
+    double max_rate_hz;
+    bool paused;
+  };
+
   void start(const v1::WatchStart& request);
   void join(const std::string& sheet_id, const stream::SubscriberOptions& options);
   void set_pace(const v1::WatchPace& pace);
@@ -119,6 +124,7 @@ class Session final : public WatchSession, public OpenStream, public std::enable
   mutable std::mutex mutex_;  // of what follows; not held over calls to the host, the hub or the subscriber
   std::string sheet_id_;      // empty until started
   std::shared_ptr<stream::Subscriber> subscriber_;
+  std::optional<Pace> early_pace_;  // came before the host let the stream join; for subscriber_
   std::deque<stream::Message> rejections_;
   std::set<std::string> held_grabs_;
   std::optional<Error> failure_;
@@ -198,14 +204,19 @@ void Session::join(const std::string& sheet_id, const stream::SubscriberOptions&
 
 void Session::joined(const Result<std::shared_ptr<stream::Reader>>& reader) {
   if (!reader.ok()) return fail(at_field(reader.error(), name_field_));
-  bool unwanted = false;
-  {
-    const std::lock_guard lock(mutex_);
-    unwanted = over();
-    if (!unwanted) subscriber_ = std::static_pointer_cast<stream::Subscriber>(*reader);  // join() made it
+  const auto subscriber = std::static_pointer_cast<stream::Subscriber>(*reader);  // join() made it
+  for (;;) {
+    std::optional<Pace> pace;
+    {
+      const std::lock_guard lock(mutex_);
+      if (over()) break;
+      pace = std::exchange(early_pace_, {});
+      if (!pace) subscriber_ = subscriber;
+    }
+    if (!pace) return ready_.raise();
+    subscriber->set_pace(pace->max_rate_hz, pace->paused, core_->clock.now());
   }
-  if (unwanted) return core_->hub.leave(sheet_id_, **reader);
-  ready_.raise();
+  core_->hub.leave(sheet_id_, *subscriber);
 }
 
 std::shared_ptr<stream::Subscriber> Session::joined_subscriber() {
@@ -225,12 +236,14 @@ void Session::acknowledge(const v1::WatchAck& ack) {
 void Session::set_pace(const v1::WatchPace& pace) {
   const Result<double> rate = decode_rate(pace.max_rate_hz(), kMaxRateHz, "every tick", "pace.max_rate_hz");
   if (!rate.ok()) return fail(rate.error());
-  const std::shared_ptr<stream::Subscriber> subscriber = joined_subscriber();
-  if (!subscriber) {
-    return fail(
-        invalid_argument("PACE_TOO_EARLY", "the pace is changed before a frame was sent; start has one", "pace"));
+  std::shared_ptr<stream::Subscriber> subscriber;
+  {
+    const std::lock_guard lock(mutex_);
+    if (over()) return;
+    subscriber = subscriber_;
+    if (!subscriber) early_pace_ = Pace{*rate, pace.paused()};
   }
-  subscriber->set_pace(*rate, pace.paused(), core_->clock.now());
+  if (subscriber) subscriber->set_pace(*rate, pace.paused(), core_->clock.now());
 }
 
 void Session::submit(const std::string& grab_id, Result<sheet::Command> command) {

@@ -111,6 +111,22 @@ TEST_F(FlowTest, PaceChangesTheRate) {
   EXPECT_GE(frames_in_a_second(), 49);
 }
 
+// Behind its start at once, while the host has not yet let the stream join.
+TEST_F(FlowTest, ThePaceMayComeBeforeTheFirstFrame) {
+  ASSERT_TRUE(create_sheet("a", false).ok());
+  Viewer viewer(*api_);
+  viewer.start("sheets/a");
+  viewer.pace(5.0, false);
+  viewer.pace(5.0, true);
+  EXPECT_FALSE(viewer.next());
+  run_for(10 * kTick);
+  EXPECT_FALSE(viewer.next());
+  EXPECT_EQ(viewer.failure(), "");
+  viewer.pace(0.0, false);
+  run_for(kTick);
+  EXPECT_TRUE(viewer.drain());
+}
+
 TEST_F(FlowTest, SubscriptionSendsRawKeyframesUntilItsLast) {
   ASSERT_TRUE(create_sheet("a", false).ok());
   v1::SubscribeRequest request;
