@@ -248,7 +248,7 @@ TEST_P(IntegratorContract, AGrabOfAnyStiffnessPullsItsPointToTheTarget) {
   if (is(IntegratorKind::kTrapezoidal)) GTEST_SKIP() << "damps nothing";
   const mesh::TriangleMesh mesh = square_grid(7);
   Material material = soft_cloth();
-  material.mass_damping = 5.0;
+  material.mass_damping = 15.0;
   const Model model(mesh, material);
   const std::unique_ptr<Integrator> integrator = make(model);
   for (const double stiffness : {10.0, 1e3, 1e6, 1e12}) {
@@ -262,7 +262,7 @@ TEST_P(IntegratorContract, AGrabOfAnyStiffnessPullsItsPointToTheTarget) {
     grab.stiffness = stiffness;
     grab.damping = 0.5;
     loads.grabs.push_back(grab);
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 100; ++i) {
       integrator->step(model, loads, kTick, nullptr, state);
       ASSERT_TRUE(is_finite(state)) << stiffness;
     }

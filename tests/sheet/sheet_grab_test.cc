@@ -77,13 +77,13 @@ TEST(Sheet, AllowsAtMost64Grabs) {
 TEST(Sheet, AViolentGrabNeverMakesItNotFinite) {
   const Vector3d target(1e5, -1e5, 1e5);
   for (const IntegratorKind kind : {IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler}) {
-    SheetConfig config = scenes::hanging(10);
+    SheetConfig config = scenes::hanging(5);
     config.integrator.kind = kind;
     Sheet sheet = make(config);
     ASSERT_TRUE(apply(sheet, Grab{"a", 3, target, 1e6}));
     ASSERT_TRUE(apply(sheet, SetGravity{Vector3d(0, 0, 9e3)}));
     ASSERT_TRUE(apply(sheet, SetWind{{Vector3d(1000, 0, 0), 100.0, 10.0}}));
-    for (int i = 0; i < 30; ++i) {
+    for (int i = 0; i < 12; ++i) {
       const TickReport report = sheet.step({});
       EXPECT_FALSE(report.step_failed || report.frozen) << "tick " << i;
       ASSERT_TRUE(sheet.state().x.allFinite() && sheet.state().v.allFinite());

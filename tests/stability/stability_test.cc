@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kTestedPerStart = 6;  // 108 cases
 #if defined(__SANITIZE_ADDRESS__)
-constexpr int kSteps = 10;
+constexpr int kSteps = 2;
 constexpr int kSpinSteps = 100;
 #else
 constexpr int kSteps = 150;  // stability_matrix takes 600
