@@ -31,27 +31,28 @@ v1::WatchImagesRequest start_of(const std::string& name, const ImageOptions& opt
 
 grpc::Status ImageWatcher::run(const std::string& name, const ImageOptions& options, const OnImage& on_image) {
   using Taken = LiveStream<v1::WatchImagesRequest, v1::WatchImagesResponse>::Taken;
-  return stream_.run([this](grpc::ClientContext* context) { return client_.render().WatchImages(context); },
-                     start_of(name, options),
-                     [&](const v1::WatchImagesResponse& response) -> Taken {
-                       if (!response.has_image()) return {};
-                       const std::int64_t sequence = response.image().sequence();
-                       if (on_image(response.image())) return {sequence, {}};
-                       return {sequence, grpc::Status::OK};
-                     });
+  const auto open = [this](grpc::ClientContext* context) { return client_.render().WatchImages(context); };
+  const auto start = [&] { return start_of(name, options); };
+  const auto take = [&](const v1::WatchImagesResponse& response) -> Taken {
+    if (!response.has_image()) return {};
+    const std::int64_t sequence = response.image().sequence();
+    if (on_image(response.image())) return {sequence, {}};
+    return {sequence, grpc::Status::OK};
+  };
+  return stream_.run(open, start, take, options.reopens);
 }
 
 void ImageWatcher::set_look(const ImageLook& look) {
   v1::WatchImagesRequest request;
   *request.mutable_view() = view_of(look);
-  stream_.send(request);
+  stream_.set(request);
 }
 
 void ImageWatcher::set_pace(double max_rate_hz, bool paused) {
   v1::WatchImagesRequest request;
   request.mutable_pace()->set_max_rate_hz(max_rate_hz);
   request.mutable_pace()->set_paused(paused);
-  stream_.send(request);
+  stream_.set(request);
 }
 
 }  // namespace kerf::client

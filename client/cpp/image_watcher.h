@@ -30,6 +30,7 @@ struct ImageOptions {
       v1::IMAGE_JPEG;        // or IMAGE_PNG, or IMAGE_VP8: frames of one stream, for a decoder of one's own
   std::int32_t window = 0;   // pictures in flight, 1..8; 0: what way and reader want
   double max_rate_hz = 0.0;  // 0.001..1000; 0: every tick
+  bool reopens = true;       // as of WatchOptions
 };
 
 // Watches one sheet in pictures that the server draws: reads, acknowledges. Blocks the thread that calls run().

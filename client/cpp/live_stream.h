@@ -3,10 +3,10 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <vector>
 
 #include <grpcpp/client_context.h>
 #include <grpcpp/support/status.h>
@@ -16,7 +16,7 @@
 
 namespace kerf::client {
 
-// What the streams have in common whose messages are acknowledged: Watch, WatchImages. One run.
+// What the streams have in common whose messages are acknowledged: Watch, WatchImages. For one run().
 template <typename Request, typename Response>
 class LiveStream {
  public:
@@ -28,44 +28,30 @@ class LiveStream {
     std::optional<grpc::Status> over = {};
   };
 
-  // `open(context)` begins the call, `take(response)` gets each message but the last. OK where the stream was stopped
-  // or the server ended it.
-  template <typename Open, typename Take>
-  grpc::Status run(const Open& open, const Request& start, const Take& take) {
-    const std::unique_ptr<Stream> stream = open(&context_);
-    begin(*stream, start);
-    Response response;
-    std::optional<grpc::Status> over;
-    while (!over && stream->Read(&response)) {
-      const auto arrived = std::chrono::steady_clock::now();
-      if (response.has_ended()) {
-        ended_ = response.ended();
-        continue;
-      }
-      const Taken taken = take(response);
-      over = taken.over;
-      if (taken.sequence > 0) send(acknowledgement(taken.sequence, arrived));
+  // `open(context)` begins a call, `start()` gives its first message, `take(response)` gets each answer but the last.
+  // OK where the stream was stopped or the server ended it. reopens: one that the server ended as TOO_SLOW is opened
+  // again, and what was set is set again.
+  template <typename Open, typename Start, typename Take>
+  grpc::Status run(const Open& open, const Start& start, const Take& take, bool reopens) {
+    for (;;) {
+      ended_ = {};
+      const grpc::Status status = run_once(open, start, take);
+      if (!reopens || !status.ok() || stopped_ || ended_.reason() != v1::Ended::TOO_SLOW) return status;
     }
-    end(*stream, over.has_value());
-    const grpc::Status status = stream->Finish();
-    if (over) return *over;
-    return stopped_ ? grpc::Status::OK : status;
   }
 
-  // From any thread; what is sent before run() goes behind its start, what is sent after it nowhere.
-  void send(const Request& request) {
+  // From any thread. What is set before run() goes behind its start; of each kind the newest counts.
+  void set(const Request& request) {
     const std::lock_guard lock(mutex_);
-    if (stream_ != nullptr) {
-      stream_->Write(request);
-    } else if (!over_) {
-      waiting_.push_back(request);
-    }
+    settings_[request.kind_case()] = request;
+    if (stream_ != nullptr) stream_->Write(request);
   }
 
   // From any thread: ends run().
   void stop() {
+    const std::lock_guard lock(context_mutex_);
     stopped_ = true;
-    context_.TryCancel();
+    if (context_ != nullptr) context_->TryCancel();
   }
 
   [[nodiscard]] const v1::Ended& ended() const { return ended_; }
@@ -79,31 +65,61 @@ class LiveStream {
   }
 
  private:
+  template <typename Open, typename Start, typename Take>
+  grpc::Status run_once(const Open& open, const Start& start, const Take& take) {
+    grpc::ClientContext context;
+    if (!enter(&context)) return grpc::Status::OK;
+    const std::unique_ptr<Stream> stream = open(&context);
+    begin(*stream, start());
+    Response response;
+    std::optional<grpc::Status> over;
+    while (!over && stream->Read(&response)) {
+      const auto arrived = std::chrono::steady_clock::now();
+      if (response.has_ended()) {
+        ended_ = response.ended();
+        continue;
+      }
+      const Taken taken = take(response);
+      over = taken.over;
+      if (taken.sequence > 0) acknowledge(taken.sequence, arrived);
+    }
+    if (over) context.TryCancel();
+    end(*stream);
+    const grpc::Status status = stream->Finish();
+    enter(nullptr);
+    if (over) return *over;
+    return stopped_ ? grpc::Status::OK : status;
+  }
+
+  // False: run() was stopped, and begins nothing.
+  bool enter(grpc::ClientContext* context) {
+    const std::lock_guard lock(context_mutex_);
+    context_ = context;
+    return !stopped_;
+  }
   void begin(Stream& stream, const Request& start) {
     const std::lock_guard lock(mutex_);
     stream.Write(start);
-    for (const Request& request : waiting_) stream.Write(request);
-    waiting_.clear();
+    for (const auto& [kind, request] : settings_) stream.Write(request);
     stream_ = &stream;
   }
-  void end(Stream& stream, bool cancel) {
+  void acknowledge(std::int64_t sequence, std::chrono::steady_clock::time_point arrived) {
+    const std::lock_guard lock(mutex_);
+    stream_->Write(acknowledgement(sequence, arrived));
+  }
+  void end(Stream& stream) {
     const std::lock_guard lock(mutex_);
     stream_ = nullptr;
-    over_ = true;
-    if (cancel) {
-      context_.TryCancel();
-    } else {
-      stream.WritesDone();
-    }
+    stream.WritesDone();
   }
 
-  grpc::ClientContext context_;
-  std::atomic<bool> stopped_{false};
   v1::Ended ended_;
+  std::atomic<bool> stopped_{false};
+  std::mutex context_mutex_;                // not held over a write, so that stop() is not held up by one
+  grpc::ClientContext* context_ = nullptr;  // of the call under way; guarded by context_mutex_
   std::mutex mutex_;
-  Stream* stream_ = nullptr;      // of run(), while it may be written to; guarded by mutex_
-  bool over_ = false;             // run() has ended; guarded by mutex_
-  std::vector<Request> waiting_;  // for run(); guarded by mutex_
+  Stream* stream_ = nullptr;         // of the call under way, while it may be written to; guarded by mutex_
+  std::map<int, Request> settings_;  // by kind; guarded by mutex_
 };
 
 }  // namespace kerf::client

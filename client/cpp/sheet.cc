@@ -269,6 +269,30 @@ Result<v1::Ended> Sheet::watch(const Watcher::OnFrame& on_frame, const WatchOpti
   return watcher.ended();
 }
 
+Result<v1::Ended> Sheet::subscribe(const Watcher::OnFrame& on_frame, const SubscribeOptions& options) {
+  v1::SubscribeRequest request;
+  request.set_name(name());
+  request.set_max_rate_hz(options.rate_hz);
+  request.set_max_frames(options.max_frames);
+  grpc::ClientContext context;
+  const auto stream = connection_->client().stream().Subscribe(&context, request);
+  Mirror mirror;
+  v1::WatchResponse response;
+  v1::Ended ended;
+  while (stream->Read(&response)) {
+    if (response.has_ended()) ended = response.ended();
+    if (!response.has_frame()) continue;
+    const std::optional<grpc::Status> wrong = misfit(mirror, response.frame());
+    if (!wrong && on_frame(response.frame(), mirror)) continue;
+    context.TryCancel();
+    stream->Finish();
+    if (wrong) return failure_of(*wrong);
+    return ended;
+  }
+  if (const grpc::Status status = stream->Finish(); !status.ok()) return failure_of(status);
+  return ended;
+}
+
 Result<v1::Ended> Sheet::watch_images(const ImageWatcher::OnImage& on_image, const ImageOptions& options) {
   ImageWatcher watcher(connection_->client());
   const grpc::Status status = watcher.run(name(), options, on_image);

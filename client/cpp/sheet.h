@@ -39,6 +39,11 @@ struct RenderOptions {
   std::int32_t jpeg_quality = 0;  // 1..100; 0: 85
 };
 
+struct SubscribeOptions {
+  double rate_hz = 1.0;         // 0.001..10
+  std::int32_t max_frames = 0;  // the stream ends after so many; 0: goes on
+};
+
 // One sheet of a server, by its name. Each method is a call, which waits for its answer; nothing of the sheet is kept
 // here. Copies name the same sheet. Thread-safe.
 class Sheet {
@@ -99,7 +104,10 @@ class Sheet {
   // Blocks: calls on_frame with each frame applied to a mirror of the sheet, until it says false or the server ends the
   // stream, which Ended then tells.
   Result<v1::Ended> watch(const Watcher::OnFrame& on_frame, const WatchOptions& options = {});
-  // The same with pictures that the server draws.
+  // The same at a low rate and without acknowledgements: what on_frame does not take in time waits, so that a slow one
+  // lags. For steady logging; watch() is for all else.
+  Result<v1::Ended> subscribe(const Watcher::OnFrame& on_frame, const SubscribeOptions& options = {});
+  // As watch(), with pictures that the server draws.
   Result<v1::Ended> watch_images(const ImageWatcher::OnImage& on_image, const ImageOptions& options = {});
 
  private:

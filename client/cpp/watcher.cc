@@ -1,7 +1,5 @@
 #include "client/cpp/watcher.h"
 
-#include <optional>
-
 namespace kerf::client {
 
 using FrameStream = LiveStream<v1::WatchRequest, v1::WatchResponse>;
@@ -21,26 +19,34 @@ v1::WatchRequest acknowledgement(std::int64_t sequence, std::chrono::steady_cloc
   return FrameStream::acknowledgement(sequence, arrived);
 }
 
+std::optional<grpc::Status> misfit(Mirror& mirror, const v1::Frame& frame) {
+  const std::optional<std::string> wrong = mirror.apply(frame);
+  if (!wrong) return std::nullopt;
+  return grpc::Status(grpc::StatusCode::DATA_LOSS, "a frame does not fit: " + *wrong);
+}
+
 grpc::Status Watcher::run(const std::string& name, const WatchOptions& options, const OnFrame& on_frame) {
   Mirror mirror;
-  return stream_.run([this](grpc::ClientContext* context) { return client_.stream().Watch(context); },
-                     start_of_watch(name, options),
-                     [&](const v1::WatchResponse& response) -> FrameStream::Taken {
-                       if (!response.has_frame()) return {};
-                       const v1::Frame& frame = response.frame();
-                       if (const std::optional<std::string> wrong = mirror.apply(frame)) {
-                         return {0, grpc::Status(grpc::StatusCode::DATA_LOSS, "a frame does not fit: " + *wrong)};
-                       }
-                       if (on_frame(frame, mirror)) return {frame.sequence(), {}};
-                       return {frame.sequence(), grpc::Status::OK};
-                     });
+  const auto open = [this](grpc::ClientContext* context) { return client_.stream().Watch(context); };
+  const auto start = [&] {
+    mirror = Mirror();
+    return start_of_watch(name, options);
+  };
+  const auto take = [&](const v1::WatchResponse& response) -> FrameStream::Taken {
+    if (!response.has_frame()) return {};
+    const v1::Frame& frame = response.frame();
+    if (const std::optional<grpc::Status> wrong = misfit(mirror, frame)) return {0, wrong};
+    if (on_frame(frame, mirror)) return {frame.sequence(), {}};
+    return {frame.sequence(), grpc::Status::OK};
+  };
+  return stream_.run(open, start, take, options.reopens);
 }
 
 void Watcher::set_pace(double max_rate_hz, bool paused) {
   v1::WatchRequest request;
   request.mutable_pace()->set_max_rate_hz(max_rate_hz);
   request.mutable_pace()->set_paused(paused);
-  stream_.send(request);
+  stream_.set(request);
 }
 
 }  // namespace kerf::client

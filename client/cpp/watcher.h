@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include <grpcpp/support/status.h>
@@ -18,12 +19,17 @@ struct WatchOptions {
   double max_rate_hz = 0.0;  // 0: every tick
   v1::Encoding encoding = v1::COMPACT;
   bool strains = false;  // Mirror::strain() has them then
+  // The server ends a stream whose frames are not acknowledged for 10 s, because on_frame takes so long, as TOO_SLOW.
+  // Then: it is opened again, and on_frame sees nothing of that but a keyframe. false: run() ends.
+  bool reopens = true;
 };
 
 // The first message of a stream of `name` ("sheets/demo").
 [[nodiscard]] v1::WatchRequest start_of_watch(const std::string& name, const WatchOptions& options);
 // That the frame of this sequence number, and all before it, are applied; `arrived`: when it came, by this clock.
 [[nodiscard]] v1::WatchRequest acknowledgement(std::int64_t sequence, std::chrono::steady_clock::time_point arrived);
+// Applies a frame to the mirror: DATA_LOSS where it does not fit, else nothing.
+[[nodiscard]] std::optional<grpc::Status> misfit(Mirror& mirror, const v1::Frame& frame);
 
 // Watches one sheet: reads frames, keeps a Mirror, acknowledges. Blocks the thread that calls run().
 class Watcher {

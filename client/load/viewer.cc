@@ -87,6 +87,7 @@ void ReaderLog::seen(std::int64_t tick, std::int32_t topology_version, const v1:
 
 client::WatchOptions options_of(const Plan& plan, Role role) {
   client::WatchOptions options;
+  options.reopens = false;  // how often the server gives a reader up is a result
   if (role == Role::kViewer) options.max_rate_hz = plan.viewer_rate_hz;
   return options;
 }

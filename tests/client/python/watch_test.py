@@ -99,6 +99,18 @@ class Watching(Case):
         self.sheet.step(1)
         self.assertEqual(next(frames).tick, self.sheet.get().tick)
 
+    def test_a_pace_outlives_the_stream_that_it_was_set_on(self):
+        frames = self.sheet.watch()
+        self.addCleanup(frames.close)
+        next(frames)
+        frames.pace(rate_hz=5)
+        frames._stream.close()
+        frames._stream = None
+        frames._sequence = 0
+        self.sheet.resume()
+        ticks = [next(frames).tick for _ in range(4)]
+        self.assertGreaterEqual(min(numpy.diff(ticks)), 2)
+
     def test_rate_and_pace(self):
         self.sheet.resume()
         with self.sheet.watch(rate_hz=5) as frames:

@@ -44,6 +44,7 @@ class AcknowledgedStream(_Loop):
         self._request = request  # its class, for acknowledgements
         self._ends_at = None if duration_s is None else time.monotonic() + duration_s
         self._stream: Optional[Stream] = None
+        self._pace: Optional[stream_pb2.WatchPace] = None  # that pace() asked for
         self._closed = False
         self._sequence = 0  # of the answer that the loop holds; 0: none
         self._arrived_ns = 0
@@ -56,7 +57,11 @@ class AcknowledgedStream(_Loop):
 
     async def pace(self, rate_hz: float = 0.0, *, paused: bool = False) -> None:
         """Another rate from now on, as of watch(). paused: nothing comes until another pace."""
-        await self._send(self._request(pace=stream_pb2.WatchPace(max_rate_hz=rate_hz, paused=paused)))
+        self._pace = stream_pb2.WatchPace(max_rate_hz=rate_hz, paused=paused)
+        if self._stream is None:
+            await self._open()
+        else:
+            await self._stream.send(self._request(pace=self._pace))
 
     async def _send(self, request: Any) -> None:
         if self._stream is None:
@@ -69,6 +74,8 @@ class AcknowledgedStream(_Loop):
         self._stream = Stream(self._method, self._address, duration_s=left_s)
         self._sequence = 0
         await self._stream.send(self._first())
+        if self._pace is not None:
+            await self._stream.send(self._request(pace=self._pace))
 
     def _first(self) -> Any:
         raise NotImplementedError

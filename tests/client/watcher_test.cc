@@ -1,0 +1,109 @@
+// Streams of a whole kerfd that give a slow reader up, and those without acknowledgements.
+
+#include "client/cpp/watcher.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "client/cpp/server.h"
+#include "tests/ws/running_server.h"
+
+namespace kerf::client {
+namespace {
+
+class WatcherTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    app::Config config = ws_test::test_config();
+    config.limits.watch_ack_timeout = std::chrono::milliseconds(100);
+    running_ = ws_test::start_server(config);
+    ASSERT_NE(running_, nullptr);
+    server_ = std::make_unique<Server>(running_->grpc_address());
+    ASSERT_TRUE(server_->create(grid_scene(8, 8, 1.0, 1.0), {"a", true, ""}).ok());
+  }
+  Sheet sheet() { return server_->sheet("a"); }
+  // Until the server has given every stream up.
+  void dawdle() {
+    const int port = ws_test::port_of(running_->http_url());
+    while (ws_test::request(port, "GET", "/metrics").body.find("\nkerf_watch_streams 0\n") == std::string::npos) {
+    }
+  }
+
+  std::unique_ptr<app::Server> running_;
+  std::unique_ptr<Server> server_;
+};
+
+TEST_F(WatcherTest, AStreamThatWasGivenUpIsOpenedAgain) {
+  Watcher watcher(server_->client());
+  watcher.set_pace(1000.0);
+  std::vector<std::int64_t> ticks;
+  std::vector<std::int64_t> sequences;
+  const grpc::Status status = watcher.run("sheets/a", {}, [&](const v1::Frame& frame, const Mirror& mirror) {
+    EXPECT_EQ(mirror.num_vertices(), 64);
+    ticks.push_back(frame.tick());
+    sequences.push_back(frame.sequence());
+    if (ticks.size() == 3) return false;
+    EXPECT_TRUE(sheet().step(1).ok());
+    dawdle();
+    return true;
+  });
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(ticks, (std::vector<std::int64_t>{0, 1, 2})) << "the newest each";
+  EXPECT_EQ(sequences, (std::vector<std::int64_t>{1, 1, 1})) << "a stream each";
+  EXPECT_EQ(watcher.ended().reason(), v1::Ended::REASON_UNSPECIFIED);
+}
+
+TEST_F(WatcherTest, OrNotWhereThatIsWanted) {
+  WatchOptions options;
+  options.reopens = false;
+  int frames = 0;
+  const Result<v1::Ended> ended = sheet().watch(
+      [&](const v1::Frame& /*frame*/, const Mirror& /*mirror*/) {
+        ++frames;
+        dawdle();
+        return true;
+      },
+      options);
+  EXPECT_EQ(ended.value().reason(), v1::Ended::TOO_SLOW);
+  EXPECT_EQ(frames, 1);
+}
+
+TEST_F(WatcherTest, StoppedBeforeItBeginsItSeesNothing) {
+  Watcher watcher(server_->client());
+  watcher.stop();
+  const grpc::Status status = watcher.run("sheets/a", {}, [](const v1::Frame& /*frame*/, const Mirror& /*mirror*/) {
+    ADD_FAILURE() << "a frame";
+    return false;
+  });
+  EXPECT_TRUE(status.ok());
+}
+
+TEST_F(WatcherTest, ASubscriptionNeedsNoAcknowledgements) {
+  ASSERT_TRUE(sheet().resume().ok());
+  SubscribeOptions options;
+  options.rate_hz = 10.0;
+  options.max_frames = 4;
+  std::vector<std::int64_t> ticks;
+  const auto log = [&](const v1::Frame& frame, const Mirror& mirror) {
+    EXPECT_EQ(mirror.num_slots(), 98);
+    ticks.push_back(frame.tick());
+    return true;
+  };
+  EXPECT_EQ(sheet().subscribe(log, options).value().reason(), v1::Ended::REASON_UNSPECIFIED) << "it had its frames";
+  ASSERT_EQ(ticks.size(), 4U);
+  EXPECT_GE(ticks[3] - ticks[0], 4) << "at 50 a second";
+
+  int frames = 0;
+  const auto first = [&](const v1::Frame& /*frame*/, const Mirror& /*mirror*/) { return ++frames < 1; };
+  EXPECT_TRUE(sheet().subscribe(first).ok());
+  EXPECT_EQ(frames, 1);
+  options.rate_hz = 50.0;
+  EXPECT_EQ(sheet().subscribe(log, options).failure().field, "max_rate_hz");
+  EXPECT_EQ(server_->sheet("none").subscribe(log).failure().code, grpc::StatusCode::NOT_FOUND);
+}
+
+}  // namespace
+}  // namespace kerf::client
