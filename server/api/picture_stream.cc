@@ -65,6 +65,7 @@ void PictureStream::join() {
       [self](const std::shared_ptr<stream::Channel>& channel) -> Result<std::shared_ptr<stream::Reader>> {
         const std::lock_guard lock(self->mutex_);
         if (const Status status = channel->admit(self, self->wants_strains()); !status.ok()) return status.error();
+        if (self->paused_) channel->want_snapshots(*self, false);
         self->channel_ = channel;
         return std::shared_ptr<stream::Reader>(self);
       },
@@ -147,12 +148,20 @@ void PictureStream::take_look(const ImageLook& look) {
 void PictureStream::set_pace(const v1::WatchPace& pace) {
   const Result<double> rate = decode_rate(pace.max_rate_hz(), kMaxRateHz, "every tick", "pace.max_rate_hz");
   if (!rate.ok()) return fail(rate.error());
+  std::shared_ptr<stream::Channel> stale;
   {
     const std::lock_guard lock(mutex_);
     if (over()) return;
+    const bool goes_on = paused_ && !pace.paused();
     paused_ = pace.paused();
     flow_->set_pace(*rate, paused_, core_->clock.now());
+    if (channel_) channel_->want_snapshots(*this, !paused_);
+    if (channel_ && goes_on) {
+      stale_through_ = channel_->newest_publication();
+      stale = channel_;
+    }
   }
+  if (stale) core_->hub.refresh(sheet_id_, stale);
   ready_.raise();
 }
 
@@ -192,11 +201,6 @@ bool PictureStream::ended() const {
 std::optional<Error> PictureStream::failure() const {
   const std::lock_guard lock(mutex_);
   return failure_;
-}
-
-bool PictureStream::overdue() const {
-  const std::lock_guard lock(mutex_);
-  return !over() && flow_ && flow_->permit(core_->clock.now()).too_slow;
 }
 
 bool PictureStream::started() const {

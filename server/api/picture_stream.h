@@ -38,7 +38,6 @@ class PictureStream final : public ImageSession,
   void set_ready(std::function<void()> ready) override;
   [[nodiscard]] bool ended() const override;
   [[nodiscard]] std::optional<Error> failure() const override;
-  [[nodiscard]] bool overdue() const override;
   void close() override;
   void server_stops() override;
 
@@ -92,6 +91,7 @@ class PictureStream final : public ImageSession,
   ImageLook look_;
   std::optional<stream::FlowControl> flow_;  // once started
   bool paused_ = false;
+  std::int64_t stale_through_ = 0;  // publications that are older than the end of a pause
   std::shared_ptr<stream::Channel> channel_;
   std::optional<Backdrop> backdrop_;
   std::shared_ptr<PictureFeed> feed_;  // once there is a backdrop

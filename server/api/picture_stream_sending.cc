@@ -57,7 +57,9 @@ void PictureStream::order(const stream::FlowControl::Permit& permit) {
   wants_picture_ = true;
   const stream::Channel::Newest newest = channel_->newest();
   const bool is_new = newest.publication != last_publication_ || look_changed_;
-  if (!newest.snapshot || !is_new || (wants_strains() && newest.snapshot->strains.empty())) return;
+  if (!newest.snapshot || newest.publication <= stale_through_ || !is_new ||
+      (wants_strains() && newest.snapshot->strains.empty()))
+    return;
   wants_picture_ = false;
   ordered_ = true;
   look_changed_ = false;

@@ -214,7 +214,9 @@ void Session::joined(const Result<std::shared_ptr<stream::Reader>>& reader) {
       if (!pace) subscriber_ = subscriber;
     }
     if (!pace) return ready_.raise();
-    subscriber->set_pace(pace->max_rate_hz, pace->paused, core_->clock.now());
+    if (subscriber->set_pace(pace->max_rate_hz, pace->paused, core_->clock.now())) {
+      core_->hub.refresh(sheet_id_, subscriber->channel());
+    }
   }
   core_->hub.leave(sheet_id_, *subscriber);
 }
@@ -243,7 +245,9 @@ void Session::set_pace(const v1::WatchPace& pace) {
     subscriber = subscriber_;
     if (!subscriber) early_pace_ = Pace{*rate, pace.paused()};
   }
-  if (subscriber) subscriber->set_pace(*rate, pace.paused(), core_->clock.now());
+  if (subscriber && subscriber->set_pace(*rate, pace.paused(), core_->clock.now())) {
+    core_->hub.refresh(sheet_id_, subscriber->channel());
+  }
 }
 
 void Session::submit(const std::string& grab_id, Result<sheet::Command> command) {

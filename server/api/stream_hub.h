@@ -28,7 +28,8 @@ class StreamHub {
   void join(const std::string& sheet_id, const Subscribe& subscribe, Joined joined);
   // To be called once for each reader that join() gave.
   void leave(const std::string& sheet_id, stream::Reader& reader);
-  // A reader of this channel wants strains from now on: has the newest snapshot published with them.
+  // A reader of this channel wants from now on what its newest snapshot may lack, being without strains or old: has the
+  // newest published.
   void refresh(const std::string& sheet_id, const std::shared_ptr<stream::Channel>& channel);
 
   // Of all channels that there were.

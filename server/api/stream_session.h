@@ -38,10 +38,6 @@ class StreamSession {
   // Why the stream is refused; nothing while it is open and after a regular end.
   [[nodiscard]] virtual std::optional<Error> failure() const = 0;
 
-  // The reader owes an acknowledgement for so long that the stream is to end: a transport whose write does not return
-  // cannot tell it so, and cuts it off. Never where readers are told apart by their transport alone.
-  [[nodiscard]] virtual bool overdue() const { return false; }
-
   // The client is gone or has finished: leaves the sheet and lets go of what the stream held.
   virtual void close() = 0;
 };

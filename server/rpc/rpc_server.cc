@@ -11,10 +11,18 @@
 
 #include "server/api/api.h"
 #include "server/rpc/services.h"
+#include "server/rpc/session_reactor.h"
 
 namespace kerf::rpc {
 
+constexpr std::size_t kWriterThreads = 2;  // as many as serve HTTP
+
 struct RpcServer::Impl {
+  Impl(api::Api& api, host::Clock& clock)
+      : writers(kWriterThreads), hosting{writers, clock, api.limits().watch_ack_timeout} {}
+
+  boost::asio::thread_pool writers;
+  StreamHosting hosting;
   RpcOptions options;
   int max_request_bytes = 0;
   std::vector<NamedService> services;
@@ -38,10 +46,11 @@ void set_limits(grpc::ServerBuilder& builder, const RpcOptions& options, int max
 
 }  // namespace
 
-RpcServer::RpcServer(api::Api& api, host::Clock& clock, const RpcOptions& options) : impl_(std::make_unique<Impl>()) {
+RpcServer::RpcServer(api::Api& api, host::Clock& clock, const RpcOptions& options)
+    : impl_(std::make_unique<Impl>(api, clock)) {
   impl_->options = options;
   impl_->max_request_bytes = api.limits().max_request_bytes;
-  impl_->services = make_services(api, {clock, options.upload_timeout});
+  impl_->services = make_services(api, {clock, options.upload_timeout}, impl_->hosting);
 }
 
 RpcServer::~RpcServer() {

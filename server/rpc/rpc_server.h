@@ -26,7 +26,7 @@ struct RpcOptions {
 // Requests larger than the Api's limit are refused with RESOURCE_EXHAUSTED.
 class RpcServer {
  public:
-  // `api` and `clock`, that of uploads that stand still, must outlive this.
+  // `api` and `clock`, that of uploads and readers that stand still, must outlive this.
   RpcServer(api::Api& api, host::Clock& clock, const RpcOptions& options = {});
   ~RpcServer();  // stop() without grace
   RpcServer(const RpcServer&) = delete;

@@ -188,14 +188,15 @@ using RawRender = RawService<v1::RenderService::Service, v1::RenderService::With
                              v1::RenderService::WithRawCallbackMethod_WatchImages>::type;
 class Render final : public RawRender {
  public:
-  explicit Render(api::Api& api) : api_(api) {}
+  Render(api::Api& api, StreamHosting& hosting) : api_(api), hosting_(hosting) {}
   KERF_UNARY(RenderImage, render_image)
   grpc::ServerBidiReactor<ByteBuffer, ByteBuffer>* WatchImages(Context* context) override {
-    return new TalkReactor(api_.watch_images(), *context);  // deletes itself in OnDone
+    return new TalkReactor(api_.watch_images(), *context, hosting_);  // deletes itself in OnDone
   }
 
  private:
   api::Api& api_;
+  StreamHosting& hosting_;
 };
 
 using RawServerInformation =
@@ -213,13 +214,13 @@ class ServerInformation final : public RawServerInformation {
 
 }  // namespace
 
-std::vector<NamedService> make_services(api::Api& api, UploadPatience patience) {
+std::vector<NamedService> make_services(api::Api& api, UploadPatience patience, StreamHosting& hosting) {
   std::vector<NamedService> services;
   services.push_back({v1::SheetService::service_full_name(), std::make_unique<Sheets>(api, patience)});
   services.push_back({v1::CutService::service_full_name(), std::make_unique<Cuts>(api)});
   services.push_back({v1::InteractionService::service_full_name(), std::make_unique<Interaction>(api)});
-  services.push_back({v1::StreamService::service_full_name(), make_stream_service(api)});
-  services.push_back({v1::RenderService::service_full_name(), std::make_unique<Render>(api)});
+  services.push_back({v1::StreamService::service_full_name(), make_stream_service(api, hosting)});
+  services.push_back({v1::RenderService::service_full_name(), std::make_unique<Render>(api, hosting)});
   services.push_back({v1::ServerService::service_full_name(), std::make_unique<ServerInformation>(api)});
   return services;
 }

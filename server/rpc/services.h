@@ -19,10 +19,12 @@ struct NamedService {
   std::unique_ptr<grpc::Service> service;
 };
 
-// Every service of kerf.v1 over `api`, which must outlive them, as must the clock.
-std::vector<NamedService> make_services(api::Api& api, UploadPatience patience);
+struct StreamHosting;
+
+// Every service of kerf.v1 over `api`, which must outlive them, as must the clocks and `hosting`.
+std::vector<NamedService> make_services(api::Api& api, UploadPatience patience, StreamHosting& hosting);
 
 // StreamService, whose messages are passed through as bytes: frames are serialised once for all streams.
-std::unique_ptr<grpc::Service> make_stream_service(api::Api& api);
+std::unique_ptr<grpc::Service> make_stream_service(api::Api& api, StreamHosting& hosting);
 
 }  // namespace kerf::rpc

@@ -5,6 +5,9 @@
 #include <grpcpp/support/server_callback.h>
 #include <grpcpp/support/slice.h>
 
+#include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
+
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -12,6 +15,7 @@
 
 #include "server/api/stream_session.h"
 #include "server/rpc/grpc_status.h"
+#include "server/rpc/write_watch.h"
 #include "server/stream/message.h"
 
 namespace kerf::rpc {
@@ -22,20 +26,32 @@ grpc::ByteBuffer to_byte_buffer(const stream::Message& message);
 // The bytes of a request, or nothing where gRPC cannot put them together.
 std::optional<grpc::Slice> whole(const grpc::ByteBuffer& request);
 
+// What the streams of a server share. Outlives them all.
+struct StreamHosting {
+  // Where a stream that was woken encodes and writes, so that the sheet's strand, which woke it, goes on at once.
+  boost::asio::thread_pool& writers;
+  host::Clock& clock;
+  host::Nanoseconds write_timeout;  // a reader that does not take a message for so long cannot be told: it is cut off
+};
+
 // Writes what a session gives. Every write starts in advance(), which only the owner of `busy_` runs: at most one write
 // is in flight, and no lock is held over a call into gRPC or the session. `Reactor`: with a stream of responses.
 template <typename Reactor>
 class SessionReactor : public Reactor {
  public:
-  SessionReactor(std::shared_ptr<api::StreamSession> session, grpc::CallbackServerContext& context)
-      : session_(std::move(session)), context_(context) {}
+  SessionReactor(std::shared_ptr<api::StreamSession> session, grpc::CallbackServerContext& context,
+                 StreamHosting& hosting)
+      : session_(std::move(session)),
+        context_(context),
+        hosting_(hosting),
+        write_watch_(std::make_shared<WriteWatch>(hosting.clock, hosting.write_timeout)) {}
 
   void OnWriteDone(bool ok) override {
+    write_watch_->done();
     if (!ok) session_->close();
     {
       const std::lock_guard lock(mutex_);
       woken_ = true;
-      writing_ = false;
     }
     advance();
   }
@@ -46,7 +62,9 @@ class SessionReactor : public Reactor {
   }
 
   void OnDone() override {
-    session_->set_ready({});  // waits for one that is running: it uses this object
+    // Both wait for a call that is running: it uses this object.
+    write_watch_->stop();
+    session_->set_ready({});
     session_->close();
     delete this;
   }
@@ -54,23 +72,18 @@ class SessionReactor : public Reactor {
  protected:
   // To be called once, at the end of the most derived constructor.
   void begin() {
+    write_watch_->watch([this] { context_.TryCancel(); });
     session_->set_ready([this] { wake(); });
   }
 
+  // Until the writers come to it the stream is busy, so that nothing finishes it and this object stays.
   void wake() {
-    bool busy = false;
-    bool writing = false;
     {
       const std::lock_guard lock(mutex_);
       woken_ = true;
-      busy = std::exchange(busy_, true);
-      writing = writing_;
+      if (std::exchange(busy_, true)) return;
     }
-    if (!busy) {
-      advance();
-    } else if (writing && session_->overdue()) {
-      context_.TryCancel();  // a reader that does not even take what is being written cannot be told
-    }
+    boost::asio::post(hosting_.writers, [this] { advance(); });
   }
 
   api::StreamSession& session() { return *session_; }
@@ -89,10 +102,7 @@ class SessionReactor : public Reactor {
       const bool ended = session_->ended();
       if (const std::optional<stream::Message> message = session_->next()) {
         response_ = to_byte_buffer(*message);
-        {
-          const std::lock_guard lock(mutex_);
-          writing_ = true;
-        }
+        write_watch_->begun();
         this->StartWrite(&response_);
         return;
       }
@@ -106,18 +116,19 @@ class SessionReactor : public Reactor {
 
   const std::shared_ptr<api::StreamSession> session_;
   grpc::CallbackServerContext& context_;  // gRPC keeps it until OnDone has returned
+  StreamHosting& hosting_;
+  const std::shared_ptr<WriteWatch> write_watch_;  // whose timer may fire when this is gone
   grpc::ByteBuffer response_;
-  std::mutex mutex_;      // of what follows
-  bool busy_ = false;     // somebody runs advance(), or a write is in flight, or the stream is finished
-  bool writing_ = false;  // a write is in flight
-  bool woken_ = false;    // there may be something to write
+  std::mutex mutex_;    // of what follows
+  bool busy_ = false;   // somebody runs advance() or is to, or a write is in flight, or the stream is finished
+  bool woken_ = false;  // there may be something to write
 };
 
 // A stream that the client talks on, too.
 class TalkReactor final : public SessionReactor<grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>> {
  public:
-  TalkReactor(std::shared_ptr<api::StreamSession> session, grpc::CallbackServerContext& context)
-      : SessionReactor(std::move(session), context) {
+  TalkReactor(std::shared_ptr<api::StreamSession> session, grpc::CallbackServerContext& context, StreamHosting& hosting)
+      : SessionReactor(std::move(session), context, hosting) {
     begin();
     StartRead(&request_);
   }

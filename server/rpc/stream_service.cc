@@ -17,8 +17,9 @@ namespace {
 
 class SubscribeReactor final : public SessionReactor<grpc::ServerWriteReactor<grpc::ByteBuffer>> {
  public:
-  SubscribeReactor(std::shared_ptr<api::StreamSession> session, grpc::CallbackServerContext& context)
-      : SessionReactor(std::move(session), context) {
+  SubscribeReactor(std::shared_ptr<api::StreamSession> session, grpc::CallbackServerContext& context,
+                   StreamHosting& hosting)
+      : SessionReactor(std::move(session), context, hosting) {
     begin();
   }
 };
@@ -34,10 +35,10 @@ using RawStream = v1::StreamService::WithRawCallbackMethod_Watch<
     v1::StreamService::WithRawCallbackMethod_Subscribe<v1::StreamService::Service>>;
 class StreamService final : public RawStream {
  public:
-  explicit StreamService(api::Api& api) : api_(api) {}
+  StreamService(api::Api& api, StreamHosting& hosting) : api_(api), hosting_(hosting) {}
 
   grpc::ServerBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>* Watch(grpc::CallbackServerContext* context) override {
-    return new TalkReactor(api_.watch(), *context);  // deletes itself in OnDone
+    return new TalkReactor(api_.watch(), *context, hosting_);  // deletes itself in OnDone
   }
   grpc::ServerWriteReactor<grpc::ByteBuffer>* Subscribe(grpc::CallbackServerContext* context,
                                                         const grpc::ByteBuffer* request) override {
@@ -47,17 +48,18 @@ class StreamService final : public RawStream {
       return new RefusedReactor(
           invalid_argument("MALFORMED_MESSAGE", "this is no serialised kerf.v1.SubscribeRequest"));
     }
-    return new SubscribeReactor(api_.subscribe(message), *context);
+    return new SubscribeReactor(api_.subscribe(message), *context, hosting_);
   }
 
  private:
   api::Api& api_;
+  StreamHosting& hosting_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> make_stream_service(api::Api& api) {
-  return std::make_unique<StreamService>(api);
+std::unique_ptr<grpc::Service> make_stream_service(api::Api& api, StreamHosting& hosting) {
+  return std::make_unique<StreamService>(api, hosting);
 }
 
 }  // namespace kerf::rpc

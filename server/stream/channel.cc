@@ -32,16 +32,24 @@ Status Channel::admit(const std::shared_ptr<Reader>& reader, bool wants_strains)
                  {}};
   }
   auto readers = std::make_shared<Readers>(*readers_);
-  readers->push_back({reader.get(), reader, wants_strains});
+  readers->push_back({reader.get(), reader, true, wants_strains});
   replace_readers(std::move(readers));
   return Nothing{};
 }
 
+void Channel::want_snapshots(const Reader& reader, bool wants) {
+  change(reader, [wants](Entry& entry) { entry.wants_snapshots = wants; });
+}
+
 void Channel::want_strains(const Reader& reader, bool wants) {
+  change(reader, [wants](Entry& entry) { entry.wants_strains = wants; });
+}
+
+void Channel::change(const Reader& reader, const std::function<void(Entry&)>& change) {
   const std::lock_guard lock(mutex_);
   auto readers = std::make_shared<Readers>(*readers_);
   for (Entry& each : *readers) {
-    if (each.reader == &reader) each.wants_strains = wants;
+    if (each.reader == &reader) change(each);
   }
   replace_readers(std::move(readers));
 }
@@ -55,9 +63,12 @@ void Channel::leave(const Reader& reader) {
 
 void Channel::replace_readers(std::shared_ptr<const Readers> readers) {
   readers_ = std::move(readers);
+  const auto count = [this](const auto& wants) {
+    return static_cast<std::int32_t>(std::count_if(readers_->begin(), readers_->end(), wants));
+  };
   num_subscribers_ = static_cast<std::int32_t>(readers_->size());
-  num_wanting_strains_ = static_cast<std::int32_t>(
-      std::count_if(readers_->begin(), readers_->end(), [](const Entry& each) { return each.wants_strains; }));
+  num_wanting_snapshots_ = count([](const Entry& each) { return each.wants_snapshots; });
+  num_wanting_strains_ = count([](const Entry& each) { return each.wants_snapshots && each.wants_strains; });
 }
 
 void Channel::publish(std::shared_ptr<const sheet::Snapshot> snapshot) {

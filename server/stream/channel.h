@@ -45,6 +45,9 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
 
   // Wakes and ends `reader` from now on. Errors of subscribe().
   Status admit(const std::shared_ptr<Reader>& reader, bool wants_strains);
+  // Whether there are to be snapshots, for a reader that was admitted: a paused one needs none, and must have the
+  // newest published when it goes on.
+  void want_snapshots(const Reader& reader, bool wants);
   // Whether the next snapshots are to have strains, for a reader that was admitted.
   void want_strains(const Reader& reader, bool wants);
   // Does nothing for a reader that is not here.
@@ -60,7 +63,7 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   // Counts publications from 1; 0 before the first.
   [[nodiscard]] std::int64_t newest_publication() const { return newest_publication_.load(); }
 
-  [[nodiscard]] bool wants_snapshot() const override { return num_subscribers_.load() > 0; }
+  [[nodiscard]] bool wants_snapshot() const override { return num_wanting_snapshots_.load() > 0; }
   [[nodiscard]] bool wants_strains() const override { return num_wanting_strains_.load() > 0; }
   void publish(std::shared_ptr<const sheet::Snapshot> snapshot) override;
   void ended(sheet::SinkEnd reason) override;
@@ -74,6 +77,7 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   struct Entry {
     const Reader* reader = nullptr;  // valid until it has left
     std::weak_ptr<Reader> handle;
+    bool wants_snapshots = true;
     bool wants_strains = false;
   };
   using Readers = std::vector<Entry>;
@@ -82,12 +86,14 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
   [[nodiscard]] std::string epoch() const;
   // What a subscriber in this state needs of the newest snapshot; one must have been published.
   FramePick pick(const Viewed& viewed);
+  void change(const Reader& reader, const std::function<void(Entry&)>& change);
   void replace_readers(std::shared_ptr<const Readers> readers);  // mutex_ held
 
   const std::int32_t max_subscribers_;
   const std::string instance_;
   const std::shared_ptr<FrameCounters> shared_counters_;
   std::atomic<std::int32_t> num_subscribers_{0};
+  std::atomic<std::int32_t> num_wanting_snapshots_{0};
   std::atomic<std::int32_t> num_wanting_strains_{0};
   std::atomic<std::int64_t> newest_publication_{0};
 

@@ -49,10 +49,12 @@ Nanoseconds FlowControl::next_slot(Nanoseconds now) const {
 }
 
 void FlowControl::set_pace(double max_rate_hz, bool paused, Nanoseconds now) {
+  const bool goes_on = paused_ && !paused;
   max_rate_hz_ = max_rate_hz;
   paused_ = paused;
   next_allowed_ = Nanoseconds::min();
-  // What is owed is owed from now, after a pause.
+  if (!goes_on) return;
+  // What is owed is owed from now.
   for (InFlight& frame : in_flight_) frame.sent_at = now;
 }
 

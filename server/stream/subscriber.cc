@@ -26,7 +26,8 @@ Subscriber::Next Subscriber::next(Nanoseconds now) {
   if (!permit.may_send) return {std::nullopt, permit.wake_at};
   // Before looking: a publication from here on either is seen below or finds this set.
   wants_frame_ = true;
-  if (channel_->newest_publication() == viewed_.publication) return {std::nullopt, permit.wake_at};
+  if (channel_->newest_publication() <= std::max(viewed_.publication, stale_through_))
+    return {std::nullopt, permit.wake_at};
   wants_frame_ = false;
   return {take(now), std::nullopt};
 }
@@ -52,12 +53,18 @@ Message Subscriber::take(Nanoseconds now) {
   return message;
 }
 
-void Subscriber::set_pace(double max_rate_hz, bool paused, Nanoseconds now) {
+bool Subscriber::set_pace(double max_rate_hz, bool paused, Nanoseconds now) {
+  bool goes_on = false;
   {
     const std::lock_guard lock(mutex_);
     flow_.set_pace(max_rate_hz, paused, now);
+    goes_on = paused_ && !paused;
+    paused_ = paused;
+    if (goes_on) stale_through_ = channel_->newest_publication();
   }
+  channel_->want_snapshots(*this, !paused);
   ready_();
+  return goes_on;
 }
 
 std::int32_t Subscriber::window() const {

@@ -47,8 +47,10 @@ class Subscriber : public Reader {
   // As FlowControl::acknowledge().
   Status acknowledge(std::int64_t sequence, Nanoseconds now = Nanoseconds(0), Nanoseconds held = Nanoseconds(0));
 
-  // As FlowControl::set_pace().
-  void set_pace(double max_rate_hz, bool paused, Nanoseconds now);
+  // As FlowControl::set_pace(). True: a pause is over, and the next frame is that of a publication yet to come, which
+  // is to be asked for: while all readers pause the channel gets none.
+  [[nodiscard]] bool set_pace(double max_rate_hz, bool paused, Nanoseconds now);
+  [[nodiscard]] const std::shared_ptr<Channel>& channel() const { return channel_; }
 
   [[nodiscard]] std::int32_t window() const;
   // next() has given an Ended message; nothing follows.
@@ -72,6 +74,8 @@ class Subscriber : public Reader {
   // Lock order: mutex_, then the channel's.
   mutable std::mutex mutex_;
   FlowControl flow_;
+  bool paused_ = false;
+  std::int64_t stale_through_ = 0;  // publications that are older than the end of a pause
   std::int64_t last_tick_ = 0;
   Viewed viewed_;
   std::optional<wire::EndReason> end_;  // to be told

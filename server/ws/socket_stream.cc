@@ -33,7 +33,11 @@ std::string close_text(std::string text) {
 }  // namespace
 
 SocketStream::SocketStream(ConnectionContext& context, beast::tcp_stream stream, Router::OpenSession open)
-    : context_(context), socket_(std::move(stream)), open_(std::move(open)), woken_(socket_.get_executor()) {
+    : context_(context),
+      socket_(std::move(stream)),
+      open_(std::move(open)),
+      woken_(socket_.get_executor()),
+      write_limit_(socket_.get_executor()) {
   websocket::stream_base::timeout timeout{};
   timeout.handshake_timeout = context.options.handshake_timeout;
   timeout.idle_timeout = context.options.silence_timeout;
@@ -116,13 +120,24 @@ asio::awaitable<void> SocketStream::write_messages() {
       std::vector<asio::const_buffer> parts;
       for (const stream::Bytes& part : message->parts) parts.emplace_back(part->data(), part->size());
       boost::system::error_code error;
+      limit_write();
       co_await socket_.async_write(parts, asio::redirect_error(asio::use_awaitable, error));
+      write_limit_.cancel();
       if (error) co_return;
     }
     if (ended) co_return;
     // What next() gave may have been the end itself, after which nobody wakes this.
     if (!session_->ended()) co_await woken_.wait();
   }
+}
+
+// The WebSocket layer's own limit starts anew with all that is received, from one that sends and never reads as well.
+void SocketStream::limit_write() {
+  write_limit_.expires_after(context_.api.limits().watch_ack_timeout);
+  write_limit_.async_wait([weak = weak_from_this()](const boost::system::error_code& cancelled) {
+    const std::shared_ptr<SocketStream> stream = cancelled ? nullptr : weak.lock();
+    if (stream) stream->abort();
+  });
 }
 
 websocket::close_reason SocketStream::closing_reason() const {

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include <boost/asio/awaitable.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/string_body.hpp>
@@ -37,12 +38,15 @@ class SocketStream : public std::enable_shared_from_this<SocketStream> {
   boost::asio::awaitable<bool> accept(const Request& request);
   boost::asio::awaitable<void> read_messages();
   boost::asio::awaitable<void> write_messages();
+  // A reader that does not take the message to come for long cannot be told, and is cut off.
+  void limit_write();
   [[nodiscard]] boost::beast::websocket::close_reason closing_reason() const;
 
   ConnectionContext& context_;
   boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
   const Router::OpenSession open_;
   WakeSignal woken_;  // of the writer
+  boost::asio::steady_timer write_limit_;
   std::shared_ptr<api::StreamSession> session_;
   std::optional<boost::beast::websocket::close_reason>
       violation_;  // of the WebSocket rules of this server, by the peer

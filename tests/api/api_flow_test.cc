@@ -81,7 +81,9 @@ TEST_F(FlowTest, PausedStreamStaysOpenAndOwesNothing) {
   run_for(3 * kTick);
   ASSERT_TRUE(viewer.next()->has_frame());
   viewer.pace(0.0, true);
+  const std::int64_t snapshots = host_->metrics().snapshots;
   run_for(std::chrono::seconds(60));
+  EXPECT_EQ(host_->metrics().snapshots, snapshots) << "nobody looks";
   EXPECT_FALSE(viewer.next());
   EXPECT_FALSE(viewer.session().ended());
   viewer.pace(0.0, false);

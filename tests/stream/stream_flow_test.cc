@@ -230,18 +230,37 @@ TEST(Subscriber, PausesWithoutOwingAnything) {
   sheet.move(0.01);
   channel->publish(sheet.snapshot());
   ASSERT_TRUE(viewer->next(0s).message);
-  viewer->set_pace(0.0, true, 1s);
+  EXPECT_TRUE(channel->wants_snapshot());
+  EXPECT_FALSE(viewer->set_pace(0.0, true, 1s));
+  EXPECT_FALSE(channel->wants_snapshot()) << "nobody looks";
   sheet.move(0.01);
-  channel->publish(sheet.snapshot());
+  channel->publish(sheet.snapshot());  // under way when the pause began
   EXPECT_FALSE(viewer->next(100s).message) << "neither a frame nor the end for owing an acknowledgement";
   EXPECT_FALSE(viewer->ended());
-  viewer->set_pace(0.0, false, 100s);
+  EXPECT_TRUE(viewer->set_pace(0.0, false, 100s));
+  EXPECT_TRUE(channel->wants_snapshot());
   ASSERT_TRUE(viewer->acknowledge(1, 101s).ok());
+  EXPECT_FALSE(viewer->next(101s).message) << "what is there is as old as the pause is long";
+  sheet.move(0.01);
+  channel->publish(sheet.snapshot());
   const Subscriber::Next next = viewer->next(101s);
   ASSERT_TRUE(next.message);
   v1::WatchResponse response;
   ASSERT_TRUE(response.ParseFromString(next.message->joined()));
-  EXPECT_EQ(response.frame().tick(), 2);
+  EXPECT_EQ(response.frame().tick(), 3);
+}
+
+TEST(Subscriber, APaceIsNoAcknowledgement) {
+  const auto channel = std::make_shared<Channel>(4);
+  ChangingSheet sheet(22, 20, 30);
+  const auto viewer = channel->subscribe({.flow = {.window = 1, .ack_timeout = 10s}}, [] {}).value();
+  sheet.move(0.01);
+  channel->publish(sheet.snapshot());
+  ASSERT_TRUE(viewer->next(0s).message);
+  for (const auto now : {3s, 6s, 9s}) EXPECT_FALSE(viewer->set_pace(50.0, false, now));
+  EXPECT_FALSE(viewer->next(9s).message);
+  EXPECT_TRUE(viewer->next(10s).message);
+  EXPECT_TRUE(viewer->ended());
 }
 
 TEST(Subscriber, ResumesFromWhatItsEpochHas) {

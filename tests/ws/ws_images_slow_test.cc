@@ -109,6 +109,18 @@ TEST_F(SlowImagesTest, AReaderThatDoesNotEvenReadIsCutOff) {
   EXPECT_EQ(metric("kerf_websocket_open_streams"), 0.0) << "the connection is gone, too";
 }
 
+// Whatever it says meanwhile.
+TEST_F(SlowImagesTest, AReaderThatOnlySendsIsCutOff) {
+  Socket stalled(port_, kSubprotocol, kImages);
+  stalled.connection().shrink_receive_buffer(kReceiveBytes);
+  send(stalled, start_of(v1::IMAGE_PNG, 1600, 1200));
+  follow();
+  v1::WatchImagesRequest pace;
+  pace.mutable_pace()->set_max_rate_hz(100.0);
+  while (metric("kerf_image_streams") != 1.0) send(stalled, pace);
+  EXPECT_LE(rendered(), 2.0) << "as many as its window has";
+}
+
 TEST_F(ImagesTest, BrokenMessagesEndOnlyTheirOwnStream) {
   const v1::WatchImagesRequest start = start_of(v1::IMAGE_JPEG);
   Socket bystander(port_, kSubprotocol, kImages);
