@@ -63,6 +63,13 @@ double rounded_up(double value) {
 
 }  // namespace
 
+Vec3 linear(const Colour& srgb) {
+  const auto channel = [](double value) {
+    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
+  };
+  return {channel(srgb.red), channel(srgb.green), channel(srgb.blue)};
+}
+
 Rgb8 strain_colour(double share) {
   static const std::array<Rgb8, kNumShades> shades = make_shades();
   const double within = share > 0.0 ? std::min(share, 1.0) : 0.0;  // 0 for NaN, too

@@ -5,9 +5,14 @@
 #include <span>
 #include <vector>
 
+#include "render/renderer.h"
+
 // Colours that say something, for Mesh::vertex_colours: the viewer's (web/src/scene/strain_colors.ts, piece_colors.ts),
 // so that a picture and a viewer beside it agree. The colour-blind tell them apart, too.
 namespace kerf::render {
+
+// In linear light, each channel in [0, 1].
+Vec3 linear(const Colour& srgb);
 
 using Rgb8 = std::array<std::uint8_t, 3>;  // sRGB
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <optional>
 
+#include "render/colours.h"
 #include "render/gl_objects.h"
 
 namespace kerf::render {

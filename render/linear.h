@@ -34,14 +34,6 @@ inline bool is_finite(Vec3 a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-// In linear light, each channel in [0, 1].
-inline Vec3 linear(const Colour& srgb) {
-  const auto channel = [](double value) {
-    return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
-  };
-  return {channel(srgb.red), channel(srgb.green), channel(srgb.blue)};
-}
-
 // Any unit vector at right angles to the unit vector `axis`.
 inline Vec3 perpendicular(Vec3 axis) {
   const Vec3 other = std::abs(axis.z) < 0.9 ? Vec3{0.0, 0.0, 1.0} : Vec3{1.0, 0.0, 0.0};

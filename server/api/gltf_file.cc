@@ -6,13 +6,13 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <numbers>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "render/colours.h"
 #include "server/api/used_vertices.h"
 
 namespace kerf::api {
@@ -41,15 +41,12 @@ struct GltfMesh {
   [[nodiscard]] std::size_t num_vertices() const { return texture.size() / 2; }
 };
 
-// Hues as far from one another as golden angles are. Linear, as colours of vertices are in glTF.
+// That of pictures and of the viewer, in linear light, as colours of vertices are in glTF.
 std::array<std::uint8_t, 4> colour_of(std::int32_t piece) {
-  const double hue = 2.0 * std::numbers::pi * std::fmod(piece * std::numbers::phi, 1.0);
-  std::array<std::uint8_t, 4> colour{0, 0, 0, 255};
-  for (std::size_t k = 0; k < 3; ++k) {
-    const double part = 0.55 + 0.35 * std::cos(hue - 2.0 * std::numbers::pi / 3.0 * static_cast<double>(k));
-    colour[k] = static_cast<std::uint8_t>(std::lround(255.0 * part));
-  }
-  return colour;
+  const auto [red, green, blue] = render::piece_colour(piece + 1);
+  const render::Vec3 light = render::linear({red / 255.0, green / 255.0, blue / 255.0});
+  const auto byte = [](double share) { return static_cast<std::uint8_t>(std::lround(255.0 * share)); };
+  return {byte(light.x), byte(light.y), byte(light.z), 255};
 }
 
 // Sums of the normals of the triangles around each vertex, twice their areas long, m^2; 3 x V of the snapshot.

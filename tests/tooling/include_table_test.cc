@@ -76,7 +76,7 @@ const std::vector<Row>& table() {
       {"server/rpc",
        {"server/api", "server/stream", "server/wire", "server/host", "server/sheet", "server/base", "render/renderer.h",
         "render/image.h", "render/video.h"},
-       {"proto", "grpc_stubs", "grpc"}},
+       {"asio", "proto", "grpc_stubs", "grpc"}},
       {"server/ws",
        {"server/api", "server/stream", "server/wire", "server/host", "server/sheet", "server/base", "render/renderer.h",
         "render/image.h", "render/video.h"},
