@@ -154,6 +154,13 @@ async function record(viewer) {
   const begin = await viewer.read('k.tick');
   await viewer.until('k.tick > given.begin + 40', { begin });
   await viewer.screenshot('recording');
+  await viewer.setHidden(true);
+  const unseen = await viewer.read('k.tick');
+  await viewer.until('k.tick > given.unseen + 40', { unseen });
+  // A stream that nobody acknowledges stands still, until the server ends it after 10 s and it begins anew.
+  const after = await viewer.read('k.tick');
+  check(after < unseen + 300, `a page that nobody sees got nothing between ticks ${unseen} and ${after}`);
+  await viewer.setHidden(false);
   await viewer.choose('cut');
   await viewer.page.keyboard.press('5');
   await viewer.page.keyboard.press('o');

@@ -124,8 +124,8 @@ export class App implements Viewer {
 
   private get pace(): Pace {
     // A recording is of every tick, whatever is seen meanwhile.
-    const isSeldom = this.imageMode.isShown && !this.recording.isOn;
-    return { isPaused: document.hidden, maxRateHz: isSeldom ? this.imageMode.meshRateHz : 0 };
+    if (this.recording.isOn) return { isPaused: false, maxRateHz: 0 };
+    return { isPaused: document.hidden, maxRateHz: this.imageMode.isShown ? this.imageMode.meshRateHz : 0 };
   }
 
   /** Another stream of the same sheet. `goesOn`: from the triangles that are here. */
@@ -213,8 +213,11 @@ export class App implements Viewer {
       },
       onFrame: (copy: SheetCopy, frame: FrameCopy) => this.receive(copy, frame),
       onRejection: (rejection: Rejection) => this.grabTool.rejected(rejection),
-      onRecording: (progress: RecordingProgress, parts: ArrayBuffer[] | undefined) =>
-        this.recording.took(progress, parts),
+      onRecording: (progress: RecordingProgress, parts: ArrayBuffer[] | undefined) => {
+        this.recording.took(progress, parts);
+        // One that is full may end while nobody looks.
+        this.watch?.setPace(this.pace);
+      },
     };
     const options = { strains: this.look.isByStrain, goesOn, pace: this.pace };
     return new RemoteWatch(this.worker, this.streamUrl('watch'), name, events, options);
@@ -323,6 +326,8 @@ export class App implements Viewer {
     this.hasNewFrame = true;
     this.hasArrived = true;
     this.stage.invalidate();
+    // Frames of a recording come to a hidden page, too, where no drawing acknowledges them.
+    if (document.hidden) this.watch?.acknowledge();
   }
 
   private draw(nowMs: number): void {
