@@ -263,7 +263,12 @@ export class App implements Viewer {
     await this.fetchSheet();
   }
 
-  setSheet(sheet: Sheet): void {
+  /** What the server says of a live sheet; by now another one may be shown, or a recording. */
+  told(sheet: Sheet): void {
+    if (this.watch && sheet.name === this.sheetName) this.setSheet(sheet);
+  }
+
+  private setSheet(sheet: Sheet): void {
     if (sheet.runState === Sheet_RunState.FAILED && this.sheet?.runState !== Sheet_RunState.FAILED) {
       this.notify('error', 'The sheet is frozen at its last good tick. Reset it to go on.');
     }
@@ -303,9 +308,8 @@ export class App implements Viewer {
 
   // False if it failed: the stream tells about a lost connection or a sheet that is gone.
   private async fetchSheet(): Promise<boolean> {
-    const name = this.sheetName;
-    const sheet = await call(SheetService.method.getSheet, { name }).catch(() => undefined);
-    if (sheet && name === this.sheetName) this.setSheet(sheet);
+    const sheet = await call(SheetService.method.getSheet, { name: this.sheetName }).catch(() => undefined);
+    if (sheet) this.told(sheet);
     return sheet !== undefined;
   }
 
