@@ -110,9 +110,14 @@ export class App implements Viewer {
     this.toolChoice = new Choice<ToolId>(element('tools'), 'tool', (id) => this.choose(id));
     this.controls = new SimulationControls(this);
     this.keyboardPointer = new KeyboardPointer(this, () => this.tool);
-    this.canvas.addEventListener('pointerdown', () => this.keyboardPointer.hide());
     this.panels.add('pieces', this.pieces);
-    new PointerRouter(element('stage'), this.canvas, this.stage, () => this.tool);
+    new PointerRouter(
+      element('stage'),
+      this.canvas,
+      this.stage,
+      () => this.tool,
+      () => this.keyboardPointer.hide(),
+    );
     document.addEventListener('visibilitychange', () => {
       this.watch?.setPace(this.pace);
       if (!document.hidden) this.watch?.retryNow();
