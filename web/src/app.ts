@@ -198,6 +198,8 @@ export class App implements Viewer {
     this.imageMode.leave();
     this.sheetName = sheetName;
     this.choose('view');
+    // The other panels are the live sheet's.
+    if (this.panels.open !== 'sheets') this.panels.close();
     setLiveControls(false);
     this.setSheet(sheet);
     this.showConnection('replay', '');
