@@ -1,6 +1,6 @@
 // The viewer without a mouse, in both themes, for those who hear it, and on a phone.
 import { readFile } from 'node:fs/promises';
-import { check, post, root } from './harness.mjs';
+import { check, kPatienceMs, post, root } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
 const kScene = {
@@ -60,6 +60,44 @@ export async function accessSteps(steps, browser, url) {
     await viewer.notice(/Cut at tick \d+: 2 pieces/);
     await keyboard.press('Escape');
     check(await viewer.page.isHidden('.cross'), 'the cross stays after Escape');
+  });
+
+  await steps.step('a cut is undone and made again, by buttons and by keys', async () => {
+    const { keyboard } = viewer.page;
+    for (const [act, pieces] of [
+      [() => viewer.page.click('#undo'), 1],
+      [() => viewer.page.click('#redo'), 2],
+      [() => keyboard.press('Control+z'), 1],
+      [() => keyboard.press('Control+Shift+z'), 2],
+      [() => keyboard.press('Control+z'), 1],
+      [() => keyboard.press('Control+y'), 2],
+    ]) {
+      await act();
+      await viewer.until('k.pieces === given.pieces', { pieces });
+    }
+  });
+
+  await steps.step('Escape lets go of what is held by keys', async () => {
+    const { keyboard } = viewer.page;
+    // A static analysis says what it leaves out.
+    const request = { name: 'sheets/access', analysis: { static: { maxIterations: 1 } } };
+    const becomesHeld = async (isHeld) => {
+      const deadline = Date.now() + kPatienceMs;
+      for (;;) {
+        const { left_out: leftOut = [] } = (await post(url, 'SheetService/AnalyzeSheet', request)).static;
+        if (leftOut.includes('grabs') === isHeld) return;
+        check(Date.now() < deadline, isHeld ? 'the server knows of no grab' : 'the server holds the vertex still');
+      }
+    };
+    await keyboard.press('g');
+    await keyboard.press('ArrowDown');
+    await keyboard.press('Enter');
+    await keyboard.press('ArrowRight');
+    await becomesHeld(true);
+    await keyboard.press('Escape');
+    await becomesHeld(false);
+    check(await viewer.page.isHidden('.cross'), 'the cross stays after Escape');
+    await keyboard.press('c');
   });
 
   await steps.step('a circle is dragged, a vertex pinned and the view turned by keys', async () => {

@@ -223,6 +223,28 @@ async function goesBack(viewer) {
   check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
 }
 
+/** On a sheet that nothing else moves. */
+async function takesTools(viewer, url) {
+  await enter(viewer);
+  await viewer.choose('grab');
+  const { state_hash: hash } = await post(url, 'SheetService/GetSheet', kSeen);
+  const { z } = await viewer.read('k.toWorld(0.5, 0.2)');
+  const from = await viewer.at(0.5, 0.2);
+  await viewer.drag(from, { x: from.x, y: from.y - 60 });
+  await viewer.until('k.toWorld(0.5, 0.2).z > given.z + 0.02', { z });
+  await viewer.page.screenshot({ path: `${root}/build/e2e/image-mode-grab.png` });
+  await viewer.page.mouse.up();
+  await viewer.page.keyboard.press(' ');
+  await viewer.until('k.isPaused');
+  const pulled = await post(url, 'SheetService/GetSheet', kSeen);
+  check(pulled.state_hash !== hash, 'the server has the sheet as it was before the pull');
+  await viewer.choose('pin');
+  await viewer.tap(0.5, 0.2);
+  await viewer.until('k.pinnedVertices.length === 1');
+  const { pinned_vertices: pinned } = await post(url, 'SheetService/GetSheet', kSeen);
+  check(pinned.length === 1, `the server has ${pinned.length} pins`);
+}
+
 async function hidden(browser, kerfd) {
   const proxy = await startSlowProxy(kerfd.url, { delayMs: 0, bytesPerS: 1e9 });
   const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=demo`, kSmall);
@@ -309,6 +331,9 @@ export async function imageSteps(steps, browser, kerfd, start) {
   await steps.step('the picture that is seen is the one that is saved', () => savesPicture(viewer));
   await steps.step('the mesh comes back', async () => {
     await goesBack(viewer);
+  });
+  await steps.step('a vertex under the picture is pulled, and one is pinned', async () => {
+    await takesTools(viewer, kerfd.url);
     await viewer.page.close();
     await post(kerfd.url, 'SheetService/DeleteSheet', kSeen);
   });

@@ -155,6 +155,20 @@ export async function physicsSteps(steps, browser, url) {
     await chosen('1 ×');
   });
 
+  await steps.step('what a call for one sheet answers is not taken for another that is shown by then', async () => {
+    const { asked, release } = await viewer.hold('SheetService/StepSheet');
+    await viewer.page.keyboard.press('.');
+    await asked;
+    await viewer.pick('demo');
+    await viewer.until('k.sheet === "sheets/demo" && k.connection === "live" && k.pinnedVertices.length === 2');
+    await release();
+    await viewer.until('k.framesDrawn > given.drawn + 2', { drawn: await viewer.read('k.framesDrawn') });
+    const { length } = await viewer.read('k.pinnedVertices');
+    check(length === 2, `the demo sheet is shown with ${length} pins, as the one that was stepped has`);
+    await viewer.pick('physics');
+    await viewer.until('k.sheet === "sheets/physics" && k.connection === "live" && k.isPaused');
+  });
+
   await steps.step('pieces are listed with their sizes, light up and come into the middle', async () => {
     const curve = { polyline: { points: [{ x: 0.3, y: -0.1 }, { x: 0.3, y: 1.1 }] } };
     await post(url, 'CutService/CreateCut', { parent: kSheet.name, cut: { curve } });

@@ -154,6 +154,13 @@ async function record(viewer) {
   const begin = await viewer.read('k.tick');
   await viewer.until('k.tick > given.begin + 40', { begin });
   await viewer.screenshot('recording');
+  await viewer.setHidden(true);
+  const unseen = await viewer.read('k.tick');
+  await viewer.until('k.tick > given.unseen + 40', { unseen });
+  // A stream that nobody acknowledges stands still, until the server ends it after 10 s and it begins anew.
+  const after = await viewer.read('k.tick');
+  check(after < unseen + 300, `a page that nobody sees got nothing between ticks ${unseen} and ${after}`);
+  await viewer.setHidden(false);
   await viewer.choose('cut');
   await viewer.page.keyboard.press('5');
   await viewer.page.keyboard.press('o');
@@ -201,6 +208,48 @@ async function replay(viewer, { path, hash, tick }) {
   check((await viewer.read('k.meshHash')) === hash, 'played again it ends with another mesh');
 }
 
+async function looks(viewer) {
+  const { drawn } = await viewer.read('({ drawn: k.framesDrawn })');
+  await viewer.page.focus('#canvas');
+  await viewer.page.keyboard.press('k');
+  await viewer.until('k.isByPiece && k.framesDrawn > given.drawn', { drawn });
+  const [disc, rest] = await viewer.colours([await viewer.at(0.3, 0.35), await viewer.at(0.75, 0.6)], 'replay-pieces');
+  check(disc.some((value, i) => Math.abs(value - rest[i]) > 40), `the pieces are ${disc} and ${rest}`);
+  await viewer.page.keyboard.press('k');
+  await viewer.page.keyboard.press('x');
+  await viewer.notice(/No strains were recorded here/);
+  await viewer.shows('#strain-end', 'not recorded');
+  await viewer.screenshot('replay-strains');
+  await viewer.page.keyboard.press('x');
+}
+
+/** The live page shows a recording of the same sheet and goes back, and the sheet is as it was. */
+async function leavesLiveSheet(viewer, { path }, url) {
+  const demo = { name: 'sheets/demo' };
+  await viewer.page.click('[data-panel=physics]');
+  await viewer.shows('#pin-count', '2 vertices held');
+  const { asked, release } = await viewer.hold('SheetService/GetSheet');
+  await post(url, 'InteractionService/SetSheetPins', { ...demo, setPins: { pins: [] } });
+  await asked;
+  await viewer.drop('again.kerfstream', await readFile(path));
+  await viewer.until('k.connection === "replay" && k.replay.index > 0');
+  check(await viewer.page.isHidden('#panel-physics'), 'the panel of the live sheet is still open');
+  for (const key of ['m', 'j']) {
+    await viewer.page.keyboard.press(key);
+    check(!(await viewer.page.locator('.side-panel:visible').count()), `${key} opens a panel of the live sheet`);
+  }
+  await release();
+  const drawing = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 2 2"><circle cx="1" cy="1" r="1"/></svg>';
+  await viewer.drop('sign.svg', Buffer.from(drawing));
+  await viewer.notice(/A recording can be looked at, not changed/);
+  const { pinnedVertices } = await viewer.read('({ pinnedVertices: k.pinnedVertices })');
+  check(pinnedVertices.length === 2, `the live sheet's pins, ${pinnedVertices}, are shown in the recording`);
+  await viewer.page.click('#replay-close');
+  await viewer.until('k.connection === "live" && k.replay === undefined && k.pinnedVertices.length === 0');
+  await viewer.choose('cut');
+  check(!(await viewer.page.textContent('#cut-prompt')).includes('sign.svg'), 'what was dropped then is laid now');
+}
+
 async function refusals(viewer) {
   await viewer.page.keyboard.press('c');
   await viewer.notice(/A recording can be looked at, not changed/);
@@ -246,6 +295,7 @@ export async function savingSteps(steps, browser, kerfd, start) {
   await steps.step('a recording is played, sought and stepped, and ends with the mesh that was live', () =>
     replay(viewer, recorded),
   );
+  await steps.step('its pieces have colours, and that it has no strains is said', () => looks(viewer));
   await steps.step('a recording plays on without its server, and cannot be changed', async () => {
     const { host } = new URL(kerfd.url);
     check((await kerfd.stop()) === 0, 'kerfd did not end with status 0');
@@ -262,6 +312,9 @@ export async function savingSteps(steps, browser, kerfd, start) {
     await viewer.until('k.connection === "live" && k.replay === undefined && k.tick > 0');
     // What the browser says about the server that was away.
     viewer.errors = viewer.errors.filter((error) => !/ERR_CONNECTION_REFUSED|WebSocket/.test(error));
+  });
+  await steps.step('while a recording is shown the live sheet and its settings are left alone', async () => {
+    await leavesLiveSheet(viewer, recorded, kerfd.url);
     check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
     await viewer.page.close();
   });

@@ -121,9 +121,35 @@ export class ViewerPage {
     await this.page.focus('#canvas');
   }
 
-  /** The page is told that nobody sees it, or that somebody does again. */
+  /** Answers to a method's calls wait: `asked` is over when there is one, release() lets all of them come. */
+  async hold(method) {
+    const url = `**/kerf.v1.${method}`;
+    let setAsked;
+    let setReleased;
+    const asked = new Promise((resolve) => (setAsked = resolve));
+    const released = new Promise((resolve) => (setReleased = resolve));
+    await this.page.route(url, async (route) => {
+      setAsked();
+      await released;
+      await route.continue();
+    });
+    const release = async () => {
+      const answered = this.page.waitForResponse(url);
+      setReleased();
+      await (await answered).finished();
+      await this.page.unroute(url);
+    };
+    return { asked, release };
+  }
+
+  /** The page is told that nobody sees it, and draws nothing, or that somebody does again. */
   setHidden(isHidden) {
     return this.page.evaluate((value) => {
+      const waiting = [];
+      window.requestSeenFrame ??= window.requestAnimationFrame;
+      window.showFrames?.();
+      window.requestAnimationFrame = value ? (callback) => waiting.push(callback) : window.requestSeenFrame;
+      window.showFrames = () => waiting.forEach((callback) => window.requestSeenFrame(callback));
       Object.defineProperty(document, 'hidden', { configurable: true, value });
       document.dispatchEvent(new Event('visibilitychange'));
     }, isHidden);

@@ -110,9 +110,14 @@ export class App implements Viewer {
     this.toolChoice = new Choice<ToolId>(element('tools'), 'tool', (id) => this.choose(id));
     this.controls = new SimulationControls(this);
     this.keyboardPointer = new KeyboardPointer(this, () => this.tool);
-    this.canvas.addEventListener('pointerdown', () => this.keyboardPointer.hide());
     this.panels.add('pieces', this.pieces);
-    new PointerRouter(element('stage'), this.canvas, this.stage, () => this.tool);
+    new PointerRouter(
+      element('stage'),
+      this.canvas,
+      this.stage,
+      () => this.tool,
+      () => this.keyboardPointer.hide(),
+    );
     document.addEventListener('visibilitychange', () => {
       this.watch?.setPace(this.pace);
       if (!document.hidden) this.watch?.retryNow();
@@ -124,8 +129,8 @@ export class App implements Viewer {
 
   private get pace(): Pace {
     // A recording is of every tick, whatever is seen meanwhile.
-    const isSeldom = this.imageMode.isShown && !this.recording.isOn;
-    return { isPaused: document.hidden, maxRateHz: isSeldom ? this.imageMode.meshRateHz : 0 };
+    if (this.recording.isOn) return { isPaused: false, maxRateHz: 0 };
+    return { isPaused: document.hidden, maxRateHz: this.imageMode.isShown ? this.imageMode.meshRateHz : 0 };
   }
 
   /** Another stream of the same sheet. `goesOn`: from the triangles that are here. */
@@ -193,6 +198,8 @@ export class App implements Viewer {
     this.imageMode.leave();
     this.sheetName = sheetName;
     this.choose('view');
+    // The other panels are the live sheet's.
+    if (this.panels.open !== 'sheets') this.panels.close();
     setLiveControls(false);
     this.setSheet(sheet);
     this.showConnection('replay', '');
@@ -213,8 +220,11 @@ export class App implements Viewer {
       },
       onFrame: (copy: SheetCopy, frame: FrameCopy) => this.receive(copy, frame),
       onRejection: (rejection: Rejection) => this.grabTool.rejected(rejection),
-      onRecording: (progress: RecordingProgress, parts: ArrayBuffer[] | undefined) =>
-        this.recording.took(progress, parts),
+      onRecording: (progress: RecordingProgress, parts: ArrayBuffer[] | undefined) => {
+        this.recording.took(progress, parts);
+        // One that is full may end while nobody looks.
+        this.watch?.setPace(this.pace);
+      },
     };
     const options = { strains: this.look.isByStrain, goesOn, pace: this.pace };
     return new RemoteWatch(this.worker, this.streamUrl('watch'), name, events, options);
@@ -260,7 +270,12 @@ export class App implements Viewer {
     await this.fetchSheet();
   }
 
-  setSheet(sheet: Sheet): void {
+  /** What the server says of a live sheet; by now another one may be shown, or a recording. */
+  told(sheet: Sheet): void {
+    if (this.watch && sheet.name === this.sheetName) this.setSheet(sheet);
+  }
+
+  private setSheet(sheet: Sheet): void {
     if (sheet.runState === Sheet_RunState.FAILED && this.sheet?.runState !== Sheet_RunState.FAILED) {
       this.notify('error', 'The sheet is frozen at its last good tick. Reset it to go on.');
     }
@@ -300,9 +315,8 @@ export class App implements Viewer {
 
   // False if it failed: the stream tells about a lost connection or a sheet that is gone.
   private async fetchSheet(): Promise<boolean> {
-    const name = this.sheetName;
-    const sheet = await call(SheetService.method.getSheet, { name }).catch(() => undefined);
-    if (sheet && name === this.sheetName) this.setSheet(sheet);
+    const sheet = await call(SheetService.method.getSheet, { name: this.sheetName }).catch(() => undefined);
+    if (sheet) this.told(sheet);
     return sheet !== undefined;
   }
 
@@ -323,6 +337,8 @@ export class App implements Viewer {
     this.hasNewFrame = true;
     this.hasArrived = true;
     this.stage.invalidate();
+    // Frames of a recording come to a hidden page, too, where no drawing acknowledges them.
+    if (document.hidden) this.watch?.acknowledge();
   }
 
   private draw(nowMs: number): void {

@@ -113,6 +113,17 @@ describe('GrabTool', () => {
     expect(kinds()).toEqual(['grab', 'drag', 'drag', 'release']);
   });
 
+  it('holds one vertex at a time', () => {
+    hold();
+    hold();
+    tool.release();
+    expect(kinds()).toEqual(['grab', 'drag', 'release', 'grab', 'drag', 'release']);
+    const ids = sent.map((request) => request.value.grabId);
+    expect(ids.slice(0, 3)).toEqual(Array(3).fill(ids[0]));
+    expect(ids.slice(3)).toEqual(Array(3).fill(ids[5]));
+    expect(ids[5]).not.toBe(ids[0]);
+  });
+
   it('is shown beside its vertex while that has no material', () => {
     hold();
     isTaken = true;

@@ -1,7 +1,7 @@
 import { Vector3 } from 'three';
-import { describe, expect, it } from 'vitest';
+import { beforeEach, describe, expect, it } from 'vitest';
+import { Newest } from '../src/newest';
 import { springLook } from '../src/tools/spring_look';
-import { Newest } from '../src/ui/newest';
 import { windSetting, windVelocity } from '../src/ui/physics/wind_control';
 
 describe('wind', () => {
@@ -47,28 +47,46 @@ describe('springLook', () => {
 });
 
 describe('Newest', () => {
-  it('sends one value at a time, leaves out those that are old by then, and tells when it is done', async () => {
-    const sent: number[] = [];
-    let answer = () => {};
-    let isDone = false;
-    const newest = new Newest<number>(
-      (value) => {
-        sent.push(value);
-        return new Promise<void>((resolve) => (answer = resolve));
+  let sent: string[];
+  let answer: () => Promise<unknown>;
+  let numDone: number;
+  let newest: Newest<number>;
+
+  beforeEach(() => {
+    sent = [];
+    numDone = 0;
+    newest = new Newest<number>(
+      (name, value) => {
+        sent.push(`${name} ${value}`);
+        return new Promise<void>((resolve) => {
+          answer = () => {
+            resolve();
+            return new Promise((settled) => setTimeout(settled));
+          };
+        });
       },
-      async () => (isDone = true),
+      async () => (numDone += 1),
     );
-    newest.put(1);
-    newest.put(2);
-    newest.put(3);
-    expect([sent, newest.isBusy]).toEqual([[1], true]);
-    answer();
-    await Promise.resolve();
-    await Promise.resolve();
-    expect([sent, isDone]).toEqual([[1, 3], false]);
-    answer();
-    await Promise.resolve();
-    await Promise.resolve();
-    expect([sent, newest.isBusy, isDone]).toEqual([[1, 3], false, true]);
+  });
+
+  it('sends one value at a time, leaves out those that are old by then, and tells when it is done', async () => {
+    for (const value of [1, 2, 3]) newest.put('a', value);
+    expect([sent, newest.isBusy]).toEqual([['a 1'], true]);
+    await answer();
+    expect([sent, numDone]).toEqual([['a 1', 'a 3'], 0]);
+    await answer();
+    expect([sent, newest.isBusy, numDone]).toEqual([['a 1', 'a 3'], false, 1]);
+  });
+
+  it('keeps what waits for one sheet while there is something for another', async () => {
+    newest.put('a', 1);
+    newest.put('a', 2);
+    newest.put('b', 3);
+    await answer();
+    newest.put('a', 4);
+    newest.put('b', 5);
+    for (let left = 3; left > 0; --left) await answer();
+    expect(sent).toEqual(['a 1', 'a 2', 'b 5', 'a 4']);
+    expect(numDone).toBe(1);
   });
 });

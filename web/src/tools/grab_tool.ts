@@ -40,7 +40,9 @@ export class GrabTool implements Tool {
     this.release();
   }
 
+  /** Of one vertex at a time: what is held otherwise is let go. */
   press(pointer: Pointer): boolean {
+    this.release();
     const { surface, watch, stage } = this.viewer;
     const hit = surface?.pick(pointer.ray);
     if (!surface || !watch || !hit) return false;

@@ -3,15 +3,31 @@ import type { Vector2 } from 'three';
 import { call } from '../api';
 import { InteractionService } from '../gen/kerf/v1/interaction_pb';
 import { RegionSchema } from '../gen/kerf/v1/conditions_pb';
+import { Newest } from '../newest';
 import type { Pointer, Tool, Viewer } from './tool';
 
 // A tap this near to a pin, in CSS pixels, is meant for it.
 const kPinReachPx = 9;
 
+interface PinWish {
+  /** sheets/{sheet} */
+  name: string;
+  pinned: ReadonlySet<number>;
+  /** The vertex that it was changed by. */
+  vertex: number;
+}
+
 /** A tap on a vertex pins it where it is, or lets it go. */
 export class PinTool implements Tool {
   readonly id = 'pin';
   readonly cursor = 'cell';
+
+  // Not answered yet, or not told since.
+  private wish: PinWish | undefined;
+  private readonly newest = new Newest<PinWish>(
+    (name, wish) => this.send(name, wish),
+    () => this.answered(),
+  );
 
   constructor(private readonly viewer: Viewer) {}
 
@@ -27,7 +43,7 @@ export class PinTool implements Tool {
 
   tap(pointer: Pointer): void {
     const vertex = this.pinNear(pointer.px) ?? this.viewer.surface?.pick(pointer.ray)?.vertex;
-    if (vertex !== undefined) void this.toggle(vertex);
+    if (vertex !== undefined) this.toggle(vertex);
   }
 
   // The balls on the pins reach beyond the sheet, and a pin is more often meant than its neighbour.
@@ -43,18 +59,32 @@ export class PinTool implements Tool {
     return found;
   }
 
-  private async toggle(vertex: number): Promise<void> {
-    const pinned = new Set(this.viewer.sheet?.pinnedVertices ?? []);
-    const isPinned = pinned.delete(vertex);
-    if (!isPinned) pinned.add(vertex);
+  // All pins are set at once, so those that were asked for before count, whatever has been answered.
+  private toggle(vertex: number): void {
+    const { sheetName: name, sheet } = this.viewer;
+    const before = this.wish?.name === name ? this.wish.pinned : sheet?.pinnedVertices;
+    if (!before) return;
+    const pinned = new Set(before);
+    if (!pinned.delete(vertex)) pinned.add(vertex);
+    this.wish = { name, pinned, vertex };
+    this.newest.put(name, this.wish);
+  }
+
+  private async send(name: string, { pinned, vertex }: PinWish): Promise<void> {
     const vertices = [...pinned].sort((a, b) => a - b);
     const pins =
       vertices.length === 0 ? [] : [create(RegionSchema, { region: { case: 'vertices', value: { vertices } } })];
     const done = await this.viewer.attempt(() =>
-      call(InteractionService.method.setSheetPins, { name: this.viewer.sheetName, setPins: { pins } }),
+      call(InteractionService.method.setSheetPins, { name, setPins: { pins } }),
     );
     if (!done) return;
-    this.viewer.notify('info', `Vertex ${vertex} ${isPinned ? 'released' : 'pinned'} (${vertices.length} pinned)`);
+    const what = pinned.has(vertex) ? 'pinned' : 'released';
+    this.viewer.notify('info', `Vertex ${vertex} ${what} (${vertices.length} pinned)`);
+  }
+
+  private async answered(): Promise<void> {
+    const { wish } = this;
     await this.viewer.refreshSheet();
+    if (wish === this.wish) this.wish = undefined;
   }
 }

@@ -11,13 +11,15 @@ export class PointerRouter {
   private isHandingOver = false;
 
   /**
-   * @param area  contains the canvas: events are seen here before OrbitControls sees them there
+   * @param area         contains the canvas: events are seen here before OrbitControls sees them there
+   * @param beforePress  called before the tool, or the view, gets a press
    */
   constructor(
     area: HTMLElement,
     private readonly canvas: HTMLCanvasElement,
     private readonly stage: Stage,
     private readonly tool: () => Tool,
+    private readonly beforePress: () => void,
   ) {
     area.addEventListener('pointerdown', (event) => this.down(event), { capture: true });
     area.addEventListener('pointermove', (event) => this.move(event), { capture: true });
@@ -35,6 +37,7 @@ export class PointerRouter {
     if (event.target !== this.canvas || this.isHandingOver) return;
     // Keys belong to the tool from here on, not to the button that was pressed before.
     this.canvas.focus({ preventScroll: true });
+    this.beforePress();
     if (this.pressed) {
       this.pressed.isTap = false;
       if (this.pressed.isTaken) this.handOver();

@@ -8,7 +8,7 @@ import { bytesText } from './statistics_text';
 const kMaxFileBytes = 512 * 1024 * 1024;
 
 // What these do to the live sheet they do not while a recording is shown.
-const kLiveChords = new Set(['R', '<', '>', '0', 'Ctrl+Z', 'Ctrl+Shift+Z', 'Ctrl+Y']);
+const kLiveChords = new Set(['R', '<', '>', '0', 'Ctrl+Z', 'Ctrl+Shift+Z', 'Ctrl+Y', 'M', 'J']);
 
 export function isRecordingFile(file: File): boolean {
   return file.name.toLowerCase().endsWith('.kerfstream');

@@ -10,7 +10,8 @@ export class SheetLook {
   isByStrain = false;
 
   private readonly pieceIds: PieceIds;
-  private labels: ReadonlyMap<number, number> = new Map();
+  // Of a recording, by topology version.
+  private numbered: { version: number; ids: ReadonlyMap<number, number> } | undefined;
 
   constructor(
     private readonly app: App,
@@ -45,6 +46,9 @@ export class SheetLook {
     if (this.isByPiece && this.isByStrain) this.toggleByPiece();
     this.app.restartWatch(true);
     this.app.showAgain();
+    if (this.isByStrain && this.lacksStrains) {
+      this.app.notify('info', 'No strains were recorded here: colours by strain were not on at that time');
+    }
   }
 
   /** Stable id of a piece by its label in the mirror's frames; undefined while it is not known. */
@@ -55,12 +59,18 @@ export class SheetLook {
   /** What is known of pieces is not of the sheet that comes. */
   reset(): void {
     this.pieceIds.reset();
+    this.numbered = undefined;
   }
 
   /** Colours the sheet's newest state, which the view has. */
   color(): void {
     if (!this.isByStrain) {
       this.view.colorByPiece(this.isByPiece ? this.idsOfPieces() : null);
+      return;
+    }
+    if (this.lacksStrains) {
+      this.view.colorByPiece(null);
+      setText(element('strain-end'), 'not recorded');
       return;
     }
     const end = this.view.colorByStrain();
@@ -70,15 +80,22 @@ export class SheetLook {
     setText(element('strain-end'), isOwn ? `${Number((100 * end).toPrecision(1))} % or more` : 'the most');
   }
 
-  // Recordings have no ids: there, each number of a piece is one.
+  // What is shown is of a recording, and was recorded without strains. Live they are on their way.
+  private get lacksStrains(): boolean {
+    const { surface, watch } = this.app;
+    return surface !== undefined && !watch && !surface.mirror.strains;
+  }
+
+  // Recordings have no ids, which count from 1: there, each number of a piece, which count from 0, makes one.
   private idsOfPieces(): ReadonlyMap<number, number> | undefined {
     const { surface, watch, sheetName } = this.app;
     if (!surface) return undefined;
     const { topologyVersion, numPieces } = surface.mirror;
     if (watch) return this.pieceIds.at(sheetName, topologyVersion);
-    if (this.labels.size !== numPieces) {
-      this.labels = new Map(Array.from({ length: numPieces }, (_, label) => [label, label]));
+    if (this.numbered?.version !== topologyVersion) {
+      const ids = new Map(Array.from({ length: numPieces }, (_, label) => [label, label + 1]));
+      this.numbered = { version: topologyVersion, ids };
     }
-    return this.labels;
+    return this.numbered.ids;
   }
 }

@@ -1,9 +1,9 @@
 import { call } from '../api';
 import { Replay_State, Sheet_RunState, SheetService } from '../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
+import { Newest } from '../newest';
 import type { Viewer } from '../tools/tool';
 import { element, setText } from './dom';
-import { Newest } from './newest';
 import { runEndText } from './run_text';
 import { SpeedControl } from './speed_control';
 
@@ -22,16 +22,15 @@ export class SimulationControls {
   private playing: string | undefined;
   // Not answered yet.
   private wish: PauseWish | undefined;
-  private readonly pauses = new Newest<PauseWish>(
-    async ({ name, isPaused }) => {
+  private readonly pauses = new Newest<boolean>(
+    async (name, isPaused) => {
       const { pauseSheet, resumeSheet } = SheetService.method;
-      const sheet = await this.viewer.attempt(() => (isPaused ? call(pauseSheet, { name }) : call(resumeSheet, { name })));
-      if (name === this.viewer.sheetName) this.take(sheet);
+      this.take(await this.viewer.attempt(() => (isPaused ? call(pauseSheet, { name }) : call(resumeSheet, { name }))));
     },
     async () => void (this.wish = undefined),
   );
 
-  constructor(private readonly viewer: Viewer & { setSheet(sheet: Sheet): void }) {
+  constructor(private readonly viewer: Viewer & { told(sheet: Sheet): void }) {
     this.speed = new SpeedControl(viewer);
   }
 
@@ -63,7 +62,7 @@ export class SimulationControls {
     const { sheetName: name } = this.viewer;
     const isPaused = this.wish?.name === name ? this.wish.isPaused : this.isPaused;
     this.wish = { name, isPaused: !isPaused };
-    this.pauses.put(this.wish);
+    this.pauses.put(name, this.wish.isPaused);
   }
 
   /** One tick; a running sheet is paused first. */
@@ -82,6 +81,6 @@ export class SimulationControls {
   }
 
   private take(sheet: Sheet | undefined): void {
-    if (sheet) this.viewer.setSheet(sheet);
+    if (sheet) this.viewer.told(sheet);
   }
 }

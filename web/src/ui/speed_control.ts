@@ -1,9 +1,9 @@
 import { call } from '../api';
 import { SheetService } from '../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
+import { Newest } from '../newest';
 import type { Viewer } from '../tools/tool';
 import { element } from './dom';
-import { Newest } from './newest';
 import { kSpeeds, nextSpeed, speedOf, speedText } from './speeds';
 
 /** Slow motion and time lapse: the same ticks, farther apart or closer together. */
@@ -12,13 +12,10 @@ export class SpeedControl {
   private readonly newest: Newest<number>;
   private speed = 1;
 
-  constructor(viewer: Viewer) {
+  constructor(private readonly viewer: Viewer) {
     this.newest = new Newest(
-      (speed) =>
-        viewer.attempt(
-          () => call(SheetService.method.setSheetSpeed, { name: viewer.sheetName, speed }),
-          'The speed is as it was: ',
-        ),
+      (name, speed) =>
+        viewer.attempt(() => call(SheetService.method.setSheetSpeed, { name, speed }), 'The speed is as it was: '),
       () => viewer.refreshSheet(),
     );
     this.select.addEventListener('change', () => this.set(Number(this.select.value)));
@@ -31,7 +28,7 @@ export class SpeedControl {
   set(speed: number): void {
     if (speed === this.speed) return;
     this.showSpeed(speed);
-    this.newest.put(speed);
+    this.newest.put(this.viewer.sheetName, speed);
   }
 
   step(direction: 1 | -1): void {

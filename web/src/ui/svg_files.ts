@@ -31,6 +31,8 @@ export class SvgFiles {
     const text = await file.text().catch(() => undefined);
     if (text === undefined) return refuse('cannot be read');
     this.app.choose('cut');
+    // Refused while a recording is shown.
+    if (this.app.tool !== this.app.cutTool) return;
     if (!this.app.cutTool.lay({ name: file.name, text })) return refuse('waits for a sheet: there is none yet');
     this.app.focusStage();
   }

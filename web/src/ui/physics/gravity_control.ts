@@ -1,9 +1,9 @@
 import { call } from '../../api';
 import { InteractionService } from '../../gen/kerf/v1/interaction_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
+import { Newest } from '../../newest';
 import type { Viewer } from '../../tools/tool';
 import { element, setText } from '../dom';
-import { Newest } from '../newest';
 
 // kerf.v1.Scene.gravity_mps2 when the scene gives none.
 const kDefaultMps2 = 9.81;
@@ -14,12 +14,12 @@ export class GravityControl {
   private readonly value = element('gravity-value');
   private readonly newest: Newest<number>;
 
-  constructor(viewer: Viewer) {
+  constructor(private readonly viewer: Viewer) {
     this.newest = new Newest(
-      (mps2) =>
+      (name, mps2) =>
         viewer.attempt(() =>
           call(InteractionService.method.setSheetGravity, {
-            name: viewer.sheetName,
+            name,
             setGravity: { gravityMps2: { x: 0, y: 0, z: -mps2 } },
           }),
         ),
@@ -43,7 +43,7 @@ export class GravityControl {
 
   private set(mps2: number): void {
     this.showValue(mps2);
-    this.newest.put(mps2);
+    this.newest.put(this.viewer.sheetName, mps2);
   }
 
   private showValue(mps2: number): void {

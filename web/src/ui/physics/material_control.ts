@@ -2,17 +2,16 @@ import { call } from '../../api';
 import { InteractionService } from '../../gen/kerf/v1/interaction_pb';
 import type { Material } from '../../gen/kerf/v1/scene_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
+import { Newest } from '../../newest';
 import { serverInfo } from '../../server_info';
 import type { Viewer } from '../../tools/tool';
 import { element, setText } from '../dom';
 import { errorText } from '../error_text';
 import { areaMassText, presetOf } from '../material_text';
-import { Newest } from '../newest';
 import { kBendingId, kMaterialQuantities } from './material_quantities';
 import { QuantitySlider } from './quantity_slider';
 
 interface Change {
-  name: string;
   /** Numbers, or a preset. */
   material: Material;
   part: number | undefined;
@@ -40,7 +39,7 @@ export class MaterialControl {
 
   constructor(private readonly viewer: Viewer) {
     this.newest = new Newest(
-      (change) => this.send(change),
+      (name, change) => this.send(name, change),
       () => viewer.refreshSheet(),
     );
     this.sliders = kMaterialQuantities.map((quantity) => {
@@ -106,10 +105,10 @@ export class MaterialControl {
     this.material = material;
     this.showNumbers();
     const part = this.part.value === kWhole ? undefined : Number(this.part.value);
-    this.newest.put({ name: this.viewer.sheetName, material, part, refused });
+    this.newest.put(this.viewer.sheetName, { material, part, refused });
   }
 
-  private async send({ name, material, part, refused }: Change): Promise<void> {
+  private async send(name: string, { material, part, refused }: Change): Promise<void> {
     try {
       await call(InteractionService.method.setSheetMaterial, { name, setMaterial: { material, part } });
     } catch (error) {

@@ -4,9 +4,9 @@ import { InteractionService } from '../../gen/kerf/v1/interaction_pb';
 import type { Vec3 } from '../../gen/kerf/v1/geometry_pb';
 import type { Wind, WindSchema } from '../../gen/kerf/v1/scene_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
+import { Newest } from '../../newest';
 import type { Viewer } from '../../tools/tool';
 import { element, setText } from '../dom';
-import { Newest } from '../newest';
 
 /** Where to, degrees from x to y (0..360), how steeply up, degrees, and how fast, m/s. */
 export interface WindSetting {
@@ -51,10 +51,8 @@ export class WindControl {
 
   constructor(viewer: Viewer) {
     this.newest = new Newest(
-      (wind) =>
-        viewer.attempt(() =>
-          call(InteractionService.method.setSheetWind, { name: viewer.sheetName, setWind: { wind } }),
-        ),
+      (name, wind) =>
+        viewer.attempt(() => call(InteractionService.method.setSheetWind, { name, setWind: { wind } })),
       () => viewer.refreshSheet(),
     );
     for (const input of [this.isOn, this.speed, this.azimuth, this.rising]) {
@@ -62,7 +60,7 @@ export class WindControl {
         // A breeze that is asked for needs air.
         if (input !== this.isOn) this.isOn.checked = true;
         this.showValues();
-        this.newest.put(this.wind());
+        this.newest.put(viewer.sheetName, this.wind());
       });
     }
   }

@@ -1,0 +1,66 @@
+import { beforeEach, describe, expect, it, vi } from 'vitest';
+import type { App } from '../src/app';
+import type { SheetView } from '../src/scene/sheet_view';
+import { SheetLook } from '../src/ui/sheet_look';
+import { fakePage } from './support/fake_page';
+import type { FakeElement } from './support/fake_page';
+
+describe('SheetLook of a recording', () => {
+  let byId: (id: string) => FakeElement;
+  let look: SheetLook;
+  let notices: string[];
+  let mirror: { topologyVersion: number; numPieces: number; strains: Float32Array | undefined };
+  const view = { colorByPiece: vi.fn(), colorByStrain: vi.fn() };
+  /** label -> id, as what is there now was coloured. */
+  const colored = (): ReadonlyMap<number, number> => {
+    look.color();
+    return view.colorByPiece.mock.lastCall![0];
+  };
+
+  beforeEach(() => {
+    byId = fakePage();
+    notices = [];
+    mirror = { topologyVersion: 0, numPieces: 2, strains: undefined };
+    const app = {
+      surface: { mirror },
+      imageMode: { isShown: false },
+      notify: (_: string, text: string) => notices.push(text),
+      restartWatch: () => {},
+      showAgain: () => {},
+    };
+    view.colorByPiece.mockReset();
+    view.colorByStrain.mockReset();
+    look = new SheetLook(app as unknown as App, view as unknown as SheetView);
+  });
+
+  it('colours pieces by ids, which are 1 and more', () => {
+    look.toggleByPiece();
+    expect([...colored()]).toEqual([
+      [0, 1],
+      [1, 2],
+    ]);
+  });
+
+  it('colours anew in each topology version, though the number of pieces stays', () => {
+    look.toggleByPiece();
+    const before = colored();
+    expect(colored()).toBe(before);
+    mirror.topologyVersion = 1;
+    expect(colored()).not.toBe(before);
+    // Another recording, or another connection in the same one.
+    const after = colored();
+    look.reset();
+    expect(colored()).not.toBe(after);
+  });
+
+  it('says where no strains were recorded, and shows the cloth as it is there', () => {
+    look.toggleByStrain();
+    expect(notices).toEqual(['No strains were recorded here: colours by strain were not on at that time']);
+    expect(colored()).toBe(null);
+    expect(byId('strain-end').textContent).toBe('not recorded');
+    mirror.strains = Float32Array.of(0.1);
+    view.colorByStrain.mockReturnValue(0.2);
+    look.color();
+    expect(byId('strain-end').textContent).toBe('20 % or more');
+  });
+});
