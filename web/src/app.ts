@@ -17,6 +17,7 @@ import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
 import type { ConnectionState } from './stream/connection';
 import type { RecordingProgress } from './stream/stream_recorder';
 import type { Pace } from './stream/watch';
+import { startWorker } from './stream/workers';
 import { CutTool } from './tools/cut_tool';
 import { GrabTool } from './tools/grab_tool';
 import { KeyboardPointer } from './tools/keyboard_pointer';
@@ -67,7 +68,7 @@ export class App implements Viewer {
   framesDrawn = 0;
 
   // Holds the connection and decodes frames.
-  private readonly worker = new Worker(new URL('./stream/watch_worker.ts', import.meta.url), { type: 'module' });
+  private worker: Worker | undefined = this.startWorker();
   private readonly canvas = element<HTMLCanvasElement>('canvas');
   private readonly sheetView = new SheetView();
   readonly look = new SheetLook(this, this.sheetView);
@@ -204,7 +205,18 @@ export class App implements Viewer {
     return `${protocol === 'https:' ? 'wss' : 'ws'}://${host}/${path}`;
   }
 
+  private startWorker(): Worker {
+    return startWorker('watch', (why) => {
+      const told = `What receives the sheet has failed: ${why}. Reload the page`;
+      this.worker = undefined;
+      this.watch?.fail(told);
+      this.notify('error', told);
+      this.recording.lose();
+    });
+  }
+
   private startWatch(name: string, goesOn: boolean): RemoteWatch {
+    this.worker ??= this.startWorker();
     const events = {
       onState: (state: ConnectionState) => {
         // The first frame of the next connection asks again.
