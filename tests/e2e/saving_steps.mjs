@@ -10,7 +10,7 @@ async function statistics(viewer) {
   await viewer.page.keyboard.press('u');
   // Every line has a value once a few frames have come.
   await viewer.page.waitForFunction(() => {
-    const values = [...document.querySelectorAll('#statistics dd')].map((value) => value.textContent);
+    const values = [...document.querySelectorAll('#statistics dd:not(.plot)')].map((value) => value.textContent);
     return values.length === 15 && values.every((text) => text !== '' && text !== '–');
   });
   const shown = await viewer.page.evaluate(() =>
