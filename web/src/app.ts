@@ -1,3 +1,4 @@
+import { Group } from 'three';
 import { call } from './api';
 import { SheetService, Sheet_RunState } from './gen/kerf/v1/sheets_pb';
 import type { Sheet } from './gen/kerf/v1/sheets_pb';
@@ -70,6 +71,8 @@ export class App implements Viewer {
   // Holds the connection and decodes frames.
   private worker: Worker | undefined = this.startWorker();
   private readonly canvas = element<HTMLCanvasElement>('canvas');
+  // The sheet and what is around it.
+  private readonly sheetObjects = new Group();
   private readonly sheetView = new SheetView();
   readonly look = new SheetLook(this, this.sheetView);
   private readonly pinView = new PinView();
@@ -98,7 +101,8 @@ export class App implements Viewer {
     this.stage = new Stage(this.canvas);
     this.theme = new Theme(element('theme'), (isDark) => this.stage.setDark(isDark));
     this.colliderView = new ColliderView(this.stage.ground);
-    this.stage.scene.add(this.sheetView.object, this.pinView.object, this.colliderView.object, this.windView.object);
+    this.sheetObjects.add(this.sheetView.object, this.pinView.object, this.colliderView.object, this.windView.object);
+    this.stage.scene.add(this.sheetObjects);
     this.cutTool = new CutTool(this, () => this.cutPanel?.update(this.tool === this.cutTool));
     this.grabTool = new GrabTool(this);
     this.tools = { view: new ViewTool(), cut: this.cutTool, grab: this.grabTool, pin: new PinTool(this) };
@@ -155,8 +159,16 @@ export class App implements Viewer {
     this.canvas.focus({ preventScroll: true });
   }
 
-  /** Watches no sheet and plays no recording; the last sheet stays in the picture. */
+  /** Watches no sheet and plays no recording; nothing of the last one stays. */
   close(): void {
+    this.letGo();
+    this.imageMode.clear();
+    this.sheetObjects.visible = false;
+    this.stage.invalidate();
+  }
+
+  // The last sheet stays in the picture until the next one comes.
+  private letGo(): void {
     this.tool.leave();
     this.recording.stop();
     this.watch?.close();
@@ -172,7 +184,7 @@ export class App implements Viewer {
 
   /** @param name  sheets/{sheet} */
   open(name: string): void {
-    this.close();
+    this.letGo();
     this.replayBar.leave();
     this.sheetName = name;
     this.watch = this.startWatch(name, false);
@@ -190,7 +202,7 @@ export class App implements Viewer {
   showReplay(sheet: Sheet): void {
     // Where closing it leads back to.
     const { sheetName } = this;
-    this.close();
+    this.letGo();
     this.imageMode.leave();
     this.sheetName = sheetName;
     this.choose('view');
@@ -332,6 +344,7 @@ export class App implements Viewer {
       if (this.watch) this.settings.saw(stats.settingsVersion);
     }
     if (!this.imageMode.isOn) this.statistics.arrived(delivery, stats);
+    this.sheetObjects.visible = true;
     this.hasNewFrame = true;
     this.hasArrived = true;
     this.stage.invalidate();

@@ -138,6 +138,12 @@ export class ImageMode {
     this.stats = undefined;
   }
 
+  /** No picture is seen before the next. */
+  clear(): void {
+    this.tick = -1;
+    if (this.isShown) this.setShown(false);
+  }
+
   /** The page is seen, or not any more. */
   seen(): void {
     this.images?.setPace(this.pace);
