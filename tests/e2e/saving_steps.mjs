@@ -73,6 +73,25 @@ async function pictures(viewer) {
   }
 }
 
+// Colours without their numbers say nothing to whoever gets the picture.
+async function legends(viewer) {
+  await viewer.page.keyboard.press('x');
+  await viewer.until('k.numStrains > 0');
+  await viewer.page.waitForFunction(() => / % or more$/.test(document.getElementById('strain-end').textContent));
+  for (const [item, scale] of [
+    ['save-png', 1],
+    ['save-png-2', 2],
+  ]) {
+    const { name, bytes } = await save(viewer, item);
+    const ends = [26, 222].map((x) => ({ x: scale * x, y: scale * 675 }));
+    const [least, most] = await viewer.coloursOf(bytes, ends);
+    check(least[2] > least[1] + 50 && most[1] > most[2] + 150, `${name}: the scale goes from ${least} to ${most}`);
+    await writeFile(`${root}/build/e2e/saved-strains-${scale}.png`, bytes);
+  }
+  await viewer.page.keyboard.press('x');
+  await viewer.until('k.numStrains === 0');
+}
+
 async function meshes(viewer) {
   const { vertices, tick } = await viewer.read('({ vertices: k.numVertices, tick: k.tick })');
   const triangles = await viewer.read('k.numTriangles');
@@ -227,6 +246,7 @@ export async function savingSteps(steps, browser, kerfd, start) {
     await viewer.page.keyboard.press(' ');
     await viewer.until('k.isPaused');
     await pictures(viewer);
+    await legends(viewer);
   });
   await steps.step('the mesh that is shown is saved as OBJ and as glTF', async () => {
     await meshes(viewer);
