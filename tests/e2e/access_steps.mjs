@@ -12,9 +12,21 @@ const kScene = {
 const kDesktop = { viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' };
 const kPhone = { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true, reducedMotion: 'reduce' };
 
+/** A recording of the sheet that is watched, as a file for an input. */
+async function recorded({ page }) {
+  await page.keyboard.press('Control+s');
+  await page.click('#save-recording');
+  await page.waitForFunction(() => !/, 0 B$/.test(document.getElementById('recording-text').textContent));
+  const downloading = page.waitForEvent('download');
+  await page.click('#recording');
+  const buffer = await readFile(await (await downloading).path());
+  return { name: 'access.kerfstream', mimeType: '', buffer };
+}
+
 export async function accessSteps(steps, browser, url) {
   const axe = await readFile(`${root}/web/node_modules/axe-core/axe.min.js`, 'utf8');
   let viewer;
+  let recording;
   const open = async (options) => {
     const opened = await ViewerPage.open(browser, `${url}/?sheet=access`, options);
     await opened.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
@@ -182,6 +194,78 @@ export async function accessSteps(steps, browser, url) {
     check(back === 'sheets', `closing the panel leaves the focus at ${back}`);
   });
 
+  await steps.step('a menu that the mouse opens has the keyboard', async () => {
+    const { page } = viewer;
+    const focused = () => page.evaluate(() => document.activeElement.id);
+    await page.keyboard.press('v');
+    const before = await viewer.at(0, 0);
+    await page.click('#save-open');
+    check((await focused()) === 'save-png', `the focus is at ${await focused()}`);
+    await page.keyboard.press('ArrowDown');
+    check((await focused()) === 'save-png-2', `an arrow key moves the focus to ${await focused()}`);
+    await page.keyboard.press('Escape');
+    check((await page.isHidden('#save-menu')) && (await focused()) === 'save-open', 'Escape does not close it');
+    const after = await viewer.at(0, 0);
+    check(Math.hypot(after.x - before.x, after.y - before.y) < 0.5, 'an arrow key in the menu turns the view');
+  });
+
+  await steps.step('Escape in a panel closes the panel, and leaves a cross and a recording as they are', async () => {
+    const { page } = viewer;
+    const panelCloses = async () => {
+      await page.focus('[data-panel=sheets]');
+      await page.keyboard.press('Enter');
+      await page.keyboard.press('Escape');
+      check(await page.isHidden('#panel-sheets'), 'the panel stays');
+    };
+    await page.focus('#canvas');
+    await page.keyboard.press('c');
+    await page.keyboard.press('ArrowLeft');
+    await panelCloses();
+    check(await page.isVisible('.cross'), 'the cross is gone as well');
+    await page.keyboard.press('Escape');
+    check(await page.isHidden('.cross'), 'the cross stays after Escape');
+    await page.keyboard.press('v');
+    recording = await recorded(viewer);
+    await page.setInputFiles('#replay-file', recording);
+    await viewer.until('k.connection === "replay"');
+    await panelCloses();
+    check((await viewer.read('k.connection')) === 'replay', 'the recording is closed as well');
+    await page.keyboard.press('Escape');
+    await viewer.until('k.connection === "live"');
+  });
+
+  const auditDialogs = async (viewer) => {
+    const { page } = viewer;
+    await page.keyboard.press('?');
+    await audit(page, 'help');
+    await page.keyboard.press('Escape');
+    await page.click('[data-panel=sheets]');
+    await page.click('#sheet-list .icon');
+    await audit(page, 'confirmation');
+    await page.keyboard.press('Escape');
+    await page.click('#panel-sheets [data-close]');
+  };
+
+  const auditStreams = async (viewer, name) => {
+    const { page } = viewer;
+    await page.keyboard.press('Control+s');
+    await audit(page, 'save menu');
+    await page.keyboard.press('Escape');
+    await page.keyboard.press('u');
+    await audit(page, 'statistics');
+    await page.keyboard.press('u');
+    await page.keyboard.press('q');
+    await viewer.until('k.picture?.connection === "live"');
+    await audit(page, 'pictures of the server');
+    await page.keyboard.press('q');
+    await page.setInputFiles('#replay-file', recording);
+    await viewer.until('k.connection === "replay" && k.replay.index >= 0');
+    await audit(page, 'recording');
+    await page.screenshot({ path: `${root}/build/e2e/${name}-recording.png` });
+    await page.click('#replay-close');
+    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+  };
+
   for (const [name, options] of [
     ['desktop', kDesktop],
     ['phone', kPhone],
@@ -196,6 +280,8 @@ export async function accessSteps(steps, browser, url) {
           await page.screenshot(`${name}-${colorScheme}-${panel}`);
           await page.page.click(`#panel-${panel} [data-close]`);
         }
+        await auditDialogs(page);
+        await auditStreams(page, `${name}-${colorScheme}`);
         await page.choose('cut');
         await audit(page.page, 'cut');
         await page.screenshot(`${name}-${colorScheme}-cut`);

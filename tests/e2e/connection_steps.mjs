@@ -164,6 +164,22 @@ async function restart(browser, kerfd, restarted) {
   return again;
 }
 
+async function withoutWorkers(browser, kerfd) {
+  const viewer = await ViewerPage.open(browser, kerfd.url, kSmall, (page) =>
+    page.route('**/*_worker*', (route) => route.abort()),
+  );
+  await viewer.until('k.connection === "ended"');
+  await viewer.shows('#connection b', 'Ended');
+  await viewer.notice(/What receives the sheet has failed: its program cannot be loaded/);
+  const file = { name: 'any.kerfstream', mimeType: '', buffer: Buffer.from('any') };
+  await viewer.page.setInputFiles('#replay-file', file);
+  await viewer.notice(/any.kerfstream cannot be played: what plays it has failed/);
+  check(await viewer.page.isHidden('#replay'), 'the progress of a file that nobody reads is still there');
+  await viewer.page.keyboard.press('q');
+  await viewer.notice(/No pictures, so the mesh is shown: what decodes them has failed/);
+  await viewer.page.close();
+}
+
 /** @param start  starts a kerfd like the one that `kerfd` is, at an address */
 export async function connectionSteps(steps, browser, kerfd, start = startKerfd) {
   await steps.step('on a slow network frames are skipped, and no more are on their way than a window has', () =>
@@ -173,6 +189,7 @@ export async function connectionSteps(steps, browser, kerfd, start = startKerfd)
   await steps.step('a page that nobody sees gets no frames, and goes on when it is seen', () =>
     hiddenTab(browser, kerfd),
   );
+  await steps.step('a worker that cannot be loaded is told, not waited for', () => withoutWorkers(browser, kerfd));
   await steps.step('after a restart of the server the page goes on with its sheets, without a reload', async () => {
     kerfd = await restart(browser, kerfd, start);
   });

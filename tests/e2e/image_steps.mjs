@@ -48,6 +48,18 @@ async function changes(viewer, act) {
   await viewer.page.waitForFunction((was) => document.querySelector('#picture').toDataURL() !== was, before);
 }
 
+/** Colours of the page without what lies over the picture. */
+async function bareColours(viewer, points, name) {
+  const setCards = (visibility) =>
+    viewer.page.evaluate((value) => {
+      for (const card of document.querySelectorAll('.card')) card.style.visibility = value;
+    }, visibility);
+  await setCards('hidden');
+  const colours = await viewer.colours(points, name);
+  await setCards('');
+  return colours;
+}
+
 /**
  * Checks that the sheet ends in the picture where the page's camera sees its sides: inside it looks like cloth, outside like
  * what is beside it.
@@ -68,20 +80,32 @@ async function isInPlace(viewer, name) {
       points.push({ x: middle.x + share * (side.x - middle.x), y: middle.y + share * (side.y - middle.y) });
     }
   }
-  // What lies over the picture is no part of it.
-  const setCards = (visibility) =>
-    viewer.page.evaluate((value) => {
-      for (const card of document.querySelectorAll('.card')) card.style.visibility = value;
-    }, visibility);
-  await setCards('hidden');
-  const colours = await viewer.colours(points, name);
-  await setCards('');
+  const colours = await bareColours(viewer, points, name);
   const lightest = Math.max(...colours.filter((_, i) => i % 2 === 0).flat());
   check(lightest > 140, `${name}: the cloth is in the dark: its lightest channel is ${lightest}`);
   sides.forEach((side, i) => {
     const [inside, outside] = [colours[2 * i], colours[2 * i + 1]];
     check(distance(inside, outside) > 25, `${name}: at ${side} the cloth is ${inside}, beside it is ${outside}`);
   });
+}
+
+async function savedPng(viewer) {
+  const downloading = viewer.page.waitForEvent('download');
+  await viewer.page.keyboard.press('Control+s');
+  await viewer.page.click('#save-png');
+  const download = await downloading;
+  const chunks = [];
+  for await (const chunk of await download.createReadStream()) chunks.push(chunk);
+  return { name: download.suggestedFilename(), png: Buffer.concat(chunks) };
+}
+
+// Not of the mesh's tick, which is up to a second older.
+async function isNamedByTick(viewer) {
+  const { tick: first } = await viewer.read('k.picture');
+  const { name } = await savedPng(viewer);
+  const { tick: last } = await viewer.read('k.picture');
+  const tick = Number(/^demo-(\d+)\.png$/.exec(name)[1]);
+  check(first <= tick && tick <= last, `a picture of a tick from ${first} to ${last} is called ${name}`);
 }
 
 async function takesThePlace(browser, kerfd) {
@@ -115,6 +139,7 @@ async function takesThePlace(browser, kerfd) {
   check(shown > tick + 90, `the status line says tick ${shown}, the picture was at ${tick} before 90 more`);
   const [cloth, sky] = await viewer.colours([await viewer.at(0.5, 0.3), { x: 380, y: 4 }], 'image-mode-demo');
   check(distance(cloth, sky) > 25, `the cloth is ${cloth}, the sky ${sky}`);
+  await isNamedByTick(viewer);
   check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
   await viewer.page.close();
   await proxy.stop();
@@ -200,12 +225,7 @@ async function changesLook(viewer) {
 }
 
 async function savesPicture(viewer) {
-  const downloading = viewer.page.waitForEvent('download');
-  await viewer.page.keyboard.press('Control+s');
-  await viewer.page.click('#save-png');
-  const chunks = [];
-  for await (const chunk of await (await downloading).createReadStream()) chunks.push(chunk);
-  const png = Buffer.concat(chunks);
+  const { png } = await savedPng(viewer);
   await writeFile(`${root}/build/e2e/image-mode-saved.png`, png);
   const at = await viewer.at(0.5, 0.2);
   const [[saved], [shown]] = [await viewer.coloursOf(png, [at]), await viewer.colours([at], 'image-mode-to-save')];
@@ -313,6 +333,19 @@ async function restarts(viewer, kerfd, start) {
   return kerfd;
 }
 
+async function deletesLast(viewer) {
+  const at = await viewer.at(0.5, 0.3);
+  if (await viewer.page.isHidden('#panel-sheets')) await viewer.page.click('[data-panel=sheets]');
+  await viewer.page.click('#sheet-list .icon');
+  await viewer.page.click('#confirmation-yes');
+  await viewer.shows('#status-tick', '–');
+  check(await viewer.page.isHidden('#picture'), 'the picture is still there');
+  const figures = await viewer.page.locator('#status dd').allTextContents();
+  check(figures.slice(0, 5).every((text) => text === '–'), `there are still figures: ${figures}`);
+  const [left, sky] = await bareColours(viewer, [at, { x: 4, y: at.y }], 'no-sheet');
+  check(distance(left, sky) < 6, `where the sheet was the page is ${left}, beside it ${sky}`);
+}
+
 /** @returns the kerfd that runs afterwards */
 export async function imageSteps(steps, browser, kerfd, start) {
   let viewer;
@@ -343,6 +376,15 @@ export async function imageSteps(steps, browser, kerfd, start) {
   });
   await steps.step('they go on after a restart of the server, and where it has no renderer the mesh is shown', async () => {
     kerfd = await restarts(viewer, kerfd, start);
+  });
+  await steps.step('of the last sheet that is deleted nothing stays, in a picture or as a mesh', async () => {
+    await deletesLast(viewer);
+    await post(kerfd.url, 'SheetService/CreateSheet', { sheetId: 'after', scene: kStill });
+    await viewer.page.click('#sheet-list .open');
+    await viewer.until('k.sheet === "sheets/after" && k.picture?.connection === "live"');
+    await viewer.page.keyboard.press('q');
+    await viewer.until('k.picture === undefined && k.framesDrawn > 0');
+    await deletesLast(viewer);
     await viewer.page.close();
   });
   return kerfd;

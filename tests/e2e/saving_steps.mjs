@@ -10,7 +10,7 @@ async function statistics(viewer) {
   await viewer.page.keyboard.press('u');
   // Every line has a value once a few frames have come.
   await viewer.page.waitForFunction(() => {
-    const values = [...document.querySelectorAll('#statistics dd')].map((value) => value.textContent);
+    const values = [...document.querySelectorAll('#statistics dd:not(.plot)')].map((value) => value.textContent);
     return values.length === 15 && values.every((text) => text !== '' && text !== '–');
   });
   const shown = await viewer.page.evaluate(() =>
@@ -71,6 +71,25 @@ async function pictures(viewer) {
     check(tools.every((value, i) => Math.abs(value - sky[i]) < 45), `at the tools the picture is ${tools}`);
     await writeFile(`${root}/build/e2e/saved-${extension}`, bytes);
   }
+}
+
+// Colours without their numbers say nothing to whoever gets the picture.
+async function legends(viewer) {
+  await viewer.page.keyboard.press('x');
+  await viewer.until('k.numStrains > 0');
+  await viewer.page.waitForFunction(() => / % or more$/.test(document.getElementById('strain-end').textContent));
+  for (const [item, scale] of [
+    ['save-png', 1],
+    ['save-png-2', 2],
+  ]) {
+    const { name, bytes } = await save(viewer, item);
+    const ends = [26, 222].map((x) => ({ x: scale * x, y: scale * 675 }));
+    const [least, most] = await viewer.coloursOf(bytes, ends);
+    check(least[2] > least[1] + 50 && most[1] > most[2] + 150, `${name}: the scale goes from ${least} to ${most}`);
+    await writeFile(`${root}/build/e2e/saved-strains-${scale}.png`, bytes);
+  }
+  await viewer.page.keyboard.press('x');
+  await viewer.until('k.numStrains === 0');
 }
 
 async function meshes(viewer) {
@@ -276,6 +295,7 @@ export async function savingSteps(steps, browser, kerfd, start) {
     await viewer.page.keyboard.press(' ');
     await viewer.until('k.isPaused');
     await pictures(viewer);
+    await legends(viewer);
   });
   await steps.step('the mesh that is shown is saved as OBJ and as glTF', async () => {
     await meshes(viewer);

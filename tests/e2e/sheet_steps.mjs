@@ -185,6 +185,14 @@ export async function sheetSteps(steps, browser, url) {
     await refusal('file', /has 70 MiB.*at most 64 MiB/);
     await rm(huge);
     check((await viewer.page.inputValue('#new-id')) === 'broken', 'what was typed is gone');
+    const unsized = Buffer.from('<svg xmlns="http://www.w3.org/2000/svg"><circle r="4"/></svg>');
+    await shape('outline');
+    await viewer.page.setInputFiles('#new-outline', { name: 'unsized.svg', mimeType: 'image/svg+xml', buffer: unsized });
+    await viewer.page.locator('#new-outline-error', { hasText: 'does not say how large its page is' }).waitFor();
+    check(await viewer.page.evaluate(() => document.activeElement.id === 'new-outline'), 'the focus is not at the refused file');
+    await viewer.page.fill('#new-id', '');
+    await viewer.page.keyboard.type('typed on');
+    check((await viewer.page.inputValue('#new-id')) === 'typed on', 'a refused file takes the keyboard from who types');
     await viewer.page.click('#new-sheet [data-close]');
     // The browser writes refusals to the console.
     viewer.errors = viewer.errors.filter((error) => !/40[09]/.test(error));

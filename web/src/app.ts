@@ -1,3 +1,4 @@
+import { Group } from 'three';
 import { call } from './api';
 import { SheetService, Sheet_RunState } from './gen/kerf/v1/sheets_pb';
 import type { Sheet } from './gen/kerf/v1/sheets_pb';
@@ -17,6 +18,7 @@ import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
 import type { ConnectionState } from './stream/connection';
 import type { RecordingProgress } from './stream/stream_recorder';
 import type { Pace } from './stream/watch';
+import { startWorker } from './stream/workers';
 import { CutTool } from './tools/cut_tool';
 import { GrabTool } from './tools/grab_tool';
 import { KeyboardPointer } from './tools/keyboard_pointer';
@@ -67,8 +69,10 @@ export class App implements Viewer {
   framesDrawn = 0;
 
   // Holds the connection and decodes frames.
-  private readonly worker = new Worker(new URL('./stream/watch_worker.ts', import.meta.url), { type: 'module' });
+  private worker: Worker | undefined = this.startWorker();
   private readonly canvas = element<HTMLCanvasElement>('canvas');
+  // The sheet and what is around it.
+  private readonly sheetObjects = new Group();
   private readonly sheetView = new SheetView();
   readonly look = new SheetLook(this, this.sheetView);
   private readonly pinView = new PinView();
@@ -97,7 +101,8 @@ export class App implements Viewer {
     this.stage = new Stage(this.canvas);
     this.theme = new Theme(element('theme'), (isDark) => this.stage.setDark(isDark));
     this.colliderView = new ColliderView(this.stage.ground);
-    this.stage.scene.add(this.sheetView.object, this.pinView.object, this.colliderView.object, this.windView.object);
+    this.sheetObjects.add(this.sheetView.object, this.pinView.object, this.colliderView.object, this.windView.object);
+    this.stage.scene.add(this.sheetObjects);
     this.cutTool = new CutTool(this, () => this.cutPanel?.update(this.tool === this.cutTool));
     this.grabTool = new GrabTool(this);
     this.tools = { view: new ViewTool(), cut: this.cutTool, grab: this.grabTool, pin: new PinTool(this) };
@@ -159,8 +164,16 @@ export class App implements Viewer {
     this.canvas.focus({ preventScroll: true });
   }
 
-  /** Watches no sheet and plays no recording; the last sheet stays in the picture. */
+  /** Watches no sheet and plays no recording; nothing of the last one stays. */
   close(): void {
+    this.letGo();
+    this.imageMode.clear();
+    this.sheetObjects.visible = false;
+    this.stage.invalidate();
+  }
+
+  // The last sheet stays in the picture until the next one comes.
+  private letGo(): void {
     this.tool.leave();
     this.recording.stop();
     this.watch?.close();
@@ -176,7 +189,7 @@ export class App implements Viewer {
 
   /** @param name  sheets/{sheet} */
   open(name: string): void {
-    this.close();
+    this.letGo();
     this.replayBar.leave();
     this.sheetName = name;
     this.watch = this.startWatch(name, false);
@@ -194,7 +207,7 @@ export class App implements Viewer {
   showReplay(sheet: Sheet): void {
     // Where closing it leads back to.
     const { sheetName } = this;
-    this.close();
+    this.letGo();
     this.imageMode.leave();
     this.sheetName = sheetName;
     this.choose('view');
@@ -211,7 +224,18 @@ export class App implements Viewer {
     return `${protocol === 'https:' ? 'wss' : 'ws'}://${host}/${path}`;
   }
 
+  private startWorker(): Worker {
+    return startWorker('watch', (why) => {
+      const told = `What receives the sheet has failed: ${why}. Reload the page`;
+      this.worker = undefined;
+      this.watch?.fail(told);
+      this.notify('error', told);
+      this.recording.lose();
+    });
+  }
+
   private startWatch(name: string, goesOn: boolean): RemoteWatch {
+    this.worker ??= this.startWorker();
     const events = {
       onState: (state: ConnectionState) => {
         // The first frame of the next connection asks again.
@@ -334,6 +358,7 @@ export class App implements Viewer {
       if (this.watch) this.settings.saw(stats.settingsVersion);
     }
     if (!this.imageMode.isOn) this.statistics.arrived(delivery, stats);
+    this.sheetObjects.visible = true;
     this.hasNewFrame = true;
     this.hasArrived = true;
     this.stage.invalidate();

@@ -32,10 +32,26 @@ describe('HistoryControls', () => {
   // Until the next call has been sent.
   const settled = () => new Promise((resolve) => setTimeout(resolve));
 
-  it('makes one more of what is asked for while a call is under way, and none after a refusal', async () => {
+  it('makes every press a step, in the order of the presses, and no more than anybody means', async () => {
     const controls = new HistoryControls(viewer, send);
     const run = controls.run('undo');
-    for (let i = 0; i < 5; ++i) await controls.run('undo'); // a held key
+    await controls.run('undo');
+    await controls.run('redo');
+    for (let i = 0; i < 20; ++i) await controls.run('undo');
+    for (let i = 0; i < 9; ++i) {
+      answer(1);
+      await settled();
+    }
+    await run;
+    const undo = 'UndoCut sheets/a';
+    expect(sent.splice(0)).toEqual([undo, undo, 'RedoCut sheets/a', ...Array(6).fill(undo)]);
+    expect(notices.splice(0)).toHaveLength(9);
+  });
+
+  it('makes one more of a held key while a call is under way, and none after a refusal', async () => {
+    const controls = new HistoryControls(viewer, send);
+    const run = controls.run('undo');
+    for (let i = 0; i < 5; ++i) await controls.run('undo', true);
     answer(1);
     await settled();
     expect(sent.length).toBe(2);

@@ -177,6 +177,17 @@ describe('RemoteWatch', () => {
     expect(await requested('pace')).toMatchObject({ value: { paused: false } });
   });
 
+  it('ends where its worker has failed, and says why', async () => {
+    const watch = open();
+    await requested('start');
+    send(frame(1, 5));
+    await vi.waitUntil(() => watch.state === 'live');
+    watch.fail('out of memory');
+    expect(onState.mock.calls.at(-1)).toEqual(['ended', 'out of memory']);
+    expect([watch.state, watch.detail]).toEqual(['ended', 'out of memory']);
+    expect(watch.send({ case: 'release', value: { grabId: 'g' } })).toBe(false);
+  });
+
   it('says no to a grab before there is a connection', async () => {
     expect(open().send({ case: 'release', value: { grabId: 'g' } })).toBe(false);
     await requested('start');

@@ -1,9 +1,12 @@
 /**
- * A PNG of layers, the lowest first, over the page's sky.
- * @param width   pixels
- * @param height  pixels
+ * A PNG of what was drawn, over the page's sky.
+ * @param drawOver  draws what lies over it
  */
-export async function pictureOf(layers: readonly CanvasImageSource[], width: number, height: number): Promise<Blob> {
+export async function pictureOf(
+  drawn: HTMLCanvasElement,
+  drawOver: (context: CanvasRenderingContext2D) => void,
+): Promise<Blob> {
+  const { width, height } = drawn;
   const canvas = document.createElement('canvas');
   canvas.width = width;
   canvas.height = height;
@@ -14,7 +17,8 @@ export async function pictureOf(layers: readonly CanvasImageSource[], width: num
   sky.addColorStop(1, style.getPropertyValue('--sky-bottom'));
   context.fillStyle = sky;
   context.fillRect(0, 0, width, height);
-  for (const layer of layers) context.drawImage(layer, 0, 0, width, height);
+  context.drawImage(drawn, 0, 0);
+  drawOver(context);
   const blob = await new Promise<Blob | null>((resolve) => canvas.toBlob(resolve, 'image/png'));
   if (!blob) throw new Error(`the browser makes no picture of ${width} x ${height} pixels`);
   return blob;

@@ -7,8 +7,9 @@ const kSmallestMax = 1e-4;
 const kShareBelow = 0.99;
 const kMaxSamples = 2000;
 
-/** For the legend: left to right, CSS. */
-export const kStrainGradient = `linear-gradient(to right, ${kStops.map((color) => color.getStyle()).join(', ')})`;
+/** For legends: CSS, evenly from nothing to the end of the scale. */
+export const kStrainStops: readonly string[] = kStops.map((color) => color.getStyle());
+export const kStrainGradient = `linear-gradient(to right, ${kStrainStops.join(', ')})`;
 
 /** The next of 1, 2, 5, 10, 20, ... times a power of ten that is not below `value`. */
 function roundedUp(value: number): number {

@@ -83,6 +83,8 @@ export class Connection {
 
   private connect(): void {
     this.whyLost = '';
+    // One that is only being opened would become a second stream.
+    this.socket?.close();
     this.setState(this.hasBeenLive ? 'lost' : 'connecting', this.hasBeenLive ? 'reconnecting' : '');
     const socket = new WebSocket(this.url, 'kerf.v1');
     this.socket = socket;

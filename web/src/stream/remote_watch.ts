@@ -96,13 +96,22 @@ export class RemoteWatch {
     this.port.postMessage({ kind: 'close', id: this.id });
   }
 
+  /** The worker is gone: nothing comes any more. */
+  fail(why: string): void {
+    this.setState('ended', why);
+  }
+
+  private setState(state: ConnectionState, detail: string): void {
+    this.state = state;
+    this.detail = detail;
+    this.events.onState(state, detail);
+  }
+
   private receive(message: FromWorker): void {
     if ('id' in message && message.id !== this.id) return;
     switch (message.kind) {
       case 'state':
-        this.state = message.state;
-        this.detail = message.detail;
-        return this.events.onState(message.state, message.detail);
+        return this.setState(message.state, message.detail);
       case 'recording':
         return this.events.onRecording(message.progress, undefined);
       case 'recorded':

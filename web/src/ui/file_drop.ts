@@ -14,12 +14,24 @@ export interface FileTakers {
   drawing(file: File): void;
 }
 
+function hasFiles({ dataTransfer }: DragEvent): boolean {
+  return dataTransfer?.types.includes('Files') ?? false;
+}
+
+// Where nobody takes a file the browser would leave the page to show it.
+function keepPage(event: DragEvent): void {
+  if (event.defaultPrevented || !hasFiles(event)) return;
+  event.preventDefault();
+  event.dataTransfer!.dropEffect = 'none';
+}
+
 /** Takes files that are dropped on the sheet. */
 export class FileDrop {
   constructor(takers: FileTakers) {
+    for (const name of ['dragover', 'drop'] as const) addEventListener(name, keepPage);
     const stage = element('stage');
     stage.addEventListener('dragover', (event) => {
-      if (!event.dataTransfer?.types.includes('Files')) return;
+      if (!hasFiles(event)) return;
       event.preventDefault();
       stage.classList.add('dropping');
     });

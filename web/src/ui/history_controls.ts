@@ -11,33 +11,42 @@ function told(step: HistoryStep, { cuts, pieces }: MessageShape<typeof UndoResul
   return `${what} ${step === 'undo' ? 'undone' : 'made again'}: ${pieces} ${pieces === 1 ? 'piece' : 'pieces'}`;
 }
 
+// More presses than that while one step is under way are nobody's intent.
+const kMostWaiting = 8;
+
+interface AskedStep {
+  step: HistoryStep;
+  sheetName: string;
+}
+
 /**
- * Undo and redo of the sheet's cuts: one under way and the newest that was asked for meanwhile, so that two quick presses are
- * two steps, and a held key does not fill the server's queue.
+ * Undo and redo of the sheet's cuts: one under way, and those asked for meanwhile in their order, so that each press is a
+ * step. Of a held key one waits at most: it does not fill the server's queue, and ends when it is let go.
  */
 export class HistoryControls {
   private isSending = false;
-  private waiting: { step: HistoryStep; sheetName: string } | undefined;
+  private readonly waiting: AskedStep[] = [];
 
   constructor(
     private readonly viewer: Pick<Viewer, 'sheetName' | 'attempt' | 'notify'>,
     private readonly send: typeof call = call,
   ) {}
 
-  async run(step: HistoryStep): Promise<void> {
-    this.waiting = { step, sheetName: this.viewer.sheetName };
+  /** @param isHeld  by a key that has asked for it already */
+  async run(step: HistoryStep, isHeld = false): Promise<void> {
+    const { waiting } = this;
+    if (waiting.length >= (isHeld ? 1 : kMostWaiting)) return;
+    waiting.push({ step, sheetName: this.viewer.sheetName });
     if (this.isSending) return;
     this.isSending = true;
-    while (this.waiting) {
-      const { step: next, sheetName }: { step: HistoryStep; sheetName: string } = this.waiting;
-      this.waiting = undefined;
+    for (let next = waiting.shift(); next; next = waiting.shift()) {
       // After a refusal the next would only be refused as well.
-      if (!(await this.make(next, sheetName))) this.waiting = undefined;
+      if (!(await this.make(next))) waiting.length = 0;
     }
     this.isSending = false;
   }
 
-  private async make(step: HistoryStep, parent: string): Promise<boolean> {
+  private async make({ step, sheetName: parent }: AskedStep): Promise<boolean> {
     const { undoCut, redoCut } = CutService.method;
     // The two requests have the same fields.
     const method = (step === 'undo' ? undoCut : redoCut) as DescMethodUnary<

@@ -10,6 +10,7 @@ import { decodesVideo } from '../stream/picture_decoder';
 import { RemoteImages } from '../stream/remote_images';
 import type { SheetFigures } from '../stream/sheet_copy';
 import type { Pace } from '../stream/watch';
+import { startWorker } from '../stream/workers';
 import { element } from './dom';
 
 // How often the mesh comes beside pictures: for tools that pick vertices, and else for figures and the next tool.
@@ -116,7 +117,7 @@ export class ImageMode {
   follow(): void {
     if (!this.isChosen || this.canVideo === undefined) return;
     this.close();
-    this.worker ??= new Worker(new URL('../stream/image_worker.ts', import.meta.url), { type: 'module' });
+    this.worker ??= startWorker('images', (why) => this.failed(why));
     this.codec = this.canVideo ? ImageCodec.IMAGE_VP8 : ImageCodec.IMAGE_JPEG;
     const view = this.view();
     this.sentView = JSON.stringify(view);
@@ -135,6 +136,12 @@ export class ImageMode {
     this.images = undefined;
     this.clock = new FrameClock();
     this.stats = undefined;
+  }
+
+  /** No picture is seen before the next. */
+  clear(): void {
+    this.tick = -1;
+    if (this.isShown) this.setShown(false);
   }
 
   /** The page is seen, or not any more. */
@@ -195,8 +202,17 @@ export class ImageMode {
       this.follow();
       return;
     }
+    this.giveUp(message);
+  }
+
+  private failed(why: string): void {
+    this.worker = undefined;
+    this.giveUp(`what decodes them has failed: ${why}`);
+  }
+
+  private giveUp(why: string): void {
     this.leave();
-    this.app.notify('error', `No pictures, so the mesh is shown: ${message}`);
+    this.app.notify('error', `No pictures, so the mesh is shown: ${why}`);
   }
 
   private get pace(): Pace {

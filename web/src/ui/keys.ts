@@ -31,13 +31,14 @@ export function bindKeys(app: App): void {
   for (const { shortcuts } of groups) shortcuts.forEach(annotate);
 
   // A button that was clicked would keep the keyboard: Space would press it again rather than pause. Buttons reached
-  // with the Tab key (a click of detail 0) keep it.
+  // with the Tab key (a click of detail 0) keep it, and a menu that was opened has it.
   addEventListener('click', (event) => {
-    if (event.detail > 0 && (event.target as HTMLElement).closest('.card button')) app.focusStage();
+    const button = (event.target as HTMLElement).closest('.card button');
+    if (event.detail > 0 && button && !button.matches('[aria-haspopup][aria-expanded=true]')) app.focusStage();
   });
 
   addEventListener('keydown', (event) => {
-    if (document.querySelector('dialog[open]') || isForControl(event)) return;
+    if (event.defaultPrevented || document.querySelector('dialog[open]') || isForControl(event)) return;
     // Of a recording that is played, in place of the live sheet.
     if (app.replayBar.key(chordOf(event))) {
       event.preventDefault();
@@ -46,7 +47,7 @@ export function bindKeys(app: App): void {
     for (const shortcut of shortcutsFor(groups, app.tool.id, chordOf(event))) {
       // A held key does most things once.
       if (event.repeat && !shortcut.isRepeated) event.preventDefault();
-      else if (shortcut.run() !== false) event.preventDefault();
+      else if (shortcut.run(event.repeat) !== false) event.preventDefault();
       if (event.defaultPrevented) return;
     }
   });

@@ -4,11 +4,15 @@ import type { Piece } from '../gen/kerf/v1/cuts_pb';
 import { pieceColor } from '../scene/piece_colors';
 import { areaText, massText } from '../tools/cut_text';
 import { element, make, setText } from './dom';
+import { errorText } from './error_text';
+import { KeptRows } from './kept_rows';
+import type { KeptRow } from './kept_rows';
 import type { Panel } from './side_panels';
 
 // Of more pieces the largest.
 const kMaxShown = 200;
 const kPageSize = 1000;
+const kRetryMs = 1000;
 
 export interface PieceViewer {
   readonly sheetName: string;
@@ -20,14 +24,27 @@ export interface PieceViewer {
   centre(label: number): void;
 }
 
+interface Row extends KeptRow {
+  readonly size: HTMLElement;
+  readonly origin: HTMLElement;
+  /** In the frames, where the piece's label changes with each cut. */
+  label: number;
+}
+
 /** All pieces of the sheet with their sizes, while the panel is open; asked for anew after each change of topology. */
 export class PiecePanel implements Panel {
-  private readonly list = element('piece-list');
+  private readonly rows = new KeptRows(element('piece-list'), (id: bigint) => this.create(id));
+  private readonly error = element('piece-error');
+  // Of the piece that is lit up.
+  private litId: bigint | undefined;
   private isOpen = false;
   private isAsking = false;
   private shown: { sheet: string; version: number } | undefined;
 
-  constructor(private readonly viewer: PieceViewer) {}
+  constructor(
+    private readonly viewer: PieceViewer,
+    private readonly send: typeof call = call,
+  ) {}
 
   opened(): void {
     this.isOpen = true;
@@ -36,7 +53,7 @@ export class PiecePanel implements Panel {
 
   closed(): void {
     this.isOpen = false;
-    this.viewer.highlight(undefined);
+    this.light(undefined);
   }
 
   /** Cheap where nothing changed: called with each frame. */
@@ -45,19 +62,35 @@ export class PiecePanel implements Panel {
     if (!this.isOpen || this.isAsking || version === undefined) return;
     if (this.shown?.sheet === sheet && this.shown.version === version) return;
     this.isAsking = true;
-    void this.fetch(sheet)
-      .then((told) => (this.shown = told === undefined ? undefined : { sheet, version: told }))
-      .finally(() => (this.isAsking = false));
+    this.fetch(sheet).then(
+      (told) => {
+        this.shown = told === undefined ? undefined : { sheet, version: told };
+        this.isAsking = false;
+        this.error.hidden = true;
+      },
+      (error: Error) => this.failed(error),
+    );
   }
 
-  // Topology version that is shown now; undefined where the call failed, or a cut came between two pages.
+  private failed(error: Error): void {
+    this.shown = undefined;
+    setText(this.error, `The list is not up to date: ${errorText(error)}`);
+    this.error.hidden = false;
+    // Not with each frame; and a sheet that stands still has none.
+    setTimeout(() => {
+      this.isAsking = false;
+      this.update();
+    }, kRetryMs);
+  }
+
+  // Topology version that is shown now; undefined where a cut came between two pages.
   private async fetch(parent: string): Promise<number | undefined> {
     const pieces: Piece[] = [];
     let version: number | undefined;
     let pageToken = '';
     do {
-      const page = await call(CutService.method.listPieces, { parent, pageSize: kPageSize, pageToken }).catch(() => undefined);
-      if (!page || (version !== undefined && page.topologyVersion !== version)) return undefined;
+      const page = await this.send(CutService.method.listPieces, { parent, pageSize: kPageSize, pageToken });
+      if (version !== undefined && page.topologyVersion !== version) return undefined;
       version = page.topologyVersion;
       pieces.push(...page.pieces);
       pageToken = page.nextPageToken;
@@ -70,25 +103,32 @@ export class PiecePanel implements Panel {
     const largest = [...pieces].sort((a, b) => b.areaM2 - a.areaM2).slice(0, kMaxShown);
     const rest = pieces.length - largest.length;
     setText(element('piece-rest'), rest > 0 ? `and ${rest.toLocaleString('en')} smaller ones` : '');
-    this.viewer.highlight(undefined);
-    this.list.replaceChildren(...largest.map((piece) => make('li', {}, this.row(piece))));
+    const rows = this.rows.show(largest.map(({ id }) => id));
+    largest.forEach((piece, i) => {
+      const { size, origin } = rows[i];
+      setText(size, `${areaText(piece.areaM2)}, ${massText(piece.massKg)}`);
+      setText(origin, piece.parent === 0n ? 'there from the start' : `of piece ${piece.parent}`);
+      rows[i].label = piece.label;
+    });
+    this.light(this.litId);
   }
 
-  private row(piece: Piece): HTMLButtonElement {
+  private light(id: bigint | undefined): void {
+    const row = id === undefined ? undefined : this.rows.get(id);
+    this.litId = row && id;
+    this.viewer.highlight(row?.label);
+  }
+
+  private create(id: bigint): Row {
     const swatch = make('i', { 'aria-hidden': 'true' });
-    swatch.style.background = `#${pieceColor(Number(piece.id)).getHexString()}`;
-    const origin = piece.parent === 0n ? 'there from the start' : `of piece ${piece.parent}`;
-    const row = make(
-      'button',
-      { type: 'button', title: 'Show it in the middle' },
-      swatch,
-      make('b', {}, `Piece ${piece.id}`),
-      make('span', {}, `${areaText(piece.areaM2)}, ${massText(piece.massKg)}`),
-      make('small', {}, origin),
-    );
-    for (const name of ['pointerenter', 'focus']) row.addEventListener(name, () => this.viewer.highlight(piece.label));
-    for (const name of ['pointerleave', 'blur']) row.addEventListener(name, () => this.viewer.highlight(undefined));
-    row.addEventListener('click', () => this.viewer.centre(piece.label));
+    swatch.style.background = `#${pieceColor(Number(id)).getHexString()}`;
+    const [size, origin] = [make('span', {}), make('small', {})];
+    const name = make('b', {}, `Piece ${id}`);
+    const button = make('button', { type: 'button', title: 'Show it in the middle' }, swatch, name, size, origin);
+    const row: Row = { item: make('li', {}, button), size, origin, label: -1 };
+    for (const event of ['pointerenter', 'focus']) button.addEventListener(event, () => this.light(id));
+    for (const event of ['pointerleave', 'blur']) button.addEventListener(event, () => this.light(undefined));
+    button.addEventListener('click', () => this.viewer.centre(row.label));
     return row;
   }
 }

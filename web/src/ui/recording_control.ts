@@ -25,7 +25,7 @@ export class RecordingControl {
   start(): void {
     const { app } = this;
     if (this.isOn) return;
-    if (!app.watch || !app.sheet || !app.surface) {
+    if (!app.watch || app.watch.state === 'ended' || !app.sheet || !app.surface) {
       app.notify('error', 'Nothing is shown that could be recorded');
       return;
     }
@@ -43,6 +43,13 @@ export class RecordingControl {
     if (!this.isOn || this.isStopping) return;
     this.isStopping = true;
     this.app.watch?.stopRecording();
+  }
+
+  /** What was recorded is gone. */
+  lose(): void {
+    if (!this.isOn) return;
+    this.chip.hidden = true;
+    this.app.notify('error', 'The recording is lost');
   }
 
   /** @param parts  the file, once it is finished */

@@ -1,6 +1,7 @@
 import type { App } from '../app';
 import { Replay } from '../stream/replay';
 import type { FrameCopy, SheetCopy } from '../stream/sheet_copy';
+import { startWorker } from '../stream/workers';
 import { element, setLiveControls, setText } from './dom';
 import { bytesText } from './statistics_text';
 
@@ -24,6 +25,8 @@ export class ReplayBar {
   private readonly progress = element<HTMLProgressElement>('replay-progress');
   private worker: Worker | undefined;
   private replay: Replay | undefined;
+  // What is read or shown: of what was chosen before it nothing comes any more.
+  private file: File | undefined;
 
   constructor(private readonly app: App) {
     this.input.addEventListener('change', () => {
@@ -65,29 +68,32 @@ export class ReplayBar {
     if (file.size > kMaxFileBytes) {
       return refuse(`it has ${bytesText(file.size)}, and at most ${bytesText(kMaxFileBytes)} are read`);
     }
-    const bytes = await file.arrayBuffer().catch(() => undefined);
-    if (!bytes) return refuse('the browser cannot read it');
+    const fail = (why: string) => {
+      refuse(why);
+      this.close();
+    };
     this.leave();
+    this.file = file;
     this.bar.hidden = false;
     this.setChecking(true);
-    this.worker = new Worker(new URL('../stream/replay_worker.ts', import.meta.url), { type: 'module' });
+    const bytes = await file.arrayBuffer().catch(() => undefined);
+    if (file !== this.file) return;
+    if (!bytes) return fail('the browser cannot read it');
+    this.worker = startWorker('replay', (why) => fail(`what plays it has failed: ${why}`));
     const events = {
       onProgress: (share: number) => (this.progress.value = share),
       onOpened: (replay: Replay) => this.opened(replay, file.name),
       onFrame: (copy: SheetCopy, frame: FrameCopy) => this.app.receive(copy, frame),
-      onFailed: (message: string) => {
-        refuse(message);
-        this.close();
-      },
+      onFailed: fail,
     };
     this.replay = new Replay(this.worker, events, bytes);
   }
 
-  /** Back to the live sheet, if there is one. */
+  /** Back to the live sheet, if there is one; while a file is read it goes on. */
   private close(): void {
-    const { app, isOpen } = this;
+    const { app } = this;
     this.leave();
-    if (!isOpen) return;
+    if (app.watch) return;
     if (app.sheetName !== '') app.open(app.sheetName);
     else app.close();
   }
@@ -97,18 +103,19 @@ export class ReplayBar {
     this.worker?.terminate();
     this.worker = undefined;
     this.replay = undefined;
+    this.file = undefined;
     this.bar.hidden = true;
     setLiveControls(true);
   }
 
   /** True if the chord (see chordOf) is one of a replay, or would change the live sheet, which is not the one shown. */
   key(chord: string): boolean {
-    const { replay } = this;
-    if (!replay || !this.isOpen) return false;
-    if (chord === 'Space') replay.togglePlaying();
-    else if (chord === '.') replay.step(1);
-    else if (chord === ',') replay.step(-1);
-    else if (chord === 'Escape') this.close();
+    const { file, playing } = this;
+    if (file && chord === 'Escape') this.close();
+    else if (!playing) return false;
+    else if (chord === 'Space') playing.togglePlaying();
+    else if (chord === '.') playing.step(1);
+    else if (chord === ',') playing.step(-1);
     else return kLiveChords.has(chord);
     return true;
   }

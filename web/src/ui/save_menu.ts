@@ -2,9 +2,20 @@ import type { App } from '../app';
 import { meshFile } from '../scene/mesh_file';
 import type { MeshFormat } from '../scene/mesh_file';
 import { pictureOf } from '../scene/picture';
+import { drawStrainLegend } from '../scene/strain_legend';
+import type { StrainLegend } from '../scene/strain_legend';
 import { element, setText } from './dom';
 import { fileName, saveFile } from './download';
 import { Menu } from './menu';
+
+// As the page shows it; undefined where it does not.
+function shownLegend(): StrainLegend | undefined {
+  const card = element('strain-legend');
+  if (card.hidden) return undefined;
+  const { color, backgroundColor, fontFamily } = getComputedStyle(card);
+  const texts = [card.querySelector('span')!.textContent!, element('strain-end').textContent!] as const;
+  return { texts, ink: color, card: backgroundColor, fontFamily };
+}
 
 /** What is shown, as a file: pictures, meshes, recordings of frames. ServerRecordings has the items of the server’s recordings. */
 export class SaveMenu {
@@ -38,17 +49,21 @@ export class SaveMenu {
     }
   }
 
-  private nameOf(extension: string): string {
+  private nameOf(tick: number, extension: string): string {
     const { app } = this;
-    return fileName(app.replayBar.sheetName ?? app.sheetName, app.surface?.mirror.tick ?? 0, extension);
+    return fileName(app.replayBar.sheetName ?? app.sheetName, tick, extension);
   }
 
   private async savePicture(scale: number): Promise<void> {
     const { app } = this;
-    const name = this.nameOf(scale === 1 ? 'png' : `${scale}x.png`);
+    const { surface, imageMode } = app;
+    // Beside pictures of the server the mesh comes seldom.
+    const tick = imageMode.isShown ? imageMode.tick : (surface?.mirror.tick ?? 0);
+    const name = this.nameOf(tick, scale === 1 ? 'png' : `${scale}x.png`);
+    const legend = shownLegend();
     await app.attempt(async () => {
       const drawn = app.stage.picture(scale);
-      const blob = await pictureOf([drawn], drawn.width, drawn.height);
+      const blob = await pictureOf(drawn, (context) => legend && drawStrainLegend(context, legend, drawn.height, scale));
       app.notify('success', saveFile([blob], name, 'image/png'));
     }, 'The picture was not saved: ');
   }
@@ -57,7 +72,7 @@ export class SaveMenu {
     const { app } = this;
     const { surface } = app;
     if (!surface) return;
-    const name = this.nameOf(format);
+    const name = this.nameOf(surface.mirror.tick, format);
     await app.attempt(async () => {
       const { content, mediaType } = await meshFile(surface.mirror, name.replace(/\.\w+$/, ''), format);
       app.notify('success', saveFile([content], name, mediaType));

@@ -16,8 +16,11 @@ export interface Shortcut {
   readonly isClicked?: boolean;
   /** A held key does it again and again. */
   readonly isRepeated?: boolean;
-  /** False: there was nothing to do, and the key is somebody else's. */
-  run(): boolean | void;
+  /**
+   * False: there was nothing to do, and the key is somebody else's.
+   * @param isHeld  the key has done it already and is not let go
+   */
+  run(isHeld?: boolean): boolean | void;
 }
 
 export interface ShortcutGroup {
@@ -160,7 +163,7 @@ function simulationGroup(app: App): ShortcutGroup {
         button: '#undo',
         isClicked: true,
         isRepeated: true,
-        run: () => void history.run('undo'),
+        run: (isHeld) => void history.run('undo', isHeld),
       },
       {
         chords: ['Ctrl+Shift+Z', 'Ctrl+Y'],
@@ -168,7 +171,7 @@ function simulationGroup(app: App): ShortcutGroup {
         button: '#redo',
         isClicked: true,
         isRepeated: true,
-        run: () => void history.run('redo'),
+        run: (isHeld) => void history.run('redo', isHeld),
       },
     ],
   };

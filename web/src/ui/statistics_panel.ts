@@ -82,7 +82,10 @@ export class StatisticsPanel {
     const canvas = document.createElement('canvas');
     canvas.setAttribute('role', 'img');
     canvas.setAttribute('aria-label', `${label}, the last ${this.meter.spanMs / 1000} seconds`);
-    row.append(canvas);
+    const plot = document.createElement('dd');
+    plot.className = 'plot';
+    plot.append(canvas);
+    row.append(plot);
     this.plots.push([new Sparkline(canvas), samples]);
   }
 }

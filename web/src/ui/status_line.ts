@@ -7,6 +7,7 @@ import { speedOf } from './speeds';
 // A second of pictures, on the fastest of screens.
 const kFpsWindowMs = 1000;
 const kMostPictures = 480;
+const kNothing = '–';
 
 /** Tick, real-time factor, vertices, pieces, frame age and drawn frames a second. */
 export class StatusLine {
@@ -23,30 +24,32 @@ export class StatusLine {
     this.pictures.add(nowMs, 1);
   }
 
-  /** @param ageMs  of the shown state; undefined where it has none */
+  /**
+   * @param sheet  undefined where none is shown
+   * @param ageMs  of the shown state; undefined where it has none
+   */
   update(sheet: SheetFigures | undefined, ageMs: number | undefined, nowMs: number): void {
     this.pictures.forget(nowMs);
     setText(this.fps, String(this.pictures.count));
-    if (!sheet) return;
-    setText(this.tick, sheet.tick.toLocaleString('en'));
-    setText(this.vertices, sheet.numVertices.toLocaleString('en'));
-    setText(this.pieces, String(sheet.numPieces));
-    const { stats } = sheet;
-    setText(this.realTime, this.realTimeText(stats));
+    const stats = sheet?.stats;
+    setText(this.tick, sheet?.tick.toLocaleString('en') ?? kNothing);
+    setText(this.vertices, sheet?.numVertices.toLocaleString('en') ?? kNothing);
+    setText(this.pieces, sheet ? String(sheet.numPieces) : kNothing);
+    setText(this.realTime, realTimeText(stats));
     this.realTime.dataset.level = isBehind(stats) ? 'warn' : '';
-    setText(this.age, ageText(ageMs));
-  }
-
-  private realTimeText(stats: FrameStats | undefined): string {
-    if (!stats) return '–';
-    if (stats.paused) return 'paused';
-    if (stats.sleeping) return 'at rest';
-    return `${stats.realTimeFactor.toFixed(2)} ×`;
+    setText(this.age, ageText(sheet && ageMs));
   }
 }
 
+function realTimeText(stats: FrameStats | undefined): string {
+  if (!stats) return kNothing;
+  if (stats.paused) return 'paused';
+  if (stats.sleeping) return 'at rest';
+  return `${stats.realTimeFactor.toFixed(2)} ×`;
+}
+
 function ageText(ageMs: number | undefined): string {
-  if (ageMs === undefined) return '–';
+  if (ageMs === undefined) return kNothing;
   return ageMs < 1000 ? `${ageMs.toFixed(0)} ms` : `${(ageMs / 1000).toFixed(1)} s`;
 }
 

@@ -5,10 +5,13 @@ const kChoices: readonly ThemeChoice[] = ['system', 'light', 'dark'];
 const kText: Record<ThemeChoice, string> = { system: 'as the system', light: 'light', dark: 'dark' };
 const kIcons: Record<ThemeChoice, string> = { system: '#icon-system', light: '#icon-sun', dark: '#icon-moon' };
 
-/** The choice that was kept; what is no choice, or cannot be read, is the system's. */
-export function keptChoice(storage: Pick<Storage, 'getItem'> | undefined): ThemeChoice {
+/**
+ * The choice that was kept; what is no choice, or cannot be read, is the system's.
+ * @param storage  asking for it may throw already
+ */
+export function keptChoice(storage: () => Pick<Storage, 'getItem'>): ThemeChoice {
   try {
-    const kept = storage?.getItem(kKey);
+    const kept = storage().getItem(kKey);
     return kChoices.find((choice) => choice === kept) ?? 'system';
   } catch {
     // A page that may keep nothing may ask for nothing either.
@@ -18,7 +21,7 @@ export function keptChoice(storage: Pick<Storage, 'getItem'> | undefined): Theme
 
 /** Light or dark: the colours follow `data-theme` of the root element (style/base.css). */
 export class Theme {
-  private choice = keptChoice(globalThis.localStorage);
+  private choice = keptChoice(() => localStorage);
   private readonly system = matchMedia('(prefers-color-scheme: dark)');
 
   /** @param changed  called at once and with each change */

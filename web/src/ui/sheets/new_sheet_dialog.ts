@@ -74,7 +74,13 @@ export class NewSheetDialog {
     this.update();
   }
 
+  // A file that cannot be taken is told at its field, and the keyboard goes there.
   private async take(file: File): Promise<void> {
+    await this.readFile(file);
+    this.focusError();
+  }
+
+  private async readFile(file: File): Promise<void> {
     const ending = file.name.toLowerCase().split('.').at(-1);
     const name = ending === 'svg' ? 'outline' : 'file';
     this.choose(name === 'outline' ? 'outline' : 'file');
@@ -147,9 +153,9 @@ export class NewSheetDialog {
   private async create(): Promise<void> {
     this.clearErrors();
     const form = this.read();
-    if (!this.check(form)) return;
+    if (!this.check(form)) return this.focusError();
     const request = createRequest(form);
-    if (!this.fits(form, requestBody(CreateSheetRequestSchema, request).length)) return;
+    if (!this.fits(form, requestBody(CreateSheetRequestSchema, request).length)) return this.focusError();
     const sending = new AbortController();
     this.sending = sending;
     this.setBusy(true);
@@ -164,6 +170,7 @@ export class NewSheetDialog {
       if (sending.signal.aborted) return;
       const path = error instanceof ApiError ? error.field : '';
       this.showError(formField(path) ?? '', errorText(error as Error));
+      this.focusError();
     } finally {
       this.sending = undefined;
       this.setBusy(false);
@@ -233,16 +240,17 @@ export class NewSheetDialog {
     fieldOf<HTMLButtonElement>('create').disabled = isBusy;
   }
 
-  // Under the field, or under all of them, and the keyboard goes there.
+  // Under the field, or under all of them.
   private showError(name: string, text: string): void {
     const line = element(name === '' ? 'new-error' : `new-${name}-error`);
     setText(line, text);
     line.hidden = false;
-    if (name === '') return;
-    fieldOf(name).setAttribute('aria-invalid', 'true');
-    if (!this.form.contains(document.activeElement) || this.form.querySelector('[aria-invalid=true]') === fieldOf(name)) {
-      fieldOf(name).focus();
-    }
+    if (name !== '') fieldOf(name).setAttribute('aria-invalid', 'true');
+  }
+
+  // Not while somebody types: elsewhere, perhaps.
+  private focusError(): void {
+    this.form.querySelector<HTMLElement>('[aria-invalid=true]')?.focus();
   }
 
   private clearErrors(): void {

@@ -3,6 +3,8 @@ import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 import { runStateText, sheetId } from '../../sheets';
 import { countText } from '../../tools/cut_text';
 import { icon, make, setText } from '../dom';
+import { KeptRows } from '../kept_rows';
+import type { KeptRow } from '../kept_rows';
 
 /** "2,500 vertices, 1 piece, 0.98 × real time": the factor only of a sheet that runs. */
 export function sheetFacts(sheet: Sheet): string {
@@ -13,34 +15,29 @@ export function sheetFacts(sheet: Sheet): string {
   return facts.join(', ');
 }
 
-interface Row {
-  item: HTMLLIElement;
+interface Row extends KeptRow {
   open: HTMLButtonElement;
   state: HTMLElement;
   facts: HTMLElement;
 }
 
-/** One row a sheet, kept while it is there, so that whoever is in it stays in it. */
+/** One row a sheet. */
 export class SheetList {
-  private readonly rows = new Map<string, Row>();
+  private readonly rows: KeptRows<string, Row>;
 
   constructor(
-    private readonly list: HTMLElement,
+    list: HTMLElement,
     private readonly opened: (name: string) => void,
     private readonly removed: (name: string) => void,
-  ) {}
+  ) {
+    this.rows = new KeptRows(list, (name) => this.create(name));
+  }
 
   /** @param current  sheets/{sheet} that is watched here */
   show(sheets: readonly Sheet[], current: string): void {
-    const names = new Set(sheets.map((sheet) => sheet.name));
-    for (const [name, { item }] of this.rows) {
-      if (names.has(name)) continue;
-      item.remove();
-      this.rows.delete(name);
-    }
+    const rows = this.rows.show(sheets.map((sheet) => sheet.name));
     sheets.forEach((sheet, i) => {
-      const row = this.rows.get(sheet.name) ?? this.create(sheet.name);
-      if (this.list.children[i] !== row.item) this.list.insertBefore(row.item, this.list.children[i] ?? null);
+      const row = rows[i];
       if (sheet.name === current) row.open.setAttribute('aria-current', 'true');
       else row.open.removeAttribute('aria-current');
       row.state.dataset.state = runStateText(sheet.runState).replace(' ', '-');
@@ -61,8 +58,6 @@ export class SheetList {
     );
     open.addEventListener('click', () => this.opened(name));
     remove.addEventListener('click', () => this.removed(name));
-    const row = { item: make('li', {}, open, remove), open, state, facts };
-    this.rows.set(name, row);
-    return row;
+    return { item: make('li', {}, open, remove), open, state, facts };
   }
 }

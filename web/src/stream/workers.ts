@@ -1,0 +1,23 @@
+// Where the bundler finds the workers' files.
+const kStart = {
+  watch: () => new Worker(new URL('./watch_worker.ts', import.meta.url), { type: 'module' }),
+  images: () => new Worker(new URL('./image_worker.ts', import.meta.url), { type: 'module' }),
+  replay: () => new Worker(new URL('./replay_worker.ts', import.meta.url), { type: 'module' }),
+};
+
+/**
+ * Starts one of the page's workers.
+ * @param failed  called once where it cannot be loaded, or does what nobody expects: it is ended then, and answers nothing
+ */
+export function startWorker(name: keyof typeof kStart, failed: (why: string) => void): Worker {
+  const worker = kStart[name]();
+  const fail = (why: string) => {
+    worker.onerror = worker.onmessageerror = null;
+    worker.terminate();
+    failed(why);
+  };
+  // A worker that cannot be loaded says no more than that.
+  worker.onerror = ({ message }) => fail(message || 'its program cannot be loaded');
+  worker.onmessageerror = () => fail('what it says cannot be read');
+  return worker;
+}
