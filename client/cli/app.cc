@@ -63,7 +63,8 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   app.add_option("--server", session.server, "Server's gRPC address (or environment KERF_SERVER)")
       ->type_name("HOST:PORT")
       ->capture_default_str();
-  app.add_flag("--json", session.json, "Print replies as JSON");
+  app.add_flag("--json", session.json,
+               "Print replies as JSON; a refusal is {\"error\": {code, reason, message, field}} on stderr");
   app.add_flag("-q,--quiet", session.quiet, "No progress bars and no status line");
   app.fallthrough();  // --server and --json may stand after the subcommand too
   app.require_subcommand(1);

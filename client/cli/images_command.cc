@@ -163,9 +163,7 @@ int images(const Session& session, const ImagesArguments& arguments) {
   if (!status.ok()) return refuse(status, session.server);
   if (!session.json && written.pictures > 0) print_summary(arguments, written);
   if (interrupted.came() || (arguments.count > 0 && written.pictures == arguments.count)) return kDone;
-  std::fprintf(stderr, "kerf: the server ended the stream after %lld pictures: %s\n",
-               static_cast<long long>(written.pictures), watcher.ended().message().c_str());
-  return kRefused;
+  return refuse_ended(watcher.ended(), written.pictures, "pictures");
 }
 
 }  // namespace

@@ -1,11 +1,11 @@
 #include <unistd.h>
 
-#include <csignal>
+#include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string>
-#include <string_view>
-#include <thread>
+#include <system_error>
 #include <variant>
 
 #include <CLI/App.hpp>
@@ -16,6 +16,8 @@
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
+#include "client/cli/on_signal.h"
+#include "client/cli/progress.h"
 #include "client/load/run.h"
 #include "server/host/disk.h"
 
@@ -30,59 +32,21 @@ struct LoadArguments {
   std::string html;  // a file; empty: none
 };
 
-// SIGINT and SIGTERM end a run in good order, so that its sheets are deleted and what was measured is told; a second
-// one ends the program at once. Signals are taken by a thread of their own, as nothing of a run may be called from a
-// handler.
-class EndOnSignal {
- public:
-  explicit EndOnSignal(load::Stopper& stopper) {
-    sigemptyset(&signals_);
-    sigaddset(&signals_, SIGINT);
-    sigaddset(&signals_, SIGTERM);
-    sigaddset(&signals_, SIGUSR1);  // this object's own, to end the thread
-    pthread_sigmask(SIG_BLOCK, &signals_, nullptr);
-    thread_ = std::thread([this, &stopper] {
-      int signal = 0;
-      bool asked = false;
-      while (sigwait(&signals_, &signal) == 0 && signal != SIGUSR1) {
-        if (asked) _exit(kRefused);
-        asked = true;
-        stopper.stop();
-      }
-    });
-  }
-  ~EndOnSignal() {
-    pthread_kill(thread_.native_handle(), SIGUSR1);
-    thread_.join();
-  }
-  EndOnSignal(const EndOnSignal&) = delete;
-  EndOnSignal& operator=(const EndOnSignal&) = delete;
+// Whether a file can be written there; one that there is stays as it is.
+Status check_writable(const std::string& path) {
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  const auto refused = [&](const std::string& why) {
+    return Error{ErrorCode::kUnavailable, "FILE_IO", "cannot write " + path + ": " + why, "--html"};
+  };
+  if (access(folder.c_str(), W_OK) != 0) return refused(std::generic_category().message(errno));
+  if (std::filesystem::is_directory(path)) return refused("it is a folder");
+  return Nothing{};
+}
 
- private:
-  sigset_t signals_{};
-  std::thread thread_;
-};
-
-// A line on stderr that is written over and over, where that is a terminal.
-class StatusLine {
- public:
-  void show(const load::Progress& progress) {
-    if (!live_) return;
-    constexpr int kWide = 30;
-    const int full = static_cast<int>(progress.share * kWide);
-    std::fprintf(stderr, "\r%-13s [%s%s] %3.0f %%  %lld frames  %lld cuts  %lld errors\033[K", progress.stage.c_str(),
-                 std::string(static_cast<std::size_t>(full), '#').c_str(),
-                 std::string(static_cast<std::size_t>(kWide - full), '.').c_str(), 100.0 * progress.share,
-                 static_cast<long long>(progress.frames), static_cast<long long>(progress.cuts),
-                 static_cast<long long>(progress.errors));
-  }
-  void clear() const {
-    if (live_) std::fprintf(stderr, "\r\033[K");
-  }
-
- private:
-  const bool live_ = isatty(STDERR_FILENO) != 0;
-};
+std::string news_of(const load::Progress& progress) {
+  return progress.stage + "  " + std::to_string(progress.frames) + " frames  " + std::to_string(progress.cuts) +
+         " cuts  " + std::to_string(progress.errors) + " errors";
+}
 
 // What is written in one word, as numbers; kDone, or the exit code of what is wrong, which has been said.
 int read_sizes(LoadArguments& arguments) {
@@ -102,25 +66,29 @@ int run_load(const Session& session, LoadArguments& arguments) {
   arguments.plan.transport = arguments.transport == "ws" ? load::Transport::kWebSocket : load::Transport::kGrpc;
   if (const int code = read_sizes(arguments); code != kDone) return code;
   if (const Status valid = load::check(arguments.plan); !valid) return misuse(valid.error().message);
-  host::RealDisk disk;
   if (!arguments.html.empty()) {  // sooner than after a run of half an hour
-    if (const Status writable = disk.write_file(arguments.html, ""); !writable) return refuse(writable.error());
+    if (const Status writable = check_writable(arguments.html); !writable) return refuse(writable.error());
   }
+  const sigset_t interrupts = block_interrupts();  // before gRPC starts its threads
   load::Stopper stopper;
-  StatusLine line;
   const Result<load::Report> report = [&] {
-    const EndOnSignal end(stopper);
+    // So that its sheets are deleted and what was measured is told.
+    const OnSignal interrupted(interrupts, [&stopper] { stopper.stop(); });
+    ProgressBar bar(session);
     return load::run(
-        arguments.plan, [&](const load::Progress& progress) { line.show(progress); }, stopper);
+        arguments.plan, [&](const load::Progress& progress) { bar.show(progress.share, news_of(progress)); }, stopper);
   }();
-  line.clear();
   if (!report) return refuse(report.error());
   const std::string text = session.json ? load::to_json(*report) : load::to_text(*report);
   std::fwrite(text.data(), 1, text.size(), stdout);
   if (!arguments.html.empty()) {
+    host::RealDisk disk;
     if (const Status written = disk.write_file(arguments.html, load::to_html(*report)); !written) {
       return refuse(written.error());
     }
+  }
+  if (load::nobody_joined(*report) && !report->interrupted) {
+    return refuse(Error{ErrorCode::kUnavailable, "NO_READER", "not one reader had a frame: see the report", ""});
   }
   return kDone;
 }

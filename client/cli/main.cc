@@ -1,4 +1,4 @@
-#include <cstdio>
+#include <algorithm>
 #include <cstdlib>
 #include <exception>
 #include <string>
@@ -20,6 +20,8 @@ int run(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "__complete") {
     return kerf::cli::print_completion(*app, {argv + 2, argv + argc}, session.server);
   }
+  // Also where the rest cannot be parsed.
+  if (std::find(argv, argv + argc, std::string_view("--json")) != argv + argc) kerf::cli::refuse_in_json();
   try {
     app->parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help or --version
@@ -36,7 +38,6 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "kerf: %s\n", error.what());
-    return kerf::cli::kRefused;
+    return kerf::cli::refuse(kerf::Error{kerf::ErrorCode::kInternal, "EXCEPTION", error.what(), ""});
   }
 }

@@ -9,6 +9,7 @@ sigset_t block_interrupts() {
   sigset_t signals;
   sigemptyset(&signals);
   sigaddset(&signals, SIGINT);
+  sigaddset(&signals, SIGTERM);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
 }
@@ -23,12 +24,14 @@ OnSignal::~OnSignal() {
 }
 
 void OnSignal::run() {
+  const timespec wait{0, 100'000'000};
   while (!over_ && !came_) {
-    const timespec wait{0, 100'000'000};
     if (sigtimedwait(&signals_, nullptr, &wait) < 0) continue;
     came_ = true;
     act_();
   }
+  if (came_) pthread_sigmask(SIG_UNBLOCK, &signals_, nullptr);  // in this thread, where the next one does what it does
+  while (!over_) nanosleep(&wait, nullptr);
 }
 
 }  // namespace kerf::cli

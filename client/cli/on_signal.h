@@ -8,10 +8,10 @@
 // Ctrl-C as an orderly end of what goes on.
 namespace kerf::cli {
 
-// Ctrl-C, blocked in this thread and those that it starts from now on.
+// Ctrl-C and SIGTERM, blocked in this thread and those that it starts from now on.
 sigset_t block_interrupts();
 
-// Calls `act` at the first of the signals, in a thread of its own.
+// Calls `act` at the first of the signals, in a thread of its own. A second one ends the program at once.
 class OnSignal {
  public:
   OnSignal(const sigset_t& signals, std::function<void()> act);

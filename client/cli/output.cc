@@ -11,6 +11,7 @@
 #include "client/cli/server_names.h"
 #include "client/cli/suggestions.h"
 #include "client/cpp/failure.h"
+#include "server/wire/error_codec.h"
 #include "server/wire/json.h"
 
 namespace kerf::cli {
@@ -73,6 +74,19 @@ std::string quoted_in(const std::string& message) {
   return begin == 0 ? std::string() : message.substr(begin, message.find('"', begin) - begin);
 }
 
+bool in_json = false;
+
+// `line`: for people. What is for programs stands in `failure`.
+void complain(const std::string& line, const std::string& code, const Error& failure) {
+  if (in_json) {
+    const Json error{
+        {"code", code}, {"reason", failure.reason}, {"message", failure.message}, {"field", failure.field}};
+    std::fprintf(stderr, "%s\n", Json{{"error", error}}.dump(-1, ' ', false, Json::error_handler_t::replace).c_str());
+  } else {
+    std::fprintf(stderr, "kerf: %s\n", line.c_str());
+  }
+}
+
 std::string sheets_near(const std::string& id, const std::string& server) {
   const std::string near = did_you_mean(near_names(id, sheet_ids(server)));
   return near.empty() ? "; `kerf sheet list` lists those there are" : near;
@@ -86,28 +100,43 @@ std::string to_script_json(const google::protobuf::Message& message, int indent)
   return json.dump(indent);
 }
 
+void refuse_in_json() {
+  in_json = true;
+}
+
 int refuse(const grpc::Status& status, const std::string& server) {
-  const client::Failure failure = client::failure_of(status);
+  client::Failure failure = client::failure_of(status);
   std::string line = client::describe(failure);
   if (failure.code == grpc::StatusCode::UNAVAILABLE && failure.reason.empty()) {
-    line = "no Kerf server answers at " + server +
-           ": start one with kerfd or deploy/run, or name another with --server or KERF_SERVER (" + failure.message +
-           ")";
+    failure.message = "no Kerf server answers at " + server +
+                      ": start one with kerfd or deploy/run, or name another with --server or KERF_SERVER (" +
+                      failure.message + ")";
+    line = failure.message;
   }
-  if (failure.reason == "SHEET_NOT_FOUND") line += sheets_near(quoted_in(failure.message), server);
-  std::fprintf(stderr, "kerf: %s\n", line.c_str());
+  if (failure.reason == "SHEET_NOT_FOUND") {
+    const std::string near = sheets_near(quoted_in(failure.message), server);
+    failure.message += near;
+    line += near;
+  }
+  complain(line, client::name_of(failure.code), {ErrorCode::kInternal, failure.reason, failure.message, failure.field});
   return kRefused;
 }
 
 int refuse(const Error& error) {
   const std::string field = error.field.empty() ? "" : " [field: " + error.field + "]";
-  std::fprintf(stderr, "kerf: %s%s (%s)\n", error.message.c_str(), field.c_str(), error.reason.c_str());
+  complain(error.message + field + " (" + error.reason + ")", std::string(wire::status_name(error.code)), error);
   return kRefused;
 }
 
 int misuse(const std::string& message) {
-  std::fprintf(stderr, "kerf: %s\n", message.c_str());
+  complain(message, "INVALID_ARGUMENT", {ErrorCode::kInvalidArgument, "WRONG_USAGE", message, ""});
   return kWrongUsage;
+}
+
+int refuse_ended(const v1::Ended& ended, std::int64_t count, const std::string& of_what) {
+  return refuse(
+      Error{ErrorCode::kUnavailable, v1::Ended::Reason_Name(ended.reason()),
+            "the server ended the stream after " + std::to_string(count) + " " + of_what + ": " + ended.message(), ""});
 }
 
 std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks) {

@@ -10,6 +10,7 @@
 
 #include "kerf/v1/cuts.pb.h"
 #include "kerf/v1/sheets.pb.h"
+#include "kerf/v1/stream.pb.h"
 #include "server/base/result.h"
 
 namespace google::protobuf {
@@ -38,10 +39,16 @@ struct Session {
 // own mapping makes strings of them). `indent`: spaces, or -1 for one line.
 std::string to_script_json(const google::protobuf::Message& message, int indent = 2);
 
+// From now on the functions below print JSON, a line: {"error": {"code", "reason", "message", "field"}}. Of the whole
+// process, as stderr is, so that whoever finds something wrong need not be told how that is said.
+void refuse_in_json();
+
 // Print the reason on stderr and return the exit code. Where a sheet is not there, `server` is asked for names near it.
 int refuse(const grpc::Status& status, const std::string& server);
 int refuse(const Error& error);
 int misuse(const std::string& message);
+// A stream that the server ended after so many "frames".
+int refuse_ended(const v1::Ended& ended, std::int64_t count, const std::string& of_what);
 
 // Protocol Buffers keep them in no order.
 std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks);

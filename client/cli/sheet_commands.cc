@@ -25,8 +25,6 @@ namespace kerf::cli {
 namespace {
 
 constexpr std::size_t kMaxMeshFileBytes = std::size_t{64} << 20;  // what a server takes
-// Mesh files up to this go with the request, which may have 1 MiB; larger ones are sent in parts.
-constexpr std::size_t kMaxEmbeddedBytes = std::size_t{512} << 10;
 
 struct CreateArguments {
   std::string id;
@@ -114,14 +112,6 @@ int add_options(const CreateArguments& arguments, v1::Scene& scene) {
   return kDone;
 }
 
-// Takes the mesh file out of a request that it would make too large.
-std::string take_mesh_file(v1::Scene& scene) {
-  std::string* file = nullptr;
-  if (scene.has_obj()) file = scene.mutable_obj()->mutable_text();
-  if (scene.has_ply()) file = scene.mutable_ply()->mutable_data();
-  return file != nullptr && file->size() > kMaxEmbeddedBytes ? std::exchange(*file, {}) : std::string();
-}
-
 int create_sheet(const Session& session, const CreateArguments& arguments) {
   v1::CreateSheetRequest request;
   request.set_sheet_id(arguments.id);
@@ -129,15 +119,12 @@ int create_sheet(const Session& session, const CreateArguments& arguments) {
   const int code = arguments.scene.empty() ? add_options(arguments, scene) : add_scene_file(arguments, scene);
   if (code != kDone) return code;
   scene.clear_sheet_id();
-  const std::string upload = take_mesh_file(scene);
 
   client::Client client(session.server);
   v1::Sheet sheet;
   const grpc::Status status = [&] {
-    const WaitingNote note(session,
-                           "making the sheet of " + std::to_string(request.ByteSizeLong() + upload.size()) + " bytes");
-    return upload.empty() ? client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet)
-                          : client::upload_sheet(client, request, upload, sheet);
+    const WaitingNote note(session, "making the sheet of " + std::to_string(request.ByteSizeLong()) + " bytes");
+    return client::create_sheet(client, std::move(request), sheet);
   }();
   if (!status.ok()) return refuse(status, session.server);
   print(session, sheet);
@@ -295,7 +282,7 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   const auto ticks = std::make_shared<std::int32_t>(1);
   CLI::App* step = sheet->add_subcommand("step", "Run exactly N ticks of a paused sheet, as fast as it can");
   add_sheet_id(*step, *id);
-  step->add_option("N", *ticks, "Ticks, 1..100000")->required();
+  step->add_option("N", *ticks, "Ticks, 1..100000")->required()->check(CLI::Range(1, 100000));
   step->callback(
       [&session, id, ticks] { session.action = [&session, id, ticks] { return step_sheet(session, *id, *ticks); }; });
 }

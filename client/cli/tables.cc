@@ -1,8 +1,10 @@
 #include "client/cli/tables.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdio>
 #include <filesystem>
+#include <string>
 
 #include "client/cli/output.h"
 
@@ -105,16 +107,15 @@ std::string describe_flags(const google::protobuf::Map<std::string, std::int64_t
 
 int check_converged(const v1::StaticResult& statics) {
   if (statics.converged()) return kDone;
-  if (!statics.reason().empty()) {
-    std::fprintf(stderr, "kerf: no equilibrium was found beyond load %.6g: %s\n", statics.load(),
-                 statics.reason().c_str());
-    return kRefused;
-  }
-  std::fprintf(stderr,
-               "kerf: no equilibrium was found beyond load %.6g; what was found up to there is in the results. More "
-               "steps, more max_iterations, or an imperfection where a sheet buckles may help\n",
-               statics.load());
-  return kRefused;
+  std::array<char, 32> load{};
+  std::snprintf(load.data(), load.size(), "%.6g", statics.load());
+  const std::string why =
+      statics.reason().empty()
+          ? "; what was found up to there is in the results. More steps, more max_iterations, or an imperfection where "
+            "a sheet buckles may help"
+          : ": " + statics.reason();
+  return refuse(Error{ErrorCode::kFailedPrecondition, "NO_EQUILIBRIUM",
+                      std::string("no equilibrium was found beyond load ") + load.data() + why, ""});
 }
 
 }  // namespace kerf::cli

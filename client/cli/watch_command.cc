@@ -103,9 +103,7 @@ int watch(const Session& session, const WatchArguments& arguments) {
   if (!session.json) line.end(meter);
   if (!status.ok()) return refuse(status, session.server);
   if (interrupted.came() || (arguments.frames > 0 && meter.frames() == arguments.frames)) return kDone;
-  std::fprintf(stderr, "kerf: the server ended the stream after %lld frames: %s\n",
-               static_cast<long long>(meter.frames()), watcher.ended().message().c_str());
-  return kRefused;
+  return refuse_ended(watcher.ended(), meter.frames(), "frames");
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ class Connection {
     return response;
   }
 
+  [[nodiscard]] std::chrono::milliseconds timeout() const { return timeout_; }
   [[nodiscard]] Client& client() { return client_; }
 
  private:

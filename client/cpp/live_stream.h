@@ -68,9 +68,10 @@ class LiveStream {
   template <typename Open, typename Start, typename Take>
   grpc::Status run_once(const Open& open, const Start& start, const Take& take) {
     grpc::ClientContext context;
-    if (!enter(&context)) return grpc::Status::OK;
+    const Entered entered(*this, context);
+    if (!entered) return grpc::Status::OK;
     const std::unique_ptr<Stream> stream = open(&context);
-    begin(*stream, start());
+    const Writable writable(*this, *stream, start());
     Response response;
     std::optional<grpc::Status> over;
     while (!over && stream->Read(&response)) {
@@ -86,23 +87,51 @@ class LiveStream {
     if (over) context.TryCancel();
     end(*stream);
     const grpc::Status status = stream->Finish();
-    enter(nullptr);
     if (over) return *over;
     return stopped_ ? grpc::Status::OK : status;
   }
 
-  // False: run() was stopped, and begins nothing.
-  bool enter(grpc::ClientContext* context) {
-    const std::lock_guard lock(context_mutex_);
-    context_ = context;
-    return !stopped_;
-  }
-  void begin(Stream& stream, const Request& start) {
-    const std::lock_guard lock(mutex_);
-    stream.Write(start);
-    for (const auto& [kind, request] : settings_) stream.Write(request);
-    stream_ = &stream;
-  }
+  // While it lives, stop() cancels the call; also where `take` throws. False: run() was stopped, and begins nothing.
+  class Entered {
+   public:
+    Entered(LiveStream& live, grpc::ClientContext& context) : live_(live) {
+      const std::lock_guard lock(live_.context_mutex_);
+      if (!live_.stopped_) live_.context_ = &context;
+      is_in_ = !live_.stopped_;
+    }
+    ~Entered() {
+      const std::lock_guard lock(live_.context_mutex_);
+      live_.context_ = nullptr;
+    }
+    Entered(const Entered&) = delete;
+    Entered& operator=(const Entered&) = delete;
+    explicit operator bool() const { return is_in_; }
+
+   private:
+    LiveStream& live_;
+    bool is_in_ = false;
+  };
+
+  // While it lives, set() writes to the stream, until end().
+  class Writable {
+   public:
+    Writable(LiveStream& live, Stream& stream, const Request& start) : live_(live) {
+      const std::lock_guard lock(live_.mutex_);
+      stream.Write(start);
+      for (const auto& [kind, request] : live_.settings_) stream.Write(request);
+      live_.stream_ = &stream;
+    }
+    ~Writable() {
+      const std::lock_guard lock(live_.mutex_);
+      live_.stream_ = nullptr;
+    }
+    Writable(const Writable&) = delete;
+    Writable& operator=(const Writable&) = delete;
+
+   private:
+    LiveStream& live_;
+  };
+
   void acknowledge(std::int64_t sequence, std::chrono::steady_clock::time_point arrived) {
     const std::lock_guard lock(mutex_);
     stream_->Write(acknowledgement(sequence, arrived));

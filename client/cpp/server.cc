@@ -1,5 +1,7 @@
 #include "client/cpp/server.h"
 
+#include <utility>
+
 #include "client/cpp/transfers.h"
 
 namespace kerf::client {
@@ -24,14 +26,15 @@ Result<Sheet> Server::create(const v1::Scene& scene, const CreateOptions& option
   request.set_sheet_id(options.id);
   request.set_paused(options.paused);
   request.set_request_id(options.request_id);
-  const auto made = connection_->call(&v1::SheetService::Stub::CreateSheet, client().sheets(), request);
-  if (!made) return made.failure();
-  return sheet(id_of(*made));
+  v1::Sheet made;
+  const grpc::Status status = create_sheet(client(), std::move(request), made, connection_->timeout());
+  if (!status.ok()) return failure_of(status);
+  return sheet(id_of(made));
 }
 
 Result<Sheet> Server::replay(const std::string& recording, const std::string& id, bool paused) {
   v1::Sheet made;
-  const grpc::Status status = replay_recording(client(), id, paused, recording, made);
+  const grpc::Status status = replay_recording(client(), id, paused, recording, made, connection_->timeout());
   if (!status.ok()) return failure_of(status);
   return sheet(id_of(made));
 }

@@ -31,6 +31,7 @@ class Server {
   explicit Server(const std::string& address = "127.0.0.1:50051", const ServerOptions& options = {});
 
   Result<v1::ServerInfo> info();  // version, renderer, limits, material presets
+  // A mesh file of up to 64 MiB goes in parts; the rest of a scene may have up to 1 MiB.
   Result<Sheet> create(const v1::Scene& scene, const CreateOptions& options = {});
   // A new sheet that plays a recording (Sheet::recording(), or a file's bytes) live and is paused at its end. id:
   // empty: that of the recording, else the server chooses.

@@ -44,19 +44,23 @@ Result<std::int64_t> Sheet::interact(grpc::Status (v1::InteractionService::Stub:
   return reply->tick();
 }
 
-Result<v1::CutResult> Sheet::cut(const v1::Curve& curve, const CutOptions& options, std::int64_t at_tick) {
+Result<v1::CutResult> Sheet::cut(const v1::Curve& curve, const CutOptions& options, std::int64_t at_tick,
+                                 const std::string& request_id) {
   v1::CreateCutRequest request;
   request.set_parent(name());
   *request.mutable_cut() = make_cut(curve, options);
   request.set_at_tick(at_tick);
+  request.set_request_id(request_id);
   return connection_->call(&v1::CutService::Stub::CreateCut, connection_->client().cuts(), request);
 }
 
-Result<v1::CreateCutsResponse> Sheet::cut_all(std::span<const v1::Cut> cuts, std::int64_t at_tick) {
+Result<v1::CreateCutsResponse> Sheet::cut_all(std::span<const v1::Cut> cuts, std::int64_t at_tick,
+                                              const std::string& request_id) {
   v1::CreateCutsRequest request;
   request.set_parent(name());
   request.mutable_cuts()->Assign(cuts.begin(), cuts.end());
   request.set_at_tick(at_tick);
+  request.set_request_id(request_id);
   return connection_->call(&v1::CutService::Stub::CreateCuts, connection_->client().cuts(), request);
 }
 
@@ -243,7 +247,7 @@ Result<std::string> Sheet::gltf() {
 
 Result<std::string> Sheet::recording() {
   std::string file;
-  const grpc::Status status = fetch_recording(connection_->client(), name(), file);
+  const grpc::Status status = fetch_recording(connection_->client(), name(), file, connection_->timeout());
   if (!status.ok()) return failure_of(status);
   return file;
 }

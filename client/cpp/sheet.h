@@ -54,10 +54,13 @@ class Sheet {
   [[nodiscard]] std::string name() const { return "sheets/" + id_; }
 
   // Cuts. Whole or not at all, at the next tick, at once on a paused sheet; a curve that misses is no refusal: its
-  // status is NO_INTERSECTION. at_tick > 0: at the start of that tick, and the answer is SCHEDULED.
-  Result<v1::CutResult> cut(const v1::Curve& curve, const CutOptions& options = {}, std::int64_t at_tick = 0);
+  // status is NO_INTERSECTION. at_tick > 0: at the start of that tick, and the answer is SCHEDULED. request_id: at most
+  // 64 bytes; a repeat of the same cut gets the same answer and cuts nothing more.
+  Result<v1::CutResult> cut(const v1::Curve& curve, const CutOptions& options = {}, std::int64_t at_tick = 0,
+                            const std::string& request_id = {});
   // Many as one, on one tick and one step to undo: all of them or none. 1..4096 cuts.
-  Result<v1::CreateCutsResponse> cut_all(std::span<const v1::Cut> cuts, std::int64_t at_tick = 0);
+  Result<v1::CreateCutsResponse> cut_all(std::span<const v1::Cut> cuts, std::int64_t at_tick = 0,
+                                         const std::string& request_id = {});
   Result<v1::UndoResult> undo();
   Result<v1::UndoResult> redo();
   // All pages: the cuts that are not undone, oldest first, and those that wait for their tick or were refused then.

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <memory>
+#include <utility>
 
 #include <grpcpp/support/sync_stream.h>
 
@@ -9,7 +10,8 @@ namespace kerf::client {
 namespace {
 
 constexpr std::size_t kChunkBytes = std::size_t{256} << 10;
-constexpr std::chrono::minutes kTimeout{10};  // of a whole file
+// Mesh files up to this go with the request, which may have 1 MiB; larger ones are sent in parts.
+constexpr std::size_t kMaxEmbeddedBytes = std::size_t{512} << 10;
 
 // Sends `start`, then the file in chunks. A server that refuses it ends the call early, and its status says why.
 template <typename Message>
@@ -24,42 +26,58 @@ grpc::Status send(grpc::ClientWriter<Message>& writer, const Message& start, std
   return writer.Finish();
 }
 
-void set_timeout(grpc::ClientContext& context) {
-  context.set_deadline(std::chrono::system_clock::now() + kTimeout);
+void set_timeout(grpc::ClientContext& context, std::chrono::milliseconds timeout) {
+  context.set_deadline(std::chrono::system_clock::now() + timeout);
+}
+
+// Takes the mesh file out of a scene that it would make too large.
+std::string take_large_mesh(v1::Scene& scene) {
+  std::string* file = nullptr;
+  if (scene.has_obj()) file = scene.mutable_obj()->mutable_text();
+  if (scene.has_ply()) file = scene.mutable_ply()->mutable_data();
+  return file != nullptr && file->size() > kMaxEmbeddedBytes ? std::exchange(*file, {}) : std::string();
 }
 
 }  // namespace
 
+grpc::Status create_sheet(Client& client, v1::CreateSheetRequest request, v1::Sheet& sheet,
+                          std::chrono::milliseconds timeout) {
+  const std::string mesh_file = take_large_mesh(*request.mutable_scene());
+  if (!mesh_file.empty()) return upload_sheet(client, request, mesh_file, sheet, timeout);
+  return client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet, timeout);
+}
+
 grpc::Status upload_sheet(Client& client, const v1::CreateSheetRequest& request, std::string_view mesh_file,
-                          v1::Sheet& sheet) {
+                          v1::Sheet& sheet, std::chrono::milliseconds timeout) {
   v1::UploadSheetRequest start;
   *start.mutable_start()->mutable_sheet() = request;
   start.mutable_start()->set_num_bytes(static_cast<std::int64_t>(mesh_file.size()));
   grpc::ClientContext context;
-  set_timeout(context);
+  set_timeout(context, timeout);
   const std::unique_ptr<grpc::ClientWriter<v1::UploadSheetRequest>> writer =
       client.sheets().UploadSheet(&context, &sheet);
   return send(*writer, start, mesh_file);
 }
 
 grpc::Status replay_recording(Client& client, const std::string& sheet_id, bool paused, std::string_view recording,
-                              v1::Sheet& sheet) {
+                              v1::Sheet& sheet, std::chrono::milliseconds timeout) {
   v1::ReplayRecordingRequest start;
   start.mutable_start()->set_sheet_id(sheet_id);
   start.mutable_start()->set_paused(paused);
   start.mutable_start()->set_num_bytes(static_cast<std::int64_t>(recording.size()));
   grpc::ClientContext context;
-  set_timeout(context);
+  set_timeout(context, timeout);
   const std::unique_ptr<grpc::ClientWriter<v1::ReplayRecordingRequest>> writer =
       client.sheets().ReplayRecording(&context, &sheet);
   return send(*writer, start, recording);
 }
 
-grpc::Status fetch_recording(Client& client, const std::string& name, std::string& recording) {
+grpc::Status fetch_recording(Client& client, const std::string& name, std::string& recording,
+                             std::chrono::milliseconds timeout) {
   v1::GetSheetRecordingRequest request;
   request.set_name(name);
   grpc::ClientContext context;
-  set_timeout(context);
+  set_timeout(context, timeout);
   const std::unique_ptr<grpc::ClientReader<v1::RecordingChunk>> reader =
       client.sheets().GetSheetRecording(&context, request);
   recording.clear();

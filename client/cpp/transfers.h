@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <string_view>
 
@@ -10,15 +11,22 @@
 // Files that are larger than a message, to the server and from it.
 namespace kerf::client {
 
+constexpr std::chrono::minutes kTransferTimeout{10};  // of a whole file
+
+// CreateSheet, or upload_sheet() where the mesh file in the request would make it too large for one message.
+grpc::Status create_sheet(Client& client, v1::CreateSheetRequest request, v1::Sheet& sheet,
+                          std::chrono::milliseconds timeout = kTransferTimeout);
+
 // CreateSheet with the mesh file as the text or data that request.scene's obj or ply leaves empty.
 grpc::Status upload_sheet(Client& client, const v1::CreateSheetRequest& request, std::string_view mesh_file,
-                          v1::Sheet& sheet);
+                          v1::Sheet& sheet, std::chrono::milliseconds timeout = kTransferTimeout);
 
 // A new sheet that plays the recording. `sheet_id`: empty: that of the recording.
 grpc::Status replay_recording(Client& client, const std::string& sheet_id, bool paused, std::string_view recording,
-                              v1::Sheet& sheet);
+                              v1::Sheet& sheet, std::chrono::milliseconds timeout = kTransferTimeout);
 
 // The recording of the sheet ("sheets/ID") up to now, as a file's bytes.
-grpc::Status fetch_recording(Client& client, const std::string& name, std::string& recording);
+grpc::Status fetch_recording(Client& client, const std::string& name, std::string& recording,
+                             std::chrono::milliseconds timeout = kTransferTimeout);
 
 }  // namespace kerf::client

@@ -1,4 +1,5 @@
-// A sheet in the terminal, live: terminal_viewer [SHEET [HOST:PORT]]. The picture follows the window's size; q quits.
+// A sheet in the terminal, live: terminal_viewer [SHEET [HOST:PORT]]. The picture follows the window's size; q or
+// Ctrl-C quits.
 
 #include <atomic>
 #include <cmath>
@@ -52,10 +53,11 @@ bool draw(const kerf::client::Mirror& mirror) {
 int main(int argc, char** argv) {
   kerf::client::Server server(argc > 2 ? argv[2] : "127.0.0.1:50051");
   kerf::client::Watcher watcher(server.client());
-  if (std::system("stty -icanon -echo min 0 time 1") != 0) return 2;  // read() waits a tenth of a second for a key
+  // read() waits a tenth of a second for a key; Ctrl-C is one, 3, so that the terminal is put back before the end.
+  if (std::system("stty -icanon -echo -isig min 0 time 1") != 0) return 2;
   std::atomic<bool> live = true;
   std::thread keys([&] {
-    for (char key = 0; live && key != 'q' && read(STDIN_FILENO, &key, 1) >= 0;) continue;
+    for (char key = 0; live && key != 'q' && key != 3 && read(STDIN_FILENO, &key, 1) >= 0;) continue;
     watcher.stop();
   });
   const auto end = watcher.run(std::string("sheets/") + (argc > 1 ? argv[1] : "demo"), {.max_rate_hz = 30},
@@ -63,5 +65,5 @@ int main(int argc, char** argv) {
   live = false;
   keys.join();
   if (!end.ok()) std::fprintf(stderr, "%s\n", describe(kerf::client::failure_of(end)).c_str());
-  return std::system("stty icanon echo") != 0 || !end.ok();
+  return std::system("stty icanon echo isig") != 0 || !end.ok();
 }

@@ -51,13 +51,17 @@ void CutTracker::seen(const Cut& cut, const Frame& frame) {
   });
 }
 
-void CutTracker::finish() {
+std::int64_t CutTracker::num_waiting() const {
   const std::lock_guard lock(mutex_);
-  std::int64_t unseen = 0;
-  for (auto& [index, sheet] : sheets_) {
-    unseen += static_cast<std::int64_t>(sheet.waiting.size());
-    sheet.waiting.clear();
-  }
+  std::int64_t waiting = 0;
+  for (const auto& [index, sheet] : sheets_) waiting += static_cast<std::int64_t>(sheet.waiting.size());
+  return waiting;
+}
+
+void CutTracker::finish() {
+  const std::int64_t unseen = num_waiting();
+  const std::lock_guard lock(mutex_);
+  for (auto& [index, sheet] : sheets_) sheet.waiting.clear();
   recorder_.cuts([&](CutTotals& totals) { totals.unseen += unseen; });
 }
 

@@ -27,6 +27,8 @@ class CutTracker {
   [[nodiscard]] std::optional<std::int64_t> newest_tick(std::size_t sheet) const;
   // A cut was applied at `tick`, after which the topology has this version; `intended`: when it should have been sent.
   void applied(std::size_t sheet, std::int64_t tick, std::int32_t topology_version, Nanoseconds intended);
+  // Cuts that were applied and are not shown yet.
+  [[nodiscard]] std::int64_t num_waiting() const;
   // The run is over: what has not been seen will not be.
   void finish();
 

@@ -40,15 +40,14 @@ struct Pair {
 class Pump : public std::enable_shared_from_this<Pump> {
  public:
   Pump(std::shared_ptr<Pair> pair, Tcp::socket& from, Tcp::socket& to, const Way& way)
-      : pair_(std::move(pair)), from_(from), to_(to), way_(way), timer_(to.get_executor()) {}
+      : pair_(std::move(pair)), from_(from), to_(to), way_(way), most_(most_held(way)), timer_(to.get_executor()) {}
 
   void read() {
-    const std::size_t most = way_.bytes_per_s > 0.0 ? DelayingProxy::kMostHeld : DelayingProxy::kMostHeldWide;
-    if (reading_ || held_bytes_ >= most) return;
+    if (reading_ || ended_ || held_bytes_ >= most_) return;
     reading_ = true;
     from_.async_read_some(asio::buffer(buffer_), [self = shared_from_this()](const NetError& error, std::size_t bytes) {
       self->reading_ = false;
-      if (error) return self->pair_->close();
+      if (error) return self->end(error);
       self->hold(bytes);
       self->read();
     });
@@ -59,6 +58,25 @@ class Pump : public std::enable_shared_from_this<Pump> {
     Clock::time_point due;
     std::vector<char> bytes;
   };
+
+  static std::size_t most_held(const Way& way) {
+    if (way.bytes_per_s <= 0.0) return DelayingProxy::kMostHeldWide;
+    const double under_way = way.bytes_per_s * std::chrono::duration<double>(way.delay).count();
+    return DelayingProxy::kMostHeld +
+           static_cast<std::size_t>(std::min(under_way, static_cast<double>(DelayingProxy::kMostUnderWay)));
+  }
+
+  // No more comes from this side. What it said last is passed on first.
+  void end(const NetError& how) {
+    ended_ = how;
+    if (held_.empty()) pass_on_end();
+  }
+
+  void pass_on_end() {
+    if (*ended_ != asio::error::eof) return pair_->close();
+    NetError ignored;
+    to_.shutdown(Tcp::socket::shutdown_send, ignored);  // the other direction goes on until it ends, too
+  }
 
   void hold(std::size_t bytes) {
     Clock::time_point passed = Clock::now();
@@ -82,7 +100,11 @@ class Pump : public std::enable_shared_from_this<Pump> {
                           if (error) return self->pair_->close();
                           self->held_bytes_ -= bytes;
                           self->held_.pop_front();
-                          if (!self->held_.empty()) self->pass_on();
+                          if (!self->held_.empty()) {
+                            self->pass_on();
+                          } else if (self->ended_) {
+                            self->pass_on_end();
+                          }
                           self->read();
                         });
     });
@@ -92,9 +114,11 @@ class Pump : public std::enable_shared_from_this<Pump> {
   Tcp::socket& from_;
   Tcp::socket& to_;
   const Way way_;
+  const std::size_t most_;  // bytes held at once
   asio::steady_timer timer_;
   std::array<char, 16384> buffer_{};
   bool reading_ = false;
+  std::optional<NetError> ended_;  // how reading did
   std::deque<Chunk> held_;
   std::size_t held_bytes_ = 0;
   Clock::time_point free_at_{};
@@ -108,19 +132,28 @@ using proxy::Pair;
 using proxy::Pump;
 using proxy::Tcp;
 
+constexpr std::chrono::milliseconds kAcceptAgainAfter(100);
+
 struct DelayingProxy::Impl {
   asio::io_context context{1};
   Tcp::resolver::results_type server;
   Tcp::acceptor acceptor{context};
+  asio::steady_timer retry{context};
   Way way;
   std::thread thread;
 
   void accept() {
     const auto pair = std::make_shared<Pair>(context);
     acceptor.async_accept(pair->client, [this, pair](const NetError& refused) {
-      if (!refused) connect(pair);
+      if (refused) return accept_later();
+      connect(pair);
       accept();
     });
+  }
+  // Out of file descriptors, most likely: who waits is still there when some are free again.
+  void accept_later() {
+    retry.expires_after(kAcceptAgainAfter);
+    retry.async_wait([this](const NetError& /*cancelled*/) { accept(); });
   }
   void connect(const std::shared_ptr<Pair>& pair) {
     asio::async_connect(pair->server, server, [this, pair](const NetError& error, const Tcp::endpoint& /*endpoint*/) {

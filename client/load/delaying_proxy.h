@@ -20,8 +20,11 @@ struct Way {
 // after the delay, at no more than the rate; what it holds is bounded, as in a network, so that a sender finds out.
 class DelayingProxy {
  public:
-  static constexpr std::size_t kMostHeld = std::size_t{64} << 10;     // bytes, where there is a rate
-  static constexpr std::size_t kMostHeldWide = std::size_t{4} << 20;  // bytes, where there is none
+  // Bytes of each direction of each connection. Where there is a rate, those that are under way, rate * delay up to
+  // kMostUnderWay, come on top of those that wait to be sent.
+  static constexpr std::size_t kMostHeld = std::size_t{64} << 10;
+  static constexpr std::size_t kMostUnderWay = std::size_t{64} << 20;
+  static constexpr std::size_t kMostHeldWide = std::size_t{4} << 20;  // where there is none, all together
 
   // `server`: "HOST:PORT". kUnavailable where it has no address or no port is free.
   static Result<std::unique_ptr<DelayingProxy>> start(const std::string& server, const Way& way);

@@ -127,7 +127,9 @@ std::string stretch_plots(const Report& report) {
   PlotSeries bytes{"all viewers", {}};
   const double length = report.plan.duration_s / static_cast<double>(report.stretches.size());
   const auto group = static_cast<std::size_t>(std::max(1.0, std::ceil(kShortest_s / length)));
-  for (std::size_t i = 0; i < report.stretches.size(); i += group) {
+  // Of a run that was interrupted, what never came is no stall.
+  const auto measured = static_cast<std::size_t>(std::max(report.window_s / length, 0.0));
+  for (std::size_t i = 0; i < std::min(measured, report.stretches.size()); i += group) {
     Stretch sum;
     const std::size_t end = std::min(i + group, report.stretches.size());
     for (std::size_t k = i; k < end; ++k) {
@@ -135,12 +137,12 @@ std::string stretch_plots(const Report& report) {
       sum.bytes += report.stretches[k].bytes;
       sum.age_us.merge(report.stretches[k].age_us);
     }
-    if (sum.frames == 0) continue;
     const double span = length * static_cast<double>(end - i);
     const double time = length * static_cast<double>(i) + 0.5 * span;
+    bytes.points.emplace_back(time, static_cast<double>(sum.bytes) / span / kMega);
+    if (sum.frames == 0) continue;  // no frame has no age; that none came the other plot shows
     median.points.emplace_back(time, static_cast<double>(sum.age_us.quantile(0.5)) / 1e3);
     high.points.emplace_back(time, static_cast<double>(sum.age_us.quantile(0.99)) / 1e3);
-    bytes.points.emplace_back(time, static_cast<double>(sum.bytes) / span / kMega);
   }
   return svg_plot("Age of viewers' frames when decoded", {"s", false, {}}, {"ms", false, {}}, {median, high}) +
          svg_plot("Bytes to viewers", {"s", false, {}}, {"MB/s", false, {}}, {bytes});
@@ -229,7 +231,7 @@ std::string to_html(const Report& report) {
             std::to_string(cuts.reply_ticks.quantile(0.5)) + ", p99 " +
             std::to_string(cuts.reply_ticks.quantile(0.99)) + ".</p>";
   }
-  html += list_of("sheets refused", report.refusals) + list_of("errors", report.errors);
+  html += list_of("sheets refused", report.refusals) + list_of("errors", errors_of(report));
   return html + "\n</body></html>\n";
 }
 

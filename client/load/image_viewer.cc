@@ -50,6 +50,7 @@ class ImageViewer : public Viewer {
       stream->Write(ack);
     }
     const grpc::Status status = stream->Finish();
+    log_.finish();
     if (stopped_) return;
     if (ended.reason() != v1::Ended::REASON_UNSPECIFIED) {
       log_.ended(v1::Ended::Reason_Name(ended.reason()));

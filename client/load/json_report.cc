@@ -18,6 +18,8 @@ Json of(const Histogram& histogram) {
 
 Json of(const Plan& plan) {
   return {{"server", plan.server},
+          {"http", plan.http},
+          {"prefix", plan.prefix},
           {"sheets", plan.sheets},
           {"columns", plan.columns},
           {"rows", plan.rows},
@@ -30,7 +32,10 @@ Json of(const Plan& plan) {
           {"stall_s", plan.stall_s},
           {"stalled_readers", plan.stalled_readers},
           {"image_viewers", plan.image_viewers},
+          {"image_width", plan.image_width},
+          {"image_height", plan.image_height},
           {"cuts_per_second", plan.cuts_per_second},
+          {"keep_cuts", plan.keep_cuts},
           {"way_ms", plan.way_ms},
           {"way_kib_per_s", plan.way_kib_per_s},
           {"transport", plan.transport == Transport::kGrpc ? "grpc" : "ws"},
@@ -117,7 +122,7 @@ std::string to_json(const Report& report) {
   json["control_us"] = of(report.control_us);
   json["server_cores"] = server_cores(report) < 0.0 ? Json(nullptr) : Json(server_cores(report));
   json["client_cores"] = client_cores(report);
-  json["errors"] = report.errors;
+  json["errors"] = errors_of(report);
   json["warnings"] = warnings(report);
   json["probes"] = Json::array();
   for (const Probe& probe : report.probes) json["probes"].push_back(of(probe, report.probes.front().time));

@@ -18,6 +18,11 @@ const char* name_of(Role role) {
   return "";
 }
 
+void Recorder::measure(Nanoseconds begin, Nanoseconds end) {
+  end_ = end;
+  begin_ = begin;  // last: counts() has both or nothing
+}
+
 void Recorder::joined(Role role, Nanoseconds took) {
   const std::lock_guard lock(mutex_);
   ++of(role).readers;
@@ -34,8 +39,9 @@ void Recorder::frame(Role role, const FrameSeen& frame) {
   totals.skipped += frame.skipped;
   totals.age_us.add(frame.age_us);
   if (role != Role::kViewer) return;
+  const Nanoseconds begin = begin_;
   const double share =
-      static_cast<double>((frame.decoded - begin_).count()) / static_cast<double>((end_ - begin_).count());
+      static_cast<double>((frame.decoded - begin).count()) / static_cast<double>((end() - begin).count());
   Stretch& stretch = stretches_[std::min(static_cast<std::size_t>(share * kStretches), kStretches - 1)];
   ++stretch.frames;
   stretch.bytes += frame.bytes;
@@ -47,9 +53,10 @@ void Recorder::shown(Role role, std::int64_t age_us) {
   of(role).shown_us.add(age_us);
 }
 
-void Recorder::ended(Role role, const std::string& how) {
+void Recorder::ended(Role role, const std::string& how, bool joined) {
   const std::lock_guard lock(mutex_);
   ++of(role).ends[how];
+  of(role).ended_without += joined ? 0 : 1;
 }
 
 void Recorder::error(const std::string& reason) {

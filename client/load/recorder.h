@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -28,6 +29,7 @@ struct ReaderTotals {
   Histogram shown_us;                        // of what a reader shows, at times that are fixed beforehand: see ShownAge
   Histogram join_us;                         // from opening the stream to the first decoded frame; warm-up included
   std::map<std::string, std::int64_t> ends;  // how streams ended before the run did
+  std::int64_t ended_without = 0;            // of these: without a first frame
 };
 
 struct CutTotals {
@@ -64,16 +66,20 @@ class Recorder {
  public:
   static constexpr std::size_t kStretches = 120;
 
-  Recorder(Nanoseconds begin, Nanoseconds end) : begin_(begin), end_(end), stretches_(kStretches) {}
+  // Counts nothing before measure() says from when.
+  Recorder() : stretches_(kStretches) {}
+  // Once: what is decoded in begin..end counts.
+  void measure(Nanoseconds begin, Nanoseconds end);
 
   [[nodiscard]] Nanoseconds begin() const { return begin_; }
   [[nodiscard]] Nanoseconds end() const { return end_; }
-  [[nodiscard]] bool counts(Nanoseconds time) const { return time >= begin_ && time < end_; }
+  [[nodiscard]] bool counts(Nanoseconds time) const { return time >= begin() && time < end(); }
 
   void joined(Role role, Nanoseconds took);
   void frame(Role role, const FrameSeen& frame);
   void shown(Role role, std::int64_t age_us);
-  void ended(Role role, const std::string& how);
+  // `joined`: the reader had a first frame.
+  void ended(Role role, const std::string& how, bool joined);
   void error(const std::string& reason);
   // `change` is called with the lock held.
   template <typename Change>
@@ -90,8 +96,8 @@ class Recorder {
  private:
   ReaderTotals& of(Role role) { return readers_[static_cast<std::size_t>(role)]; }
 
-  const Nanoseconds begin_;
-  const Nanoseconds end_;
+  std::atomic<Nanoseconds> begin_{Nanoseconds::max()};
+  std::atomic<Nanoseconds> end_{Nanoseconds::max()};
   mutable std::mutex mutex_;
   std::array<ReaderTotals, kRoles.size()> readers_;
   CutTotals cuts_;
@@ -110,16 +116,28 @@ class ShownAge {
   // `decoded` at which the frame before this one was shown.
   template <typename Sample>
   void frame(Nanoseconds decoded, Nanoseconds age, bool moves, Sample sample) {
-    for (; times_.at(next_) <= decoded; ++next_) {
-      const Nanoseconds time = times_.at(next_);
-      if (moves_ && time >= decoded_) sample(time, microseconds(age_ + (time - decoded_)));
-    }
+    sample_until(decoded, sample);
     decoded_ = decoded;
     age_ = age;
     moves_ = moves;
   }
 
+  // Nobody looks any more from `end` on: the last frame was shown until then.
+  template <typename Sample>
+  void finish(Nanoseconds end, Sample sample) {
+    sample_until(end, sample);
+    moves_ = false;
+  }
+
  private:
+  template <typename Sample>
+  void sample_until(Nanoseconds end, Sample& sample) {
+    for (; times_.at(next_) <= end; ++next_) {
+      const Nanoseconds time = times_.at(next_);
+      if (moves_ && time >= decoded_) sample(time, microseconds(age_ + (time - decoded_)));
+    }
+  }
+
   Schedule times_;
   std::int64_t next_ = 0;
   Nanoseconds decoded_{0};

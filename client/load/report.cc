@@ -15,10 +15,45 @@ double probed_s(const Report& report) {
   return 1e-9 * static_cast<double>((report.probes.back().time - report.probes.front().time).count());
 }
 
+std::int32_t asked(const Plan& plan, Role role) {
+  switch (role) {
+    case Role::kViewer:
+      return plan.viewers;
+    case Role::kSlow:
+      return plan.slow_readers;
+    case Role::kStalled:
+      return plan.stalled_readers;
+    case Role::kImage:
+      return plan.image_viewers;
+  }
+  return 0;
+}
+
+std::int64_t sum(const std::map<std::string, std::int64_t>& counts) {
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0},
+                         [](std::int64_t so_far, const auto& each) { return so_far + each.second; });
+}
+
 std::string sentence(const char* form, double a, double b) {
   std::array<char, 300> text{};
   std::snprintf(text.data(), text.size(), form, a, b);
   return text.data();
+}
+
+// Of readers that are not in the figures, or not for the whole run.
+void add_reader_warnings(const Report& report, std::vector<std::string>& found) {
+  for (const Role role : kRoles) {
+    const ReaderTotals& of = report.of(role);
+    const std::int32_t missing = asked(report.plan, role) - of.readers;
+    if (missing > 0 && !report.interrupted) {
+      found.push_back(sentence("%.0f of %.0f ", missing, asked(report.plan, role)) + name_of(role) +
+                      " never had a frame: figures are of the others.");
+    }
+    if (role != Role::kStalled && !of.ends.empty()) {
+      found.push_back(std::to_string(sum(of.ends)) + " " + name_of(role) +
+                      " were ended before the run was: figures are of those that were left.");
+    }
+  }
 }
 
 }  // namespace
@@ -49,24 +84,47 @@ double client_cores(const Report& report) {
   return (report.probes.back().client.cpu_s - report.probes.front().client.cpu_s) / probed_s(report);
 }
 
+std::map<std::string, std::int64_t> errors_of(const Report& report) {
+  std::map<std::string, std::int64_t> errors = report.errors;
+  for (const Role role : kRoles) {
+    const ReaderTotals& of = report.of(role);
+    const std::string who = name_of(role);
+    const std::int64_t waiting = asked(report.plan, role) - of.readers - of.ended_without;
+    if (waiting > 0 && !report.interrupted) errors[who + " without a frame"] += waiting;
+    if (role == Role::kStalled) continue;
+    for (const auto& [how, count] : of.ends) errors[who + " ended: " + how] += count;
+  }
+  return errors;
+}
+
 std::int64_t num_errors(const Report& report) {
-  return std::accumulate(report.errors.begin(), report.errors.end(), std::int64_t{0},
-                         [](std::int64_t sum, const auto& error) { return sum + error.second; });
+  return sum(errors_of(report));
+}
+
+bool nobody_joined(const Report& report) {
+  std::int64_t wanted = 0;
+  std::int64_t joined = 0;
+  for (const Role role : kRoles) {
+    wanted += asked(report.plan, role);
+    joined += report.of(role).readers;
+  }
+  return wanted > 0 && joined == 0;
 }
 
 std::int64_t ticks_of(const Report& report) {
   return std::accumulate(report.sheets.begin(), report.sheets.end(), std::int64_t{0},
-                         [](std::int64_t sum, const SheetRun& sheet) { return sum + sheet.ticks; });
+                         [](std::int64_t so_far, const SheetRun& sheet) { return so_far + sheet.ticks; });
 }
 
 std::int64_t overruns_of(const Report& report) {
   return std::accumulate(report.sheets.begin(), report.sheets.end(), std::int64_t{0},
-                         [](std::int64_t sum, const SheetRun& sheet) { return sum + sheet.overruns; });
+                         [](std::int64_t so_far, const SheetRun& sheet) { return so_far + sheet.overruns; });
 }
 
 std::vector<std::string> warnings(const Report& report) {
   std::vector<std::string> found;
   if (report.interrupted) found.push_back("The run was interrupted: figures are of its first part.");
+  add_reader_warnings(report, found);
   const double client = client_cores(report);
   if (report.processors > 0 && client > kClientBusy * report.processors) {
     found.push_back(
@@ -75,8 +133,7 @@ std::vector<std::string> warnings(const Report& report) {
                  client, report.processors));
   }
   const ReaderTotals& stalled = report.of(Role::kStalled);
-  const std::int64_t ended = std::accumulate(stalled.ends.begin(), stalled.ends.end(), std::int64_t{0},
-                                             [](std::int64_t sum, const auto& end) { return sum + end.second; });
+  const std::int64_t ended = sum(stalled.ends);
   if (ended < stalled.readers) {
     found.push_back(
         sentence("%.0f of %.0f stalled readers do not know how they were ended, if they were: they look after --stall, "
@@ -90,6 +147,11 @@ std::vector<std::string> warnings(const Report& report) {
         sentence("A thread that only sleeps woke up to %.1f ms late (p99; a tick is %.1f ms): the machine is "
                  "busy with other things, and so are all latencies here.",
                  late / 1e3, tick_us / 1e3));
+  }
+  if (report.cuts.unseen > 0) {
+    found.push_back(
+        sentence("%.0f cuts were not shown by the end: their latency is in no figure, and would be the highest.%.0s",
+                 static_cast<double>(report.cuts.unseen), 0.0));
   }
   if (report.cuts.seen_without > 0) {
     found.push_back(

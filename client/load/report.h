@@ -44,7 +44,7 @@ struct Report {
   std::vector<Probe> probes;                   // by time, at least the first and the last
   std::int32_t list_pages = 0;                 // of the last ListSheets
   double list_s = 0.0;                         // that it took
-  std::map<std::string, std::int64_t> errors;  // by reason
+  std::map<std::string, std::int64_t> errors;  // of calls, by reason
 
   [[nodiscard]] const ReaderTotals& of(Role role) const { return readers[static_cast<std::size_t>(role)]; }
 };
@@ -63,7 +63,12 @@ struct Pace {
 [[nodiscard]] double server_cores(const Report& report);
 [[nodiscard]] double client_cores(const Report& report);
 
+// Of calls, and of readers that did not get what they were to get, each once, by reason: that never had a frame, or
+// whose stream ended before the run did. Stalled readers are to be ended.
+[[nodiscard]] std::map<std::string, std::int64_t> errors_of(const Report& report);
 [[nodiscard]] std::int64_t num_errors(const Report& report);
+// Readers were asked for, and not one of them had a frame.
+[[nodiscard]] bool nobody_joined(const Report& report);
 [[nodiscard]] std::int64_t ticks_of(const Report& report);     // of all sheets
 [[nodiscard]] std::int64_t overruns_of(const Report& report);  // likewise
 

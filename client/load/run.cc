@@ -24,6 +24,8 @@ namespace kerf::load {
 namespace {
 
 constexpr std::chrono::milliseconds kProgressEvery(250);
+constexpr std::chrono::seconds kGrace(10);  // at most, and the way, for frames that show the last cuts
+constexpr std::chrono::milliseconds kLookEvery(50);
 constexpr std::size_t kProbes = 60;                    // at most, of one run
 constexpr std::chrono::milliseconds kProbeEvery(500);  // at the most
 constexpr std::size_t kMostSheetsListedOften = 1000;   // more are listed at the begin and the end only
@@ -60,9 +62,10 @@ class Run {
 
   Result<Report> all() {
     if (const Status reached = greet(); !reached) return reached.error();
-    progress_({"making sheets", 0.0, 0, 0, 0});
     const Nanoseconds begin = now();
-    SheetSet sheets(report_.plan, client_, stopper_);
+    SheetSet sheets(report_.plan, client_, stopper_, [this](const char* stage, double share) {
+      progress_({stage, share, 0, 0, 0});
+    });
     report_.creation_s = 1e-9 * static_cast<double>((now() - begin).count());
     if (!sheets.failure().ok()) return error_of(sheets.failure(), report_.plan.server);
     report_.refusals = sheets.refusals();
@@ -73,7 +76,6 @@ class Run {
                    "no sheet was made: " + (report_.first_refusal.empty() ? "interrupted" : report_.first_refusal), ""};
     }
     if (const Status measured = measure(sheets.names()); !measured) return measured.error();
-    progress_({"taking down", 0.0, 0, 0, 0});
     return std::move(report_);
   }
 
@@ -97,10 +99,12 @@ class Run {
       if (!proxy) return proxy.error();
       proxy_ = std::move(proxy).value();
     }
-    const Nanoseconds begin = now() + nanoseconds(plan.warm_up_s);
-    Recorder recorder(begin, begin + nanoseconds(plan.duration_s));
+    Recorder recorder;
     CutTracker tracker(recorder);
     open_readers(names, recorder, tracker);
+    // A thousand readers take a while to open: what was to happen meanwhile would be late by that.
+    const Nanoseconds begin = now() + nanoseconds(plan.warm_up_s);
+    recorder.measure(begin, begin + nanoseconds(plan.duration_s));
     wait(begin, "warming up", recorder);
     {
       const Schedule ticks{begin, nanoseconds(1.0 / plan.tick_rate_hz)};
@@ -114,6 +118,7 @@ class Run {
       cutter.reset();  // all its answers have come
       report_.control_us = control.lateness_us();
     }
+    wait_for_cuts(tracker, recorder);
     stopper_.stop();
     for (const auto& reader : readers_) reader->stop();
     readers_.clear();
@@ -160,6 +165,15 @@ class Run {
     const Nanoseconds from = now();
     while (now() < until && stopper_.wait_until(std::min(until, now() + kProgressEvery))) {
       tell(stage, from, until, recorder);
+    }
+  }
+
+  // Cuts that were answered last are still on their way to viewers, and the slower that is, the more of them.
+  void wait_for_cuts(const CutTracker& tracker, const Recorder& recorder) {
+    const Nanoseconds from = now();
+    const Nanoseconds end = from + kGrace + nanoseconds(1e-3 * report_.plan.way_ms);
+    while (tracker.num_waiting() > 0 && now() < end && stopper_.wait_until(now() + kLookEvery)) {
+      tell("last cuts", from, end, recorder);
     }
   }
 

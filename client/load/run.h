@@ -12,7 +12,7 @@ namespace kerf::load {
 
 // How far a run is, for a line on a terminal.
 struct Progress {
-  std::string stage;        // "making sheets", "warming up", "measuring", "taking down"
+  std::string stage;        // "making sheets", "warming up", "measuring", "last cuts", "taking down"
   double share = 0.0;       // of that stage, 0..1
   std::int64_t frames = 0;  // counted so far
   std::int64_t cuts = 0;    // answered so far

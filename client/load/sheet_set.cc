@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <functional>
 #include <thread>
+#include <utility>
 
 #include "client/cpp/failure.h"
 
@@ -13,20 +15,32 @@ namespace {
 
 constexpr int kThreads = 4;  // that create and delete
 constexpr std::chrono::milliseconds kRetryAfter(100);
+constexpr std::chrono::milliseconds kTellEvery(250);
 constexpr double kSwing_m = 0.05;     // m, of the corners to each side
 constexpr double kHalfSwing_s = 0.5;  // s, from one side to the other
 constexpr double kSpare_s = 120.0;    // s, that the corners go on to move after the run
 
-// Calls `work` with 0, 1, ... n - 1 from some threads, until it says no.
-void share_out(std::int32_t n, const std::function<bool(std::int32_t)>& work) {
+// Calls `work` with 0, 1, ... n - 1 from some threads, until it says no; meanwhile `tell` from this one.
+void share_out(std::int32_t n, const std::function<bool(std::int32_t)>& work, const std::function<void(double)>& tell) {
   std::atomic<std::int32_t> next{0};
+  std::mutex mutex;
+  std::condition_variable changed;
+  int busy = std::min(kThreads, n);
   std::vector<std::thread> threads;
   for (int t = 0; t < std::min(kThreads, n); ++t) {
     threads.emplace_back([&] {
       for (std::int32_t i = next++; i < n && work(i); i = next++) {
       }
+      const std::lock_guard lock(mutex);
+      --busy;
+      changed.notify_one();
     });
   }
+  std::unique_lock lock(mutex);
+  do {
+    tell(n == 0 ? 1.0 : static_cast<double>(std::min<std::int32_t>(next, n)) / n);
+  } while (!changed.wait_for(lock, kTellEvery, [&] { return busy == 0; }));
+  lock.unlock();
   for (std::thread& thread : threads) thread.join();
 }
 
@@ -54,21 +68,24 @@ v1::Scene scene_of(const Plan& plan) {
 
 }  // namespace
 
-SheetSet::SheetSet(const Plan& plan, client::Client& client, Waiter& waiter) : plan_(plan), client_(client) {
+SheetSet::SheetSet(const Plan& plan, client::Client& client, Waiter& waiter, Tell tell)
+    : plan_(plan), client_(client), tell_(std::move(tell)) {
   v1::CreateSheetRequest request;
   *request.mutable_scene() = scene_of(plan);
-  share_out(plan.sheets, [&](std::int32_t i) {
+  const auto make = [&](std::int32_t i) {
     v1::CreateSheetRequest named = request;
     named.set_sheet_id(plan_.prefix + "-" + std::to_string(i));
+    const Nanoseconds until = waiter.now() + kPatience;
     while (waiter.wait_until(waiter.now())) {
       v1::Sheet sheet;
       const grpc::Status status = client_.call(&v1::SheetService::Stub::CreateSheet, client_.sheets(), named, sheet);
       const bool again = plan_.still && !status.ok() && client::reason_of(status) == "OVERLOADED";
-      if (!again) return take(status, sheet);
+      if (!again || waiter.now() >= until) return take(status, sheet);
       waiter.wait_until(waiter.now() + kRetryAfter);
     }
     return false;
-  });
+  };
+  share_out(plan.sheets, make, [this](double share) { tell_("making sheets", share); });
   std::sort(names_.begin(), names_.end(), [](const std::string& a, const std::string& b) {
     return a.size() != b.size() ? a.size() < b.size() : a < b;  // -2 before -10
   });
@@ -92,14 +109,15 @@ bool SheetSet::take(const grpc::Status& status, const v1::Sheet& sheet) {
 }
 
 SheetSet::~SheetSet() {
-  share_out(static_cast<std::int32_t>(names_.size()), [&](std::int32_t i) {
+  const auto remove = [&](std::int32_t i) {
     v1::DeleteSheetRequest request;
     request.set_name(names_[static_cast<std::size_t>(i)]);
     google::protobuf::Empty nothing;
     // Of a server that is gone the sheets are gone, too: the first call that finds that out ends it.
     const grpc::Status status = client_.call(&v1::SheetService::Stub::DeleteSheet, client_.sheets(), request, nothing);
     return status.error_code() != grpc::StatusCode::UNAVAILABLE;
-  });
+  };
+  share_out(static_cast<std::int32_t>(names_.size()), remove, [this](double share) { tell_("taking down", share); });
 }
 
 }  // namespace kerf::load

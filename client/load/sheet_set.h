@@ -1,6 +1,8 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <string>
@@ -18,9 +20,13 @@ namespace kerf::load {
 // still plan, lying flat without gravity, so that they fall asleep.
 class SheetSet {
  public:
+  static constexpr std::chrono::seconds kPatience{30};
+  // "making sheets" and "taking down", and how much of that is done, 0..1; some times a second.
+  using Tell = std::function<void(const char* stage, double share)>;
+
   // Creates them until one is refused for want of capacity. What of a still plan is refused as the server is
-  // overloaded is asked for again: those that are there soon sleep.
-  SheetSet(const Plan& plan, client::Client& client, Waiter& waiter);
+  // overloaded is asked for again, for kPatience: those that are there soon sleep.
+  SheetSet(const Plan& plan, client::Client& client, Waiter& waiter, Tell tell);
   ~SheetSet();  // deletes them
   SheetSet(const SheetSet&) = delete;
   SheetSet& operator=(const SheetSet&) = delete;
@@ -38,6 +44,7 @@ class SheetSet {
 
   const Plan& plan_;
   client::Client& client_;
+  const Tell tell_;
   std::mutex mutex_;
   std::vector<std::string> names_;
   std::map<std::string, std::int64_t> refusals_;

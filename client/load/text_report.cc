@@ -107,7 +107,7 @@ std::string to_text(const Report& report) {
   add_machines(text, report);
   text.line("listing    %d pages in %.1f ms", report.list_pages, 1e3 * report.list_s);
   text.line("errors     %lld", whole(num_errors(report)));
-  for (const auto& [reason, count] : report.errors) text.line("  %lld: %s", whole(count), reason.c_str());
+  for (const auto& [reason, count] : errors_of(report)) text.line("  %lld: %s", whole(count), reason.c_str());
   add_latencies(text, report);
   for (const std::string& warning : warnings(report)) text.line("\nNote: %s", warning.c_str());
   return text.take();

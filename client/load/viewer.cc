@@ -11,8 +11,9 @@
 namespace kerf::load {
 namespace {
 
-Schedule shown_times(const Plan& plan, const Recorder& recorder) {
-  return {recorder.begin(), Nanoseconds(std::llround(1.0e9 / plan.tick_rate_hz))};
+// As far apart as ticks. Readers open before it is known from when they count.
+Schedule shown_times(const Plan& plan, Nanoseconds opened) {
+  return {opened, Nanoseconds(std::llround(1.0e9 / plan.tick_rate_hz))};
 }
 
 std::int64_t unix_us() {
@@ -49,6 +50,7 @@ class FrameViewer : public Viewer {
                        over = hold > Nanoseconds(0) && !waiter_.wait_until(waiter_.now() + hold);
                        return !over;
                      });
+    log_.finish();
     if (over) return;
     if (watcher_.ended().reason() != v1::Ended::REASON_UNSPECIFIED) {
       log_.ended(v1::Ended::Reason_Name(watcher_.ended().reason()));
@@ -69,7 +71,7 @@ class FrameViewer : public Viewer {
 }  // namespace
 
 ReaderLog::ReaderLog(const Plan& plan, const Watching& watching, Recorder& recorder)
-    : watching_(watching), recorder_(recorder), shown_(shown_times(plan, recorder)), opened_(now()) {}
+    : watching_(watching), recorder_(recorder), opened_(now()), shown_(shown_times(plan, opened_)) {}
 
 void ReaderLog::seen(std::int64_t tick, std::int32_t topology_version, const v1::FrameStats& stats, std::int64_t bytes,
                      bool keyframe) {
@@ -79,10 +81,16 @@ void ReaderLog::seen(std::int64_t tick, std::int32_t topology_version, const v1:
   joined_ = true;
   recorder_.frame(watching_.role, {decoded, age_us, bytes, stats.skipped(), keyframe});
   shown_.frame(decoded, std::chrono::microseconds(age_us), !stats.sleeping() && !stats.paused(),
-               [&](Nanoseconds time, std::int64_t age) {
-                 if (recorder_.counts(time)) recorder_.shown(watching_.role, age);
-               });
+               [this](Nanoseconds time, std::int64_t age) { shown(time, age); });
   if (watching_.tracker != nullptr) watching_.tracker->frame(watching_.index, tick, topology_version, decoded);
+}
+
+void ReaderLog::finish() {
+  shown_.finish(now(), [this](Nanoseconds time, std::int64_t age_us) { shown(time, age_us); });
+}
+
+void ReaderLog::shown(Nanoseconds time, std::int64_t age_us) {
+  if (recorder_.counts(time)) recorder_.shown(watching_.role, age_us);
 }
 
 client::WatchOptions options_of(const Plan& plan, Role role) {

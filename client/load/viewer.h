@@ -31,14 +31,18 @@ class ReaderLog {
   // `tick` and `topology_version`: of a frame or picture.
   void seen(std::int64_t tick, std::int32_t topology_version, const v1::FrameStats& stats, std::int64_t bytes,
             bool keyframe);
+  // The reader reads no more: what it showed last it showed until now.
+  void finish();
   // The stream ended before the run did.
-  void ended(const std::string& how) { recorder_.ended(watching_.role, how); }
+  void ended(const std::string& how) { recorder_.ended(watching_.role, how, joined_); }
 
  private:
+  void shown(Nanoseconds time, std::int64_t age_us);
+
   const Watching watching_;
   Recorder& recorder_;
+  const Nanoseconds opened_;
   ShownAge shown_;
-  Nanoseconds opened_;
   bool joined_ = false;
 };
 

@@ -1,10 +1,10 @@
 #include <atomic>
+#include <chrono>
 #include <optional>
 #include <string>
 #include <thread>
 #include <utility>
 
-#include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
@@ -21,6 +21,9 @@ namespace {
 
 namespace beast = boost::beast;
 
+using NetError = boost::system::error_code;
+
+constexpr std::chrono::seconds kPatience(10);               // with each step of opening the stream
 constexpr std::size_t kMaxMessage = std::size_t{64} << 20;  // bytes, as client::Client::kMaxReceiveBytes
 
 class WebSocketViewer : public Viewer {
@@ -38,70 +41,87 @@ class WebSocketViewer : public Viewer {
   }
   void stop() override {
     if (stopped_.exchange(true)) return;
-    boost::asio::post(context_, [this] {
-      boost::system::error_code ignored;
-      beast::get_lowest_layer(socket_).socket().close(ignored);
-    });
+    boost::asio::post(context_, [this] { beast::get_lowest_layer(socket_).close(); });
   }
 
  private:
+  using Addresses = boost::asio::ip::tcp::resolver::results_type;
+
   void run() {
-    if (const boost::system::error_code error = connect()) return ended(error.message());
-    send(client::start_of_watch(watching_.sheet, options_of(plan_, watching_.role)));
-    read();
+    resolve();
     context_.run();
+    log_.finish();
   }
 
-  boost::system::error_code connect() {
-    boost::system::error_code error;
+  void resolve() {
     const std::optional<Endpoint> endpoint = parse_endpoint(watching_.address);
-    if (!endpoint) return boost::asio::error::invalid_argument;
-    const auto found = boost::asio::ip::tcp::resolver(context_).resolve(endpoint->host, endpoint->port, error);
-    if (error) return error;
-    boost::asio::connect(beast::get_lowest_layer(socket_).socket(), found, error);
-    if (error) return error;
-    beast::get_lowest_layer(socket_).socket().set_option(boost::asio::ip::tcp::no_delay(true), error);
+    if (!endpoint) return ended("write HOST:PORT");
+    resolver_.async_resolve(endpoint->host, endpoint->port, [this](const NetError& error, const Addresses& found) {
+      if (error) return ended(error.message());
+      // What was closed before would be opened again.
+      if (!stopped_) connect(found);
+    });
+  }
+
+  void connect(const Addresses& addresses) {
+    beast::tcp_stream& lowest = beast::get_lowest_layer(socket_);
+    lowest.expires_after(kPatience);
+    lowest.async_connect(addresses, [this](const NetError& error, const boost::asio::ip::tcp::endpoint& /*to*/) {
+      if (error) return ended(error.message());
+      shake_hands();
+    });
+  }
+
+  void shake_hands() {
+    beast::tcp_stream& lowest = beast::get_lowest_layer(socket_);
+    NetError ignored;
+    lowest.socket().set_option(boost::asio::ip::tcp::no_delay(true), ignored);
+    lowest.expires_never();  // the WebSocket has its own time limit
+    socket_.set_option(beast::websocket::stream_base::timeout{kPatience, beast::websocket::stream_base::none(), false});
     socket_.set_option(beast::websocket::stream_base::decorator([](beast::websocket::request_type& request) {
       request.set(beast::http::field::sec_websocket_protocol, "kerf.v1");
     }));
     socket_.read_message_max(kMaxMessage);
     socket_.binary(true);
-    socket_.handshake(plan_.http, "/watch", error);
-    return error;
+    socket_.async_handshake(plan_.http, "/watch", [this](const NetError& error) {
+      if (error) return ended(error.message());
+      send(client::start_of_watch(watching_.sheet, options_of(plan_, watching_.role)));
+    });
   }
 
   void read() {
-    socket_.async_read(buffer_, [this](const boost::system::error_code& error, std::size_t bytes) {
+    socket_.async_read(buffer_, [this](const NetError& error, std::size_t bytes) {
       if (error) return ended(error.message());
       v1::WatchResponse response;
       const bool sound = response.ParseFromArray(buffer_.data().data(), static_cast<int>(bytes));
       buffer_.consume(bytes);
       if (!sound) return ended("no message of kerf.v1");
       if (response.has_ended()) return ended(v1::Ended::Reason_Name(response.ended().reason()));
-      if (response.has_frame() && !take(response.frame(), static_cast<std::int64_t>(bytes))) return;
-      read();
+      if (!response.has_frame()) return read();
+      take(response.frame(), static_cast<std::int64_t>(bytes));
     });
   }
 
-  // Whether there is to be another.
-  bool take(const v1::Frame& frame, std::int64_t bytes) {
+  void take(const v1::Frame& frame, std::int64_t bytes) {
     const auto arrived = std::chrono::steady_clock::now();
     if (const std::optional<std::string> wrong = mirror_.apply(frame)) {
-      ended("DATA_LOSS " + *wrong);
-      return false;
+      return ended("DATA_LOSS " + *wrong);
     }
     log_.seen(frame.tick(), frame.topology_version(), frame.stats(), bytes, frame.base_tick() < 0);
     const Nanoseconds hold = hold_of(plan_, watching_.role, ++frames_);
-    if (hold > Nanoseconds(0) && !waiter_.wait_until(waiter_.now() + hold)) return false;
+    if (hold > Nanoseconds(0) && !waiter_.wait_until(waiter_.now() + hold)) return;
     // A reset in answer to what is sent too late would take with it what the server said before it closed.
-    if (watching_.role == Role::kStalled) return true;
-    return send(client::acknowledgement(frame.sequence(), arrived));
+    if (watching_.role == Role::kStalled) return read();
+    send(client::acknowledgement(frame.sequence(), arrived));
   }
 
-  bool send(const v1::WatchRequest& request) {
-    boost::system::error_code error;
-    socket_.write(boost::asio::buffer(request.SerializeAsString()), error);
-    return !error;
+  // And reads on when that is done.
+  void send(const v1::WatchRequest& request) {
+    sent_ = request.SerializeAsString();
+    socket_.async_write(boost::asio::buffer(sent_), [this](const NetError& error, std::size_t /*bytes*/) {
+      if (error) return ended(error.message());
+      read();
+    });
   }
 
   void ended(const std::string& how) {
@@ -116,8 +136,10 @@ class WebSocketViewer : public Viewer {
   client::Mirror mirror_;
   std::int64_t frames_ = 0;
   boost::asio::io_context context_{1};
+  boost::asio::ip::tcp::resolver resolver_{context_};
   beast::websocket::stream<beast::tcp_stream> socket_;
   beast::flat_buffer buffer_;
+  std::string sent_;  // being written
   std::thread thread_;
 };
 

@@ -23,7 +23,12 @@ kerf::cli::ManualText text_of_kerf() {
       "The options below may stand before the command or after it.",
       {{"EXIT STATUS",
         "0: done, a cut that misses the sheet included. 1: refused, with the reason on standard error. 2: wrong "
-        "usage."},
+        "usage.\n"
+        "With --json the reason of 1 and 2 is one line of JSON, still on standard error:\n"
+        " {\"error\": {\"code\": \"NOT_FOUND\", \"reason\": \"SHEET_NOT_FOUND\", \"message\": \"...\", \"field\": "
+        "\"name\"}}\n"
+        "The code is that of gRPC, INVALID_ARGUMENT of wrong usage; the reason is for programs; the field may be "
+        "empty."},
        {"ENVIRONMENT", "KERF_SERVER: the server's address where --server is not given."},
        {"EXAMPLES",
         " kerf sheet create flag --grid 60x40 --size 1.5x1 --pin corners --material silk\n"

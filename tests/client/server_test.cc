@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -207,6 +208,34 @@ TEST_F(ServerTest, ARecordingIsPlayedAsAnotherSheet) {
   EXPECT_EQ(played.state_hash(), after.state_hash());
   EXPECT_EQ(server_->replay("no recording").failure().code, grpc::StatusCode::INVALID_ARGUMENT);
   EXPECT_EQ(server_->sheet("nobody").recording().failure().reason, "SHEET_NOT_FOUND");
+}
+
+// Two million bytes, of three vertices: more than a message takes.
+TEST_F(ServerTest, ALargeMeshFileGoesInParts) {
+  std::string obj;
+  while (obj.size() < 2'000'000) obj += "# a comment of a file that is large for no reason\n";
+  obj += "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const Result<Sheet> made = server_->create(obj_scene(std::move(obj)), {"large", true, ""});
+  ASSERT_TRUE(made.ok()) << describe(made.failure());
+  EXPECT_EQ(server_->sheet("large").get().value().num_vertices(), 3);
+}
+
+TEST_F(ServerTest, ACutThatIsSentAgainIsMadeOnce) {
+  Sheet sheet = make("again");
+  for (int time = 0; time < 2; ++time) {
+    EXPECT_EQ(sheet.cut(circle({0.3, 0.3}, 0.1), {}, 0, "one").value().pieces(), 2);
+    const std::vector<v1::Cut> cuts = {make_cut(circle({0.7, 0.7}, 0.1))};
+    EXPECT_EQ(sheet.cut_all(cuts, 0, "two").value().pieces(), 3);
+  }
+  EXPECT_EQ(sheet.cuts().value().cuts_size(), 2);
+}
+
+TEST_F(ServerTest, FilesHaveTheTimeOfCalls) {
+  Sheet sheet = make("slow");
+  const std::string file = sheet.recording().value();
+  Server hasty(running_->grpc_address(), {std::chrono::milliseconds(0)});
+  EXPECT_EQ(hasty.sheet("slow").recording().failure().code, grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_EQ(hasty.replay(file).failure().code, grpc::StatusCode::DEADLINE_EXCEEDED);
 }
 
 TEST_F(ServerTest, TheExactStateComesAsArrays) {

@@ -3,6 +3,7 @@
 #include "client/cpp/watcher.h"
 
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -40,11 +41,11 @@ class WatcherTest : public testing::Test {
 TEST_F(WatcherTest, AStreamThatWasGivenUpIsOpenedAgain) {
   Watcher watcher(server_->client());
   watcher.set_pace(1000.0);
-  WatchOptions one_at_a_time;
-  one_at_a_time.window = 1;
   std::vector<std::int64_t> ticks;
   std::vector<std::int64_t> sequences;
-  const grpc::Status status = watcher.run("sheets/a", one_at_a_time, [&](const v1::Frame& frame, const Mirror& mirror) {
+  WatchOptions options;
+  options.window = 1;  // nothing more is on its way when a stream is given up
+  const grpc::Status status = watcher.run("sheets/a", options, [&](const v1::Frame& frame, const Mirror& mirror) {
     EXPECT_EQ(mirror.num_vertices(), 64);
     ticks.push_back(frame.tick());
     sequences.push_back(frame.sequence());
@@ -82,6 +83,24 @@ TEST_F(WatcherTest, StoppedBeforeItBeginsItSeesNothing) {
     return false;
   });
   EXPECT_TRUE(status.ok());
+}
+
+TEST_F(WatcherTest, StoppedTwiceItHoldsNothingOfTheRunBetween) {
+  Watcher watcher(server_->client());
+  const auto none = [](const v1::Frame& /*frame*/, const Mirror& /*mirror*/) { return false; };
+  watcher.stop();
+  EXPECT_TRUE(watcher.run("sheets/a", {}, none).ok());
+  watcher.stop();  // of a call that is over and gone
+}
+
+TEST_F(WatcherTest, WhatOnFrameThrowsComesOutAndNothingIsHeld) {
+  Watcher watcher(server_->client());
+  const auto fail = [](const v1::Frame& /*frame*/, const Mirror& /*mirror*/) -> bool {
+    throw std::runtime_error("no");
+  };
+  EXPECT_THROW(static_cast<void>(watcher.run("sheets/a", {}, fail)), std::runtime_error);
+  watcher.set_pace(5.0);
+  watcher.stop();
 }
 
 TEST_F(WatcherTest, ASubscriptionNeedsNoAcknowledgements) {

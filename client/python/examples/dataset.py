@@ -29,6 +29,7 @@ from random_cuts import KINDS, random_cut
 
 _FOV_DEG = 40.0
 _TARGET = (0.5, 0.0, 0.45)
+_TRIES = 50  # a cut that is wanted
 _MATERIALS = ("demo", "denim", "skin", "rubber")
 
 
@@ -60,16 +61,18 @@ def make_sample(server: kerf.Server, chance: random.Random, how: Dict[str, Any])
 def _cut_at_random(sheet: kerf.Sheet, chance: random.Random, wanted: int) -> List[Dict[str, Any]]:
     """So many cuts that were applied, as they are labelled."""
     cuts: List[Dict[str, Any]] = []
-    while len(cuts) < wanted:
+    for _ in range(_TRIES * wanted):
+        if len(cuts) == wanted:
+            return cuts
         kind, cut = random_cut(chance)
         try:
             if sheet.cut(cut).status != kerf.APPLIED:
                 continue
-        except kerf.Error:
+        except (kerf.InvalidArgument, kerf.FailedPrecondition, kerf.ResourceExhausted):
             continue  # may not be cut: another is drawn
         curve = json_format.MessageToDict(cut.curve, preserving_proto_field_name=True)
         cuts.append({"kind": kind, "curve": curve, "width_m": cut.width_m})
-    return cuts
+    raise SystemExit(f"{len(cuts)} of {wanted} cuts after {_TRIES * wanted} tries: take fewer --max-cuts or a larger --grid")
 
 
 def _piece_label(piece: Any, number: int, mask: Any) -> Dict[str, Any]:

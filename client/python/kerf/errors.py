@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
-from typing import Any, Optional
+from typing import Any, Optional, Tuple
 
 import grpc
 from google.rpc import error_details_pb2, status_pb2
@@ -42,6 +43,11 @@ class Error(Exception):
         self.field = field
         self.metadata = dict(metadata or {})
         self.retry_after_s = retry_after_s
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        # An exception is made again from its args, which here are the sentence: pickle, copy and process pools need more.
+        made = functools.partial(type(self), metadata=self.metadata, retry_after_s=self.retry_after_s)
+        return made, (self.code, self.reason, self.message, self.field)
 
 
 class InvalidArgument(Error):
@@ -115,8 +121,18 @@ def error_of(failure: Any, address: str) -> Error:
     if code == "UNIMPLEMENTED" and not reason:
         message = f"the Kerf server at {address} has no such call: it is older than this package; {message}"
     if code == "UNAVAILABLE" and not reason:
-        message = f"no Kerf server answers at {address}: start one with deploy/run, or name another ({message})"
+        return no_server(address, message)
     return _CLASSES.get(code, Error)(code, reason, message, field, metadata=metadata, retry_after_s=retry_after_s)
+
+
+def no_server(address: str, why: str) -> Unavailable:
+    message = f"no Kerf server answers at {address}: start one with deploy/run, or name another ({why})"
+    return Unavailable("UNAVAILABLE", "", message)
+
+
+def connection_closed(address: str) -> Error:
+    """What a stream comes to whose connection this side has closed."""
+    return Error("CANCELLED", "", f"the connection to {address} was closed")
 
 
 def is_cancelled(failure: Any) -> bool:

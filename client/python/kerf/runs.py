@@ -62,6 +62,11 @@ class RunWriter:
         self._file.close()
         self._part.replace(self._path)
 
+    def discard(self) -> None:
+        """Leaves no file behind; one of before stays."""
+        self._file.close()
+        self._part.unlink(missing_ok=True)
+
     def _add_topology(self, frame: Frame) -> None:
         number = len(self._topologies)
         self._topologies.append(frame.topology_version)

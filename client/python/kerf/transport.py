@@ -10,7 +10,7 @@ from typing import Any, Optional
 import grpc
 
 from kerf.channel_options import CHANNEL_OPTIONS
-from kerf.errors import error_of, is_cancelled, is_out_of_time
+from kerf.errors import connection_closed, error_of, is_cancelled, is_out_of_time
 
 
 def open_channel(address: str) -> grpc.Channel:
@@ -42,6 +42,7 @@ class Stream:
         self._closed = False
         self._requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
         self._call = method(iter(self._requests.get, None) if request is None else request, timeout=duration_s)
+        self.out_of_time = False  # it ended since duration_s was over
 
     def __del__(self) -> None:
         # A stream that is just dropped must not leave the thread behind that waits for requests.
@@ -58,8 +59,11 @@ class Stream:
         except StopIteration:
             return None
         except grpc.RpcError as failure:
-            if is_out_of_time(failure) or (self._closed and is_cancelled(failure)):
+            self.out_of_time = is_out_of_time(failure)
+            if self.out_of_time or (self._closed and is_cancelled(failure)):
                 return None
+            if is_cancelled(failure):
+                raise connection_closed(self._address) from None
             raise error_of(failure, self._address) from None
 
     def close(self) -> None:

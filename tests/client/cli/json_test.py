@@ -15,7 +15,7 @@ CALLS = {
     "export": "export still --out {work}/still.obj",
     "images": "images still --out {work}/film --size 64x64 --count 1",
     "info": "info",
-    "load": "load --grid 4x4 --warm-up 0.1 --duration 0.2",
+    "load": "load --grid 4x4 --duration 0.2",
     "pieces": "pieces still",
     "redo": "redo still",
     "render": "render still --out {work}/still.png --size 64x64",

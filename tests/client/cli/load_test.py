@@ -3,6 +3,7 @@
 import json
 import pathlib
 import signal
+import socket
 import subprocess
 
 import cli_case
@@ -40,6 +41,23 @@ class Load(Case):
         self.assertEqual(process.returncode, 0)
         self.assertTrue(report["interrupted"])
         self.assertEqual(self.loaded(), [])
+
+    def test_a_report_of_before_stays_where_no_server_answers(self):
+        report = pathlib.Path(path("before.html"))
+        report.write_text("of before")
+        done = kerf("--server", "127.0.0.1:1", *self.SMALL, "--html", str(report), server=False)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("no server at 127.0.0.1:1", done.stderr)
+        self.assertEqual(report.read_text(), "of before")
+
+    def test_where_no_reader_sees_anything_that_is_an_error(self):
+        with socket.create_server(("127.0.0.1", 0)) as silent:  # accepts, and says nothing
+            http = f"127.0.0.1:{silent.getsockname()[1]}"
+            done = kerf("--json", *self.SMALL, "--transport", "ws", "--http", http, "--viewers", "2")
+        report = json.loads(done.stdout)
+        self.assertEqual(sum(count for what, count in report["errors"].items() if what.startswith("viewers ")), 2)
+        self.assertIn("2 of 2 viewers never had a frame", " ".join(report["warnings"]))
+        self.assertEqual((done.returncode, json.loads(done.stderr)["error"]["reason"]), (1, "NO_READER"))
 
     def test_wrong_options_are_refused_before_anything_is_made(self):
         for options, says in ((("--sheets", "10001"), "1..10000"), (("--grid", "big"), "50x50"), (("--duration", "0"), "0.1..1800"),

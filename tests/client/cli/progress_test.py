@@ -56,6 +56,17 @@ class Progress(Case):
             self.assertEqual((code, shown), (0, ""))
         self.assertEqual(kerf("run", self.scene).stderr, "")
 
+    def test_a_load_run(self):
+        load = ("load", "--grid", "6x6", "--warm-up", "0.3", "--duration", "0.8")
+        code, shown, out = at_terminal(*load)
+        self.assertEqual(code, 0, shown)
+        self.assertRegex(shown, r"\[#*\.+\] +\d+ %.*measuring  \d+ frames  0 cuts  0 errors")
+        self.assertTrue(shown.endswith("\r\x1b[K"), repr(shown[-40:]))
+        self.assertIn("sheets     1 of 1", out)
+        for option in ("--json", "--quiet"):
+            code, shown, _ = at_terminal(*load, option)
+            self.assertEqual((code, shown), (0, ""))
+
     def test_a_step_of_many_ticks(self):
         self.json_of("sheet", "create", "stepped", "--grid", "40x40")
         self.json_of("sheet", "pause", "stepped")

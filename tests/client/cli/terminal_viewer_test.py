@@ -1,4 +1,4 @@
-"""client/examples/terminal_viewer at a terminal: it draws the sheet, follows the window's size, and q quits."""
+"""client/examples/terminal_viewer at a terminal: it draws the sheet, follows the window's size, and q or Ctrl-C quits."""
 
 import fcntl
 import os
@@ -37,14 +37,15 @@ class Viewer:
                 self.text += os.read(self.handle, 1 << 16).decode(errors="replace")
         raise AssertionError(f"no picture of {columns} columns: {self.text[-300:]!r}")
 
-    def quit(self):
-        os.write(self.handle, b"q")
+    def quit(self, key=b"q"):
+        os.write(self.handle, key)
         while True:
             try:
                 if not os.read(self.handle, 1 << 16):
                     break
             except OSError:
                 break
+        self.modes = termios.tcgetattr(self.handle)[3]  # that it left behind
         os.close(self.handle)
         return os.waitstatus_to_exitcode(os.waitpid(self.process, 0)[1])
 
@@ -62,6 +63,13 @@ class TerminalViewer(Case):
         viewer.resize(10, 47)
         self.assertEqual(viewer.picture(47).count("▀"), 47 * 9)
         self.assertEqual(viewer.quit(), 0)
+
+    def test_ctrl_c_quits_and_leaves_the_terminal_as_it_was(self):
+        kerf("sheet", "create", "left", "--grid", "20x20", "--pin", "corners")
+        viewer = Viewer("left", address(), rows=24, columns=81)
+        viewer.picture(81)
+        self.assertEqual(viewer.quit(b"\x03"), 0)
+        self.assertTrue(viewer.modes & termios.ECHO and viewer.modes & termios.ICANON and viewer.modes & termios.ISIG)
 
     def test_says_what_is_wrong(self):
         viewer = Viewer("nobody", address(), rows=24, columns=81)

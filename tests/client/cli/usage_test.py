@@ -1,5 +1,7 @@
 """`kerf` misused: help, wrong words, names that are near, no server."""
 
+import json
+
 from cli_case import Case, kerf, main, setUpModule, tearDownModule
 
 
@@ -14,8 +16,24 @@ class Usage(Case):
     def test_wrong_usage(self):
         for command in ([], ["fly"], ["sheet"], ["sheet", "create"], ["cut", "a", "--spline", "x"],
                         ["sheet", "create", "a", "--grid", "big"], ["sheet", "create", "a", "--pin", "left"],
-                        ["sheet", "step", "a", "many"], ["watch", "a", "--frames", "-1"]):
+                        ["sheet", "step", "a", "many"], ["sheet", "step", "a", "0"], ["sheet", "step", "a", "100001"], ["watch", "a", "--frames", "-1"]):
             self.assertEqual(kerf(*command, server=False).returncode, 2, command)
+
+    def test_refusals_are_json_with_json(self):
+        for command, code, wanted in (
+                (["sheet", "get", "nobody"], 1, {"code": "NOT_FOUND", "reason": "SHEET_NOT_FOUND", "field": "name"}),
+                (["run", "/nonexistent.json"], 1, {"code": "NOT_FOUND", "reason": "FILE_NOT_FOUND"}),
+                (["sheet", "create", "a", "--grid", "big"], 2, {"code": "INVALID_ARGUMENT", "reason": "WRONG_USAGE", "field": ""}),
+                (["fly"], 2, {"code": "INVALID_ARGUMENT", "reason": "WRONG_USAGE"})):
+            plain, done = kerf(*command), kerf("--json", *command)
+            self.assertEqual((plain.returncode, done.returncode, done.stdout), (code, code, ""), command)
+            self.assertTrue(plain.stderr.startswith("kerf: "), plain.stderr)
+            error = json.loads(done.stderr)["error"]
+            self.assertEqual(list(error), ["code", "reason", "message", "field"])
+            self.assertEqual({name: error[name] for name in wanted}, wanted)
+            self.assertTrue(error["message"])
+        nowhere = kerf("--json", "--server", "127.0.0.1:1", "sheet", "list", server=False)
+        self.assertEqual(json.loads(nowhere.stderr)["error"]["code"], "UNAVAILABLE")
 
     def test_no_server(self):
         done = kerf("--server", "127.0.0.1:1", "sheet", "list", server=False)

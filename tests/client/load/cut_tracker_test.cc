@@ -11,10 +11,13 @@ using namespace std::chrono_literals;
 
 class CutTrackerTest : public testing::Test {
  protected:
-  CutTrackerTest() { tracker_.watch(3); }
+  CutTrackerTest() {
+    recorder_.measure(0s, 100s);
+    tracker_.watch(3);
+  }
   CutTotals totals() const { return recorder_.cut_totals(); }
 
-  Recorder recorder_{0s, 100s};
+  Recorder recorder_;
   CutTracker tracker_{recorder_};
 };
 
@@ -50,7 +53,9 @@ TEST_F(CutTrackerTest, WhatIsNeverShownIsCountedAtTheEnd) {
   tracker_.applied(3, 11, 2, 100ms);
   tracker_.applied(4, 11, 2, 100ms);  // nobody watches that one
   tracker_.frame(3, 10, 1, 110ms);
+  EXPECT_EQ(tracker_.num_waiting(), 1);
   tracker_.finish();
+  EXPECT_EQ(tracker_.num_waiting(), 0);
   EXPECT_EQ(totals().unseen, 1);
   EXPECT_EQ(totals().seen_us.count(), 0);
   EXPECT_FALSE(tracker_.newest_tick(4));

@@ -1,7 +1,11 @@
 #include "client/load/delaying_proxy.h"
 
+#include <sys/resource.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <cstddef>
+#include <ctime>
 #include <string>
 #include <thread>
 
@@ -84,6 +88,69 @@ TEST(DelayingProxy, PassesNoMoreThanTheRate) {
   boost::asio::io_context context;
   Tcp::socket socket = connect(context, (*proxy)->address());
   EXPECT_GE(echo(socket, pattern(400'000)), 400ms);
+}
+
+// 200 ms at 4 MB/s: 800 KB are under way at a time, not 64 KiB, which would make 330 KB/s of it.
+TEST(DelayingProxy, TheDelayTakesNothingFromTheRate) {
+  EchoServer server;
+  auto proxy = DelayingProxy::start(server.address(), {200ms, 4.0e6});
+  ASSERT_TRUE(proxy) << proxy.error().message;
+  boost::asio::io_context context;
+  Tcp::socket socket = connect(context, (*proxy)->address());
+  EXPECT_LT(echo(socket, pattern(2'000'000)), 4s);
+}
+
+// Says something and closes.
+TEST(DelayingProxy, PassesOnWhatWasSaidLast) {
+  boost::asio::io_context context;
+  Tcp::acceptor acceptor(context, {boost::asio::ip::address_v4::loopback(), 0});
+  auto proxy = DelayingProxy::start("127.0.0.1:" + std::to_string(acceptor.local_endpoint().port()), {50ms, 0.0});
+  ASSERT_TRUE(proxy) << proxy.error().message;
+  Tcp::socket socket = connect(context, (*proxy)->address());
+  {
+    Tcp::socket server = acceptor.accept();
+    boost::asio::write(server, boost::asio::buffer(pattern(50'000)));
+  }
+  std::string received;
+  boost::system::error_code error;
+  boost::asio::read(socket, boost::asio::dynamic_buffer(received), error);
+  EXPECT_EQ(error, boost::asio::error::eof);
+  EXPECT_EQ(received, pattern(50'000));
+}
+
+// Lets this process open nothing more while it lives.
+class NoMoreFiles {
+ public:
+  NoMoreFiles() {
+    getrlimit(RLIMIT_NOFILE, &before_);
+    const int next = dup(STDERR_FILENO);
+    close(next);
+    const rlimit none{static_cast<rlim_t>(next), before_.rlim_max};
+    setrlimit(RLIMIT_NOFILE, &none);
+  }
+  ~NoMoreFiles() { setrlimit(RLIMIT_NOFILE, &before_); }
+  NoMoreFiles(const NoMoreFiles&) = delete;
+  NoMoreFiles& operator=(const NoMoreFiles&) = delete;
+
+ private:
+  rlimit before_{};
+};
+
+TEST(DelayingProxy, OutOfFilesItWaitsAndThenGoesOn) {
+  EchoServer server;
+  auto proxy = DelayingProxy::start(server.address(), {});
+  ASSERT_TRUE(proxy) << proxy.error().message;
+  boost::asio::io_context context;
+  Tcp::socket socket(context, Tcp::v4());
+  const int port = std::stoi((*proxy)->address().substr((*proxy)->address().rfind(':') + 1));
+  {
+    const NoMoreFiles none;
+    socket.connect({boost::asio::ip::address_v4::loopback(), static_cast<unsigned short>(port)});
+    const std::clock_t before = std::clock();
+    std::this_thread::sleep_for(400ms);
+    EXPECT_LT(std::clock() - before, CLOCKS_PER_SEC / 10) << "it tries again and again";
+  }
+  EXPECT_GT(echo(socket, "x"), 0ms);
 }
 
 TEST(DelayingProxy, OfNoServerSaysSo) {

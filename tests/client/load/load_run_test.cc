@@ -1,16 +1,19 @@
 #include "client/load/run.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "client/cpp/client.h"
+#include "client/load/sheet_set.h"
 #include "tests/ws/running_server.h"
 
 // Short runs against a whole server: counts, not times.
@@ -87,7 +90,8 @@ TEST_F(LoadRunTest, CountsWhatItDoesAndLeavesNothingBehind) {
   EXPECT_EQ(report->cuts.applied + report->cuts.missed, 10);
   EXPECT_EQ(report->cuts.undone, report->cuts.applied);
   EXPECT_EQ(report->cuts.reply_us.count(), 10);
-  EXPECT_EQ(report->cuts.seen_us.count() + report->cuts.unseen, report->cuts.applied);
+  EXPECT_EQ(report->cuts.seen_us.count(), report->cuts.applied);
+  EXPECT_EQ(report->cuts.unseen, 0);
   EXPECT_EQ(report->cuts.seen_without, 0);
   EXPECT_EQ(num_errors(*report), 0) << to_text(*report);
   EXPECT_GT(report->control_us.count(), 0);
@@ -146,6 +150,31 @@ TEST_F(LoadRunTest, TellsOfSheetsThatAreRefused) {
   EXPECT_GE(report->refusals.at("TOO_MANY_SHEETS"), 1);
   EXPECT_THAT(report->first_refusal, HasSubstr("limit of 3 sheets"));
   EXPECT_EQ(sheets_left(), 0);
+}
+
+// Of a server that takes none, now or later. Its time goes by in seconds.
+TEST_F(LoadRunTest, AServerThatStaysOverloadedIsGivenUp) {
+  class Hasty : public Waiter {
+   public:
+    [[nodiscard]] Nanoseconds now() const override { return std::chrono::seconds(++seconds_); }
+    bool wait_until(Nanoseconds /*time*/) override { return true; }
+
+   private:
+    mutable std::atomic<std::int64_t> seconds_{0};
+  };
+  app::Config busy = config();
+  busy.max_load = 1e-9;
+  server_ = ws_test::start_server(busy);
+  Plan wanted = plan();
+  wanted.still = true;
+  wanted.sheets = 2;
+  client::Client client(server_->grpc_address());
+  Hasty hasty;
+  std::vector<double> told;
+  const SheetSet sheets(wanted, client, hasty, [&](const char* /*stage*/, double share) { told.push_back(share); });
+  EXPECT_TRUE(sheets.names().empty());
+  EXPECT_EQ(sheets.refusals().begin()->first, "OVERLOADED");
+  EXPECT_FALSE(told.empty());
 }
 
 TEST_F(LoadRunTest, SheetsOfAStillPlanFallAsleep) {
@@ -215,6 +244,18 @@ TEST_F(LoadRunTest, FramesFromFarAwayAreOlderByTheWay) {
   EXPECT_GE(viewers.join_us.min(), 40'000);  // there and back
   EXPECT_EQ(report->cuts.seen_without, 0);
   EXPECT_EQ(num_errors(*report), 0);
+}
+
+// Those of the last 0.6 s are on their way when the run ends.
+TEST_F(LoadRunTest, TheLastCutsAreWaitedFor) {
+  Plan wanted = plan();
+  wanted.way_ms = 600.0;
+  wanted.cuts_per_second = 10.0;
+  const Result<Report> report = run(wanted);
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->cuts.unseen, 0);
+  EXPECT_EQ(report->cuts.seen_us.count(), report->cuts.applied);
+  EXPECT_GE(report->cuts.seen_us.min(), 600'000);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "client/load/report.h"
 
+#include <algorithm>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -91,6 +92,39 @@ TEST(Report, WarnsOfWhatSpoilsIt) {
   EXPECT_THAT(warnings(report), testing::Contains(HasSubstr("2 of 3 stalled readers")));
 }
 
+TEST(Report, ReadersThatGotNothingAreErrors) {
+  Report report = sample_report();
+  report.plan.viewers = 5;
+  report.plan.slow_readers = 2;
+  report.readers[0].ends["UNAVAILABLE"] = 2;  // of five, two of which had frames
+  report.readers[0].ended_without = 1;
+  EXPECT_EQ(num_errors(report), 4 + 2 + 2 + 2);
+  EXPECT_EQ(errors_of(report)["viewers ended: UNAVAILABLE"], 2);
+  EXPECT_EQ(errors_of(report)["viewers without a frame"], 2);
+  EXPECT_EQ(errors_of(report)["slow readers without a frame"], 2);
+  EXPECT_FALSE(nobody_joined(report));
+  for (const char* expected : {"3 of 5 viewers never", "2 viewers were ended", "2 of 2 slow readers never"}) {
+    EXPECT_THAT(warnings(report), testing::Contains(HasSubstr(expected)));
+  }
+  EXPECT_THAT(to_text(report), HasSubstr("errors     10"));
+  EXPECT_THAT(to_html(report), HasSubstr("viewers without a frame"));
+  report.readers = {};
+  EXPECT_TRUE(nobody_joined(report));
+  report.plan.viewers = report.plan.slow_readers = 0;
+  EXPECT_FALSE(nobody_joined(report)) << "nobody was asked for";
+}
+
+// Ten seconds of which one had frames: elsewhere the line is at the bottom, and does not lead past the stall.
+TEST(Report, AStallIsNoBytes) {
+  const std::string html = to_html(sample_report());
+  const std::size_t plot = html.find("Bytes to viewers");
+  ASSERT_NE(plot, std::string::npos);
+  const std::size_t points = html.find("points=\"", plot);
+  const std::string line = html.substr(points, html.find("/>", points) - points);
+  EXPECT_EQ(std::count(line.begin(), line.end(), ','), 40) << line;
+  EXPECT_GT(std::count(line.begin(), line.end(), ' '), 30);
+}
+
 TEST(Report, TextHasTheNumbers) {
   const std::string text = to_text(sample_report());
   for (const char* expected : {"3 of 5", "OVERLOADED", "running sheets need 2.10", "1050, 47 after", "least 0.750",
@@ -111,6 +145,9 @@ TEST(Report, JsonHasTheNumbers) {
   EXPECT_EQ(json["cuts"]["seen_without"], 1);
   EXPECT_EQ(json["probes"].size(), 11U);
   EXPECT_EQ(json["server_cores"], 1.5);
+  for (const char* name : {"image_width", "image_height", "keep_cuts", "prefix", "http"}) {
+    EXPECT_TRUE(json["plan"].contains(name)) << name;
+  }
 }
 
 TEST(Report, HtmlParsesNeedsNothingElseAndHasTheNumbers) {
@@ -132,6 +169,7 @@ TEST(Report, HtmlParsesNeedsNothingElseAndHasTheNumbers) {
 
 TEST(Report, OfNothingIsStillAReport) {
   Report report;
+  report.plan.viewers = 0;
   report.probes.resize(1);
   report.stretches.resize(Recorder::kStretches);
   pugi::xml_document document;

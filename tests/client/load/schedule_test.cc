@@ -114,6 +114,31 @@ TEST(ShownAge, AFrameThatStaysCountsAtEveryTime) {
   EXPECT_EQ(age_us.count_above(500'000), 51);  // 502 ms .. 1002 ms, less the width of a class
 }
 
+TEST(ShownAge, AFrameThatNoneFollowsCountsUntilTheEnd) {
+  ShownAge shown(kHundredHz);
+  Histogram age_us;
+  const auto sample = [&](Nanoseconds /*time*/, std::int64_t us) { age_us.add(us); };
+  shown.frame(1ms, 3ms, true, sample);
+  shown.finish(1s, sample);
+  EXPECT_EQ(age_us.count(), 100);
+  EXPECT_EQ(age_us.max(), 1'002'000);
+  shown.finish(2s, sample);
+  EXPECT_EQ(age_us.count(), 100) << "nobody looks any more";
+}
+
+// Readers are there before it is known from when they count.
+TEST(Recorder, CountsNothingBeforeItMeasures) {
+  Recorder recorder;
+  EXPECT_FALSE(recorder.counts(1s));
+  recorder.frame(Role::kViewer, {1s, 5, 100, 0, false});
+  recorder.measure(2s, 3s);
+  EXPECT_FALSE(recorder.counts(1s));
+  EXPECT_TRUE(recorder.counts(2s));
+  EXPECT_FALSE(recorder.counts(3s));
+  recorder.frame(Role::kViewer, {2s, 5, 100, 0, false});
+  EXPECT_EQ(recorder.readers(Role::kViewer).frames, 1);
+}
+
 TEST(ShownAge, OfASheetThatSleepsNothingGrowsOld) {
   ShownAge shown(kHundredHz);
   Histogram age_us;

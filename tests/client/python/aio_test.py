@@ -1,6 +1,7 @@
 """The same from asyncio: each kind of call and stream once; package_test compares the two surfaces."""
 
 import asyncio
+import socket
 
 import kerf
 import kerf.aio
@@ -63,6 +64,41 @@ class Asynchronous(support.AsyncCase):
         with self.assertRaises(asyncio.CancelledError):
             await waiting
         await frames.aclose()
+
+    async def test_a_wait_that_ran_out_loses_nothing(self):
+        async with self.sheet.watch() as frames:
+            first = await frames.__anext__()
+            with self.assertRaises(asyncio.TimeoutError):
+                await asyncio.wait_for(frames.__anext__(), 0.2)
+            await self.sheet.step(1)
+            self.assertEqual((await frames.__anext__()).tick, first.tick + 1)
+
+    async def test_a_connection_that_is_closed_ends_the_loops_of_others(self):
+        other = kerf.aio.connect(support.ADDRESS)
+        frames = other.sheet(self.sheet.id).watch()
+        await frames.__anext__()
+        waiting = asyncio.ensure_future(frames.__anext__())
+        await asyncio.sleep(0.1)
+        await other.aclose()
+        with self.assertRaisesRegex(kerf.Error, "was closed") as caught:
+            await waiting
+        self.assertEqual(caught.exception.code, "CANCELLED")
+        await frames.aclose()
+
+    async def test_nobody_answers(self):
+        with socket.create_server(("127.0.0.1", 0)) as silent:
+            async with kerf.aio.connect(f"127.0.0.1:{silent.getsockname()[1]}") as server:
+                with self.assertRaisesRegex(kerf.Unavailable, "no Kerf server answers"):
+                    await server.sheet("a").watch(duration_s=0.3).__anext__()
+
+    async def test_a_hand_is_let_go_of_with_its_sheet(self):
+        other = await self.server.create_sheet("py-aio-held", grid=(4, 4), paused=True)
+        with self.assertRaisesRegex(ValueError, "of the user"):
+            async with other.holding(0):
+                await other.delete()
+                raise ValueError("of the user")
+        async with self.sheet.holding(0):
+            await self.sheet.reset()
 
     async def test_recorder(self):
         async with self.sheet.recorder(path("aio.npz")) as recorder:

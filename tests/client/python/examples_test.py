@@ -5,10 +5,13 @@ import importlib.util
 import json
 import os
 import pathlib
+import random
 import re
 import sys
+import unittest
 import unittest.mock
 
+import kerf
 import numpy
 import support
 from PIL import Image
@@ -83,6 +86,29 @@ class Examples(ExampleCase):
         self.assertNotEqual(first, run("--seed", int(seed) + 1))
         outcomes = re.findall(r"^ +(\d+)  (?:\w+ cut|missed|refused, \w+)$", first, re.MULTILINE)
         self.assertEqual(sum(map(int, outcomes)), 6)
+
+
+class Dataset(unittest.TestCase):
+    def setUp(self):
+        spec = importlib.util.spec_from_file_location("dataset", EXAMPLES / "dataset.py")
+        self.dataset = importlib.util.module_from_spec(spec)
+        with unittest.mock.patch.object(sys, "path", [str(EXAMPLES), *sys.path]):
+            spec.loader.exec_module(self.dataset)
+        self.sheet = unittest.mock.Mock()
+
+    def cut(self):
+        return self.dataset._cut_at_random(self.sheet, random.Random(1), 2)
+
+    def test_a_server_that_is_gone_ends_it(self):
+        for gone in (kerf.Unavailable("UNAVAILABLE", "", "gone"), kerf.NotFound("NOT_FOUND", "SHEET_NOT_FOUND", "gone")):
+            self.sheet.cut.side_effect = gone
+            with self.assertRaises(type(gone)):
+                self.cut()
+
+    def test_a_sheet_that_cannot_be_cut_is_given_up(self):
+        self.sheet.cut.side_effect = kerf.InvalidArgument("INVALID_ARGUMENT", "NO", "no")
+        with self.assertRaisesRegex(SystemExit, "0 of 2 cuts after 100 tries"):
+            self.cut()
 
 
 class Pictures(ExampleCase):

@@ -1,6 +1,8 @@
 """What is refused: by the server, and before anything is sent."""
 
+import copy
 import math
+import pickle
 
 import kerf
 import support
@@ -65,6 +67,15 @@ class Refusals(Case):
             nobody.info()
         self.assertEqual((caught.exception.code, caught.exception.reason), ("UNAVAILABLE", ""))
         self.assertIn("no Kerf server answers at 127.0.0.1:1", str(caught.exception))
+
+    def test_refusals_can_be_pickled_and_copied(self):
+        with self.assertRaises(kerf.InvalidArgument) as caught:
+            self.sheet.cut(kerf.circle((0.5, 0.5), -1))
+        full = kerf.ResourceExhausted("RESOURCE_EXHAUSTED", "QUEUE_FULL", "64 wait", "cut", metadata={"limit": "64"}, retry_after_s=0.1)
+        for error in (caught.exception, full):
+            for again in (pickle.loads(pickle.dumps(error)), copy.copy(error), copy.deepcopy(error)):
+                self.assertIs(type(again), type(error))
+                self.assertEqual((str(again), vars(again)), (str(error), vars(error)))
 
     def test_a_server_without_such_a_call(self):
         missing = self.server._channel.unary_unary("/kerf.v1.SheetService/FoldSheet", bytes, bytes)

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import time
 
 import kerf
 import numpy
@@ -36,8 +37,8 @@ class Recording(Case):
         with self.assertRaisesRegex(RuntimeError, "inside"):
             with self.sheet.recorder(path("broken.npz")) as recorder:
                 self.sheet.step(3)
-                with self.sheet.watch() as frames:  # so that the recorder has been sent something, too
-                    next(frames)
+                while not recorder.num_frames:
+                    time.sleep(0.01)
                 raise RuntimeError("inside")
         self.assertEqual(len(kerf.load_run(path("broken.npz"))), recorder.num_frames)
 
@@ -48,6 +49,15 @@ class Recording(Case):
         with self.assertRaises(kerf.NotFound):
             with self.server.sheet("py-nobody").recorder(path("nobody.npz")):
                 pass
+        self.assertFalse(os.path.exists(path("nobody.npz")))
+
+    def test_a_run_of_nothing_leaves_the_one_before(self):
+        pathlib.Path(path("kept.npz")).write_bytes(b"of before")
+        with self.assertRaises(kerf.NotFound):
+            with self.server.sheet("py-nobody").recorder(path("kept.npz")):
+                pass
+        self.assertEqual(pathlib.Path(path("kept.npz")).read_bytes(), b"of before")
+        self.assertFalse(os.path.exists(path("kept.npz.part")))
 
 
 class Files(Case):

@@ -1,5 +1,6 @@
 """Live frames as arrays: what they hold, that a slow loop does not lag, and how streams end."""
 
+import socket
 import threading
 
 import kerf
@@ -123,6 +124,20 @@ class Watching(Case):
         with self.assertRaises(kerf.InvalidArgument) as caught:
             next(self.sheet.watch(rate_hz=5000))
         self.assertEqual((caught.exception.reason, caught.exception.field), ("OUT_OF_RANGE", "start.max_rate_hz"))
+
+    def test_nobody_answers(self):
+        with socket.create_server(("127.0.0.1", 0)) as silent:
+            with kerf.connect(f"127.0.0.1:{silent.getsockname()[1]}") as server:
+                with self.assertRaisesRegex(kerf.Unavailable, "no Kerf server answers"):
+                    list(server.sheet("a").watch(duration_s=0.3))
+
+    def test_a_connection_that_is_closed_ends_the_loops_of_others(self):
+        other = kerf.connect(support.ADDRESS)
+        frames = other.sheet(self.sheet.id).watch()
+        next(frames)
+        waiting = running(lambda: next(frames))
+        other.close()
+        self.assertEqual(waiting().code, "CANCELLED")
 
     def test_how_streams_end(self):
         self.assertEqual([frame.tick for frame in self.sheet.watch(duration_s=0.2)], [self.sheet.get().tick])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import secrets
 from collections.abc import AsyncIterator, Iterable
 from contextlib import asynccontextmanager
@@ -11,6 +12,7 @@ from typing import Any, Optional, Union
 from kerf.aio.part import SheetPart
 from kerf.curves import Point, vec2
 from kerf.cuts import Vector, vec3
+from kerf.errors import NotFound
 from kerf.regions import Place, as_regions
 from kerf.scenes import AnyMaterial, as_material
 from kerf.v1 import interaction_pb2, scene_pb2
@@ -64,7 +66,8 @@ class Hands(SheetPart):
         try:
             yield hand
         finally:
-            await self.release(hand.grab_id)
+            with contextlib.suppress(NotFound):  # where it let go with a reset, or is gone with its sheet
+                await self.release(hand.grab_id)
 
     async def set_pins(self, pins: Iterable[Place]) -> int:
         """Replaces all pins, where their vertices are now; none releases the sheet. At most 64 places.

@@ -45,7 +45,10 @@ class Recorder:
             try:
                 await self._pump.finished()
             finally:
-                self._writer.close()
+                if self.num_frames:
+                    self._writer.close()
+                else:
+                    self._writer.discard()  # a run of nothing would only take the place of an older one
 
     async def _record(self) -> None:
         assert self._writer is not None

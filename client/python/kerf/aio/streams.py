@@ -6,7 +6,7 @@ import time
 from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 from kerf.aio.transport import Stream
-from kerf.errors import Error, NotFound, Unavailable
+from kerf.errors import Error, NotFound, Unavailable, no_server
 from kerf.frames import Frame, FrameDecoder
 from kerf.images import ColorBy, Image, image_of, image_view
 from kerf.v1 import geometry_pb2, render_pb2, stream_pb2
@@ -47,7 +47,7 @@ class AcknowledgedStream(_Loop):
         self._pace: Optional[stream_pb2.WatchPace] = None  # that pace() asked for
         self._closed = False
         self._sequence = 0  # of the answer that the loop holds; 0: none
-        self._arrived_ns = 0
+        self._arrived_ns = 0  # when the last answer came; 0: none has come
 
     async def aclose(self) -> None:
         """Ends the stream; idempotent. A loop over it ends."""
@@ -80,6 +80,10 @@ class AcknowledgedStream(_Loop):
     def _first(self) -> Any:
         raise NotImplementedError
 
+    def _expects_answer(self) -> bool:
+        """Whether nothing has come so far, though a server sends the first answer at once."""
+        return not self._arrived_ns and not (self._pace is not None and self._pace.paused)
+
     async def _next(self) -> Any:
         """The next answer; ends the loop when the stream has ended as it should."""
         if self._sequence:
@@ -92,6 +96,8 @@ class AcknowledgedStream(_Loop):
             assert self._stream is not None
             response = await self._stream.receive()
             if response is None:
+                if self._stream.out_of_time and self._expects_answer():
+                    raise no_server(self._address, "nothing came in all the time there was")
                 break
             kind = response.WhichOneof("kind")
             if kind == "ended" and response.ended.reason == stream_pb2.Ended.TOO_SLOW:

@@ -10,7 +10,7 @@ from typing import Any, Optional
 import grpc
 
 from kerf.channel_options import CHANNEL_OPTIONS
-from kerf.errors import error_of, is_cancelled, is_out_of_time
+from kerf.errors import connection_closed, error_of, is_cancelled, is_out_of_time
 
 
 def open_channel(address: str) -> grpc.aio.Channel:
@@ -43,6 +43,8 @@ class Stream:
         # Not written one by one: a write to a call that the server has ended never returns.
         self._requests: asyncio.Queue[Any] = asyncio.Queue()
         self._call = method(_until_none(self._requests) if request is None else request, timeout=duration_s)
+        self._reading: Optional[asyncio.Future[Any]] = None  # the next answer, which outlives a caller that gave up
+        self.out_of_time = False  # it ended since duration_s was over
 
     def __del__(self) -> None:
         # A stream that is just dropped must not leave the task behind that waits for requests; no loop, no task.
@@ -55,16 +57,23 @@ class Stream:
 
     async def receive(self) -> Any:
         """The next answer; None when the stream has ended as it should. Raises kerf.Error where it failed."""
+        if self._reading is None:
+            self._reading = asyncio.ensure_future(self._call.read())
+        reading = self._reading
+        # A read that is cancelled ends the whole call. Whoever is cancelled here leaves it to the next.
+        await asyncio.wait((reading,))
+        self._reading = None
+        if reading.cancelled():  # with the call: by close(), or since the connection was closed
+            if self._closed:
+                return None
+            raise connection_closed(self._address)
         try:
-            answer = await self._call.read()
+            answer = reading.result()
         except grpc.RpcError as failure:
-            if is_out_of_time(failure) or (self._closed and is_cancelled(failure)):
+            self.out_of_time = is_out_of_time(failure)
+            if self.out_of_time or (self._closed and is_cancelled(failure)):
                 return None
             raise error_of(failure, self._address) from None
-        except asyncio.CancelledError:
-            if self._closed:
-                return None  # not this task was cancelled, but the call by close()
-            raise
         return None if answer is grpc.aio.EOF else answer
 
     async def close(self) -> None:

@@ -30,9 +30,9 @@ class Viewing(SheetPart):
 
         rate_hz: most frames a second, 0.001..1000; 0: every tick. window: frames under way, 1..8: with 1 a frame is sent when
         the loop comes back for it; more keep a fast loop busy over a long way; 0: the server finds out. strains: frames have
-        the strains of the vertices. duration_s: the stream ends after so long; None: only when it is closed, or a NotFound
-        (the sheet was deleted) or Unavailable (the server stops) comes. A paused sheet has a frame when something changes.
-        Needs NumPy.
+        the strains of the vertices. duration_s: the stream ends after so long, with Unavailable where not even a first frame
+        came; None: only when it is closed, or a NotFound (the sheet was deleted) or Unavailable (the server stops) comes. A
+        paused sheet has a frame when something changes. Needs NumPy.
 
         >>> async with sheet.watch(rate_hz=30, strains=True) as frames:
         ...     async for frame in frames:
@@ -88,7 +88,8 @@ class Viewing(SheetPart):
 
         rate_hz, strains: as of watch(). The last frame of the file is of the tick at which the `with` was left, or later. Ticks
         that went by faster than they could be sent are left out: `ticks` of the run says which there are. OSError where the
-        file cannot be written; an exception inside the `with` leaves the frames until then.
+        file cannot be written; an exception inside the `with` leaves the frames until then, if there
+        are any; where not, there is no file, or the one of before.
 
         >>> async with sheet.recorder(path):
         ...     stepped = await sheet.step(30)
