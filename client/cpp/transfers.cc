@@ -8,16 +8,15 @@
 namespace kerf::client {
 namespace {
 
-constexpr std::size_t kChunkBytes = std::size_t{256} << 10;
 constexpr std::chrono::minutes kTimeout{10};  // of a whole file
 
 // Sends `start`, then the file in chunks. A server that refuses it ends the call early, and its status says why.
 template <typename Message>
 grpc::Status send(grpc::ClientWriter<Message>& writer, const Message& start, std::string_view file) {
   bool open = writer.Write(start);
-  for (std::size_t at = 0; open && at < file.size(); at += kChunkBytes) {
+  for (std::size_t at = 0; open && at < file.size(); at += kUploadChunkBytes) {
     Message message;
-    message.set_chunk(std::string(file.substr(at, kChunkBytes)));
+    message.set_chunk(std::string(file.substr(at, kUploadChunkBytes)));
     open = writer.Write(message);
   }
   writer.WritesDone();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -9,6 +10,8 @@
 
 // Files that are larger than a message, to the server and from it.
 namespace kerf::client {
+
+inline constexpr std::size_t kUploadChunkBytes = std::size_t{256} << 10;  // below what a message may have, 1 MiB
 
 // CreateSheet with the mesh file as the text or data that request.scene's obj or ply leaves empty.
 grpc::Status upload_sheet(Client& client, const v1::CreateSheetRequest& request, std::string_view mesh_file,

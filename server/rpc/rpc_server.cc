@@ -41,7 +41,7 @@ void set_limits(grpc::ServerBuilder& builder, const RpcOptions& options, int max
 RpcServer::RpcServer(api::Api& api, host::Clock& clock, const RpcOptions& options) : impl_(std::make_unique<Impl>()) {
   impl_->options = options;
   impl_->max_request_bytes = api.limits().max_request_bytes;
-  impl_->services = make_services(api, {clock, options.upload_timeout});
+  impl_->services = make_services(api, {clock, {options.transfer_silence_timeout, options.transfer_timeout}});
 }
 
 RpcServer::~RpcServer() {

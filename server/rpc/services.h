@@ -20,7 +20,7 @@ struct NamedService {
 };
 
 // Every service of kerf.v1 over `api`, which must outlive them, as must the clock.
-std::vector<NamedService> make_services(api::Api& api, UploadPatience patience);
+std::vector<NamedService> make_services(api::Api& api, TransferPatience patience);
 
 // StreamService, whose messages are passed through as bytes: frames are serialised once for all streams.
 std::unique_ptr<grpc::Service> make_stream_service(api::Api& api);
