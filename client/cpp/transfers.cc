@@ -9,7 +9,6 @@
 namespace kerf::client {
 namespace {
 
-constexpr std::size_t kChunkBytes = std::size_t{256} << 10;
 // Mesh files up to this go with the request, which may have 1 MiB; larger ones are sent in parts.
 constexpr std::size_t kMaxEmbeddedBytes = std::size_t{512} << 10;
 
@@ -17,9 +16,9 @@ constexpr std::size_t kMaxEmbeddedBytes = std::size_t{512} << 10;
 template <typename Message>
 grpc::Status send(grpc::ClientWriter<Message>& writer, const Message& start, std::string_view file) {
   bool open = writer.Write(start);
-  for (std::size_t at = 0; open && at < file.size(); at += kChunkBytes) {
+  for (std::size_t at = 0; open && at < file.size(); at += kUploadChunkBytes) {
     Message message;
-    message.set_chunk(std::string(file.substr(at, kChunkBytes)));
+    message.set_chunk(std::string(file.substr(at, kUploadChunkBytes)));
     open = writer.Write(message);
   }
   writer.WritesDone();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -11,7 +12,8 @@
 // Files that are larger than a message, to the server and from it.
 namespace kerf::client {
 
-constexpr std::chrono::minutes kTransferTimeout{10};  // of a whole file
+inline constexpr std::size_t kUploadChunkBytes = std::size_t{256} << 10;  // below what a message may have, 1 MiB
+inline constexpr std::chrono::minutes kTransferTimeout{10};               // of a whole file
 
 // CreateSheet, or upload_sheet() where the mesh file in the request would make it too large for one message.
 grpc::Status create_sheet(Client& client, v1::CreateSheetRequest request, v1::Sheet& sheet,

@@ -102,6 +102,9 @@ struct Limits {
                                           // being done
   std::int64_t max_mesh_upload_bytes = std::int64_t{64} << 20;        // a mesh file of UploadSheet
   std::int64_t max_recording_upload_bytes = std::int64_t{128} << 20;  // a file of ReplayRecording
+  std::int64_t max_recorded_ticks = std::int64_t{4} << 20;            // of that file: 19 h at 60 Hz, each tick an entry
+  std::int64_t max_recorded_parts = std::int64_t{1} << 20;            // of that file, see wire::RecordingLimits
+  std::int32_t max_recordings_sent = 16;                              // to clients at once, each a whole file in memory
   std::int64_t max_uploading_bytes = std::int64_t{256} << 20;         // of all uploads under way
 };
 
@@ -167,7 +170,8 @@ class Api {
   // For a transport that must read a whole file before it can begin its upload: room for it among all uploads until
   // then.
   Result<std::shared_ptr<const UploadRoom>> reserve_upload(std::int64_t num_bytes);
-  // The whole file of SheetService.GetSheetRecording.
+  // The whole file of SheetService.GetSheetRecording, which counts as being sent until the reply is let go:
+  // kResourceExhausted TOO_MANY_RECORDINGS.
   void get_sheet_recording(const v1::GetSheetRecordingRequest& request,
                            Reply<std::shared_ptr<const std::string>> reply);
   // Ends after an iteration, with what was found, once `stop` asks for it.

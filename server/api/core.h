@@ -47,6 +47,7 @@ struct ApiCore {
   std::atomic<bool> stopping{false};
   std::atomic<std::int32_t> num_watchers{0};
   std::atomic<std::int64_t> uploading_bytes{0};  // declared by uploads under way
+  std::atomic<std::int32_t> recordings_sent{0};  // being made or on their way
   RequestLog requests;
   CutJournal journal;
   std::atomic<std::int32_t> num_image_streams{0};
@@ -64,6 +65,9 @@ Error server_stopping();
 
 // kUnavailable RENDERER_UNAVAILABLE, with the reason.
 Status check_renderer(const ApiCore& core);
+
+// Api::create_sheet(), which takes the mesh out of the request.
+void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest request, Reply<v1::Sheet> reply);
 
 // The sheet id that a request names in `field`, or why it is not served.
 Result<std::string> addressed_sheet(const ApiCore& core, const std::string& name, const char* field);

@@ -103,6 +103,7 @@ Result<stream::Bytes> PictureFeed::still(const StillFormat& format, const stream
   if (!encoded.ok()) return encoded.error();
   ++studio_.counters_.encoded;
   auto data = std::make_shared<const std::string>(std::move(*encoded));
+  if (stills_.size() == kMaxKeptStills) stills_.pop_front();
   stills_.emplace_back(format, data);
   return stream::Bytes(std::move(data));
 }

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -48,6 +49,9 @@ struct PictureOrder {
   std::function<void(Result<FinishedPicture>)> done;
 };
 
+// Of one picture, in different formats: those made last. Whoever wants another has it encoded again.
+inline constexpr std::size_t kMaxKeptStills = 4;
+
 class PictureStudio;
 
 // One view of one sheet, for all streams that look at it so. An order is filled with a picture of the newest tick as of
@@ -89,9 +93,9 @@ class PictureFeed : public std::enable_shared_from_this<PictureFeed> {
 
   // Only run() uses these, of which there is one at a time.
   Look look_;
-  std::shared_ptr<const DrawnPicture> drawn_;                  // of look_; null: not kept
-  std::vector<std::pair<StillFormat, stream::Bytes>> stills_;  // of look_
-  render::Camera camera_;                                      // of look_
+  std::shared_ptr<const DrawnPicture> drawn_;                 // of look_; null: not kept
+  std::deque<std::pair<StillFormat, stream::Bytes>> stills_;  // of look_, the last few; see kMaxKeptStills
+  render::Camera camera_;                                     // of look_
   double strain_end_ = 0.0;
 };
 

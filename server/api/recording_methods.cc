@@ -30,10 +30,29 @@ void play(const std::shared_ptr<ApiCore>& core, const std::string& file, const s
     error.code = ErrorCode::kInvalidArgument;
     reply(std::move(error));
   };
-  Result<wire::RecordingFile> decoded = wire::decode_recording(file);
+  const Limits& limits = core->options.limits;
+  Result<wire::RecordingFile> decoded =
+      wire::decode_recording(file, {limits.max_recorded_ticks, limits.max_recorded_parts});
   if (!decoded.ok()) return answer(decoded.error());
   core->host.replay(sheet_id, std::move(decoded->recording), paused, sheet_reply(answer, ""));
 }
+
+// A file on its way to a client: counted until nothing holds it any more.
+class SentRecording {
+ public:
+  explicit SentRecording(std::shared_ptr<ApiCore> core) : core_(std::move(core)), together_(++core_->recordings_sent) {}
+  ~SentRecording() { --core_->recordings_sent; }
+  SentRecording(const SentRecording&) = delete;
+  SentRecording& operator=(const SentRecording&) = delete;
+
+  [[nodiscard]] std::int32_t counted_together() const { return together_; }
+
+  std::string content;
+
+ private:
+  const std::shared_ptr<ApiCore> core_;
+  const std::int32_t together_;
+};
 
 }  // namespace
 
@@ -59,13 +78,14 @@ Result<std::unique_ptr<Upload>> Api::upload_sheet(const v1::SheetUpload& start) 
                             "chunks are",
                             "start.sheet.scene");
   }
-  Upload::Use use = [this, request = start.sheet(), is_obj](std::string content, Reply<v1::Sheet> reply) mutable {
+  Upload::Use use = [core = core_, request = start.sheet(), is_obj](std::string content,
+                                                                    Reply<v1::Sheet> reply) mutable {
     if (is_obj) {
       request.mutable_scene()->mutable_obj()->set_text(wire::obj_text(std::move(content)));
     } else {
       request.mutable_scene()->mutable_ply()->set_data(std::move(content));
     }
-    create_sheet(request, std::move(reply));
+    make_sheet(core, std::move(request), std::move(reply));
   };
   return begin_upload(*this, start.num_bytes(), core_->options.limits.max_mesh_upload_bytes, std::move(use));
 }
@@ -90,14 +110,22 @@ void Api::get_sheet_recording(const v1::GetSheetRecordingRequest& request,
                               Reply<std::shared_ptr<const std::string>> reply) {
   const Result<std::string> id = addressed_sheet(*core_, request.name(), "name");
   if (!id.ok()) return reply(id.error());
-  core_->host.recording(*id, [core = core_, reply = std::move(reply)](Result<host::KeptRun> run) {
+  const auto file = std::make_shared<SentRecording>(core_);
+  const std::int32_t most = core_->options.limits.max_recordings_sent;
+  if (file->counted_together() > most) {
+    return reply(Error{ErrorCode::kResourceExhausted, "TOO_MANY_RECORDINGS",
+                       std::to_string(most) + " recordings are being sent, as many as may be; try again when one has "
+                                              "arrived",
+                       ""});
+  }
+  core_->host.recording(*id, [core = core_, file, reply = std::move(reply)](Result<host::KeptRun> run) {
     if (!run.ok()) return reply(at_field(run.error(), "name"));
     auto kept = std::make_shared<const host::KeptRun>(std::move(*run));
     in_background(
         core->worker, reply,
-        [kept, reply] {
-          reply(std::make_shared<const std::string>(wire::encode_recording_header(*kept->config, wire::build_name()) +
-                                                    kept->entries));
+        [kept, file, reply] {
+          file->content = wire::encode_recording_header(*kept->config, wire::build_name()) + kept->entries;
+          reply(std::shared_ptr<const std::string>(file, &file->content));
         },
         too_many_pictures(*core));
   });

@@ -11,27 +11,33 @@
 // SheetService.
 namespace kerf::api {
 
-void Api::create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply) {
-  if (core_->stopping) return reply(server_stopping());
+void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest request, Reply<v1::Sheet> reply) {
+  if (core->stopping) return reply(server_stopping());
   const std::string& id = request.sheet_id();
   if (const Status valid = check_sheet_id(id); !valid.ok()) return reply(valid.error());
   if (!request.has_scene()) {
     return reply(invalid_argument("FIELD_MISSING", "scene must be given: a mesh at least", "scene"));
   }
-  Result<sheet::SheetConfig> config = wire::decode_scene(request.scene());
+  // What a request_id stands for is the whole request.
+  v1::Scene scene = request.request_id().empty() ? std::move(*request.mutable_scene()) : request.scene();
+  Result<sheet::SheetConfig> config = wire::decode_scene(std::move(scene));
   const auto in_scene = [](Error error) {
     const bool about_scene = error.code == ErrorCode::kInvalidArgument;
     if (about_scene) error.field = error.field.empty() ? "scene" : "scene." + error.field;
     return error;
   };
   if (!config.ok()) return reply(in_scene(config.error()));
-  once<v1::Sheet>(core_, "CreateSheet", request, std::move(reply), [&](Reply<v1::Sheet> answer) {
-    core_->host.create_sheet(id, std::move(*config), request.paused(),
-                             [answer = std::move(answer), in_scene](Result<host::SheetStatus> status) {
-                               if (!status.ok()) return answer(in_scene(status.error()));
-                               answer(encode_sheet(*status));
-                             });
+  once<v1::Sheet>(core, "CreateSheet", request, std::move(reply), [&](Reply<v1::Sheet> answer) {
+    core->host.create_sheet(id, std::move(*config), request.paused(),
+                            [answer = std::move(answer), in_scene](Result<host::SheetStatus> status) {
+                              if (!status.ok()) return answer(in_scene(status.error()));
+                              answer(encode_sheet(*status));
+                            });
   });
+}
+
+void Api::create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply) {
+  make_sheet(core_, request, std::move(reply));
 }
 
 void Api::get_sheet(const v1::GetSheetRequest& request, Reply<v1::Sheet> reply) {

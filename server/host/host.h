@@ -119,7 +119,8 @@ class Host {
   static constexpr std::int64_t kMaxCatchUpTicks = 2;
   static constexpr double kMinSpeed = 0.01;
   static constexpr double kMaxSpeed = 4.0;
-  static constexpr std::int32_t kTicksPerTurn = 4;  // of a step() call, before other sheets get their turn
+  static constexpr std::int32_t kTicksPerTurn = 4;    // of a step() call, before other sheets get their turn
+  static constexpr std::int32_t kEntriesPerTurn = 4;  // of a recording before a tick, and after it; likewise
 
   // `clock` and `entropy` must outlive the host.
   Host(HostOptions options, Clock& clock, Entropy& entropy);

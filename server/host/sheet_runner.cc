@@ -121,6 +121,7 @@ void SheetRunner::pause() {
   if (step_call_) finish_step(status());
   if (paused_) return;
   paused_ = true;
+  tick_played_ = false;  // what is left of its tick comes before the next one
   sleeping_ = false;
   stop_clock();
   note_state();
@@ -277,7 +278,7 @@ void SheetRunner::commands_arrived() {
 void SheetRunner::on_deadline(std::uint64_t generation) {
   if (closed_ || context_.stopping || generation != generation_) return;
   timer_.reset();
-  run_once(true);
+  if (!run_once(true)) return deadline_call()();
   if (paused_) return;  // a replay has ended
   if (sheet_.frozen()) {
     stop_clock();
@@ -298,8 +299,8 @@ void SheetRunner::take_turn() {
   for (std::int32_t i = 0; i < Host::kTicksPerTurn && step_call_->remaining > 0; ++i) {
     if (context_.stopping) return;  // close() answers
     if (step_call_->stop.stop_requested()) return finish_step(status());
-    --step_call_->remaining;
-    run_once(true);
+    if (!run_once(true)) break;
+    --step_call_->remaining;  // below 0 where the tick has ended the call
     if (!sheet_.frozen()) continue;
     finish_step(Error{
         ErrorCode::kFailedPrecondition, "SHEET_FROZEN",
@@ -320,6 +321,7 @@ void SheetRunner::take_turn() {
 void SheetRunner::finish_step(Result<SheetStatus> result) {
   const Callback<SheetStatus> done = std::move(step_call_->done);
   step_call_.reset();
+  tick_played_ = false;
   note_state();
   done(std::move(result));
   commands_arrived();

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -98,11 +99,14 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void commands_arrived();
   void on_deadline(std::uint64_t generation);
   void take_turn();
+  // One Sheet::step, or, where time stands still, Sheet::apply. False: there was nothing to apply, or a tick that is
+  // played has not come to its end.
   bool run_once(bool advance);
   void run_commands(bool advance, std::vector<Pending> pending);
-  // One tick of the recording, with what was applied before and after it (sheet_runner_replay.cc).
-  void play_tick();
-  void play_applied();
+  // One tick of the recording, with what was applied before and after it (sheet_runner_replay.cc). False: there is more
+  // of that than may be done in one turn.
+  bool play_tick();
+  bool play_applied();
   void play_entry(bool advance);
   void end_playback();
   [[nodiscard]] bool is_playing() const { return playback_ && playback_->is_playing(); }
@@ -125,6 +129,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void start_clock();
   void stop_clock();
   void schedule();
+  std::function<void()> deadline_call();
   void note_need(std::int64_t need);
   void note_state();
   void note_status();
@@ -155,6 +160,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::shared_ptr<sheet::RecordingSink> recording_;
   KeptRecording kept_;
   std::unique_ptr<Playback> playback_;     // null: the sheet never played a recording
+  bool tick_played_ = false;               // by a play_tick() that has not come to its end
   std::vector<WaitingCommand> scheduled_;  // by tick, equal ticks in the order they came
   std::int64_t num_scheduled_ = 0;         // ever
   std::optional<StepCall> step_call_;

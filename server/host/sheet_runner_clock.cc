@@ -36,16 +36,19 @@ void SheetRunner::stop_clock() {
 }
 
 void SheetRunner::schedule() {
-  const auto fire = [weak = weak_from_this(), strand = strand_, generation = generation_] {
+  if (pace_.deadline() > context_.clock.now()) {
+    timer_ = context_.clock.schedule(pace_.deadline(), deadline_call());
+  } else {
+    deadline_call()();
+  }
+}
+
+std::function<void()> SheetRunner::deadline_call() {
+  return [weak = weak_from_this(), strand = strand_, generation = generation_] {
     strand.post([weak, generation] {
       if (const auto self = weak.lock()) self->on_deadline(generation);
     });
   };
-  if (pace_.deadline() > context_.clock.now()) {
-    timer_ = context_.clock.schedule(pace_.deadline(), fire);
-  } else {
-    fire();
-  }
 }
 
 }  // namespace kerf::host

@@ -5,23 +5,30 @@
 // The ticks of a SheetRunner that plays a recording.
 namespace kerf::host {
 
-void SheetRunner::play_tick() {
-  play_applied();
-  if (is_playing()) {
+bool SheetRunner::play_tick() {
+  if (!play_applied()) return false;
+  if (is_playing() && !tick_played_) {
     if (playback_->next_at(sheet_.tick() + 1) != nullptr) {
       play_entry(true);
     } else {
       run_commands(true, {});
     }
-    play_applied();
-    if (is_playing() && sheet_.frozen()) playback_->stuck(sheet_.tick(), sheet_.state_hash());
+    tick_played_ = true;
+    if (!play_applied()) return false;
   }
+  if (is_playing() && sheet_.frozen()) playback_->stuck(sheet_.tick(), sheet_.state_hash());
+  tick_played_ = false;
   if (!is_playing()) end_playback();
+  return true;
 }
 
-// What was done while time stood still.
-void SheetRunner::play_applied() {
-  while (playback_->next_at(sheet_.tick()) != nullptr) play_entry(false);
+// What was done while time stood still: any number of entries, of which one turn does a few.
+bool SheetRunner::play_applied() {
+  for (std::int32_t i = 0; playback_->next_at(sheet_.tick()) != nullptr; ++i) {
+    if (i == Host::kEntriesPerTurn || context_.stopping) return false;
+    play_entry(false);
+  }
+  return true;
 }
 
 void SheetRunner::play_entry(bool advance) {
@@ -41,6 +48,7 @@ void SheetRunner::end_playback() {
   ++state_changes_;
   if (paused_) {
     note_status();
+    publish();
   } else {
     pause();
   }

@@ -16,12 +16,8 @@ double microseconds(Nanoseconds time) {
 
 }  // namespace
 
-// One Sheet::step, or, where time stands still, Sheet::apply; false if there was nothing to apply.
 bool SheetRunner::run_once(bool advance) {
-  if (advance && is_playing()) {
-    play_tick();
-    return true;
-  }
+  if (advance && is_playing()) return play_tick();
   std::vector<Pending> pending = advance && !sheet_.frozen() ? take_due() : std::vector<Pending>();
   std::vector<Pending> queued = take_queue();
   std::move(queued.begin(), queued.end(), std::back_inserter(pending));

@@ -1,28 +1,35 @@
 #include "server/rpc/patience.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace kerf::rpc {
 
-void Patience::begin(std::function<void()> give_up) {
-  const host::Nanoseconds deadline = clock_.now() + limit_;
+void Patience::begin(std::function<void(Lapse)> give_up) {
+  host::Nanoseconds deadline{0};
   {
     const std::lock_guard lock(mutex_);
     give_up_ = std::move(give_up);
-    deadline_ = deadline;
+    end_ = clock_.now() + limits_.whole;
+    wait_anew();
+    deadline = deadline_;
   }
   wait_until(deadline);
 }
 
 // The timer stays where it is: when it fires, it is set anew for what is left.
-bool Patience::arrived() {
+bool Patience::moved() {
   const std::lock_guard lock(mutex_);
-  deadline_ = clock_.now() + limit_;
+  wait_anew();
   return give_up_ != nullptr;
 }
 
+void Patience::wait_anew() {
+  deadline_ = std::min(clock_.now() + limits_.silence, end_);
+}
+
 bool Patience::end() {
-  std::function<void()> give_up;
+  std::function<void(Lapse)> give_up;
   {
     const std::lock_guard lock(mutex_);
     give_up_.swap(give_up);
@@ -39,16 +46,18 @@ void Patience::wait_until(host::Nanoseconds deadline) {
 
 void Patience::timer_fired() {
   timer_.fired();
-  std::function<void()> give_up;
+  std::function<void(Lapse)> give_up;
   host::Nanoseconds deadline{0};
+  Lapse lapse = Lapse::kSilence;
   {
     const std::lock_guard lock(mutex_);
     if (!give_up_) return;
     deadline = deadline_;
+    if (deadline == end_) lapse = Lapse::kWhole;
     if (clock_.now() >= deadline) give_up_.swap(give_up);
   }
   if (give_up) {
-    give_up();
+    give_up(lapse);
   } else {
     wait_until(deadline);
   }

@@ -50,7 +50,8 @@ RpcServer::RpcServer(api::Api& api, host::Clock& clock, const RpcOptions& option
     : impl_(std::make_unique<Impl>(api, clock)) {
   impl_->options = options;
   impl_->max_request_bytes = api.limits().max_request_bytes;
-  impl_->services = make_services(api, {clock, options.upload_timeout}, impl_->hosting);
+  impl_->services =
+      make_services(api, {clock, {options.transfer_silence_timeout, options.transfer_timeout}}, impl_->hosting);
 }
 
 RpcServer::~RpcServer() {

@@ -17,7 +17,9 @@ struct RpcOptions {
   int max_streams_per_connection = 100;                  // HTTP/2 streams, 1..10000
   std::chrono::milliseconds keepalive_interval{20'000};  // a silent connection is pinged after this long ...
   std::chrono::milliseconds keepalive_timeout{10'000};   // ... and dropped when the answer takes longer than this
-  std::chrono::milliseconds upload_timeout{30'000};      // an upload of which nothing comes for this long is ended
+  // Of uploads, and of recordings that are fetched: nothing moves for this long, and from beginning to end.
+  std::chrono::milliseconds transfer_silence_timeout{30'000};
+  std::chrono::milliseconds transfer_timeout{120'000};
   // For gRPC's buffers, of all connections together; under pressure it drops idle connections, then calls.
   std::size_t max_buffer_bytes = std::size_t{512} << 20;
 };
@@ -26,7 +28,7 @@ struct RpcOptions {
 // Requests larger than the Api's limit are refused with RESOURCE_EXHAUSTED.
 class RpcServer {
  public:
-  // `api` and `clock`, that of uploads and readers that stand still, must outlive this.
+  // `api` and `clock`, that of transfers and readers that stand still, must outlive this.
   RpcServer(api::Api& api, host::Clock& clock, const RpcOptions& options = {});
   ~RpcServer();  // stop() without grace
   RpcServer(const RpcServer&) = delete;

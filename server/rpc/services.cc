@@ -112,7 +112,7 @@ using RawSheets = RawService<
     v1::SheetService::WithRawCallbackMethod_ReplayRecording>::type;
 class Sheets final : public RawSheets {
  public:
-  Sheets(api::Api& api, UploadPatience patience) : api_(api), patience_(patience) {}
+  Sheets(api::Api& api, TransferPatience patience) : api_(api), patience_(patience) {}
   KERF_UNARY(CreateSheet, create_sheet)
   KERF_UNARY(GetSheet, get_sheet)
   KERF_UNARY(ListSheets, list_sheets)
@@ -132,13 +132,13 @@ class Sheets final : public RawSheets {
   grpc::ServerReadReactor<ByteBuffer>* ReplayRecording(Context* /*context*/, ByteBuffer* response) override {
     return receive_recording(api_, patience_, response);
   }
-  grpc::ServerWriteReactor<ByteBuffer>* GetSheetRecording(Context* /*context*/, const ByteBuffer* request) override {
-    return send_recording(api_, request);
+  grpc::ServerWriteReactor<ByteBuffer>* GetSheetRecording(Context* context, const ByteBuffer* request) override {
+    return send_recording(api_, patience_, *context, request);
   }
 
  private:
   api::Api& api_;
-  const UploadPatience patience_;
+  const TransferPatience patience_;
 };
 
 using RawCuts =
@@ -214,7 +214,7 @@ class ServerInformation final : public RawServerInformation {
 
 }  // namespace
 
-std::vector<NamedService> make_services(api::Api& api, UploadPatience patience, StreamHosting& hosting) {
+std::vector<NamedService> make_services(api::Api& api, TransferPatience patience, StreamHosting& hosting) {
   std::vector<NamedService> services;
   services.push_back({v1::SheetService::service_full_name(), std::make_unique<Sheets>(api, patience)});
   services.push_back({v1::CutService::service_full_name(), std::make_unique<Cuts>(api)});

@@ -21,8 +21,8 @@ struct NamedService {
 
 struct StreamHosting;
 
-// Every service of kerf.v1 over `api`, which must outlive them, as must the clocks and `hosting`.
-std::vector<NamedService> make_services(api::Api& api, UploadPatience patience, StreamHosting& hosting);
+// Every service of kerf.v1 over `api`, which must outlive them, as must the clock and `hosting`.
+std::vector<NamedService> make_services(api::Api& api, TransferPatience patience, StreamHosting& hosting);
 
 // StreamService, whose messages are passed through as bytes: frames are serialised once for all streams.
 std::unique_ptr<grpc::Service> make_stream_service(api::Api& api, StreamHosting& hosting);

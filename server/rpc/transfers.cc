@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "kerf/v1/sheets.pb.h"
+#include "server/api/ready_signal.h"
 #include "server/api/upload.h"
 #include "server/rpc/grpc_status.h"
 #include "server/rpc/messages.h"
@@ -23,16 +24,17 @@ constexpr std::size_t kChunkBytes = std::size_t{64} << 10;
 template <typename Request, typename Start>
 class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
  public:
-  UploadReactor(Start start, UploadPatience patience, ByteBuffer* response)
+  UploadReactor(Start start, TransferPatience patience, ByteBuffer* response)
       : start_(std::move(start)),
         response_(response),
-        patience_(std::make_shared<Patience>(patience.clock, patience.limit)) {
-    patience_->begin([this, limit = patience.limit] { Finish(to_status(stalled(limit))); });
+        patience_(std::make_shared<Patience>(patience.clock, patience.limits)) {
+    patience_->begin(
+        [this, limits = patience.limits](Patience::Lapse lapse) { Finish(to_status(late(lapse, limits))); });
     StartRead(&message_);
   }
 
   void OnReadDone(bool ok) override {
-    if (!patience_->arrived()) return;
+    if (!patience_->moved()) return;
     if (!ok) return end();
     Result<Request> request = parse_message<Request>(message_);
     const Status taken = request ? take(std::move(request).value()) : Status(request.error());
@@ -43,7 +45,11 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   void OnDone() override { delete this; }
 
  private:
+  // Takes no message that brings nothing: an upload goes on by bytes alone.
   Status take(Request request) {
+    if (request.kind_case() == Request::KIND_NOT_SET) {
+      return invalid_argument("CHOICE_MISSING", "kind must be one of start or chunk", "kind");
+    }
     if (request.has_start()) {
       if (upload_) return invalid_argument("UPLOAD_ORDER", "start must come once, as the first message", "start");
       Result<std::unique_ptr<api::Upload>> begun = start_(request.start());
@@ -52,6 +58,7 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
       return Nothing{};
     }
     if (!upload_) return missing_start();
+    if (request.chunk().empty()) return invalid_argument("CHUNK_EMPTY", "a chunk must have bytes in it", "chunk");
     return upload_->append(std::move(*request.mutable_chunk()));
   }
 
@@ -69,10 +76,15 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
     if (patience_->end()) Finish(to_status(error));
   }
 
-  static Error stalled(host::Nanoseconds limit) {
+  static Error late(Patience::Lapse lapse, const PatienceLimits& limits) {
     std::ostringstream message;
-    message << "nothing of the upload came for " << host::seconds(limit) << " s: send all of it again, without a pause";
-    return {ErrorCode::kAborted, "UPLOAD_STALLED", message.str(), ""};
+    if (lapse == Patience::Lapse::kSilence) {
+      message << "nothing of the upload came for " << host::seconds(limits.silence)
+              << " s: send all of it again, without a pause";
+      return {ErrorCode::kAborted, "UPLOAD_STALLED", message.str(), ""};
+    }
+    message << "the upload took longer than " << host::seconds(limits.whole) << " s: send all of it again, faster";
+    return {ErrorCode::kAborted, "UPLOAD_TOO_SLOW", message.str(), ""};
   }
 
   static Error missing_start() {
@@ -87,14 +99,18 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
 };
 
 template <typename Request, typename Start>
-grpc::ServerReadReactor<ByteBuffer>* receive(Start start, UploadPatience patience, ByteBuffer* response) {
+grpc::ServerReadReactor<ByteBuffer>* receive(Start start, TransferPatience patience, ByteBuffer* response) {
   return new UploadReactor<Request, Start>(std::move(start), patience, response);  // deletes itself in OnDone
 }
 
 // Sends a file in chunks, one write at a time.
 class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
  public:
-  RecordingReactor(api::Api& api, const ByteBuffer* bytes) {
+  RecordingReactor(api::Api& api, TransferPatience patience, grpc::CallbackServerContext& context,
+                   const ByteBuffer* bytes)
+      : patience_(std::make_shared<Patience>(patience.clock, patience.limits)) {
+    // A write that is not taken ends in OnWriteDone, and the call with it.
+    too_slow_->set([&context] { context.TryCancel(); });
     const Result<v1::GetSheetRecordingRequest> request = parse_message<v1::GetSheetRecordingRequest>(*bytes);
     if (!request) {
       Finish(to_status(request.error()));
@@ -103,16 +119,21 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
     api.get_sheet_recording(*request, [this](Result<std::shared_ptr<const std::string>> file) {
       if (!file) return Finish(to_status(file.error()));
       file_ = std::move(file).value();
+      patience_->begin([too_slow = too_slow_](Patience::Lapse) { too_slow->raise(); });
       write_next();
     });
   }
 
   void OnWriteDone(bool ok) override {
-    if (!ok) return Finish(grpc::Status::CANCELLED);
+    if (!ok || !patience_->moved()) return Finish(grpc::Status::CANCELLED);
     write_next();
   }
 
-  void OnDone() override { delete this; }
+  void OnDone() override {
+    patience_->end();
+    too_slow_->set({});  // waits for one that is running: it uses the call
+    delete this;
+  }
 
  private:
   void write_next() {
@@ -124,6 +145,8 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
     StartWrite(&message_);
   }
 
+  const std::shared_ptr<Patience> patience_;  // whose timer may fire when this is gone
+  const std::shared_ptr<api::ReadySignal> too_slow_ = std::make_shared<api::ReadySignal>();  // likewise
   std::shared_ptr<const std::string> file_;
   std::size_t sent_ = 0;
   ByteBuffer message_;
@@ -131,18 +154,19 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
 
 }  // namespace
 
-grpc::ServerReadReactor<ByteBuffer>* receive_sheet(api::Api& api, UploadPatience patience, ByteBuffer* response) {
+grpc::ServerReadReactor<ByteBuffer>* receive_sheet(api::Api& api, TransferPatience patience, ByteBuffer* response) {
   return receive<v1::UploadSheetRequest>([&api](const v1::SheetUpload& start) { return api.upload_sheet(start); },
                                          patience, response);
 }
 
-grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, UploadPatience patience, ByteBuffer* response) {
+grpc::ServerReadReactor<ByteBuffer>* receive_recording(api::Api& api, TransferPatience patience, ByteBuffer* response) {
   return receive<v1::ReplayRecordingRequest>(
       [&api](const v1::RecordingUpload& start) { return api.replay_recording(start); }, patience, response);
 }
 
-grpc::ServerWriteReactor<ByteBuffer>* send_recording(api::Api& api, const ByteBuffer* request) {
-  return new RecordingReactor(api, request);  // deletes itself in OnDone
+grpc::ServerWriteReactor<ByteBuffer>* send_recording(api::Api& api, TransferPatience patience,
+                                                     grpc::CallbackServerContext& context, const ByteBuffer* request) {
+  return new RecordingReactor(api, patience, context, request);  // deletes itself in OnDone
 }
 
 }  // namespace kerf::rpc

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <grpcpp/server_context.h>
 #include <grpcpp/support/byte_buffer.h>
 #include <grpcpp/support/server_callback.h>
 
 #include "server/host/clock.h"
+#include "server/rpc/patience.h"
 
 namespace kerf::api {
 class Api;
@@ -13,16 +15,19 @@ class Api;
 // Each reactor deletes itself when its call is done.
 namespace kerf::rpc {
 
-// How long an upload may stand still: then it is ended with ABORTED, UPLOAD_STALLED.
-struct UploadPatience {
+// How long transfers may stand still, and take: uploads beyond it are ended with ABORTED, UPLOAD_STALLED or
+// UPLOAD_TOO_SLOW; the call of a reader that does not take its file is cancelled.
+struct TransferPatience {
   host::Clock& clock;
-  host::Nanoseconds limit;
+  PatienceLimits limits;
 };
 
-grpc::ServerReadReactor<grpc::ByteBuffer>* receive_sheet(api::Api& api, UploadPatience patience,
+grpc::ServerReadReactor<grpc::ByteBuffer>* receive_sheet(api::Api& api, TransferPatience patience,
                                                          grpc::ByteBuffer* response);
-grpc::ServerReadReactor<grpc::ByteBuffer>* receive_recording(api::Api& api, UploadPatience patience,
+grpc::ServerReadReactor<grpc::ByteBuffer>* receive_recording(api::Api& api, TransferPatience patience,
                                                              grpc::ByteBuffer* response);
-grpc::ServerWriteReactor<grpc::ByteBuffer>* send_recording(api::Api& api, const grpc::ByteBuffer* request);
+grpc::ServerWriteReactor<grpc::ByteBuffer>* send_recording(api::Api& api, TransferPatience patience,
+                                                           grpc::CallbackServerContext& context,
+                                                           const grpc::ByteBuffer* request);
 
 }  // namespace kerf::rpc

@@ -11,17 +11,28 @@ void Recorder::append(const RecordedTick& entry) {
   recording_.entries.push_back(entry);
 }
 
+Status check_next(const RecordedTick& entry, std::size_t index, std::int64_t before) {
+  const std::int64_t earliest = entry.commands.empty() ? before + 1 : before;
+  if (entry.tick < earliest || entry.tick - before > kMaxRecordedGap) {
+    return Error{ErrorCode::kDataLoss, "RECORDING_ORDER",
+                 "entry " + std::to_string(index) + " is of tick " + std::to_string(entry.tick) + "; expected " +
+                     std::to_string(earliest) + " to " + std::to_string(before + kMaxRecordedGap),
+                 ""};
+  }
+  if (entry.commands.size() > kMaxTickCommands) {
+    return Error{ErrorCode::kDataLoss, "RECORDING_TICK",
+                 "entry " + std::to_string(index) + " has " + std::to_string(entry.commands.size()) +
+                     " commands; at most " + std::to_string(kMaxTickCommands) + " are done at once",
+                 ""};
+  }
+  return Nothing{};
+}
+
 Status check_order(std::span<const RecordedTick> entries) {
   std::int64_t before = 0;
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    const std::int64_t tick = entries[i].tick;
-    if (tick < before || tick - before > kMaxRecordedGap) {
-      return Error{ErrorCode::kDataLoss, "RECORDING_ORDER",
-                   "entry " + std::to_string(i) + " is of tick " + std::to_string(tick) + "; expected " +
-                       std::to_string(before) + " to " + std::to_string(before + kMaxRecordedGap),
-                   ""};
-    }
-    before = tick;
+    if (Status s = check_next(entries[i], i, before); !s) return s;
+    before = entries[i].tick;
   }
   return Nothing{};
 }

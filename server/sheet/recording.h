@@ -14,6 +14,7 @@
 namespace kerf::sheet {
 
 inline constexpr std::int64_t kMaxRecordedGap = 4096;  // ticks from one entry to the next
+inline constexpr std::size_t kMaxTickCommands = 256;   // of an entry; a live tick does not get that many
 
 // One step() or apply(). An entry whose tick is that of the entry before it (0 before the first) was an apply(), or a
 // step of a frozen sheet, which is the same. Ticks between two entries were steps without commands from outside.
@@ -61,7 +62,12 @@ struct ReplayReport {
   std::optional<Divergence> divergence;  // the first; empty: equal bit for bit
 };
 
-// kDataLoss RECORDING_ORDER where ticks go back or skip more than kMaxRecordedGap.
+// Whether `entry`, number `index`, may come after one of tick `before`, or as the first after 0. kDataLoss
+// RECORDING_ORDER where the tick goes back, skips more than kMaxRecordedGap or is the same with nothing done in it;
+// RECORDING_TICK where more than kMaxTickCommands are to be done at once.
+Status check_next(const RecordedTick& entry, std::size_t index, std::int64_t before);
+
+// The same of all entries.
 Status check_order(std::span<const RecordedTick> entries);
 
 // Builds the sheet anew, gives it the same commands at the same ticks and compares every hash; stops at the first that

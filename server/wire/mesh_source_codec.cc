@@ -55,16 +55,18 @@ v1::RestShape encode_rest_shape(sheet::RestShape rest_shape) {
   return v1::REST_SHAPE_UNSPECIFIED;
 }
 
-Result<sheet::MeshSource> decode_obj(const v1::ObjMesh& message, const FileReader& read_file) {
-  Result<std::string> text = read_content({message.text(), message.file()}, read_file, "OBJ", "obj");
+Result<sheet::MeshSource> decode_obj(v1::ObjMesh& message, const FileReader& read_file) {
+  Result<std::string> text = std::move(*message.mutable_text());
+  if (!message.file().empty()) text = read_content({*text, message.file()}, read_file, "OBJ", "obj");
   if (!text.ok()) return text.error();
   const Result<sheet::RestShape> rest_shape = decode_rest_shape(message.rest_shape(), "obj.rest_shape");
   if (!rest_shape.ok()) return rest_shape.error();
   return sheet::MeshSource(sheet::ObjSource{obj_text(std::move(*text)), *rest_shape});
 }
 
-Result<sheet::MeshSource> decode_ply(const v1::PlyMesh& message, const FileReader& read_file) {
-  Result<std::string> data = read_content({message.data(), message.file(), "data"}, read_file, "PLY", "ply");
+Result<sheet::MeshSource> decode_ply(v1::PlyMesh& message, const FileReader& read_file) {
+  Result<std::string> data = std::move(*message.mutable_data());
+  if (!message.file().empty()) data = read_content({*data, message.file(), "data"}, read_file, "PLY", "ply");
   if (!data.ok()) return data.error();
   const Result<sheet::RestShape> rest_shape = decode_rest_shape(message.rest_shape(), "ply.rest_shape");
   if (!rest_shape.ok()) return rest_shape.error();
@@ -189,14 +191,14 @@ void encode_source(const sheet::OutlineSource& outline, v1::Scene& scene) {
 
 }  // namespace
 
-Result<sheet::MeshSource> decode_mesh_source(const v1::Scene& scene, const FileReader& read_file) {
+Result<sheet::MeshSource> decode_mesh_source(v1::Scene& scene, const FileReader& read_file) {
   switch (scene.mesh_case()) {
     case v1::Scene::kGrid:
       return decode_grid(scene.grid());
     case v1::Scene::kObj:
-      return decode_obj(scene.obj(), read_file);
+      return decode_obj(*scene.mutable_obj(), read_file);
     case v1::Scene::kPly:
-      return decode_ply(scene.ply(), read_file);
+      return decode_ply(*scene.mutable_ply(), read_file);
     case v1::Scene::kInline:
       return decode_inline(scene.inline_());
     case v1::Scene::kOutline:

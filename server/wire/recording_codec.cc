@@ -1,8 +1,13 @@
 #include "server/wire/recording_codec.h"
 
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/wire_format_lite.h>
+
+#include <algorithm>
 #include <limits>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "kerf/v1/run.pb.h"
 #include "server/wire/command_codec.h"
@@ -30,6 +35,10 @@ Error damage(const char* reason, std::size_t offset, const std::string& what) {
   return {ErrorCode::kDataLoss, reason, "recording, " + at + ": " + what, at};
 }
 
+Error too_large(std::size_t offset, const std::string& what, std::int64_t limit) {
+  return damage("RECORDING_TOO_LARGE", offset, what + "; the limit is " + std::to_string(limit));
+}
+
 // Takes the messages of a file apart.
 class Reader {
  public:
@@ -39,7 +48,8 @@ class Reader {
   // Where the message read last begins.
   [[nodiscard]] std::size_t offset() const { return start_; }
 
-  Status next(google::protobuf::MessageLite& message) {
+  // The bytes of the next message.
+  Result<std::string_view> next() {
     start_ = at_;
     std::uint64_t length = 0;
     for (int shift = 0;; shift += 7) {
@@ -53,10 +63,20 @@ class Reader {
       return damage("RECORDING_TRUNCATED", start_,
                     "the file ends within a message of " + std::to_string(length) + " bytes");
     }
-    const bool parsed = length <= std::uint64_t{std::numeric_limits<int>::max()} &&
-                        message.ParseFromArray(file_.data() + at_, static_cast<int>(length));
+    const std::string_view message = file_.substr(at_, static_cast<std::size_t>(length));
+    at_ += message.size();
+    return message;
+  }
+
+  // `unfolding`: of the message's bytes, those that may take many times their number in memory.
+  Status parse(std::string_view bytes, std::size_t unfolding, google::protobuf::MessageLite& message) const {
+    if (unfolding > kMaxRecordedMessageBytes) {
+      return too_large(start_, "a message has " + std::to_string(unfolding) + " bytes",
+                       static_cast<std::int64_t>(kMaxRecordedMessageBytes));
+    }
+    const bool parsed = bytes.size() <= std::size_t{std::numeric_limits<int>::max()} &&
+                        message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
     if (!parsed) return damage("RECORDING_DAMAGED", start_, "what is there is no message of a recording");
-    at_ += static_cast<std::size_t>(length);
     return Nothing{};
   }
 
@@ -66,11 +86,79 @@ class Reader {
   std::size_t start_ = 0;
 };
 
+using google::protobuf::internal::WireFormatLite;
+using google::protobuf::io::CodedInputStream;
+
+// Calls `visit` with the number and the bytes of each field of a message that has a length, up to what is no message.
+template <typename Visit>
+void for_each_field(std::string_view message, Visit visit) {
+  CodedInputStream in(reinterpret_cast<const std::uint8_t*>(message.data()), static_cast<int>(message.size()));
+  while (const std::uint32_t tag = in.ReadTag()) {
+    std::uint32_t length = 0;
+    if (WireFormatLite::GetTagWireType(tag) != WireFormatLite::WIRETYPE_LENGTH_DELIMITED) {
+      if (!WireFormatLite::SkipField(&in, tag)) return;
+      continue;
+    }
+    if (!in.ReadVarint32(&length)) return;
+    const auto at = static_cast<std::size_t>(in.CurrentPosition());
+    if (length > message.size() - at || !in.Skip(static_cast<int>(length))) return;
+    visit(WireFormatLite::GetTagFieldNumber(tag), message.substr(at, length));
+  }
+}
+
+// The bytes of a header but for the text or numbers of its mesh, which take as much room when they are read.
+std::size_t bytes_beside_mesh(std::string_view header) {
+  std::size_t beside = header.size();
+  const auto visit_mesh = [&beside](int, std::string_view content) { beside -= content.size(); };
+  const auto visit_scene = [&](int field, std::string_view mesh) {
+    if (field == v1::Scene::kObjFieldNumber || field == v1::Scene::kPlyFieldNumber ||
+        field == v1::Scene::kInlineFieldNumber) {
+      for_each_field(mesh, visit_mesh);
+    }
+  };
+  for_each_field(header, [&](int field, std::string_view scene) {
+    if (field == v1::RecordingHeader::kSceneFieldNumber) for_each_field(scene, visit_scene);
+  });
+  return beside;
+}
+
+std::int64_t num_parts(const sheet::Cut& cut) {
+  std::int64_t parts = 1;
+  if (const auto* path = std::get_if<cut::Path>(&cut.curve)) {
+    for (const cut::Subpath& subpath : path->subpaths) parts += 1 + static_cast<std::int64_t>(subpath.segments.size());
+  }
+  return parts;
+}
+
+// See RecordingLimits.
+std::int64_t num_parts(const sheet::Command& command) {
+  if (const auto* cut = std::get_if<sheet::Cut>(&command)) return num_parts(*cut);
+  std::int64_t parts = 1;
+  if (const auto* batch = std::get_if<sheet::CutBatch>(&command)) {
+    for (const sheet::Cut& cut : batch->cuts) parts += num_parts(cut);
+  }
+  if (const auto* set_pins = std::get_if<sheet::SetPins>(&command)) {
+    parts += static_cast<std::int64_t>(set_pins->pins.size());
+  }
+  return parts;
+}
+
+// A drawing is a path by the time that it is recorded, and a short one may unfold into a very long path.
+bool has_drawing(const v1::Command& command) {
+  const auto is_drawn = [](const v1::Cut& cut) { return cut.curve().has_svg(); };
+  const auto& batch = command.cut_batch().cuts();
+  return is_drawn(command.cut()) || std::any_of(batch.begin(), batch.end(), is_drawn);
+}
+
 Result<sheet::RecordedTick> decode_tick(const v1::RecordedTick& message, std::size_t offset) {
   sheet::RecordedTick tick;
   tick.tick = message.tick();
   tick.state_hash = message.state_hash();
   for (int i = 0; i < message.commands_size(); ++i) {
+    if (has_drawing(message.commands(i))) {
+      return damage("RECORDING_DAMAGED", offset,
+                    "command " + std::to_string(i) + " has an SVG; a recording has the path that was made of it");
+    }
     Result<sheet::Command> command = decode_command(message.commands(i));
     if (!command.ok()) {
       return damage("RECORDING_DAMAGED", offset,
@@ -79,6 +167,61 @@ Result<sheet::RecordedTick> decode_tick(const v1::RecordedTick& message, std::si
     tick.commands.push_back(std::move(*command));
   }
   return tick;
+}
+
+// Reads the ticks of a file, one after another.
+class TickReader {
+ public:
+  TickReader(Reader& reader, const RecordingLimits& limits) : reader_(reader), limits_(limits) {}
+
+  Status read_into(std::vector<sheet::RecordedTick>& entries) {
+    Result<sheet::RecordedTick> tick = next();
+    if (!tick.ok()) return tick.error();
+    const std::int64_t before = entries.empty() ? 0 : entries.back().tick;
+    if (const Status s = sheet::check_next(*tick, entries.size(), before); !s.ok()) {
+      return damage(s.error().reason.c_str(), reader_.offset(), s.error().message);
+    }
+    if (static_cast<std::int64_t>(entries.size()) == limits_.max_entries) {
+      return too_large(reader_.offset(), "there are more ticks than may be", limits_.max_entries);
+    }
+    for (const sheet::Command& command : tick->commands) parts_ += num_parts(command);
+    if (parts_ > limits_.max_parts) {
+      return too_large(reader_.offset(), "there are more commands, or larger ones, than may be", limits_.max_parts);
+    }
+    entries.push_back(std::move(*tick));
+    return Nothing{};
+  }
+
+ private:
+  Result<sheet::RecordedTick> next() {
+    const Result<std::string_view> bytes = reader_.next();
+    if (!bytes.ok()) return bytes.error();
+    v1::RecordedTick message;
+    if (const Status parsed = reader_.parse(*bytes, bytes->size(), message); !parsed.ok()) return parsed.error();
+    return decode_tick(message, reader_.offset());
+  }
+
+  Reader& reader_;
+  const RecordingLimits& limits_;
+  std::int64_t parts_ = 0;
+};
+
+Result<v1::RecordingHeader> read_header(Reader& reader) {
+  const Result<std::string_view> bytes = reader.next();
+  if (!bytes.ok()) {
+    return bytes.error().reason == "RECORDING_TRUNCATED" ? bytes.error()
+                                                         : damage("RECORDING_FORMAT", 0, "this is no Kerf recording");
+  }
+  v1::RecordingHeader header;
+  const Status parsed = reader.parse(*bytes, bytes_beside_mesh(*bytes), header);
+  if (!parsed.ok() && parsed.error().reason == "RECORDING_TOO_LARGE") return parsed.error();
+  if (!parsed.ok() || header.magic() != kMagic) return damage("RECORDING_FORMAT", 0, "this is no Kerf recording");
+  if (header.format_version() < 1 || header.format_version() > kRecordingFormat) {
+    return damage("RECORDING_FORMAT", 0,
+                  "format version " + std::to_string(header.format_version()) + "; this program reads versions 1 to " +
+                      std::to_string(kRecordingFormat));
+  }
+  return header;
 }
 
 }  // namespace
@@ -108,30 +251,18 @@ std::string encode_recorded_tick(const sheet::RecordedTick& tick) {
   return delimited(message);
 }
 
-Result<RecordingFile> decode_recording(std::string_view file) {
+Result<RecordingFile> decode_recording(std::string_view file, const RecordingLimits& limits) {
   Reader reader(file);
-  v1::RecordingHeader header;
-  const Status status = reader.next(header);
-  if (!status.ok() && status.error().reason == "RECORDING_TRUNCATED") return status.error();
-  if (!status.ok() || header.magic() != kMagic) {
-    return damage("RECORDING_FORMAT", 0, "this is no Kerf recording");
-  }
-  if (header.format_version() < 1 || header.format_version() > kRecordingFormat) {
-    return damage("RECORDING_FORMAT", 0,
-                  "format version " + std::to_string(header.format_version()) + "; this program reads versions 1 to " +
-                      std::to_string(kRecordingFormat));
-  }
+  Result<v1::RecordingHeader> header = read_header(reader);
+  if (!header.ok()) return header.error();
   RecordingFile decoded;
-  decoded.build = header.build();
-  Result<sheet::SheetConfig> config = decode_scene(header.scene());
+  decoded.build = header->build();
+  Result<sheet::SheetConfig> config = decode_scene(std::move(*header->mutable_scene()));
   if (!config.ok()) return damage("RECORDING_DAMAGED", 0, "the scene is refused: " + config.error().message);
   decoded.recording.config = std::move(*config);
+  TickReader ticks(reader, limits);
   while (!reader.done()) {
-    v1::RecordedTick message;
-    if (const Status next = reader.next(message); !next.ok()) return next.error();
-    Result<sheet::RecordedTick> tick = decode_tick(message, reader.offset());
-    if (!tick.ok()) return tick.error();
-    decoded.recording.entries.push_back(std::move(*tick));
+    if (const Status read = ticks.read_into(decoded.recording.entries); !read.ok()) return read.error();
   }
   return decoded;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -24,10 +26,23 @@ struct RecordingFile {
   sheet::Recording recording;
 };
 
+// Of one message: a tick, or the header but for the text or numbers of its mesh. A message of so many bytes may take a
+// hundred times that while it is read.
+inline constexpr std::size_t kMaxRecordedMessageBytes = std::size_t{8} << 20;
+
+// What of a file may be read into memory, whatever its length. For files of one's own: all of them.
+struct RecordingLimits {
+  std::int64_t max_entries = std::numeric_limits<std::int64_t>::max();
+  // Commands, each cut of a batch, subpath and segment of a path and region of pins being one more.
+  std::int64_t max_parts = std::numeric_limits<std::int64_t>::max();
+};
+
 // A whole file. kDataLoss, with the offset in bytes in the message and in `field` ("offset 1234"):
 //   RECORDING_TRUNCATED  the file ends within a message
 //   RECORDING_DAMAGED    a length or a message that cannot be, or a scene or command that is refused
 //   RECORDING_FORMAT     not a recording, or of another format version
-Result<RecordingFile> decode_recording(std::string_view file);
+//   RECORDING_ORDER, RECORDING_TICK  see sheet::check_next
+//   RECORDING_TOO_LARGE  a message beyond kMaxRecordedMessageBytes, or more than `limits` allow
+Result<RecordingFile> decode_recording(std::string_view file, const RecordingLimits& limits = {});
 
 }  // namespace kerf::wire

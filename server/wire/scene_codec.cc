@@ -81,7 +81,7 @@ Status decode_lists(const v1::Scene& scene, const FileReader& read_file, sheet::
 
 }  // namespace
 
-Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const FileReader& read_file) {
+Result<sheet::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_file) {
   sheet::SheetConfig config;
   config.sheet_id = scene.sheet_id();
   Result<sheet::MeshSource> mesh = decode_mesh_source(scene, read_file);
@@ -174,7 +174,7 @@ v1::Scene encode_scene(const sheet::SheetConfig& config) {
 Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const FileReader& read_file) {
   v1::Scene scene;
   if (const Status status = from_json(json, scene); !status.ok()) return status.error();
-  return decode_scene(scene, read_file);
+  return decode_scene(std::move(scene), read_file);
 }
 
 }  // namespace kerf::wire

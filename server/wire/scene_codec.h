@@ -17,8 +17,9 @@
 namespace kerf::wire {
 
 // Fills in the defaults that scene.proto documents. Without a reader ObjMesh.file, PlyMesh.file and Svg.file are
-// refused (OBJ_FILE_REFUSED, PLY_FILE_REFUSED, SVG_FILE_REFUSED), as they must be for what comes over the network.
-Result<sheet::SheetConfig> decode_scene(const v1::Scene& scene, const FileReader& read_file = {});
+// refused (OBJ_FILE_REFUSED, PLY_FILE_REFUSED, SVG_FILE_REFUSED), as they must be for what comes over the network. The
+// text or data of a mesh is moved out of the scene: hand over one that is not needed any more.
+Result<sheet::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_file = {});
 
 // The complete scene, every number given: decode_scene(encode_scene(c)) equals c bit for bit, for every c that came out
 // of decode_scene().

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "render/video.h"
+#include "server/api/picture_studio.h"
 #include "tests/api/images_fixture.h"
 
 namespace kerf::api {
@@ -69,6 +70,28 @@ TEST_F(ImagesTest, EqualViewsAreDrawnAndEncodedOnce) {
   EXPECT_EQ(counts.sent, 6 * kTicks);
   EXPECT_EQ(counts.skipped, 0);
   EXPECT_EQ(counts.streams, 6);
+}
+
+TEST_F(ImagesTest, OnlyTheLastFormatsOfAPictureAreKept) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ImageViewer viewer(*api_);
+  start(viewer, "sheets/a");
+  viewer.picture();
+  v1::ImageView view = ImageViewer::start_of("sheets/a").start().view();
+  const auto encoded_for = [&](int quality) {
+    const std::int64_t before = api_->picture_counts().encoded;
+    view.set_jpeg_quality(quality);
+    viewer.look(view);
+    viewer.picture();
+    return api_->picture_counts().encoded - before;
+  };
+  constexpr int kKept = static_cast<int>(kMaxKeptStills);
+  for (int quality = 1; quality <= kKept; ++quality) EXPECT_EQ(encoded_for(quality), 1);
+  for (int quality = 1; quality <= kKept; ++quality) EXPECT_EQ(encoded_for(quality), 0) << "kept";
+  EXPECT_EQ(encoded_for(kKept + 1), 1);
+  EXPECT_EQ(encoded_for(2), 0);
+  EXPECT_EQ(encoded_for(1), 1) << "the oldest was let go";
+  EXPECT_EQ(rendered(), 1);
 }
 
 TEST_F(ImagesTest, WhoeverComesWhileAPictureIsDrawnSharesIt) {

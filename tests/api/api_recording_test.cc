@@ -93,6 +93,46 @@ TEST_F(ApiFilesTest, ARecordingTakenMidRunIsPlayedToTheSameBits) {
   EXPECT_EQ(call(&Api::list_cuts, cuts)->cuts_size(), 1);
 }
 
+TEST_F(ApiFilesTest, RecordingsOnTheirWayAreLimited) {
+  Limits limits;
+  limits.max_recordings_sent = 2;
+  make_api(limits, nullptr);
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  const std::shared_ptr<const std::string> first = *recording("sheets/a");
+  std::shared_ptr<const std::string> second = *recording("sheets/a");
+  const auto third = recording("sheets/a");
+  ASSERT_FALSE(third.ok());
+  EXPECT_EQ(third.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(third.error().reason, "TOO_MANY_RECORDINGS");
+  second.reset();
+  // What was refused is let go when its replies are, which the picture worker does after it has given them.
+  Result<std::shared_ptr<const std::string>> next = recording("sheets/a");
+  while (!next.ok()) next = recording("sheets/a");
+  EXPECT_EQ(**next, *first);
+}
+
+TEST_F(ApiFilesTest, ARecordingHasNoMoreTicksAndCommandsThanMayBe) {
+  for (const std::int64_t most : {3, 2}) {
+    Limits limits;
+    limits.max_recorded_ticks = most;
+    limits.max_recorded_parts = most;
+    make_api(limits, nullptr);
+    const std::string name = "from" + std::to_string(most);
+    ASSERT_TRUE(create_sheet(name, true).ok());
+    for (int i = 0; i < 3; ++i)
+      ASSERT_TRUE(call_json("/kerf.v1.CutService/CreateCut",
+                            R"({"parent":"sheets/)" + name +
+                                R"(","cut":{"curve":{"circle":{"center":{"x":0.5,"y":0.5},"radius_m":0.)" +
+                                std::to_string(i + 1) + "}}}}")
+                      .ok());
+    const std::string file = **recording("sheets/" + name);
+    const auto upload = api_->replay_recording(recording_upload("of" + std::to_string(most), file));
+    ASSERT_TRUE((*upload)->append(file).ok());
+    const Result<v1::Sheet> made = finish(**upload);
+    EXPECT_EQ(made.ok() ? "made" : made.error().reason, most == 3 ? "made" : "RECORDING_TOO_LARGE");
+  }
+}
+
 TEST_F(ApiFilesTest, ADamagedRecordingMakesNoSheet) {
   make_api({}, nullptr);
   ASSERT_TRUE(create_sheet("a", true).ok());

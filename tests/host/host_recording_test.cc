@@ -1,5 +1,10 @@
 // The recordings that sheets keep, and sheets that play one.
+#include <algorithm>
+#include <atomic>
+#include <functional>
 #include <memory>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "server/host/kept_recording.h"
@@ -182,6 +187,134 @@ TEST_F(KeepingHostTest, ARecordingThatOutgrowsItsLimitIsGivenUpAsAWhole) {
   EXPECT_EQ(run.error().code, ErrorCode::kFailedPrecondition);
   EXPECT_EQ(run.error().reason, "RECORDING_TOO_LONG");
   EXPECT_NE(run.error().message.find("tick 0"), std::string::npos);
+}
+
+// A host with one worker that tells of every entry as soon as a sheet has done it, on the sheet's strand.
+class EntriesHostTest : public HostTest {
+ protected:
+  static constexpr int kEntries = 20;  // of tick 0, and one of tick 1
+
+  EntriesHostTest() : EntriesHostTest(std::make_shared<std::function<void()>>([] {})) {}
+
+  // With `kEntries` of gravity before the first tick and one command after it.
+  sheet::Recording recorded() {
+    create("a", small_sheet(), true);
+    sheet::Recording run{small_sheet(), {}};
+    const auto note = [&](sheet::Command command) {
+      EXPECT_TRUE(submit("a", command).ok());
+      const SheetStatus now = status("a");
+      run.entries.push_back({now.tick, {std::move(command)}, *now.state_hash});
+    };
+    for (int i = 0; i < kEntries; ++i) note(sheet::SetGravity{{0, 0, -1.0 - i}});
+    Answers<SheetStatus> stepped;
+    host_->step("a", 1, stepped.callback());
+    host_->wait_idle();
+    run.entries.push_back({1, {}, *stepped.at(0)->state_hash});
+    for (int i = 0; i < kEntries; ++i) note(sheet::SetGravity{{0, 1.0 + i, 0}});
+    return run;
+  }
+
+  std::shared_ptr<std::function<void()>> done_;  // called after every entry; set while the host is idle
+
+ private:
+  explicit EntriesHostTest(const std::shared_ptr<std::function<void()>>& done) : HostTest(telling(done)), done_(done) {}
+
+  static HostOptions telling(const std::shared_ptr<std::function<void()>>& done) {
+    HostOptions options;
+    options.workers = 1;
+    options.max_load = 0.0;
+    options.encode_tick = [done](const sheet::RecordedTick&) {
+      (*done)();
+      return std::string("e");
+    };
+    return options;
+  }
+};
+
+TEST_F(EntriesHostTest, AFewEntriesOfOneTickAreATurn) {
+  const sheet::Recording run = recorded();
+  for (const bool by_clock : {true, false}) {
+    int in_a_row = 0;
+    int most = 0;
+    // Each entry asks another sheet for a turn, which it gets when this sheet's is over.
+    *done_ = [&] {
+      most = std::max(most, ++in_a_row);
+      host_->inspect(
+          "a", [&in_a_row](const sheet::Sheet&) { in_a_row = 0; }, [](const auto&) {});
+    };
+    Answers<SheetStatus> answers;
+    host_->replay("b", run, !by_clock, answers.callback());
+    host_->wait_idle();
+    if (by_clock) {
+      run_for(3 * kTick);
+    } else {
+      host_->step("b", 10, answers.callback());
+    }
+    host_->wait_idle();
+    *done_ = [] {};
+    const SheetStatus ended = status("b");
+    EXPECT_EQ(ended.replay->state, ReplayState::kDone);
+    EXPECT_EQ(ended.state_hash, run.entries.back().state_hash);
+    EXPECT_EQ(ended.tick, 1);
+    EXPECT_LE(most, 2 * Host::kEntriesPerTurn + 1) << "before a tick, the tick itself, after it";
+    Answers<Nothing> gone;
+    host_->delete_sheet("b", gone.callback());
+    host_->wait_idle();
+  }
+}
+
+TEST_F(EntriesHostTest, ASheetPausedWithinATickGoesOnWithTheRestOfIt) {
+  const sheet::Recording run = recorded();
+  Answers<SheetStatus> answers;
+  bool paused = false;
+  *done_ = [&] {
+    if (!std::exchange(paused, true)) host_->pause("b", answers.callback());
+  };
+  host_->replay("b", run, false, answers.callback());
+  run_for(3 * kTick);
+  *done_ = [] {};
+  EXPECT_EQ(status("b").replay->state, ReplayState::kPlaying);
+  EXPECT_EQ(status("b").tick, 0);
+  host_->step("b", 1, answers.callback());
+  host_->wait_idle();
+  const SheetStatus ended = status("b");
+  EXPECT_EQ(ended.tick, 1) << "with all that was done before it and after it";
+  EXPECT_EQ(ended.replay->state, ReplayState::kDone);
+  EXPECT_EQ(ended.state_hash, run.entries.back().state_hash);
+}
+
+TEST_F(EntriesHostTest, AHostThatStopsPlaysNoMoreEntries) {
+  const sheet::Recording run = recorded();
+  std::atomic<int> done = 0;
+  std::thread stopping;
+  *done_ = [&] {
+    if (++done > 1) return;
+    stopping = std::thread([&] { host_->stop(); });
+    while (!host_->list().empty()) std::this_thread::yield();  // until it has begun
+  };
+  Answers<SheetStatus> answers;
+  host_->replay("b", run, false, answers.callback());
+  clock_.move_to(clock_.now() + kTick);
+  host_->wait_idle();
+  clock_.move_to(clock_.now() + kTick);
+  while (done == 0) std::this_thread::yield();
+  host_->wait_idle();
+  stopping.join();
+  EXPECT_EQ(done, 1);
+}
+
+TEST_F(EntriesHostTest, TheEndOfASteppedReplayIsPublished) {
+  const sheet::Recording run = recorded();
+  Answers<SheetStatus> answers;
+  host_->replay("b", run, true, answers.callback());
+  const auto sink = std::make_shared<RecordingSnapshots>();
+  Answers<Nothing> added;
+  host_->add_sink("b", sink, added.callback());
+  host_->step("b", 10, answers.callback());
+  host_->wait_idle();
+  const SheetStatus ended = status("b");
+  ASSERT_EQ(ended.replay->state, ReplayState::kDone);
+  EXPECT_EQ(sink->snapshots().back()->stats.settings_version, ended.stats.settings_version);
 }
 
 TEST_F(HostTest, WithoutAnEncoderNothingIsKept) {

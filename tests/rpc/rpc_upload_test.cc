@@ -1,4 +1,4 @@
-// Uploads that stand still, on a clock that the test moves.
+// Uploads and downloads that stand still, on a clock that the test moves.
 
 #include "server/rpc/patience.h"
 
@@ -10,8 +10,10 @@
 
 #include "client/cpp/client.h"
 #include "client/cpp/failure.h"
+#include "client/cpp/transfers.h"
 #include "kerf/v1/sheets.grpc.pb.h"
 #include "server/rpc/rpc_server.h"
+#include "server/wire/recording_codec.h"
 #include "tests/api/api_fixture.h"
 
 namespace kerf::rpc_test {
@@ -22,18 +24,27 @@ using rpc::Patience;
 
 class PatienceTest : public testing::Test {
  protected:
+  void begin() {
+    patience_->begin([this](Patience::Lapse lapse) {
+      ++given_up_;
+      lapse_ = lapse;
+    });
+  }
+
+  Patience::Lapse lapse_{};
   host::ManualClock clock_;
   int given_up_ = 0;
-  std::shared_ptr<Patience> patience_ = std::make_shared<Patience>(clock_, 30s);
+  std::shared_ptr<Patience> patience_ = std::make_shared<Patience>(clock_, rpc::PatienceLimits{30s, 120s});
 };
 
 TEST_F(PatienceTest, EndsOnceWhenNothingComes) {
-  patience_->begin([this] { ++given_up_; });
+  begin();
   clock_.move_to(29s);
   EXPECT_EQ(given_up_, 0);
   clock_.move_to(30s);
   EXPECT_EQ(given_up_, 1);
-  EXPECT_FALSE(patience_->arrived());
+  EXPECT_EQ(lapse_, Patience::Lapse::kSilence);
+  EXPECT_FALSE(patience_->moved());
   EXPECT_FALSE(patience_->end());
   clock_.move_to(300s);
   EXPECT_EQ(given_up_, 1);
@@ -41,20 +52,33 @@ TEST_F(PatienceTest, EndsOnceWhenNothingComes) {
 }
 
 TEST_F(PatienceTest, CountsAnewFromWhatComes) {
-  patience_->begin([this] { ++given_up_; });
-  for (int i = 1; i <= 20; ++i) {
-    clock_.move_to(i * 20s);
-    ASSERT_TRUE(patience_->arrived());
+  begin();
+  for (int i = 1; i <= 80; ++i) {
+    clock_.move_to(i * 1s);
+    ASSERT_TRUE(patience_->moved());
     ASSERT_LE(clock_.num_timers(), 1U);
   }
-  clock_.move_to(429s);
+  clock_.move_to(109s);
   EXPECT_EQ(given_up_, 0);
-  clock_.move_to(430s);
+  clock_.move_to(110s);
   EXPECT_EQ(given_up_, 1);
+  EXPECT_EQ(lapse_, Patience::Lapse::kSilence);
+}
+
+TEST_F(PatienceTest, TheWholeHasALimit) {
+  begin();
+  for (int i = 1; i < 120; ++i) {
+    clock_.move_to(i * 1s);
+    ASSERT_TRUE(patience_->moved());
+  }
+  EXPECT_EQ(given_up_, 0);
+  clock_.move_to(120s);
+  EXPECT_EQ(given_up_, 1);
+  EXPECT_EQ(lapse_, Patience::Lapse::kWhole);
 }
 
 TEST_F(PatienceTest, AnEndedCallIsLeftAlone) {
-  patience_->begin([this] { ++given_up_; });
+  begin();
   EXPECT_TRUE(patience_->end());
   EXPECT_FALSE(patience_->end());
   EXPECT_EQ(clock_.num_timers(), 0U);
@@ -65,11 +89,43 @@ TEST_F(PatienceTest, AnEndedCallIsLeftAlone) {
 
 class UploadTest : public api::ApiTest {
  protected:
-  UploadTest() {
-    rpc::RpcOptions options;
-    options.upload_timeout = 30s;
-    server_ = std::make_unique<rpc::RpcServer>(*api_, clock_, options);
+  UploadTest() : ApiTest(keeping()) {
+    server_ = std::make_unique<rpc::RpcServer>(*api_, clock_);
     client_ = std::make_unique<client::Client>("127.0.0.1:" + std::to_string(server_->start("127.0.0.1:0").value()));
+  }
+
+  static host::HostOptions keeping() {
+    host::HostOptions options = small_host();
+    options.encode_tick = wire::encode_recorded_tick;
+    return options;
+  }
+  // Of a mesh file with so many bytes.
+  static v1::UploadSheetRequest start_of(std::size_t num_bytes) {
+    v1::UploadSheetRequest start;
+    start.mutable_start()->mutable_sheet()->mutable_scene()->mutable_obj()->set_rest_shape(v1::REST_SHAPE_FLAT);
+    start.mutable_start()->mutable_sheet()->set_sheet_id("large");
+    start.mutable_start()->mutable_sheet()->set_paused(true);
+    start.mutable_start()->set_num_bytes(static_cast<std::int64_t>(num_bytes));
+    return start;
+  }
+  // A triangle, behind comments that make the file as long as is wanted.
+  static std::string obj_of(std::size_t num_bytes) {
+    const std::string mesh = "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    std::string file(num_bytes - mesh.size(), '#');
+    for (std::size_t at = 1000; at < file.size(); at += 1000) file[at - 1] = '\n';
+    return file + mesh;
+  }
+  // Sends the file in one chunk; OK with a sheet, or why not.
+  grpc::Status upload_in_one(const std::string& file) {
+    grpc::ClientContext context;
+    v1::Sheet sheet;
+    const auto writer = client_->sheets().UploadSheet(&context, &sheet);
+    v1::UploadSheetRequest chunk;
+    chunk.set_chunk(file);
+    writer->Write(start_of(file.size()));
+    writer->Write(chunk);
+    writer->WritesDone();
+    return writer->Finish();
   }
 
   // Until the server waits for something that is sent to it.
@@ -94,10 +150,7 @@ TEST_F(UploadTest, OneThatStandsStillIsEnded) {
   grpc::ClientContext context;
   v1::Sheet sheet;
   const auto writer = client_->sheets().UploadSheet(&context, &sheet);
-  v1::UploadSheetRequest start;
-  start.mutable_start()->mutable_sheet()->mutable_scene()->mutable_obj();
-  start.mutable_start()->set_num_bytes(1000);
-  writer->Write(start);
+  writer->Write(start_of(1000));
   const client::Failure failure = after_30_s(*writer);
   EXPECT_EQ(failure.reason, "UPLOAD_STALLED");
   EXPECT_NE(failure.message.find("for 30 s"), std::string::npos) << failure.message;
@@ -114,12 +167,9 @@ TEST_F(UploadTest, WhatIsSentWholeKeepsNoTimer) {
   grpc::ClientContext context;
   v1::Sheet sheet;
   const auto writer = client_->sheets().UploadSheet(&context, &sheet);
-  v1::UploadSheetRequest start, chunk;
-  start.mutable_start()->mutable_sheet()->mutable_scene()->mutable_obj()->set_rest_shape(v1::REST_SHAPE_FLAT);
-  start.mutable_start()->mutable_sheet()->set_paused(true);
-  chunk.set_chunk("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-  start.mutable_start()->set_num_bytes(static_cast<std::int64_t>(chunk.chunk().size()));
-  writer->Write(start);
+  v1::UploadSheetRequest chunk;
+  chunk.set_chunk(obj_of(100));
+  writer->Write(start_of(100));
   wait_for_timer();
   clock_.move_to(clock_.now() + 29s);
   writer->Write(chunk);
@@ -128,6 +178,60 @@ TEST_F(UploadTest, WhatIsSentWholeKeepsNoTimer) {
   EXPECT_TRUE(status.ok()) << status.error_message();
   EXPECT_EQ(sheet.num_vertices(), 3);
   EXPECT_EQ(clock_.num_timers(), 0U);
+}
+
+TEST_F(UploadTest, MessagesThatBringNothingAreRefused) {
+  for (const bool chosen : {true, false}) {
+    grpc::ClientContext context;
+    v1::Sheet sheet;
+    const auto writer = client_->sheets().UploadSheet(&context, &sheet);
+    v1::UploadSheetRequest empty;
+    if (chosen) empty.set_chunk("");
+    writer->Write(start_of(1000));
+    writer->Write(empty);
+    const grpc::Status status = writer->Finish();
+    EXPECT_EQ(status.error_code(), grpc::StatusCode::INVALID_ARGUMENT);
+    EXPECT_EQ(client::failure_of(status).reason, chosen ? "CHUNK_EMPTY" : "CHOICE_MISSING");
+    EXPECT_EQ(client::failure_of(status).field, chosen ? "chunk" : "kind");
+  }
+}
+
+TEST_F(UploadTest, OneThatComesByteByByteIsEnded) {
+  grpc::ClientContext context;
+  v1::Sheet sheet;
+  const auto writer = client_->sheets().UploadSheet(&context, &sheet);
+  v1::UploadSheetRequest byte;
+  byte.set_chunk("#");
+  bool open = writer->Write(start_of(std::size_t{64} << 20));
+  wait_for_timer();
+  while (open) {
+    open = writer->Write(byte);
+    clock_.move_to(clock_.now() + 5ms);
+  }
+  EXPECT_EQ(client::failure_of(writer->Finish()).reason, "UPLOAD_TOO_SLOW");
+}
+
+TEST_F(UploadTest, AChunkFillsAMessage) {
+  constexpr std::size_t kMostBytes = (std::size_t{1} << 20) - 4;
+  const grpc::Status most = upload_in_one(obj_of(kMostBytes));
+  EXPECT_TRUE(most.ok()) << most.error_message();
+  EXPECT_EQ(upload_in_one(obj_of(kMostBytes + 1)).error_code(), grpc::StatusCode::RESOURCE_EXHAUSTED);
+  EXPECT_LE(client::kUploadChunkBytes, kMostBytes);
+}
+
+TEST_F(UploadTest, AReaderThatTakesNothingOfARecordingIsCutOff) {
+  ASSERT_TRUE(upload_in_one(obj_of(1'000'000)).ok());
+  v1::GetSheetRecordingRequest request;
+  request.set_name("sheets/large");
+  grpc::ClientContext context;
+  const auto reader = client_->sheets().GetSheetRecording(&context, request);
+  wait_for_timer();
+  while (clock_.num_timers() > 0) clock_.move_to(clock_.now() + 30s);
+  v1::RecordingChunk chunk;
+  std::size_t read = 0;
+  while (reader->Read(&chunk)) read += chunk.content().size();
+  EXPECT_EQ(reader->Finish().error_code(), grpc::StatusCode::CANCELLED);
+  EXPECT_LT(read, 1'000'000U);
 }
 
 }  // namespace

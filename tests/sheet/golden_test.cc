@@ -182,6 +182,17 @@ TEST(Recording, RefusesGapsBeyondTheLimit) {
   EXPECT_EQ(check_order(recording.entries).error().reason, "RECORDING_ORDER");
 }
 
+TEST(Recording, RefusesEntriesThatTellNothingAndTicksWithTooManyCommands) {
+  Recording recording = record();
+  const std::int64_t last = recording.entries.back().tick;
+  recording.entries.push_back({last, {}, 0});
+  EXPECT_EQ(check_order(recording.entries).error().reason, "RECORDING_ORDER");
+  recording.entries.back().commands.assign(kMaxTickCommands, UndoCut{});
+  EXPECT_TRUE(check_order(recording.entries).ok());
+  recording.entries.back().commands.emplace_back(UndoCut{});
+  EXPECT_EQ(check_order(recording.entries).error().reason, "RECORDING_TICK");
+}
+
 TEST(Recording, RefusesTicksOutOfOrder) {
   Recording recording = record();
   recording.entries[5].tick = 40;

@@ -88,6 +88,93 @@ TEST(RecordingCodec, DamageIsRefusedOrChangesOnlyWhatItHits) {
   EXPECT_GT(refused, 50);
 }
 
+std::string framed(const google::protobuf::MessageLite& message) {
+  std::string bytes;
+  for (std::size_t length = message.ByteSizeLong(); true; length >>= 7) {
+    bytes.push_back(static_cast<char>((length & 0x7f) | (length >= 0x80 ? 0x80 : 0)));
+    if (length < 0x80) break;
+  }
+  message.AppendToString(&bytes);
+  return bytes;
+}
+
+std::string refusal_of(const std::string& file, const RecordingLimits& limits = {}) {
+  const Result<RecordingFile> read = decode_recording(file, limits);
+  if (read.ok()) return "none";
+  EXPECT_EQ(read.error().code, ErrorCode::kDataLoss);
+  EXPECT_THAT(read.error().field, HasSubstr("offset "));
+  return read.error().reason;
+}
+
+// One entry of tick 1 with these commands.
+sheet::Recording one_tick(std::vector<sheet::Command> commands) {
+  return {decoded(full_scene()), {{1, std::move(commands), 7}}};
+}
+
+TEST(RecordingCodec, EntriesThatTellNothingAreRefusedAtTheFirst) {
+  const std::string header = encode_recording_header(sample_recording().config, "");
+  const Result<RecordingFile> read = decode_recording(header + std::string(1 << 20, '\0'));
+  ASSERT_FALSE(read.ok()) << read->recording.entries.size() << " entries";
+  EXPECT_EQ(read.error().reason, "RECORDING_ORDER");
+  EXPECT_EQ(read.error().field, "offset " + std::to_string(header.size()));
+  const std::string bare = encode_recorded_tick({5, {}, 1});
+  EXPECT_EQ(refusal_of(header + bare), "none");
+  EXPECT_EQ(refusal_of(header + bare + bare), "RECORDING_ORDER");
+  EXPECT_EQ(refusal_of(header + bare + encode_recorded_tick({4, {}, 1})), "RECORDING_ORDER");
+  EXPECT_EQ(refusal_of(header + bare + encode_recorded_tick({5, {sheet::UndoCut{}}, 1})), "none");
+}
+
+TEST(RecordingCodec, NoMoreIsReadThanMayBe) {
+  const std::string file = encode(sample_recording());
+  EXPECT_EQ(refusal_of(file, {.max_entries = 20}), "none");
+  EXPECT_EQ(refusal_of(file, {.max_entries = 19}), "RECORDING_TOO_LARGE");
+  sheet::Cut line;
+  line.curve = cut::Polyline{{{0.0, 0.0}, {1.0, 0.0}}};
+  const cut::Subpath subpath{{0.0, 0.0}, {cut::LineTo{{1.0, 0.0}}, cut::LineTo{{1.0, 1.0}}}};
+  sheet::Cut corner;
+  corner.curve = cut::Path{{subpath}};
+  // An undo; a batch with two cuts, one of them a subpath of two segments; pins in two regions: 1 + 6 + 3.
+  const std::string parts = encode(one_tick({sheet::UndoCut{}, sheet::CutBatch{{line, corner}},
+                                             sheet::SetPins{{sheet::RegionEdge::kTop, sheet::RegionEdge::kLeft}}}));
+  EXPECT_EQ(refusal_of(parts, {.max_parts = 10}), "none");
+  EXPECT_EQ(refusal_of(parts, {.max_parts = 9}), "RECORDING_TOO_LARGE");
+}
+
+TEST(RecordingCodec, ATickHasNoMoreCommandsThanALiveOne) {
+  std::vector<sheet::Command> commands(sheet::kMaxTickCommands, sheet::UndoCut{});
+  EXPECT_EQ(refusal_of(encode(one_tick(commands))), "none");
+  commands.emplace_back(sheet::UndoCut{});
+  EXPECT_EQ(refusal_of(encode(one_tick(commands))), "RECORDING_TICK");
+}
+
+TEST(RecordingCodec, WhatUnfoldsIsShort) {
+  const std::string header = encode_recording_header(sample_recording().config, "");
+  const std::string length("\x80\x80\x80\x04", 4);  // 8 MiB
+  EXPECT_EQ(refusal_of(header + length + std::string(kMaxRecordedMessageBytes, '\0')), "RECORDING_DAMAGED");
+  const std::string longer("\x81\x80\x80\x04", 4);
+  EXPECT_EQ(refusal_of(header + longer + std::string(kMaxRecordedMessageBytes + 1, '\0')), "RECORDING_TOO_LARGE");
+
+  v1::RecordingHeader with_mesh;
+  with_mesh.set_magic("kerf-recording");
+  with_mesh.set_format_version(2);
+  with_mesh.mutable_scene()->mutable_obj()->set_text(std::string(kMaxRecordedMessageBytes + 1, '#'));
+  EXPECT_EQ(refusal_of(framed(with_mesh)), "none") << "a mesh may be as long as an upload";
+  with_mesh.mutable_scene()->set_description(std::string(kMaxRecordedMessageBytes, 'x'));
+  EXPECT_EQ(refusal_of(framed(with_mesh)), "RECORDING_TOO_LARGE");
+}
+
+TEST(RecordingCodec, ADrawingIsNoRecordedCommand) {
+  v1::Cut cut;
+  cut.mutable_curve()->mutable_svg()->set_text(
+      R"(<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0 L100 100"/></svg>)");
+  v1::RecordedTick alone, in_batch;
+  *alone.add_commands()->mutable_cut() = cut;
+  *in_batch.add_commands()->mutable_cut_batch()->add_cuts() = cut;
+  const std::string header = encode_recording_header(sample_recording().config, "");
+  EXPECT_EQ(refusal_of(header + framed(alone)), "RECORDING_DAMAGED");
+  EXPECT_EQ(refusal_of(header + framed(in_batch)), "RECORDING_DAMAGED");
+}
+
 TEST(RecordingCodec, OtherFilesAreNoRecordings) {
   EXPECT_EQ(decode_recording("").error().reason, "RECORDING_TRUNCATED");
   EXPECT_EQ(decode_recording(std::string("\x02\x7b\x7d", 3)).error().reason, "RECORDING_FORMAT");

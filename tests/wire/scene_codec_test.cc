@@ -215,6 +215,19 @@ TEST(SceneCodec, MeshFilesAreReadOnlyWithAReader) {
   EXPECT_EQ(decode_scene(scene, reader).error().reason, "PLY_TWICE");
 }
 
+TEST(SceneCodec, MeshFilesAreMovedOutOfASceneThatIsHandedOver) {
+  v1::Scene scene;
+  scene.mutable_obj()->set_text(std::string(1000, '#'));
+  const char* const text = scene.obj().text().data();
+  const sheet::SheetConfig obj = decode_scene(std::move(scene)).value();
+  EXPECT_EQ(static_cast<const void*>(std::get<sheet::ObjSource>(obj.mesh).text.data()), text);
+  v1::Scene other;
+  other.mutable_ply()->set_data(std::string(1000, 'p'));
+  const char* const data = other.ply().data().data();
+  const sheet::SheetConfig ply = decode_scene(std::move(other)).value();
+  EXPECT_EQ(static_cast<const void*>(std::get<sheet::PlySource>(ply.mesh).data.data()), data);
+}
+
 TEST(SceneCodec, RestShapesOfMeshFiles) {
   const std::vector<std::pair<v1::RestShape, sheet::RestShape>> all{
       {v1::REST_SHAPE_UNSPECIFIED, sheet::RestShape::kAutomatic},

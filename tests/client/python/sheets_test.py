@@ -6,6 +6,7 @@ import os
 import pathlib
 
 import kerf
+from kerf.files import CHUNK_BYTES
 from support import Case, path
 
 
@@ -189,6 +190,7 @@ class Sheets(Case):
         faces = "".join(f"f {v} {v + 1} {v + side + 1} {v + side}\n" for v in corner)
         pathlib.Path(path("large.obj")).write_text(vertices + faces)
         self.assertGreater(os.path.getsize(path("large.obj")), 1 << 20)
+        self.assertLessEqual(CHUNK_BYTES, (1 << 20) - 4)  # what a message holds of a chunk
         large = self.server.create_sheet("py-large", mesh_file=path("large.obj"), pins=(), paused=True)
         self.assertEqual(large.get().num_vertices, side * side)
         large.delete()
