@@ -233,7 +233,7 @@ TEST_F(ServerTest, ACutThatIsSentAgainIsMadeOnce) {
 TEST_F(ServerTest, FilesHaveTheTimeOfCalls) {
   Sheet sheet = make("slow");
   const std::string file = sheet.recording().value();
-  Server hasty(running_->grpc_address(), {std::chrono::milliseconds(0)});
+  Server hasty(running_->grpc_address(), {std::chrono::milliseconds(-1000)});
   EXPECT_EQ(hasty.sheet("slow").recording().failure().code, grpc::StatusCode::DEADLINE_EXCEEDED);
   EXPECT_EQ(hasty.replay(file).failure().code, grpc::StatusCode::DEADLINE_EXCEEDED);
 }
@@ -268,7 +268,7 @@ TEST_F(ServerTest, FramesFilesAndAnalyses) {
                   .watch(
                       [&](const v1::Frame& /*frame*/, const Mirror& mirror) {
                         has_strains = mirror.has_strains();
-                        return false;
+                        return !has_strains;  // the first frame may be of a snapshot that was made for the viewer before
                       },
                       with_strains)
                   .ok());

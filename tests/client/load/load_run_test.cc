@@ -168,8 +168,10 @@ TEST_F(LoadRunTest, AServerThatStaysOverloadedIsGivenUp) {
   Plan wanted = plan();
   wanted.still = true;
   wanted.sheets = 2;
+  wanted.prefix = "still";
   client::Client client(server_->grpc_address());
   Hasty hasty;
+  const SheetSet moving(plan(), client, hasty, [](const char* /*stage*/, double /*share*/) {});
   std::vector<double> told;
   const SheetSet sheets(wanted, client, hasty, [&](const char* /*stage*/, double share) { told.push_back(share); });
   EXPECT_TRUE(sheets.names().empty());
