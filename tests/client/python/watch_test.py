@@ -1,8 +1,8 @@
 """Live frames as arrays: what they hold, that a slow loop does not lag, and how streams end."""
 
 import socket
-import unittest.mock
 import threading
+import unittest.mock
 
 import kerf
 import numpy
