@@ -18,6 +18,7 @@
 
 #include <sys/socket.h>
 
+#include <array>
 #include <cerrno>
 #include <exception>
 #include <limits>
@@ -57,20 +58,16 @@ HttpRequest to_request(Request& message) {
   return request;
 }
 
+HttpResponse body_too_large() {
+  HttpResponse response =
+      refusal({ErrorCode::kResourceExhausted, "REQUEST_TOO_LARGE", "the request's body exceeds the limit", {}});
+  response.status = 413;
+  return response;
+}
+
 // What to tell a client whose request cannot be read; nothing where nobody listens any more.
 std::optional<HttpResponse> unreadable_request(const boost::system::error_code& error) {
-  if (error == http::error::body_limit) {
-    HttpResponse response =
-        refusal({ErrorCode::kResourceExhausted, "REQUEST_TOO_LARGE", "the request's body exceeds the limit", {}});
-    response.status = 413;
-    return response;
-  }
-  if (error == boost::system::errc::not_enough_memory) {
-    return refusal({ErrorCode::kResourceExhausted,
-                    "TOO_MANY_UPLOADS",
-                    "as much is being uploaded as may be; try again when an upload has ended",
-                    {}});
-  }
+  if (error == http::error::body_limit) return body_too_large();
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
     HttpResponse response =
         refusal({ErrorCode::kResourceExhausted, "HEADER_TOO_LARGE", "the request's header exceeds the limit", {}});
@@ -147,14 +144,19 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       co_await upgrade(parser.release());
       co_return false;
     }
-    if (!error) co_await read_body(parser, error);
+    std::optional<HttpResponse> refused;
     if (error) {
-      co_await refuse(error);
+      refused = unreadable_request(error);
+    } else {
+      refused = co_await read_body(parser, error);
+    }
+    if (refused || error) {
+      if (refused) co_await refuse(*refused);
       co_return false;
     }
     Request message = parser.release();
     Framing framing{message.version(), message.keep_alive(), message.method() == http::verb::head};
-    const HttpRequest request = to_request(message);
+    HttpRequest request = to_request(message);
     const std::optional<Result<std::shared_ptr<api::ImageSession>>> player = context_.router.play(request);
     if (player && player->ok()) {
       co_await play(**player);
@@ -164,41 +166,44 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     if (player) {
       response = refusal(player->error());
     } else {
-      response = co_await answer(request);
+      response = co_await answer(std::move(request));
     }
     framing.keep_alive = framing.keep_alive && !finishing_;
     const bool written = co_await write(response, framing);
     co_return written&& framing.keep_alive;
   }
 
-  // The body of the request whose header was read, within the limit that its head has.
-  asio::awaitable<void> read_body(Parser& parser, boost::system::error_code& error) {
-    const std::int64_t limit = context_.router.max_body_bytes(head_of(parser.get()));
-    const std::uint64_t told = parser.content_length().value_or(static_cast<std::uint64_t>(limit));
-    if (told > static_cast<std::uint64_t>(limit)) {
-      error = http::error::body_limit;
-      co_return;
-    }
+  // The body of the request whose header was read, within the limit that its head has; or what to tell its client.
+  asio::awaitable<std::optional<HttpResponse>> read_body(Parser& parser, boost::system::error_code& error) {
     std::shared_ptr<const api::UploadRoom> room;  // while the body comes
-    if (limit > context_.api.limits().max_request_bytes) {
+    std::optional<HttpResponse> refused = admit_body(parser, room);
+    if (refused) co_return refused;
+    if (parser.get()[http::field::expect] == "100-continue") co_await invite_body();
+    co_await http::async_read(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
+    if (error) refused = unreadable_request(error);
+    co_return refused;
+  }
+
+  // Why the body to come is not taken; nothing, and for a file `room`, where it is.
+  std::optional<HttpResponse> admit_body(Parser& parser, std::shared_ptr<const api::UploadRoom>& room) {
+    const Router::BodyLimit limit = context_.router.body_limit(head_of(parser.get()));
+    if (limit.refused) return limit.refused;
+    const auto max_bytes = static_cast<std::uint64_t>(limit.max_bytes);
+    const std::uint64_t told = parser.content_length().value_or(max_bytes);
+    if (told > max_bytes) return body_too_large();
+    if (limit.max_bytes > context_.api.limits().max_request_bytes) {
       Result<std::shared_ptr<const api::UploadRoom>> reserved =
           context_.api.reserve_upload(static_cast<std::int64_t>(told));
-      if (!reserved) {
-        error = make_error_code(boost::system::errc::not_enough_memory);
-        co_return;
-      }
+      if (!reserved) return refusal(reserved.error());
       room = std::move(reserved).value();
       stream_.expires_after(context_.options.upload_timeout);
     }
-    parser.body_limit(static_cast<std::uint64_t>(limit));
-    if (parser.get()[http::field::expect] == "100-continue") co_await invite_body();
-    co_await http::async_read(stream_, buffer_, parser, asio::redirect_error(asio::use_awaitable, error));
+    parser.body_limit(max_bytes);
+    return std::nullopt;
   }
 
-  asio::awaitable<void> refuse(boost::system::error_code error) {
-    const std::optional<HttpResponse> response = unreadable_request(error);
-    if (!response) co_return;
-    const bool written = co_await write(*response, Framing());
+  asio::awaitable<void> refuse(const HttpResponse& response) {
+    const bool written = co_await write(response, Framing());
     if (written) co_await discard_rest();
   }
 
@@ -236,9 +241,9 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   asio::awaitable<void> play(std::shared_ptr<api::ImageSession> session) {
     stream_.expires_never();
     const std::stop_source hung_up;
-    watch_for_hang_up(hung_up);
-    const std::optional<Error> error =
-        co_await play_mjpeg(std::move(session), stream_, context_.options.write_timeout, hung_up.get_token());
+    drop_input(hung_up);
+    const MjpegTimes times{context_.options.write_timeout, context_.options.picture_repeat};
+    const std::optional<Error> error = co_await play_mjpeg(std::move(session), stream_, times, hung_up.get_token());
     if (error && !hung_up.stop_requested()) {
       co_await write(refusal(in_words_of_query(*error)), Framing());
     } else {
@@ -246,24 +251,24 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     }
   }
 
-  asio::awaitable<HttpResponse> answer(const HttpRequest& request) {
+  asio::awaitable<HttpResponse> answer(HttpRequest request) {
     stream_.expires_never();
     const std::stop_source hung_up;
     watch_for_hang_up(hung_up);
-    HttpResponse response = co_await respond(request, hung_up.get_token());
+    HttpResponse response = co_await respond(std::move(request), hung_up.get_token());
     boost::system::error_code ignored;
     stream_.socket().cancel(ignored);  // the watch
     co_return response;
   }
 
   // The Api may reply on any of its threads: back to this strand.
-  asio::awaitable<HttpResponse> respond(const HttpRequest& request, std::stop_token stop) {
-    auto initiate = [this, &request, stop = std::move(stop)](auto handler) {
+  asio::awaitable<HttpResponse> respond(HttpRequest request, std::stop_token stop) {
+    auto initiate = [this, request = std::move(request), stop = std::move(stop)](auto handler) mutable {
       auto shared = std::make_shared<decltype(handler)>(std::move(handler));
       const auto done = [shared, executor = executor_](HttpResponse response) {
         asio::post(executor, [shared, response = std::move(response)]() mutable { (*shared)(std::move(response)); });
       };
-      context_.router.respond(request, done, stop);
+      context_.router.respond(std::move(request), done, stop);
     };
     return asio::async_initiate<const asio::use_awaitable_t<>, void(HttpResponse)>(std::move(initiate),
                                                                                    asio::use_awaitable);
@@ -278,6 +283,19 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       if (error) return;
       const ssize_t bytes = ::recv(self->stream_.socket().native_handle(), &next, 1, MSG_PEEK | MSG_DONTWAIT);
       if (bytes == 0 || (bytes < 0 && errno != EAGAIN)) hung_up.request_stop();
+    });
+  }
+
+  // Asks for a stop when the client of a stream, which is the last there is on its connection, closes that or its half
+  // of it. What else it sends goes unread, so that it does not hide the end.
+  void drop_input(std::stop_source hung_up) {
+    stream_.socket().async_read_some(asio::buffer(dropped_), [self = shared_from_this(), hung_up](
+                                                                 boost::system::error_code error, std::size_t) mutable {
+      if (error) {
+        hung_up.request_stop();
+      } else {
+        self->drop_input(std::move(hung_up));
+      }
     });
   }
 
@@ -331,6 +349,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   beast::tcp_stream stream_;
   const beast::tcp_stream::executor_type executor_;  // a strand
   beast::flat_buffer buffer_;
+  std::array<char, 4096> dropped_{};      // see drop_input()
   std::shared_ptr<SocketStream> socket_;  // once upgraded
   bool first_ = true;
   bool idle_ = false;

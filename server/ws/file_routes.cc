@@ -124,14 +124,14 @@ void FileRoutes::download(std::string_view path, std::function<void(HttpResponse
   });
 }
 
-void FileRoutes::upload(const HttpRequest& request, std::function<void(HttpResponse)> done) const {
+void FileRoutes::upload(HttpRequest request, std::function<void(HttpResponse)> done) const {
   const std::string_view path = std::string_view(request.target).substr(0, request.target.find('?'));
   const std::size_t size = request.body.size();
   Result<std::unique_ptr<api::Upload>> upload =
       path == kSheets ? begin_upload(api_, read_sheet_upload(request), size, &api::Api::upload_sheet)
                       : begin_upload(api_, read_recording_upload(request), size, &api::Api::replay_recording);
   if (!upload) return done(refusal(upload.error()));
-  if (const Status taken = (*upload)->append(request.body); !taken) return done(refusal(taken.error()));
+  if (const Status taken = (*upload)->append(std::move(request.body)); !taken) return done(refusal(taken.error()));
   (*upload)->finish([done = std::move(done)](Result<v1::Sheet> sheet) {
     if (!sheet) return done(refusal(sheet.error()));
     done({200,

@@ -28,6 +28,7 @@ struct HttpOptions {
   std::chrono::milliseconds idle_timeout{30'000};      // a kept-alive connection between requests
   std::chrono::milliseconds silence_timeout{10'000};   // WebSocket: without a sign of life, a pong included
   std::chrono::milliseconds write_timeout{30'000};     // one whole response
+  std::chrono::milliseconds picture_repeat{15'000};  // MJPEG: the last picture is sent again after so long without one
 };
 
 // What the transport has counted since it started.

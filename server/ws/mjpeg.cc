@@ -35,9 +35,13 @@ constexpr std::string_view kHead =
     "--kerf-picture\r\n";
 constexpr std::string_view kNextPart = "\r\n--kerf-picture\r\n";
 
-// A write then waits until all but about this much has left the machine, whatever the send buffer would hold.
-void keep_little_unsent(beast::tcp_stream& stream) {
-  ::setsockopt(stream.socket().native_handle(), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof(kUnsentBytes));
+// A write then waits until all but about this much has left the machine, whatever the send buffer would hold. What has
+// left and is not acknowledged in time ends the connection: a small picture's write would not wait for that.
+void set_options(beast::tcp_stream& stream, std::chrono::milliseconds write_timeout) {
+  const int socket = stream.socket().native_handle();
+  ::setsockopt(socket, IPPROTO_TCP, TCP_NOTSENT_LOWAT, &kUnsentBytes, sizeof(kUnsentBytes));
+  const auto timeout_ms = static_cast<unsigned>(write_timeout.count());
+  ::setsockopt(socket, IPPROTO_TCP, TCP_USER_TIMEOUT, &timeout_ms, sizeof(timeout_ms));
 }
 
 asio::awaitable<bool> write_part(beast::tcp_stream& stream, const std::string& picture, bool first) {
@@ -61,32 +65,37 @@ Error no_picture(const api::ImageSession& session) {
 }  // namespace
 
 asio::awaitable<std::optional<Error>> play_mjpeg(std::shared_ptr<api::ImageSession> session, beast::tcp_stream& stream,
-                                                 std::chrono::milliseconds write_timeout, std::stop_token hung_up) {
+                                                 MjpegTimes times, std::stop_token hung_up) {
   const auto woken = std::make_shared<WakeSignal>(stream.get_executor());
   const std::function<void()> wake = [woken, executor = stream.get_executor()] {
     asio::post(executor, [woken] { woken->raise(); });
   };
   const std::stop_callback<std::function<void()>> on_hang_up(hung_up, wake);
   session->set_ready(wake);
-  keep_little_unsent(stream);
-  bool begun = false;
+  set_options(stream, times.write_timeout);
+  stream::Bytes last;  // null: nothing was sent
+  bool repeat = false;
   bool open = true;
   while (open && !hung_up.stop_requested()) {
     const bool ended = session->ended();
-    if (const std::optional<stream::Bytes> picture = session->next_picture()) {
-      stream.expires_after(write_timeout);
-      open = co_await write_part(stream, **picture, !begun);
-      begun = true;
+    std::optional<stream::Bytes> picture = session->next_picture();
+    if (!picture && repeat && !ended) picture = last;
+    repeat = false;
+    if (picture) {
+      stream.expires_after(times.write_timeout);
+      open = co_await write_part(stream, **picture, last == nullptr);
+      last = *picture;
     } else if (ended) {
       open = false;
     } else if (!session->ended()) {
-      co_await woken->wait();
+      const bool raised = co_await woken->wait_for(times.repeat_after);
+      repeat = !raised && last != nullptr;
     }
   }
   session->set_ready({});
   session->close();
   std::optional<Error> refusal;
-  if (!begun) refusal = no_picture(*session);
+  if (last == nullptr) refusal = no_picture(*session);
   co_return refusal;
 }
 

@@ -151,8 +151,9 @@ HttpResponse Router::get(const HttpRequest& request, std::string_view path) cons
   return refusal(no_such_path(path));
 }
 
-void Router::respond(const HttpRequest& request, std::function<void(HttpResponse)> done, std::stop_token stop) const {
-  const Target target = split_target(request.target);
+void Router::respond(HttpRequest request, std::function<void(HttpResponse)> done, std::stop_token stop) const {
+  const std::string whole_target = request.target;  // outlives the request, which is handed on
+  const Target target = split_target(whole_target);
   const bool reads = request.method == "GET" || request.method == "HEAD";
   if (std::optional<HttpResponse> state = reads ? probe(target.path) : std::nullopt) return done(*std::move(state));
   if (const Status host = check_host(access_, request.host); !host) return done(refused_host(host.error()));
@@ -161,7 +162,7 @@ void Router::respond(const HttpRequest& request, std::function<void(HttpResponse
   if (reads && FileRoutes::is_download(target.path)) return files_.download(target.path, std::move(done));
   if (reads) return done(get(request, target.path));
   if (request.method != "POST") return done(method_not_allowed("GET, HEAD, POST"));
-  call(request, target.path, std::move(done), std::move(stop));
+  call(std::move(request), target.path, std::move(done), std::move(stop));
 }
 
 void Router::draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const {
@@ -177,7 +178,7 @@ void Router::draw(const PicturePath& picture, std::string_view query, std::funct
   });
 }
 
-void Router::call(const HttpRequest& request, std::string_view path, std::function<void(HttpResponse)> done,
+void Router::call(HttpRequest request, std::string_view path, std::function<void(HttpResponse)> done,
                   std::stop_token stop) const {
   const bool is_upload = files_.upload_limit(path) > 0;
   const auto method = methods_.find(path);
@@ -185,7 +186,7 @@ void Router::call(const HttpRequest& request, std::string_view path, std::functi
   if (const Status origin = check_origin(access_, request.origin, request.host); !origin) {
     return done(refusal_with_status(403, origin.error()));
   }
-  if (is_upload) return files_.upload(request, std::move(done));
+  if (is_upload) return files_.upload(std::move(request), std::move(done));
   // An empty body is the message with nothing set, so that `curl -X POST` works for List and Get*Info.
   method->second->call(
       request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
@@ -199,11 +200,15 @@ void Router::call(const HttpRequest& request, std::string_view path, std::functi
       std::move(stop));
 }
 
-std::int64_t Router::max_body_bytes(const HttpRequest& head) const {
+Router::BodyLimit Router::body_limit(const HttpRequest& head) const {
   const std::string_view path = split_target(head.target).path;
   const std::int64_t limit = head.method == "POST" ? files_.upload_limit(path) : 0;
-  const bool trusted = limit > 0 && check_host(access_, head.host) && check_origin(access_, head.origin, head.host);
-  return trusted ? limit : max_message_bytes_;
+  if (limit == 0) return {max_message_bytes_, std::nullopt};
+  if (const Status host = check_host(access_, head.host); !host) return {0, refused_host(host.error())};
+  if (const Status origin = check_origin(access_, head.origin, head.host); !origin) {
+    return {0, refusal_with_status(403, origin.error())};
+  }
+  return {limit, std::nullopt};
 }
 
 std::optional<Result<std::shared_ptr<api::ImageSession>>> Router::play(const HttpRequest& request) const {

@@ -59,7 +59,7 @@ class Router {
   void drain() { draining_ = true; }
 
   // `done` is called exactly once: on this thread, or on one of the Api's. `stop`: see api::Method::call.
-  void respond(const HttpRequest& request, std::function<void(HttpResponse)> done, std::stop_token stop = {}) const;
+  void respond(HttpRequest request, std::function<void(HttpResponse)> done, std::stop_token stop = {}) const;
 
   // Nothing if `request` asks for no MJPEG stream (GET /sheets/ID.mjpeg), else that stream or why there is none.
   [[nodiscard]] std::optional<Result<std::shared_ptr<api::ImageSession>>> play(const HttpRequest& request) const;
@@ -73,16 +73,21 @@ class Router {
   };
   [[nodiscard]] Upgrade upgrade(const HttpRequest& request, std::string_view subprotocols) const;
 
-  // Largest body, in bytes, that is taken of a request with this head: much for a file from where files may come, else
-  // that of one message.
-  [[nodiscard]] std::int64_t max_body_bytes(const HttpRequest& head) const;
+  // What body of a request with this head is taken: much for a file, from where files may come, else one message. A
+  // file from elsewhere is refused before a byte of it is read.
+  struct BodyLimit {
+    std::int64_t max_bytes = 0;
+    std::optional<HttpResponse> refused;
+  };
+  [[nodiscard]] BodyLimit body_limit(const HttpRequest& head) const;
 
  private:
   // /healthz and /readyz, which load balancers ask for without naming a host.
   [[nodiscard]] std::optional<HttpResponse> probe(std::string_view path) const;
   [[nodiscard]] HttpResponse get(const HttpRequest& request, std::string_view path) const;
   void draw(const PicturePath& picture, std::string_view query, std::function<void(HttpResponse)> done) const;
-  void call(const HttpRequest& request, std::string_view path, std::function<void(HttpResponse)> done,
+  // `path`: of request.target.
+  void call(HttpRequest request, std::string_view path, std::function<void(HttpResponse)> done,
             std::stop_token stop) const;
 
   api::Api& api_;

@@ -75,6 +75,48 @@ TEST_F(SlowImagesTest, AStalledReaderOfMjpegIsClosedAndCostsNobodyElseAnything) 
   EXPECT_LE(stalled.read_rest().size(), picture_bytes + 100) << "nothing waited for it";
 }
 
+TEST_F(ImagesTest, WhoSaysAWordAndHangsUpGivesItsStreamBack) {
+  for (const bool whole : {true, false}) {
+    RawClient gone(port_);
+    gone.send("GET /sheets/a.mjpeg?width=64&height=48 HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+    ASSERT_TRUE(gone.read_until("--kerf-picture\r\n"));
+    ASSERT_FALSE(read_part(gone).empty());
+    EXPECT_EQ(metric("kerf_image_streams"), 1.0);
+    gone.send("x");
+    EXPECT_EQ(metric("kerf_image_streams"), 1.0) << "one byte ends nothing";
+    if (whole) {
+      gone.hang_up();
+    } else {
+      gone.end_sending();
+    }
+    while (metric("kerf_image_streams") != 0.0) {
+    }
+  }
+}
+
+// A picture that nobody acknowledges ends the connection of a reader that has vanished.
+TEST_F(ImagesTest, APictureIsSentAgainWhereThereIsNoOther) {
+  app::Config config = config_;
+  config.http_options.picture_repeat = milliseconds(50);
+  server_ = start_server(config);
+  port_ = port_of(server_->http_url());
+  call("SheetService/CreateSheet",
+       R"({"sheet_id":"a","paused":true,"scene":{"pins":[{"edge":"TOP"}],
+           "grid":{"columns":8,"rows":8,"width_m":1,"height_m":1}}})");
+  RawClient reader(port_);
+  reader.send("GET /sheets/a.mjpeg?width=64&height=48 HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
+  ASSERT_TRUE(reader.read_until("--kerf-picture\r\n"));
+  const std::string picture = read_part(reader);
+  ASSERT_FALSE(picture.empty());
+  EXPECT_EQ(read_part(reader), picture);
+  EXPECT_EQ(read_part(reader), picture);
+  EXPECT_EQ(metric("kerf_pictures_rendered_total"), 1.0) << "nothing is drawn for it";
+  step();
+  std::string next = picture;
+  while (next == picture) next = read_part(reader);
+  EXPECT_FALSE(next.empty()) << "the new one is sent like any";
+}
+
 TEST_F(SlowImagesTest, AReaderThatTakesButDoesNotAcknowledgeIsTold) {
   Socket stalled(port_, kSubprotocol, kImages);
   v1::WatchImagesRequest start = start_of(v1::IMAGE_JPEG, 320, 240);

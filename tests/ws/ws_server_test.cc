@@ -153,8 +153,8 @@ TEST_F(HttpServerTest, MeshFilesAreUploadedBeyondTheLimitOfAMessage) {
   EXPECT_EQ(request(port_, "POST", "/sheets?format=obj&request=%7", {}, file).status, 400);
   EXPECT_EQ(request(port_, "POST", "/sheets?format=obj&request=%7B", {}, file).status, 400);
   EXPECT_EQ(request(port_, "POST", "/sheets?format=obj", {}, "").status, 400);
-  EXPECT_EQ(request(port_, "POST", target, "Origin: http://elsewhere.example\r\n", file).status, 413)
-      << "whoever may not upload gets no more room than others";
+  EXPECT_EQ(request(port_, "POST", target, "Origin: http://elsewhere.example\r\n", file).status, 403)
+      << "of whoever may not upload nothing is read";
   EXPECT_EQ(request(port_, "POST", target, "Origin: http://elsewhere.example\r\n", "v").status, 403);
   RawClient boastful(port_);
   boastful.send("POST /sheets?format=obj HTTP/1.1\r\nHost: localhost\r\nContent-Length: 67108865\r\n\r\n");
