@@ -1,5 +1,7 @@
 #include "server/wire/command_codec.h"
 
+#include <iterator>
+#include <string>
 #include <utility>
 #include <variant>
 
@@ -142,13 +144,31 @@ v1::Cut encode_cut(const sheet::Cut& cut) {
   return message;
 }
 
+std::int64_t num_parts(const sheet::Cut& cut) {
+  std::int64_t parts = 1;
+  if (const auto* path = std::get_if<cut::Path>(&cut.curve)) {
+    for (const cut::Subpath& subpath : path->subpaths) parts += 1 + std::ssize(subpath.segments);
+  }
+  return parts;
+}
+
 Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::Cut>& cuts,
                                    const FileReader& read_file) {
   sheet::CutBatch batch;
+  std::int64_t parts = 0;
   for (int i = 0; i < cuts.size(); ++i) {
     Result<sheet::Command> cut = decode_cut(cuts[i], read_file);
     if (!cut.ok()) return sheet::in_batch(cut.error(), static_cast<std::size_t>(i));
     batch.cuts.push_back(std::get<sheet::Cut>(std::move(*cut)));
+    parts += num_parts(batch.cuts.back());
+    if (parts > kMaxBatchParts) {
+      return sheet::in_batch(
+          invalid_argument("BATCH_TOO_LONG",
+                           "with this one the cuts, subpaths and segments of the batch are more than " +
+                               std::to_string(kMaxBatchParts) + ": make several batches of it",
+                           "curve"),
+          static_cast<std::size_t>(i));
+    }
   }
   return checked(std::move(batch));
 }

@@ -13,7 +13,12 @@ namespace kerf::wire {
 Result<sheet::Command> decode_command(const v1::Command& command, const FileReader& read_file = {});
 v1::Command encode_command(const sheet::Command& command);
 v1::Cut encode_cut(const sheet::Cut& cut);
-// A CutBatch; paths begin with "cut_batch.cuts[0]".
+
+// What the cuts of one batch may have together: drawings unfold to far more than their text.
+inline constexpr std::int64_t kMaxBatchParts = 131'072;
+// The cut, and the subpaths and segments of its path.
+std::int64_t num_parts(const sheet::Cut& cut);
+// A CutBatch; paths begin with "cut_batch.cuts[0]". BATCH_TOO_LONG: more than kMaxBatchParts.
 Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::Cut>& cuts,
                                    const FileReader& read_file = {});
 

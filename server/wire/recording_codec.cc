@@ -122,14 +122,6 @@ std::size_t bytes_beside_mesh(std::string_view header) {
   return beside;
 }
 
-std::int64_t num_parts(const sheet::Cut& cut) {
-  std::int64_t parts = 1;
-  if (const auto* path = std::get_if<cut::Path>(&cut.curve)) {
-    for (const cut::Subpath& subpath : path->subpaths) parts += 1 + static_cast<std::int64_t>(subpath.segments.size());
-  }
-  return parts;
-}
-
 // See RecordingLimits.
 std::int64_t num_parts(const sheet::Command& command) {
   if (const auto* cut = std::get_if<sheet::Cut>(&command)) return num_parts(*cut);

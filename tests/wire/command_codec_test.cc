@@ -45,6 +45,22 @@ TEST(CommandCodec, ZerosOfACutMeanTheDefaults) {
   EXPECT_FALSE(std::get<sheet::Cut>(*command).width.has_value());
 }
 
+TEST(CommandCodec, WhatABatchUnfoldsToIsLimited) {
+  constexpr int kSegments = 9000;
+  std::string drawing = "<svg viewBox=\"0 0 9 9\"><path d=\"M 0 0";
+  for (int i = 0; i < kSegments; ++i) drawing += i % 2 == 0 ? " h 1" : " v 1";
+  v1::Cut cut;
+  cut.mutable_curve()->mutable_svg()->set_text(drawing + "\"/></svg>");
+  google::protobuf::RepeatedPtrField<v1::Cut> cuts;
+  while ((cuts.size() + 1) * (kSegments + 2) <= kMaxBatchParts) *cuts.Add() = cut;
+  EXPECT_TRUE(decode_cuts(cuts).ok());
+  *cuts.Add() = cut;
+  const Result<sheet::Command> more = decode_cuts(cuts);
+  ASSERT_FALSE(more.ok());
+  EXPECT_EQ(more.error().reason, "BATCH_TOO_LONG");
+  EXPECT_EQ(more.error().field, "cut_batch.cuts[14].curve");
+}
+
 TEST(CommandCodec, FineQualityIsAnAngle) {
   v1::Cut cut;
   cut.mutable_curve()->mutable_circle()->set_radius_m(0.1);

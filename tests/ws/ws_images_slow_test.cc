@@ -101,7 +101,8 @@ TEST_F(ImagesTest, APictureIsSentAgainWhereThereIsNoOther) {
   server_ = start_server(config);
   port_ = port_of(server_->http_url());
   call("SheetService/CreateSheet",
-       R"({"sheet_id":"a","paused":true,"scene":{"grid":{"columns":8,"rows":8,"width_m":1,"height_m":1}}})");
+       R"({"sheet_id":"a","paused":true,"scene":{"pins":[{"edge":"TOP"}],
+           "grid":{"columns":8,"rows":8,"width_m":1,"height_m":1}}})");
   RawClient reader(port_);
   reader.send("GET /sheets/a.mjpeg?width=64&height=48 HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n");
   ASSERT_TRUE(reader.read_until("--kerf-picture\r\n"));
