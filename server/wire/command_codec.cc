@@ -166,7 +166,7 @@ Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::
           invalid_argument("BATCH_TOO_LONG",
                            "with this one the cuts, subpaths and segments of the batch are more than " +
                                std::to_string(kMaxBatchParts) + ": make several batches of it",
-                           "curve"),
+                           "cut.curve"),
           static_cast<std::size_t>(i));
     }
   }

@@ -123,7 +123,7 @@ std::size_t bytes_beside_mesh(std::string_view header) {
 }
 
 // See RecordingLimits.
-std::int64_t num_parts(const sheet::Command& command) {
+std::int64_t parts_of(const sheet::Command& command) {
   if (const auto* cut = std::get_if<sheet::Cut>(&command)) return num_parts(*cut);
   std::int64_t parts = 1;
   if (const auto* batch = std::get_if<sheet::CutBatch>(&command)) {
@@ -176,7 +176,7 @@ class TickReader {
     if (static_cast<std::int64_t>(entries.size()) == limits_.max_entries) {
       return too_large(reader_.offset(), "there are more ticks than may be", limits_.max_entries);
     }
-    for (const sheet::Command& command : tick->commands) parts_ += num_parts(command);
+    for (const sheet::Command& command : tick->commands) parts_ += parts_of(command);
     if (parts_ > limits_.max_parts) {
       return too_large(reader_.offset(), "there are more commands, or larger ones, than may be", limits_.max_parts);
     }

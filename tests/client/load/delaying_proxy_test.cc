@@ -1,11 +1,7 @@
 #include "client/load/delaying_proxy.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <cstddef>
-#include <ctime>
 #include <string>
 #include <thread>
 
@@ -116,41 +112,6 @@ TEST(DelayingProxy, PassesOnWhatWasSaidLast) {
   boost::asio::read(socket, boost::asio::dynamic_buffer(received), error);
   EXPECT_EQ(error, boost::asio::error::eof);
   EXPECT_EQ(received, pattern(50'000));
-}
-
-// Lets this process open nothing more while it lives.
-class NoMoreFiles {
- public:
-  NoMoreFiles() {
-    getrlimit(RLIMIT_NOFILE, &before_);
-    const int next = dup(STDERR_FILENO);
-    close(next);
-    const rlimit none{static_cast<rlim_t>(next), before_.rlim_max};
-    setrlimit(RLIMIT_NOFILE, &none);
-  }
-  ~NoMoreFiles() { setrlimit(RLIMIT_NOFILE, &before_); }
-  NoMoreFiles(const NoMoreFiles&) = delete;
-  NoMoreFiles& operator=(const NoMoreFiles&) = delete;
-
- private:
-  rlimit before_{};
-};
-
-TEST(DelayingProxy, OutOfFilesItWaitsAndThenGoesOn) {
-  EchoServer server;
-  auto proxy = DelayingProxy::start(server.address(), {});
-  ASSERT_TRUE(proxy) << proxy.error().message;
-  boost::asio::io_context context;
-  Tcp::socket socket(context, Tcp::v4());
-  const int port = std::stoi((*proxy)->address().substr((*proxy)->address().rfind(':') + 1));
-  {
-    const NoMoreFiles none;
-    socket.connect({boost::asio::ip::address_v4::loopback(), static_cast<unsigned short>(port)});
-    const std::clock_t before = std::clock();
-    std::this_thread::sleep_for(400ms);
-    EXPECT_LT(std::clock() - before, CLOCKS_PER_SEC / 10) << "it tries again and again";
-  }
-  EXPECT_GT(echo(socket, "x"), 0ms);
 }
 
 TEST(DelayingProxy, OfNoServerSaysSo) {
