@@ -307,12 +307,14 @@ TEST_F(EntriesHostTest, TheEndOfASteppedReplayIsPublished) {
   const sheet::Recording run = recorded();
   Answers<SheetStatus> answers;
   host_->replay("b", run, true, answers.callback());
+  host_->wait_idle();
   const auto sink = std::make_shared<RecordingSnapshots>();
   Answers<Nothing> added;
   host_->add_sink("b", sink, added.callback());
   host_->step("b", 10, answers.callback());
   host_->wait_idle();
   const SheetStatus ended = status("b");
+  ASSERT_TRUE(answers.at(1).ok());
   ASSERT_EQ(ended.replay->state, ReplayState::kDone);
   EXPECT_EQ(sink->snapshots().back()->stats.settings_version, ended.stats.settings_version);
 }
