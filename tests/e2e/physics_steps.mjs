@@ -162,7 +162,7 @@ export async function physicsSteps(steps, browser, url) {
     await viewer.pick('demo');
     await viewer.until('k.sheet === "sheets/demo" && k.connection === "live" && k.pinnedVertices.length === 2');
     await release();
-    await viewer.until('k.framesDrawn > given.drawn + 2', { drawn: await viewer.read('k.framesDrawn') });
+    await viewer.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
     const { length } = await viewer.read('k.pinnedVertices');
     check(length === 2, `the demo sheet is shown with ${length} pins, as the one that was stepped has`);
     await viewer.pick('physics');
