@@ -264,14 +264,15 @@ TEST_F(ServerTest, FramesFilesAndAnalyses) {
   bool has_strains = false;
   WatchOptions with_strains;
   with_strains.strains = true;
-  EXPECT_TRUE(sheet
-                  .watch(
-                      [&](const v1::Frame& /*frame*/, const Mirror& mirror) {
-                        has_strains = mirror.has_strains();
-                        return !has_strains;  // the first frame may be of a snapshot that was made for the viewer before
-                      },
-                      with_strains)
-                  .ok());
+  EXPECT_TRUE(
+      sheet
+          .watch(
+              [&](const v1::Frame& /*frame*/, const Mirror& mirror) {
+                has_strains = mirror.has_strains();
+                return !has_strains;  // the first frame may be of a snapshot that was made for the viewer before
+              },
+              with_strains)
+          .ok());
   EXPECT_TRUE(has_strains);
   EXPECT_NE(sheet.obj().value().find("\nv "), std::string::npos);
   EXPECT_NE(sheet.obj().value().find("\nf "), std::string::npos);
