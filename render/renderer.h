@@ -80,6 +80,9 @@ struct Capsule {
 };
 using Collider = std::variant<Sphere, Plane, Box, Capsule>;
 
+inline constexpr Colour kLightBackground{0.93, 0.94, 0.96};
+inline constexpr Colour kDarkBackground{0.11, 0.13, 0.16};
+
 struct Style {
   bool texture = true;  // crossing bands of dyed yarn and threads, in material coordinates
   bool wireframe =
@@ -88,7 +91,7 @@ struct Style {
   bool antialias =
       true;  // four samples a pixel, in pictures of up to 4 megapixels; about doubles a software device's time
   bool shadows = true;  // of the key light, and what hides the sky from the ground
-  Colour background{0.93, 0.94, 0.96};
+  Colour background = kLightBackground;
   Colour front{0.20, 0.43, 0.66};  // of the side whose triangles are counter-clockwise
   Colour back{0.90, 0.50, 0.26};   // of the other
   Colour lips{1.00, 0.93, 0.76};   // of the strips along the border and the lips of cuts

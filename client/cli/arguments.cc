@@ -60,6 +60,12 @@ void set(double x, double y, v1::Vec2& point) {
   point.set_y(y);
 }
 
+void set(const std::vector<double>& numbers, v1::Vec3& vector) {
+  vector.set_x(numbers[0]);
+  vector.set_y(numbers[1]);
+  vector.set_z(numbers[2]);
+}
+
 UsageError no(const std::string& text, const std::string& form) {
   return {"cannot read '" + text + "': write " + form};
 }
@@ -176,6 +182,40 @@ Parsed<v1::MaterialBox> parse_fit(const std::string& text) {
   return box;
 }
 
+Parsed<v1::Vec3> parse_vector(const std::string& text) {
+  const auto numbers = to_numbers(text);
+  if (!numbers || numbers->size() != 3) return no(text, "x,y,z, such as 0,0,-9.81");
+  v1::Vec3 vector;
+  set(*numbers, vector);
+  return vector;
+}
+
+Parsed<v1::Region> parse_region(const std::string& text) {
+  constexpr std::array<std::pair<std::string_view, v1::Region::Edge>, 6> kEdges = {
+      {{"top", v1::Region::TOP},
+       {"bottom", v1::Region::BOTTOM},
+       {"left", v1::Region::LEFT},
+       {"right", v1::Region::RIGHT},
+       {"corners", v1::Region::CORNERS},
+       {"top-corners", v1::Region::TOP_CORNERS}}};
+  v1::Region region;
+  for (const auto& [name, edge] : kEdges) {
+    if (text == name) region.set_edge(edge);
+  }
+  if (text == "all") region.set_all(true);
+  if (region.region_case() != v1::Region::REGION_NOT_SET) return region;
+  const auto numbers = to_numbers(text);
+  if (numbers && numbers->size() == 2) {
+    set((*numbers)[0], (*numbers)[1], *region.mutable_nearest());
+  } else if (numbers && numbers->size() == 4) {
+    set((*numbers)[0], (*numbers)[1], *region.mutable_box()->mutable_min());
+    set((*numbers)[2], (*numbers)[3], *region.mutable_box()->mutable_max());
+  } else {
+    return no(text, "top, bottom, left, right, corners, top-corners, all, x,y or x0,y0,x1,y1 in metres");
+  }
+  return region;
+}
+
 Parsed<v1::Camera> parse_camera(const std::string& text) {
   std::istringstream words(text);
   std::vector<std::vector<double>> points;
@@ -191,11 +231,7 @@ Parsed<v1::Camera> parse_camera(const std::string& text) {
   v1::Camera camera;
   const std::array<v1::Vec3*, 3> parts{camera.mutable_eye(), camera.mutable_target(),
                                        points.size() == 3 ? camera.mutable_up() : nullptr};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    parts[i]->set_x(points[i][0]);
-    parts[i]->set_y(points[i][1]);
-    parts[i]->set_z(points[i][2]);
-  }
+  for (std::size_t i = 0; i < points.size(); ++i) set(points[i], *parts[i]);
   return camera;
 }
 

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "kerf/v1/conditions.pb.h"
 #include "kerf/v1/geometry.pb.h"
 #include "kerf/v1/scene.pb.h"
 
@@ -50,6 +51,10 @@ Parsed<v1::Path> parse_rational(const std::string& text);
 Parsed<v1::Path> parse_path(const std::string& text);
 // "x0,y0,x1,y1", or "sheet": a box without corners, which stands for the sheet's less its margin.
 Parsed<v1::MaterialBox> parse_fit(const std::string& text);
+// "x,y,z"
+Parsed<v1::Vec3> parse_vector(const std::string& text);
+// "top" and the other edges, "corners", "top-corners", "all", "x,y" (the nearest vertex) or "x0,y0,x1,y1" (a box).
+Parsed<v1::Region> parse_region(const std::string& text);
 // "EYE TARGET" or "EYE TARGET UP", each "x,y,z" in metres.
 Parsed<v1::Camera> parse_camera(const std::string& text);
 // "nearest", "all", "piece", "piece:N" or "depth:NEAREST,FARTHEST" (metres): fills layers, piece and depths of `view`.

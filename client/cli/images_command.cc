@@ -143,6 +143,7 @@ int images(const Session& session, const ImagesArguments& arguments) {
   client::ImageOptions options;
   options.look = {wanted.size.width, wanted.size.height, wanted.camera,    wanted.wireframe,
                   wanted.undeformed, wanted.color_by,    arguments.quality};
+  options.look.dark = wanted.dark;
   options.codec = arguments.format == "png" ? v1::IMAGE_PNG : v1::IMAGE_JPEG;
   options.max_rate_hz = arguments.max_rate_hz;
   if (const Status made = make_folder(arguments); !made) return refuse(made.error());

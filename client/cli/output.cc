@@ -151,6 +151,14 @@ void print(const Session& session, const v1::Sheet& sheet) {
   }
 }
 
+void print(const Session& session, const v1::InteractionResponse& response) {
+  if (session.json) {
+    std::printf("%s\n", to_script_json(response).c_str());
+  } else {
+    std::printf("set at tick %lld\n", static_cast<long long>(response.tick()));
+  }
+}
+
 std::string describe(const v1::Sheet& sheet) {
   const std::string text =
       format("%-20s %-8s tick %-8lld %6d vertices %6d triangles %3d %s  x%.2f real time", sheet.name().c_str(),

@@ -9,6 +9,7 @@
 #include <grpcpp/support/status.h>
 
 #include "kerf/v1/cuts.pb.h"
+#include "kerf/v1/interaction.pb.h"
 #include "kerf/v1/sheets.pb.h"
 #include "kerf/v1/stream.pb.h"
 #include "server/base/result.h"
@@ -55,6 +56,7 @@ std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::str
 
 // For people, or with --json all of it.
 void print(const Session& session, const v1::Sheet& sheet);
+void print(const Session& session, const v1::InteractionResponse& response);
 
 // For people.
 std::string describe(const v1::Sheet& sheet);

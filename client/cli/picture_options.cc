@@ -28,6 +28,7 @@ void add_picture_options(CLI::App& command, PictureOptions& options) {
   command.add_flag("--wireframe", options.wireframe, "Draw the triangles' edges");
   command.add_flag("--undeformed", options.undeformed,
                    "Draw the sheet as it is cut, but flat: x,y,0 in material coordinates, without colliders");
+  command.add_flag("--dark", options.dark, "Draw it before a dark backdrop");
   command.add_option("--color-by", options.color_by, "What colours it: its sides, its pieces, or strains")
       ->check(CLI::IsMember({"sides", "pieces", "strains"}))
       ->capture_default_str();
@@ -36,7 +37,8 @@ void add_picture_options(CLI::App& command, PictureOptions& options) {
 Parsed<Picture> parse_picture(const PictureOptions& options) {
   const Parsed<ImageSize> size = parse_image_size(options.size);
   if (const auto* wrong = std::get_if<UsageError>(&size)) return UsageError{"--size: " + wrong->message};
-  Picture picture{std::get<ImageSize>(size), {}, options.wireframe, options.undeformed, color_by_of(options.color_by)};
+  Picture picture{std::get<ImageSize>(size), {},           options.wireframe,
+                  options.undeformed,        options.dark, color_by_of(options.color_by)};
   if (!options.view) return picture;
   const Parsed<v1::Camera> camera = parse_camera(*options.view);
   if (const auto* wrong = std::get_if<UsageError>(&camera)) return UsageError{"--view: " + wrong->message};

@@ -18,6 +18,7 @@ struct PictureOptions {
   double fov_deg = 0.0;
   bool wireframe = false;
   bool undeformed = false;
+  bool dark = false;
   std::string color_by = "sides";
 };
 
@@ -26,10 +27,11 @@ struct Picture {
   std::optional<v1::Camera> camera;
   bool wireframe = false;
   bool undeformed = false;
+  bool dark = false;
   v1::ColorBy color_by = v1::SIDES;
 };
 
-// --size, --view, --fov, --wireframe, --undeformed, --color-by.
+// --size, --view, --fov, --wireframe, --undeformed, --dark, --color-by.
 void add_picture_options(CLI::App& command, PictureOptions& options);
 
 Parsed<Picture> parse_picture(const PictureOptions& options);

@@ -1,5 +1,4 @@
 #include <cstdint>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -56,11 +55,7 @@ int set_material(const Session& session, const MaterialArguments& arguments) {
   const grpc::Status status =
       client.call(&v1::InteractionService::Stub::SetSheetMaterial, client.interaction(), request, response);
   if (!status.ok()) return refuse(status, session.server);
-  if (session.json) {
-    std::printf("%s\n", to_script_json(response).c_str());
-  } else {
-    std::printf("set at tick %lld\n", static_cast<long long>(response.tick()));
-  }
+  print(session, response);
   return kDone;
 }
 

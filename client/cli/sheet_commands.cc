@@ -38,6 +38,7 @@ struct CreateArguments {
   std::vector<std::string> parts;  // of other materials: x0,y0,x1,y1=PRESET
   std::string scene;               // a file, instead of all of the above
   IntegratorArguments integrator;
+  bool paused = false;
 };
 
 v1::RestShape rest_shape(const std::string& name) {
@@ -115,6 +116,7 @@ int add_options(const CreateArguments& arguments, v1::Scene& scene) {
 int create_sheet(const Session& session, const CreateArguments& arguments) {
   v1::CreateSheetRequest request;
   request.set_sheet_id(arguments.id);
+  request.set_paused(arguments.paused);
   v1::Scene& scene = *request.mutable_scene();
   const int code = arguments.scene.empty() ? add_options(arguments, scene) : add_scene_file(arguments, scene);
   if (code != kDone) return code;
@@ -250,6 +252,7 @@ void add_create(CLI::App& sheet, Session& session) {
       ->type_name("BOX=MATERIAL")
       ->excludes(scene)
       ->take_all();
+  create->add_flag("--paused", arguments->paused, "Begin paused");
   create->callback(
       [&session, arguments] { session.action = [&session, arguments] { return create_sheet(session, *arguments); }; });
 }
@@ -261,6 +264,7 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   sheet->group(group::kSheets)->require_subcommand(1);
   add_create(*sheet, session);
   add_settings_commands(*sheet, session);
+  add_hands_commands(*sheet, session);
   add_recording_commands(*sheet, session);
   CLI::App* list = sheet->add_subcommand("list", "List all sheets");
   list->callback([&session] { session.action = [&session] { return list_sheets(session); }; });

@@ -46,6 +46,7 @@ int render(const Session& session, const RenderArguments& arguments) {
   request.set_height_px(wanted.size.height);
   request.set_wireframe(wanted.wireframe);
   request.set_undeformed(wanted.undeformed);
+  request.set_dark(wanted.dark);
   request.set_color_by(wanted.color_by);
   if (wanted.camera) *request.mutable_camera() = *wanted.camera;
   request.set_format(jpeg ? v1::RenderImageRequest::JPEG : v1::RenderImageRequest::PNG);

@@ -1,6 +1,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -24,6 +25,7 @@ struct WatchArguments {
   std::string id;
   std::int64_t frames = 0;
   double max_rate_hz = 0.0;
+  double reconnect_s = 0.0;
 };
 
 WatchMeter::Frame measure(const v1::Frame& frame, const client::Mirror& mirror) {
@@ -87,6 +89,7 @@ int watch(const Session& session, const WatchArguments& arguments) {
   const OnSignal interrupted(interrupts, [&watcher] { watcher.stop(); });
   client::WatchOptions options;
   options.max_rate_hz = arguments.max_rate_hz;
+  options.reopening.when_lost = std::chrono::milliseconds(std::llround(1e3 * arguments.reconnect_s));
   WatchMeter meter;
   FrameLine line(session);
   const grpc::Status status =
@@ -122,6 +125,11 @@ void add_watch_command(CLI::App& app, Session& session) {
       ->add_option("--rate", arguments->max_rate_hz,
                    "At most so many frames a second, 0.001..1000 (default: every tick)")
       ->check(CLI::Range(0.001, 1000.0));
+  command
+      ->add_option("--reconnect", arguments->reconnect_s,
+                   "A server that is lost, one that is started again say, is tried for so many seconds, 0..86400")
+      ->check(CLI::Range(0.0, 86400.0))
+      ->capture_default_str();
   command->callback(
       [&session, arguments] { session.action = [&session, arguments] { return watch(session, *arguments); }; });
 }

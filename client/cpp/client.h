@@ -43,6 +43,11 @@ class Client {
     return (service.*method)(&context, request, &response);
   }
 
+  // Connects now. False: not within `timeout`.
+  bool wait_until_connected(std::chrono::milliseconds timeout) {
+    return channel_->WaitForConnected(std::chrono::system_clock::now() + timeout);
+  }
+
   [[nodiscard]] v1::SheetService::Stub& sheets() { return *sheets_; }
   [[nodiscard]] v1::CutService::Stub& cuts() { return *cuts_; }
   [[nodiscard]] v1::InteractionService::Stub& interaction() { return *interaction_; }

@@ -22,7 +22,8 @@ Failure failure_of(const grpc::Status& status) {
 
 std::string reason_of(const grpc::Status& status) {
   const Failure failure = failure_of(status);
-  return failure.reason.empty() ? name_of(failure.code) : failure.reason;
+  if (!failure.reason.empty()) return failure.reason;
+  return failure.message.empty() ? name_of(failure.code) : name_of(failure.code) + ": " + failure.message;
 }
 
 std::string name_of(grpc::StatusCode code) {

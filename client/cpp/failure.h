@@ -20,8 +20,8 @@ Failure failure_of(const grpc::Status& status);
 // "INVALID_ARGUMENT" and so on.
 std::string name_of(grpc::StatusCode code);
 
-// The server's reason, or where it gave none the code's name: short, and the same for the same thing. Of a status that
-// is not OK.
+// The server's reason, or where it gave none the code's name and gRPC's words: short, and the same for the same thing.
+// Of a status that is not OK.
 std::string reason_of(const grpc::Status& status);
 
 // One line: message, field, code.

@@ -13,6 +13,7 @@ v1::ImageView view_of(const ImageLook& look) {
   view.set_color_by(look.color_by);
   view.set_jpeg_quality(look.jpeg_quality);
   view.set_bitrate_kbps(look.bitrate_kbps);
+  view.set_dark(look.dark);
   return view;
 }
 
@@ -39,7 +40,7 @@ grpc::Status ImageWatcher::run(const std::string& name, const ImageOptions& opti
     if (on_image(response.image())) return {sequence, {}};
     return {sequence, grpc::Status::OK};
   };
-  return stream_.run(open, start, take, options.reopens);
+  return stream_.run(open, start, take, options.reopening);
 }
 
 void ImageWatcher::set_look(const ImageLook& look) {

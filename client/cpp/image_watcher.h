@@ -22,6 +22,7 @@ struct ImageLook {
   v1::ColorBy color_by = v1::SIDES;
   std::int32_t jpeg_quality = 0;  // 1..100; 0: 80
   std::int32_t bitrate_kbps = 0;  // of VP8, 50..50000; 0: by the size
+  bool dark = false;              // before a dark backdrop
 };
 
 struct ImageOptions {
@@ -30,7 +31,7 @@ struct ImageOptions {
       v1::IMAGE_JPEG;        // or IMAGE_PNG, or IMAGE_VP8: frames of one stream, for a decoder of one's own
   std::int32_t window = 0;   // pictures in flight, 1..8; 0: what way and reader want
   double max_rate_hz = 0.0;  // 0.001..1000; 0: every tick
-  bool reopens = true;       // as of WatchOptions
+  Reopening reopening = {};  // as of WatchOptions
 };
 
 // Watches one sheet in pictures that the server draws: reads, acknowledges. Blocks the thread that calls run().

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -12,9 +13,16 @@
 #include <grpcpp/support/status.h>
 #include <grpcpp/support/sync_stream.h>
 
+#include "client/cpp/failure.h"
 #include "kerf/v1/stream.pb.h"
 
 namespace kerf::client {
+
+// When a stream that has ended is opened again, and what was set is set again.
+struct Reopening {
+  bool when_slow = true;                   // the server ended it as TOO_SLOW
+  std::chrono::milliseconds when_lost{0};  // the server stops, or is not there: tried for so long
+};
 
 // What the streams have in common whose messages are acknowledged: Watch, WatchImages. For one run().
 template <typename Request, typename Response>
@@ -29,14 +37,19 @@ class LiveStream {
   };
 
   // `open(context)` begins a call, `start()` gives its first message, `take(response)` gets each answer but the last.
-  // OK where the stream was stopped or the server ended it. reopens: one that the server ended as TOO_SLOW is opened
-  // again, and what was set is set again.
+  // OK where the stream was stopped or the server ended it.
   template <typename Open, typename Start, typename Take>
-  grpc::Status run(const Open& open, const Start& start, const Take& take, bool reopens) {
+  grpc::Status run(const Open& open, const Start& start, const Take& take, const Reopening& reopening) {
+    auto lost_at = std::chrono::steady_clock::now();
     for (;;) {
       ended_ = {};
+      has_answers_ = false;
       const grpc::Status status = run_once(open, start, take);
-      if (!reopens || !status.ok() || stopped_ || ended_.reason() != v1::Ended::TOO_SLOW) return status;
+      const auto now = std::chrono::steady_clock::now();
+      if (has_answers_) lost_at = now;
+      const bool again = is_lost(status) ? now - lost_at < reopening.when_lost && wait_to_retry()
+                                         : reopening.when_slow && status.ok() && ended_.reason() == v1::Ended::TOO_SLOW;
+      if (!again || stopped_) return stopped_ ? grpc::Status::OK : status;
     }
   }
 
@@ -52,6 +65,7 @@ class LiveStream {
     const std::lock_guard lock(context_mutex_);
     stopped_ = true;
     if (context_ != nullptr) context_->TryCancel();
+    stopping_.notify_all();
   }
 
   [[nodiscard]] const v1::Ended& ended() const { return ended_; }
@@ -80,6 +94,7 @@ class LiveStream {
         ended_ = response.ended();
         continue;
       }
+      has_answers_ = true;
       const Taken taken = take(response);
       over = taken.over;
       if (taken.sequence > 0) acknowledge(taken.sequence, arrived);
@@ -88,7 +103,24 @@ class LiveStream {
     end(*stream);
     const grpc::Status status = stream->Finish();
     if (over) return *over;
-    return stopped_ ? grpc::Status::OK : status;
+    if (stopped_) return grpc::Status::OK;
+    if (status.error_code() != grpc::StatusCode::CANCELLED) return status;
+    // A server that cannot write, as nobody reads, has no way to say why it breaks the call off.
+    ended_.set_reason(v1::Ended::TOO_SLOW);
+    ended_.set_message("the server broke the stream off: it was not read in time");
+    return grpc::Status::OK;
+  }
+
+  // Of gRPC itself, which gives no reason, and not of the server; or the server said so.
+  [[nodiscard]] bool is_lost(const grpc::Status& status) const {
+    if (status.ok()) return ended_.reason() == v1::Ended::SERVER_STOPPING;
+    return status.error_code() == grpc::StatusCode::UNAVAILABLE && failure_of(status).reason.empty();
+  }
+
+  // False: stopped.
+  bool wait_to_retry() {
+    std::unique_lock lock(context_mutex_);
+    return !stopping_.wait_for(lock, kRetryAfter, [this] { return stopped_.load(); });
   }
 
   // While it lives, stop() cancels the call; also where `take` throws. False: run() was stopped, and begins nothing.
@@ -142,9 +174,13 @@ class LiveStream {
     stream.WritesDone();
   }
 
+  static constexpr std::chrono::milliseconds kRetryAfter{250};
+
   v1::Ended ended_;
+  bool has_answers_ = false;  // the call under way
   std::atomic<bool> stopped_{false};
-  std::mutex context_mutex_;                // not held over a write, so that stop() is not held up by one
+  std::mutex context_mutex_;  // not held over a write, so that stop() is not held up by one
+  std::condition_variable stopping_;
   grpc::ClientContext* context_ = nullptr;  // of the call under way; guarded by context_mutex_
   std::mutex mutex_;
   Stream* stream_ = nullptr;         // of the call under way, while it may be written to; guarded by mutex_

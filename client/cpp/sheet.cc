@@ -235,6 +235,7 @@ Result<v1::RenderImageResponse> Sheet::render(const RenderOptions& options) {
   request.set_color_by(options.color_by);
   request.set_format(options.format);
   request.set_jpeg_quality(options.jpeg_quality);
+  request.set_dark(options.dark);
   return connection_->call(&v1::RenderService::Stub::RenderImage, connection_->client().render(), request);
 }
 

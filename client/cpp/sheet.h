@@ -37,6 +37,7 @@ struct RenderOptions {
   v1::ColorBy color_by = v1::SIDES;
   v1::RenderImageRequest::Format format = v1::RenderImageRequest::PNG;
   std::int32_t jpeg_quality = 0;  // 1..100; 0: 85
+  bool dark = false;              // before a dark backdrop
 };
 
 struct SubscribeOptions {

@@ -39,7 +39,7 @@ grpc::Status Watcher::run(const std::string& name, const WatchOptions& options, 
     if (on_frame(frame, mirror)) return {frame.sequence(), {}};
     return {frame.sequence(), grpc::Status::OK};
   };
-  return stream_.run(open, start, take, options.reopens);
+  return stream_.run(open, start, take, options.reopening);
 }
 
 void Watcher::set_pace(double max_rate_hz, bool paused) {

@@ -20,8 +20,9 @@ struct WatchOptions {
   v1::Encoding encoding = v1::COMPACT;
   bool strains = false;  // Mirror::strain() has them then
   // The server ends a stream whose frames are not acknowledged for 10 s, because on_frame takes so long, as TOO_SLOW.
-  // Then: it is opened again, and on_frame sees nothing of that but a keyframe. false: run() ends.
-  bool reopens = true;
+  // Then, and for reopening.when_lost where the server is lost, it is opened again, and on_frame sees nothing of that
+  // but a keyframe; of a server that was started anew its ticks count anew. Else run() ends.
+  Reopening reopening = {};
 };
 
 // The first message of a stream of `name` ("sheets/demo").

@@ -29,6 +29,7 @@ class ImageViewer : public Viewer {
 
  private:
   void run() {
+    client_.wait_until_connected(kConnectWithin);
     const auto stream = client_.render().WatchImages(&context_);
     v1::WatchImagesRequest start;
     start.mutable_start()->set_name(watching_.sheet);

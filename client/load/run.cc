@@ -46,7 +46,8 @@ std::string utc_now() {
 Error error_of(const grpc::Status& status, const std::string& server) {
   const client::Failure failure = client::failure_of(status);
   const bool unreached = failure.code == grpc::StatusCode::UNAVAILABLE;
-  return {unreached ? ErrorCode::kUnavailable : ErrorCode::kFailedPrecondition, client::reason_of(status),
+  return {unreached ? ErrorCode::kUnavailable : ErrorCode::kFailedPrecondition,
+          failure.reason.empty() ? client::name_of(failure.code) : failure.reason,
           unreached ? "no server at " + server + " (" + failure.message + "): start kerfd, or give --server HOST:PORT"
                     : client::describe(failure),
           failure.field};

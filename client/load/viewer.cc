@@ -41,6 +41,7 @@ class FrameViewer : public Viewer {
   void run() {
     std::int64_t frames = 0;
     bool over = false;
+    client_.wait_until_connected(kConnectWithin);
     const grpc::Status status =
         watcher_.run(watching_.sheet, options_of(plan_, watching_.role),
                      [&](const v1::Frame& frame, const client::Mirror& /*mirror*/) {
@@ -95,7 +96,7 @@ void ReaderLog::shown(Nanoseconds time, std::int64_t age_us) {
 
 client::WatchOptions options_of(const Plan& plan, Role role) {
   client::WatchOptions options;
-  options.reopens = false;  // how often the server gives a reader up is a result
+  options.reopening.when_slow = false;  // how often the server gives a reader up is a result
   if (role == Role::kViewer) options.max_rate_hz = plan.viewer_rate_hz;
   return options;
 }

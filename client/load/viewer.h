@@ -50,6 +50,10 @@ class ReaderLog {
 [[nodiscard]] client::WatchOptions options_of(const Plan& plan, Role role);
 [[nodiscard]] Nanoseconds hold_of(const Plan& plan, Role role, std::int64_t frame);
 
+// A connection that is not there by then is told of by the stream. (gRPC 1.51 now and then takes a connection that is
+// being made for one that failed, and makes another a second later.)
+inline constexpr std::chrono::seconds kConnectWithin{10};
+
 // Watches one sheet on a thread and a connection of its own until it is destroyed.
 class Viewer {
  public:

@@ -83,7 +83,8 @@ Api::Api(host::Host& host, render::Renderer* renderer, ApiOptions options, host:
 Api::~Api() {
   stop();
   core_->studio.stop();
-  core_->worker.stop();
+  core_->drawer.stop();
+  core_->filer.stop();
   core_->analyst.stop();
 }
 
@@ -149,7 +150,9 @@ void Api::stop() {
   core_->hub.stop();
   core_->studio.close();
   core_->analyst.close();  // the analysis under way sees `stopping`
-  core_->worker.close();   // the transports wait for every answer: pictures in a row would take longer than a stop may
+  // The transports wait for every answer: pictures and files in a row would take longer than a stop may.
+  core_->drawer.close();
+  core_->filer.close();
   core_->streams.tell_stop();
 }
 

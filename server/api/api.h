@@ -84,7 +84,7 @@ class WatchSession;
 struct ApiCore;
 
 // Called exactly once: on the caller's thread where a request is refused at once, else on a thread of the host or of
-// the picture worker. It must not block; it may call the Api again.
+// a background worker. It must not block; it may call the Api again.
 template <typename T>
 using Reply = std::function<void(Result<T>)>;
 
@@ -98,8 +98,8 @@ struct Limits {
   std::size_t max_waiting_analyses = 8;                      // AnalyzeSheet calls behind the one being done
   std::int32_t max_analyzed_vertices = 100'000;              // of a sheet that is analysed
   std::int32_t max_image_streams = 64;                       // WatchImages and MJPEG streams, of all sheets together
-  std::size_t max_waiting_pictures = 16;  // RenderImage and ExportSheet calls, recordings and uploads behind the one
-                                          // being done
+  std::size_t max_waiting_pictures = 16;                     // RenderImage calls behind the one being drawn
+  std::size_t max_waiting_files = 16;  // ExportSheet calls and recordings, up and down, behind the one being done
   std::int64_t max_mesh_upload_bytes = std::int64_t{64} << 20;        // a mesh file of UploadSheet
   std::int64_t max_recording_upload_bytes = std::int64_t{128} << 20;  // a file of ReplayRecording
   std::int64_t max_recorded_ticks = std::int64_t{4} << 20;            // of that file: 19 h at 60 Hz, each tick an entry

@@ -50,7 +50,15 @@ Error too_many_pictures(const ApiCore& core) {
   return {ErrorCode::kResourceExhausted,
           "TOO_MANY_PICTURES",
           std::to_string(core.options.limits.max_waiting_pictures) +
-              " pictures and exports are waiting, as many as may; try again later",
+              " pictures are waiting, as many as may; try again later",
+          {}};
+}
+
+Error too_many_files(const ApiCore& core) {
+  return {ErrorCode::kResourceExhausted,
+          "TOO_MANY_FILES",
+          std::to_string(core.options.limits.max_waiting_files) +
+              " exports and recordings are waiting, as many as may; try again later",
           {}};
 }
 

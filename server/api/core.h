@@ -36,7 +36,8 @@ struct ApiCore {
         requests(options.limits.max_remembered_requests, options.limits.max_remembered_bytes),
         hub(the_host, options.limits.max_subscribers_per_sheet, options.instance_id),
         studio(the_renderer, pictures, the_clock, kStudioThreads),
-        worker(options.limits.max_waiting_pictures),
+        drawer(options.limits.max_waiting_pictures),
+        filer(options.limits.max_waiting_files),
         analyst(options.limits.max_waiting_analyses) {}
 
   host::Host& host;
@@ -54,7 +55,8 @@ struct ApiCore {
   PictureCounters pictures;
   StreamHub hub;
   PictureStudio studio;      // of image streams; its threads, too, are
-  BackgroundWorker worker;   // of single pictures and files; stopped by ~Api, so that it never ends on its own thread
+  BackgroundWorker drawer;   // of single pictures; stopped by ~Api, so that it never ends on its own thread
+  BackgroundWorker filer;    // of exports and recordings; likewise
   BackgroundWorker analyst;  // of analyses; likewise
 
   OpenStreams streams;
@@ -129,6 +131,7 @@ void in_background(BackgroundWorker& worker, const Reply<Response>& reply, std::
 
 // kResourceExhausted: as many pictures and files, or analyses, are waiting as may.
 Error too_many_pictures(const ApiCore& core);
+Error too_many_files(const ApiCore& core);
 Error too_many_analyses(const ApiCore& core);
 
 // Looks at a sheet between two ticks and hands on what `look` found.

@@ -76,6 +76,7 @@ MeshArrays arrays_of(const sheet::Snapshot& snapshot, const Eigen::Matrix3Xd& po
 render::Style style_of(const PictureView& view) {
   render::Style style;
   style.wireframe = view.wireframe;
+  if (view.dark) style.background = render::kDarkBackground;
   style.shadows = !view.undeformed;         // a flat sheet throws none on itself
   if (view.undeformed && view.wireframe) {  // the triangles are what is looked at
     style.texture = false;

@@ -34,6 +34,7 @@ Result<v1::RenderImageResponse> make_picture(ApiCore& core, const PictureSubject
   response.set_tick(subject.snapshot->tick);
   response.set_width_px(request.view.width);
   response.set_height_px(request.view.height);
+  response.set_strain_end(picture->strain_end);
   return response;
 }
 
@@ -61,7 +62,7 @@ void Api::render_image(const v1::RenderImageRequest& request, Reply<v1::RenderIm
       [core = core_, wanted = *wanted, reply = std::move(reply)](Result<PictureSubject> subject) {
         if (!subject.ok()) return reply(subject.error());
         in_background(
-            core->worker, reply,
+            core->drawer, reply,
             [core, wanted, reply, drawn = std::move(*subject)] { reply(make_picture(*core, drawn, wanted)); },
             too_many_pictures(*core));
       });

@@ -57,9 +57,8 @@ void PictureStream::order(const stream::FlowControl::Permit& permit) {
   wants_picture_ = true;
   const stream::Channel::Newest newest = channel_->newest();
   const bool is_new = newest.publication != last_publication_ || look_changed_;
-  if (!newest.snapshot || newest.publication <= stale_through_ || !is_new ||
-      (wants_strains() && newest.snapshot->strains.empty()))
-    return;
+  const bool is_fresh = newest.snapshot && newest.publication > stale_through_;
+  if (!is_fresh || !is_new || (wants_strains() && newest.snapshot->strains.empty())) return;
   wants_picture_ = false;
   ordered_ = true;
   look_changed_ = false;
@@ -96,6 +95,7 @@ v1::Image PictureStream::send(const FinishedPicture& picture, host::Nanoseconds 
   image.set_width_px(picture.width);
   image.set_height_px(picture.height);
   *image.mutable_camera() = encode_camera(picture.camera);
+  image.set_strain_end(picture.strain_end);
   wire::encode_stats(snapshot.stats, *snapshot.topology, *image.mutable_stats());
   image.mutable_stats()->set_skipped(skipped);
   ++core_->pictures.sent;

@@ -58,13 +58,14 @@ void PictureFeed::fill(const std::vector<PictureOrder>& orders, const stream::Ch
     stills_.clear();
   }
   for (const PictureOrder& order : orders) {
-    FinishedPicture picture{newest.publication, newest.snapshot, {}, view_.width, view_.height, true, nullptr};
+    FinishedPicture picture{newest.publication, newest.snapshot, {}, 0.0, view_.width, view_.height, true, nullptr};
     if (order.video) {
       if (const Status status = draw(newest); !status.ok()) {
         order.done(status.error());
         continue;
       }
       picture.camera = camera_;
+      picture.strain_end = strain_end_;
       film(order, std::move(picture));
       continue;
     }
@@ -74,6 +75,7 @@ void PictureFeed::fill(const std::vector<PictureOrder>& orders, const stream::Ch
       continue;
     }
     picture.camera = camera_;
+    picture.strain_end = strain_end_;
     picture.data = std::move(*data);
     order.done(std::move(picture));
   }

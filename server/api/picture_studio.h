@@ -34,6 +34,7 @@ struct FinishedPicture {
   std::int64_t publication = 0;                     // of the channel
   std::shared_ptr<const sheet::Snapshot> snapshot;  // that it shows
   render::Camera camera;                            // that it was drawn with
+  double strain_end = 0.0;                          // of the scale of strains; 0: it has none
   int width = 0;                                    // pixels
   int height = 0;                                   // pixels
   bool key = true;                                  // can be decoded by itself

@@ -53,6 +53,7 @@ Result<PictureView> decode_common(const Message& message, const std::string& pre
   if (message.height_px() != 0) view.height = message.height_px();
   view.wireframe = message.wireframe();
   view.undeformed = message.undeformed();
+  view.dark = message.dark();
   Status size = check_range(view.width, render::kMinImageSize, render::kMaxImageSize, prefix + "width_px");
   if (size.ok()) size = check_range(view.height, render::kMinImageSize, render::kMaxImageSize, prefix + "height_px");
   if (!size.ok()) return size.error();

@@ -17,6 +17,7 @@ struct PictureView {
   std::optional<render::Camera> camera;  // empty: chosen to show the whole sheet
   bool wireframe = false;
   bool undeformed = false;
+  bool dark = false;                 // the backdrop
   v1::ColorBy color_by = v1::SIDES;  // never unspecified
 
   friend bool operator==(const PictureView&, const PictureView&) = default;

@@ -100,8 +100,8 @@ Result<std::unique_ptr<Upload>> Api::replay_recording(const v1::RecordingUpload&
                                                                                    const Reply<v1::Sheet>& reply) {
     auto file = std::make_shared<const std::string>(std::move(content));
     in_background(
-        core->worker, reply, [core, file, id, paused, reply] { play(core, *file, id, paused, reply); },
-        too_many_pictures(*core));
+        core->filer, reply, [core, file, id, paused, reply] { play(core, *file, id, paused, reply); },
+        too_many_files(*core));
   };
   return begin_upload(*this, start.num_bytes(), core_->options.limits.max_recording_upload_bytes, std::move(use));
 }
@@ -122,12 +122,12 @@ void Api::get_sheet_recording(const v1::GetSheetRecordingRequest& request,
     if (!run.ok()) return reply(at_field(run.error(), "name"));
     auto kept = std::make_shared<const host::KeptRun>(std::move(*run));
     in_background(
-        core->worker, reply,
+        core->filer, reply,
         [kept, file, reply] {
           file->content = wire::encode_recording_header(*kept->config, wire::build_name()) + kept->entries;
           reply(std::shared_ptr<const std::string>(file, &file->content));
         },
-        too_many_pictures(*core));
+        too_many_files(*core));
   });
 }
 

@@ -140,7 +140,7 @@ void Api::export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSh
       [core = core_, format = request.format(), reply = std::move(reply)](Result<Found> found) {
         if (!found.ok()) return reply(found.error());
         in_background(
-            core->worker, reply,
+            core->filer, reply,
             [reply, format, snapshot = *found] {
               const bool is_gltf = format == v1::ExportSheetRequest::GLTF;
               v1::ExportSheetResponse response;
@@ -148,7 +148,7 @@ void Api::export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSh
               response.set_media_type(is_gltf ? "model/gltf-binary" : "model/obj");
               reply(std::move(response));
             },
-            too_many_pictures(*core));
+            too_many_files(*core));
       });
 }
 

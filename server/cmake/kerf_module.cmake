@@ -97,6 +97,16 @@ function(kerf_module name)
   endif()
 endfunction()
 
+# What programs of tests have in common: they themselves are compiled without much optimisation, what they test as it ships.
+function(kerf_test_program name)
+  target_link_libraries(${name} PRIVATE kerf_flags kerf_warnings ${ARGN} GTest::gtest_main GTest::gmock)
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    target_compile_options(${name} PRIVATE -Wno-maybe-uninitialized)  # false alarms on std::optional in std::variant
+  endif()
+endfunction()
+
 # kerf_test(path/to/name_test.cc LABEL core DEPENDS ... [ARGS ...] [TIMEOUT seconds]): one binary and one ctest entry.
 # Every test requires the fixture `build`, so `ctest --preset dev` builds what is stale first.
 function(kerf_test source)
@@ -116,8 +126,7 @@ function(kerf_test source)
     math(EXPR ARG_TIMEOUT "6 * ${ARG_TIMEOUT}")  # instrumented code is that much slower
   endif()
   add_executable(${name} ${source})
-  target_link_libraries(${name} PRIVATE kerf_flags kerf_warnings ${ARG_DEPENDS} GTest::gtest_main GTest::gmock)
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  kerf_test_program(${name} ${ARG_DEPENDS})
   add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 ${ARG_ARGS})
   set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} FIXTURES_REQUIRED built)
 endfunction()
@@ -138,11 +147,7 @@ function(kerf_tests name)
   endif()
   kerf_batches(${name}_batch SIZE 5 SOURCES ${ARG_SOURCES})
   add_executable(${name} ${${name}_batch})
-  target_link_libraries(${name} PRIVATE kerf_flags kerf_warnings ${ARG_DEPENDS} GTest::gtest_main GTest::gmock)
-  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
-  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-    target_compile_options(${name} PRIVATE -Wno-maybe-uninitialized)  # false alarms on std::optional in std::variant
-  endif()
+  kerf_test_program(${name} ${ARG_DEPENDS})
   foreach(shard RANGE 1 ${ARG_SHARDS})
     math(EXPR index "${shard} - 1")
     add_test(NAME ${name}_${shard} COMMAND ${name} --gtest_brief=1)

@@ -14,8 +14,11 @@
 #include "server/rpc/session_reactor.h"
 
 namespace kerf::rpc {
+namespace {
 
 constexpr std::size_t kWriterThreads = 2;  // as many as serve HTTP
+
+}  // namespace
 
 struct RpcServer::Impl {
   Impl(api::Api& api, host::Clock& clock)

@@ -1,13 +1,17 @@
 #include "server/rpc/write_watch.h"
 
+#include <utility>
+
 namespace kerf::rpc {
 
-// A timer that is set already stays where it is: when it fires, it is set anew for what is left.
+// Of each write no more than a time is noted: a timer that is set stays where it is, and when it fires, it is set anew
+// for what is left.
 void WriteWatch::begun() {
   const host::Nanoseconds now = clock_.now();
   {
     const std::lock_guard lock(mutex_);
     begun_at_ = now;
+    if (std::exchange(is_timed_, true)) return;
   }
   wait_until(now + limit_);
 }
@@ -30,14 +34,17 @@ void WriteWatch::wait_until(host::Nanoseconds deadline) {
 
 void WriteWatch::timer_fired() {
   timer_.fired();
-  std::optional<host::Nanoseconds> begun_at;
+  host::Nanoseconds deadline{};
+  bool is_stuck = false;
   {
     const std::lock_guard lock(mutex_);
-    begun_at = begun_at_;
+    if (begun_at_) deadline = *begun_at_ + limit_;
+    is_stuck = begun_at_ && clock_.now() >= deadline;
+    is_timed_ = begun_at_ && !is_stuck;
+    if (!is_timed_ && !is_stuck) return;
   }
-  if (!begun_at) return;
-  if (clock_.now() < *begun_at + limit_) return wait_until(*begun_at + limit_);
-  stuck_.raise();
+  if (is_stuck) return stuck_.raise();
+  wait_until(deadline);
 }
 
 }  // namespace kerf::rpc

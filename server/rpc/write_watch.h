@@ -34,6 +34,7 @@ class WriteWatch : public std::enable_shared_from_this<WriteWatch> {
   api::WakeTimer timer_;
   std::mutex mutex_;
   std::optional<host::Nanoseconds> begun_at_;  // of the write under way; guarded by mutex_
+  bool is_timed_ = false;                      // a timer is set, or about to be; guarded by mutex_
 };
 
 }  // namespace kerf::rpc

@@ -16,8 +16,9 @@ namespace kerf::sheet {
 inline constexpr std::int64_t kMaxRecordedGap = 4096;  // ticks from one entry to the next
 inline constexpr std::size_t kMaxTickCommands = 256;   // of an entry; a live tick does not get that many
 
-// One step() or apply(). An entry whose tick is that of the entry before it (0 before the first) was an apply(), or a
-// step of a frozen sheet, which is the same. Ticks between two entries were steps without commands from outside.
+// One step() or apply(). An entry whose tick is that of the entry before it (0 before the first) was an apply() of
+// commands, or a step of a frozen sheet with some, which is the same. Ticks between two entries were steps without
+// commands from outside.
 struct RecordedTick {
   std::int64_t tick = 0;          // after it
   std::vector<Command> commands;  // that came from outside, in order; the config's own are not repeated

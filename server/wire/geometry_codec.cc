@@ -22,9 +22,9 @@ void encode_vector(const Eigen::Vector3d& vector, v1::Vec3& message) {
   message.set_z(vector.z());
 }
 
-Result<std::string> read_content(const ContentOrFile& from, const FileReader& read_file, const std::string& kind,
+Result<std::string> read_content(ContentOrFile from, const FileReader& read_file, const std::string& kind,
                                  const std::string& path) {
-  if (from.file.empty()) return from.content;
+  if (from.file.empty()) return std::move(from.content);
   const std::string content = path + "." + from.content_field;
   const std::string field = path + ".file";
   if (!read_file) {

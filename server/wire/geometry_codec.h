@@ -25,11 +25,11 @@ using FileReader = std::function<Result<std::string>(const std::string& path)>;
 // without a reader, as it must be for what comes over the network; `kind`_TWICE where both are given; those of the
 // reader. All have field `path`.file.
 struct ContentOrFile {
-  const std::string& content;
+  std::string content;
   const std::string& file;
   std::string content_field = "text";
 };
-Result<std::string> read_content(const ContentOrFile& from, const FileReader& read_file, const std::string& kind,
+Result<std::string> read_content(ContentOrFile from, const FileReader& read_file, const std::string& kind,
                                  const std::string& path);
 
 struct DecodedCurve {

@@ -56,8 +56,8 @@ v1::RestShape encode_rest_shape(sheet::RestShape rest_shape) {
 }
 
 Result<sheet::MeshSource> decode_obj(v1::ObjMesh& message, const FileReader& read_file) {
-  Result<std::string> text = std::move(*message.mutable_text());
-  if (!message.file().empty()) text = read_content({*text, message.file()}, read_file, "OBJ", "obj");
+  Result<std::string> text =
+      read_content({std::move(*message.mutable_text()), message.file()}, read_file, "OBJ", "obj");
   if (!text.ok()) return text.error();
   const Result<sheet::RestShape> rest_shape = decode_rest_shape(message.rest_shape(), "obj.rest_shape");
   if (!rest_shape.ok()) return rest_shape.error();
@@ -65,8 +65,8 @@ Result<sheet::MeshSource> decode_obj(v1::ObjMesh& message, const FileReader& rea
 }
 
 Result<sheet::MeshSource> decode_ply(v1::PlyMesh& message, const FileReader& read_file) {
-  Result<std::string> data = std::move(*message.mutable_data());
-  if (!message.file().empty()) data = read_content({*data, message.file(), "data"}, read_file, "PLY", "ply");
+  Result<std::string> data =
+      read_content({std::move(*message.mutable_data()), message.file(), "data"}, read_file, "PLY", "ply");
   if (!data.ok()) return data.error();
   const Result<sheet::RestShape> rest_shape = decode_rest_shape(message.rest_shape(), "ply.rest_shape");
   if (!rest_shape.ok()) return rest_shape.error();

@@ -62,11 +62,13 @@ std::optional<Status> decode_view_key(std::string_view key, std::string_view val
     view.set_color_by(*color);
     return Nothing{};
   }
-  if (key != "wireframe" && key != "undeformed") return std::nullopt;
+  if (key != "wireframe" && key != "undeformed" && key != "dark") return std::nullopt;
   const Result<bool> flag = decode_flag(key, value);
   if (!flag.ok()) return flag.error();
   if (key == "wireframe") {
     view.set_wireframe(*flag);
+  } else if (key == "dark") {
+    view.set_dark(*flag);
   } else {
     view.set_undeformed(*flag);
   }
@@ -94,8 +96,8 @@ Status decode_query(std::string_view query, std::string_view keys,
   return Nothing{};
 }
 
-constexpr std::string_view kStillKeys = "width, height, quality, color, wireframe and undeformed";
-constexpr std::string_view kStreamKeys = "width, height, rate, quality, color, wireframe and undeformed";
+constexpr std::string_view kStillKeys = "width, height, quality, color, wireframe, undeformed and dark";
+constexpr std::string_view kStreamKeys = "width, height, rate, quality, color, wireframe, undeformed and dark";
 
 void replace_first(std::string& text, std::string_view from, std::string_view to) {
   const std::size_t at = text.find(from);

@@ -9,8 +9,8 @@
 
 // Pictures at URLs that an <img> can show:
 //   /sheets/ID.png  /sheets/ID.jpg  /sheets/ID.jpeg   ?width= &height= &quality= &color= &wireframe= &undeformed=
-//   /sheets/ID.mjpeg                                  those, and &rate=
-// width, height: pixels; quality: of JPEG; color: sides, pieces or strains; wireframe, undeformed: 0 or 1; rate:
+//   &dark= /sheets/ID.mjpeg                                  those, and &rate=
+// width, height: pixels; quality: of JPEG; color: sides, pieces or strains; wireframe, undeformed, dark: 0 or 1; rate:
 // pictures a second at most. Ranges and defaults are those of RenderImageRequest and WatchImagesStart.
 namespace kerf::ws {
 

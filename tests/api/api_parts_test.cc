@@ -99,6 +99,7 @@ class FakeRenderer : public render::Renderer {
     num_colliders = scene.colliders.size();
     eye_x = camera.eye.x;
     wireframe = scene.style.wireframe;
+    background = scene.style.background;
     textured = scene.style.texture;
     positions.assign(scene.mesh.positions.begin(), scene.mesh.positions.end());
     const render::Status status = render::validate(scene);
@@ -116,6 +117,7 @@ class FakeRenderer : public render::Renderer {
   std::size_t num_colliders = 0;
   double eye_x = 0.0;
   bool wireframe = false;
+  render::Colour background;
   bool textured = false;
   std::vector<float> positions;
 };
@@ -146,6 +148,11 @@ TEST_F(ApiTest, PictureIsDrawnOffTheStrand) {
   EXPECT_EQ(renderer.num_triangles, 72U);
   EXPECT_EQ(renderer.eye_x, 3.0);
   EXPECT_TRUE(renderer.wireframe);
+  EXPECT_GT(renderer.background.red, 0.8);
+  EXPECT_EQ(picture->strain_end(), 0.0);
+  request.set_dark(true);
+  ASSERT_TRUE(draw(*api_, request).ok());
+  EXPECT_LT(renderer.background.red, 0.2);
   request.set_format(v1::RenderImageRequest::JPEG);
   picture = draw(*api_, request);
   ASSERT_TRUE(picture.ok());
@@ -240,6 +247,11 @@ TEST_F(ApiTest, WaitingPicturesAreBoundedAndRefusedAtTheEnd) {
   ASSERT_EQ(answers.count(), 1U);
   EXPECT_EQ(answers.at(0).error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(get_sheet("sheets/a").tick(), 0) << "the sheet answers while a picture is drawn";
+  v1::ExportSheetRequest exported;
+  exported.set_name("sheets/a");
+  std::promise<bool> is_made;
+  api_->export_sheet(exported, [&is_made](const auto& file) { is_made.set_value(file.ok()); });
+  EXPECT_TRUE(is_made.get_future().get()) << "files are made while a picture is drawn";
   renderer.blocked = false;
   renderer.go.release(4);
   api_.reset();

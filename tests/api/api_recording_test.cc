@@ -26,7 +26,7 @@ class ApiFilesTest : public ApiTest {
     make_api(limits, nullptr);
   }
 
-  // Blocks until the picture worker, and a sheet's strand, have replied.
+  // Blocks until the filer, and a sheet's strand, have replied.
   template <typename T>
   static Result<T> wait(const std::function<void(Reply<T>)>& call) {
     std::promise<Result<T>> promise;
@@ -105,7 +105,7 @@ TEST_F(ApiFilesTest, RecordingsOnTheirWayAreLimited) {
   EXPECT_EQ(third.error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(third.error().reason, "TOO_MANY_RECORDINGS");
   second.reset();
-  // What was refused is let go when its replies are, which the picture worker does after it has given them.
+  // What was refused is let go when its replies are, which the filer does after it has given them.
   Result<std::shared_ptr<const std::string>> next = recording("sheets/a");
   while (!next.ok()) next = recording("sheets/a");
   EXPECT_EQ(**next, *first);

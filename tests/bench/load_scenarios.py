@@ -20,9 +20,10 @@ BROKEN = []
 
 
 @contextlib.contextmanager
-def server(*options):
+def server(*options, draws=False):
     """A kerfd on free ports; gives its addresses and process id."""
-    process = subprocess.Popen([OPTIONS.bin / "kerfd", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--no-render", *options],
+    options = [*options] if draws else ["--no-render", *options]
+    process = subprocess.Popen([OPTIONS.bin / "kerfd", "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", *options],
                                stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
     try:
         ready = json.loads(process.stdout.readline())
@@ -149,6 +150,20 @@ def stalled():
             ends["ends"] or "-", control(report))
 
 
+def pictures():
+    """Viewers of one sheet in pictures of 640 x 360 that the server draws: the same view, so that each is drawn once."""
+    head("viewers", "pictures/s each", "kB/s each", "age when it came: p50 / p99, ms", "ticks a second", "server cores",
+         "control: p50 / p99 / max, ms")
+    for viewers in (1, 4, 16):
+        with server(draws=True) as running:
+            report = load(running, "--viewers", 0, "--image-viewers", viewers)
+        of = report["readers"]["image viewers"]
+        must(of["readers"] == viewers and not of["ends"], f"pictures: {of['readers']} joined, {of['ends']}")
+        each = viewers * report["window_s"]
+        row(viewers, f"{of['frames'] / each:.1f}", f"{of['bytes'] / each / 1000:.0f}", ms(of["age_us"], "p50", "p99"),
+            f"{report['sheets']['ticks'] / report['measured_s']:.1f}", f"{report['server_cores']:.2f}", control(report))
+
+
 def cuts():
     """Cuts of watched sheets."""
     head("sheets", "cuts/s", "applied", "ticks to it: p50 / p99 / max", "reply: p50 / p99, ms", "frame that shows it: p50 / p99, ms",
@@ -164,7 +179,7 @@ def cuts():
             ms(report["readers"]["viewers"]["join_us"], "p50", "max"), control(report))
 
 
-SCENARIOS = {scenario.__name__: scenario for scenario in (capacity, admission, sleepers, readers, crowd, stalled, cuts)}
+SCENARIOS = {scenario.__name__: scenario for scenario in (capacity, admission, sleepers, readers, crowd, stalled, pictures, cuts)}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)

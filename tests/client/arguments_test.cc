@@ -42,6 +42,27 @@ TEST(Arguments, Points) {
   }
 }
 
+TEST(Arguments, Vectors) {
+  const v1::Vec3 vector = std::get<v1::Vec3>(parse_vector("-1,0.5,2e1"));
+  EXPECT_EQ(vector.x(), -1.0);
+  EXPECT_EQ(vector.y(), 0.5);
+  EXPECT_EQ(vector.z(), 20.0);
+  for (const char* bad : {"", "1,2", "1,2,3,4", "1,2,x", "1, 2,3"}) EXPECT_TRUE(refused(parse_vector(bad))) << bad;
+}
+
+TEST(Arguments, Regions) {
+  EXPECT_EQ(std::get<v1::Region>(parse_region("top")).edge(), v1::Region::TOP);
+  EXPECT_EQ(std::get<v1::Region>(parse_region("top-corners")).edge(), v1::Region::TOP_CORNERS);
+  EXPECT_TRUE(std::get<v1::Region>(parse_region("all")).all());
+  EXPECT_EQ(std::get<v1::Region>(parse_region("0.5,-1")).nearest().y(), -1.0);
+  const v1::Region box = std::get<v1::Region>(parse_region("0,1,2,3"));
+  EXPECT_EQ(box.box().min().y(), 1.0);
+  EXPECT_EQ(box.box().max().x(), 2.0);
+  for (const char* bad : {"", "Top", "middle", "1", "1,2,3", "1,2,3,4,5", "all,1"}) {
+    EXPECT_TRUE(refused(parse_region(bad))) << bad;
+  }
+}
+
 TEST(Arguments, Circles) {
   const v1::Circle circle = std::get<v1::Circle>(parse_circle("0.5,0.25,0.1"));
   EXPECT_EQ(circle.center().y(), 0.25);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -60,9 +61,89 @@ TEST_F(WatcherTest, AStreamThatWasGivenUpIsOpenedAgain) {
   EXPECT_EQ(watcher.ended().reason(), v1::Ended::REASON_UNSPECIFIED);
 }
 
+// What is on its way fills the connection, so that the server cannot even say why it gives the stream up.
+TEST_F(WatcherTest, OneThatCouldNotBeWrittenToIsOpenedAgainToo) {
+  ASSERT_TRUE(server_->create(grid_scene(150, 150, 1.0, 1.0), {"large", false, ""}).ok());
+  WatchOptions options;
+  options.window = 8;
+  options.encoding = v1::RAW;
+  int keyframes = 0;
+  Watcher watcher(server_->client());
+  const grpc::Status status =
+      watcher.run("sheets/large", options, [&](const v1::Frame& frame, const Mirror& /*mirror*/) {
+        if (frame.base_tick() >= 0) return true;
+        if (++keyframes == 3) return false;
+        dawdle();
+        return true;
+      });
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(keyframes, 3);
+}
+
+// A server, and one that takes its place at the same address with the same scene.
+class RestartTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    config_.scenes = {
+        ws_test::scene_file("a.json", R"({"grid": {"columns": 8, "rows": 8, "width_m": 1, "height_m": 1}})")};
+    running_ = ws_test::start_server(config_);
+    ASSERT_NE(running_, nullptr);
+    config_.grpc.port = ws_test::port_of(running_->grpc_address());
+    client_ = std::make_unique<Client>(running_->grpc_address());
+  }
+  void restart() {
+    running_.reset();
+    running_ = ws_test::start_server(config_);
+  }
+
+  app::Config config_ = ws_test::test_config();
+  std::unique_ptr<app::Server> running_;
+  std::unique_ptr<Client> client_;
+};
+
+TEST_F(RestartTest, AStreamGoesOnWithTheServerThatIsStartedAgain) {
+  Watcher watcher(*client_);
+  WatchOptions options;
+  options.reopening.when_lost = std::chrono::seconds(60);
+  std::vector<std::int64_t> sequences;
+  const grpc::Status status = watcher.run("sheets/a", options, [&](const v1::Frame& frame, const Mirror& mirror) {
+    EXPECT_EQ(mirror.num_vertices(), 64);
+    if (frame.base_tick() >= 0) return true;  // of the same server
+    sequences.push_back(frame.sequence());
+    if (sequences.size() == 3) return false;
+    restart();
+    return true;
+  });
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  EXPECT_EQ(sequences, (std::vector<std::int64_t>{1, 1, 1})) << "a stream of each server";
+}
+
+TEST_F(RestartTest, AndEndsWhereItIsNotToBeWaitedFor) {
+  Watcher watcher(*client_);
+  int frames = 0;
+  const grpc::Status status = watcher.run("sheets/a", {}, [&](const v1::Frame& /*frame*/, const Mirror& /*mirror*/) {
+    if (++frames == 1) running_.reset();
+    return true;
+  });
+  EXPECT_TRUE(!status.ok() || watcher.ended().reason() == v1::Ended::SERVER_STOPPING);
+}
+
+TEST_F(RestartTest, ItIsGivenUpWhenItsTimeIsOverOrItIsStopped) {
+  running_.reset();
+  const auto none = [](const v1::Frame& /*frame*/, const Mirror& /*mirror*/) { return false; };
+  WatchOptions options;
+  options.reopening.when_lost = std::chrono::milliseconds(1);
+  EXPECT_EQ(Watcher(*client_).run("sheets/a", options, none).error_code(), grpc::StatusCode::UNAVAILABLE);
+  options.reopening.when_lost = std::chrono::hours(1);
+  Watcher watcher(*client_);
+  std::thread stopper([&watcher] { watcher.stop(); });
+  EXPECT_TRUE(watcher.run("sheets/a", options, none).ok());
+  stopper.join();
+}
+
 TEST_F(WatcherTest, OrNotWhereThatIsWanted) {
   WatchOptions options;
-  options.reopens = false;
+  options.reopening.when_slow = false;
   int frames = 0;
   const Result<v1::Ended> ended = sheet().watch(
       [&](const v1::Frame& /*frame*/, const Mirror& /*mirror*/) {

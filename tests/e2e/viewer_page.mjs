@@ -124,12 +124,10 @@ export class ViewerPage {
   /** Answers to a method's calls wait: `asked` is over when there is one, release() lets all of them come. */
   async hold(method) {
     const url = `**/kerf.v1.${method}`;
-    let setAsked;
     let setReleased;
-    const asked = new Promise((resolve) => (setAsked = resolve));
+    const asked = this.page.waitForRequest(url);
     const released = new Promise((resolve) => (setReleased = resolve));
     await this.page.route(url, async (route) => {
-      setAsked();
       await released;
       await route.continue();
     });

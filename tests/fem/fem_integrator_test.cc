@@ -244,11 +244,20 @@ TEST_P(IntegratorContract, AnInflatedSheetComesToRestInItsEquilibrium) {
   EXPECT_LT((state.x - x).cwiseAbs().maxCoeff(), 1e-5);
 }
 
+// The address sanitizer makes this some twenty times as slow: there it comes to rest in fewer steps.
+#if defined(__SANITIZE_ADDRESS__)
+constexpr double kGrabDamping = 15.0;
+constexpr int kGrabSteps = 100;
+#else
+constexpr double kGrabDamping = 5.0;
+constexpr int kGrabSteps = 300;
+#endif
+
 TEST_P(IntegratorContract, AGrabOfAnyStiffnessPullsItsPointToTheTarget) {
   if (is(IntegratorKind::kTrapezoidal)) GTEST_SKIP() << "damps nothing";
   const mesh::TriangleMesh mesh = square_grid(7);
   Material material = soft_cloth();
-  material.mass_damping = 15.0;
+  material.mass_damping = kGrabDamping;
   const Model model(mesh, material);
   const std::unique_ptr<Integrator> integrator = make(model);
   for (const double stiffness : {10.0, 1e3, 1e6, 1e12}) {
@@ -262,7 +271,7 @@ TEST_P(IntegratorContract, AGrabOfAnyStiffnessPullsItsPointToTheTarget) {
     grab.stiffness = stiffness;
     grab.damping = 0.5;
     loads.grabs.push_back(grab);
-    for (int i = 0; i < 100; ++i) {
+    for (int i = 0; i < kGrabSteps; ++i) {
       integrator->step(model, loads, kTick, nullptr, state);
       ASSERT_TRUE(is_finite(state)) << stiffness;
     }

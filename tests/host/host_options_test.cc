@@ -122,6 +122,30 @@ class RecordingHostTest : public HostTest {
   std::shared_ptr<sheet::Recorder> recorder_;
 };
 
+TEST_F(FailingHostTest, ASheetThatFreezesIsRecordedInOrder) {
+  const auto recorder = std::make_shared<sheet::Recorder>();
+  HostOptions options = failing();
+  options.make_recording = [recorder](const std::string&) { return recorder; };
+  host_ = std::make_unique<Host>(std::move(options), clock_, entropy_);
+  create("a", small_sheet());
+  run_for(3 * kTick);
+  ASSERT_TRUE(submit("a", sheet::SetGravity{{0, 0, scenes::kGivesUp}}));
+  run_for(10 * kTick);
+  ASSERT_EQ(status("a").run_state, RunState::kFailed);
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4})));
+  Answers<SheetStatus> stepped;
+  host_->pause("a", stepped.callback());
+  host_->step("a", 1, stepped.callback());
+  host_->resume("a", stepped.callback());
+  run_for(3 * kTick);
+  ASSERT_TRUE(submit("a", sheet::Reset{}));
+  run_for(3 * kTick);
+  host_->stop();
+  const Status order = sheet::check_order(recorder->recording().entries);
+  EXPECT_TRUE(order) << order.error().message;
+  EXPECT_GT(recorder->recording().entries.back().tick, 7) << "the reset let it go on";
+}
+
 TEST_F(RecordingHostTest, WhatWasServedReplaysBitForBit) {
   create("a", at_50_hz(scenes::hanging(8)));
   create("b", small_sheet());

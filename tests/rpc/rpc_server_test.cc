@@ -205,10 +205,10 @@ TEST_F(RpcServerTest, NeverSharesAPort) {
 
 TEST_F(RpcServerTest, ACancelledStepEnds) {
   create("a");
-  constexpr std::int32_t kTicks = 100'000;
+  constexpr std::int32_t kManyTicks = 100'000;
   v1::StepSheetRequest request;
   request.set_name("sheets/a");
-  request.set_ticks(kTicks);
+  request.set_ticks(kManyTicks);
   grpc::ClientContext context;
   std::thread caller([&] {
     v1::Sheet sheet;
@@ -226,7 +226,7 @@ TEST_F(RpcServerTest, ACancelledStepEnds) {
     status = client_->call(&v1::SheetService::Stub::StepSheet, client_->sheets(), request, stepped);
   } while (status.error_code() == StatusCode::FAILED_PRECONDITION);
   ASSERT_TRUE(status.ok()) << status.error_message();
-  EXPECT_LT(stepped.tick(), kTicks);
+  EXPECT_LT(stepped.tick(), kManyTicks);
 }
 
 // The one behind it would wait in vain: 100,000 ticks of this sheet take minutes.

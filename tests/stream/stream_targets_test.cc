@@ -29,7 +29,7 @@ constexpr double kBytesPerNewVertex = 24.0;
 constexpr double kBytesPerChangedTriangle = 10.0;
 constexpr std::size_t kStalledViewers = 100;
 constexpr std::size_t kBytesOfStalledViewers = 100'000'000;  // of all of them together
-constexpr Nanoseconds kTick = 16'666'667ns;
+constexpr Nanoseconds kTickAt60Hz = 16'666'667ns;
 
 sheet::Sheet swinging(int side) {
   sheet::SheetConfig config;
@@ -58,7 +58,7 @@ class Stage {
     sheet_.step(commands);
     channel_->publish(sheet_.snapshot());
   }
-  [[nodiscard]] Nanoseconds now() const { return sheet_.tick() * kTick; }
+  [[nodiscard]] Nanoseconds now() const { return sheet_.tick() * kTickAt60Hz; }
   [[nodiscard]] const sheet::Sheet& sheet() const { return sheet_; }
   [[nodiscard]] EncodeCounters counters() const { return channel_->counters(); }
 

@@ -148,7 +148,8 @@ TEST_F(SlowImagesTest, AReaderThatDoesNotEvenReadIsCutOff) {
   }
   wait_for_one_stream();
   EXPECT_LE(rendered(), 2.0) << "as many as its window has";
-  EXPECT_EQ(metric("kerf_websocket_open_streams"), 0.0) << "the connection is gone, too";
+  while (metric("kerf_websocket_open_streams") > 0.0) {  // the connection goes, too
+  }
 }
 
 // Whatever it says meanwhile.

@@ -98,6 +98,7 @@ TEST_F(ImagesTest, BadPictureUrlsSayWhatIsWrong) {
                                   {"/sheets/a.jpg?quality=101", 400, "quality is 101; must be 1 to 100"},
                                   {"/sheets/a.jpg?color=mood", 400, "sides, pieces or strains"},
                                   {"/sheets/a.jpg?wireframe=yes", 400, "0 or 1"},
+                                  {"/sheets/a.jpg?dark=yes", 400, "0 or 1"},
                                   {"/sheets/a.jpg?rate=3", 400, "there is no 'rate' here"},
                                   {"/sheets/nobody.png", 404, "nobody"},
                                   {"/sheets/A.png", 400, "sheets/"},

@@ -164,8 +164,12 @@ export class App implements Viewer {
     this.canvas.focus({ preventScroll: true });
   }
 
-  /** Watches no sheet and plays no recording; nothing of the last one stays. */
+  /** Watches no sheet; nothing of the last one stays. A recording that is shown, or read, goes on. */
   close(): void {
+    if (this.replayBar.hasFile) {
+      this.sheetName = '';
+      return;
+    }
     this.letGo();
     this.imageMode.clear();
     this.sheetObjects.visible = false;
@@ -197,9 +201,9 @@ export class App implements Viewer {
     void this.refreshSheet();
   }
 
-  /** Opens it unless a recording is shown; what comes after that. */
+  /** Opens it unless a recording is shown, or read; what comes after that. */
   offer(name: string): void {
-    if (this.replayBar.isOpen) this.sheetName = name;
+    if (this.replayBar.hasFile) this.sheetName = name;
     else this.open(name);
   }
 
@@ -226,7 +230,7 @@ export class App implements Viewer {
 
   private startWorker(): Worker {
     return startWorker('watch', (why) => {
-      const told = `What receives the sheet has failed: ${why}. Reload the page`;
+      const told = `What receives the sheet has failed: ${why}. Open the sheet again, or reload the page`;
       this.worker = undefined;
       this.watch?.fail(told);
       this.notify('error', told);

@@ -33,7 +33,7 @@ describe('pictureSize', () => {
 
 describe('pictureView', () => {
   const size = { widthPx: 64, heightPx: 32 };
-  const look = { wireframe: true, colorBy: ColorBy.PIECES };
+  const look = { wireframe: true, colorBy: ColorBy.PIECES, dark: true };
 
   it('looks as the camera does', () => {
     const camera = new PerspectiveCamera(36, 2);

@@ -111,6 +111,20 @@ describe('PiecePanel', () => {
     expect(rows()[0].textContent).toContain('8,000 cm²');
   });
 
+  it('asks again where a cut came between two pages, though no frame comes', async () => {
+    const page = (topologyVersion: number, nextPageToken: string) =>
+      Promise.resolve(create(ListPiecesResponseSchema, { topologyVersion, nextPageToken }));
+    const torn = [page(1, '1000'), page(2, '')];
+    answer = () => {
+      const next = torn.shift()!;
+      if (torn.length === 0) listed([1n, 0, 1]);
+      return next;
+    };
+    panel.opened();
+    await settled();
+    expect([numAsked, names()]).toEqual([3, ['Piece 1']]);
+  });
+
   it('says what went wrong, and asks again once a second, though no frame comes', async () => {
     answer = () => Promise.reject(new ApiError('UNAVAILABLE', 'no server'));
     panel.opened();

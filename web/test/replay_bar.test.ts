@@ -25,6 +25,7 @@ class FakeWorker {
 describe('ReplayBar', () => {
   let page: Record<string, { hidden: boolean; click(): void }>;
   let bar: ReplayBar;
+  let app: { watch: object | undefined };
   const notices: string[] = [];
   const opened: string[] = [];
 
@@ -55,12 +56,13 @@ describe('ReplayBar', () => {
       getElementById: (id: string) => (page[id] ??= fakeElement()),
       querySelectorAll: () => [],
     });
-    const app = {
+    const shown = {
       watch: {},
       sheetName: 'sheets/a',
       open: (name: string) => void opened.push(name),
       notify: (kind: string, text: string) => void notices.push(`${kind}: ${text}`),
     };
+    app = shown;
     bar = new ReplayBar(app as unknown as App);
   });
   afterEach(() => vi.unstubAllGlobals());
@@ -95,6 +97,17 @@ describe('ReplayBar', () => {
     expect([FakeWorker.made[0].isEnded, page.replay.hidden]).toEqual([true, true]);
     // The live sheet has gone on meanwhile.
     expect([bar.key('Escape'), opened, notices]).toEqual([false, [], []]);
+  });
+
+  it('goes back to the live sheet while another recording is read, so that keys reach what is seen', async () => {
+    const first = slowFile(10);
+    await Promise.all([bar.open(first.file), first.read()]);
+    app.watch = undefined;
+    const second = slowFile(20);
+    const opening = bar.open(second.file);
+    expect([opened, bar.hasFile]).toEqual([['sheets/a'], true]);
+    await Promise.all([opening, second.read()]);
+    expect(FakeWorker.made.map(({ opened }) => opened)).toEqual([[10], [20]]);
   });
 
   it('closes, and says why, where its worker has failed', async () => {

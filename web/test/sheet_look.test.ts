@@ -9,6 +9,7 @@ describe('SheetLook of a recording', () => {
   let byId: (id: string) => FakeElement;
   let look: SheetLook;
   let notices: string[];
+  let app: { imageMode: { isShown: boolean } };
   let mirror: { topologyVersion: number; numPieces: number; strains: Float32Array | undefined };
   const view = { colorByPiece: vi.fn(), colorByStrain: vi.fn() };
   /** label -> id, as what is there now was coloured. */
@@ -21,13 +22,14 @@ describe('SheetLook of a recording', () => {
     byId = fakePage();
     notices = [];
     mirror = { topologyVersion: 0, numPieces: 2, strains: undefined };
-    const app = {
+    const made = {
       surface: { mirror },
       imageMode: { isShown: false },
       notify: (_: string, text: string) => notices.push(text),
       restartWatch: () => {},
       showAgain: () => {},
     };
+    app = made;
     view.colorByPiece.mockReset();
     view.colorByStrain.mockReset();
     look = new SheetLook(app as unknown as App, view as unknown as SheetView);
@@ -62,5 +64,10 @@ describe('SheetLook of a recording', () => {
     view.colorByStrain.mockReturnValue(0.2);
     look.color();
     expect(byId('strain-end').textContent).toBe('20 % or more');
+    // Beside pictures of the server, which come with their scale.
+    app.imageMode.isShown = true;
+    look.showStrainEnd(0.005);
+    look.color();
+    expect(byId('strain-end').textContent).toBe('0.5 % or more');
   });
 });

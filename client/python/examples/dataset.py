@@ -62,8 +62,6 @@ def _cut_at_random(sheet: kerf.Sheet, chance: random.Random, wanted: int) -> Lis
     """So many cuts that were applied, as they are labelled."""
     cuts: List[Dict[str, Any]] = []
     for _ in range(_TRIES * wanted):
-        if len(cuts) == wanted:
-            return cuts
         kind, cut = random_cut(chance)
         try:
             if sheet.cut(cut).status != kerf.APPLIED:
@@ -72,6 +70,8 @@ def _cut_at_random(sheet: kerf.Sheet, chance: random.Random, wanted: int) -> Lis
             continue  # may not be cut: another is drawn
         curve = json_format.MessageToDict(cut.curve, preserving_proto_field_name=True)
         cuts.append({"kind": kind, "curve": curve, "width_m": cut.width_m})
+        if len(cuts) == wanted:
+            return cuts
     raise SystemExit(f"{len(cuts)} of {wanted} cuts after {_TRIES * wanted} tries: take fewer --max-cuts or a larger --grid")
 
 

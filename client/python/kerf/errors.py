@@ -135,8 +135,13 @@ def connection_closed(address: str) -> Error:
     return Error("CANCELLED", "", f"the connection to {address} was closed")
 
 
+def cut_off(address: str) -> Unavailable:
+    """What a stream comes to that the server broke off, as it could not write: there is no saying why then."""
+    return Unavailable("UNAVAILABLE", "TOO_SLOW", f"the server at {address} broke the stream off: it was not read in time")
+
+
 def is_cancelled(failure: Any) -> bool:
-    """Whether a call failed because this side ended it."""
+    """Whether a call failed because one of its sides broke it off."""
     return bool(failure.code() == grpc.StatusCode.CANCELLED)
 
 

@@ -29,6 +29,7 @@ class Image:
     size_px: Tuple[int, int]  # width, height
     camera: geometry_pb2.Camera  # that it was drawn with
     stats: stream_pb2.FrameStats  # see proto/kerf/v1/stream.proto
+    strain_end: float  # with color_by="strains": what is stretched by that or more is yellow; else 0
 
     def array(self) -> Bytes:
         """The picture as height x width x 3 uint8, red, green, blue, top row first.
@@ -65,6 +66,7 @@ def image_of(message: render_pb2.Image) -> Image:
         (message.width_px, message.height_px),
         message.camera,
         message.stats,
+        message.strain_end,
     )
 
 
@@ -83,6 +85,7 @@ def image_view(
     color_by: str,
     jpeg_quality: int,
     bitrate_kbps: int,
+    dark: bool,
 ) -> render_pb2.ImageView:
     return render_pb2.ImageView(
         width_px=size_px[0],
@@ -93,4 +96,5 @@ def image_view(
         color_by=enum_value(render_pb2.ColorBy, "color_by", color_by),
         jpeg_quality=jpeg_quality,
         bitrate_kbps=bitrate_kbps,
+        dark=dark,
     )

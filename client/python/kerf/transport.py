@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import queue
 import threading
+import time
 from collections.abc import Callable, Iterable
 from typing import Any, Optional
 
 import grpc
 
 from kerf.channel_options import CHANNEL_OPTIONS
-from kerf.errors import connection_closed, error_of, is_cancelled, is_out_of_time
+from kerf.errors import connection_closed, cut_off, error_of, is_cancelled, is_out_of_time
+
+
+_CHANNEL_CLOSED = "Channel closed!"  # grpc's details of the calls that it breaks off then
 
 
 def open_channel(address: str) -> grpc.Channel:
@@ -34,14 +38,22 @@ def call_sending(method: Any, requests: Iterable[Any], timeout_s: Optional[float
     return call_unary(method, iter(requests), timeout_s, address)
 
 
+def pause(duration_s: float) -> None:
+    time.sleep(duration_s)
+
+
 class Stream:
     """One call that answers many times. With `request` the one that it begins with, else whatever is sent."""
 
     def __init__(self, method: Any, address: str, *, request: Any = None, duration_s: Optional[float] = None) -> None:
         self._address = address
-        self._closed = False
+        self._closed = True  # as long as there is no call
         self._requests: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        self._call = method(iter(self._requests.get, None) if request is None else request, timeout=duration_s)
+        try:
+            self._call = method(iter(self._requests.get, None) if request is None else request, timeout=duration_s)
+        except ValueError:  # of grpc, on a channel that was closed
+            raise connection_closed(address) from None
+        self._closed = False
         self.out_of_time = False  # it ended since duration_s was over
 
     def __del__(self) -> None:
@@ -63,7 +75,8 @@ class Stream:
             if self.out_of_time or (self._closed and is_cancelled(failure)):
                 return None
             if is_cancelled(failure):
-                raise connection_closed(self._address) from None
+                is_ours = failure.details() == _CHANNEL_CLOSED
+                raise (connection_closed(self._address) if is_ours else cut_off(self._address)) from None
             raise error_of(failure, self._address) from None
 
     def close(self) -> None:

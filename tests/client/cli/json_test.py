@@ -26,6 +26,12 @@ CALLS = {
     "sheet get": "sheet get still",
     "sheet list": "sheet list",
     "sheet material": "sheet material still denim",
+    "sheet grab": "sheet grab live hand --at 0.5,0.5 --to 0.5,0,0.5",
+    "sheet drag": "sheet drag live hand 0.5,-0.2,0.5",
+    "sheet release": "sheet release live hand",
+    "sheet pins": "sheet pins still left 0.9,0,1,0.1",
+    "sheet gravity": "sheet gravity still 0,0,-1.62",
+    "sheet wind": "sheet wind still 0,5,0",
     "sheet pause": "sheet pause still",
     "sheet play": "sheet play {work}/still.rec --id played",
     "sheet record": "sheet record still --out {work}/still.rec",
@@ -37,7 +43,8 @@ CALLS = {
     "watch": "watch live --frames 1",
 }
 # Of the rest no order is asked.
-FIRST = ["sheet pause", "analyze", "cut", "cuts", "undo", "redo", "run", "sheet create", "sheet record"]
+FIRST = ["sheet pause", "analyze", "cut", "cuts", "undo", "redo", "run", "sheet create", "sheet record",
+         "sheet grab", "sheet drag"]
 
 
 def commands(*before):

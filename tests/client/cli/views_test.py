@@ -33,6 +33,8 @@ class Views(Case):
             self.json_of("render", "view", "--out", path("by.png"), "--size", "64x64", "--color-by", by)
             colours.add(open(path("by.png"), "rb").read())
         self.assertEqual(len(colours), 3)
+        self.json_of("render", "view", "--out", path("dark.png"), "--size", "64x64", "--dark")
+        self.assertNotEqual(open(path("dark.png"), "rb").read(), open(path("by.png"), "rb").read())
         self.refused("render", "view", "--out", path("a.png"), "--color-by", "mood", code=2, says="--color-by")
         self.refused("render", "view", "--out", path("a.png"), "--view", "0,0,0 0,0,0", says="CAMERA_SINGULAR")
         self.refused("render", "view", "--out", path("a.png"), "--view", "0,0,0", code=2, says="--view")

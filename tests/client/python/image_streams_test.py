@@ -49,6 +49,18 @@ class Streaming(Case):
 
         self.assertLess(halves("sides"), halves("pieces"))
 
+    def test_a_dark_backdrop_and_the_scale_of_strains(self):
+        self.sheet.step(5)
+        options = {"camera": self.camera, "color_by": "strains", "dark": True}
+        with self.sheet.watch_images((64, 64), codec="png", **options) as images:
+            dark = next(images)
+            self.assertGreater(dark.strain_end, 0)
+            self.assertLess(dark.array()[1, 1].max(), 60)
+            images.look((64, 64), camera=self.camera)
+            light = next(images)
+            self.assertEqual(light.strain_end, 0)
+            self.assertGreater(light.array()[1, 1].min(), 200)
+
     def test_vp8(self):
         with self.sheet.watch_images((64, 64), codec="vp8", bitrate_kbps=200) as images:
             try:

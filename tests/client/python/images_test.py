@@ -32,6 +32,9 @@ class Pictures(Case):
         self.assertLess(abs(png.astype(int) - jpeg).mean(), 6)
         # The sheet is in the middle; the corner shows something else.
         self.assertGreater(abs(png[32, 48].astype(int) - png[2, 2]).max(), 20)
+        self.assertGreater(png[2, 2].min(), 200)
+        dark = kerf.decode_image(self.sheet.render((96, 64), camera=camera, dark=True))
+        self.assertLess(dark[2, 2].max(), 60)
 
     def test_colours_of_pieces(self):
         self.sheet.cut(kerf.polyline((0.5, -0.1), (0.5, 1.1)))

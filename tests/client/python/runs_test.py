@@ -37,8 +37,10 @@ class Recording(Case):
         with self.assertRaisesRegex(RuntimeError, "inside"):
             with self.sheet.recorder(path("broken.npz")) as recorder:
                 self.sheet.step(3)
-                while not recorder.num_frames:
+                patience = time.monotonic() + 60
+                while not recorder.num_frames and time.monotonic() < patience:
                     time.sleep(0.01)
+                self.assertTrue(recorder.num_frames)
                 raise RuntimeError("inside")
         self.assertEqual(len(kerf.load_run(path("broken.npz"))), recorder.num_frames)
 

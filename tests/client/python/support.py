@@ -27,9 +27,9 @@ def begin(options):
     PROCESS, ADDRESS = start_server()
 
 
-def start_server():
+def start_server(listen="127.0.0.1:0", *options):
     process = subprocess.Popen(
-        [OPTIONS.kerfd, "--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--max-load", "0"], stdout=subprocess.PIPE, text=True)
+        [OPTIONS.kerfd, "--listen", listen, "--http", "127.0.0.1:0", "--max-load", "0", *options], stdout=subprocess.PIPE, text=True)
     return process, json.loads(process.stdout.readline())["grpc"]
 
 

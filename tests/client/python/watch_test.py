@@ -1,7 +1,10 @@
 """Live frames as arrays: what they hold, that a slow loop does not lag, and how streams end."""
 
+import json
+import pathlib
 import socket
 import threading
+import time
 import unittest.mock
 
 import kerf
@@ -192,3 +195,57 @@ class Watching(Case):
         with self.sheet.subscribe() as open_end:
             next(open_end)
         self.assertEqual(list(open_end), [])
+
+
+class Restarts(unittest.TestCase):
+    """A server that is started again at the same address, with the same scene."""
+
+    def setUp(self):
+        pathlib.Path(support.path("again.json")).write_text(
+            json.dumps({"grid": {"columns": 5, "rows": 5, "width_m": 1, "height_m": 1}}))
+        self.scene = ("--scene", support.path("again.json"))
+        self.process, self.address = support.start_server("127.0.0.1:0", *self.scene)
+        self.addCleanup(lambda: support.stop_server(self.process))
+        self.server = kerf.connect(self.address)
+        self.addCleanup(self.server.close)
+        self.sheet = self.server.sheet("again")
+
+    def test_frames_go_on_with_the_next_server(self):
+        pauses = []
+
+        def pause(duration_s):
+            """Between two tries. The third time, two of them have found nobody."""
+            pauses.append(duration_s)
+            if len(pauses) == 3:
+                self.process, _ = support.start_server(self.address, *self.scene)
+            time.sleep(duration_s)
+
+        shapes = []
+        with unittest.mock.patch("kerf.blocking.streams.pause", pause):
+            with self.sheet.watch(reconnect_s=60, duration_s=120) as frames:
+                for frame in frames:
+                    if not frame.topology_changed:
+                        continue
+                    shapes.append(frame.positions.shape)
+                    if len(shapes) == 2:
+                        break
+                    support.stop_server(self.process)
+        self.assertEqual(shapes, [(25, 3)] * 2)
+        self.assertGreaterEqual(len(pauses), 3)
+
+    def test_or_end_when_the_time_for_that_is_over(self):
+        for reconnect_s, least in ((0.0, 0), (0.6, 2)):
+            with unittest.mock.patch("kerf.blocking.streams.pause", wraps=time.sleep) as pause:
+                with self.assertRaises(kerf.Unavailable):
+                    with self.sheet.watch(reconnect_s=reconnect_s, duration_s=120) as frames:
+                        for _ in frames:
+                            support.stop_server(self.process)
+            self.assertGreaterEqual(pause.call_count, least)
+            self.process, _ = support.start_server(self.address, *self.scene)
+
+    def test_a_limited_time_that_ends_without_a_server_is_no_end_of_the_frames(self):
+        with self.assertRaises(kerf.Unavailable):
+            with self.sheet.watch(reconnect_s=60, duration_s=1) as frames:
+                for _ in frames:
+                    support.stop_server(self.process)
+        self.process, _ = support.start_server(self.address, *self.scene)

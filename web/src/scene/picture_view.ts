@@ -29,7 +29,7 @@ export function pictureView(
   camera: PerspectiveCamera,
   target: Vector3,
   size: PictureSize,
-  look: { wireframe: boolean; colorBy: ColorBy },
+  look: { wireframe: boolean; colorBy: ColorBy; dark: boolean },
 ): ImageView {
   const vector = ({ x, y, z }: Vector3) => ({ x, y, z });
   return {

@@ -22,6 +22,8 @@ export interface ShownPicture {
   stats: FrameStats | undefined;
   /** That it was drawn with. */
   camera: Camera | undefined;
+  /** Of the scale of strains; 0: it has none. */
+  strainEnd: number;
   delivery: Delivery;
   /** When it came, this machine's Unix time, milliseconds. */
   arrivedMs: number;
@@ -188,6 +190,7 @@ export class ImageWatch {
       tick: Number(image.tick),
       stats: image.stats,
       camera: image.camera,
+      strainEnd: image.strainEnd,
       arrivedMs: unixMs,
       delivery: { numBytes, isKeyframe: image.key, numUnacknowledged, decodeMs: performance.now() - atMs },
     });

@@ -165,7 +165,7 @@ export class ImageMode {
     return this.images?.draw((shown) => this.paint(shown)) ?? false;
   }
 
-  private paint({ picture, tick, stats, camera, arrivedMs }: ShownPicture): void {
+  private paint({ picture, tick, stats, camera, strainEnd, arrivedMs }: ShownPicture): void {
     const { canvas } = this;
     const [width, height] =
       picture instanceof ImageBitmap ? [picture.width, picture.height] : [picture.displayWidth, picture.displayHeight];
@@ -178,6 +178,7 @@ export class ImageMode {
     this.camera = camera;
     this.numShown += 1;
     if (!this.isShown) this.setShown(true);
+    if (strainEnd > 0) this.app.look.showStrainEnd(strainEnd);
   }
 
   private setChosen(isChosen: boolean): void {
@@ -207,6 +208,7 @@ export class ImageMode {
 
   private failed(why: string): void {
     this.worker = undefined;
+    if (!this.isChosen) return;
     this.giveUp(`what decodes them has failed: ${why}`);
   }
 
@@ -220,9 +222,10 @@ export class ImageMode {
   }
 
   private view(): ImageView {
-    const { stage, look } = this.app;
+    const { stage, look, theme } = this.app;
     const colorBy = look.isByPiece ? ColorBy.PIECES : look.isByStrain ? ColorBy.STRAINS : ColorBy.SIDES;
     const size = pictureSize(stage.sizePx, Math.min(devicePixelRatio, 2));
-    return pictureView(stage.camera, stage.controls.target, size, { wireframe: look.isWireframe, colorBy });
+    const wanted = { wireframe: look.isWireframe, colorBy, dark: theme.isDark };
+    return pictureView(stage.camera, stage.controls.target, size, wanted);
   }
 }

@@ -67,6 +67,8 @@ export class PiecePanel implements Panel {
         this.shown = told === undefined ? undefined : { sheet, version: told };
         this.isAsking = false;
         this.error.hidden = true;
+        // A sheet that stands still has no frame that would ask again.
+        if (told === undefined) this.update();
       },
       (error: Error) => this.failed(error),
     );

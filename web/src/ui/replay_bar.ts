@@ -58,6 +58,11 @@ export class ReplayBar {
     return this.isOpen ? this.replay : undefined;
   }
 
+  /** A recording is shown, or read. */
+  get hasFile(): boolean {
+    return this.file !== undefined;
+  }
+
   /** Asks for a file. */
   choose(): void {
     this.input.click();
@@ -72,7 +77,8 @@ export class ReplayBar {
       refuse(why);
       this.close();
     };
-    this.leave();
+    // What keys and controls reach is what is seen.
+    this.close();
     this.file = file;
     this.bar.hidden = false;
     this.setChecking(true);

@@ -74,10 +74,13 @@ export class SheetLook {
       return;
     }
     const end = this.view.colorByStrain();
-    if (end === undefined) return;
-    // The server has a scale of its own for its pictures.
-    const isOwn = !this.app.imageMode.isShown;
-    setText(element('strain-end'), isOwn ? `${Number((100 * end).toPrecision(1))} % or more` : 'the most');
+    // The server has a scale of its own for its pictures, which come with it.
+    if (end !== undefined && !this.app.imageMode.isShown) this.showStrainEnd(end);
+  }
+
+  /** @param end  of the scale that is seen: what is stretched by that or more is yellow */
+  showStrainEnd(end: number): void {
+    setText(element('strain-end'), `${Number((100 * end).toPrecision(1))} % or more`);
   }
 
   // What is shown is of a recording, and was recorded without strains. Live they are on their way.

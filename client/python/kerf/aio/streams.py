@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from typing import TYPE_CHECKING, Any, Optional, Tuple
 
-from kerf.aio.transport import Stream
+from kerf.aio.transport import Stream, pause
 from kerf.errors import Error, NotFound, Unavailable, no_server
 from kerf.frames import Frame, FrameDecoder
 from kerf.images import ColorBy, Image, image_of, image_view
@@ -13,6 +13,10 @@ from kerf.v1 import geometry_pb2, render_pb2, stream_pb2
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+
+_RETRY_AFTER_S = 0.25
+_IS_BACK_AFTER_S = 30.0  # longer than gRPC tries to connect: a stream that is open for that long has a server
 
 
 class _Loop:
@@ -34,11 +38,17 @@ class _Loop:
 class AcknowledgedStream(_Loop):
     """What streams with acknowledgements have in common. The answer that a loop holds is acknowledged when it comes back for
     the next, so that the server sends no more than the loop can take. A server ends a stream that acknowledges nothing for
-    10 seconds: it is opened again then, and the loop sees nothing of that."""
+    10 seconds: it is opened again then, and the loop sees nothing of that. So is one whose server was lost, for as long as
+    that is to be tried."""
 
     _answer = ""  # the field of responses that is given to the loop
 
-    def __init__(self, method: Any, address: str, request: Any, duration_s: Optional[float]) -> None:
+    def __init__(
+        self, method: Any, address: str, request: Any, duration_s: Optional[float], reconnect_s: float
+    ) -> None:
+        self._reconnect_s = reconnect_s
+        self._lost_at: Optional[float] = None  # when the server was; None: it is there, as far as is known
+        self._opened_at = 0.0
         self._method = method
         self._address = address
         self._request = request  # its class, for acknowledgements
@@ -52,30 +62,35 @@ class AcknowledgedStream(_Loop):
     async def aclose(self) -> None:
         """Ends the stream; idempotent. A loop over it ends."""
         self._closed = True
-        if self._stream is not None:
-            await self._stream.close()
+        stream = self._stream  # which a loop on another thread may be opening anew
+        if stream is not None:
+            await stream.close()
 
     async def pace(self, rate_hz: float = 0.0, *, paused: bool = False) -> None:
         """Another rate from now on, as of watch(). paused: nothing comes until another pace."""
         self._pace = stream_pb2.WatchPace(max_rate_hz=rate_hz, paused=paused)
-        if self._stream is None:
-            await self._open()
-        else:
-            await self._stream.send(self._request(pace=self._pace))
+        await self._send(self._request(pace=self._pace))
 
     async def _send(self, request: Any) -> None:
-        if self._stream is None:
-            await self._open()
-        assert self._stream is not None
-        await self._stream.send(request)
+        if self._closed:
+            return
+        stream = self._stream
+        if stream is None:
+            stream = await self._open()
+        await stream.send(request)
 
-    async def _open(self) -> None:
-        left_s = None if self._ends_at is None else max(0.0, self._ends_at - time.monotonic())
-        self._stream = Stream(self._method, self._address, duration_s=left_s)
+    async def _open(self) -> Stream:
+        self._opened_at = time.monotonic()
+        left_s = None if self._ends_at is None else max(0.0, self._ends_at - self._opened_at)
+        stream = Stream(self._method, self._address, duration_s=left_s)
+        self._stream = stream
         self._sequence = 0
-        await self._stream.send(self._first())
+        await stream.send(self._first())
         if self._pace is not None:
-            await self._stream.send(self._request(pace=self._pace))
+            await stream.send(self._request(pace=self._pace))
+        if self._closed:  # meanwhile, by another thread
+            await stream.close()
+        return stream
 
     def _first(self) -> Any:
         raise NotImplementedError
@@ -91,26 +106,49 @@ class AcknowledgedStream(_Loop):
             await self._send(self._request(ack=stream_pb2.WatchAck(sequence=self._sequence, held_us=held_us)))
             self._sequence = 0
         while not self._closed:
-            if self._stream is None:
-                await self._open()
-            assert self._stream is not None
-            response = await self._stream.receive()
+            stream = self._stream
+            if stream is None:
+                stream = await self._open()
+            try:
+                response = await stream.receive()
+                if response is not None and response.WhichOneof("kind") == "ended":
+                    raise _ended(response.ended)
+            except Unavailable as failure:
+                if not await self._waits_for_server(failure):
+                    raise
+                continue
             if response is None:
-                if self._stream.out_of_time and self._expects_answer():
+                is_new = time.monotonic() - self._opened_at < _IS_BACK_AFTER_S
+                if stream.out_of_time and self._lost_at is not None and is_new:
+                    raise no_server(self._address, "it was lost, and is not back")
+                if stream.out_of_time and self._expects_answer():
                     raise no_server(self._address, "nothing came in all the time there was")
                 break
-            kind = response.WhichOneof("kind")
-            if kind == "ended" and response.ended.reason == stream_pb2.Ended.TOO_SLOW:
-                await self._stream.close()
-                self._stream = None
-            elif kind == "ended":
-                raise _ended(response.ended)
-            elif kind == self._answer:
-                answer = getattr(response, kind)
+            self._lost_at = None
+            if response.WhichOneof("kind") == self._answer:
+                answer = getattr(response, self._answer)
                 self._arrived_ns = time.monotonic_ns()
                 self._sequence = answer.sequence
                 return answer
         raise StopAsyncIteration
+
+    async def _waits_for_server(self, failure: Unavailable) -> bool:
+        """Whether a stream that failed so is to be opened again; after a while, where the server was lost."""
+        is_slow = failure.reason == "TOO_SLOW"
+        if not is_slow:
+            now = time.monotonic()
+            # A server that is back says nothing on a stream that is paused.
+            if self._lost_at is None or now - self._opened_at > _IS_BACK_AFTER_S:
+                self._lost_at = now
+            is_over = now - self._lost_at >= self._reconnect_s or (self._ends_at is not None and now >= self._ends_at)
+            if failure.reason not in ("", "SERVER_STOPPING") or is_over:
+                return False
+        stream, self._stream = self._stream, None
+        assert stream is not None
+        await stream.close()
+        if not is_slow:
+            await pause(_RETRY_AFTER_S)
+        return True
 
 
 class FrameStream(AcknowledgedStream):
@@ -118,8 +156,15 @@ class FrameStream(AcknowledgedStream):
 
     _answer = "frame"
 
-    def __init__(self, method: Any, address: str, start: stream_pb2.WatchStart, duration_s: Optional[float]) -> None:
-        super().__init__(method, address, stream_pb2.WatchRequest, duration_s)
+    def __init__(
+        self,
+        method: Any,
+        address: str,
+        start: stream_pb2.WatchStart,
+        duration_s: Optional[float],
+        reconnect_s: float,
+    ) -> None:
+        super().__init__(method, address, stream_pb2.WatchRequest, duration_s, reconnect_s)
         self._start = start
         self._decoder = FrameDecoder()
 
@@ -141,9 +186,14 @@ class ImageStream(AcknowledgedStream):
     _answer = "image"
 
     def __init__(
-        self, method: Any, address: str, start: render_pb2.WatchImagesStart, duration_s: Optional[float]
+        self,
+        method: Any,
+        address: str,
+        start: render_pb2.WatchImagesStart,
+        duration_s: Optional[float],
+        reconnect_s: float,
     ) -> None:
-        super().__init__(method, address, render_pb2.WatchImagesRequest, duration_s)
+        super().__init__(method, address, render_pb2.WatchImagesRequest, duration_s, reconnect_s)
         self._start = start
 
     async def __anext__(self) -> Image:
@@ -160,9 +210,10 @@ class ImageStream(AcknowledgedStream):
         color_by: ColorBy = "sides",
         jpeg_quality: int = 0,
         bitrate_kbps: int = 0,
+        dark: bool = False,
     ) -> None:
         """Another view from the next picture on, in place of the one before; as of Sheet.watch_images()."""
-        view = image_view(size_px, camera, wireframe, undeformed, color_by, jpeg_quality, bitrate_kbps)
+        view = image_view(size_px, camera, wireframe, undeformed, color_by, jpeg_quality, bitrate_kbps, dark)
         self._start.view.CopyFrom(view)
         await self._send(render_pb2.WatchImagesRequest(view=view))
 

@@ -10,7 +10,7 @@ from typing import Any, Optional
 import grpc
 
 from kerf.channel_options import CHANNEL_OPTIONS
-from kerf.errors import connection_closed, error_of, is_cancelled, is_out_of_time
+from kerf.errors import connection_closed, cut_off, error_of, is_cancelled, is_out_of_time
 
 
 def open_channel(address: str) -> grpc.aio.Channel:
@@ -34,15 +34,23 @@ async def call_sending(method: Any, requests: Iterable[Any], timeout_s: Optional
     return await call_unary(method, iter(requests), timeout_s, address)
 
 
+async def pause(duration_s: float) -> None:
+    await asyncio.sleep(duration_s)
+
+
 class Stream:
     """One call that answers many times. With `request` the one that it begins with, else whatever is sent."""
 
     def __init__(self, method: Any, address: str, *, request: Any = None, duration_s: Optional[float] = None) -> None:
         self._address = address
-        self._closed = False
+        self._closed = True  # as long as there is no call
         # Not written one by one: a write to a call that the server has ended never returns.
         self._requests: asyncio.Queue[Any] = asyncio.Queue()
-        self._call = method(_until_none(self._requests) if request is None else request, timeout=duration_s)
+        try:
+            self._call = method(_until_none(self._requests) if request is None else request, timeout=duration_s)
+        except grpc.aio.UsageError:  # the channel was closed
+            raise connection_closed(address) from None
+        self._closed = False
         self._reading: Optional[asyncio.Future[Any]] = None  # the next answer, which outlives a caller that gave up
         self.out_of_time = False  # it ended since duration_s was over
 
@@ -73,6 +81,8 @@ class Stream:
             self.out_of_time = is_out_of_time(failure)
             if self.out_of_time or (self._closed and is_cancelled(failure)):
                 return None
+            if is_cancelled(failure):
+                raise cut_off(self._address) from None
             raise error_of(failure, self._address) from None
         return None if answer is grpc.aio.EOF else answer
 
@@ -84,6 +94,8 @@ class Stream:
             self._closed = True
             self._requests.put_nowait(None)
             self._call.cancel()
+            if self._reading is not None:  # whose caller gave up: nobody else will ask what came of it
+                self._reading.add_done_callback(lambda reading: reading.cancelled() or reading.exception())
 
 
 async def _until_none(requests: asyncio.Queue[Any]) -> AsyncIterator[Any]:

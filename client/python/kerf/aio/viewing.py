@@ -25,14 +25,16 @@ class Viewing(SheetPart):
         window: int = 1,
         strains: bool = False,
         duration_s: Optional[float] = None,
+        reconnect_s: float = 0.0,
     ) -> FrameStream:
         """Frames as NumPy arrays, each the newest when it was asked for: a slow loop skips ticks, it never lags behind.
 
         rate_hz: most frames a second, 0.001..1000; 0: every tick. window: frames under way, 1..8: with 1 a frame is sent when
         the loop comes back for it; more keep a fast loop busy over a long way; 0: the server finds out. strains: frames have
         the strains of the vertices. duration_s: the stream ends after so long, with Unavailable where not even a first frame
-        came; None: only when it is closed, or a NotFound (the sheet was deleted) or Unavailable (the server stops) comes. A
-        paused sheet has a frame when something changes. Needs NumPy.
+        came; None: only when it is closed, or a NotFound (the sheet was deleted) or Unavailable (the server stops) comes.
+        reconnect_s: how long a server that is lost is tried; one that was started anew goes on with a keyframe, and its ticks
+        count anew. A paused sheet has a frame when something changes. Needs NumPy.
 
         >>> async with sheet.watch(rate_hz=30, strains=True) as frames:
         ...     async for frame in frames:
@@ -43,7 +45,7 @@ class Viewing(SheetPart):
         start = stream_pb2.WatchStart(
             name=self.name, window=window, max_rate_hz=rate_hz, encoding=stream_pb2.RAW, strains=strains
         )
-        return FrameStream(self._server.stream_service.Watch, self._server.address, start, duration_s)
+        return FrameStream(self._server.stream_service.Watch, self._server.address, start, duration_s, reconnect_s)
 
     def subscribe(self, *, rate_hz: float = 1.0, max_frames: int = 0) -> Subscription:
         """Frames at a low rate, 0.001..10 Hz, without acknowledgements: what is not read in time waits, so that a slow loop
@@ -69,19 +71,21 @@ class Viewing(SheetPart):
         color_by: ColorBy = "sides",
         jpeg_quality: int = 0,
         bitrate_kbps: int = 0,
+        dark: bool = False,
         duration_s: Optional[float] = None,
+        reconnect_s: float = 0.0,
     ) -> ImageStream:
         """Pictures that the server draws, each of the newest tick when it was asked for; what is skipped is not drawn.
 
         size_px: 16..4096 each. codec: "jpeg", "png", or "vp8", a tenth of the bytes, for a decoder of one's own. camera: see
-        kerf.camera(); absent: shows the whole sheet. wireframe, undeformed, color_by: as of render(). jpeg_quality: 1..100, 0: 80.
-        bitrate_kbps: of VP8, 50..50000; 0: by the size. The rest is as of watch(). Unavailable where the server has no renderer.
+        kerf.camera(); absent: shows the whole sheet. wireframe, undeformed, color_by, dark: as of render(). jpeg_quality: 1..100,
+        0: 80. bitrate_kbps: of VP8, 50..50000; 0: by the size. The rest is as of watch(). Unavailable where the server has no renderer.
         """
-        view = image_view(size_px, camera, wireframe, undeformed, color_by, jpeg_quality, bitrate_kbps)
+        view = image_view(size_px, camera, wireframe, undeformed, color_by, jpeg_quality, bitrate_kbps, dark)
         start = render_pb2.WatchImagesStart(
             name=self.name, window=window, max_rate_hz=rate_hz, codec=codec_value(codec), view=view
         )
-        return ImageStream(self._server.render_service.WatchImages, self._server.address, start, duration_s)
+        return ImageStream(self._server.render_service.WatchImages, self._server.address, start, duration_s, reconnect_s)
 
     def recorder(self, path: "str | os.PathLike[str]", *, rate_hz: float = 0.0, strains: bool = False) -> Recorder:
         """Records frames into an .npz file while a `with` lasts, beside whatever is done in it; kerf.load_run() reads it.
@@ -108,12 +112,13 @@ class Viewing(SheetPart):
         color_by: ColorBy = "sides",
         format: Literal["png", "jpeg"] = "png",
         jpeg_quality: int = 0,
+        dark: bool = False,
     ) -> bytes:
         """A picture of the sheet, drawn on the server: the bytes of a file. Unavailable where it has no renderer.
 
         size_px: 16..4096 each. camera: see kerf.camera(); absent: shows the whole sheet. undeformed: as it is cut, but flat, at
         its material coordinates x, y, 0. color_by: "sides" (woven, front and back differ), "pieces" or "strains".
-        jpeg_quality: 1..100, 0: 85. kerf.decode_image() makes an array of it.
+        jpeg_quality: 1..100, 0: 85. dark: before a dark backdrop. kerf.decode_image() makes an array of it.
 
         >>> (await sheet.render((64, 48)))[:4]
         b'\\x89PNG'
@@ -128,6 +133,7 @@ class Viewing(SheetPart):
             color_by=enum_value(render_pb2.ColorBy, "color_by", color_by),
             format=enum_value(render_pb2.RenderImageRequest.Format, "format", format),
             jpeg_quality=jpeg_quality,
+            dark=dark,
         )
         return bytes((await self._call(self._server.render_service.RenderImage, request)).image)
 

@@ -112,6 +112,7 @@ export class MaterialControl {
     try {
       await call(InteractionService.method.setSheetMaterial, { name, setMaterial: { material, part } });
     } catch (error) {
+      if (name !== this.viewer.sheetName) return;
       this.told = undefined;
       // Which field it is, the place where it is told says.
       refused(errorText(error as Error).replaceAll('set_material.material.', ''));

@@ -74,10 +74,11 @@ export class NewSheetDialog {
     this.update();
   }
 
-  // A file that cannot be taken is told at its field, and the keyboard goes there.
+  // A file that cannot be taken is told at its field, and the keyboard goes there unless somebody has begun to type.
   private async take(file: File): Promise<void> {
+    const { activeElement } = document;
     await this.readFile(file);
-    this.focusError();
+    if (document.activeElement === activeElement) this.focusError();
   }
 
   private async readFile(file: File): Promise<void> {

@@ -80,6 +80,7 @@ export class SheetChoice implements Panel {
 
   private showNone(): void {
     this.app.close();
+    if (this.app.replayBar.hasFile) return;
     this.app.showConnection('ended', 'This server has no sheets: make one under Sheets, New sheet');
     if (this.app.panels.open !== 'sheets') this.app.panels.toggle('sheets');
   }
