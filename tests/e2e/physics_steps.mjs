@@ -3,6 +3,7 @@ import { check, kPatienceMs, post } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
 const kSheet = { name: 'sheets/physics' };
+const kWindColour = [0x2f, 0x86, 0xd6];
 const kScene = {
   grid: { columns: 21, rows: 21, widthM: 1, heightM: 1 },
   placement: { origin: { x: -0.5, z: 0.2 }, xAxis: { x: 1 }, yAxis: { y: Math.cos(0.7), z: Math.sin(0.7) } },
@@ -49,8 +50,12 @@ export async function physicsSteps(steps, browser, url) {
     check(await viewer.page.isChecked('#wind-on'), 'air is not on though it blows');
     await viewer.shows('#wind-speed-value', '8.0 m/s');
     await viewer.screenshot('physics');
+    const numArrow = await viewer.numPixels(kWindColour, 'wind');
     await viewer.page.uncheck('#wind-on');
     await serverHas('no wind', ({ scene }) => scene.wind === undefined);
+    await viewer.screenshot('no-wind');
+    const numLeft = await viewer.numPixels(kWindColour, 'no-wind');
+    check(numArrow > numLeft + 50, `${numArrow} pixels of the wind's colour while it blows, then ${numLeft}`);
     // What another viewer sets is shown here, too.
     const wind = { velocityMps: { y: 3 }, airDensityKgpm3: 1.2, dragCoefficient: 1 };
     await post(url, 'InteractionService/SetSheetWind', { ...kSheet, setWind: { wind } });

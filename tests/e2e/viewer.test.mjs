@@ -131,9 +131,13 @@ await steps.step('a dragged vertex takes the sheet along', async () => {
   const { z } = await viewer.read('k.toWorld(0.5, 0.5)');
   await viewer.drag(from, { x: from.x, y: from.y - 190 });
   await viewer.until('k.toWorld(given.x, given.y).z > given.z + 0.12', { ...material, z });
-  await viewer.screenshot('grab');
+  // The spring ends at the pointer, well above the sheet.
+  const row = Array.from({ length: 41 }, (_, i) => ({ x: from.x - 20 + i, y: from.y - 170 }));
+  const isSpring = ([red, , blue]) => red > 180 && red - blue > 120;
+  check((await viewer.colours(row, 'grab')).some(isSpring), 'no spring is seen below the pointer');
   await viewer.page.mouse.up();
   await viewer.until('k.toWorld(given.x, given.y).z < given.z + 0.1', { ...material, z });
+  check(!(await viewer.colours(row, 'let-go')).some(isSpring), 'the spring is still seen');
 });
 
 await steps.step('a tap pins a vertex, another lets it go', async () => {

@@ -124,10 +124,16 @@ export class ViewerPage {
   /** Answers to a method's calls wait: `asked` is over when there is one, release() lets all of them come. */
   async hold(method) {
     const url = `**/kerf.v1.${method}`;
+    let setAsked;
     let setReleased;
-    const asked = this.page.waitForRequest(url);
+    const asked = new Promise((resolve, reject) => {
+      setAsked = resolve;
+      setTimeout(() => reject(new Error(`the page did not call ${method}`)), kPatienceMs).unref();
+    });
+    asked.catch(() => {}); // told where it is waited for
     const released = new Promise((resolve) => (setReleased = resolve));
     await this.page.route(url, async (route) => {
+      setAsked();
       await released;
       await route.continue();
     });
@@ -169,21 +175,39 @@ export class ViewerPage {
 
   /** Colours of a PNG at points of it, pixels. */
   async coloursOf(png, points) {
-    // Decoded on a page of its own: the viewer's security policy allows no image from elsewhere.
+    const { width, rgba } = await this.decoded(png);
+    return points.map(({ x, y }) => [...rgba.subarray(4 * (Math.floor(y) * width + Math.floor(x))).subarray(0, 3)]);
+  }
+
+  /** How many pixels of the page have this colour, but for rounding. */
+  async numPixels(colour, name) {
+    const { rgba } = await this.decoded(await this.page.screenshot({ path: `${root}/build/e2e/${name}.png` }));
+    let count = 0;
+    for (let at = 0; at < rgba.length; at += 4) {
+      if (colour.every((value, channel) => Math.abs(rgba[at + channel] - value) <= 3)) count += 1;
+    }
+    return count;
+  }
+
+  /** A PNG as it is decoded on a page of its own: the viewer's security policy allows no image from elsewhere. */
+  async decoded(png) {
     const decoder = await this.page.context().browser().newPage();
-    const colours = await decoder.evaluate(
-      async ([base64, at]) => {
-        const image = new Image();
-        image.src = `data:image/png;base64,${base64}`;
-        await image.decode();
-        const canvas = new OffscreenCanvas(image.width, image.height).getContext('2d');
-        canvas.drawImage(image, 0, 0);
-        return at.map(({ x, y }) => [...canvas.getImageData(Math.floor(x), Math.floor(y), 1, 1).data]);
-      },
-      [png.toString('base64'), points],
-    );
+    const { width, base64 } = await decoder.evaluate(async (encoded) => {
+      const image = new Image();
+      image.src = `data:image/png;base64,${encoded}`;
+      await image.decode();
+      const canvas = new OffscreenCanvas(image.width, image.height).getContext('2d');
+      canvas.drawImage(image, 0, 0);
+      const bytes = new Blob([canvas.getImageData(0, 0, image.width, image.height).data]);
+      const url = await new Promise((resolve) => {
+        const reader = new FileReader();
+        reader.onload = () => resolve(reader.result);
+        reader.readAsDataURL(bytes);
+      });
+      return { width: image.width, base64: url.slice(url.indexOf(',') + 1) };
+    }, png.toString('base64'));
     await decoder.close();
-    return colours.map(([red, green, blue]) => [red, green, blue]);
+    return { width, rgba: new Uint8Array(Buffer.from(base64, 'base64')) };
   }
 
   notice(pattern) {
