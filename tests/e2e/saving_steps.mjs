@@ -238,6 +238,8 @@ async function looks(viewer) {
   await viewer.page.keyboard.press('x');
   await viewer.notice(/No strains were recorded here/);
   await viewer.shows('#strain-end', 'not recorded');
+  const [legend, bar] = [await viewer.page.locator('#strain-legend').boundingBox(), await viewer.page.locator('#replay').boundingBox()];
+  check(legend.y + legend.height < bar.y, 'the bar of the recording lies over the scale');
   await viewer.screenshot('replay-strains');
   await viewer.page.keyboard.press('x');
 }
