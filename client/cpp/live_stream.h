@@ -42,11 +42,13 @@ class LiveStream {
   grpc::Status run(const Open& open, const Start& start, const Take& take, const Reopening& reopening) {
     auto lost_at = std::chrono::steady_clock::now();
     for (;;) {
+      const auto opened_at = std::chrono::steady_clock::now();
       ended_ = {};
       has_answers_ = false;
       const grpc::Status status = run_once(open, start, take);
       const auto now = std::chrono::steady_clock::now();
-      if (has_answers_) lost_at = now;
+      // A server that is back says nothing on a stream that is paused.
+      if (has_answers_ || now - opened_at > kIsBackAfter) lost_at = now;
       const bool again = is_lost(status) ? now - lost_at < reopening.when_lost && wait_to_retry()
                                          : reopening.when_slow && status.ok() && ended_.reason() == v1::Ended::TOO_SLOW;
       if (!again || stopped_) return stopped_ ? grpc::Status::OK : status;
@@ -175,6 +177,7 @@ class LiveStream {
   }
 
   static constexpr std::chrono::milliseconds kRetryAfter{250};
+  static constexpr std::chrono::seconds kIsBackAfter{30};  // longer than gRPC tries to connect
 
   v1::Ended ended_;
   bool has_answers_ = false;  // the call under way

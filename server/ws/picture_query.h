@@ -8,10 +8,12 @@
 #include "server/base/result.h"
 
 // Pictures at URLs that an <img> can show:
-//   /sheets/ID.png  /sheets/ID.jpg  /sheets/ID.jpeg   ?width= &height= &quality= &color= &wireframe= &undeformed=
-//   &dark= /sheets/ID.mjpeg                                  those, and &rate=
-// width, height: pixels; quality: of JPEG; color: sides, pieces or strains; wireframe, undeformed, dark: 0 or 1; rate:
-// pictures a second at most. Ranges and defaults are those of RenderImageRequest and WatchImagesStart.
+//   /sheets/ID.png  /sheets/ID.jpg  /sheets/ID.jpeg
+//       ?width= &height= &quality= &color= &wireframe= &undeformed= &dark=
+//   /sheets/ID.mjpeg
+//       those, and &rate=
+// width, height: pixels; quality: of JPEG; color: sides, pieces or strains; wireframe, undeformed, dark: 0 or 1;
+// rate: pictures a second at most. Ranges and defaults are those of RenderImageRequest and WatchImagesStart.
 namespace kerf::ws {
 
 enum class PictureKind { kPng, kJpeg, kMjpeg };
