@@ -156,11 +156,14 @@ async function restart(browser, kerfd, restarted) {
   check(await viewer.page.evaluate(() => window.notReloaded), 'the page was loaded again');
   const fresh = await ViewerPage.open(browser, `${again.url}/?sheet=demo`, kSmall);
   await fresh.until('k.connection === "live" && k.framesDrawn > 0');
-  const version = await fresh.read('k.topologyVersion');
-  await viewer.until('k.topologyVersion === given.version', { version });
+  // Of one tick: the scene has a cut to come.
+  await post(again.url, 'SheetService/PauseSheet', kDemo);
+  const last = await serverTick(again.url, kDemo);
+  for (const page of [viewer, fresh]) await page.until('k.tick === given.last', { last });
   const hashes = [await viewer.read('k.meshHash'), await fresh.read('k.meshHash')];
   check(hashes[0] === hashes[1], `after the restart the page has mesh ${hashes[0]}, a new one ${hashes[1]}`);
   for (const { page } of [viewer, fresh]) await page.close();
+  await post(again.url, 'SheetService/ResumeSheet', kDemo);
   return again;
 }
 
