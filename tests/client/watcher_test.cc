@@ -8,6 +8,9 @@
 #include <thread>
 #include <vector>
 
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/support/channel_arguments.h>
 #include <gtest/gtest.h>
 
 #include "client/cpp/server.h"
@@ -68,7 +71,10 @@ TEST_F(WatcherTest, OneThatCouldNotBeWrittenToIsOpenedAgainToo) {
   options.window = 8;
   options.encoding = v1::RAW;
   int keyframes = 0;
-  Watcher watcher(server_->client());
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // no more than 64 KiB under way: less than a frame
+  Client client(grpc::CreateCustomChannel(running_->grpc_address(), grpc::InsecureChannelCredentials(), arguments));
+  Watcher watcher(client);
   const grpc::Status status =
       watcher.run("sheets/large", options, [&](const v1::Frame& frame, const Mirror& /*mirror*/) {
         if (frame.base_tick() >= 0) return true;

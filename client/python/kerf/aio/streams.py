@@ -72,12 +72,10 @@ class AcknowledgedStream(_Loop):
         await self._send(self._request(pace=self._pace))
 
     async def _send(self, request: Any) -> None:
-        if self._closed:
-            return
+        """Where no stream is open the next one begins with what is set, and has nothing to acknowledge."""
         stream = self._stream
-        if stream is None:
-            stream = await self._open()
-        await stream.send(request)
+        if stream is not None:
+            await stream.send(request)
 
     async def _open(self) -> Stream:
         self._opened_at = time.monotonic()
