@@ -21,8 +21,10 @@ Result<Message> parse_message(const grpc::ByteBuffer& bytes) {
                           "this is no serialised " + std::string(Message::descriptor()->full_name()));
 }
 
+// In place of whatever `bytes` hold.
 template <typename Message>
 grpc::Status serialise(const Message& message, grpc::ByteBuffer* bytes) {
+  bytes->Clear();  // gRPC ends the process if there are any, as after a write
   bool own_buffer = false;
   return grpc::SerializationTraits<Message>::Serialize(message, bytes, &own_buffer);
 }

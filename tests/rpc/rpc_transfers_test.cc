@@ -36,6 +36,25 @@ TEST_F(RpcServerTest, AMeshFileComesInParts) {
   EXPECT_EQ(client::failure_of(what).field, "start.sheet.scene");
 }
 
+TEST_F(RpcServerTest, ARecordingOfManyChunksIsFetchedWhole) {
+  std::string file;
+  for (int i = 0; i < 60'000; ++i) file += "# of what, in line " + std::to_string(i) + "\n";
+  file += "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  v1::CreateSheetRequest request;
+  request.set_sheet_id("large");
+  request.set_paused(true);
+  request.mutable_scene()->mutable_obj()->set_rest_shape(v1::REST_SHAPE_FLAT);
+  v1::Sheet sheet;
+  ASSERT_TRUE(client::upload_sheet(*client_, request, file, sheet).ok());
+  std::string bytes;
+  const grpc::Status fetched = client::fetch_recording(*client_, "sheets/large", bytes);
+  ASSERT_TRUE(fetched.ok()) << fetched.error_message();
+  ASSERT_GT(bytes.size(), std::size_t{10} << 16) << "chunks of 64 KiB";
+  const Result<wire::RecordingFile> recording = wire::decode_recording(bytes);
+  ASSERT_TRUE(recording.ok()) << recording.error().message;
+  EXPECT_EQ(std::get<sheet::ObjSource>(recording->recording.config.mesh).text, file);
+}
+
 TEST_F(RpcServerTest, UploadsAreRefusedByTheirFirstMessage) {
   const auto status_of = [this](const std::vector<v1::UploadSheetRequest>& messages) {
     grpc::ClientContext context;
