@@ -23,7 +23,7 @@ namespace beast = boost::beast;
 
 using NetError = boost::system::error_code;
 
-constexpr std::chrono::seconds kPatience(10);               // with each step of opening the stream
+constexpr std::chrono::seconds kOpeningPatience(10);        // with each step of opening the stream
 constexpr std::size_t kMaxMessage = std::size_t{64} << 20;  // bytes, as client::Client::kMaxReceiveBytes
 
 class WebSocketViewer : public Viewer {
@@ -65,7 +65,7 @@ class WebSocketViewer : public Viewer {
 
   void connect(const Addresses& addresses) {
     beast::tcp_stream& lowest = beast::get_lowest_layer(socket_);
-    lowest.expires_after(kPatience);
+    lowest.expires_after(kOpeningPatience);
     lowest.async_connect(addresses, [this](const NetError& error, const boost::asio::ip::tcp::endpoint& /*to*/) {
       if (error) return ended(error.message());
       shake_hands();
@@ -77,7 +77,8 @@ class WebSocketViewer : public Viewer {
     NetError ignored;
     lowest.socket().set_option(boost::asio::ip::tcp::no_delay(true), ignored);
     lowest.expires_never();  // the WebSocket has its own time limit
-    socket_.set_option(beast::websocket::stream_base::timeout{kPatience, beast::websocket::stream_base::none(), false});
+    socket_.set_option(
+        beast::websocket::stream_base::timeout{kOpeningPatience, beast::websocket::stream_base::none(), false});
     socket_.set_option(beast::websocket::stream_base::decorator([](beast::websocket::request_type& request) {
       request.set(beast::http::field::sec_websocket_protocol, "kerf.v1");
     }));

@@ -95,6 +95,8 @@ Result<bool> FlowControl::acknowledge(std::int64_t sequence, Nanoseconds now, Na
     const double slowest_s = max_rate_hz_ > 0.0 ? 1.0 / max_rate_hz_ : 0.0;
     const auto interval = std::chrono::duration<double>(std::max(slowest_s, interval_s_));
     window_.acknowledged(total, std::min(held, total), last->alone, std::chrono::duration_cast<Nanoseconds>(interval));
+  } else if (last && held == Nanoseconds(0)) {
+    window_.acknowledged_untold();
   }
   return !was_open && window_open();
 }

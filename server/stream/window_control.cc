@@ -7,13 +7,13 @@
 namespace kerf::stream {
 namespace {
 
-constexpr std::int32_t kFirstWindow = 2;
+constexpr std::int32_t kUntoldWindow = 2;
 constexpr std::int32_t kMeasuredAlone = 2;
 constexpr double kSmoothing = 0.25;    // -; weight of the newest measurement
 constexpr std::size_t kEmptyWays = 4;  // so many of the newest say how long the empty way takes
 constexpr double kMostWaiting = 1.0;   // frames in the link before the window shrinks
 constexpr double kFewWaiting = 0.5;    // frames in the link below which it may grow
-constexpr double kRounding = 0.75;     // of a frame too few rather than one too many
+constexpr double kMostHeldUp = 0.75;   // of `interval`: so long a frame may wait for the reader to be done with others
 constexpr double kShortestWayS = 1.0e-6;
 
 double seconds_of(Nanoseconds duration) {
@@ -26,18 +26,19 @@ void smooth(double& mean, double value) {
 
 }  // namespace
 
-WindowControl::WindowControl(std::int32_t fixed) : adapts_(fixed == 0), window_(fixed == 0 ? kFirstWindow : fixed) {}
+// A second frame that is sent before the reader has told how long it holds the first may wait behind it.
+WindowControl::WindowControl(std::int32_t fixed) : adapts_(fixed == 0), window_(std::max(fixed, 1)) {}
 
 double WindowControl::wanted(double interval_s) const {
   const double every_s = std::max({interval_s, held_s_, kShortestWayS});
-  return std::floor((empty_way_s_ + held_s_) / every_s + kRounding);
+  return std::floor((empty_way_s_ + held_s_ + kMostHeldUp * interval_s) / every_s);
 }
 
 void WindowControl::acknowledged(Nanoseconds total, Nanoseconds held, bool alone, Nanoseconds interval) {
   if (!adapts_) return;
   if (!std::exchange(is_told_, true)) {
     // A joiner's frame is larger than all that follow. Those are measured one by one before the window grows.
-    window_ = 1;
+    window_ = 1;  // from kUntoldWindow, where a first acknowledgement did not tell
     since_change_ = -kMeasuredAlone;
     return;
   }
@@ -65,6 +66,10 @@ void WindowControl::acknowledged(Nanoseconds total, Nanoseconds held, bool alone
   if (next == window_) return;
   window_ = next;
   since_change_ = 0;
+}
+
+void WindowControl::acknowledged_untold() {
+  if (adapts_ && !is_told_) window_ = kUntoldWindow;
 }
 
 }  // namespace kerf::stream

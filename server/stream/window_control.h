@@ -18,13 +18,14 @@ inline constexpr std::int32_t kMaxWindow = 8;
 // A reader that acknowledges tells how long it held the frame: what is left of the time since it was sent is the way
 // there and back. A way of w with a frame wanted every t seconds (the sheet's tick, or how long the reader holds each,
 // if that is longer) needs (w + held) / t frames under way: one for a slow reader however far it is from being done,
-// eight for a quick one far away. Frames that would wait in a narrow link are not sent: when the way takes longer than
-// it does when nothing else is on it, w0, then window (1 - w0 / w) frames wait there (L. Brakmo, L. Peterson, "TCP
-// Vegas", 1995), and the window shrinks while that is more than one.
+// eight for a quick one far away. That is rounded up only where the last of them waits at the reader for less than a
+// tick: a slow reader has fewer frames rather than old ones. Frames that would wait in a narrow link are not sent: when
+// the way takes longer than it does when nothing else is on it, w0, then window (1 - w0 / w) frames wait there (L.
+// Brakmo, L. Peterson, "TCP Vegas", 1995), and the window shrinks while that is more than one.
 class WindowControl {
  public:
-  // fixed 1..kMaxWindow: the window, whatever is acknowledged; 0: 2 until an acknowledgement tells how
-  // long the frame was held, then from 1 what is wanted.
+  // fixed 1..kMaxWindow: the window, whatever is acknowledged; 0: from 1 what is wanted, as soon as acknowledgements
+  // tell how long a frame was held, and 2 where they do not.
   explicit WindowControl(std::int32_t fixed);
 
   [[nodiscard]] std::int32_t window() const { return window_; }
@@ -32,6 +33,8 @@ class WindowControl {
   // A frame was acknowledged. `total`: since it was sent, > 0; `held`: of that, by the reader, in 0..total; `alone`:
   // nothing else was under way when it was sent; `interval`: between the frames that the reader could have at most.
   void acknowledged(Nanoseconds total, Nanoseconds held, bool alone, Nanoseconds interval);
+  // Likewise, by a reader that does not tell how long it held the frame.
+  void acknowledged_untold();
 
  private:
   [[nodiscard]] double wanted(double interval_s) const;

@@ -12,7 +12,7 @@
 namespace kerf::api {
 namespace {
 
-constexpr int kTicks = 40;
+constexpr int kEncodedTicks = 40;
 
 class FrameCountsTest : public ApiTest {
  protected:
@@ -28,10 +28,10 @@ class FrameCountsTest : public ApiTest {
   void drain() {
     for (const auto& viewer : viewers_) viewer->drain();
   }
-  // What kTicks ticks are encoded and sent.
+  // What kEncodedTicks ticks are encoded and sent.
   FrameCounts watch() {
     const FrameCounts before = api_->frame_counts();
-    for (int tick = 0; tick < kTicks; ++tick) {
+    for (int tick = 0; tick < kEncodedTicks; ++tick) {
       run_for(kTick);
       drain();
     }
@@ -49,8 +49,8 @@ TEST_F(FrameCountsTest, ViewersAtOneRateShareOneEncodingATick) {
   EXPECT_EQ(api_->frame_counts().encoded, 1) << "a keyframe for all of them";
   EXPECT_EQ(api_->frame_counts().sent, 60);
   const FrameCounts counts = watch();
-  EXPECT_EQ(counts.encoded, kTicks);
-  EXPECT_EQ(counts.sent, 60 * kTicks);
+  EXPECT_EQ(counts.encoded, kEncodedTicks);
+  EXPECT_EQ(counts.sent, 60 * kEncodedTicks);
 }
 
 TEST_F(FrameCountsTest, AnotherRateCostsOneMoreWhenItIsDue) {
@@ -58,8 +58,8 @@ TEST_F(FrameCountsTest, AnotherRateCostsOneMoreWhenItIsDue) {
   join(30, 0.0);
   join(30, 10.0);  // of 50 ticks a second
   const FrameCounts counts = watch();
-  EXPECT_EQ(counts.encoded, kTicks + kTicks / 5);
-  EXPECT_EQ(counts.sent, 30 * kTicks + 30 * kTicks / 5);
+  EXPECT_EQ(counts.encoded, kEncodedTicks + kEncodedTicks / 5);
+  EXPECT_EQ(counts.sent, 30 * kEncodedTicks + 30 * kEncodedTicks / 5);
 }
 
 TEST_F(FrameCountsTest, ASheetThatStandsAndOneThatNobodyWatchesCostNothing) {

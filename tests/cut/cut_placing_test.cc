@@ -28,7 +28,7 @@ double length_of(const Stroke& stroke) {
   return length;
 }
 
-FlatCurve line(std::vector<Vector2d> points) {
+FlatCurve flat_line(std::vector<Vector2d> points) {
   return {{Stroke{std::move(points)}}, 1e-9};
 }
 
@@ -107,7 +107,7 @@ TEST(CutFit, RefusesBoxesThatHoldNothing) {
 
 TEST(CutDash, CutsAndLeavesInTurnThroughCorners) {
   // 1 m long with a corner at 0.6: dashes 0..0.25, 0.4..0.65 (round the corner), 0.8..1.
-  const FlatCurve flat = *dashed(line({{0, 0}, {0.6, 0}, {0.6, 0.4}}), {{0.25, 0.15}, 0.0});
+  const FlatCurve flat = *dashed(flat_line({{0, 0}, {0.6, 0}, {0.6, 0.4}}), {{0.25, 0.15}, 0.0});
   ASSERT_EQ(flat.strokes.size(), 3U);
   EXPECT_NEAR(length_of(flat.strokes[0]), 0.25, 1e-12);
   EXPECT_NEAR(length_of(flat.strokes[1]), 0.25, 1e-12);
@@ -122,7 +122,7 @@ TEST(CutDash, CutsAndLeavesInTurnThroughCorners) {
 TEST(CutDash, OffsetsAndOddCountsAreThoseOfSvg) {
   const auto starts = [](const std::vector<double>& lengths, double offset) {
     std::vector<double> found;
-    const FlatCurve flat = *dashed(line({{0, 0}, {1, 0}}), {lengths, offset});
+    const FlatCurve flat = *dashed(flat_line({{0, 0}, {1, 0}}), {lengths, offset});
     for (const Stroke& stroke : flat.strokes) {
       found.push_back(std::round(100 * stroke.points.front().x()));
       found.push_back(std::round(100 * stroke.points.back().x()));
@@ -138,13 +138,13 @@ TEST(CutDash, OffsetsAndOddCountsAreThoseOfSvg) {
 }
 
 TEST(CutDash, EachStrokeBeginsAnewAndSeamsMeet) {
-  FlatCurve flat = line({{0, 0}, {1, 0}});
+  FlatCurve flat = flat_line({{0, 0}, {1, 0}});
   flat.strokes.push_back(Stroke{{{0, 5}, {1, 5}}});
   const FlatCurve two = *dashed(flat, {{0.3, 0.4}, 0.0});
   ASSERT_EQ(two.strokes.size(), 4U);
   EXPECT_EQ(two.strokes[2].points.front(), Vector2d(0, 5));
   // A square of circumference 4, dashes of 1 and gaps of 0.5: the last ends where the first begins.
-  const FlatCurve closed = *dashed(line({{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}}), {{1.0, 0.5}, 0.0});
+  const FlatCurve closed = *dashed(flat_line({{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}}), {{1.0, 0.5}, 0.0});
   ASSERT_EQ(closed.strokes.size(), 3U);
   EXPECT_EQ(closed.strokes.front().points.front(), closed.strokes.back().points.back());
 }
@@ -154,7 +154,7 @@ TEST(CutDash, SharesOfRandomStrokesAddUp) {
   for (int trial = 0; trial < 300; ++trial) {
     std::vector<Vector2d> points;
     for (int i = 0; i < 20; ++i) points.emplace_back(random.uniform(-1, 1), random.uniform(-1, 1));
-    const FlatCurve whole = line(points);
+    const FlatCurve whole = flat_line(points);
     const DashPattern pattern{{random.uniform(0.01, 0.5), random.uniform(0.01, 0.5)}, random.uniform(-1, 1)};
     DashPattern gaps = pattern;
     std::swap(gaps.lengths[0], gaps.lengths[1]);
@@ -179,11 +179,11 @@ TEST(CutDash, RefusesWithReasonAndField) {
   EXPECT_EQ(validate(DashPattern{{0.1}, nan}).error().field, "cut.dash_offset");
   EXPECT_EQ(validate(DashPattern{std::vector<double>(65, 0.1), 0}).error().reason, "DASH_TOO_LONG");
   EXPECT_TRUE(validate(DashPattern{std::vector<double>(64, 1e-6), -1e4}).ok());
-  const Error many = dashed(line({{0, 0}, {1, 0}}), {{5e-5, 4e-5}, 0.0}).error();
+  const Error many = dashed(flat_line({{0, 0}, {1, 0}}), {{5e-5, 4e-5}, 0.0}).error();
   EXPECT_EQ(many.code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(many.reason, "TOO_MANY_DASHES");
   EXPECT_EQ(many.field, "cut.dash");
-  EXPECT_TRUE(dashed(line({{0, 0}, {1, 0}}), {{5e-5, 5.1e-5}, 0.0}).ok());
+  EXPECT_TRUE(dashed(flat_line({{0, 0}, {1, 0}}), {{5e-5, 5.1e-5}, 0.0}).ok());
 }
 
 TEST(CutDash, PerforationLeavesOnePieceWithSlits) {

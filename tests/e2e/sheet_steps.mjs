@@ -8,6 +8,9 @@ const kPhone = { viewport: { width: 390, height: 844 }, colorScheme: 'dark', has
 const kSquareObj = 'v 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 1 2 3\nf 1 3 4\n';
 // One closed line on a page of 200 x 100.
 const kOutline = `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 100"><ellipse cx="100" cy="50" rx="90" ry="45"/></svg>`;
+// Three holes: two subpaths, one of them after a close, and a shape by reference.
+const kPlate = `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 100"><defs><circle id="hole" r="15"/></defs>
+<path d="m10 10h180v80h-180zm20 20v40h20v-40z m60 10a10 10 0 1 0 20 0 10 10 0 1 0-20 0z"/><use href="#hole" x="150" y="50"/></svg>`;
 
 const kPly = `ply
 format ascii 1.0
@@ -119,6 +122,21 @@ export async function sheetSteps(steps, browser, url) {
     check(Math.abs(reach[1] - reach[0] - 0.88) < 0.02, `the outline spans ${reach}`);
   });
 
+  await steps.step('lines inside a border become holes, scaled and placed with it', async () => {
+    await openForm();
+    await shape('outline');
+    const drawing = { name: 'plate.svg', mimeType: 'image/svg+xml', buffer: Buffer.from(kPlate) };
+    await viewer.page.setInputFiles('#new-outline', drawing);
+    await viewer.page.locator('#new-outline-name', { hasText: 'plate.svg, with 3 holes' }).waitFor();
+    await create('plate');
+    await viewer.until('k.framesDrawn > 0 && k.numVertices > 100');
+    // The page is 1 m wide: in the holes there is no material, between them there is.
+    await viewer.until('k.pieceAt(0.3, -0.25) !== undefined');
+    const places = '[[0.2, -0.25], [0.5, -0.2], [0.75, -0.25], [0.3, -0.25], [0.62, -0.3]]';
+    const isThere = await viewer.read(`${places}.map((at) => k.pieceAt(...at) !== undefined)`);
+    check(isThere.join() === 'false,false,false,true,true', `material in three holes and at two places: ${isThere}`);
+  });
+
   await steps.step('a mesh larger than a request is sent, and how far it is is told', async () => {
     const text = gridObj(161);
     check(text.length > 2 << 20, `the mesh has only ${text.length} bytes`);
@@ -190,6 +208,9 @@ export async function sheetSteps(steps, browser, url) {
     await viewer.page.setInputFiles('#new-outline', { name: 'unsized.svg', mimeType: 'image/svg+xml', buffer: unsized });
     await viewer.page.locator('#new-outline-error', { hasText: 'does not say how large its page is' }).waitFor();
     check(await viewer.page.evaluate(() => document.activeElement.id === 'new-outline'), 'the focus is not at the refused file');
+    const apart = Buffer.from(kPlate.replace('x="150"', 'x="250"'));
+    await viewer.page.setInputFiles('#new-outline', { name: 'apart.svg', mimeType: 'image/svg+xml', buffer: apart });
+    await viewer.page.locator('#new-outline-error', { hasText: /apart.svg has lines outside .* or take them out/ }).waitFor();
     await viewer.page.fill('#new-id', '');
     await viewer.page.keyboard.type('typed on');
     check((await viewer.page.inputValue('#new-id')) === 'typed on', 'a refused file takes the keyboard from who types');

@@ -27,12 +27,12 @@ Points folded(double phi, const Eigen::Matrix3d& R) {
   for (Eigen::Vector3d& each : x) each = R * each + Eigen::Vector3d(1.0, -2.0, 0.5);
   return x;
 }
-constexpr HingeSize kSize{0.7, {0.5, 0.3}};
+constexpr HingeSize kHingeSize{0.7, {0.5, 0.3}};
 
 TEST(Hinge, HasItsAngle) {
   SeededRandom random(3);
   for (const double phi : {-3.14, -1.0, -1e-7, 0.0, 1e-9, 0.3, 1.5707, 3.0, 3.14159}) {
-    const Hinge hinge(folded(phi, random_rotation(random)), kSize);
+    const Hinge hinge(folded(phi, random_rotation(random)), kHingeSize);
     EXPECT_NEAR(hinge.theta(), phi, 1e-14) << phi;
   }
 }
@@ -42,7 +42,7 @@ TEST(Hinge, HasTheDerivativesOfItsAngle) {
   for (const double phi : {-2.5, -0.4, 0.0, 0.01, 1.0, 2.9}) {
     Points x = folded(phi, random_rotation(random));
     for (Eigen::Vector3d& each : x) each += random_vector(random, 0.05);
-    const Hinge hinge(x, kSize);
+    const Hinge hinge(x, kHingeSize);
     const std::array<Eigen::Vector3d, 4> gradient = hinge.gradient();
     const Eigen::Matrix<double, 12, 12> hessian = hinge.hessian();
     EXPECT_EQ(hessian, hessian.transpose()) << phi;
@@ -55,7 +55,7 @@ TEST(Hinge, HasTheDerivativesOfItsAngle) {
         for (const auto& [offset, weight] : {std::pair(-2.0, 1.0), {-1.0, -8.0}, {1.0, 8.0}, {2.0, -1.0}}) {
           Points moved = x;
           moved[p][c] += offset * kStep;
-          const Hinge other(moved, kSize);
+          const Hinge other(moved, kHingeSize);
           slope += weight / (12.0 * kStep) * other.theta();
           const std::array<Eigen::Vector3d, 4> there = other.gradient();
           for (std::size_t q = 0; q < 4; ++q) {
@@ -77,7 +77,7 @@ TEST(Hinge, StaysFiniteWhereItHasCollapsed) {
                                         Points{o, o, o + e, o - Eigen::Vector3d(0.0, 1.0, 0.0)},
                                         Points{o, o + e, o + Eigen::Vector3d(0.1, 0.3, 0.0), o + e}};
   for (const Points& x : collapsed) {
-    const Hinge hinge(x, kSize);
+    const Hinge hinge(x, kHingeSize);
     EXPECT_TRUE(std::isfinite(hinge.theta()));
     EXPECT_LE(std::abs(hinge.theta()), std::numbers::pi);
     for (const Eigen::Vector3d& each : hinge.gradient()) EXPECT_LT(each.norm(), 1e4);
@@ -90,7 +90,7 @@ TEST(Hinge, IsFlatInThePlaneHoweverNarrow) {
   for (const double share : {1.0, 0.06, 0.04, 1e-3, 1e-12, 0.0}) {
     const Points x{Eigen::Vector3d(0.0, 0.0, 0.0), Eigen::Vector3d(0.7, 0.0, 0.0),
                    Eigen::Vector3d(0.2, 0.5 * share, 0.0), Eigen::Vector3d(0.9, -0.3, 0.0)};
-    EXPECT_EQ(Hinge(x, kSize).theta(), 0.0) << share;
+    EXPECT_EQ(Hinge(x, kHingeSize).theta(), 0.0) << share;
   }
 }
 

@@ -172,13 +172,20 @@ TEST_P(Flow, FramesAreNoOlderThanARoundTripAndAFrame) {
   EXPECT_GE(simulated.rate_hz(kWarm, kEnd), least_rate_hz) << "window " << simulated.window();
 }
 
+// Not before a window has been found either: only the reader's own holding is in the way of the first frames.
+TEST(FlowFirst, NoFrameWaitsBehindOneThatASlowReaderHolds) {
+  const Reader reader{"FarAt2Hz", 100ms, 1e9, 500ms};
+  const Outcome result = run({reader}, kEnd);
+  EXPECT_LE(result.readers[0]->oldest_ms(0s), 200.0 + 17.0 + 0.5);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Readers, Flow,
     ::testing::Values(Expected{{"Beside", 50us}, 59.0}, Expected{{"BesideAt10Hz", 50us, 1e9, 100ms}, 8.0},
                       Expected{{"BesideAt2Hz", 50us, 1e9, 500ms}, 1.8}, Expected{{"Screen", 1ms, 1e9, 12ms}, 50.0},
                       Expected{{"Far", 50ms}, 50.0}, Expected{{"FarAt10Hz", 50ms, 1e9, 100ms}, 4.8},
-                      Expected{{"VeryFar", 150ms}, 20.0}, Expected{{"NarrowLink", 2ms, 40e3}, 12.0},
-                      Expected{{"NarrowAndFar", 40ms, 60e3}, 10.0}),
+                      Expected{{"FarAt2Hz", 100ms, 1e9, 500ms}, 1.4}, Expected{{"VeryFar", 150ms}, 20.0},
+                      Expected{{"NarrowLink", 2ms, 40e3}, 12.0}, Expected{{"NarrowAndFar", 40ms, 60e3}, 10.0}),
     [](const auto& each) { return each.param.reader.name; });
 
 TEST(FlowAmongOthers, AStalledReaderTakesNothingFromAnother) {
@@ -207,8 +214,14 @@ TEST(FlowAmongOthers, ReadersOfOneRateShareTheirDeltas) {
 TEST(WindowControl, StaysWhereItIsFixedOrNothingIsTold) {
   WindowControl fixed(5);
   for (int i = 0; i < 50; ++i) fixed.acknowledged(300ms, 1ms, true, kTick);
+  fixed.acknowledged_untold();
   EXPECT_EQ(fixed.window(), 5);
-  EXPECT_EQ(WindowControl(0).window(), 2);
+  WindowControl untold(0);
+  EXPECT_EQ(untold.window(), 1);
+  for (int i = 0; i < 50; ++i) untold.acknowledged_untold();
+  EXPECT_EQ(untold.window(), 2);
+  untold.acknowledged(300ms, 1ms, true, kTick);
+  EXPECT_EQ(untold.window(), 1);
 }
 
 TEST(WindowControl, NeverLeavesItsRange) {

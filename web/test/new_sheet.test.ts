@@ -78,6 +78,15 @@ describe('createRequest', () => {
     // Its lowest point, half a metre below the origin of the material.
     expect(scene.placement!.origin!.z - 0.5).toBeCloseTo(0.3, 12);
   });
+
+  it('cuts the holes of a drawing out of its border', () => {
+    const curve = (text: string) => ({ kind: { case: 'svg', value: { text } } });
+    const outline = { text: '<svg id="border"/>', holes: '<svg id="holes"/>', heightM: 0.5 };
+    const { mesh } = made({ shape: 'outline', outline }).scene;
+    expect(mesh.value).toMatchObject({ boundary: curve(outline.text), holes: [curve(outline.holes)] });
+    const { mesh: plain } = made({ shape: 'outline', outline: { text: '<svg/>', heightM: 0.5 } }).scene;
+    expect(plain.value).toMatchObject({ boundary: curve('<svg/>'), holes: [] });
+  });
 });
 
 describe('formField', () => {

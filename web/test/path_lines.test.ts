@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { pathLines } from '../src/geometry/path_lines';
+import { pathLines, subpaths } from '../src/geometry/path_lines';
 
 const noArcs = () => [];
 const lines = (data: string, pieces = 1) =>
@@ -39,5 +39,26 @@ describe('pathLines', () => {
   it('ends at what it cannot read', () => {
     expect(lines('M0 0L1 1L2')).toEqual([[[0, 0], [1, 1]]]);
     expect(lines('nothing')).toEqual([]);
+  });
+});
+
+describe('subpaths', () => {
+  it('gives each where it was, whatever those before it were made of', () => {
+    expect(subpaths('m1 1h4v4zm2 2 1 0 0 1z')).toEqual(['M1 1h4v4z', 'M3 3l1 0l0 1z']);
+    expect(subpaths('M0 0C1 1 2 2 3 3q1 1 2 0a3 3 0 0110 0m1 1H0V0')).toEqual([
+      'M0 0C1 1 2 2 3 3q1 1 2 0a3 3 0 0 1 10 0',
+      'M16 4H0V0',
+    ]);
+  });
+
+  it('begins one at the start after a close, as pathLines does', () => {
+    const data = 'M1 1h2v2zv4h1Z l3 3';
+    expect(subpaths(data)).toEqual(['M1 1h2v2z', 'M1 1v4h1Z', 'M1 1l3 3']);
+    expect(subpaths(data).flatMap((part) => lines(part))).toEqual(lines(data));
+  });
+
+  it('leaves out moves without a line', () => {
+    expect(subpaths('M1 1M2 2L3 3M4 4')).toEqual(['M2 2L3 3']);
+    expect(subpaths('')).toEqual([]);
   });
 });

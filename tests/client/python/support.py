@@ -30,7 +30,9 @@ def begin(options):
 def start_server(listen="127.0.0.1:0", *options):
     process = subprocess.Popen(
         [OPTIONS.kerfd, "--listen", listen, "--http", "127.0.0.1:0", "--max-load", "0", *options], stdout=subprocess.PIPE, text=True)
-    return process, json.loads(process.stdout.readline())["grpc"]
+    ready = json.loads(process.stdout.readline())
+    process.http = ready["http"]
+    return process, ready["grpc"]
 
 
 def stop_server(process):

@@ -33,6 +33,14 @@ def running(work):
     return result
 
 
+def until(frames, tick):
+    """The frames that come, up to that of the tick."""
+    seen = [next(frames)]
+    while seen[-1].tick < tick:
+        seen.append(next(frames))
+    return seen
+
+
 class Watching(Case):
     def test_a_frame_is_the_state_within_its_resolution(self):
         self.sheet.cut(kerf.polyline((-0.1, 0.3), (1.1, 0.35)))
@@ -119,13 +127,40 @@ class Watching(Case):
         self.assertEqual([each.WhichOneof("kind") for each in sent], ["start", "pace"])
         self.assertEqual(sent[1].pace.max_rate_hz, 5)
 
-    def test_rate_and_pace(self):
-        with self.sheet.watch(rate_hz=1000) as frames:
-            next(frames)
+    def test_a_paused_stream_has_no_frames_until_it_goes_on_with_the_newest(self):
+        with self.sheet.watch() as frames:
+            first = next(frames)
             frames.pace(paused=True)
-            now = self.sheet.step(3).tick
-            frames.pace(rate_hz=500)
-            self.assertEqual(next(frames).tick, now)
+            waiting = running(lambda: next(frames))  # whose acknowledgement comes after the pace
+            for _ in range(20):
+                now = self.sheet.step(1).tick
+            frames.pace()
+            newest = waiting()
+            self.assertEqual((newest.tick, newest.stats.skipped), (now, now - first.tick - 1))
+            self.sheet.step(1)
+            self.assertEqual(next(frames).tick, now + 1)
+
+    def test_a_rate_leaves_out_ticks_until_another_rate(self):
+        with self.sheet.watch() as frames:
+            next(frames)
+            frames.pace(rate_hz=0.001)
+            now = self.sheet.step(1).tick
+            self.assertEqual(next(frames).tick, now)  # of the new rate, which allows one at once
+            last = now + 20
+            waiting = running(lambda: until(frames, last))
+            while now < last:
+                now = self.sheet.step(1).tick
+            frames.pace()
+            few = waiting()
+            # One more where 1000 seconds of the server's clock were over meanwhile.
+            self.assertLessEqual(len(few), 2)
+            self.assertEqual(sum(frame.stats.skipped + 1 for frame in few), 20)
+            self.sheet.step(1)
+            self.assertEqual(next(frames).tick, last + 1)
+
+    def test_rates_that_there_are(self):
+        with self.sheet.watch(rate_hz=1000) as frames:
+            self.assertEqual(next(frames).tick, self.sheet.get().tick)
         with self.assertRaises(kerf.InvalidArgument) as caught:
             next(self.sheet.watch(rate_hz=5000))
         self.assertEqual((caught.exception.reason, caught.exception.field), ("OUT_OF_RANGE", "start.max_rate_hz"))

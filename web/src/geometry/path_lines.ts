@@ -53,17 +53,53 @@ export function pathLines(data: string, pieces: number, arcPoints: ArcPoints): P
     if (name === 'Z') line = [];
   };
 
+  for (const [letter, numbers] of segments(data)) run(letter, numbers);
+  return lines.filter(({ length }) => length > 1);
+}
+
+/** Path data of each subpath by itself, exactly where it was; those that draw nothing are left out. */
+export function subpaths(data: string): string[] {
+  const parts: { move: string; rest: string }[] = [];
+  let at: Point2 = { x: 0, y: 0 };
+  let start = at;
+  let isOpen = false;
+  const begin = (): void => {
+    start = at;
+    parts.push({ move: `M${at.x} ${at.y}`, rest: '' });
+  };
+  for (const [letter, numbers] of segments(data)) {
+    const name = letter.toUpperCase();
+    if (name !== 'M' && !isOpen) begin();
+    at = name === 'Z' ? start : endOf(letter, numbers, at);
+    if (name === 'M') begin();
+    else parts[parts.length - 1].rest += letter + numbers.join(' ');
+    isOpen = name !== 'Z';
+  }
+  return parts.filter(({ rest }) => rest !== '').map(({ move, rest }) => move + rest);
+}
+
+// Of any segment but Z, whose end is its subpath's start.
+function endOf(letter: string, numbers: readonly number[], at: Point2): Point2 {
+  const name = letter.toUpperCase();
+  const origin = letter === name ? { x: 0, y: 0 } : at;
+  if (name === 'H') return { x: origin.x + numbers[0], y: at.y };
+  if (name === 'V') return { x: at.x, y: origin.y + numbers[0] };
+  const [x, y] = numbers.slice(-2);
+  return { x: origin.x + x, y: origin.y + y };
+}
+
+// One by one, each with its letter, which may stand for several in the data.
+function* segments(data: string): Generator<[letter: string, numbers: number[]]> {
   for (const [, letter, rest] of data.matchAll(/([mlhvcsqtaz])([^mlhvcsqtaz]*)/gi)) {
     const name = letter.toUpperCase();
     const numbers = name === 'A' ? arcNumbers(rest) : (rest.match(kNumber) ?? []).map(Number);
     const count = kCounts[name];
-    if (count === 0) run(letter, []);
+    if (count === 0) yield [letter, []];
     for (let i = 0; count > 0 && i + count <= numbers.length; i += count) {
       // Further pairs after a move are lines.
-      run(name === 'M' && i > 0 ? (letter === 'M' ? 'L' : 'l') : letter, numbers.slice(i, i + count));
+      yield [name === 'M' && i > 0 ? (letter === 'M' ? 'L' : 'l') : letter, numbers.slice(i, i + count)];
     }
   }
-  return lines.filter(({ length }) => length > 1);
 }
 
 // An arc's two flags may stand together with what follows them: "a 1 1 0 015 5".

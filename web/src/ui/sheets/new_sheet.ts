@@ -1,6 +1,7 @@
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { requestBody } from '../../api';
 import { Region_Edge } from '../../gen/kerf/v1/conditions_pb';
+import type { CurveSchema } from '../../gen/kerf/v1/geometry_pb';
 import type { ColliderSchema, PlacementSchema, SceneSchema } from '../../gen/kerf/v1/scene_pb';
 import { CreateSheetRequestSchema } from '../../gen/kerf/v1/sheets_pb';
 
@@ -13,9 +14,12 @@ export interface MeshFile {
   content: Blob;
 }
 
-/** A drawing that says how large it is: see scaledDrawing(). */
+/** A drawing that says how large it is: see scaledOutline(). */
 export interface Outline {
+  /** The border. */
   text: string;
+  /** All holes in one drawing of the same page; undefined without any. */
+  holes?: string;
   /** metres */
   heightM: number;
 }
@@ -56,7 +60,12 @@ const kBallGap = 0.08;
 function meshOf({ shape, columns, rows, widthM, heightM, outline }: NewSheet): Mesh {
   if (shape === 'file') return { case: undefined };
   if (shape === 'grid') return { case: 'grid', value: { columns, rows, widthM, heightM } };
-  return { case: 'outline', value: { boundary: { kind: { case: 'svg', value: { text: outline?.text ?? '' } } } } };
+  const holes = outline?.holes === undefined ? [] : [svgCurve(outline.holes)];
+  return { case: 'outline', value: { boundary: svgCurve(outline?.text ?? ''), holes } };
+}
+
+function svgCurve(text: string): MessageInitShape<typeof CurveSchema> {
+  return { kind: { case: 'svg', value: { text } } };
 }
 
 // A drawing has its upper left corner at the origin, a grid its lower left one.

@@ -3,13 +3,15 @@ import type { ServerInfo } from '../../gen/kerf/v1/server_pb';
 import { CreateSheetRequestSchema, SheetSchema, SheetService } from '../../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 import { serverInfo } from '../../server_info';
-import { sizeText } from '../../tools/cut_text';
+import { countText, sizeText } from '../../tools/cut_text';
 import { element, make, setText } from '../dom';
 import { errorText } from '../error_text';
 import { materialFacts } from '../material_text';
 import { createRequest, formField, uploadPath } from './new_sheet';
 import type { Hang, MeshFile, NewShape, NewSheet, Outline } from './new_sheet';
-import { scaledDrawing } from './scaled_drawing';
+import { outlineParts } from './outline_parts';
+import type { OutlineParts } from './outline_parts';
+import { scaledOutline } from './scaled_drawing';
 import { idFrom } from './sheet_ids';
 
 function fieldOf<T extends HTMLElement = HTMLInputElement>(name: string): T {
@@ -23,7 +25,7 @@ export class NewSheetDialog {
   private readonly progress = element<HTMLProgressElement>('new-progress');
   private info: ServerInfo | undefined;
   private mesh: MeshFile | undefined;
-  private drawing: { name: string; text: string } | undefined;
+  private drawing: { name: string; parts: OutlineParts } | undefined;
   private sending: AbortController | undefined;
 
   /** @param created  sheets/{sheet}, once it is there */
@@ -89,7 +91,8 @@ export class NewSheetDialog {
     if (ending === 'svg') {
       const text = await file.text().catch(() => undefined);
       if (text === undefined) return this.showError(name, `${file.name} cannot be read: choose it again`);
-      this.drawing = { name: file.name, text };
+      this.drawing = this.partsOf(file.name, text);
+      if (!this.drawing) return this.update();
     } else if (ending === 'obj' || ending === 'ply') {
       this.mesh = { name: file.name, kind: ending, content: file };
     } else {
@@ -97,6 +100,16 @@ export class NewSheetDialog {
     }
     if (fieldOf('id').value === '') fieldOf('id').value = idFrom(file.name);
     this.update();
+  }
+
+  // Undefined where its lines make no sheet; the field then says why.
+  private partsOf(name: string, text: string): typeof this.drawing {
+    try {
+      return { name, parts: outlineParts(text) };
+    } catch (error) {
+      this.showError('outline', `${name} ${(error as Error).message}`);
+      return undefined;
+    }
   }
 
   private choose(shape: NewShape): void {
@@ -131,7 +144,7 @@ export class NewSheetDialog {
   private outline(widthM: number): Outline | undefined {
     if (!this.drawing || !(widthM > 0)) return undefined;
     try {
-      return scaledDrawing(this.drawing.text, widthM);
+      return scaledOutline(this.drawing.parts, widthM);
     } catch (error) {
       this.showError('outline', `${this.drawing.name} ${(error as Error).message}`);
       return undefined;
@@ -144,11 +157,17 @@ export class NewSheetDialog {
     const vertices = form.columns * form.rows;
     setText(fieldOf('vertices'), Number.isFinite(vertices) ? `${vertices.toLocaleString('en')} vertices` : '');
     setText(fieldOf('file-name'), this.mesh ? `${this.mesh.name}, ${sizeText(this.mesh.content.size)}` : 'none chosen');
-    setText(fieldOf('outline-name'), this.drawing?.name ?? 'none chosen');
+    setText(fieldOf('outline-name'), this.drawingText());
     this.showMaterial(form.material);
     // A mesh file says itself where it is, and with it where a ball would be.
     fieldOf('hang').hidden = form.shape === 'file';
     fieldOf('ball').disabled = form.shape === 'file';
+  }
+
+  private drawingText(): string {
+    if (!this.drawing) return 'none chosen';
+    const { name, parts } = this.drawing;
+    return parts.numHoles > 0 ? `${name}, with ${countText(parts.numHoles, 'hole')}` : name;
   }
 
   private async create(): Promise<void> {
@@ -195,7 +214,7 @@ export class NewSheetDialog {
   private check({ shape, file, outline, columns, rows, widthM, heightM }: NewSheet): boolean {
     if (shape === 'file' && !file) this.showError('file', 'Choose an OBJ or a PLY file');
     if (shape === 'file' && file?.content.size === 0) this.showError('file', `${file.name} is empty: choose another one`);
-    if (shape === 'outline' && !this.drawing) this.showError('outline', 'Choose an SVG file with one closed line');
+    if (shape === 'outline' && !this.drawing) this.showError('outline', 'Choose an SVG file with a closed line');
     if (shape === 'outline' && !(fieldOf('outline-width').valueAsNumber > 0)) {
       this.showError('outline-width', 'Give a width above 0 m');
     }

@@ -1,4 +1,5 @@
 import type { Outline } from './new_sheet';
+import type { OutlineParts } from './outline_parts';
 
 const kMillimetresPerMetre = 1000;
 
@@ -6,7 +7,13 @@ const kMillimetresPerMetre = 1000;
  * The drawing with its page made `widthM` wide, as high as it then is.
  * @throws Error in words for people: no SVG, or nothing that says how wide its page is
  */
-export function scaledDrawing(text: string, widthM: number): Outline {
+export function scaledOutline({ border, holes }: OutlineParts, widthM: number): Outline {
+  // Both have the same page.
+  const { text, heightM } = scaledDrawing(border, widthM);
+  return { text, heightM, holes: holes && scaledDrawing(holes, widthM).text };
+}
+
+function scaledDrawing(text: string, widthM: number): { text: string; heightM: number } {
   const parsed = new DOMParser().parseFromString(text, 'image/svg+xml');
   const root = parsed.documentElement;
   if (root.localName !== 'svg') throw new Error('is no SVG drawing');
