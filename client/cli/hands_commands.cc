@@ -12,7 +12,7 @@
 #include "client/cli/app.h"
 #include "client/cli/arguments.h"
 #include "client/cli/commands.h"
-#include "client/cpp/client.h"
+#include "client/cli/interact.h"
 
 // What acts on a live sheet: hands that pull at it, pins, gravity, wind.
 namespace kerf::cli {
@@ -22,18 +22,6 @@ constexpr const char* kVector = "X,Y,Z";
 constexpr const char* kNone = "none";
 
 using Service = v1::InteractionService::Stub;
-
-template <typename Request>
-int interact(const Session& session,
-             grpc::Status (Service::*method)(grpc::ClientContext*, const Request&, v1::InteractionResponse*),
-             const Request& request) {
-  client::Client client(session.server);
-  v1::InteractionResponse response;
-  const grpc::Status status = client.call(method, client.interaction(), request, response);
-  if (!status.ok()) return refuse(status, session.server);
-  print(session, response);
-  return kDone;
-}
 
 // Sets `vector`; kDone, or the exit code of what is wrong, which has been said.
 int read_vector(const std::string& text, const std::string& option, v1::Vec3& vector) {

@@ -11,6 +11,7 @@
 
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
+#include "client/cli/interact.h"
 #include "client/cpp/client.h"
 #include "server/wire/json.h"
 
@@ -50,13 +51,7 @@ int set_material(const Session& session, const MaterialArguments& arguments) {
   v1::SetMaterial& set_material = *request.mutable_set_material();
   if (const int code = read_material(arguments, *set_material.mutable_material()); code != kDone) return code;
   if (arguments.part) set_material.set_part(*arguments.part);
-  client::Client client(session.server);
-  v1::InteractionResponse response;
-  const grpc::Status status =
-      client.call(&v1::InteractionService::Stub::SetSheetMaterial, client.interaction(), request, response);
-  if (!status.ok()) return refuse(status, session.server);
-  print(session, response);
-  return kDone;
+  return interact(session, &v1::InteractionService::Stub::SetSheetMaterial, request);
 }
 
 int set_speed(const Session& session, const std::string& id, double speed) {

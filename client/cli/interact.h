@@ -1,0 +1,22 @@
+#pragma once
+
+#include "client/cli/output.h"
+#include "client/cpp/client.h"
+
+namespace kerf::cli {
+
+// A call of InteractionService; kDone, or the exit code of why it was refused. Tells what came of it.
+template <typename Request>
+int interact(const Session& session,
+             grpc::Status (v1::InteractionService::Stub::*method)(grpc::ClientContext*, const Request&,
+                                                                  v1::InteractionResponse*),
+             const Request& request) {
+  client::Client client(session.server);
+  v1::InteractionResponse response;
+  const grpc::Status status = client.call(method, client.interaction(), request, response);
+  if (!status.ok()) return refuse(status, session.server);
+  print(session, response);
+  return kDone;
+}
+
+}  // namespace kerf::cli
