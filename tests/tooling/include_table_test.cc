@@ -44,6 +44,7 @@ const std::vector<Group>& groups() {
       {"cli", {"CLI/"}},
       {"json", {"nlohmann/"}},
       {"xml", {"pugixml.hpp"}},
+      {"zip", {"minizip/"}},
       {"gl", {"EGL/", "GL/", "GLES", "KHR/"}},
       {"images", {"png.h", "turbojpeg.h", "jpeglib.h", "vpx/", "libyuv/"}},
       {"posix",
@@ -86,7 +87,7 @@ const std::vector<Row>& table() {
         "server/base", "render/renderer.h", "render/image.h", "render/video.h"},
        {"proto", "cli", "posix"}},
       {"render", {}, {"gl", "images"}},
-      {"client/cpp", {"server/codec"}, {"proto", "protobuf", "grpc_stubs", "grpc"}},
+      {"client/cpp", {"server/codec"}, {"proto", "protobuf", "grpc_stubs", "grpc", "zip"}},
       // One embeds the core, the other asks a server.
       {"client/examples", {"client/cpp", "server/sheet"}, {"posix"}},
       {"client/load", {"client/cpp", "server/base"}, {"proto", "grpc_stubs", "grpc", "boost", "json", "posix"}},
