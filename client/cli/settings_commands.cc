@@ -41,7 +41,8 @@ int read_material(const MaterialArguments& arguments, v1::Material& material) {
     }
     json[number.substr(0, equals)] = value;
   }
-  const Status read = wire::from_json(json.dump(), material);
+  // What is no UTF-8 names no field and no preset, which the answer then says.
+  const Status read = wire::from_json(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), material);
   return read ? kDone : refuse(read.error());
 }
 

@@ -217,7 +217,12 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
   }
   // A live sheet is in balance with the forces of its steps.
   if (!is_live) sheet.bend_by_angles();
-  const fem::Modes modes = fem::find_modes(sheet.model(), sheet.loads(), sheet.state().x, analysis.count);
+  const fem::Modes modes = fem::find_modes(sheet.model(), sheet.loads(), sheet.state().x, analysis.count,
+                                           [&watch] { return !watch || watch({0.75, "searching"}); });
+  if (modes.stopped) {
+    outcome.stopped = true;
+    return outcome;
+  }
   if (!modes.converged) {
     return Error{ErrorCode::kInternal, "MODES_NOT_CONVERGED",
                  "the lowest vibrations did not converge; ask for fewer, or for a finer state to find them about",

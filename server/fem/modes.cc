@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <functional>
 #include <utility>
 
 #include <Spectra/MatOp/SparseSymMatProd.h>
@@ -117,16 +119,21 @@ Matrix mass_matrix(const Model& model, const mesh::VertexField& x, const std::ve
   return assembled(entries, count);
 }
 
+struct Stopped {};
+
 // (K - shift M)^-1 on what is M-orthogonal to the vectors already found: as Spectra wants it.
 class DeflatedInverse {
  public:
   using Scalar = double;
-  DeflatedInverse(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found)
-      : inverse_(stiffness, mass), found_(found), weighted_(mass * found) {}
+  // Throws Stopped where `goes_on` says false: there is no other way out of Spectra.
+  DeflatedInverse(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found,
+                  const std::function<bool()>& goes_on)
+      : inverse_(stiffness, mass), found_(found), weighted_(mass * found), goes_on_(goes_on) {}
   [[nodiscard]] Eigen::Index rows() const { return inverse_.rows(); }
   [[nodiscard]] Eigen::Index cols() const { return inverse_.cols(); }
   void set_shift(double shift) { inverse_.set_shift(shift); }
   void perform_op(const double* in, double* out) const {
+    if (goes_on_ && !goes_on_()) throw Stopped();
     inverse_.perform_op(in, out);
     Eigen::Map<Eigen::VectorXd> y(out, rows());
     y -= found_ * (weighted_.transpose() * y);
@@ -136,6 +143,7 @@ class DeflatedInverse {
   Spectra::SymShiftInvert<double> inverse_;
   const Eigen::MatrixXd& found_;
   Eigen::MatrixXd weighted_;
+  const std::function<bool()>& goes_on_;
 };
 
 struct Pairs {
@@ -146,9 +154,9 @@ struct Pairs {
 
 // The `count` eigenvalues next to the shift of those whose vectors are not among `found`.
 Pairs lanczos(const Matrix& stiffness, const Matrix& mass, const Eigen::MatrixXd& found, int count, double shift,
-              int search) {
+              int search, const std::function<bool()>& goes_on) {
   using Product = Spectra::SparseSymMatProd<double>;
-  DeflatedInverse inverse(stiffness, mass, found);
+  DeflatedInverse inverse(stiffness, mass, found, goes_on);
   Product product(mass);
   const auto size = static_cast<int>(stiffness.rows());
   const int num_vectors = std::min(size, std::max(2 * count + 1, 20));
@@ -209,6 +217,31 @@ int num_missed(const Matrix& stiffness, const Matrix& mass, const Eigen::VectorX
   return 0;
 }
 
+// The lowest `count` eigenvalues and vectors. Throws Stopped, and what Spectra throws where a factor cannot be had.
+Pairs lowest(const Matrix& stiffness, const Matrix& mass, double unit, int count,
+             const std::function<bool()>& goes_on) {
+  const Eigen::MatrixXd none(stiffness.rows(), 0);
+  double shift = shift_below(stiffness, mass, unit);
+  Pairs found = lanczos(stiffness, mass, none, count, shift, 0, goes_on);
+  const double farther = found.converged ? kShiftOfHighest * std::abs(found.values[count - 1]) : shift;
+  if (farther < shift) {
+    shift = farther;
+    found = lanczos(stiffness, mass, none, count, shift, 0, goes_on);
+  }
+  const auto count_missed = [&] {
+    return found.converged ? num_missed(stiffness, mass, found.values, count - 1, unit) : 0;
+  };
+  int missing = count_missed();
+  for (int search = 1; search < kMaxSearches && missing > 0; ++search) {
+    // There may be hundreds, of a sheet in many pieces; the lowest `count` of them are all that is asked for.
+    const int sought = std::min(missing, count);
+    found = merged(found, lanczos(stiffness, mass, found.vectors, sought, shift, search, goes_on), count);
+    missing = count_missed();
+  }
+  found.converged = found.converged && missing == 0;
+  return found;
+}
+
 }  // namespace
 
 int num_free_components(const Model& model, const Loads& loads) {
@@ -217,32 +250,24 @@ int num_free_components(const Model& model, const Loads& loads) {
   return count;
 }
 
-Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count) {
+Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count,
+                 const std::function<bool()>& goes_on) {
   int num_free = 0;
   const std::vector<int> numbers = number_free(model, loads, num_free);
   KERF_CHECK(count >= 1 && count <= kMaxModes && count < num_free, "as many modes as find_modes() can find");
-  const int num_wanted = std::min(count + 1, num_free - 1);
   const Matrix stiffness = stiffness_matrix(model, loads, x, numbers, num_free);
   const Matrix mass = mass_matrix(model, x, numbers, num_free);
-  const double unit = model.stiffness_bound();
-  const Eigen::MatrixXd none(num_free, 0);
-  double shift = shift_below(stiffness, mass, unit);
-  Pairs found = lanczos(stiffness, mass, none, num_wanted, shift, 0);
-  const double farther = found.converged ? kShiftOfHighest * std::abs(found.values[num_wanted - 1]) : shift;
-  if (farther < shift) {
-    shift = farther;
-    found = lanczos(stiffness, mass, none, num_wanted, shift, 0);
-  }
-  const auto count_missed = [&] {
-    return found.converged ? num_missed(stiffness, mass, found.values, num_wanted - 1, unit) : 0;
-  };
-  int missing = count_missed();
-  for (int search = 1; search < kMaxSearches && missing > 0; ++search) {
-    found = merged(found, lanczos(stiffness, mass, found.vectors, missing, shift, search), num_wanted);
-    missing = count_missed();
-  }
   Modes modes;
-  modes.converged = found.converged && missing == 0;
+  Pairs found;
+  try {
+    found = lowest(stiffness, mass, model.stiffness_bound(), std::min(count + 1, num_free - 1), goes_on);
+  } catch (const Stopped&) {
+    modes.stopped = true;
+    return modes;
+  } catch (const std::exception&) {  // Spectra's, of a matrix without a factor
+    return modes;
+  }
+  modes.converged = found.converged;
   const Eigen::Index num_found = std::min<Eigen::Index>(count, found.values.size());
   modes.eigenvalues = found.values.head(num_found);
   const Eigen::MatrixXd vectors = found.vectors.leftCols(num_found);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -19,6 +20,7 @@ struct Modes {
   Eigen::VectorXd eigenvalues;
   Eigen::MatrixXd shapes;  // 3 V x count, column i of x, y, z of all vertices in turn; shape.M shape = 1
   bool converged = false;  // all of them
+  bool stopped = false;    // before it was done: there are none
 };
 
 // Components of vertices with material that no pin holds.
@@ -28,7 +30,9 @@ int num_free_components(const Model& model, const Loads& loads);
 // often an equilibrium: of the exact tangent stiffness there, with what the pins hold held; of pressure and moments the
 // symmetric part. The masses are lumped
 // within the sheet and half consistent across it: of second order like those that steps are taken with, but nearer. By
-// the Lanczos method on the shifted inverse (Spectra).
-Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count);
+// the Lanczos method on the shifted inverse (Spectra). `goes_on` is asked once a vector of it, some milliseconds on a
+// large sheet: false stops the search.
+Modes find_modes(const Model& model, const Loads& loads, const mesh::VertexField& x, int count,
+                 const std::function<bool()>& goes_on = {});
 
 }  // namespace kerf::fem

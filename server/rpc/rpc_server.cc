@@ -42,8 +42,14 @@ void set_limits(grpc::ServerBuilder& builder, const RpcOptions& options, int max
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, static_cast<int>(options.keepalive_timeout.count()));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 5000);
+  // gRPC unpacks a message before it looks at its length: a megabyte can become a thousand.
+  builder.AddChannelArgument(GRPC_ARG_ENABLE_PER_MESSAGE_DECOMPRESSION, 0);
+  for (const auto algorithm : {GRPC_COMPRESS_DEFLATE, GRPC_COMPRESS_GZIP}) {
+    builder.SetCompressionAlgorithmSupportStatus(algorithm, false);
+  }
   grpc::ResourceQuota quota("kerfd");
   quota.Resize(options.max_buffer_bytes);
+  quota.SetMaxThreads(options.max_reflection_threads);  // reflection is what takes a thread a stream
   builder.SetResourceQuota(quota);
 }
 

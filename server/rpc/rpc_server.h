@@ -22,6 +22,7 @@ struct RpcOptions {
   std::chrono::milliseconds transfer_timeout{120'000};
   // For gRPC's buffers, of all connections together; under pressure it drops idle connections, then calls.
   std::size_t max_buffer_bytes = std::size_t{512} << 20;
+  int max_reflection_threads = 32;  // one for each stream of ServerReflectionInfo
 };
 
 // The gRPC transport: every service of kerf.v1, grpc.health.v1.Health and server reflection on one port, without TLS.

@@ -64,14 +64,20 @@ const wire::Predictors& FrameHistory::predictors() {
 }
 
 const FrameHistory::Topology& FrameHistory::topology(std::int32_t base_version, wire::Encoding encoding) {
-  const auto [entry, is_new] = topologies_.try_emplace({encoding, base_version});
-  if (is_new) {
-    wire::EncodedTopology encoded =
-        wire::encode_topology(*topology_, base_version, encoding == wire::Encoding::kCompact ? &predictors() : nullptr);
-    entry->second = {std::make_shared<const std::string>(std::move(encoded.bytes)), encoded.full};
-    ++counters_.topologies;
+  // A client may say that it has any version: what no patch leads from shares the full one, and few are kept.
+  if (!wire::can_patch(*topology_, base_version)) base_version = -1;
+  if (const auto kept = topologies_.find({encoding, base_version}); kept != topologies_.end()) return kept->second;
+  if (topologies_.size() >= kTopologies) topologies_.clear();
+  wire::EncodedTopology encoded =
+      wire::encode_topology(*topology_, base_version, encoding == wire::Encoding::kCompact ? &predictors() : nullptr);
+  ++counters_.topologies;
+  Topology made{std::make_shared<const std::string>(std::move(encoded.bytes)), encoded.full};
+  if (made.full) {
+    Topology& full = topologies_[{encoding, -1}];
+    if (!full.bytes) full = made;
+    made = full;
   }
-  return entry->second;
+  return topologies_[{encoding, base_version}] = made;
 }
 
 const Bytes& FrameHistory::keyframe(Frame& frame, wire::Encoding encoding) {

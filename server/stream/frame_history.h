@@ -51,6 +51,7 @@ struct FramePick {
 class FrameHistory {
  public:
   static constexpr std::size_t kFrames = 8;
+  static constexpr std::size_t kTopologies = 32;  // encoded, to be kept
 
   // `publication` > 0 numbers the snapshots; it never falls from call to call.
   FramePick pick(std::int64_t publication, const sheet::Snapshot& snapshot, const Viewed& viewed);

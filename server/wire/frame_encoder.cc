@@ -41,7 +41,7 @@ std::vector<std::uint32_t> changed_since(const std::vector<std::int32_t>& versio
 
 // Nothing where a full patch serves the viewer better.
 std::optional<Listed> list_changes(const sheet::Topology& topology, std::int32_t base_version) {
-  if (base_version < topology.patchable_since || base_version > topology.version) return std::nullopt;
+  if (!can_patch(topology, base_version)) return std::nullopt;
   Listed listed{changed_since(topology.slot_versions, base_version),
                 changed_since(topology.vertex_versions, base_version)};
   // Bytes of the raw arrays: one that lists has ids in addition.
@@ -168,6 +168,10 @@ std::string encode_strains(const QuantisedFrame& frame, const Predictors* predic
   message.set_strains(predictors != nullptr ? codec::pack_bytes(values, *predictors)
                                             : std::string(reinterpret_cast<const char*>(values.data()), values.size()));
   return message.SerializeAsString();
+}
+
+bool can_patch(const sheet::Topology& topology, std::int32_t base_version) {
+  return base_version >= topology.patchable_since && base_version <= topology.version;
 }
 
 EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t base_version,

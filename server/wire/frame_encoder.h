@@ -59,6 +59,8 @@ struct EncodedTopology {
 // listed. `predictors`: null for raw, else of `topology`.
 EncodedTopology encode_topology(const sheet::Topology& topology, std::int32_t base_version,
                                 const Predictors* predictors);
+// Whether the history reaches back to this version; else the patch is full.
+bool can_patch(const sheet::Topology& topology, std::int32_t base_version);
 
 // The start of a serialised WatchResponse with a frame; `rest_bytes` more (body and topology) must follow.
 // sequence >= 1; skipped >= 0, in ticks; epoch: empty but in a stream's first frame.

@@ -40,6 +40,9 @@ namespace http = beast::http;
 using Request = http::request<http::string_body>;
 using Parser = http::request_parser<http::string_body>;
 
+// Of a request, before the parser has taken it.
+constexpr std::size_t kMostReadAhead = std::size_t{128} << 10;
+
 std::string header(const Request& request, http::field field) {
   const beast::string_view value = request[field];
   return {value.data(), value.size()};
@@ -84,7 +87,10 @@ std::optional<HttpResponse> unreadable_request(const boost::system::error_code& 
 class HttpConnection : public Connection, public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(ConnectionContext& context, asio::ip::tcp::socket socket)
-      : context_(context), stream_(std::move(socket)), executor_(stream_.get_executor()) {}
+      : context_(context),
+        stream_(std::move(socket)),
+        executor_(stream_.get_executor()),
+        buffer_(context.options.max_header_bytes + kMostReadAhead) {}
 
   void run(std::function<void()> done) override {
     // A connection that throws (out of memory) is dropped like one that fails.
@@ -268,7 +274,12 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
       const auto done = [shared, executor = executor_](HttpResponse response) {
         asio::post(executor, [shared, response = std::move(response)]() mutable { (*shared)(std::move(response)); });
       };
-      context_.router.respond(std::move(request), done, stop);
+      try {
+        context_.router.respond(std::move(request), done, stop);
+      } catch (const std::exception& error) {
+        // Nothing may come out of here: the coroutine's frame is the handler's already.
+        done(refusal({ErrorCode::kInternal, "INTERNAL", error.what(), {}}));
+      }
     };
     return asio::async_initiate<const asio::use_awaitable_t<>, void(HttpResponse)>(std::move(initiate),
                                                                                    asio::use_awaitable);
@@ -326,9 +337,13 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     if (!response.media_type.empty()) message.set(http::field::content_type, response.media_type);
     for (const auto& [name, value] : response.headers) message.set(name, value);
     message.keep_alive(framing.keep_alive);
-    stream_.expires_after(context_.options.write_timeout);
+    http::response_serializer<Body> serializer(message);
+    const auto last = std::chrono::steady_clock::now() + context_.options.response_timeout;
     boost::system::error_code error;
-    co_await http::async_write(stream_, message, asio::redirect_error(asio::use_awaitable, error));
+    while (!error && !serializer.is_done()) {
+      stream_.expires_at(std::min(last, std::chrono::steady_clock::now() + context_.options.write_timeout));
+      co_await http::async_write_some(stream_, serializer, asio::redirect_error(asio::use_awaitable, error));
+    }
     co_return !error;
   }
 
@@ -348,9 +363,9 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
   ConnectionContext& context_;
   beast::tcp_stream stream_;
   const beast::tcp_stream::executor_type executor_;  // a strand
-  beast::flat_buffer buffer_;
-  std::array<char, 4096> dropped_{};      // see drop_input()
-  std::shared_ptr<SocketStream> socket_;  // once upgraded
+  beast::flat_buffer buffer_;                        // bounded: extensions of chunks count for no limit of the parser
+  std::array<char, 4096> dropped_{};                 // see drop_input()
+  std::shared_ptr<SocketStream> socket_;             // once upgraded
   bool first_ = true;
   bool idle_ = false;
   bool finishing_ = false;

@@ -17,17 +17,18 @@ class Api;
 namespace kerf::ws {
 
 struct HttpOptions {
-  AccessPolicy access;                                 // bound_to_loopback is set by start()
-  int threads = 2;                                     // 1..64
-  int max_connections = 1000;                          // beyond it, new connections are closed at once
-  std::size_t max_header_bytes = 16 << 10;             // of a request
-  std::size_t max_message_bytes = 64 << 10;            // of one WebSocket message from a client
-  std::chrono::milliseconds request_timeout{5'000};    // from the first byte of a request to its last
-  std::chrono::milliseconds upload_timeout{120'000};   // the same of a request with a file of FileRoutes
-  std::chrono::milliseconds handshake_timeout{5'000};  // WebSocket opening and closing handshakes
-  std::chrono::milliseconds idle_timeout{30'000};      // a kept-alive connection between requests
-  std::chrono::milliseconds silence_timeout{10'000};   // WebSocket: without a sign of life, a pong included
-  std::chrono::milliseconds write_timeout{30'000};     // one whole response
+  AccessPolicy access;                                  // bound_to_loopback is set by start()
+  int threads = 2;                                      // 1..64
+  int max_connections = 1000;                           // beyond it, new connections are closed at once
+  std::size_t max_header_bytes = 16 << 10;              // of a request
+  std::size_t max_message_bytes = 64 << 10;             // of one WebSocket message from a client
+  std::chrono::milliseconds request_timeout{5'000};     // from the first byte of a request to its last
+  std::chrono::milliseconds upload_timeout{120'000};    // the same of a request with a file of FileRoutes
+  std::chrono::milliseconds handshake_timeout{5'000};   // WebSocket opening and closing handshakes
+  std::chrono::milliseconds idle_timeout{30'000};       // a kept-alive connection between requests
+  std::chrono::milliseconds silence_timeout{10'000};    // WebSocket: without a sign of life, a pong included
+  std::chrono::milliseconds write_timeout{30'000};      // of a response of which nothing is taken
+  std::chrono::milliseconds response_timeout{120'000};  // one whole response
   std::chrono::milliseconds picture_repeat{15'000};  // MJPEG: the last picture is sent again after so long without one
 };
 

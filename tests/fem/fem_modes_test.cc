@@ -34,6 +34,42 @@ TEST(Modes, OfOneEigenvalueAreAllFound) {
   }
 }
 
+// Of a sheet in many pieces there are hundreds of such motions, of which some are asked for.
+TEST(Modes, AreTheFirstOfASheetInManyPieces) {
+  constexpr int kPieces = 90;
+  mesh::IndexedMesh pieces;
+  pieces.rest.resize(2, 4 * kPieces);
+  pieces.triangles.resize(3, 2 * kPieces);
+  SeededRandom random(4);
+  for (int i = 0; i < kPieces; ++i) {
+    const double size = random.uniform(0.05, 0.9);
+    for (int k = 0; k < 4; ++k) pieces.rest.col(4 * i + k) = Eigen::Vector2d(i + size * (k % 2), size * (k / 2));
+    pieces.triangles.col(2 * i) = Eigen::Vector3i(4 * i, 4 * i + 1, 4 * i + 3);
+    pieces.triangles.col(2 * i + 1) = Eigen::Vector3i(4 * i, 4 * i + 3, 4 * i + 2);
+  }
+  const mesh::TriangleMesh mesh = mesh::import_mesh(pieces).value();
+  const Model model(mesh, isotropic(1.0e5, 0.3, 1.0e-3, 300.0));
+  Loads loads;
+  loads.gravity.setZero();
+  int asked = 0;
+  const Modes modes = find_modes(model, loads, rest_state(mesh).x, 5, [&] { return ++asked > 0; });
+  ASSERT_TRUE(modes.converged);
+  for (const double value : modes.eigenvalues) EXPECT_LT(std::abs(value), 1e-9 * model.stiffness_bound());
+  EXPECT_LT(asked, 2000) << "a search for all of them takes tens of thousands";
+}
+
+TEST(Modes, EndWhenTheyAreNotWantedAnyMore) {
+  const mesh::TriangleMesh mesh = jittered_square(12);
+  const Model model(mesh, isotropic(1.0e5, 0.3, 1.0e-3, 300.0));
+  Loads loads;
+  loads.gravity.setZero();
+  int asked = 0;
+  const Modes modes = find_modes(model, loads, rest_state(mesh).x, 5, [&] { return ++asked < 10; });
+  EXPECT_TRUE(modes.stopped);
+  EXPECT_FALSE(modes.converged);
+  EXPECT_EQ(asked, 10);
+}
+
 // However many are asked for, they are the first of all: also where the last is one of a pair.
 TEST(Modes, AreTheFirstOfMore) {
   const mesh::TriangleMesh mesh = square_grid(7);

@@ -78,8 +78,8 @@ TEST_F(SilentPeerTest, IsFoundAndItsStreamEnds) {
   }
   EXPECT_TRUE(has_watched);
   EXPECT_TRUE(was_pinged);
-  while (api_->num_watchers() > 0) {
-  }
+  const auto deadline = std::chrono::steady_clock::now() + 20s;
+  while (api_->num_watchers() > 0) ASSERT_LT(std::chrono::steady_clock::now(), deadline);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -117,6 +118,24 @@ TEST(Channel, EncodesOnceForAllWhoNeedTheSame) {
   EXPECT_EQ(counters.deltas, 9);
   EXPECT_EQ(counters.topologies, 2);
   EXPECT_EQ(counters.taken, 600);
+}
+
+TEST(Channel, VersionsThatNoPatchLeadsFromShareTheFullOne) {
+  const auto channel = std::make_shared<Channel>(64);
+  ChangingSheet sheet(2, 500, 800);
+  sheet.cut(2);
+  channel->publish(sheet.snapshot());
+  const std::int32_t newest = sheet.snapshot()->topology->version;
+  const std::string epoch = frame(*subscribe(*channel)).epoch();
+  std::vector<Bytes> patches;
+  for (std::int32_t i = 1; i <= 50; ++i) {
+    for (const std::int32_t version : {-i, newest + i}) {
+      const auto viewer = subscribe(*channel, {.flow = {}, .epoch = epoch, .topology_version = version});
+      patches.push_back(viewer->next(0ns).message->parts[2]);
+    }
+  }
+  for (const Bytes& patch : patches) EXPECT_EQ(patch.get(), patches.front().get());
+  EXPECT_EQ(channel->counters().topologies, 1);
 }
 
 TEST(Channel, JoinerGetsTheKeyframeOfASleepingSheetAtOnce) {

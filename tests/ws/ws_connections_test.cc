@@ -68,6 +68,47 @@ TEST_F(HttpServerTest, WaitsForNobodyForEver) {
   EXPECT_TRUE(idle.closed_by_peer());
 }
 
+TEST_F(HttpServerTest, AResponseMayTakeLongWhileItIsTaken) {
+  using Clock = std::chrono::steady_clock;
+  app::Config config = test_config();
+  config.http_options.write_timeout = milliseconds(1000);
+  start(config);
+  ASSERT_EQ(
+      call("SheetService/CreateSheet",
+           R"({"sheet_id":"large","paused":true,"scene":{"grid":{"columns":300,"rows":300,"width_m":1,"height_m":1}}})")
+          .status,
+      200);
+  const std::string request =
+      "POST /kerf.v1.SheetService/GetSheetState HTTP/1.1\r\nHost: localhost\r\nContent-Length: 23\r\n\r\n"
+      R"({"name":"sheets/large"})";
+  RawClient slow(port_);
+  slow.shrink_receive_buffer(64 << 10);
+  slow.send(request);
+  const std::string head = slow.read_until("\r\n\r\n").value_or("");
+  std::size_t left = std::stoul(head.substr(head.find("Content-Length: ") + 16));
+  ASSERT_GT(left, std::size_t{8} << 20) << "more than the kernel would keep";
+  const std::size_t part = left / 8 + 1;
+  const Clock::time_point slowly_from = Clock::now();
+  while (left > 0) {
+    const std::size_t wanted = std::min(part, left);
+    ASSERT_TRUE(slow.read_exactly(wanted)) << left << " bytes short";
+    left -= wanted;
+    // Slower than all of it is allowed to take at a time, and never silent for so long.
+    for (const auto next = Clock::now() + milliseconds(250); left > 0 && Clock::now() < next;) {
+    }
+  }
+  EXPECT_GT(Clock::now() - slowly_from, milliseconds(1500));
+
+  RawClient stalled(port_);
+  stalled.shrink_receive_buffer(64 << 10);
+  stalled.send(request);
+  ASSERT_TRUE(stalled.read_until("\r\n\r\n"));
+  const Clock::time_point began = Clock::now();
+  while (Clock::now() < began + milliseconds(1500)) {
+  }
+  EXPECT_FALSE(stalled.read_exactly(std::size_t{8} << 20)) << "of which nothing was taken for too long";
+}
+
 TEST_F(HttpServerTest, TurnsAwayConnectionsBeyondTheLimit) {
   app::Config config = test_config();
   config.http_options.max_connections = 2;

@@ -129,6 +129,11 @@ TEST_F(HttpServerTest, BodiesEndAtTheLimit) {
       "POST /kerf.v1.ServerService/GetServerInfo HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n");
   for (int i = 0; i < 17; ++i) chunked.send("10000\r\n" + std::string(65536, ' ') + "\r\n");
   EXPECT_EQ(chunked.read_response().status, 413);
+  RawClient garrulous(port_);
+  garrulous.send("POST /x HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n1;");
+  for (int i = 0; i < 5 && garrulous.send(std::string(65536, 'x')); ++i) {
+  }
+  EXPECT_EQ(garrulous.read_response().status, 431) << "the extension of a chunk";
   RawClient boastful(port_);
   boastful.send("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999\r\n\r\n");
   EXPECT_EQ(boastful.read_response().status, 413);
