@@ -49,6 +49,7 @@ struct CutArguments {
   double tip_size = 0.0;
   double tip_grading = 0.0;
   bool no_relax = false;
+  std::int32_t max_new_triangles = 0;
 };
 
 // Puts what an option says into `target`; what is wrong with it otherwise.
@@ -122,6 +123,7 @@ void set_meshing(const CutArguments& arguments, v1::Cut& cut) {
   cut.set_tip_grading(arguments.tip_grading);
   cut.set_width_m(arguments.width);
   if (arguments.no_relax) cut.set_relax(false);
+  cut.set_max_new_triangles(arguments.max_new_triangles);
 }
 
 int cut(const Session& session, const CutArguments& arguments) {
@@ -222,6 +224,8 @@ void add_cut_command(CLI::App& app, Session& session) {
   command->add_option("--tip-grading", arguments->tip_grading,
                       "Growth of edges from ring to ring away from the tips, 1.05 to 10 (default 1.5)");
   command->add_flag("--no-relax", arguments->no_relax, "Let no old vertex move in material space");
+  command->add_option("--max-new-triangles", arguments->max_new_triangles,
+                      "Refuse a cut that needs more, 1 to 1000000 (default 200000)");
   batch->excludes(tolerance, min_angle, fit, dash, view, width);
   command->callback(
       [&session, arguments] { session.action = [&session, arguments] { return cut(session, *arguments); }; });

@@ -1,8 +1,11 @@
 #include <algorithm>
+#include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include "client/cli/app.h"
@@ -32,11 +35,20 @@ int run(int argc, char** argv) {
   return session.action();
 }
 
+// What was printed may not have come out: a full disk, say, behind a redirection.
+int flushed(int code) {
+  errno = 0;
+  if ((std::fflush(stdout) == 0 && std::ferror(stdout) == 0) || code != kerf::cli::kDone) return code;
+  return kerf::cli::refuse(
+      kerf::Error{kerf::ErrorCode::kResourceExhausted, "OUTPUT_NOT_WRITTEN",
+                  "cannot write standard output: " + std::generic_category().message(errno == 0 ? EIO : errno), ""});
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   try {
-    return run(argc, argv);
+    return flushed(run(argc, argv));
   } catch (const std::exception& error) {
     return kerf::cli::refuse(kerf::Error{kerf::ErrorCode::kInternal, "EXCEPTION", error.what(), ""});
   }

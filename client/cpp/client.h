@@ -21,8 +21,8 @@ namespace kerf::client {
 // at the first call, as UNAVAILABLE. Thread-safe, as gRPC stubs are.
 class Client {
  public:
-  // Messages up to this size are received: a 500,000-vertex sheet's exact state with room to spare.
-  static constexpr int kMaxReceiveBytes = 64 << 20;
+  // Messages up to this size are received: a 500,000-vertex sheet's OBJ file, 90 MB and more, with room to spare.
+  static constexpr int kMaxReceiveBytes = 256 << 20;
 
   // Of clients of one process and address: whether calls go over one connection, or each has its own, as programs on
   // different machines have.

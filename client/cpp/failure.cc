@@ -5,9 +5,29 @@
 
 namespace kerf::client {
 
+namespace {
+
+// gRPC's own refusals, in which it does not say what to do.
+void explain(Failure& failure) {
+  if (failure.code == grpc::StatusCode::RESOURCE_EXHAUSTED &&
+      failure.message.find("larger than max") != std::string::npos) {
+    failure.reason = "MESSAGE_TOO_LARGE";
+    failure.message += ": send less in one call, a batch of cuts in parts, say; a mesh file as an upload";
+  }
+  if (failure.code == grpc::StatusCode::DEADLINE_EXCEEDED) {
+    failure.reason = "NO_ANSWER_IN_TIME";
+    failure.message =
+        "no answer in time: a tick of the sheet may take long. What was asked for may still be done: look before "
+        "asking again";
+  }
+}
+
+}  // namespace
+
 Failure failure_of(const grpc::Status& status) {
   Failure failure{status.error_code(), {}, status.error_message(), {}};
   google::rpc::Status details;
+  if (status.error_details().empty()) explain(failure);
   if (!details.ParseFromString(status.error_details())) return failure;
   for (const google::protobuf::Any& detail : details.details()) {
     google::rpc::ErrorInfo info;

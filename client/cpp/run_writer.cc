@@ -108,7 +108,13 @@ RunWriter::RunWriter(std::unique_ptr<Archive> archive) : archive_(std::move(arch
 RunWriter::~RunWriter() = default;
 
 Result<std::unique_ptr<RunWriter>> RunWriter::open(const std::string& path) {
-  auto archive = std::make_unique<Archive>(path);
+  std::error_code broken;
+  std::filesystem::path meant = path;
+  if (std::filesystem::is_symlink(path)) meant = std::filesystem::canonical(path, broken);  // so that a link stays one
+  if (broken || (std::filesystem::exists(meant) && !std::filesystem::is_regular_file(meant))) {
+    return Failure{grpc::StatusCode::UNKNOWN, "FILE_NOT_WRITTEN", path + " is no regular file, as a run must be", ""};
+  }
+  auto archive = std::make_unique<Archive>(meant.string());
   if (archive->failure()) return *archive->failure();
   return std::unique_ptr<RunWriter>(new RunWriter(std::move(archive)));
 }

@@ -23,8 +23,8 @@ namespace beast = boost::beast;
 
 using NetError = boost::system::error_code;
 
-constexpr std::chrono::seconds kOpeningPatience(10);        // with each step of opening the stream
-constexpr std::size_t kMaxMessage = std::size_t{64} << 20;  // bytes, as client::Client::kMaxReceiveBytes
+constexpr std::chrono::seconds kOpeningPatience(10);         // with each step of opening the stream
+constexpr std::size_t kMaxMessage = std::size_t{256} << 20;  // bytes, as client::Client::kMaxReceiveBytes
 
 class WebSocketViewer : public Viewer {
  public:

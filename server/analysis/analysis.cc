@@ -217,8 +217,9 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
   }
   // A live sheet is in balance with the forces of its steps.
   if (!is_live) sheet.bend_by_angles();
-  const fem::Modes modes = fem::find_modes(sheet.model(), sheet.loads(), sheet.state().x, analysis.count,
-                                           [&watch] { return !watch || watch({0.75, "searching"}); });
+  const fem::Modes modes = fem::find_modes(sheet.model(), sheet.loads(), sheet.state().x, analysis.count, [&watch] {
+    return !watch || watch({0.75, "searching"});
+  });
   if (modes.stopped) {
     outcome.stopped = true;
     return outcome;

@@ -1,6 +1,7 @@
 #include "server/host/disk.h"
 
 #include <cerrno>
+#include <filesystem>
 #include <system_error>
 
 #include <fcntl.h>
@@ -92,7 +93,19 @@ Result<std::string> RealDisk::read_file(const std::string& path, std::size_t max
   }
 }
 
-Status RealDisk::write_file(const std::string& path, std::string_view content) {
+Status RealDisk::write_file(const std::string& named, std::string_view content) {
+  // What a link leads to, so that it stays one.
+  std::error_code broken;
+  const std::filesystem::path meant =
+      std::filesystem::is_symlink(named) ? std::filesystem::canonical(named, broken) : std::filesystem::path(named);
+  if (broken) return io_error("follow", named, broken.value());
+  const std::string path = meant.string();
+  struct stat about {};
+  if (::stat(path.c_str(), &about) == 0 && !S_ISREG(about.st_mode)) {  // a device, a pipe: a file would take its place
+    Descriptor device(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    if (!device.is_open()) return io_error("open", path, errno);
+    return write_all(device.number(), content, path);
+  }
   const std::string beside = path + ".new";
   Descriptor file(::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
   if (!file.is_open()) return io_error("create", beside, errno);

@@ -1,5 +1,7 @@
 #include "server/wire/error_codec.h"
 
+#include <set>
+
 #include "google/rpc/error_details.pb.h"
 #include "google/rpc/status.pb.h"
 #include "server/base/check.h"
@@ -52,7 +54,7 @@ google::rpc::Status to_status(const Error& error) {
     violation->set_description(error.message);
     status.add_details()->PackFrom(request);
   }
-  if (error.code == ErrorCode::kResourceExhausted) {
+  if (passes_by_itself(error)) {
     google::rpc::RetryInfo retry;
     retry.mutable_retry_delay()->set_nanos(static_cast<std::int32_t>(std::chrono::nanoseconds(kRetryDelay).count()));
     status.add_details()->PackFrom(retry);
@@ -61,6 +63,14 @@ google::rpc::Status to_status(const Error& error) {
 }
 
 }  // namespace
+
+bool passes_by_itself(const Error& error) {
+  static const std::set<std::string_view> reasons = {
+      "OVERLOADED",        "QUEUE_FULL",           "TOO_MANY_ANALYSES",     "TOO_MANY_FILES",
+      "TOO_MANY_PICTURES", "TOO_MANY_RECORDINGS",  "TOO_MANY_SCHEDULED",    "TOO_MANY_SHEETS",
+      "TOO_MANY_UPLOADS",  "TOO_MANY_SUBSCRIBERS", "TOO_MANY_IMAGE_STREAMS"};
+  return error.code == ErrorCode::kResourceExhausted && reasons.contains(error.reason);
+}
 
 std::int32_t status_code(ErrorCode code) {
   return code_name(code).number;

@@ -18,8 +18,11 @@ std::int32_t status_code(ErrorCode code);
 std::string_view status_name(ErrorCode code);  // "INVALID_ARGUMENT"
 
 // A serialised google.rpc.Status: code, message, and as details ErrorInfo{reason, domain "kerf"}, BadRequest where the
-// error names a field, RetryInfo{kRetryDelay} for kResourceExhausted. For the trailer grpc-status-details-bin.
+// error names a field, RetryInfo{kRetryDelay} where passes_by_itself(). For the trailer grpc-status-details-bin.
 std::string encode_status(const Error& error);
+
+// Of limits: whether the same request may be taken soon, though nothing of it changes, as others end or make room.
+bool passes_by_itself(const Error& error);
 
 // The JSON form of the same message: {"code":3,"message":"...","details":[{"@type":"...ErrorInfo",...},...]}.
 std::string error_to_json(const Error& error);

@@ -62,8 +62,11 @@ HttpRequest to_request(Request& message) {
 }
 
 HttpResponse body_too_large() {
-  HttpResponse response =
-      refusal({ErrorCode::kResourceExhausted, "REQUEST_TOO_LARGE", "the request's body exceeds the limit", {}});
+  HttpResponse response = refusal({ErrorCode::kResourceExhausted,
+                                   "REQUEST_TOO_LARGE",
+                                   "the request's body is larger than what is taken here: send less in one call; a "
+                                   "mesh file to POST /sheets, at most 64 MiB",
+                                   {}});
   response.status = 413;
   return response;
 }

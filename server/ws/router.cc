@@ -103,7 +103,7 @@ int http_status(ErrorCode code) {
 HttpResponse refusal(const Error& error) {
   HttpResponse response{http_status(error.code), "application/json",
                         std::make_shared<const std::string>(wire::error_to_json(error))};
-  if (error.code == ErrorCode::kResourceExhausted || error.code == ErrorCode::kUnavailable) {
+  if (wire::passes_by_itself(error) || error.reason == "SERVER_STOPPING") {
     response.headers.emplace_back("Retry-After", "1");
   }
   return response;

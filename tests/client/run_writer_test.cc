@@ -109,6 +109,9 @@ TEST_F(RunWriterTest, LeavesAloneWhatItDoesNotFinish) {
   EXPECT_EQ(kept, "of before");
   EXPECT_FALSE(std::filesystem::exists(path("kept.npz.part")));
 
+  std::filesystem::create_symlink("/dev/full", path("device"));
+  EXPECT_EQ(RunWriter::open(path("device")).failure().reason, "FILE_NOT_WRITTEN") << "a device is no file";
+
   const auto nowhere = RunWriter::open(path("nowhere/run.npz"));
   ASSERT_FALSE(nowhere.ok());
   EXPECT_EQ(nowhere.failure().reason, "FILE_NOT_WRITTEN");

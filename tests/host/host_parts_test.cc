@@ -230,6 +230,15 @@ TEST(Disk, RealDisk) {
   EXPECT_EQ(disk.write_file(folder + "no/such/folder", "x").error().code, ErrorCode::kNotFound);
   EXPECT_FALSE(disk.create_file(folder).ok());
   EXPECT_FALSE(std::filesystem::exists(folder + "file.new"));
+
+  std::filesystem::create_symlink(folder + "file", folder + "link");
+  ASSERT_TRUE(disk.write_file(folder + "link", "through the link"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder + "link"));
+  EXPECT_EQ(disk.read_file(folder + "file", 100).value(), "through the link");
+  std::filesystem::create_symlink("/dev/full", folder + "device");
+  EXPECT_EQ(disk.write_file(folder + "device", "x").error().reason, "DISK_FULL");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder + "device"));
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
   std::filesystem::remove_all(folder);
 }
 

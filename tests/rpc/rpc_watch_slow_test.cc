@@ -21,7 +21,7 @@ class SlowWatchTest : public testing::Test {
  protected:
   void SetUp() override {
     app::Config config = ws_test::test_config();
-    config.limits.watch_ack_timeout = std::chrono::milliseconds(300);
+    config.limits.watch_ack_timeout = std::chrono::milliseconds(1000);
     server_ = ws_test::start_server(config);
     ASSERT_NE(server_, nullptr);
     client::Server server(server_->grpc_address());

@@ -46,6 +46,10 @@ TEST(ErrorCodec, StatusHasTheStandardDetails) {
   EXPECT_EQ(retry.retry_delay().nanos(), 100'000'000);
   EXPECT_THAT(error_to_json(full), HasSubstr("\"reason\":\"QUEUE_FULL\""));
   EXPECT_THAT(error_to_json(full), HasSubstr("\"retry_delay\":\"0.100s\""));
+
+  const Error never{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET", "more triangles than allowed", {}};
+  ASSERT_TRUE(status.ParseFromString(encode_status(never)));
+  EXPECT_EQ(status.details_size(), 1) << "the same cut will be refused again";
 }
 
 TEST(ErrorCodec, CodesAreThoseOfGrpc) {

@@ -118,6 +118,9 @@ def error_of(failure: Any, address: str) -> Error:
                 field = request.field_violations[0].field
             elif detail.Unpack(retry):
                 retry_after_s = retry.retry_delay.ToNanoseconds() / 1e9
+    if code == "RESOURCE_EXHAUSTED" and "larger than max" in message:  # gRPC's own words
+        reason = "MESSAGE_TOO_LARGE"
+        message += ": send less in one call, a batch of cuts in parts, say; a mesh file as an upload"
     if code == "UNIMPLEMENTED" and not reason:
         message = f"the Kerf server at {address} has no such call: it is older than this package; {message}"
     if code == "UNAVAILABLE" and not reason:

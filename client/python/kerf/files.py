@@ -11,8 +11,13 @@ from typing import IO
 
 @contextlib.contextmanager
 def whole_file(path: "str | os.PathLike[str]") -> Iterator[IO[bytes]]:
-    """A file to write into, which gets its name when the `with` is left without an exception; until then it is FILE.part."""
-    target = pathlib.Path(path)
+    """A file to write into, which gets its name when the `with` is left without an exception; until then it is FILE.part.
+    What is no regular file, a device or a pipe, is written to at once."""
+    target = real_target(path)
+    if target.exists() and not target.is_file():
+        with open(target, "wb") as device:
+            yield device
+        return
     part = target.with_name(target.name + ".part")
     try:
         with open(part, "wb") as file:
@@ -20,6 +25,11 @@ def whole_file(path: "str | os.PathLike[str]") -> Iterator[IO[bytes]]:
         part.replace(target)
     finally:
         part.unlink(missing_ok=True)
+
+
+def real_target(path: "str | os.PathLike[str]") -> pathlib.Path:
+    """What a link leads to, so that it stays one."""
+    return pathlib.Path(os.path.realpath(path) if os.path.islink(path) else path)
 
 
 CHUNK_BYTES = 512 << 10  # a server takes messages of up to 1 MiB

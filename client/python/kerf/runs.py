@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
-import pathlib
 import zipfile
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, Dict, List, Tuple, Union, overload
 
 from kerf.arrays import numpy_module
+from kerf.files import real_target
 from kerf.frames import Frame
 
 if TYPE_CHECKING:
@@ -29,7 +30,9 @@ class RunWriter:
     """
 
     def __init__(self, path: "str | os.PathLike[str]") -> None:
-        self._path = pathlib.Path(path)
+        self._path = real_target(path)
+        if self._path.exists() and not self._path.is_file():
+            raise OSError(errno.EINVAL, "a run must go to a regular file", str(self._path))
         self._part = self._path.with_name(self._path.name + ".part")
         # Positions hardly compress; what time it takes is better spent on frames.
         self._file = zipfile.ZipFile(self._part, "w", zipfile.ZIP_STORED)

@@ -26,11 +26,11 @@ SERVER = None  # its ready line: "grpc" and "http"
 PROCESS = None
 
 
-def kerf(*arguments, server=True, timeout=120):
+def kerf(*arguments, server=True, timeout=120, stdout=subprocess.PIPE):
     command = [OPTIONS.kerf]
     if server:
         command += ["--server", SERVER["grpc"]]
-    return subprocess.run(command + list(arguments), capture_output=True, text=True, timeout=timeout)
+    return subprocess.run(command + list(arguments), stdout=stdout, stderr=subprocess.PIPE, text=True, timeout=timeout)
 
 
 def setUpModule(*options):

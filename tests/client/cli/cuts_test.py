@@ -194,6 +194,15 @@ class Cuts(Case):
         self.refused("cut", self.id, *curve, "--tolerance-m", "1e-9", says="TOLERANCE_TOO_SMALL")
         self.refused("cut", self.id, *curve, "--method", "element", "--tip-size", "0.01", says="OPTIONS_CONFLICT")
 
+    def test_a_budget_of_triangles(self):
+        self.json_of("sheet", "create", "budget", "--grid", "20x20")
+        across = ["cut", "budget", "--polyline", "-0.1,0.52 1.1,0.47", "--max-new-triangles"]
+        few = self.refused(*across, "5", says="CUT_ELEMENT_BUDGET")
+        self.assertIn("max_new_triangles", few.stderr)
+        self.assertEqual(self.json_of(*across, "5000")["status"], "APPLIED")
+        self.refused(*across, "1000001", says="max_new_triangles")
+        self.json_of("sheet", "delete", "budget")
+
     def test_a_miss_is_no_error(self):
         before = self.hash()
         reply = self.json_of("cut", self.id, "--polyline", "2,2 3,3")

@@ -35,6 +35,13 @@ class Usage(Case):
         nowhere = kerf("--json", "--server", "127.0.0.1:1", "sheet", "list", server=False)
         self.assertEqual(json.loads(nowhere.stderr)["error"]["code"], "UNAVAILABLE")
 
+    def test_what_cannot_be_printed_is_told(self):
+        for command in (["info"], ["--json", "sheet", "list"], ["completion", "bash"]):
+            with open("/dev/full", "w") as full:
+                done = kerf(*command, stdout=full)
+            self.assertEqual(done.returncode, 1, command)
+            self.assertIn("cannot write standard output: No space left on device", done.stderr)
+
     def test_no_server(self):
         done = kerf("--server", "127.0.0.1:1", "sheet", "list", server=False)
         self.assertEqual(done.returncode, 1)

@@ -6,7 +6,7 @@ import time
 
 import kerf
 import numpy
-from kerf import runs
+from kerf import files, runs
 from kerf.frames import FrameDecoder
 from support import Case, path
 
@@ -52,6 +52,22 @@ class Recording(Case):
             with self.server.sheet("py-nobody").recorder(path("nobody.npz")):
                 pass
         self.assertFalse(os.path.exists(path("nobody.npz")))
+
+    def test_devices_and_links_stay_what_they_are(self):
+        os.symlink("/dev/full", path("device"))
+        with self.assertRaisesRegex(OSError, "regular file"):
+            with self.sheet.recorder(path("device")):
+                pass
+        with self.assertRaisesRegex(OSError, "No space"):
+            with files.whole_file(path("device")) as file:
+                file.write(b"x")
+        self.assertTrue(os.path.islink(path("device")))
+        pathlib.Path(path("target")).write_bytes(b"of before")
+        os.symlink(path("target"), path("link"))
+        with files.whole_file(path("link")) as file:
+            file.write(b"new")
+        self.assertTrue(os.path.islink(path("link")))
+        self.assertEqual(pathlib.Path(path("target")).read_bytes(), b"new")
 
     def test_a_run_of_nothing_leaves_the_one_before(self):
         pathlib.Path(path("kept.npz")).write_bytes(b"of before")
