@@ -56,6 +56,14 @@ TEST_F(ServerTest, CreatesFromGridsMeshesOutlinesAndScenes) {
   EXPECT_GT(server_->info().value().limits().max_sheets(), 0);
 }
 
+TEST_F(ServerTest, ARequestBeyondTheLimitIsToldWhatToDo) {
+  Sheet sheet = make("many");
+  const std::vector<Point> points(70'000, Point{0.5, 0.5});
+  const Failure failure = sheet.cut(polyline(points)).failure();
+  EXPECT_EQ(failure.reason, "MESSAGE_TOO_LARGE");
+  EXPECT_NE(failure.message.find("send less in one call"), std::string::npos) << failure.message;
+}
+
 TEST_F(ServerTest, CutsAlongEveryKindOfCurve) {
   Sheet sheet = server_->create(grid_scene(30, 30, 1.0, 1.0), {"curves", true, ""}).value();
   const std::vector<v1::Curve> curves = {
@@ -236,6 +244,7 @@ TEST_F(ServerTest, FilesHaveTheTimeOfCalls) {
   Server hasty(running_->grpc_address(), {std::chrono::milliseconds(-1000)});
   EXPECT_EQ(hasty.sheet("slow").recording().failure().code, grpc::StatusCode::DEADLINE_EXCEEDED);
   EXPECT_EQ(hasty.replay(file).failure().code, grpc::StatusCode::DEADLINE_EXCEEDED);
+  EXPECT_EQ(hasty.replay(file).failure().reason, "NO_ANSWER_IN_TIME");
 }
 
 TEST_F(ServerTest, TheExactStateComesAsArrays) {

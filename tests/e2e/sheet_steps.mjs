@@ -135,6 +135,7 @@ export async function sheetSteps(steps, browser, url) {
     const places = '[[0.2, -0.25], [0.5, -0.2], [0.75, -0.25], [0.3, -0.25], [0.62, -0.3]]';
     const isThere = await viewer.read(`${places}.map((at) => k.pieceAt(...at) !== undefined)`);
     check(isThere.join() === 'false,false,false,true,true', `material in three holes and at two places: ${isThere}`);
+    await viewer.screenshot('plate');
   });
 
   await steps.step('a mesh larger than a request is sent, and how far it is is told', async () => {

@@ -16,14 +16,20 @@ namespace {
 
 using grpc::StatusCode;
 
-TEST_F(RpcServerTest, AMeshFileComesInParts) {
-  std::string file = "# " + std::string(std::size_t{2} << 20, 'x').insert(1 << 10, "\n# ") + "\n";
-  for (std::size_t at = 4000; at < file.size() - 4; at += 4000) file.replace(at, 3, "\n# ");
-  file += "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+// Of sheets/large, paused.
+v1::CreateSheetRequest of_a_mesh_file() {
   v1::CreateSheetRequest request;
   request.set_sheet_id("large");
   request.set_paused(true);
   request.mutable_scene()->mutable_obj()->set_rest_shape(v1::REST_SHAPE_FLAT);
+  return request;
+}
+
+TEST_F(RpcServerTest, AMeshFileComesInParts) {
+  std::string file = "# " + std::string(std::size_t{2} << 20, 'x').insert(1 << 10, "\n# ") + "\n";
+  for (std::size_t at = 4000; at < file.size() - 4; at += 4000) file.replace(at, 3, "\n# ");
+  file += "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  v1::CreateSheetRequest request = of_a_mesh_file();
   v1::Sheet sheet;
   const grpc::Status made = client::upload_sheet(*client_, request, file, sheet);
   ASSERT_TRUE(made.ok()) << made.error_message();
@@ -40,12 +46,8 @@ TEST_F(RpcServerTest, ARecordingOfManyChunksIsFetchedWhole) {
   std::string file;
   for (int i = 0; i < 60'000; ++i) file += "# of what, in line " + std::to_string(i) + "\n";
   file += "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-  v1::CreateSheetRequest request;
-  request.set_sheet_id("large");
-  request.set_paused(true);
-  request.mutable_scene()->mutable_obj()->set_rest_shape(v1::REST_SHAPE_FLAT);
   v1::Sheet sheet;
-  ASSERT_TRUE(client::upload_sheet(*client_, request, file, sheet).ok());
+  ASSERT_TRUE(client::upload_sheet(*client_, of_a_mesh_file(), file, sheet).ok());
   std::string bytes;
   const grpc::Status fetched = client::fetch_recording(*client_, "sheets/large", bytes);
   ASSERT_TRUE(fetched.ok()) << fetched.error_message();
