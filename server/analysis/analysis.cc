@@ -141,11 +141,17 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
   };
   if (measures) measure({}, 0.0);
   mesh::VertexField v_before;
+  Progress progress{0.0, "tick 0 of " + std::to_string(analysis.ticks)};
+  const fem::GoesOn goes_on = [&] {
+    outcome.stopped = outcome.stopped || (watch && !watch(progress));
+    return !outcome.stopped;
+  };
   for (std::int64_t i = 1; i <= analysis.ticks && !sheet.frozen() && !outcome.stopped; ++i) {
     const bool measures_now = measures && (i % analysis.measure_every == 0 || i == analysis.ticks);
     const std::int32_t version = sheet.topology_version();
     if (measures_now) v_before = sheet.state().v;
-    sheet::TickReport report = sheet.step({}, observer);
+    sheet::TickReport report = sheet.step({}, observer, &goes_on);
+    if (report.stats.interrupted) break;
     if (after) after(report);
     if (Status s = keep(std::move(report.scheduled), outcome.scheduled); !s) return s.error();
     ++stats.ticks;
@@ -154,9 +160,9 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
     // Velocities of other vertices say nothing of the acceleration of these.
     const bool is_same = version == sheet.topology_version();
     if (measures_now) measure(v_before, is_same ? report.stats.simulated : 0.0);
-    const Progress progress{static_cast<double>(i) / static_cast<double>(analysis.ticks),
-                            "tick " + std::to_string(i) + " of " + std::to_string(analysis.ticks)};
-    outcome.stopped = watch && !watch(progress);
+    progress = {static_cast<double>(i) / static_cast<double>(analysis.ticks),
+                "tick " + std::to_string(i) + " of " + std::to_string(analysis.ticks)};
+    static_cast<void>(goes_on());
   }
   outcome.dynamics = stats;
   if (measures) outcome.tables.push_back(std::move(table));

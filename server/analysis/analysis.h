@@ -23,7 +23,7 @@ struct Progress {
   std::string what;   // for people: "tick 12 of 600", "load 0.25, residual 3e-5"
 };
 
-// Returns false to end the work where it is.
+// Returns false to end the work where it is. Called often, in a tick once a substep.
 using Watch = std::function<bool(const Progress&)>;
 
 struct StaticStats {

@@ -1,5 +1,6 @@
 #include "server/fem/automatic_integrator.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -12,20 +13,25 @@ namespace {
 
 // Nanoseconds on one core of 2024; only their ratios matter. Fitted to ticks of wool of 225 to 10,000 vertices before
 // and after a cut (tests/accuracy/plots/measure.py size, one hour): within an eighth from 900 vertices on, a quarter
-// too low at 277.
+// too low at 277. What a substep goes through and a cache does not hold is dearer: fitted to 10,000 to 160,000
+// vertices, and 90,000 with bending in each substep.
 struct ExplicitCost {
   double per_slot;
   double per_bending_entry;
 };
 constexpr ExplicitCost kDoubleNs{4.2, 0.42};
 constexpr ExplicitCost kMixedNs{2.0, 0.2};
+constexpr double kBytesPerSlot = 37.0;
+constexpr double kBytesPerBendingEntry = 8.0;
+constexpr double kCacheBytes = 15e6;  // of which going through them costs as much again as working with them
 constexpr double kTangentNsPerSlot = 400.0;
 // Factor and solve of a Newton iteration: 12 ms of 2,500 vertices. Factorisation of a planar mesh of V vertices grows
-// as V^1.5 (George 1973, nested dissection). With one in float that is kept while it serves it was 70 ns V^1.5 of 2,500
-// and 10,000 vertices, 30 ns of 40,000: its constant lies between.
+// as V^1.5 (George 1973, nested dissection). One in float is kept while it serves, which is for the longer the more it
+// costs: measured 44, 50, 35, 21 ns V^1.5 of 2,500, 10,000, 40,000 and 90,000.
 constexpr double kDirectNsPerVertexToThreeHalves = 100.0;
 constexpr double kFactorCgNsPerVertexToThreeHalves = 45.0;
-constexpr double kStages = 2.0;  // of TR-BDF2
+constexpr double kMostToThreeHalves = 20'000.0;  // vertices: beyond, a factor in float that is kept grows as V
+constexpr double kStages = 2.0;                  // of TR-BDF2
 constexpr double kPreferenceForExplicit = 2.0;
 constexpr double kSecondOrderCondition = 1e9;  // 1 + dt^2 lambda_max
 constexpr int kLeastForFactorCg = 2000;        // vertices: below, a factor in double takes no longer
@@ -35,12 +41,19 @@ IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
   return options;
 }
 
-double explicit_cost(const Model& model, const ExplicitIntegrator& integrator, const IntegratorOptions& options) {
-  const double substeps = integrator.planned_substeps(options.tick);
-  const double interval = integrator.bending_interval(options.tick / substeps, 0.0);
+// In which the explicit integrator makes most of its steps.
+Precision usual_precision(const Model& model, const IntegratorOptions& options) {
+  return LeapfrogSweep<float>::may_hold(model) ? options.precision : Precision::kDouble;
+}
+
+double explicit_cost(const Model& model, const ExplicitIntegrator& integrator, Precision precision, double tick) {
+  const double substeps = integrator.planned_substeps(tick);
+  const double interval = integrator.bending_interval(tick / substeps, 0.0);
   const auto entries = static_cast<double>(model.bending_rows().num_entries());
-  const ExplicitCost ns = options.precision == Precision::kMixed ? kMixedNs : kDoubleNs;
-  return substeps * (ns.per_slot * model.num_slots() + ns.per_bending_entry * entries / interval);
+  const ExplicitCost ns = precision == Precision::kMixed ? kMixedNs : kDoubleNs;
+  const double bytes = kBytesPerSlot * model.num_slots() + kBytesPerBendingEntry * entries / interval;
+  return substeps * (1.0 + bytes / kCacheBytes) *
+         (ns.per_slot * model.num_slots() + ns.per_bending_entry * entries / interval);
 }
 
 LinearSolverKind implicit_solver(const Model& model) {
@@ -49,9 +62,10 @@ LinearSolverKind implicit_solver(const Model& model) {
 
 double implicit_cost(const Model& model, const IntegratorOptions& options) {
   const double V = model.num_vertices();
-  const double per_factor = implicit_solver(model) == LinearSolverKind::kFactorCg ? kFactorCgNsPerVertexToThreeHalves
-                                                                                  : kDirectNsPerVertexToThreeHalves;
-  return kStages * options.newton_iterations * (kTangentNsPerSlot * model.num_slots() + per_factor * V * std::sqrt(V));
+  const bool is_kept = implicit_solver(model) == LinearSolverKind::kFactorCg;
+  const double per_factor = is_kept ? kFactorCgNsPerVertexToThreeHalves * V * std::sqrt(std::min(V, kMostToThreeHalves))
+                                    : kDirectNsPerVertexToThreeHalves * V * std::sqrt(V);
+  return kStages * options.newton_iterations * (kTangentNsPerSlot * model.num_slots() + per_factor);
 }
 
 }  // namespace
@@ -65,6 +79,7 @@ IntegratorKind AutomaticIntegrator::kind() const {
 
 StepStats AutomaticIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                                     State& state) {
+  chosen().heed(heed_.get());
   return chosen().step(model, loads, dt, contact, state);
 }
 
@@ -84,7 +99,8 @@ void AutomaticIntegrator::follow(const Model& model) {
 bool AutomaticIntegrator::choose(const Model& model) {
   explicit_.plan(model);
   const double substeps = explicit_.planned_substeps(options_.tick);
-  const double of_explicit = explicit_cost(model, explicit_, options_);
+  const Precision precision = usual_precision(model, options_);
+  const double of_explicit = explicit_cost(model, explicit_, precision, options_.tick);
   const double of_implicit = implicit_cost(model, options_);
   const double condition = 1.0 + options_.tick * options_.tick * model.stiffness_bound();
   const IntegratorKind before = kind();
@@ -107,8 +123,8 @@ bool AutomaticIntegrator::choose(const Model& model) {
   std::array<char, 256> text{};
   std::snprintf(text.data(), text.size(),
                 "; estimated per tick of %.4g s: %.0f explicit substeps in %s precision %.1f ms, TR-BDF2, %s %.1f ms%s",
-                options_.tick, substeps, options_.precision == Precision::kMixed ? "mixed" : "double",
-                of_explicit * 1e-6, name_of(implicit_solver(model)).description.data(), of_implicit * 1e-6,
+                options_.tick, substeps, precision == Precision::kMixed ? "mixed" : "double", of_explicit * 1e-6,
+                name_of(implicit_solver(model)).description.data(), of_implicit * 1e-6,
                 condition <= kSecondOrderCondition ? "" : " (not solved well at a condition above 1e9)");
   explanation_ = "automatic: ";
   explanation_.append(scheme).append(solver).append(text.data());

@@ -54,7 +54,7 @@ LinearStats ConjugateGradient::iterate(const Multiply& multiply, const Renew& re
   while (true) {
     const double r_norm = std::sqrt(dot(r_, r_));
     stats.converged = r_norm <= tolerance * b_norm;
-    if (stats.converged || stats.iterations == max_iterations_ || !std::isfinite(r_norm)) break;
+    if (stats.converged || stats.iterations == max_iterations_ || !std::isfinite(r_norm) || heed_.ends()) break;
     if (since_restart == 0) first_norm = r_norm;
     if (is_too_slow(since_restart, r_norm / first_norm, tolerance * b_norm / first_norm)) {
       if (!renew()) break;

@@ -23,6 +23,10 @@ class ConjugateGradient final : public LinearSolver {
   LinearStats solve(const Eigen::MatrixXd& A, const mesh::VertexField& b, double tolerance, mesh::VertexField& x);
 
   void forget() override { preconditioner_->forget(); }
+  void heed(const GoesOn* goes_on) override {
+    heed_.set(goes_on);
+    preconditioner_->heed(goes_on);
+  }
   std::vector<Eigen::Matrix3d>* frames() override { return preconditioner_->frames(); }
   mesh::VertexField* positions() override { return preconditioner_->positions(); }
 
@@ -43,6 +47,7 @@ class ConjugateGradient final : public LinearSolver {
 
   std::unique_ptr<Preconditioner> preconditioner_;
   int max_iterations_;
+  Heed heed_;
   mesh::VertexField r_, z_, p_, Ap_;  // 3 x N
 };
 

@@ -232,6 +232,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     const int least = plan.substeps;
     if (is_mixed) {
       const bool fits = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
+      if (heed_.ends()) return interrupt(state);
       is_mixed = fits && !(was_quiet && is_quiet(model, state));
       if (!fits) stats.flags |= kWidened;
       if (!is_mixed) {
@@ -243,6 +244,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       if (!is_double_current_) double_sweep_.rebuild(model, layout_);
       is_double_current_ = true;
       advance(model, loads, plan, contact, double_sweep_, state);
+      if (heed_.ends()) return interrupt(state);
     }
     was_in_double_ = !is_mixed;
     if (is_finite(state)) {
@@ -279,6 +281,13 @@ bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, St
   return verdict == EnergyGuard::Verdict::kKept;
 }
 
+StepStats ExplicitIntegrator::interrupt(State& state) const {
+  go_back(state);
+  StepStats stats;
+  stats.interrupted = true;
+  return stats;
+}
+
 void ExplicitIntegrator::go_back(State& state) const {
   state.x = scratch_.start.x;
   state.v = scratch_.start.v;
@@ -310,6 +319,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   }
   const double h = plan.h();
   for (int i = 0; i <= plan.substeps; ++i) {
+    if (heed_.ends()) return false;
     const bool last = i == plan.substeps;
     const double time_left = last ? 0.0 : duration - h * i;
     LeapfrogKick kick;

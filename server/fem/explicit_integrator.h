@@ -76,6 +76,8 @@ class ExplicitIntegrator final : public Integrator {
   void resize(const Model& model);
   void set_sweeps(const Model& model, bool follows);
   void go_back(State& state) const;
+  // What step() returns where it was ended.
+  StepStats interrupt(State& state) const;
   // So slow that its motion is not far above the noise of mixed precision: strains of that noise make waves, which
   // move at the strain times the speed of waves, however fine the mesh is. Else a stiff sheet would not come to rest.
   [[nodiscard]] bool is_quiet(const Model& model, const State& state) const;

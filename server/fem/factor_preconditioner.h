@@ -24,6 +24,7 @@ class FactorPreconditioner final : public Preconditioner {
   [[nodiscard]] int patience() const override { return is_old_ ? patience_ : 0; }
   bool renew(const BlockMatrix& A) override;
   void forget() override { has_factor_ = false; }
+  void heed(const GoesOn* goes_on) override { factor_.heed(goes_on); }
   std::vector<Eigen::Matrix3d>* frames() override { return &frames_; }
   [[nodiscard]] const std::shared_ptr<const Supernodes>& supernodes() const { return factor_.supernodes(); }
 

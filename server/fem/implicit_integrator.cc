@@ -69,6 +69,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
   scratch_.stage.contact = contact;
+  solver_.heed(heed_.get());
   bool done = false;
   const int last = num_attempts() + (contact == nullptr && StageSolver::can_majorize(model, loads) ? 1 : -1);
   for (int i = 0; i <= last && !done; ++i) {
@@ -78,6 +79,13 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     if (attempt.kind != options_.kind) stats.flags |= kDamped;
     if (attempt.substeps > num_substeps()) stats.flags |= kSubstepped;
     done = try_step(model, loads, attempt, dt, contact, state, stats);
+    if (heed_.ends()) {
+      state.x = scratch_.start.x;
+      state.v = scratch_.start.v;
+      stats = {};
+      stats.interrupted = true;
+      return stats;
+    }
     const bool is_taken = i == last || attempt.is_majorized;  // whatever it has gained
     if (done && contact == nullptr) done = keep_energy(model, loads, attempt.kind, state, stats) || is_taken;
     if (done) break;

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "server/fem/contact_constraint.h"
+#include "server/fem/goes_on.h"
 #include "server/fem/linear_solver_kind.h"
 #include "server/fem/loads.h"
 #include "server/fem/model.h"
@@ -57,6 +58,7 @@ struct StepStats {
   // Times that forces on vertices were summed that are neither of the membrane nor linear in positions: external ones,
   // wind, follower loads, clamps, a curved rest shape. Of implicit integrators, of wind alone. 0 where there are none.
   int load_phases = 0;
+  bool interrupted = false;  // ended early, see Integrator::heed: the state is as it was before, nothing else holds
 };
 
 enum class IntegratorKind {
@@ -116,6 +118,9 @@ class Integrator {
   // To be called between follow() and the next step, once for however many: what follow() put off till then, because
   // further cuts would undo it. Allocates what step() needs.
   virtual void prepare() {}
+  // Steps to come ask `goes_on` once a substep, iteration and front of a factorisation, and end early, with
+  // StepStats::interrupted, where it says so. Null, as at first: they ask nobody.
+  void heed(const GoesOn* goes_on) { heed_.set(goes_on); }
 
   // Advances `state` by dt (s, > 0). Never allocates, throws or logs; on failure (kFrozen) `state` is left as it was.
   // The result depends on the arguments alone, not on earlier calls. `contact` may be null.
@@ -126,6 +131,9 @@ class Integrator {
   [[nodiscard]] virtual std::string_view explanation() const = 0;
   // What runs: never kAutomatic.
   [[nodiscard]] virtual IntegratorKind kind() const = 0;
+
+ protected:
+  Heed heed_;
 };
 
 std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options);

@@ -18,6 +18,20 @@ constexpr double kReach = 1 << 30;
 constexpr double kCoarsest = 1.0 / (1 << 20);
 constexpr double kCoarsestAcross = 1e-5;
 
+// m, mean.
+double edge_length(const Model& model, std::int64_t num_triangles) {
+  return std::sqrt(2.0 * model.rest_area() / static_cast<double>(num_triangles));
+}
+
+// m. `reach`: how far from the origin positions may come.
+double unit_of_positions(double reach, double edge) {
+  return std::exp2(std::ceil(std::log2(std::max(reach, edge) / kReach)));
+}
+
+bool is_fine(const Model& model, double unit, double edge) {
+  return unit <= kCoarsest * edge && unit * model.largest_gradient() <= kCoarsestAcross;
+}
+
 template <typename T>
 T* entries(std::vector<Lanes16<T>>& blocks, std::size_t first_block = 0) {
   return blocks.empty() ? nullptr : blocks[first_block].lane.data();
@@ -143,11 +157,17 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
   if (!(extent >= 0.0)) return true;  // nothing takes part
   const double travel = extent + 4.0 * duration * (speed + duration * terms.gravity.norm());
   const double reach = 0.5 * extent + travel;
-  const double edge = std::sqrt(2.0 * model.rest_area() / static_cast<double>(layout_->num_triangles()));
-  unit_ = std::exp2(std::ceil(std::log2(std::max(reach, edge) / kReach)));
+  const double edge = edge_length(model, layout_->num_triangles());
+  unit_ = unit_of_positions(reach, edge);
   origin_ = 0.5 * (low + high).matrix();
   room_ = travel;
-  return unit_ <= kCoarsest * edge && unit_ * model.largest_gradient() <= kCoarsestAcross;
+  return is_fine(model, unit_, edge);
+}
+
+template <typename T>
+bool LeapfrogSweep<T>::may_hold(const Model& model) {
+  const double edge = edge_length(model, model.num_slots());
+  return is_fine(model, unit_of_positions(1.5 * std::sqrt(model.rest_area()), edge), edge);
 }
 
 template <typename T>

@@ -64,6 +64,8 @@ class LeapfrogSweep {
   void substep(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick);
   // Whether no vertex can have left what positions can hold in a step of this length.
   [[nodiscard]] bool stayed_inside(double duration) const;
+  // Whether floats can hold the model's sheet at all: lying still, as a square of its size.
+  [[nodiscard]] static bool may_hold(const Model& model);
 
   // Of what has mass or is held. False: outside of what positions can hold.
   bool read(const State& state);

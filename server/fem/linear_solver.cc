@@ -34,6 +34,10 @@ class FactorCgSolver final : public LinearSolver {
     return by_factor;
   }
   void forget() override { gradients_.forget(); }
+  void heed(const GoesOn* goes_on) override {
+    gradients_.heed(goes_on);
+    direct_.heed(goes_on);
+  }
   std::vector<Eigen::Matrix3d>* frames() override { return gradients_.frames(); }
 
  private:

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "server/fem/block_matrix.h"
+#include "server/fem/goes_on.h"
 #include "server/fem/linear_solver_kind.h"
 #include "server/mesh/vertex_field.h"
 
@@ -34,6 +35,8 @@ class LinearSolver {
 
   // Nothing of the matrices so far is to have an influence on the solves to come.
   virtual void forget() {}
+  // Solves to come ask `goes_on` once an iteration and front of a factorisation; one that it ends has not converged.
+  virtual void heed(const GoesOn* goes_on) = 0;
   // Where the solver wants to know how vertices have turned, a rotation of each (see find_vertex_frames), to be set
   // before a solve; null for others.
   virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }

@@ -21,6 +21,7 @@ class MultigridPreconditioner final : public Preconditioner {
   void analyse(const BlockMatrix& A) override;
   bool prepare(const BlockMatrix& A) override;
   void apply(const mesh::VertexField& r, mesh::VertexField& z) override;
+  void heed(const GoesOn* goes_on) override { factor_.heed(goes_on); }
   std::vector<Eigen::Matrix3d>* frames() override { return &frames_; }
   mesh::VertexField* positions() override { return &positions_; }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "server/fem/block_matrix.h"
+#include "server/fem/goes_on.h"
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
@@ -28,7 +29,8 @@ class Preconditioner {
   virtual bool renew(const BlockMatrix& /*A*/) { return false; }
   // Matrices that follow have nothing to do with those before.
   virtual void forget() {}
-  // See LinearSolver.
+  // See LinearSolver; a factorisation that `goes_on` ends leaves no P.
+  virtual void heed(const GoesOn* /*goes_on*/) {}
   virtual std::vector<Eigen::Matrix3d>* frames() { return nullptr; }
   virtual mesh::VertexField* positions() { return nullptr; }
 };

@@ -60,6 +60,12 @@ void StageSolver::prepare() {
   is_analysed_ = true;
 }
 
+void StageSolver::heed(const GoesOn* goes_on) {
+  heed_.set(goes_on);
+  solver_->heed(goes_on);
+  if (repair_solver_) repair_solver_->heed(goes_on);
+}
+
 void StageSolver::assemble(const Problem& problem, const mesh::VertexField& x, bool predicted) {
   const double d = problem.stage.d;
   const MaterialScale material_scale{d * d, d, problem.beta};
@@ -158,6 +164,7 @@ bool StageSolver::iterate(const Problem& problem, mesh::VertexField& x, StepStat
   double best = std::numeric_limits<double>::infinity();
   int last = options_.newton_iterations;
   for (int i = 0; i <= last; ++i) {
+    if (heed_.ends()) return false;
     if (i == 0) {
       evaluate_residual(problem, x);
     } else {
@@ -255,6 +262,7 @@ bool StageSolver::repair(const Problem& problem, const mesh::VertexField& start,
   double reference = 0.0;
   double relative = 0.0;
   for (int i = 0; i < kRepairIterations; ++i) {
+    if (heed_.ends()) return false;
     const double residual = evaluate_residual(problem, x, Update::kAll);
     const double value = merit(problem, x, x);
     if (!std::isfinite(value)) return false;

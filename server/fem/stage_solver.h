@@ -49,6 +49,8 @@ class StageSolver {
   void prepare();
   // What the stages so far left in the linear solver is to have no influence on those to come.
   void forget() { solver_->forget(); }
+  // See Integrator::heed; what ends early has found no solution.
+  void heed(const GoesOn* goes_on);
   // constant_force: 3 x V, N. state.x: where to start from; becomes the solution, state.v its velocity. False: no
   // finite solution was found, state is then undefined. Adds to the counters of stats, its flags and residual.
   bool solve(const Model& model, const Loads& loads, const mesh::VertexField& constant_force, const Stage& stage,
@@ -117,6 +119,7 @@ class StageSolver {
   void solve_linear(LinearSolver& solver, StepStats& stats, mesh::VertexField& x);
 
   IntegratorOptions options_;
+  Heed heed_;
   std::unique_ptr<LinearSolver> solver_;
   std::unique_ptr<LinearSolver> repair_solver_;  // where solver_ solves a different system: its steps may not descend
   StageContact contact_;

@@ -132,6 +132,7 @@ bool SupernodalCholesky<T>::factorise(const BlockMatrix& A, std::span<const Eige
   panels_.assign(num_panels_, Lanes16<T>{});
   updates_.resize(num_updates_);
   for (int s = 0; s < supernodes_->size(); ++s) {
+    if (heed_.ends()) return false;
     assemble(A, frames, s);
     const PanelView<T> own = panel(s);
     const std::size_t below = own.rows - own.width;

@@ -9,6 +9,7 @@
 
 #include "server/fem/block_matrix.h"
 #include "server/fem/dense_kernels.h"
+#include "server/fem/goes_on.h"
 #include "server/fem/lanes16.h"
 #include "server/fem/supernodes.h"
 #include "server/mesh/vertex_field.h"
@@ -26,9 +27,11 @@ class SupernodalCholesky {
   // The same with what another one, of whatever precision, has found of the same pattern.
   void analyse(const BlockMatrix& A, std::shared_ptr<const Supernodes> supernodes);
   [[nodiscard]] const std::shared_ptr<const Supernodes>& supernodes() const { return supernodes_; }
+  // Factorisations to come ask `goes_on` once a supernode; one that it ends has failed.
+  void heed(const GoesOn* goes_on) { heed_.set(goes_on); }
   // Of Q^T A Q, Q having the 3x3 blocks of `frames` on its diagonal, or A itself where it is empty. A has the pattern
-  // that was analysed. False: A was found not positive definite, or, where `rule` replaces small pivots, not finite; no
-  // factor is left.
+  // that was analysed. False: A was found not positive definite, or, where `rule` replaces small pivots, not finite, or
+  // it was ended; no factor is left.
   bool factorise(const BlockMatrix& A, std::span<const Eigen::Matrix3d> frames, PivotRule<T>& rule);
   // Solves Q^T A Q x = b for the last factor; x, b: 3 x N, may be the same.
   void solve(const mesh::VertexField& b, mesh::VertexField& x);
@@ -49,6 +52,7 @@ class SupernodalCholesky {
   // Adds what child c hands up to the front of s.
   void extend_add(int c, int s);
 
+  Heed heed_;
   std::shared_ptr<const Supernodes> supernodes_;
   std::vector<std::size_t> panel_begin_;          // of each supernode in panels_, in units of Lanes16
   std::vector<std::size_t> update_begin_;         // of what it hands up, in updates_: a stack

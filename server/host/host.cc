@@ -37,7 +37,7 @@ std::vector<std::string> Host::list() const {
 }
 
 void Host::status(const std::string& id, Callback<SheetStatus> done) {
-  impl_->on_strand(id, done, [done](SheetRunner& r) { done(r.status()); });
+  impl_->status(id, done);
 }
 
 std::vector<SheetStatus> Host::statuses(const std::vector<std::string>& ids) const {
@@ -69,10 +69,7 @@ void Host::release_grab(const std::string& id, std::string grab_id) {
 }
 
 void Host::pause(const std::string& id, Callback<SheetStatus> done) {
-  impl_->on_strand(id, done, [done](SheetRunner& r) {
-    r.pause();
-    done(r.status());
-  });
+  impl_->pause(id, done);
 }
 
 void Host::resume(const std::string& id, Callback<SheetStatus> done) {

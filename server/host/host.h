@@ -119,6 +119,11 @@ class Host {
   static constexpr std::int64_t kMaxCatchUpTicks = 2;
   static constexpr double kMinSpeed = 0.01;
   static constexpr double kMaxSpeed = 4.0;
+  // A tick that takes longer keeps no status() waiting, and pause(), an UndoCut and a Reset end it early: what it has
+  // integrated is thrown away, its commands stay done, and it begins anew. So do, of any tick, delete_sheet(), stop()
+  // and the end that is asked of a step() call. But none ends one with commands of the sheet's own config; of one of a
+  // replay, delete_sheet() and stop() alone.
+  static constexpr Nanoseconds kLongTick = std::chrono::milliseconds(100);
   static constexpr std::int32_t kTicksPerTurn = 4;    // of a step() call, before other sheets get their turn
   static constexpr std::int32_t kEntriesPerTurn = 4;  // of a recording before a tick, and after it; likewise
 
@@ -145,6 +150,7 @@ class Host {
 
   // Ids, sorted; sheets that are still being built left out.
   [[nodiscard]] std::vector<std::string> list() const;
+  // As it is between two ticks; in the middle of a long one as statuses() has it, without state hash.
   void status(const std::string& id, Callback<SheetStatus> done);
   // Of those of `ids` that exist, in that order: each as it was after its last tick, command or change of run state. A
   // sheet in the middle of a long tick keeps nobody waiting.
@@ -181,7 +187,7 @@ class Host {
   // call takes no notice of it. kInvalidArgument OUT_OF_RANGE, field "speed".
   void set_speed(const std::string& id, double speed, Callback<SheetStatus> done);
   // Runs exactly `ticks` ticks of a paused sheet as fast as it can, and answers when they are done, or sooner with what
-  // was done when a pause(), a Reset or the end of a replay ends it or, between two ticks, `stop` asks it to end.
+  // was done when a pause(), a Reset or the end of a replay ends it, or `stop` asks it to end.
   // kInvalidArgument outside 1..max_step_ticks; kFailedPrecondition NOT_PAUSED, STEPPING or SHEET_FROZEN.
   void step(const std::string& id, std::int64_t ticks, Callback<SheetStatus> done, std::stop_token stop = {});
 
@@ -203,8 +209,8 @@ class Host {
   // Blocks until no work is queued or running (timers do not count). For tests and simulation on a ManualClock.
   void wait_idle();
 
-  // Refuses new calls, answers all that wait (kUnavailable), ends all sinks (kHostStopping), joins the workers. A tick
-  // in progress ends. Idempotent. Not from a callback.
+  // Refuses new calls, answers all that wait (kUnavailable), ends all sinks (kHostStopping), joins the workers.
+  // Idempotent. Not from a callback.
   void stop();
 
  private:

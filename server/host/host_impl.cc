@@ -75,6 +75,7 @@ void Host::Impl::delete_sheet(const std::string& id, Callback<Nothing> done, std
     if (found != sheets_.end()) runner = std::move(found->second);  // nobody finds it from here on
   }
   if (!runner) return done(missing(id));
+  runner->announce_close();
   runner->post(
       [this, id, done, closed = std::move(closed)](SheetRunner& r) {
         r.close(sheet::SinkEnd::kSheetDeleted);
@@ -170,6 +171,25 @@ std::shared_ptr<SheetRunner> Host::Impl::find(const std::string& id) const {
 Error Host::Impl::missing(const std::string& id) const {
   const std::lock_guard lock(mutex_);
   return stopping_ ? stopping() : not_found(id);
+}
+
+void Host::Impl::status(const std::string& id, const Callback<SheetStatus>& done) {
+  const std::shared_ptr<SheetRunner> runner = find(id);
+  if (!runner) return done(missing(id));
+  if (runner->is_long_at_it()) return done(*runner->last_status());
+  runner->post([done](SheetRunner& r) { done(r.status()); }, [done](Error error) { done(std::move(error)); });
+}
+
+void Host::Impl::pause(const std::string& id, const Callback<SheetStatus>& done) {
+  const std::shared_ptr<SheetRunner> runner = find(id);
+  if (!runner) return done(missing(id));
+  runner->post(
+      [done](SheetRunner& r) {
+        r.pause();
+        done(r.status());
+      },
+      [done](Error error) { done(std::move(error)); });
+  runner->interrupt();
 }
 
 std::vector<SheetStatus> Host::Impl::statuses(const std::vector<std::string>& ids) const {

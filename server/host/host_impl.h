@@ -50,6 +50,8 @@ class Host::Impl {
     if (!runner) return done(missing(id));
     runner->post(std::move(work), [done](Error error) { done(std::move(error)); });
   }
+  void status(const std::string& id, const Callback<SheetStatus>& done);
+  void pause(const std::string& id, const Callback<SheetStatus>& done);
 
   void set_command_listener(CommandListener listener) { listener_.set(std::move(listener)); }
   [[nodiscard]] HostMetrics metrics() const { return board_.read(); }

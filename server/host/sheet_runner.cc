@@ -58,6 +58,8 @@ void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<voi
 }
 
 Status SheetRunner::enqueue(sheet::Command command, Callback<CommandResult>& done) {
+  const bool takes_back =
+      std::holds_alternative<sheet::UndoCut>(command) || std::holds_alternative<sheet::Reset>(command);
   {
     const std::lock_guard lock(queue_mutex_);
     const auto limit = static_cast<std::size_t>(context_.options.max_queued_commands);
@@ -69,6 +71,7 @@ Status SheetRunner::enqueue(sheet::Command command, Callback<CommandResult>& don
     push(std::move(command), std::move(done));
   }
   announce_commands();
+  if (takes_back) interrupt();
   return Nothing{};
 }
 

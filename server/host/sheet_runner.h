@@ -63,6 +63,12 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void release_grab(std::string grab_id);
   // From any thread, after begin(). Without state hash.
   [[nodiscard]] std::shared_ptr<const SheetStatus> last_status() const;
+  // From any thread: a tick has been under way for longer than Host::kLongTick.
+  [[nodiscard]] bool is_long_at_it() const;
+  // From any thread, after what is to come in its place was posted or queued: a long tick ends early, to be made again.
+  void interrupt() { interrupt_asked_ = true; }
+  // From any thread, before close() is posted: so does any other tick, a replay's included.
+  void announce_close() { closing_ = true; }
 
   // `playback`: what the sheet is to play; may be null.
   void begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording, std::unique_ptr<Playback> playback);
@@ -82,6 +88,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   [[nodiscard]] const sheet::Sheet& sheet() const { return sheet_; }
 
  private:
+  static constexpr Nanoseconds kNoTick = Nanoseconds::max();
+
   struct Pending {
     sheet::Command command;
     Callback<CommandResult> done;
@@ -99,10 +107,12 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void commands_arrived();
   void on_deadline(std::uint64_t generation);
   void take_turn();
-  // One Sheet::step, or, where time stands still, Sheet::apply. False: there was nothing to apply, or a tick that is
-  // played has not come to its end.
+  // One Sheet::step, or, where time stands still, Sheet::apply. False: there was nothing to apply, or a tick has not
+  // come to its end, one that is played or one that was interrupted.
   bool run_once(bool advance);
-  void run_commands(bool advance, std::vector<Pending> pending);
+  // False: the tick was interrupted.
+  bool run_commands(bool advance, std::vector<Pending> pending);
+  [[nodiscard]] bool goes_on() const;  // the tick under way
   // One tick of the recording, with what was applied before and after it (sheet_runner_replay.cc). False: there is more
   // of that than may be done in one turn.
   bool play_tick();
@@ -148,6 +158,12 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
 
   fem::StepStats last_step_;         // of the last tick
   fem::FlagCounts flagged_ticks_{};  // of all
+
+  // Whether a tick is to end early. The request is forgotten when the next tick begins: whoever made it is served by
+  // then.
+  std::atomic<bool> interrupt_asked_{false};
+  std::atomic<bool> closing_{false};
+  std::atomic<Nanoseconds> tick_began_{kNoTick};  // of the tick under way
 
   mutable std::mutex status_mutex_;
   std::shared_ptr<const SheetStatus> last_status_;  // guarded by status_mutex_

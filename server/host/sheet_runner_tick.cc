@@ -22,28 +22,35 @@ bool SheetRunner::run_once(bool advance) {
   std::vector<Pending> queued = take_queue();
   std::move(queued.begin(), queued.end(), std::back_inserter(pending));
   if (!advance && pending.empty()) return false;
-  run_commands(advance, std::move(pending));
-  return true;
+  return run_commands(advance, std::move(pending));
 }
 
-void SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
+bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   const Nanoseconds begin = context_.clock.now();
   const Nanoseconds cpu_begin = context_.clock.thread_cpu();
   const bool stands = !advance || sheet_.frozen();
-  if (stands && kept_.lags(sheet_.tick())) kept_.append({sheet_.tick(), {}, sheet_.state_hash()});
+  std::optional<sheet::RecordedTick> bare;  // what an apply() needs before it, and so an interrupted tick
+  if ((stands || !pending.empty()) && kept_.lags(sheet_.tick())) {
+    bare = sheet::RecordedTick{sheet_.tick(), {}, sheet_.state_hash()};
+  }
   std::vector<sheet::Command> commands;
   commands.reserve(pending.size());
   for (Pending& p : pending) commands.push_back(std::move(p.command));
   StageTimer timer(context_.clock);
   const bool timed = advance && !paused_;
 
-  const sheet::TickReport report = advance ? sheet_.step(commands, &timer) : sheet_.apply(commands, &timer);
+  interrupt_asked_ = false;
+  tick_began_ = begin;
+  const fem::GoesOn goes_on = [this] { return this->goes_on(); };
+  const sheet::TickReport report = advance ? sheet_.step(commands, &timer, &goes_on) : sheet_.apply(commands, &timer);
+  tick_began_ = kNoTick;
 
   const auto is_reset = [](const sheet::Command& command) { return std::holds_alternative<sheet::Reset>(command); };
   if (step_call_ && std::any_of(commands.begin(), commands.end(), is_reset)) step_call_->remaining = 0;
   const std::vector<Result<CommandResult>> results = results_of(report, pending, begin, timer);
   tell(commands, pending, report, results);
-  record(report.tick, std::move(commands));
+  if (bare && (stands || report.stats.interrupted)) kept_.append(*bare);
+  if (!(report.stats.interrupted && commands.empty())) record(report.tick, std::move(commands));
   const Nanoseconds cpu = context_.clock.thread_cpu() - cpu_begin;
   const Nanoseconds end = context_.clock.now();
   if (timed) {
@@ -57,6 +64,19 @@ void SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   publish();
   count(report, results, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
   for (std::size_t i = 0; i < pending.size(); ++i) pending[i].done(results[report.scheduled.size() + i]);
+  return !report.stats.interrupted;
+}
+
+bool SheetRunner::goes_on() const {
+  if (context_.stopping || closing_) return false;
+  if (is_playing()) return true;  // a recording has no place for a tick that does not follow
+  if (step_call_ && step_call_->stop.stop_requested()) return false;
+  return !(interrupt_asked_ && is_long_at_it());
+}
+
+bool SheetRunner::is_long_at_it() const {
+  const Nanoseconds began = tick_began_;
+  return began != kNoTick && context_.clock.now() - began > Host::kLongTick;
 }
 
 void SheetRunner::record(std::int64_t tick, std::vector<sheet::Command> commands) {

@@ -61,23 +61,31 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
   rebuild();
 }
 
-TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* observer, bool advance) {
+TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* observer, bool advance,
+                            const fem::GoesOn* goes_on) {
   TickReport report;
   const std::int32_t version_before = topology_version;
   const bool advancing = advance && !frozen;
   drain_commands(commands, observer, advancing, report);
   if (advancing) {
+    const Instant before = now;
     {
       const StageScope scope(observer, Stage::kLoads, -1);
       set_loads();
     }
     {
       const StageScope scope(observer, Stage::kIntegrate, -1);
-      integrate(report);
+      // A recording has no place for scheduled commands whose tick does not follow.
+      integrate(report.scheduled.empty() ? goes_on : nullptr, report);
     }
-    ++tick;
-    report.advanced = true;
-    watch_rest();
+    if (report.stats.interrupted) {
+      conditions_changed = true;
+      set_conditions(before, 0.0);
+    } else {
+      ++tick;
+      report.advanced = true;
+      watch_rest();
+    }
   } else if (conditions_changed) {
     set_conditions(now, 0.0);
   }
@@ -143,10 +151,13 @@ void Sheet::Impl::set_loads() {
   }
 }
 
-void Sheet::Impl::integrate(TickReport& report) {
+void Sheet::Impl::integrate(const fem::GoesOn* goes_on, TickReport& report) {
   last_good = state;
   model.bend_by_matrix();
+  integrator->heed(goes_on);
   report.stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
+  integrator->heed(nullptr);
+  if (report.stats.interrupted) return;
   if (!state.x.allFinite() || !state.v.allFinite()) report.stats.flags |= fem::kFrozen;
   report.step_failed = (report.stats.flags & fem::kFrozen) != 0;
   if (report.step_failed) {
@@ -255,8 +266,8 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   return sheet;
 }
 
-TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer) {
-  return impl_->run(commands, observer, true);
+TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer, const fem::GoesOn* goes_on) {
+  return impl_->run(commands, observer, true, goes_on);
 }
 
 fem::EquilibriumStats Sheet::settle(double load, const fem::EquilibriumOptions& options,
@@ -278,7 +289,7 @@ TickReport Sheet::begin_load_step() {
 }
 
 TickReport Sheet::apply(std::span<const Command> commands, StageObserver* observer) {
-  return impl_->run(commands, observer, false);
+  return impl_->run(commands, observer, false, nullptr);
 }
 
 const SheetConfig& Sheet::config() const {

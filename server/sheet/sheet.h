@@ -58,8 +58,8 @@ struct TickReport {
   std::int64_t tick = 0;                      // after it
   std::vector<Result<CommandReply>> replies;  // one for each given command, in order
   std::vector<ScheduledReply> scheduled;      // those that fell due, in order
-  fem::StepStats stats;                       // of the integrator; default where time did not advance
-  bool advanced = false;                      // ++tick happened
+  fem::StepStats stats;      // of the integrator; default where time did not advance, but for `interrupted`
+  bool advanced = false;     // ++tick happened
   bool step_failed = false;  // the integrator gave up: positions and velocities are those before the tick
   bool frozen = false;       // see Sheet::frozen()
   bool at_rest = false;      // see Sheet::at_rest()
@@ -120,7 +120,10 @@ class Sheet {
   // cut and model update; then loads, integration with contact, ++tick. A command that fails has its error in the
   // report and changes nothing. Allocates nothing where there is no command. A frozen sheet does its commands and does
   // not advance.
-  TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr);
+  // `goes_on`, where given, ends the integration early (see fem::Integrator::heed), but not in a tick with scheduled
+  // commands: then the report says so, and all is as after apply(commands).
+  TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr,
+                  const fem::GoesOn* goes_on = nullptr);
 
   // Puts the sheet into equilibrium, at rest, under `load` (-, 0..1): what has no history follows the load, histories
   // are read at it. From where it is now; where none is found the state is left as it is. Time does not advance; wind,

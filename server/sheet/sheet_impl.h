@@ -82,13 +82,13 @@ struct Sheet::Impl {
   Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,
        IntegratorFactory make_integrator);
 
-  TickReport run(std::span<const Command> commands, StageObserver* observer, bool advance);
+  TickReport run(std::span<const Command> commands, StageObserver* observer, bool advance, const fem::GoesOn* goes_on);
 
   // Stages of a tick (sheet.cc).
   void drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled, TickReport& report);
   void set_loads();
   void stamp(TickReport& report) const;
-  void integrate(TickReport& report);
+  void integrate(const fem::GoesOn* goes_on, TickReport& report);
   void watch_rest();
   [[nodiscard]] bool is_at_rest() const;
 

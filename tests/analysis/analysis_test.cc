@@ -99,6 +99,25 @@ TEST(StaticAnalysis, StopsWhenToldTo) {
   EXPECT_FALSE(outcome->statics->converged);
 }
 
+TEST(DynamicAnalysis, StopsInTheMiddleOfATickWhenToldTo) {
+  SheetConfig config = pulled_strip();
+  config.planar = false;
+  sheet::Sheet sheet = sheet::make(config);
+  sheet::DynamicAnalysis analysis;
+  analysis.ticks = 5;
+  std::vector<std::string> asked;
+  const Watch watch = [&](const Progress& progress) {
+    asked.push_back(progress.what);
+    return progress.done < 0.4 || asked.back() != asked[asked.size() - 4];  // the fourth time in tick 3
+  };
+  const Result<Outcome> outcome = run_dynamic(sheet, analysis, sheet.config().probes, watch, {}, nullptr);
+  ASSERT_TRUE(outcome.ok());
+  EXPECT_TRUE(outcome->stopped);
+  EXPECT_EQ(outcome->dynamics->ticks, 2);
+  EXPECT_EQ(sheet.tick(), 2);
+  EXPECT_EQ(outcome->tables[0].rows.size(), 3U) << "at the start, and after each tick";
+}
+
 TEST(StaticAnalysis, RefusesAScheduledCommandThatCannotBeDone) {
   SheetConfig config = pulled_strip();
   config.commands = {{1, sheet::Drag{"nobody", {0.0, 0.0, 0.0}}}};

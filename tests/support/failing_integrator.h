@@ -25,6 +25,7 @@ class FailingIntegrator : public fem::Integrator {
       stats.flags = fem::kFrozen;
       return stats;
     }
+    inner_->heed(heed_.get());
     fem::StepStats stats = inner_->step(model, loads, dt, contact, state);
     if (loads.gravity.z() == kWritesNonsense) state.v(1, 0) = std::numeric_limits<double>::quiet_NaN();
     return stats;
