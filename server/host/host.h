@@ -24,7 +24,10 @@
 namespace kerf::host {
 
 struct HostOptions {
-  std::int32_t workers = 2;      // threads that step sheets, 1..256
+  std::int32_t workers = 2;  // threads that step sheets, 1..256
+  // A worker at one tick or call for longer than this, while others wait and none is idle, is replaced by a further one
+  // until that ends (see Workers). On the machine's clock, whichever the host has; >= 0; 0: others wait.
+  Nanoseconds long_work = std::chrono::milliseconds(50);
   std::int32_t max_sheets = 64;  // >= 1
   // Of the workers' time, what running sheets may need before new ones are refused; -, > 0; 0: whatever they need.
   double max_load = 1.0;

@@ -27,7 +27,7 @@ class Host::Impl {
         clock_(clock),
         entropy_(entropy),
         admission_(options_.max_load),
-        workers_(options_.workers) {}
+        workers_(options_.workers, options_.long_work) {}
 
   // `entries`: of a recording that the sheet is to play.
   void create_sheet(std::string id, sheet::SheetConfig config, std::optional<std::vector<sheet::RecordedTick>> entries,

@@ -1,12 +1,20 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <memory>
 
+#include "server/host/clock.h"
+
 namespace kerf::host {
 
-// A pool of threads that runs work in strands: what is posted to one strand runs in order, never two at once.
+// A pool of threads that runs work in strands: what is posted to one strand runs in order, never two at once. In a turn
+// a thread runs what waits on a strand as the turn begins; strands get their turns in the order in which they ask.
+//
+// Long work does not keep the rest waiting. While strands wait and no thread is idle, for each thread that has been at
+// one piece of work for longer than a patience another is taken on; the operating system shares the cores among them.
+// The thread that was replaced ends after that piece, so that there are as many as before.
 class Workers {
   struct Pool;
   struct Order;
@@ -25,18 +33,27 @@ class Workers {
     std::shared_ptr<Order> order_;
   };
 
-  explicit Workers(std::int32_t num_threads);  // >= 1
-  ~Workers();                                  // join()
+  // Beyond num_threads; with so many at long work, strands wait until a piece ends. A thread costs its stack, and each
+  // takes its share of the cores from all others.
+  static constexpr std::size_t kMaxTakenOn = 64;
+
+  // `num_threads` >= 1; `patience` >= 0, on the machine's steady clock; 0: no thread is ever taken on.
+  explicit Workers(std::int32_t num_threads, Nanoseconds patience);
+  ~Workers();  // join()
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;
 
   Strand make_strand();
+  // Threads that run work now, those that are replaced included.
+  [[nodiscard]] std::size_t num_threads() const;
   // Blocks until nothing is queued or running. Not from a worker.
   void wait_idle();
   // Runs what is queued, and what that posts, to its end; then ends the threads. Idempotent. Not from a worker.
   void join();
 
  private:
+  explicit Workers(std::shared_ptr<Pool> pool);
+
   std::shared_ptr<Pool> pool_;
 };
 

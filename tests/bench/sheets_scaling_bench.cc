@@ -75,6 +75,7 @@ class PausedSheets {
   static host::HostOptions options(const Case& scene, std::int32_t workers) {
     host::HostOptions options;
     options.workers = workers;
+    options.long_work = host::Nanoseconds(0);  // so many, whatever a turn takes
     options.max_sheets = scene.sheets;
     return options;
   }

@@ -11,7 +11,6 @@
 #include "server/host/manual_clock.h"
 #include "server/host/metrics.h"
 #include "server/host/pace.h"
-#include "server/host/workers.h"
 
 namespace kerf::host {
 namespace {
@@ -144,36 +143,6 @@ TEST(Pace, TellsWhatIsSimulatedHoweverSlow) {
   pace.tick_done(2100ms, 1ms, 1.0);  // due: 2030, 2050, 2070, 2090; two of 10 ms simulated are given up
   EXPECT_EQ(pace.overruns(), 1);
   EXPECT_EQ(pace.slipped(), Nanoseconds(20ms));
-}
-
-TEST(Workers, AStrandKeepsItsOrderAndRunsOneAtATime) {
-  Workers workers(4);
-  std::vector<Workers::Strand> strands;
-  std::vector<std::vector<int>> seen(3);
-  for (int s = 0; s < 3; ++s) strands.push_back(workers.make_strand());
-  for (int i = 0; i < 300; ++i) {
-    std::vector<int>& mine = seen[static_cast<std::size_t>(i % 3)];
-    EXPECT_TRUE(strands[static_cast<std::size_t>(i % 3)].post([&mine, i] { mine.push_back(i); }));
-  }
-  workers.wait_idle();
-  for (int s = 0; s < 3; ++s) {
-    ASSERT_EQ(seen[static_cast<std::size_t>(s)].size(), 100U);
-    for (int i = 0; i < 100; ++i) EXPECT_EQ(seen[static_cast<std::size_t>(s)][static_cast<std::size_t>(i)], 3 * i + s);
-  }
-  workers.join();
-  EXPECT_FALSE(strands[0].post([] {}));
-}
-
-TEST(Workers, JoinWaitsForWhatWorkPosts) {
-  Workers workers(2);
-  const Workers::Strand strand = workers.make_strand();
-  int depth = 0;
-  std::function<void()> deeper = [&] {
-    if (++depth < 50) strand.post(deeper);
-  };
-  strand.post(deeper);
-  workers.join();
-  EXPECT_EQ(depth, 50);
 }
 
 TEST(Entropy, SeededRepeatsAndSystemDoesNot) {

@@ -222,6 +222,7 @@ class EntriesHostTest : public HostTest {
   static HostOptions telling(const std::shared_ptr<std::function<void()>>& done) {
     HostOptions options;
     options.workers = 1;
+    options.long_work = 0ms;  // turns are counted, by one thread
     options.max_load = 0.0;
     options.encode_tick = [done](const sheet::RecordedTick&) {
       (*done)();
