@@ -153,7 +153,8 @@ class Host {
 
   // Ids, sorted; sheets that are still being built left out.
   [[nodiscard]] std::vector<std::string> list() const;
-  // As it is between two ticks; in the middle of a long one as statuses() has it, without state hash.
+  // As it is between two ticks; in the middle of a long one, or of one after a long one, as statuses() has it, without
+  // state hash.
   void status(const std::string& id, Callback<SheetStatus> done);
   // Of those of `ids` that exist, in that order: each as it was after its last tick, command or change of run state. A
   // sheet in the middle of a long tick keeps nobody waiting.

@@ -176,7 +176,7 @@ Error Host::Impl::missing(const std::string& id) const {
 void Host::Impl::status(const std::string& id, const Callback<SheetStatus>& done) {
   const std::shared_ptr<SheetRunner> runner = find(id);
   if (!runner) return done(missing(id));
-  if (runner->is_long_at_it()) return done(*runner->last_status());
+  if (runner->is_at_long_tick()) return done(*runner->last_status());
   runner->post([done](SheetRunner& r) { done(r.status()); }, [done](Error error) { done(std::move(error)); });
 }
 

@@ -63,8 +63,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void release_grab(std::string grab_id);
   // From any thread, after begin(). Without state hash.
   [[nodiscard]] std::shared_ptr<const SheetStatus> last_status() const;
-  // From any thread: a tick has been under way for longer than Host::kLongTick.
-  [[nodiscard]] bool is_long_at_it() const;
+  // From any thread: a tick is under way, and for longer than Host::kLongTick, or the one before took longer.
+  [[nodiscard]] bool is_at_long_tick() const;
   // From any thread, after what is to come in its place was posted or queued: a long tick ends early, to be made again.
   void interrupt() { interrupt_asked_ = true; }
   // From any thread, before close() is posted: so does any other tick, a replay's included.
@@ -113,6 +113,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // False: the tick was interrupted.
   bool run_commands(bool advance, std::vector<Pending> pending);
   [[nodiscard]] bool goes_on() const;  // the tick under way
+  [[nodiscard]] bool is_tick_long() const;
   // One tick of the recording, with what was applied before and after it (sheet_runner_replay.cc). False: there is more
   // of that than may be done in one turn.
   bool play_tick();
@@ -164,6 +165,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::atomic<bool> interrupt_asked_{false};
   std::atomic<bool> closing_{false};
   std::atomic<Nanoseconds> tick_began_{kNoTick};  // of the tick under way
+  std::atomic<bool> was_tick_long_{false};        // the one before
 
   mutable std::mutex status_mutex_;
   std::shared_ptr<const SheetStatus> last_status_;  // guarded by status_mutex_

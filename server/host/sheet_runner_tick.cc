@@ -43,6 +43,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   tick_began_ = begin;
   const fem::GoesOn goes_on = [this] { return this->goes_on(); };
   const sheet::TickReport report = advance ? sheet_.step(commands, &timer, &goes_on) : sheet_.apply(commands, &timer);
+  was_tick_long_ = is_tick_long();
   tick_began_ = kNoTick;
 
   const auto is_reset = [](const sheet::Command& command) { return std::holds_alternative<sheet::Reset>(command); };
@@ -71,10 +72,14 @@ bool SheetRunner::goes_on() const {
   if (context_.stopping || closing_) return false;
   if (is_playing()) return true;  // a recording has no place for a tick that does not follow
   if (step_call_ && step_call_->stop.stop_requested()) return false;
-  return !(interrupt_asked_ && is_long_at_it());
+  return !(interrupt_asked_ && is_tick_long());
 }
 
-bool SheetRunner::is_long_at_it() const {
+bool SheetRunner::is_at_long_tick() const {
+  return is_tick_long() || (was_tick_long_ && tick_began_.load() != kNoTick);
+}
+
+bool SheetRunner::is_tick_long() const {
   const Nanoseconds began = tick_began_;
   return began != kNoTick && context_.clock.now() - began > Host::kLongTick;
 }

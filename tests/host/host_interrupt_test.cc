@@ -121,10 +121,24 @@ TEST_F(LongTickTest, KeepsNoStatusWaiting) {
   ASSERT_EQ(statuses.count(), 1U);
   EXPECT_EQ(statuses.at(0)->num_vertices, kVertices) << "as it was before";
   EXPECT_FALSE(statuses.at(0)->state_hash);
+
+  Answers<CommandResult> undone;
+  host_->submit("a", sheet::UndoCut{}, undone.callback());
+  host_->wait_idle();
+  EXPECT_TRUE(status("a").state_hash) << "between two ticks, however long the last one was";
+  host_->submit("a", cut(), cut_.callback());
+  begin_next_tick();
+  host_->status("a", statuses.callback());
+  EXPECT_EQ(statuses.count(), 1U) << "the tick before was short, and this one is not long yet";
+  let_it_be_long();
   Answers<SheetStatus> paused;
   host_->pause("a", paused.callback());
   host_->wait_idle();
-  EXPECT_TRUE(status("a").state_hash);
+  EXPECT_EQ(statuses.count(), 2U);
+  host_->resume("a", statuses.callback());
+  until_begun(3);
+  host_->status("a", statuses.callback());
+  EXPECT_EQ(statuses.count(), 4U) << "the tick before was long";
 }
 
 TEST_F(LongTickTest, IsEndedByAnUndoWhichTakesTheCutBack) {
