@@ -29,7 +29,7 @@ void add_shell_commands(CLI::App& app, Session& session);  // completion
 // Answers a shell that asks how the last of `words` may go on; an exit code.
 int print_completion(const CLI::App& app, const std::vector<std::string>& words, const std::string& address);
 
-// Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet, all or none; an exit code.
+// Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet, all or none of what one call takes; an exit code.
 int cut_batch(const Session& session, const std::string& id, const std::string& file, std::int64_t at_tick);
 
 }  // namespace kerf::cli

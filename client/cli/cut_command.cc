@@ -181,7 +181,8 @@ void add_cut_command(CLI::App& app, Session& session) {
           ->add_option(
               "--batch", arguments->batch,
               "The cuts of this file, all of them or none: {\"cuts\": [{\"curve\": ...}, ...]}, as `kerf cuts ID\n"
-              "--export FILE` writes it; each cut has its own tolerance and angle there")
+              "--export FILE` writes it; each cut has its own tolerance and angle there. More than 4096 cuts\n"
+              "or 1 MiB go in several calls: all or none holds for each, and the first that is refused ends it")
           ->type_name(value::kFile);
   curve->require_option(1);
   CLI::Option* fit = command->add_option(

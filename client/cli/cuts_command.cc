@@ -3,6 +3,8 @@
 #include <cstdio>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
@@ -12,13 +14,18 @@
 #include "client/cli/app.h"
 #include "client/cli/commands.h"
 #include "client/cpp/client.h"
+#include "client/cpp/failure.h"
 #include "server/host/disk.h"
 #include "server/wire/json.h"
 
 namespace kerf::cli {
 namespace {
 
-constexpr std::size_t kMaxBatchFileBytes = std::size_t{16} << 20;
+// What a server takes in one call.
+constexpr int kMaxCallCuts = 4096;
+constexpr std::size_t kMaxCallBytes = std::size_t{1} << 20;
+// The cuts that a server lists, 16 MiB of them, are several times that as text.
+constexpr std::size_t kMaxBatchFileBytes = std::size_t{256} << 20;
 
 struct CutsArguments {
   std::string id;
@@ -156,6 +163,91 @@ int undo_or_redo(const Session& session, const std::string& id, const char* what
   return kDone;
 }
 
+// The cuts in their order, in as few calls as take them; each call is otherwise `to_sheet`. No cuts are one call too,
+// and a cut that is too large for any is one by itself: the server says what is wrong with them.
+std::vector<v1::CreateCutsRequest> calls_of(v1::CutBatch& batch, const v1::CreateCutsRequest& to_sheet) {
+  constexpr std::size_t kFraming = 6;  // bytes before a cut in the message: its field number and length
+  std::vector<v1::CreateCutsRequest> calls{to_sheet};
+  std::size_t bytes = to_sheet.ByteSizeLong();
+  for (v1::Cut& cut : *batch.mutable_cuts()) {
+    const std::size_t more = kFraming + cut.ByteSizeLong();
+    const int num_cuts = calls.back().cuts_size();
+    if (num_cuts == kMaxCallCuts || (num_cuts > 0 && bytes + more > kMaxCallBytes)) {
+      calls.push_back(to_sheet);
+      bytes = to_sheet.ByteSizeLong();
+    }
+    *calls.back().add_cuts() = std::move(cut);
+    bytes += more;
+  }
+  return calls;
+}
+
+// Of a file's cuts, by the calls that were answered so far.
+struct Made {
+  v1::CreateCutsResponse answer;  // as if one call had been made
+  int num_calls = 0;
+  int num_undo_steps = 0;
+  int num_cuts = 0;
+};
+
+void add(const v1::CreateCutsResponse& response, int num_cuts, Made& made) {
+  ++made.num_calls;
+  made.num_cuts += num_cuts;
+  v1::CreateCutsResponse& answer = made.answer;
+  if (response.status() == v1::CutResult::APPLIED) ++made.num_undo_steps;
+  if (answer.status() != v1::CutResult::APPLIED) answer.set_status(response.status());
+  answer.mutable_results()->MergeFrom(response.results());
+  answer.set_tick(response.tick());
+  answer.set_topology_version(response.topology_version());
+  answer.set_applied(answer.applied() + response.applied());
+  answer.set_pieces(response.pieces());
+  answer.set_new_vertices(answer.new_vertices() + response.new_vertices());
+  answer.set_new_triangles(answer.new_triangles() + response.new_triangles());
+  answer.set_state_hash(response.state_hash());
+  answer.set_queued_us(answer.queued_us() + response.queued_us());
+  answer.set_cut_us(answer.cut_us() + response.cut_us());
+  answer.set_update_us(answer.update_us() + response.update_us());
+  answer.set_scheduled_name(response.scheduled_name());
+}
+
+// `failure`, of the call after those: its field counts the cuts of that call, and is to count those of the file.
+client::Failure with_what_was_made(client::Failure failure, const Made& made, const std::string& file) {
+  if (made.num_cuts == 0) return failure;
+  int index = 0;
+  int length = 0;
+  if (std::sscanf(failure.field.c_str(), "cuts[%d]%n", &index, &length) == 1 && length > 0) {
+    failure.field =
+        "cuts[" + std::to_string(made.num_cuts + index) + "]" + failure.field.substr(static_cast<std::size_t>(length));
+  }
+  const char* steps = made.num_undo_steps == 1 ? " step" : " steps";
+  failure.message += "; cuts[0] to cuts[" + std::to_string(made.num_cuts - 1) + "] of " + file +
+                     " were made before that, and `kerf undo` takes them back in " +
+                     std::to_string(made.num_undo_steps) + steps;
+  return failure;
+}
+
+void print_made(const Made& made, const std::string& id) {
+  const v1::CreateCutsResponse& answer = made.answer;
+  const auto tick = static_cast<long long>(answer.tick());
+  if (answer.status() == v1::CutResult::SCHEDULED) {
+    std::printf(
+        "SCHEDULED for tick %lld: %d cuts; `kerf cuts %s` tells what became of them, `--cancel %s` takes them back\n",
+        tick, made.num_cuts, id.c_str(), number_of(answer.scheduled_name()).c_str());
+    return;
+  }
+  std::printf(
+      "%d of %d cuts APPLIED at tick %lld: %d %s, %d new vertices, %d new triangles\n"
+      "  topology version %d, state hash %s\n"
+      "  queued %.0f us, cuts %.0f us, model update %.0f us\n",
+      answer.applied(), answer.results_size(), tick, answer.pieces(), answer.pieces() == 1 ? "piece" : "pieces",
+      answer.new_vertices(), answer.new_triangles(), answer.topology_version(), answer.state_hash().c_str(),
+      answer.queued_us(), answer.cut_us(), answer.update_us());
+  if (made.num_calls > 1) {
+    std::printf("  in %d calls, each whole or not at all; `kerf undo` takes them back in %d %s\n", made.num_calls,
+                made.num_undo_steps, made.num_undo_steps == 1 ? "step" : "steps");
+  }
+}
+
 }  // namespace
 
 int cut_batch(const Session& session, const std::string& id, const std::string& file, std::int64_t at_tick) {
@@ -168,32 +260,30 @@ int cut_batch(const Session& session, const std::string& id, const std::string& 
     error.message = file + ": " + error.message;
     return refuse(error);
   }
-  v1::CreateCutsRequest request;
-  request.set_parent("sheets/" + id);
-  request.set_at_tick(at_tick);
-  *request.mutable_cuts() = std::move(*batch.mutable_cuts());
+  v1::CreateCutsRequest to_sheet;
+  to_sheet.set_parent("sheets/" + id);
+  to_sheet.set_at_tick(at_tick);
+  const std::vector<v1::CreateCutsRequest> calls = calls_of(batch, to_sheet);
+  if (at_tick != 0 && calls.size() > 1) {
+    return refuse(Error{ErrorCode::kInvalidArgument, "TOO_MANY",
+                        file + " takes " + std::to_string(calls.size()) +
+                            " calls, of 4096 cuts and 1 MiB at most, and only one can wait for a tick: leave "
+                            "--at-tick out, or split the file",
+                        "--at-tick"});
+  }
   client::Client client(session.server);
-  v1::CreateCutsResponse response;
-  const grpc::Status status = client.call(&v1::CutService::Stub::CreateCuts, client.cuts(), request, response);
-  if (!status.ok()) return refuse(status, session.server);
+  Made made;
+  for (const v1::CreateCutsRequest& call : calls) {
+    v1::CreateCutsResponse response;
+    const grpc::Status status = client.call(&v1::CutService::Stub::CreateCuts, client.cuts(), call, response);
+    if (!status.ok()) return refuse(with_what_was_made(client::failure_of(status), made, file), session.server);
+    add(response, call.cuts_size(), made);
+  }
   if (session.json) {
-    std::printf("%s\n", to_script_json(response).c_str());
-    return kDone;
+    std::printf("%s\n", to_script_json(made.answer).c_str());
+  } else {
+    print_made(made, id);
   }
-  const auto tick = static_cast<long long>(response.tick());
-  if (response.status() == v1::CutResult::SCHEDULED) {
-    std::printf(
-        "SCHEDULED for tick %lld: %d cuts; `kerf cuts %s` tells what became of them, `--cancel %s` takes them back\n",
-        tick, request.cuts_size(), id.c_str(), number_of(response.scheduled_name()).c_str());
-    return kDone;
-  }
-  std::printf(
-      "%d of %d cuts APPLIED at tick %lld: %d %s, %d new vertices, %d new triangles\n"
-      "  topology version %d, state hash %s\n"
-      "  queued %.0f us, cuts %.0f us, model update %.0f us\n",
-      response.applied(), response.results_size(), tick, response.pieces(), response.pieces() == 1 ? "piece" : "pieces",
-      response.new_vertices(), response.new_triangles(), response.topology_version(), response.state_hash().c_str(),
-      response.queued_us(), response.cut_us(), response.update_us());
   return kDone;
 }
 
@@ -209,10 +299,10 @@ void add_cuts_commands(CLI::App& app, Session& session) {
   CLI::Option* export_to =
       cuts->add_option("--export", arguments->export_to, "Write the cuts that are not undone to this file (JSON)")
           ->type_name(value::kFile);
-  CLI::Option* apply = cuts->add_option("--apply", arguments->apply,
-                                        "Make the cuts of this file, all or none (as kerf cut ID --batch FILE)")
-                           ->type_name(value::kFile)
-                           ->excludes(export_to);
+  CLI::Option* apply =
+      cuts->add_option("--apply", arguments->apply, "Make the cuts of this file, as kerf cut ID --batch FILE does")
+          ->type_name(value::kFile)
+          ->excludes(export_to);
   cuts->add_option("--cancel", arguments->cancel,
                    "Take back the call of this number that waits for its tick (kerf cut ID --at-tick, which tells it)")
       ->check(CLI::PositiveNumber)

@@ -105,7 +105,10 @@ void refuse_in_json() {
 }
 
 int refuse(const grpc::Status& status, const std::string& server) {
-  client::Failure failure = client::failure_of(status);
+  return refuse(client::failure_of(status), server);
+}
+
+int refuse(client::Failure failure, const std::string& server) {
   std::string line = client::describe(failure);
   if (failure.code == grpc::StatusCode::UNAVAILABLE && failure.reason.empty()) {
     failure.message = "no Kerf server answers at " + server +

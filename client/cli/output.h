@@ -8,6 +8,7 @@
 #include <google/protobuf/map.h>
 #include <grpcpp/support/status.h>
 
+#include "client/cpp/failure.h"
 #include "kerf/v1/cuts.pb.h"
 #include "kerf/v1/interaction.pb.h"
 #include "kerf/v1/sheets.pb.h"
@@ -46,6 +47,7 @@ void refuse_in_json();
 
 // Print the reason on stderr and return the exit code. Where a sheet is not there, `server` is asked for names near it.
 int refuse(const grpc::Status& status, const std::string& server);
+int refuse(client::Failure failure, const std::string& server);
 int refuse(const Error& error);
 int misuse(const std::string& message);
 // A stream that the server ended after so many "frames".

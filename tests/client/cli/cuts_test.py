@@ -144,6 +144,55 @@ class Cuts(Case):
         self.refused("cuts", self.id, "--export", file, "--apply", file, code=2)
         self.assertEqual(self.hash(), before)
 
+    def test_a_file_of_more_cuts_than_a_call_takes_goes_in_several(self):
+        def line(y):
+            return {"curve": {"polyline": {"points": [{"x": -0.1, "y": y}, {"x": 1.1, "y": y}]}}}
+
+        def write(last):
+            pathlib.Path(file).write_text(json.dumps({"cuts": [line(0.3), *[line(7)] * 4095, line(9), last]}))
+
+        file = path("many.json")
+        # Of the second call: what the first has made stays, and is told.
+        write({**line(0.6), "tolerance": 7})
+        done = self.refused("cut", self.id, "--batch", file, says="field: cuts[4097].tolerance]")
+        self.assertIn(f"cuts[0] to cuts[4095] of {file} were made before that, and `kerf undo` takes them back in 1 step", done.stderr)
+        self.assertEqual(self.json_of("sheet", "get", self.id)["pieces"], 2)
+        self.assertEqual(self.json_of("undo", self.id)["undo_steps"], 0)
+        self.assertEqual(self.json_of("sheet", "get", self.id)["pieces"], 1)
+        write(line(0.6))
+        reply = self.json_of("cut", self.id, "--batch", file)
+        self.assertEqual((reply["status"], reply["applied"], reply["pieces"]), ("APPLIED", 2, 3))
+        statuses = [result["status"] for result in reply["results"]]
+        self.assertEqual(statuses, ["APPLIED", *["NO_INTERSECTION"] * 4096, "APPLIED"])
+        self.assertEqual(reply["new_vertices"], sum(result["new_vertices"] for result in reply["results"]))
+        self.assertEqual(reply["state_hash"], self.hash())
+        self.assertEqual([self.json_of("undo", self.id)["pieces"] for _ in range(2)], [2, 1])
+        told = kerf("cuts", self.id, "--apply", file).stdout
+        self.assertIn("2 of 4098 cuts APPLIED", told)
+        self.assertIn("in 2 calls, each whole or not at all; `kerf undo` takes them back in 2 steps", told)
+        before = self.hash()
+        self.refused("cut", self.id, "--batch", file, "--at-tick", "1000000", says="split the file")
+        self.assertEqual(self.hash(), before)
+
+    def test_what_was_exported_can_be_applied_however_much_it_is(self):
+        # Each crosses the sheet once it has come from far, in 4096 points; all of them are more than 1 MiB.
+        cuts = [{"curve": {"polyline": {"points": [*({"x": -1 - 1 / (2 + i), "y": 0.05 * n + 1 / (2 + i)} for i in range(4095)),
+                                                   {"x": 1.1, "y": 0.05 * n}]}}} for n in range(1, 19)]
+        file, exported = path("long.json"), path("long-exported.json")
+        pathlib.Path(file).write_text(json.dumps({"cuts": cuts}))
+        self.assertIn("18 of 18 cuts APPLIED", kerf("cut", self.id, "--batch", file).stdout)
+        self.assertEqual(self.json_of("cuts", self.id, "--export", exported)["cuts"], 18)
+        other = self.id[:50] + "-other"
+        self.json_of("sheet", "create", other, "--grid", "20x20")
+        self.json_of("sheet", "pause", other)
+        told = kerf("cuts", other, "--apply", exported).stdout
+        self.assertIn("18 of 18 cuts APPLIED", told)
+        self.assertIn("in 2 calls", told)
+        shapes = [self.json_of("sheet", "get", each) for each in (self.id, other)]
+        for each in ("pieces", "num_vertices", "num_triangles"):
+            self.assertEqual(shapes[0][each], shapes[1][each])
+        self.assertEqual(shapes[0]["pieces"], 19)
+
     def scheduled_and_cancelled(self, tick):
         reply = self.json_of("cut", self.id, "--circle", "0.5,0.5,0.3", "--at-tick", str(tick))
         return kerf("cuts", self.id, "--cancel", reply["scheduled_name"].split("/")[-1]).stdout
