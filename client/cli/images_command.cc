@@ -61,10 +61,11 @@ Error no_folder(const std::string& what) {
   return {ErrorCode::kInvalidArgument, "CANNOT_WRITE", what + "; give --out another folder", "--out"};
 }
 
-// The folder is there, without pictures of an earlier stream, which would be overwritten or go on behind these.
+// The folder is there, without pictures of an earlier stream, which would be overwritten or go on behind these. The one
+// that it lies in must be, as for any file that kerf writes: where it is not, the path may be mistyped.
 Status make_folder(const ImagesArguments& arguments) {
   std::error_code error;
-  fs::create_directories(arguments.out, error);
+  fs::create_directory(arguments.out, error);
   if (error) return no_folder("cannot make " + arguments.out + ": " + error.message());
   const fs::path first = fs::path(arguments.out) / file_name(1, arguments.format);
   if (fs::exists(first, error)) return no_folder(first.string() + " is there already");
@@ -180,7 +181,10 @@ void add_images_command(CLI::App& app, Session& session) {
                          "ffmpeg -framerate 30 -i film/picture-%06d.jpg film.mp4 makes a film of them.");
   command->group(group::kLooks);
   add_sheet_id(*command, arguments->id);
-  command->add_option("--out", arguments->out, "Folder for picture-000001.jpg and so on; made if it is not there")
+  command
+      ->add_option("--out", arguments->out,
+                   "Folder for picture-000001.jpg and so on; made if it is not there, but not\n"
+                   "the one that it lies in")
       ->required()
       ->type_name(value::kFolder);
   add_picture_options(*command, arguments->picture);

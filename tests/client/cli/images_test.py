@@ -39,13 +39,13 @@ class Images(Case):
         return [cli_case.OPTIONS.kerf, "--server", address(), "images", "film", "--size", "64x48", *arguments]
 
     def test_numbered_pictures(self):
-        done = kerf("images", "film", "--out", path("new/film"), "--size", "96x64", "--rate", "50", "--count", "5")
+        done = kerf("images", "film", "--out", path("new"), "--size", "96x64", "--rate", "50", "--count", "5")
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertEqual(pictures_in("new/film"), [f"picture-{i:06d}.jpg" for i in range(1, 6)])
-        contents = [pathlib.Path(path("new/film"), name).read_bytes() for name in pictures_in("new/film")]
+        self.assertEqual(pictures_in("new"), [f"picture-{i:06d}.jpg" for i in range(1, 6)])
+        contents = [pathlib.Path(path("new"), name).read_bytes() for name in pictures_in("new")]
         self.assertEqual({size_of(content) for content in contents}, {(96, 64)})
         self.assertEqual(len(set(contents)), 5, "it falls")
-        self.assertRegex(done.stdout, r"^5 pictures in \S+/new/film, 0\.0 MB, ticks \d+ to \d+, \d+ skipped\n$")
+        self.assertRegex(done.stdout, r"^5 pictures in \S+/new, 0\.0 MB, ticks \d+ to \d+, \d+ skipped\n$")
         self.assertEqual(done.stderr, "")
 
     def test_json_lines_and_png(self):
@@ -111,6 +111,10 @@ class Images(Case):
         self.refused("images", "film", *out, "--count", "-1", code=2, says="--count")
         self.refused("images", "film", *out, "--view", "0,0,0 0,0,0", says="CAMERA_SINGULAR")
         self.assertEqual(pictures_in("refused"), [])
+        # As of any file that kerf writes: where the folder that it lies in is not, it is not made.
+        for command in (("images",), ("render", "--size", "16x16")):
+            self.refused(*command, "film", "--out", path("absent/film.png"), says=path("absent/film.png"))
+        self.assertFalse(os.path.exists(path("absent")))
         pathlib.Path(path("file")).write_text("")
         self.refused("images", "film", "--out", path("file"), says=path("file"))
         pathlib.Path(path("refused/picture-000001.jpg")).write_text("of an earlier stream")
