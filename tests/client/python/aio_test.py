@@ -55,6 +55,33 @@ class Asynchronous(support.AsyncCase):
         self.assertEqual([frame.tick async for frame in self.sheet.watch(duration_s=0.2)], [third.tick])
         self.assertEqual([frame.tick async for frame in self.sheet.subscribe(max_frames=1)], [third.tick])
 
+    async def test_a_subscription(self):
+        frames = self.sheet.subscribe(rate_hz=10)
+        first = await frames.__anext__()
+        for _ in range(2):
+            now = (await self.sheet.step(20)).tick
+            async for frame in frames:
+                if frame.tick == now:
+                    break
+            # Each has all there is.
+            self.assertTrue((abs(frame.positions - (await self.sheet.state()).positions) <= frame.resolution / 2 + 1e-12).all())
+        self.assertGreater(now, first.tick)
+        waiting = asyncio.ensure_future(frames.__anext__())
+        await asyncio.sleep(0)
+        await frames.aclose()
+        with self.assertRaises(StopAsyncIteration):
+            await waiting
+        self.assertEqual([frame async for frame in frames], [])
+        with self.assertRaises(kerf.NotFound):
+            await self.server.sheet("py-aio-nobody").subscribe().__anext__()
+        other = await self.server.create_sheet("py-aio-subscribed", grid=(4, 4), paused=True)
+        async with other.subscribe() as frames:
+            await frames.__anext__()
+            await other.delete()
+            with self.assertRaises(kerf.NotFound) as caught:
+                await frames.__anext__()
+        self.assertEqual(caught.exception.reason, "SHEET_DELETED")
+
     async def test_a_cancelled_task_stays_cancelled(self):
         frames = self.sheet.watch()
         await frames.__anext__()

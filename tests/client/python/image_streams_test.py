@@ -1,9 +1,11 @@
 """Streams of pictures: each of the newest tick, from where the script looks; blocking and for asyncio."""
 
+import asyncio
+
 import kerf
 import numpy
 import support
-from support import Case
+from support import Case, running, until
 
 CAMERA = dict(eye=(0.5, -2, 0.5), target=(0.5, 0, 0.5))
 
@@ -30,6 +32,35 @@ class Streaming(Case):
                 image = next(images)
                 self.assertEqual((image.tick, image.codec), (now, "jpeg"))
                 self.assertEqual(image.array().shape, (64, 64, 3))
+
+    def test_a_paused_stream_has_no_pictures_until_it_goes_on_with_the_newest(self):
+        with self.sheet.watch_images((64, 64)) as images:
+            first = next(images)
+            images.pace(paused=True)
+            waiting = running(lambda: next(images))  # whose acknowledgement comes after the pace
+            for _ in range(5):
+                now = self.sheet.step(1).tick
+            images.pace()
+            newest = waiting()
+            self.assertEqual((newest.tick, newest.stats.skipped), (now, now - first.tick - 1))
+            self.sheet.step(1)
+            self.assertEqual(next(images).tick, now + 1)
+
+    def test_a_rate_leaves_out_ticks_until_another_rate(self):
+        with self.sheet.watch_images((64, 64)) as images:
+            next(images)
+            images.pace(rate_hz=0.001)
+            now = self.sheet.step(1).tick
+            self.assertEqual(next(images).tick, now)  # of the new rate, which allows one at once
+            last = now + 20
+            waiting = running(lambda: until(images, last))
+            while now < last:
+                now = self.sheet.step(1).tick
+            images.pace()
+            few = waiting()
+            # One more where 1000 seconds of the server's clock were over meanwhile.
+            self.assertLessEqual(len(few), 2)
+            self.assertEqual(sum(image.stats.skipped + 1 for image in few), 20)
 
     def test_looking_from_elsewhere(self):
         with self.sheet.watch_images((64, 64), codec="png", camera=self.camera) as images:
@@ -84,11 +115,25 @@ class Streaming(Case):
 
 
 class Asynchronous(support.AsyncCase):
+    async def asyncSetUp(self):
+        await super().asyncSetUp()
+        if (renderer := (await self.server.info()).renderer).startswith("none"):
+            self.skipTest(renderer)
+
     async def test_pictures(self):
-        if (await self.server.info()).renderer.startswith("none"):
-            self.skipTest("no renderer")
         async with self.sheet.watch_images((64, 48), camera=kerf.camera(**CAMERA)) as images:
             first = await images.__anext__()
             self.assertEqual((first.array().shape, first.tick), ((48, 64, 3), (await self.sheet.get()).tick))
             await self.sheet.step(20)
             self.assertEqual((await images.__anext__()).tick, (await self.sheet.get()).tick)
+
+    async def test_a_paused_stream_has_no_pictures_until_it_goes_on_with_the_newest(self):
+        async with self.sheet.watch_images((64, 64)) as images:
+            await images.__anext__()
+            await images.pace(paused=True)
+            waiting = asyncio.ensure_future(images.__anext__())
+            await asyncio.sleep(0)  # it acknowledges, after the pace
+            for _ in range(5):
+                now = (await self.sheet.step(1)).tick
+            await images.pace()
+            self.assertEqual((await waiting).tick, now)

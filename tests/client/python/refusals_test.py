@@ -1,10 +1,12 @@
 """What is refused: by the server, and before anything is sent."""
 
+import asyncio
 import copy
 import math
 import pickle
 
 import kerf
+import kerf.aio
 import support
 from support import Case
 
@@ -82,6 +84,23 @@ class Refusals(Case):
         with self.assertRaisesRegex(kerf.Error, "has no such call: it is older than this package") as caught:
             self.server.call(missing, b"")
         self.assertEqual(caught.exception.code, "UNIMPLEMENTED")
+
+    def test_what_grpc_refuses_as_too_large_is_told_how_to_send(self):
+        # A cut of 4096 points, and so often that they are more than 1 MiB: refused before any of Kerf sees it.
+        long = kerf.polyline(*((0.1 + index / 10000, 0.5) for index in range(4096)))
+        says = "larger than max.*: send less in one call, a batch of cuts in parts, say; a mesh file as an upload"
+        too_large = self.refused(kerf.ResourceExhausted, "RESOURCE_EXHAUSTED", "MESSAGE_TOO_LARGE", "",
+                                 self.sheet.cut_all, [long] * 15)
+        self.assertRegex(too_large.message, says)
+        self.assertIsNone(too_large.retry_after_s)  # it would be too large again
+
+        async def from_asyncio():
+            async with kerf.aio.connect(support.ADDRESS) as server:
+                await server.sheet(self.sheet.id).cut_all([long] * 15)
+
+        with self.assertRaisesRegex(kerf.ResourceExhausted, says) as caught:
+            asyncio.run(from_asyncio())
+        self.assertEqual(caught.exception.reason, "MESSAGE_TOO_LARGE")
 
     def test_a_busy_server_says_when_to_try_again(self):
         # More calls than may wait for their tick.

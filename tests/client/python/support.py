@@ -7,6 +7,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -50,6 +51,35 @@ def run_python(*arguments, **options):
     """Debian's Python with the package on its path, to its end."""
     environment = {**os.environ, "PYTHONPATH": path("package"), "MPLBACKEND": "Agg", "MPLCONFIGDIR": path("matplotlib")}
     return subprocess.run([PYTHON, *map(str, arguments)], capture_output=True, text=True, env=environment, **options)
+
+
+def running(work):
+    """The work on a thread of its own; call what is returned to wait for its end and get what it came to."""
+    import kerf
+    results = []
+
+    def run():
+        try:
+            results.append(work())
+        except kerf.Error as error:
+            results.append(error)
+
+    thread = threading.Thread(target=run)
+    thread.start()
+
+    def result():
+        thread.join(timeout=60)
+        return results[0]
+
+    return result
+
+
+def until(stream, tick):
+    """The frames or pictures that come, up to that of the tick."""
+    seen = [next(stream)]
+    while seen[-1].tick < tick:
+        seen.append(next(stream))
+    return seen
 
 
 class Case(unittest.TestCase):

@@ -10,35 +10,7 @@ import unittest.mock
 import kerf
 import numpy
 import support
-from support import Case
-
-
-def running(work):
-    """The work on a thread of its own; call what is returned to wait for its end and get what it came to."""
-    results = []
-
-    def run():
-        try:
-            results.append(work())
-        except kerf.Error as error:
-            results.append(error)
-
-    thread = threading.Thread(target=run)
-    thread.start()
-
-    def result():
-        thread.join(timeout=60)
-        return results[0]
-
-    return result
-
-
-def until(frames, tick):
-    """The frames that come, up to that of the tick."""
-    seen = [next(frames)]
-    while seen[-1].tick < tick:
-        seen.append(next(frames))
-    return seen
+from support import Case, running, until
 
 
 class Watching(Case):
