@@ -166,7 +166,7 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
 
 template <typename T>
 bool LeapfrogSweep<T>::may_hold(const Model& model) {
-  const double edge = edge_length(model, model.num_slots());
+  const double edge = edge_length(model, model.num_slots());  // as near as an estimate needs it
   return is_fine(model, unit_of_positions(1.5 * std::sqrt(model.rest_area()), edge), edge);
 }
 

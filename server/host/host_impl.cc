@@ -183,13 +183,7 @@ void Host::Impl::status(const std::string& id, const Callback<SheetStatus>& done
 void Host::Impl::pause(const std::string& id, const Callback<SheetStatus>& done) {
   const std::shared_ptr<SheetRunner> runner = find(id);
   if (!runner) return done(missing(id));
-  runner->post(
-      [done](SheetRunner& r) {
-        r.pause();
-        done(r.status());
-      },
-      [done](Error error) { done(std::move(error)); });
-  runner->interrupt();
+  runner->post_pause(done);
 }
 
 std::vector<SheetStatus> Host::Impl::statuses(const std::vector<std::string>& ids) const {

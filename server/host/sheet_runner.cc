@@ -58,8 +58,6 @@ void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<voi
 }
 
 Status SheetRunner::enqueue(sheet::Command command, Callback<CommandResult>& done) {
-  const bool takes_back =
-      std::holds_alternative<sheet::UndoCut>(command) || std::holds_alternative<sheet::Reset>(command);
   {
     const std::lock_guard lock(queue_mutex_);
     const auto limit = static_cast<std::size_t>(context_.options.max_queued_commands);
@@ -71,7 +69,6 @@ Status SheetRunner::enqueue(sheet::Command command, Callback<CommandResult>& don
     push(std::move(command), std::move(done));
   }
   announce_commands();
-  if (takes_back) interrupt();
   return Nothing{};
 }
 
@@ -85,6 +82,9 @@ void SheetRunner::release_grab(std::string grab_id) {
 
 void SheetRunner::push(sheet::Command command, Callback<CommandResult> done) {
   context_.board.update([](HostMetrics& m) { ++m.queued_commands; });
+  if (std::holds_alternative<sheet::UndoCut>(command) || std::holds_alternative<sheet::Reset>(command)) {
+    takes_back_waiting_ = true;
+  }
   queue_.push_back({std::move(command), std::move(done), context_.clock.now()});
 }
 
@@ -118,6 +118,17 @@ void SheetRunner::close(sheet::SinkEnd reason) {
   for (const auto& sink : sinks_) sink->ended(reason);
   sinks_.clear();
   recording_.reset();
+}
+
+void SheetRunner::post_pause(const Callback<SheetStatus>& done) {
+  ++pauses_waiting_;
+  post(
+      [done](SheetRunner& r) {
+        --r.pauses_waiting_;
+        r.pause();
+        done(r.status());
+      },
+      [done](Error error) { done(std::move(error)); });  // of a sheet whose ticks are over
 }
 
 void SheetRunner::pause() {
@@ -300,7 +311,8 @@ void SheetRunner::on_deadline(std::uint64_t generation) {
 void SheetRunner::take_turn() {
   if (closed_ || !step_call_) return;
   for (std::int32_t i = 0; i < Host::kTicksPerTurn && step_call_->remaining > 0; ++i) {
-    if (context_.stopping) return;  // close() answers
+    if (context_.stopping) return;                     // close() answers
+    if (pauses_waiting_ > 0 && was_tick_long_) break;  // a turn of short ones is soon over
     if (step_call_->stop.stop_requested()) return finish_step(status());
     if (!run_once(true)) break;
     --step_call_->remaining;  // below 0 where the tick has ended the call

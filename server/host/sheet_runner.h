@@ -65,9 +65,9 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   [[nodiscard]] std::shared_ptr<const SheetStatus> last_status() const;
   // From any thread: a tick is under way, and for longer than Host::kLongTick, or the one before took longer.
   [[nodiscard]] bool is_at_long_tick() const;
-  // From any thread, after what is to come in its place was posted or queued: a long tick ends early, to be made again.
-  void interrupt() { interrupt_asked_ = true; }
-  // From any thread, before close() is posted: so does any other tick, a replay's included.
+  // From any thread: pauses on the strand, where a long tick ends early for it, to be made again.
+  void post_pause(const Callback<SheetStatus>& done);
+  // From any thread, before close() is posted: so does any tick, a replay's included.
   void announce_close() { closing_ = true; }
 
   // `playback`: what the sheet is to play; may be null.
@@ -118,7 +118,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // of that than may be done in one turn.
   bool play_tick();
   bool play_applied();
-  void play_entry(bool advance);
+  bool play_entry(bool advance);  // false: interrupted
   void end_playback();
   [[nodiscard]] bool is_playing() const { return playback_ && playback_->is_playing(); }
   void record(std::int64_t tick, std::vector<sheet::Command> commands);
@@ -160,10 +160,10 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   fem::StepStats last_step_;         // of the last tick
   fem::FlagCounts flagged_ticks_{};  // of all
 
-  // Whether a tick is to end early. The request is forgotten when the next tick begins: whoever made it is served by
-  // then.
-  std::atomic<bool> interrupt_asked_{false};
-  std::atomic<bool> closing_{false};
+  // What a long tick ends early for. Neither goes away while a tick is under way.
+  std::atomic<int> pauses_waiting_{0};
+  std::atomic<bool> takes_back_waiting_{false};   // an UndoCut or Reset is in queue_; written with queue_mutex_ held
+  std::atomic<bool> closing_{false};              // any tick does
   std::atomic<Nanoseconds> tick_began_{kNoTick};  // of the tick under way
   std::atomic<bool> was_tick_long_{false};        // the one before
 

@@ -8,11 +8,8 @@ namespace kerf::host {
 bool SheetRunner::play_tick() {
   if (!play_applied()) return false;
   if (is_playing() && !tick_played_) {
-    if (playback_->next_at(sheet_.tick() + 1) != nullptr) {
-      play_entry(true);
-    } else {
-      run_commands(true, {});
-    }
+    const bool has_entry = playback_->next_at(sheet_.tick() + 1) != nullptr;
+    if (!(has_entry ? play_entry(true) : run_commands(true, {}))) return false;
     tick_played_ = true;
     if (!play_applied()) return false;
   }
@@ -25,21 +22,22 @@ bool SheetRunner::play_tick() {
 // What was done while time stood still: any number of entries, of which one turn does a few.
 bool SheetRunner::play_applied() {
   for (std::int32_t i = 0; playback_->next_at(sheet_.tick()) != nullptr; ++i) {
-    if (i == Host::kEntriesPerTurn || context_.stopping) return false;
+    if (i == Host::kEntriesPerTurn || context_.stopping || closing_) return false;
     play_entry(false);
   }
   return true;
 }
 
-void SheetRunner::play_entry(bool advance) {
+bool SheetRunner::play_entry(bool advance) {
   const sheet::RecordedTick& entry = *playback_->next_at(sheet_.tick() + (advance ? 1 : 0));
   std::vector<Pending> pending;
   pending.reserve(entry.commands.size());
   for (const sheet::Command& command : entry.commands) {
     pending.push_back({command, [](const auto&) {}, context_.clock.now()});
   }
-  run_commands(advance, std::move(pending));
+  if (!run_commands(advance, std::move(pending))) return false;
   playback_->passed(sheet_.tick(), sheet_.state_hash());
+  return true;
 }
 
 // The sheet is paused, and anybody's from here on.

@@ -39,7 +39,6 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   StageTimer timer(context_.clock);
   const bool timed = advance && !paused_;
 
-  interrupt_asked_ = false;
   tick_began_ = begin;
   const fem::GoesOn goes_on = [this] { return this->goes_on(); };
   const sheet::TickReport report = advance ? sheet_.step(commands, &timer, &goes_on) : sheet_.apply(commands, &timer);
@@ -54,9 +53,9 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   if (!(report.stats.interrupted && commands.empty())) record(report.tick, std::move(commands));
   const Nanoseconds cpu = context_.clock.thread_cpu() - cpu_begin;
   const Nanoseconds end = context_.clock.now();
-  if (timed) {
+  if (timed && !report.stats.interrupted) {
     pace_.tick_done(end, cpu, std::min(report.stats.simulated / sheet_.dt(), 1.0));
-  } else if (report.advanced) {
+  } else if (report.advanced || report.stats.interrupted) {
     pace_.add_cpu(cpu);
   }
   if (report.advanced) last_step_ = report.stats;
@@ -72,7 +71,7 @@ bool SheetRunner::goes_on() const {
   if (context_.stopping || closing_) return false;
   if (is_playing()) return true;  // a recording has no place for a tick that does not follow
   if (step_call_ && step_call_->stop.stop_requested()) return false;
-  return !(interrupt_asked_ && is_tick_long());
+  return !((pauses_waiting_ > 0 || takes_back_waiting_) && is_tick_long());
 }
 
 bool SheetRunner::is_at_long_tick() const {
@@ -102,6 +101,7 @@ std::vector<SheetRunner::Pending> SheetRunner::take_queue() {
   std::vector<Pending> taken;
   const std::lock_guard lock(queue_mutex_);
   taken.swap(queue_);
+  takes_back_waiting_ = false;
   if (!taken.empty()) {
     const auto count = static_cast<std::int32_t>(taken.size());
     context_.board.update([&](HostMetrics& m) { m.queued_commands -= count; });

@@ -1,5 +1,7 @@
 // Ticks that take long, and what ends them.
 #include <atomic>
+#include <functional>
+#include <future>
 #include <memory>
 #include <thread>
 #include <utility>
@@ -188,6 +190,127 @@ TEST_F(LongTickTest, OfAStepCallIsEndedWhenThatIsNotWantedAnyMore) {
   source.request_stop();
   host_->wait_idle();
   EXPECT_EQ(stepped.at(0)->tick, 0);
+}
+
+// Pauses when it is given the snapshot of tick 1.
+class PauseAfterTick1 : public RecordingSnapshots {
+ public:
+  PauseAfterTick1(Host& host, Callback<SheetStatus> done) : host_(host), done_(std::move(done)) {}
+  void publish(std::shared_ptr<const sheet::Snapshot> snapshot) override {
+    if (snapshot->tick == 1 && !std::exchange(has_paused_, true)) host_.pause("a", done_);
+  }
+
+ private:
+  Host& host_;
+  Callback<SheetStatus> done_;
+  bool has_paused_ = false;
+};
+
+TEST_F(LongTickTest, IsEndedByAPauseThatCameBeforeItInTheSameTurn) {
+  create("a", small_sheet(), true);
+  Answers<std::int64_t> scheduled;
+  host_->schedule("a", cut(), 2, scheduled.callback());
+  Answers<SheetStatus> paused;
+  Answers<Nothing> added;
+  host_->add_sink("a", std::make_shared<PauseAfterTick1>(*host_, paused.callback()), added.callback());
+  Answers<SheetStatus> stepped;
+  host_->step("a", 10, stepped.callback());
+  until_begun(1);
+  let_it_be_long();
+  host_->wait_idle();
+  ASSERT_EQ(paused.count(), 1U);
+  EXPECT_EQ(paused.at(0)->tick, 1);
+  EXPECT_EQ(stepped.at(0)->tick, 1);
+}
+
+TEST_F(LongTickTest, IsEndedByAPauseThatWaitedBehindIt) {
+  create("a", small_sheet());
+  run_for(5 * kTick);
+  host_->submit("a", cut(), cut_.callback());
+  // Workers are busy while the tick and the pause wait for one.
+  std::vector<std::promise<void>> gates(static_cast<std::size_t>(host_->options().workers));
+  Answers<Nothing> opened;
+  for (std::size_t i = 0; i < gates.size(); ++i) create("gate-" + std::to_string(i), small_sheet(), true);
+  for (std::size_t i = 0; i < gates.size(); ++i) {
+    host_->inspect(
+        "gate-" + std::to_string(i), [open = gates[i].get_future().share()](const auto&) { open.wait(); },
+        opened.callback());
+  }
+  clock_.move_to(std::max(clock_.now(), clock_.next_deadline().value()));
+  Answers<SheetStatus> paused;
+  host_->pause("a", paused.callback());
+  for (std::promise<void>& gate : gates) gate.set_value();
+  until_begun(1);
+  let_it_be_long();
+  host_->wait_idle();
+  EXPECT_EQ(paused.at(0)->run_state, RunState::kPaused);
+}
+
+TEST_F(LongTickTest, DoesNotDelayTheOneThatTakesItsPlace) {
+  create("a", small_sheet());
+  run_for(5 * kTick);
+  Answers<SheetStatus> slowed;
+  host_->set_speed("a", Host::kMinSpeed, slowed.callback());
+  run_for(kTick);
+  const Nanoseconds period = Nanoseconds(100 * kTick);
+  host_->submit("a", cut(), cut_.callback());
+  begin_next_tick();
+  const Nanoseconds begun = clock_.now();
+  let_it_be_long();
+  Answers<CommandResult> undone;
+  host_->submit("a", sheet::UndoCut{}, undone.callback());
+  host_->wait_idle();
+  ASSERT_EQ(undone.reason(0), "done");
+  EXPECT_EQ(clock_.next_deadline().value(), begun + period);
+  EXPECT_EQ(status("a").stats.slipped_s, 0.0);
+}
+
+TEST_F(LongTickTest, OfAReplayIsNoDivergenceWhereDeletionEndsIt) {
+  const std::vector<sheet::RecordedTick> entries = {{3, {cut()}, 1}, {9, {}, 1}};
+  Answers<SheetStatus> made;
+  host_->replay("r", {small_sheet(), entries}, true, made.callback());
+  host_->wait_idle();
+  ASSERT_EQ(made.reason(0), "done");
+  Answers<SheetStatus> stepped;
+  host_->step("r", 10, stepped.callback());
+  until_begun(1);
+  Answers<SheetStatus> asked;
+  host_->status("r", asked.callback());
+  Answers<Nothing> deleted;
+  host_->delete_sheet("r", deleted.callback());
+  host_->wait_idle();
+  EXPECT_EQ(deleted.reason(0), "done");
+  EXPECT_EQ(stepped.reason(0), "SHEET_DELETED");
+  EXPECT_EQ(asked.at(0)->replay->state, ReplayState::kPlaying);
+}
+
+// A clock whose next thread_cpu(), which is asked for when a tick has taken its commands, does something first.
+class HookedClock : public ManualClock {
+ public:
+  Nanoseconds thread_cpu() const override {
+    if (const std::function<void()> hook = std::exchange(hook_, nullptr)) hook();
+    return ManualClock::thread_cpu();
+  }
+  void hook(std::function<void()> call) { hook_ = std::move(call); }
+
+ private:
+  mutable std::function<void()> hook_;
+};
+
+TEST_F(LongTickTest, IsEndedByAnUndoThatCameJustTooLateForIt) {
+  HookedClock clock;
+  Host host(host_->options(), clock, entropy_);
+  Answers<SheetStatus> made;
+  host.create_sheet("a", small_sheet(), false, made.callback());
+  host.wait_idle();
+  host.submit("a", cut(), cut_.callback());
+  Answers<CommandResult> undone;
+  clock.hook([&] { host.submit("a", sheet::UndoCut{}, undone.callback()); });
+  clock.move_to(clock.next_deadline().value());
+  until_begun(1);
+  clock.move_to(clock.now() + Host::kLongTick + 1ms);
+  host.wait_idle();
+  EXPECT_EQ(undone.reason(0), "done");
 }
 
 // Where nothing recorded the tick before, and where something did.
