@@ -123,15 +123,15 @@ void Api::analyze_sheet(const v1::AnalyzeSheetRequest& message, Reply<v1::Analyz
                              "name"});
         }
         const std::shared_ptr<sheet::Sheet> sheet = std::move(*copy);
-        const auto work = [core, stop, reply, request, sheet] {
+        const auto work = [core, stop, request, sheet]() -> Result<v1::AnalyzeSheetResponse> {
           const analysis::Watch watch = [&](const analysis::Progress&) {
             return !stop.stop_requested() && !core->stopping;
           };
           Result<v1::AnalyzeSheetResponse> response = analyze(*sheet, *request, watch);
-          if (core->stopping) return reply(server_stopping());
-          reply(std::move(response));
+          if (core->stopping) return server_stopping();
+          return response;
         };
-        in_background(core->analyst, reply, work, too_many_analyses(*core));
+        in_background<v1::AnalyzeSheetResponse>(core->analyst, reply, work, too_many_analyses(*core));
       });
 }
 

@@ -11,6 +11,7 @@
 #include "render/video.h"
 #include "server/api/core.h"
 #include "server/api/session.h"
+#include "server/base/caught.h"
 #include "server/wire/json.h"
 #include "server/wire/material_codec.h"
 
@@ -28,7 +29,7 @@ Method json_method(std::string path, Api& api, void (Api::*method)(const Request
                 request,
                 [reply = std::move(reply)](Result<Response> response) {
                   if (!response.ok()) return reply(response.error());
-                  reply(wire::to_json(*response));
+                  reply(caught([&] { return Result<std::string>(wire::to_json(*response)); }));
                 },
                 Stop(stop)...);
           }};
@@ -115,6 +116,7 @@ void Api::get_server_info(const v1::GetServerInfoRequest& /*request*/, Reply<v1:
   limits.set_max_image_streams(core_->options.limits.max_image_streams);
   info.set_video(check_renderer(*core_).ok() && render::video_available());
   limits.set_max_load(host_options.max_load);
+  limits.set_max_total_vertices(host_options.max_total_vertices);
   limits.set_max_mesh_upload_bytes(core_->options.limits.max_mesh_upload_bytes);
   limits.set_max_recording_upload_bytes(core_->options.limits.max_recording_upload_bytes);
   reply(std::move(info));

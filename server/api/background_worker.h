@@ -11,7 +11,7 @@
 namespace kerf::api {
 
 // Threads for work that takes long (drawing, encoding files) and must hold up neither a sheet nor a transport. Work is
-// begun in the order in which it came.
+// begun in the order in which it came, and lets no exception out: see caught().
 // Thread-safe.
 class BackgroundWorker {
  public:

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -17,6 +18,7 @@
 #include "server/api/request_log.h"
 #include "server/api/resource_names.h"
 #include "server/api/stream_hub.h"
+#include "server/base/caught.h"
 #include "server/host/clock.h"
 #include "server/host/host.h"
 
@@ -115,11 +117,13 @@ void once(const std::shared_ptr<ApiCore>& core, const char* method, const Reques
   });
 }
 
-// Runs `work` on a background worker, or replies why not. `full`: what to reply where too much waits.
-template <typename Response>
-void in_background(BackgroundWorker& worker, const Reply<Response>& reply, std::function<void()> work,
+// Runs `work` on a background worker and replies with what it makes, with what comes out of it (see caught()), or why
+// it is not run. `full`: what to reply where too much waits.
+template <typename Made>
+void in_background(BackgroundWorker& worker, const Reply<Made>& reply, std::function<Result<Made>()> work,
                    const Error& full) {
-  switch (worker.submit(std::move(work), [reply] { reply(server_stopping()); })) {
+  switch (
+      worker.submit([reply, work = std::move(work)] { reply(caught(work)); }, [reply] { reply(server_stopping()); })) {
     case BackgroundWorker::Outcome::kTaken:
       return;
     case BackgroundWorker::Outcome::kStopped:
@@ -134,17 +138,20 @@ Error too_many_pictures(const ApiCore& core);
 Error too_many_files(const ApiCore& core);
 Error too_many_analyses(const ApiCore& core);
 
-// Looks at a sheet between two ticks and hands on what `look` found.
+// Looks at a sheet between two ticks and hands on what `look` found, or what came out of it, see caught().
 template <typename Found>
 void look_at(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id,
              std::function<Found(const sheet::Sheet&)> look, const char* field,
              std::function<void(Result<Found>)> done) {
-  auto found = std::make_shared<Found>();
+  auto found = std::make_shared<std::optional<Result<Found>>>();
   core->host.inspect(
-      sheet_id, [found, look = std::move(look)](const sheet::Sheet& sheet) { *found = look(sheet); },
+      sheet_id,
+      [found, look = std::move(look)](const sheet::Sheet& sheet) {
+        found->emplace(caught([&] { return Result<Found>(look(sheet)); }));
+      },
       [found, field, done = std::move(done)](const Status& status) {
         if (!status.ok()) return done(at_field(status.error(), field));
-        done(std::move(*found));
+        done(std::move(**found));
       });
 }
 

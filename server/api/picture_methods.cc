@@ -61,9 +61,9 @@ void Api::render_image(const v1::RenderImageRequest& request, Reply<v1::RenderIm
       "name",
       [core = core_, wanted = *wanted, reply = std::move(reply)](Result<PictureSubject> subject) {
         if (!subject.ok()) return reply(subject.error());
-        in_background(
+        in_background<v1::RenderImageResponse>(
             core->drawer, reply,
-            [core, wanted, reply, drawn = std::move(*subject)] { reply(make_picture(*core, drawn, wanted)); },
+            [core, wanted, drawn = std::move(*subject)] { return make_picture(*core, drawn, wanted); },
             too_many_pictures(*core));
       });
 }

@@ -4,6 +4,8 @@
 #include <limits>
 #include <string>
 
+#include "server/base/caught.h"
+
 namespace kerf::api {
 namespace {
 
@@ -60,7 +62,7 @@ void PictureFeed::fill(const std::vector<PictureOrder>& orders, const stream::Ch
   for (const PictureOrder& order : orders) {
     FinishedPicture picture{newest.publication, newest.snapshot, {}, 0.0, view_.width, view_.height, true, nullptr};
     if (order.video) {
-      if (const Status status = draw(newest); !status.ok()) {
+      if (const Status status = caught([&] { return draw(newest); }); !status.ok()) {
         order.done(status.error());
         continue;
       }
@@ -69,7 +71,7 @@ void PictureFeed::fill(const std::vector<PictureOrder>& orders, const stream::Ch
       film(order, std::move(picture));
       continue;
     }
-    Result<stream::Bytes> data = still(order.still, newest);
+    Result<stream::Bytes> data = caught([&] { return still(order.still, newest); });
     if (!data.ok()) {
       order.done(data.error());
       continue;
@@ -113,7 +115,8 @@ Result<stream::Bytes> PictureFeed::still(const StillFormat& format, const stream
 // Each on its own, so that the next picture need not wait for the encoders of many streams.
 void PictureFeed::film(const PictureOrder& order, FinishedPicture picture) {
   studio_.submit([this, self = shared_from_this(), order, drawn = drawn_, picture = std::move(picture)]() mutable {
-    Result<VideoTrack::Frame> frame = order.video->encode(drawn->pixels, studio_.clock_.now(), order.key);
+    Result<VideoTrack::Frame> frame =
+        caught([&] { return order.video->encode(drawn->pixels, studio_.clock_.now(), order.key); });
     if (!frame.ok()) return order.done(frame.error());
     ++studio_.counters_.encoded;
     picture.key = frame->key;

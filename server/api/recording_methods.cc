@@ -21,7 +21,7 @@ Result<std::unique_ptr<Upload>> begin_upload(Api& api, std::int64_t num_bytes, s
   return std::make_unique<Upload>(std::move(*room), num_bytes, std::move(use));
 }
 
-void play(const std::shared_ptr<ApiCore>& core, const std::string& file, const std::string& sheet_id, bool paused,
+void play(const std::shared_ptr<ApiCore>& core, std::string content, const std::string& sheet_id, bool paused,
           const Reply<v1::Sheet>& reply) {
   // What is wrong with a file that a client sent is the client's to mend: no data of this server's is lost.
   const auto answer = [reply](Result<v1::Sheet> sheet) {
@@ -30,11 +30,18 @@ void play(const std::shared_ptr<ApiCore>& core, const std::string& file, const s
     error.code = ErrorCode::kInvalidArgument;
     reply(std::move(error));
   };
-  const Limits& limits = core->options.limits;
-  Result<wire::RecordingFile> decoded =
-      wire::decode_recording(file, {limits.max_recorded_ticks, limits.max_recorded_parts});
-  if (!decoded.ok()) return answer(decoded.error());
-  core->host.replay(sheet_id, std::move(decoded->recording), paused, sheet_reply(answer, ""));
+  using Decoded = wire::RecordingFile;
+  in_background<Decoded>(
+      core->filer,
+      [core, sheet_id, paused, answer](Result<Decoded> decoded) {
+        if (!decoded.ok()) return answer(decoded.error());
+        core->host.replay(sheet_id, std::move(decoded->recording), paused, sheet_reply(answer, ""));
+      },
+      [core, file = std::make_shared<const std::string>(std::move(content))] {
+        const Limits& limits = core->options.limits;
+        return wire::decode_recording(*file, {limits.max_recorded_ticks, limits.max_recorded_parts});
+      },
+      too_many_files(*core));
 }
 
 // A file on its way to a client: counted until nothing holds it any more.
@@ -98,10 +105,7 @@ Result<std::unique_ptr<Upload>> Api::replay_recording(const v1::RecordingUpload&
   }
   Upload::Use use = [core = core_, id = start.sheet_id(), paused = start.paused()](std::string content,
                                                                                    const Reply<v1::Sheet>& reply) {
-    auto file = std::make_shared<const std::string>(std::move(content));
-    in_background(
-        core->filer, reply, [core, file, id, paused, reply] { play(core, *file, id, paused, reply); },
-        too_many_files(*core));
+    play(core, std::move(content), id, paused, reply);
   };
   return begin_upload(*this, start.num_bytes(), core_->options.limits.max_recording_upload_bytes, std::move(use));
 }
@@ -121,11 +125,11 @@ void Api::get_sheet_recording(const v1::GetSheetRecordingRequest& request,
   core_->host.recording(*id, [core = core_, file, reply = std::move(reply)](Result<host::KeptRun> run) {
     if (!run.ok()) return reply(at_field(run.error(), "name"));
     auto kept = std::make_shared<const host::KeptRun>(std::move(*run));
-    in_background(
+    in_background<std::shared_ptr<const std::string>>(
         core->filer, reply,
-        [kept, file, reply] {
+        [kept, file] {
           file->content = wire::encode_recording_header(*kept->config, wire::build_name()) + kept->entries;
-          reply(std::shared_ptr<const std::string>(file, &file->content));
+          return std::shared_ptr<const std::string>(file, &file->content);
         },
         too_many_files(*core));
   });

@@ -139,14 +139,14 @@ void Api::export_sheet(const v1::ExportSheetRequest& request, Reply<v1::ExportSh
       core_, *id, [](const sheet::Sheet& sheet) { return sheet.snapshot(); }, "name",
       [core = core_, format = request.format(), reply = std::move(reply)](Result<Found> found) {
         if (!found.ok()) return reply(found.error());
-        in_background(
+        in_background<v1::ExportSheetResponse>(
             core->filer, reply,
-            [reply, format, snapshot = *found] {
+            [format, snapshot = *found] {
               const bool is_gltf = format == v1::ExportSheetRequest::GLTF;
               v1::ExportSheetResponse response;
               response.set_content(is_gltf ? encode_gltf(*snapshot) : encode_obj(*snapshot));
               response.set_media_type(is_gltf ? "model/gltf-binary" : "model/obj");
-              reply(std::move(response));
+              return response;
             },
             too_many_files(*core));
       });

@@ -2,12 +2,17 @@
 
 #include <CLI/CLI.hpp>
 
+#include <unistd.h>
+
+#include <algorithm>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <utility>
 
 #include "render/renderer.h"
 #include "server/app/version.h"
+#include "server/sheet/sheet_config.h"
 
 namespace kerf::app {
 namespace {
@@ -27,6 +32,7 @@ struct Arguments {
   int workers = 0;
   int max_sheets = Config().max_sheets;
   double max_load = Config().max_load;
+  std::optional<std::int64_t> max_total_vertices;  // what stands in its place depends on the machine
   std::string web;
   bool no_render = false;
   std::string render_device = render::kAnyDevice;
@@ -62,6 +68,13 @@ void declare(CLI::App& parser, Arguments& arguments) {
                   "Refuse new sheets while those that run need this share of the workers or more, 0.01..1000; 0: never")
       ->type_name("SHARE")
       ->capture_default_str();
+  parser
+      .add_option(
+          "--max-total-vertices", arguments.max_total_vertices,
+          "Refuse new sheets with which all together would have more vertices; 0: never (default: as many as fit "
+          "in half of this machine's memory at 8 kB each, which is what the implicit integrator takes, but at "
+          "least 500000, one sheet of the largest size)")
+      ->type_name("N");
   parser.add_option("--web", arguments.web, "Folder of the built viewer (default: found beside the program)")
       ->type_name("DIR");
   CLI::Option* no_render =
@@ -86,6 +99,11 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->take_all();
   parser.add_option("--record", arguments.record_dir, "Folder for a recording of every sheet, for `kerf replay`")
       ->type_name("DIR");
+}
+
+// In bytes; 0 where the system does not tell.
+std::int64_t physical_memory() {
+  return std::max<std::int64_t>(::sysconf(_SC_PHYS_PAGES), 0) * std::max<std::int64_t>(::sysconf(_SC_PAGESIZE), 0);
 }
 
 Result<ws::Endpoint> listening_address(const std::string& text, const std::string& option, bool allow_remote) {
@@ -127,6 +145,13 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
                             "--max-load");
   }
   config.max_load = arguments.max_load;
+  config.max_total_vertices = arguments.max_total_vertices.value_or(default_total_vertices(physical_memory()));
+  if (config.max_total_vertices < 0 || config.max_total_vertices > kMostTotalVertices) {
+    return invalid_argument("MAX_TOTAL_VERTICES_OUT_OF_RANGE",
+                            "--max-total-vertices: " + std::to_string(config.max_total_vertices) + " is not in 0.." +
+                                std::to_string(kMostTotalVertices),
+                            "--max-total-vertices");
+  }
   config.scenes.assign(arguments.scenes.begin(), arguments.scenes.end());
   config.web = arguments.web;
   config.render = !arguments.no_render && arguments.render_device != render::kNoDevice;
@@ -152,6 +177,10 @@ std::string render_device_table() {
 }
 
 }  // namespace
+
+std::int64_t default_total_vertices(std::int64_t memory) {
+  return std::max<std::int64_t>(memory / 2 / kBytesPerVertex, sheet::kMaxVertices);
+}
 
 std::shared_ptr<const CLI::App> command_line() {
   struct Declared {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -24,6 +25,7 @@ struct Config {
   int workers = 0;                            // threads that step sheets, 1..256; 0: one for each processor
   int max_sheets = 64;                        // 1..100,000
   double max_load = 1.0;                      // see host::HostOptions
+  std::int64_t max_total_vertices = 0;        // likewise, 0..kMostTotalVertices
   std::filesystem::path web;                  // the built viewer; empty: none is served
   bool render = true;                         // pictures, where EGL works
   std::string render_device = "auto";         // as render::RendererOptions::device; nothing else than "auto" may fail
@@ -33,6 +35,16 @@ struct Config {
   api::Limits limits;                         // of requests and streams
   ws::HttpOptions http_options;               // of HTTP connections; its access is replaced by allowed_origins
 };
+
+inline constexpr std::int64_t kMostTotalVertices = 1'000'000'000'000;
+
+// What a vertex takes, in bytes, with the implicit integrator; with the explicit one it is little more than half.
+inline constexpr std::int64_t kBytesPerVertex = 8'000;
+
+// How many vertices all sheets together may have on a machine with so much memory, in bytes, unless
+// --max-total-vertices says otherwise: as many as fit in half of it, the other half being for streams, pictures and the
+// rest of the machine; and at least one sheet of the largest size.
+std::int64_t default_total_vertices(std::int64_t memory);
 
 // What --help and --version print.
 struct Notice {

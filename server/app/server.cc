@@ -63,6 +63,7 @@ host::HostOptions Server::Impl::host_options() {
   options.workers = config.workers > 0 ? config.workers : std::clamp(processors, 1, 256);
   options.max_sheets = config.max_sheets;
   options.max_load = config.max_load;
+  options.max_total_vertices = config.max_total_vertices;
   options.encode_tick = wire::encode_recorded_tick;
   if (!config.record_dir.empty()) {
     options.make_recording = [this](const std::string& id) -> std::shared_ptr<sheet::RecordingSink> {

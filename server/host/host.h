@@ -31,6 +31,9 @@ struct HostOptions {
   std::int32_t max_sheets = 64;  // >= 1
   // Of the workers' time, what running sheets may need before new ones are refused; -, > 0; 0: whatever they need.
   double max_load = 1.0;
+  // Vertices of all sheets together, those being built, paused or at rest included; >= 1; 0: as many as may be. New
+  // sheets alone are refused by it: what cuts add counts, and is never refused.
+  std::int64_t max_total_vertices = 0;
   std::int32_t max_vertices_per_sheet = sheet::kMaxVertices;  // a config's own limit may be lower
   std::int32_t max_queued_commands = 64;                      // a sheet, >= 1
   std::int32_t max_scheduled_commands = 64;                   // a sheet: of schedule(), waiting for their tick, >= 1
@@ -138,8 +141,9 @@ class Host {
 
   // Builds a sheet on a worker and starts its clock unless `paused`. `id`: [a-z][a-z0-9-]{0,62}; empty:
   // config.sheet_id, and if that is empty too, a random one. kAlreadyExists SHEET_EXISTS, kResourceExhausted
-  // TOO_MANY_SHEETS, TOO_MANY_VERTICES or, unless `paused`, OVERLOADED where the sheets that run need max_load (see
-  // Admission), and the errors of Sheet::create.
+  // TOO_MANY_SHEETS, TOO_MANY_VERTICES, TOO_MANY_VERTICES_IN_ALL (of a mesh whose size is not declared only once it is
+  // built) or, unless `paused`, OVERLOADED where the sheets that run need max_load (see Admission), OUT_OF_MEMORY, and
+  // the errors of Sheet::create.
   void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done);
   // Builds the sheet of a recording, which then plays it: ticks at its pace, with the recorded commands in place of any
   // others (kFailedPrecondition REPLAYING), and is paused where it ends, see ReplayState. Errors of create_sheet() and

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "server/base/caught.h"
+
 namespace kerf::host {
 
 namespace {
@@ -42,20 +44,22 @@ void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config,
                               Callback<SheetStatus> done) {
   if (id.empty()) id = config.sheet_id;
   if (id.empty()) id = random_id(entropy_.next());
-  if (Status s = reserve(id, config, paused); !s) return done(s.error());
+  const Result<std::shared_ptr<VertexShare>> reserved = reserve(id, config, paused);
+  if (!reserved) return done(reserved.error());
   const Workers::Strand strand = workers_.make_strand();
   const std::shared_ptr<ExpectedNeed> expected = paused ? nullptr : expected_need(config);
   auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
   // Shared, as what is posted must be copyable.
   const auto playback =
       std::make_shared<std::unique_ptr<Playback>>(entries ? std::make_unique<Playback>(std::move(*entries)) : nullptr);
-  const bool posted = strand.post([this, id, shared, playback, paused, strand, done, expected] {
-    Result<sheet::Sheet> built = stopping_ ? stopping() : build(std::move(*shared));
+  const bool posted = strand.post([this, id, shared, playback, paused, strand, done, expected, share = *reserved] {
+    Result<sheet::Sheet> built = stopping_ ? stopping() : build(std::move(*shared), *share);
     if (!built) {
+      share->set(0);  // before whoever hears of it tries again
       release(id);
       return done(built.error());
     }
-    const auto runner = std::make_shared<SheetRunner>(id, std::move(built).value(), context(), strand);
+    const auto runner = std::make_shared<SheetRunner>(id, std::move(built).value(), context(), strand, share);
     // Begun before it can be found: on this strand, ahead of whatever finds it.
     runner->begin(paused, options_.make_recording ? options_.make_recording(id) : nullptr, std::move(*playback));
     if (!admit(id, runner)) {
@@ -116,7 +120,8 @@ std::shared_ptr<ExpectedNeed> Host::Impl::expected_need(const sheet::SheetConfig
   return std::make_shared<ExpectedNeed>(board_, WorkerNeed(period, declared_vertices(config)).value());
 }
 
-Status Host::Impl::reserve(const std::string& id, const sheet::SheetConfig& config, bool paused) {
+Result<std::shared_ptr<VertexShare>> Host::Impl::reserve(const std::string& id, const sheet::SheetConfig& config,
+                                                         bool paused) {
   if (!sheet::is_valid_sheet_id(id)) {
     return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
   }
@@ -134,20 +139,28 @@ Status Host::Impl::reserve(const std::string& id, const sheet::SheetConfig& conf
                  "this server's limit of " + std::to_string(options_.max_sheets) + " sheets is reached; delete one",
                  ""};
   }
+  // More than any sheet may have will be refused as such. What says nothing of its size needs some room at least.
+  const std::int64_t taken = declared <= sheet::kMaxVertices ? std::max<std::int64_t>(declared, 1) : 0;
+  if (Status s = vertices_.take(taken); !s) return s.error();
+  auto share = std::make_shared<VertexShare>(vertices_, taken);
   if (!paused) {
     if (Status s = admission_.admit(load(), options_.workers); !s) {
       board_.update([](HostMetrics& m) { ++m.overload_refusals; });
-      return s;
+      return s.error();
     }
   }
   sheets_.emplace(id, nullptr);
-  return Nothing{};
+  return share;
 }
 
-Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config) {
+Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, VertexShare& share) {
   // In the config, and so in a recording: a cut that is refused here is refused in a replay.
   config.max_vertices = std::min(config.max_vertices, options_.max_vertices_per_sheet);
-  return sheet::Sheet::create(std::move(config), options_.make_integrator);
+  Result<sheet::Sheet> built =
+      caught([&] { return sheet::Sheet::create(std::move(config), options_.make_integrator); });
+  if (!built) return built;
+  if (const Status fits = share.settle(built->mesh().num_vertices()); !fits) return fits.error();
+  return built;
 }
 
 void Host::Impl::release(const std::string& id) {

@@ -15,6 +15,7 @@
 #include "server/host/host.h"
 #include "server/host/metrics_board.h"
 #include "server/host/sheet_runner.h"
+#include "server/host/vertex_budget.h"
 #include "server/host/workers.h"
 
 // Which sheets there are, and the way to the strand of each; seen by host.cc and host_impl.cc alone.
@@ -26,6 +27,7 @@ class Host::Impl {
       : options_(std::move(options)),
         clock_(clock),
         entropy_(entropy),
+        vertices_(options_.max_total_vertices),
         admission_(options_.max_load),
         workers_(options_.workers, options_.long_work) {}
 
@@ -66,8 +68,9 @@ class Host::Impl {
   SheetRunner::Context context() { return {options_, clock_, board_, listener_, stopping_, ++num_made_}; }
 
   std::shared_ptr<ExpectedNeed> expected_need(const sheet::SheetConfig& config);
-  Status reserve(const std::string& id, const sheet::SheetConfig& config, bool paused);
-  Result<sheet::Sheet> build(sheet::SheetConfig config);
+  // The name, and the vertices that are known of.
+  Result<std::shared_ptr<VertexShare>> reserve(const std::string& id, const sheet::SheetConfig& config, bool paused);
+  Result<sheet::Sheet> build(sheet::SheetConfig config, VertexShare& share);
   void release(const std::string& id);
   bool admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner);
   [[nodiscard]] std::shared_ptr<SheetRunner> find(const std::string& id) const;
@@ -77,6 +80,7 @@ class Host::Impl {
   Clock& clock_;
   Entropy& entropy_;
   MetricsBoard board_;
+  VertexBudget vertices_;
   ListenerSlot listener_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_

@@ -37,13 +37,15 @@ std::int32_t& gauge(HostMetrics& metrics, RunState state) {
 
 }  // namespace
 
-SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand)
+SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand,
+                         std::shared_ptr<VertexShare> vertices)
     : id_(std::move(id)),
       context_(context),
       strand_(std::move(strand)),
       sheet_(std::move(sheet)),
       pace_(period_of(sheet_)),
       need_(period_of(sheet_), sheet_.mesh().num_vertices()),
+      vertices_(std::move(vertices)),
       kept_(context_.options.encode_tick, context_.options.max_recording_bytes) {}
 
 void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse) {
@@ -118,6 +120,7 @@ void SheetRunner::close(sheet::SinkEnd reason) {
   for (const auto& sink : sinks_) sink->ended(reason);
   sinks_.clear();
   recording_.reset();
+  vertices_->set(0);
 }
 
 void SheetRunner::post_pause(const Callback<SheetStatus>& done) {
@@ -360,6 +363,7 @@ void SheetRunner::note_state() {
 
 void SheetRunner::note_status() {
   auto status = std::make_shared<const SheetStatus>(unhashed_status());
+  vertices_->set(status->num_vertices);
   const std::lock_guard lock(status_mutex_);
   last_status_.swap(status);
 }

@@ -15,6 +15,7 @@
 #include "server/host/metrics_board.h"
 #include "server/host/pace.h"
 #include "server/host/stage_timer.h"
+#include "server/host/vertex_budget.h"
 #include "server/host/workers.h"
 
 namespace kerf::host {
@@ -52,7 +53,9 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     std::uint64_t serial = 0;           // of all sheets that the host has made, which
   };
 
-  SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand);
+  // `vertices`: what the sheet has of the host's budget.
+  SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand,
+              std::shared_ptr<VertexShare> vertices);
 
   // Runs `work` with this runner on its strand, if it is not closed by then; else `refuse` with the reason.
   void post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse);
@@ -174,6 +177,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   sheet::Sheet sheet_;
   Pace pace_;
   WorkerNeed need_;
+  const std::shared_ptr<VertexShare> vertices_;
   std::vector<std::shared_ptr<sheet::SnapshotSink>> sinks_;
   std::shared_ptr<sheet::RecordingSink> recording_;
   KeptRecording kept_;

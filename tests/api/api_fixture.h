@@ -33,6 +33,7 @@ class ApiTest : public host::HostTest {
     host::HostOptions options;
     options.max_sheets = 4;
     options.max_queued_commands = 8;
+    options.max_total_vertices = 2'000'000;
     return options;
   }
 

@@ -1,6 +1,7 @@
 // Image streams: ImageSession as a transport sees it. What is drawn is counted: nothing in vain, nothing twice.
 
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <set>
 #include <string>
@@ -203,6 +204,24 @@ TEST_F(ImagesTest, ARendererThatFailsEndsTheStreamWithItsReason) {
   ImageViewer without(*api_);
   start(without, "sheets/a");
   EXPECT_EQ(without.failure(), "RENDERER_UNAVAILABLE");
+}
+
+TEST_F(ImagesTest, APictureForWhichThereIsNoMemoryEndsItsStreamAndIsTheAnswerOfItsCall) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  renderer_.poor = true;
+  ImageViewer viewer(*api_);
+  start(viewer, "sheets/a");
+  EXPECT_EQ(viewer.wait_for_failure(), "OUT_OF_MEMORY");
+  v1::RenderImageRequest request;
+  request.set_name("sheets/a");
+  std::promise<Result<v1::RenderImageResponse>> promise;
+  api_->render_image(request,
+                     [&promise](Result<v1::RenderImageResponse> reply) { promise.set_value(std::move(reply)); });
+  EXPECT_EQ(promise.get_future().get().error().reason, "OUT_OF_MEMORY");
+  renderer_.poor = false;
+  ImageViewer other(*api_);
+  start(other, "sheets/a");
+  other.picture();
 }
 
 TEST_F(ImagesTest, VideoBeginsWithAKeyFrameAndAfterWhatBreaksIt) {

@@ -272,6 +272,7 @@ TEST_F(ApiTest, ServerTellsItsLimits) {
   EXPECT_THAT(info.material_presets(), ::testing::Contains("demo"));
   EXPECT_EQ(info.limits().max_sheets(), 4);
   EXPECT_EQ(info.limits().max_queued_commands_per_sheet(), 8);
+  EXPECT_EQ(info.limits().max_total_vertices(), 2'000'000);
   EXPECT_EQ(info.limits().max_mesh_upload_bytes(), 64 << 20);
   EXPECT_EQ(info.limits().max_recording_upload_bytes(), 128 << 20);
 }

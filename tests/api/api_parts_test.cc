@@ -3,15 +3,18 @@
 #include <array>
 #include <atomic>
 #include <future>
+#include <new>
 #include <semaphore>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "render/renderer.h"
+#include "server/api/core.h"
 #include "server/api/ready_signal.h"
 #include "server/api/request_log.h"
 #include "tests/api/api_fixture.h"
@@ -256,6 +259,44 @@ TEST_F(ApiTest, WaitingPicturesAreBoundedAndRefusedAtTheEnd) {
   renderer.go.release(4);
   api_.reset();
   EXPECT_EQ(answers.count(), 4U) << "drawn or refused, but answered";
+}
+
+TEST(InBackground, WorkThatThrowsIsAnsweredOnceAndTheNextIsDone) {
+  BackgroundWorker worker(8);
+  std::promise<void> last;
+  Answers<int> answers;
+  const Error full{ErrorCode::kResourceExhausted, "FULL", "", ""};
+  in_background<int>(
+      worker, answers.callback(), []() -> Result<int> { throw std::bad_alloc(); }, full);
+  in_background<int>(
+      worker, answers.callback(), []() -> Result<int> { throw std::runtime_error("a bug of ours"); }, full);
+  in_background<int>(
+      worker,
+      [callback = answers.callback(), &last](Result<int> result) {
+        callback(std::move(result));
+        last.set_value();
+      },
+      [] { return 3; }, full);
+  last.get_future().wait();
+  worker.stop();
+  ASSERT_EQ(answers.count(), 3U);
+  EXPECT_EQ(answers.at(0).error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(answers.at(0).error().reason, "OUT_OF_MEMORY");
+  EXPECT_EQ(answers.at(1).error().code, ErrorCode::kInternal);
+  EXPECT_EQ(answers.at(1).error().message, "a bug of ours");
+  EXPECT_EQ(answers.at(2).value(), 3);
+}
+
+TEST_F(ApiTest, WhatThrowsWhileASheetIsLookedAtIsAnswered) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  const auto core = std::make_shared<ApiCore>(*host_, nullptr, ApiOptions(), clock_);
+  Answers<int> answers;
+  look_at<int>(
+      core, "a", [](const sheet::Sheet&) -> int { throw std::bad_alloc(); }, "name", answers.callback());
+  host_->wait_idle();
+  ASSERT_EQ(answers.count(), 1U);
+  EXPECT_EQ(answers.at(0).error().reason, "OUT_OF_MEMORY");
+  EXPECT_EQ(get_sheet("sheets/a").tick(), 0);
 }
 
 TEST(ReadySignal, TakingItAwayWaitsForACallUnderWay) {

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 #include <mutex>
+#include <new>
 #include <semaphore>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ class PictureRenderer : public render::Renderer {
     const std::lock_guard lock(mutex_);
     colours_.assign(scene.mesh.vertex_colours.begin(), scene.mesh.vertex_colours.end());
     eyes_.push_back(camera.eye.x);
+    if (poor) throw std::bad_alloc();
     if (refusal) return {render::StatusCode::kUnavailable, "CONTEXT_LOST", "gone", ""};
     const auto grey = static_cast<std::uint8_t>(40 * eyes_.size());
     pixels = {width, height, std::vector<std::uint8_t>(4 * static_cast<std::size_t>(width * height), grey)};
@@ -42,6 +44,7 @@ class PictureRenderer : public render::Renderer {
   std::counting_semaphore<1024> go{0};
   std::atomic<bool> blocked{false};
   std::atomic<bool> refusal{false};
+  std::atomic<bool> poor{false};  // there is no memory
 
  private:
   mutable std::mutex mutex_;

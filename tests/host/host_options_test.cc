@@ -1,3 +1,6 @@
+#include <atomic>
+#include <new>
+
 #include "tests/host/host_fixture.h"
 #include "tests/support/failing_integrator.h"
 
@@ -58,6 +61,160 @@ TEST_F(SmallHostTest, CutsKeepTheLimitOnVertices) {
   EXPECT_EQ(status("a").topology_version, 1);
   ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.5}, {1.1, 0.5})));
   EXPECT_LE(status("a").num_vertices, 25);
+}
+
+class BudgetHostTest : public HostTest {
+ protected:
+  static constexpr std::int64_t kLimit = 50;
+
+  static HostOptions budget() {
+    HostOptions options;
+    options.workers = 1;
+    options.max_total_vertices = kLimit;
+    return options;
+  }
+  explicit BudgetHostTest(HostOptions options = budget()) : HostTest(std::move(options)) {}
+
+  std::string try_to_create(const std::string& id, sheet::SheetConfig config) {
+    Answers<SheetStatus> answers;
+    host_->create_sheet(id, std::move(config), true, answers.callback());
+    host_->wait_idle();
+    return answers.reason(0);
+  }
+  std::string try_to_create(const std::string& id, int vertices_a_side) {
+    return try_to_create(id, at_50_hz(scenes::hanging(vertices_a_side)));
+  }
+  void remove(const std::string& id) {
+    host_->delete_sheet(id, [](const Result<Nothing>& deleted) { EXPECT_TRUE(deleted); });
+    host_->wait_idle();
+  }
+  // Of a disk: how many vertices it has is not known before it is built.
+  static sheet::SheetConfig outlined_sheet(double edge_length) {
+    sheet::SheetConfig config = small_sheet();
+    config.pins.clear();
+    sheet::OutlineSource outline;
+    outline.boundary = cut::Circle{{0.5, 0.5}, 0.5};
+    outline.edge_length = edge_length;
+    config.mesh = outline;
+    return config;
+  }
+};
+
+TEST_F(BudgetHostTest, AsManyVerticesAsTheLimitAndNotOneMore) {
+  EXPECT_EQ(try_to_create("a", 5), "done");
+  EXPECT_EQ(try_to_create("b", 5), "done") << "50 of 50";
+  Answers<SheetStatus> refused;
+  host_->create_sheet("c", scenes::hanging(2), false, refused.callback());
+  ASSERT_EQ(refused.count(), 1U) << "at once";
+  EXPECT_EQ(refused.at(0).error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused.reason(0), "TOO_MANY_VERTICES_IN_ALL");
+  EXPECT_NE(refused.at(0).error().message.find("may have 50 vertices and have 50"), std::string::npos)
+      << refused.at(0).error().message;
+  remove("b");
+  host_->create_sheet("c", scenes::hanging(6), true, refused.callback());
+  EXPECT_EQ(refused.reason(1), "TOO_MANY_VERTICES_IN_ALL") << "36 where 25 are left";
+  EXPECT_EQ(try_to_create("c", 5), "done");
+}
+
+TEST_F(BudgetHostTest, AReplayCountsAsAnyOtherSheet) {
+  Answers<SheetStatus> answers;
+  host_->replay("a", {small_sheet(), {}}, true, answers.callback());
+  host_->wait_idle();
+  ASSERT_EQ(answers.reason(0), "done");
+  EXPECT_EQ(try_to_create("b", 5), "done");
+  host_->replay("c", {small_sheet(), {}}, true, answers.callback());
+  EXPECT_EQ(answers.reason(1), "TOO_MANY_VERTICES_IN_ALL");
+}
+
+TEST_F(BudgetHostTest, ASheetThatIsNotMadeTakesNothing) {
+  sheet::SheetConfig bad = small_sheet();
+  bad.tick_rate_hz = -1.0;
+  for (int i = 0; i < 3; ++i) EXPECT_NE(try_to_create("a", bad), "TOO_MANY_VERTICES_IN_ALL");
+  bad.mesh = sheet::GridSource{30'000, 30'000, 1.0, 1.0};
+  EXPECT_NE(try_to_create("a", bad), "TOO_MANY_VERTICES_IN_ALL") << "more than any sheet may have, whatever there is";
+  EXPECT_EQ(try_to_create("A!", 5), "SHEET_ID");
+  EXPECT_EQ(try_to_create("a", 5), "done");
+  EXPECT_EQ(try_to_create("a", 5), "SHEET_EXISTS");
+  EXPECT_EQ(try_to_create("b", 5), "done");
+}
+
+TEST_F(BudgetHostTest, OfWhatDeclaresNoSizeIsRefusedWhenItIsBuilt) {
+  EXPECT_EQ(try_to_create("a", outlined_sheet(0.05)), "TOO_MANY_VERTICES_IN_ALL");
+  EXPECT_TRUE(host_->list().empty());
+  EXPECT_EQ(host_->metrics().sheets, 0);
+  EXPECT_EQ(try_to_create("a", outlined_sheet(0.35)), "done") << "its name is free again";
+  const int has = status("a").num_vertices;
+  ASSERT_GT(has, 9);
+  ASSERT_LE(has, 25);
+  EXPECT_EQ(try_to_create("b", 5), "done");
+  EXPECT_EQ(try_to_create("c", 5), "TOO_MANY_VERTICES_IN_ALL") << "it counts with what it has";
+  remove("a");
+  EXPECT_EQ(try_to_create("c", 5), "done");
+  Answers<SheetStatus> full;
+  host_->create_sheet("d", outlined_sheet(0.35), true, full.callback());
+  ASSERT_EQ(full.count(), 1U) << "where nothing is left it is not even built";
+  EXPECT_EQ(full.reason(0), "TOO_MANY_VERTICES_IN_ALL");
+}
+
+TEST_F(BudgetHostTest, WhatCutsAddCountsAndIsNotRefused) {
+  create("a", small_sheet(), true);
+  create("b", small_sheet(), true);
+  ASSERT_TRUE(submit("a", scenes::line_cut({-0.1, 0.45}, {1.1, 0.55})));
+  ASSERT_GT(status("a").num_vertices, 25);
+  remove("b");
+  EXPECT_EQ(try_to_create("b", 5), "TOO_MANY_VERTICES_IN_ALL");
+  ASSERT_TRUE(submit("a", sheet::UndoCut{}));
+  EXPECT_EQ(try_to_create("b", 5), "done") << "an undo gives them back";
+}
+
+// Sheets are built once it is open, the first of them without memory where it is poor.
+struct Site {
+  std::atomic<bool> open{false};
+  std::atomic<bool> poor{false};
+};
+
+class BuildingHostTest : public BudgetHostTest {
+ protected:
+  static HostOptions with(const std::shared_ptr<Site>& site) {
+    HostOptions options = budget();
+    options.make_integrator = [site](const fem::IntegratorOptions& integrator) {
+      site->open.wait(false);
+      if (site->poor.exchange(false)) throw std::bad_alloc();
+      return fem::make_integrator(integrator);
+    };
+    return options;
+  }
+  explicit BuildingHostTest(std::shared_ptr<Site> site = std::make_shared<Site>())
+      : BudgetHostTest(with(site)), site_(std::move(site)) {}
+  void open() {
+    site_->open = true;
+    site_->open.notify_all();
+  }
+  std::shared_ptr<Site> site_;
+};
+
+TEST_F(BuildingHostTest, WhatIsBeingBuiltCounts) {
+  Answers<SheetStatus> answers;
+  host_->create_sheet("a", small_sheet(), true, answers.callback());
+  host_->create_sheet("b", small_sheet(), true, answers.callback());
+  host_->create_sheet("c", small_sheet(), true, answers.callback());
+  EXPECT_EQ(answers.count(), 1U);
+  EXPECT_EQ(answers.reason(0), "TOO_MANY_VERTICES_IN_ALL");
+  open();
+  host_->wait_idle();
+  EXPECT_EQ(host_->list(), (std::vector<std::string>{"a", "b"}));
+}
+
+TEST_F(BuildingHostTest, ASheetForWhichThereIsNoMemoryIsRefusedAndTheHostGoesOn) {
+  site_->poor = true;
+  open();
+  Answers<SheetStatus> answers;
+  host_->create_sheet("a", small_sheet(), true, answers.callback());
+  host_->wait_idle();
+  EXPECT_EQ(answers.at(0).error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(answers.reason(0), "OUT_OF_MEMORY");
+  EXPECT_EQ(try_to_create("a", 5), "done");
+  EXPECT_EQ(try_to_create("b", 5), "done");
 }
 
 class FailingHostTest : public HostTest {

@@ -17,11 +17,13 @@
 #include <regex>
 #include <string>
 #include <thread>
+#include <variant>
 #include <vector>
 
 #include "kerf/v1/sheets.pb.h"
 #include "render/renderer.h"
 #include "server/app/config.h"
+#include "server/sheet/sheet_config.h"
 #include "server/wire/json.h"
 #include "tests/ws/raw_client.h"
 
@@ -222,10 +224,16 @@ TEST_F(KerfdTest, RefusesOnOneLine) {
   for (const char* load : {"-1", "0.001", "1001", "nan"}) {
     EXPECT_NE(refusal({"--max-load", load}).find("neither 0 nor in 0.01..1000"), std::string::npos) << load;
   }
+  for (const char* vertices : {"-1", "1000000000001"}) {
+    EXPECT_NE(refusal({"--max-total-vertices", vertices}).find("0..1000000000000"), std::string::npos) << vertices;
+  }
   const std::string remote = refusal({"--http", "0.0.0.0:0"});
   EXPECT_NE(remote.find("TLS"), std::string::npos) << remote;
   EXPECT_NE(remote.find("--allow-remote"), std::string::npos) << remote;
   EXPECT_NE(refusal(free_ports({"--scene", "/nonexistent/scene.json"})).find("/nonexistent/scene.json"),
+            std::string::npos);
+  EXPECT_NE(refusal(free_ports({"--max-total-vertices", "2", "--scene", write("large.json", kScene)}))
+                .find("together may have 2 vertices"),
             std::string::npos);
   const std::string bad = refusal(free_ports({"--scene", write("bad.json", R"({"grid": {"columns": 1, "rows": 6}})")}));
   EXPECT_NE(bad.find("grid.columns"), std::string::npos) << bad;
@@ -257,9 +265,9 @@ TEST_F(KerfdTest, ExplainsItself) {
   Kerfd help({"--help"});
   const std::string text = help.rest_of_output();
   EXPECT_EQ(help.wait(), 0);
-  for (const char* option :
-       {"--listen", "--http", "--scene", "--workers", "--max-sheets", "--max-load", "--web", "--no-render",
-        "--render-device", "--list-render-devices", "--record", "--allow-remote", "--allow-origin", "--version"}) {
+  for (const char* option : {"--listen", "--http", "--scene", "--workers", "--max-sheets", "--max-load",
+                             "--max-total-vertices", "--web", "--no-render", "--render-device", "--list-render-devices",
+                             "--record", "--allow-remote", "--allow-origin", "--version"}) {
     EXPECT_NE(text.find(option), std::string::npos) << option;
   }
   Kerfd devices({"--list-render-devices"});
@@ -269,6 +277,20 @@ TEST_F(KerfdTest, ExplainsItself) {
   Kerfd version({"--version"});
   EXPECT_EQ(version.rest_of_output(), std::string("kerfd ") + KERF_VERSION + "\n");
   EXPECT_EQ(version.wait(), 0);
+}
+
+app::Config parsed(std::vector<const char*> arguments) {
+  arguments.insert(arguments.begin(), "kerfd");
+  return std::get<app::Config>(app::parse_command_line(static_cast<int>(arguments.size()), arguments.data()).value());
+}
+
+TEST(KerfdConfig, VerticesOfAllSheetsFitInHalfOfTheMemoryUnlessSaidOtherwise) {
+  EXPECT_EQ(app::default_total_vertices(std::int64_t{16'000'000'000}), 1'000'000);
+  EXPECT_EQ(app::default_total_vertices(std::int64_t{1} << 30), sheet::kMaxVertices) << "one of the largest, at least";
+  EXPECT_EQ(app::default_total_vertices(0), sheet::kMaxVertices) << "where the system does not tell";
+  EXPECT_GE(parsed({}).max_total_vertices, sheet::kMaxVertices);
+  EXPECT_EQ(parsed({"--max-total-vertices", "0"}).max_total_vertices, 0);
+  EXPECT_EQ(parsed({"--max-total-vertices", "1000000000000"}).max_total_vertices, app::kMostTotalVertices);
 }
 
 TEST_F(KerfdTest, FindsTheViewerBesideOrAboveTheProgram) {
