@@ -163,7 +163,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   fem::StepStats last_step_;         // of the last tick
   fem::FlagCounts flagged_ticks_{};  // of all
 
-  // What a long tick ends early for. Neither goes away while a tick is under way.
+  // What a long tick ends early for. None goes away while a tick is under way.
   std::atomic<int> pauses_waiting_{0};
   std::atomic<bool> takes_back_waiting_{false};   // an UndoCut or Reset is in queue_; written with queue_mutex_ held
   std::atomic<bool> closing_{false};              // any tick does
