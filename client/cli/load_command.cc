@@ -39,6 +39,7 @@ Status check_writable(const std::string& path) {
     return Error{ErrorCode::kUnavailable, "FILE_IO", "cannot write " + path + ": " + why, "--html"};
   };
   if (access(folder.c_str(), W_OK) != 0) return refused(std::generic_category().message(errno));
+  if (!std::filesystem::is_directory(folder)) return refused(folder.string() + " is no folder");
   if (std::filesystem::is_directory(path)) return refused("it is a folder");
   return Nothing{};
 }

@@ -1,4 +1,4 @@
-# One static library a folder. Include root is the repository: #include "server/mesh/triangle_mesh.h".
+# One library a folder. Include root is the repository: #include "server/mesh/triangle_mesh.h".
 
 add_library(kerf_warnings INTERFACE)
 target_compile_options(kerf_warnings INTERFACE
@@ -22,27 +22,35 @@ target_compile_definitions(kerf_flags INTERFACE EIGEN_DONT_PARALLELIZE EIGEN_MPL
 if(KERF_FUZZ)
   target_compile_options(kerf_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
+
+# What our own libraries are compiled with beside that: sanitizers with assertions, and checks of every mesh invariant.
+# Tests and generated code are not instrumented: they are compiled as for release, so that a compiler cache has them. The
+# libraries are shared ones then, bound to their own copies of inline functions. Thread sanitizer and fuzzers need all.
+add_library(kerf_instrumented INTERFACE)
 if(KERF_VALIDATE)
-  target_compile_definitions(kerf_flags INTERFACE KERF_VALIDATE)
+  target_compile_definitions(kerf_instrumented INTERFACE KERF_VALIDATE)
 endif()
 if(KERF_SANITIZE)
-  target_compile_options(kerf_flags INTERFACE -fsanitize=${KERF_SANITIZE} -fno-omit-frame-pointer)
+  target_compile_options(kerf_instrumented INTERFACE
+    -O1 -g1 -UNDEBUG -fsanitize=${KERF_SANITIZE} -fno-omit-frame-pointer)
   target_link_options(kerf_flags INTERFACE -fsanitize=${KERF_SANITIZE})
   if(KERF_SANITIZE MATCHES "thread")
     # The thread sanitizer does not model fences; Asio's queues are ordered by their mutexes all the same.
-    target_compile_definitions(kerf_flags INTERFACE BOOST_ASIO_DISABLE_FENCED_BLOCK)
+    target_compile_definitions(kerf_instrumented INTERFACE BOOST_ASIO_DISABLE_FENCED_BLOCK)
   endif()
   if(KERF_SANITIZE MATCHES "undefined")
     # The four left out cost a third of the build; the address sanitizer finds what null and object-size would.
-    target_compile_options(kerf_flags INTERFACE -fno-sanitize=null,alignment,object-size,vptr
-                                                -fno-sanitize-recover=undefined)
+    target_compile_options(kerf_instrumented INTERFACE -fno-sanitize=null,alignment,object-size,vptr
+                                                       -fno-sanitize-recover=undefined)
+  endif()
+  if(NOT BUILD_SHARED_LIBS)
+    target_link_libraries(kerf_flags INTERFACE $<BUILD_INTERFACE:kerf_instrumented>)
   endif()
 endif()
 
 # kerf_batches(result_variable SIZE n SOURCES ...): with KERF_UNITY, files that include so many of the sources each, to be
-# compiled in their place; without it the sources. Large ones: what is compiled anew with each is the headers of gRPC, Boost
-# and Eigen and what is instantiated of them (25 files of the kerf command: 114 s by eights, 48 as one). Not CMake's UNITY_BUILD: that includes absolute paths, which assertions
-# carry into the objects, so that no two checkouts could share a compiler cache.
+# compiled in their place; without it the sources. Large ones: each compiles the headers of gRPC, Boost and Eigen
+# once more. Not CMake's UNITY_BUILD: its absolute paths keep two checkouts from sharing a compiler cache.
 function(kerf_batches result)
   cmake_parse_arguments(ARG "" "SIZE" "SOURCES" ${ARGN})
   set(batches ${ARG_SOURCES})
@@ -87,11 +95,15 @@ function(kerf_module name)
     list(REMOVE_ITEM together ${source})
   endforeach()
   kerf_batches(${name}_batch SIZE 20 SOURCES ${together})
-  add_library(kerf_${name} STATIC ${${name}_batch} ${ARG_ALONE})
+  add_library(kerf_${name} ${${name}_batch} ${ARG_ALONE})
   set_target_properties(kerf_${name} PROPERTIES KERF_SOURCES "${ARG_SOURCES}")
   add_library(kerf::${name} ALIAS kerf_${name})
   target_include_directories(kerf_${name} PUBLIC ${kerf_includes})
-  target_link_libraries(kerf_${name} PUBLIC kerf_flags ${ARG_DEPENDS} PRIVATE $<BUILD_INTERFACE:kerf_warnings>)
+  target_link_libraries(kerf_${name} PUBLIC kerf_flags ${ARG_DEPENDS} PRIVATE $<BUILD_INTERFACE:kerf_warnings>
+    $<BUILD_INTERFACE:kerf_instrumented>)
+  if(BUILD_SHARED_LIBS)
+    target_link_options(kerf_${name} PRIVATE -Wl,-Bsymbolic-functions)
+  endif()
   if(KERF_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # False alarms on std::variant, where so much is inlined.
     target_compile_options(kerf_${name} PRIVATE $<$<CONFIG:Release>:-Wno-maybe-uninitialized>)

@@ -9,16 +9,13 @@
 #include "server/cut/cut.h"
 #include "server/mesh/grid_mesh.h"
 #include "tests/audit/audited_cut.h"
-
-// Of each case; sanitizer builds take fewer.
-#ifndef KERF_PLACEMENTS
-#define KERF_PLACEMENTS 100
-#endif
+#include "tests/support/trials.h"
 
 // A test's short ways to meshes and to cuts, each of which is checked.
 namespace kerf::cut {
 
-inline constexpr int kPlacements = KERF_PLACEMENTS;
+// Number of placements of each case on the sheet.
+inline const int kPlacements = test::num_trials({.few = 8, .usual = 100, .many = 100});
 
 inline mesh::TriangleMesh grid(std::int32_t vertices) {
   return *mesh::make_grid({vertices, vertices, 1.0, 1.0});

@@ -175,7 +175,7 @@ TEST_P(CovarianceRootSolvers, LeaveTheGuessWhereTheMatrixIsNotFinite) {
 }
 
 TEST_P(CovarianceRootSolvers, DoNotAllocateOnceTheyHaveSeenThePattern) {
-  if (!test::kCountsAllocations) GTEST_SKIP() << "the sanitizer has its own malloc";
+  if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer has its own malloc";
   const System system = random_system(12, 1.0, 31);
   SeededRandom random(2);
   const mesh::VertexField b = random_field(random, system.A.num_rows(), 1.0);

@@ -1,8 +1,7 @@
 // Random cuts against the exact arrangement, in four parts of one binary. A failure prints the seed of its trial; run
 // that one alone with
-//   KERF_CUT_SEED=<seed> oracle_test --gtest_filter=*<test>/0
+//   KERF_CUT_SEED=<seed> oracle_tests --gtest_filter='*<test>/0'
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -14,11 +13,7 @@
 #include "tests/oracle/exact_arrangement.h"
 #include "tests/property/random_curves.h"
 #include "tests/property/random_sheets.h"
-
-// Cuts of each part of the two tests.
-#ifndef KERF_ORACLE_CUTS
-#define KERF_ORACLE_CUTS 12500
-#endif
+#include "tests/support/trials.h"
 
 namespace kerf::oracle {
 namespace {
@@ -99,11 +94,13 @@ void run_trial(std::uint64_t seed, bool snaps, Tally& tally, const Judge& judge)
 template <typename Judge>
 Tally run_all(std::uint64_t first_seed, bool snaps, const Judge& judge) {
   Tally tally;
-  if (const char* only = std::getenv("KERF_CUT_SEED")) {
-    run_trial(std::strtoull(only, nullptr, 10), snaps, tally, judge);
+  if (const auto only = test::only_seed()) {
+    run_trial(*only, snaps, tally, judge);
     return tally;
   }
-  for (std::uint64_t seed = first_seed; tally.cuts < KERF_ORACLE_CUTS && !::testing::Test::HasFailure(); ++seed) {
+  // A share of 2 % needs 1,500 cuts.
+  const int num_cuts = test::num_trials({.few = 1'500, .usual = 3'000, .many = 12'500});
+  for (std::uint64_t seed = first_seed; tally.cuts < num_cuts && !::testing::Test::HasFailure(); ++seed) {
     run_trial(seed, snaps, tally, judge);
   }
   return tally;
@@ -113,7 +110,7 @@ class Oracle : public ::testing::TestWithParam<int> {
  protected:
   // Both tests have their own.
   [[nodiscard]] static std::uint64_t first_seed(bool snaps) {
-    return 1 + (2 * static_cast<std::uint64_t>(GetParam()) + (snaps ? 1 : 0)) * kSeedsOfAPart;
+    return test::first_seed() + 1 + (2 * static_cast<std::uint64_t>(GetParam()) + (snaps ? 1 : 0)) * kSeedsOfAPart;
   }
 };
 

@@ -15,11 +15,7 @@
 #include "server/cut/cut.h"
 #include "tests/audit/audited_cut.h"
 #include "tests/support/meshes.h"
-
-// Sequences of up to four cuts in each property.
-#ifndef KERF_SEQUENCES
-#define KERF_SEQUENCES 4000
-#endif
+#include "tests/support/trials.h"
 
 namespace kerf::cut {
 
@@ -118,7 +114,9 @@ std::vector<Curve> any_curves() {
 
 // rapidcheck takes its settings from the environment, at first use.
 bool check(const char* what, const std::function<void()>& property) {
-  const std::string settings = "seed=20 max_size=60 max_success=" + std::to_string(KERF_SEQUENCES);
+  const int num_sequences = test::num_trials({.few = 60, .usual = 1'000, .many = 4'000});  // of up to four cuts
+  const std::string settings =
+      "seed=" + std::to_string(20 + test::chosen_seed()) + " max_size=60 max_success=" + std::to_string(num_sequences);
   setenv("RC_PARAMS", settings.c_str(), 0);
   return rc::check(what, property);
 }

@@ -3,10 +3,9 @@
 // heights are what the curves leave room for. Most random curves leave little: where two strands, or a strand and an
 // older lip, a corner of a path or the border, are some distance apart, a triangle no higher than that has to lie in
 // between. The exact arrangement tells that distance. A failure prints the seed of its trial; run that one alone with
-//   KERF_CUT_SEED=<seed> random_cut_quality_test
+//   KERF_CUT_SEED=<seed> property_tests --gtest_filter='RandomCutQuality.*'
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -17,10 +16,7 @@
 #include "tests/oracle/exact_arrangement.h"
 #include "tests/property/random_curves.h"
 #include "tests/property/random_sheets.h"
-
-#ifndef KERF_RANDOM_CUTS
-#define KERF_RANDOM_CUTS 6000
-#endif
+#include "tests/support/trials.h"
 
 namespace kerf::cut {
 namespace {
@@ -103,11 +99,13 @@ void run_trial(std::uint64_t seed, Tally& tally) {
 
 TEST(RandomCutQuality, NoTriangleBelowTheAngleOutsideTheCornersNamed) {
   Tally tally;
-  if (const char* only = std::getenv("KERF_CUT_SEED")) {
-    run_trial(std::strtoull(only, nullptr, 10), tally);
+  if (const auto only = test::only_seed()) {
+    run_trial(*only, tally);
     return;
   }
-  for (std::uint64_t seed = 1; tally.cuts < KERF_RANDOM_CUTS && !HasFailure(); ++seed) run_trial(seed, tally);
+  const int num_cuts = test::num_trials({.few = 1'000, .usual = 3'000, .many = 12'000});
+  for (std::uint64_t seed = test::first_seed() + 1; tally.cuts < num_cuts && !HasFailure(); ++seed)
+    run_trial(seed, tally);
   const double per_crossed = static_cast<double>(tally.added) / static_cast<double>(tally.crossed);
   std::printf(
       "%d cuts: %d applied, refinement stopped in %d; %.2f new a crossed triangle at 20 degrees; medians of the "

@@ -1,16 +1,12 @@
-// 50,000 random cuts, each audited. A failure prints the seed of its trial; run that one alone with
-//   KERF_CUT_SEED=<seed> random_cuts_test
+// Random cuts by the thousand, each audited. A failure prints the seed of its trial; run that one alone with
+//   KERF_CUT_SEED=<seed> property_tests --gtest_filter='RandomCuts.*'
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "tests/property/random_cut_trial.h"
-
-#ifndef KERF_RANDOM_CUTS
-#define KERF_RANDOM_CUTS 50000
-#endif
+#include "tests/support/trials.h"
 
 namespace kerf::property {
 namespace {
@@ -21,14 +17,15 @@ void expect_sound(std::uint64_t seed, Tally& tally) {
 
 TEST(RandomCuts, KeepEveryInvariant) {
   Tally tally;
-  if (const char* only = std::getenv("KERF_CUT_SEED")) {
-    expect_sound(std::strtoull(only, nullptr, 10), tally);
+  if (const auto only = test::only_seed()) {
+    expect_sound(*only, tally);
     return;
   }
+  const int num_cuts = test::num_trials({.few = 600, .usual = 10'000, .many = 50'000});
   // Two thirds of the cuts are singles.
-  std::uint64_t single = 2;
-  std::uint64_t sequence = 1;
-  while (tally.cuts < KERF_RANDOM_CUTS && !HasFailure()) {
+  std::uint64_t single = test::first_seed() + 2;
+  std::uint64_t sequence = test::first_seed() + 1;
+  while (tally.cuts < num_cuts && !HasFailure()) {
     for (int i = 0; i < 2 * kCutsOfASequence / kSingles && !HasFailure(); ++i, single += 2) expect_sound(single, tally);
     if (HasFailure()) break;
     expect_sound(sequence, tally);

@@ -1,10 +1,9 @@
 // Random cuts on sheets that move, through Sheet::apply: what follows from the mesh must follow every cut. A failure
 // prints the seed of its trial; run that one alone with
-//   KERF_CUT_SEED=<seed> random_sheet_cuts_test
+//   KERF_CUT_SEED=<seed> property_tests --gtest_filter='RandomSheetCuts.*'
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <string>
 #include <utility>
@@ -18,10 +17,7 @@
 #include "server/sheet/topology.h"
 #include "tests/property/moving_sheets.h"
 #include "tests/property/random_curves.h"
-
-#ifndef KERF_RANDOM_CUTS
-#define KERF_RANDOM_CUTS 800
-#endif
+#include "tests/support/trials.h"
 
 namespace kerf::sheet {
 namespace {
@@ -109,11 +105,14 @@ void run_trial(std::uint64_t seed, Tally& tally) {
 
 TEST(RandomSheetCuts, AreFollowedByModelStateAndViewers) {
   Tally tally;
-  if (const char* only = std::getenv("KERF_CUT_SEED")) {
-    run_trial(std::strtoull(only, nullptr, 10), tally);
+  if (const auto only = test::only_seed()) {
+    run_trial(*only, tally);
     return;
   }
-  for (std::uint64_t seed = 1; tally.cuts < KERF_RANDOM_CUTS && !HasFatalFailure(); ++seed) run_trial(seed, tally);
+  const int num_cuts = test::num_trials({.few = 100, .usual = 400, .many = 4'000});
+  for (std::uint64_t seed = test::first_seed() + 1; tally.cuts < num_cuts && !HasFatalFailure(); ++seed) {
+    run_trial(seed, tally);
+  }
   if (HasFatalFailure()) return;
   std::printf("%d cuts of moving sheets: %d applied, %d strips\n", tally.cuts, tally.applied, tally.strips);
   EXPECT_GT(tally.applied, tally.cuts / 2);

@@ -1,10 +1,9 @@
 // Random sequences of cuts, batches, undos and redos on sheets that move in between, through Sheet::apply. A failure
 // prints the seed of its trial; run that one alone with
-//   KERF_CUT_SEED=<seed> random_undo_test
+//   KERF_CUT_SEED=<seed> property_tests --gtest_filter='RandomUndo.*'
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <set>
 #include <string>
 #include <utility>
@@ -17,15 +16,12 @@
 #include "server/sheet/topology.h"
 #include "tests/property/moving_sheets.h"
 #include "tests/property/random_curves.h"
-
-#ifndef KERF_RANDOM_UNDOS
-#define KERF_RANDOM_UNDOS 600
-#endif
+#include "tests/support/trials.h"
 
 namespace kerf::sheet {
 namespace {
 
-struct Tally {
+struct UndoTally {
   int undos = 0, redos = 0, steps = 0, batches = 0, strips = 0;
 };
 
@@ -54,7 +50,7 @@ std::vector<std::int64_t> ids_of(const Sheet& sheet) {
 
 class Trial {
  public:
-  Trial(std::uint64_t seed, Tally& tally) : random_(seed), tally_(tally), sheet_(make()) {
+  Trial(std::uint64_t seed, UndoTally& tally) : random_(seed), tally_(tally), sheet_(make()) {
     seen_ids_.insert(0);
     note_level(0.0, false);
   }
@@ -215,7 +211,7 @@ class Trial {
   }
 
   SeededRandom random_;
-  Tally& tally_;
+  UndoTally& tally_;
   property::Frame frame_;
   Sheet sheet_;
   std::vector<cut::Curve> earlier_;
@@ -225,18 +221,21 @@ class Trial {
   property::PatchMirror viewer_;
 };
 
-void run_trial(std::uint64_t seed, Tally& tally) {
+void run_undo_trial(std::uint64_t seed, UndoTally& tally) {
   SCOPED_TRACE("KERF_CUT_SEED=" + std::to_string(seed));
   Trial(seed, tally).run();
 }
 
 TEST(RandomUndo, GoesBackAndForthBitForBitWhileTheMotionGoesOn) {
-  Tally tally;
-  if (const char* only = std::getenv("KERF_CUT_SEED")) {
-    run_trial(std::strtoull(only, nullptr, 10), tally);
+  UndoTally tally;
+  if (const auto only = test::only_seed()) {
+    run_undo_trial(*only, tally);
     return;
   }
-  for (std::uint64_t seed = 1; tally.undos < KERF_RANDOM_UNDOS && !HasFatalFailure(); ++seed) run_trial(seed, tally);
+  const int num_undos = test::num_trials({.few = 80, .usual = 300, .many = 3'000});
+  for (std::uint64_t seed = test::first_seed() + 1; tally.undos < num_undos && !HasFatalFailure(); ++seed) {
+    run_undo_trial(seed, tally);
+  }
   if (HasFatalFailure()) return;
   std::printf("%d steps (%d of them batches, %d with strips), %d undone, %d made again\n", tally.steps, tally.batches,
               tally.strips, tally.undos, tally.redos);

@@ -2,20 +2,16 @@
 // other cuts. Not in one of a thousand: where strands run within the snap distance of each other from outside the sheet
 // to outside it, or the edge length and with it the snap distance jumps along them, they may be told apart the second
 // time; then both replies tell of gaps closed. A failure prints the seed of its trial; run that one alone with
-//   KERF_CUT_SEED=<seed> repeated_cuts_test
+//   KERF_CUT_SEED=<seed> property_tests --gtest_filter='RepeatedCuts.*'
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/property/random_cut_trial.h"
-
-#ifndef KERF_REPEATED_CUTS
-#define KERF_REPEATED_CUTS 8000
-#endif
+#include "tests/support/trials.h"
 
 namespace kerf::property {
 namespace {
@@ -72,12 +68,12 @@ void run_trial(std::uint64_t seed, int num_cuts, Repeated& tally) {
 
 TEST(RepeatedCuts, AreMisses) {
   Repeated tally;
-  if (const char* only = std::getenv("KERF_CUT_SEED")) {
-    const std::uint64_t seed = std::strtoull(only, nullptr, 10);
-    run_trial(seed, seed % 2 == 0 ? 1 : 3, tally);
+  if (const auto only = test::only_seed()) {
+    run_trial(*only, *only % 2 == 0 ? 1 : 3, tally);
     return;
   }
-  for (std::uint64_t seed = 1; tally.cuts < KERF_REPEATED_CUTS && !HasFailure(); ++seed) {
+  const int num_cuts = test::num_trials({.few = 300, .usual = 2'000, .many = 16'000});
+  for (std::uint64_t seed = test::first_seed() + 1; tally.cuts < num_cuts && !HasFailure(); ++seed) {
     run_trial(seed, seed % 2 == 0 ? 1 : 3, tally);
   }
   std::printf("%d cuts, %d applied, %d of them strips, %d with closed gaps; made again: %d at once, %d after others\n",

@@ -230,8 +230,8 @@ TEST_F(KerfdTest, RefusesOnOneLine) {
   const std::string remote = refusal({"--http", "0.0.0.0:0"});
   EXPECT_NE(remote.find("TLS"), std::string::npos) << remote;
   EXPECT_NE(remote.find("--allow-remote"), std::string::npos) << remote;
-  EXPECT_NE(refusal(free_ports({"--scene", "/nonexistent/scene.json"})).find("/nonexistent/scene.json"),
-            std::string::npos);
+  const std::string missing = (folder_ / "missing.json").string();
+  EXPECT_NE(refusal(free_ports({"--scene", missing})).find(missing), std::string::npos);
   EXPECT_NE(refusal(free_ports({"--max-total-vertices", "2", "--scene", write("large.json", kScene)}))
                 .find("together may have 2 vertices"),
             std::string::npos);

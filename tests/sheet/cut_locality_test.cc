@@ -63,7 +63,7 @@ Work work_of(int side, IntegratorKind integrator) {
 class CutLocality : public testing::TestWithParam<IntegratorKind> {};
 
 TEST_P(CutLocality, WhatACutItsUndoAndItsRedoAllocateDoesNotGrowWithTheSheet) {
-  if (!test::kCountsAllocations) GTEST_SKIP() << "the sanitizer has its own malloc";
+  if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer has its own malloc";
   const Work small = work_of(61, GetParam());
   const Work large = work_of(241, GetParam());  // 16 times the triangles
   EXPECT_GT(small.crossed, 40);
@@ -104,7 +104,7 @@ TEST_P(FollowedCuts, StepAsIfTheIntegratorWereNew) {
   }
 }
 
-IntegratorSettings settings(IntegratorKind kind, LinearSolverKind solver) {
+IntegratorSettings settings_of(IntegratorKind kind, LinearSolverKind solver) {
   IntegratorSettings settings;
   settings.kind = kind;
   settings.solver = solver;
@@ -112,11 +112,12 @@ IntegratorSettings settings(IntegratorKind kind, LinearSolverKind solver) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, FollowedCuts,
-                         testing::Values(settings(IntegratorKind::kExplicitLeapfrog, LinearSolverKind::kBlockJacobiCg),
-                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kBlockJacobiCg),
-                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
-                                         settings(IntegratorKind::kImplicitEuler, LinearSolverKind::kMultigridCg),
-                                         settings(IntegratorKind::kAutomatic, LinearSolverKind::kBlockJacobiCg)));
+                         testing::Values(settings_of(IntegratorKind::kExplicitLeapfrog,
+                                                     LinearSolverKind::kBlockJacobiCg),
+                                         settings_of(IntegratorKind::kImplicitEuler, LinearSolverKind::kBlockJacobiCg),
+                                         settings_of(IntegratorKind::kImplicitEuler, LinearSolverKind::kDirect),
+                                         settings_of(IntegratorKind::kImplicitEuler, LinearSolverKind::kMultigridCg),
+                                         settings_of(IntegratorKind::kAutomatic, LinearSolverKind::kBlockJacobiCg)));
 
 }  // namespace
 }  // namespace kerf::sheet

@@ -42,7 +42,7 @@ int num_touching(const Sheet& sheet) {
 class SheetAllocation : public testing::TestWithParam<IntegratorSettings> {};
 
 TEST_P(SheetAllocation, ATickWithoutCommandsAllocatesNothing) {
-  if (!test::kCountsAllocations) GTEST_SKIP() << "the sanitizer has its own malloc";
+  if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer has its own malloc";
   Sheet sheet = busy_sheet(GetParam());
   EXPECT_EQ(num_touching(sheet), 0);
   const std::size_t before = test::num_allocations();
@@ -52,7 +52,7 @@ TEST_P(SheetAllocation, ATickWithoutCommandsAllocatesNothing) {
 }
 
 TEST_P(SheetAllocation, TheCounterSeesWhatAViewerAndAMatrixCost) {
-  if (!test::kCountsAllocations) GTEST_SKIP() << "the sanitizer has its own malloc";
+  if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer has its own malloc";
   const Sheet sheet = busy_sheet(GetParam());
   const std::size_t before = test::num_allocations();
   const std::shared_ptr<const Snapshot> snapshot = sheet.snapshot();

@@ -1,6 +1,6 @@
 // Contact and friction as a whole sheet feels them, whichever integrator steps it.
 #include <cmath>
-#include <ostream>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,6 @@
 #include "tests/support/scenes.h"
 
 namespace kerf::sheet {
-
-void PrintTo(IntegratorKind kind, std::ostream* out) {
-  *out << (kind == IntegratorKind::kExplicitLeapfrog ? "Explicit" : "Implicit");
-}
-
 namespace {
 
 constexpr double kGravity = 9.81;  // m/s^2
@@ -90,7 +85,10 @@ TEST_P(SheetContact, CollidersOutOfReachChangeNothing) {
 
 INSTANTIATE_TEST_SUITE_P(, SheetContact,
                          ::testing::Values(IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler),
-                         ::testing::PrintToStringParamName());
+                         [](const ::testing::TestParamInfo<IntegratorKind>& tested) {
+                           const bool is_explicit = tested.param == IntegratorKind::kExplicitLeapfrog;
+                           return std::string(is_explicit ? "Explicit" : "Implicit");
+                         });
 
 }  // namespace
 }  // namespace kerf::sheet

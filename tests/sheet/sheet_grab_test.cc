@@ -4,6 +4,7 @@
 #include "tests/sheet/sheet_calls.h"
 #include "tests/support/meshes.h"
 #include "tests/support/scenes.h"
+#include "tests/support/trials.h"
 
 namespace kerf::sheet {
 namespace {
@@ -74,25 +75,18 @@ TEST(Sheet, AllowsAtMost64Grabs) {
   EXPECT_EQ(reply.error().code, ErrorCode::kResourceExhausted);
 }
 
-// The address sanitizer makes this some twenty times as slow.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr int kViolentSide = 5;
-constexpr int kViolentTicks = 12;
-#else
-constexpr int kViolentSide = 10;
-constexpr int kViolentTicks = 30;
-#endif
-
 TEST(Sheet, AViolentGrabNeverMakesItNotFinite) {
   const Vector3d target(1e5, -1e5, 1e5);
+  const int side = test::num_trials({.few = 5, .usual = 10, .many = 10});
+  const int num_ticks = test::num_trials({.few = 12, .usual = 30, .many = 30});
   for (const IntegratorKind kind : {IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler}) {
-    SheetConfig config = scenes::hanging(kViolentSide);
+    SheetConfig config = scenes::hanging(side);
     config.integrator.kind = kind;
     Sheet sheet = make(config);
     ASSERT_TRUE(apply(sheet, Grab{"a", 3, target, 1e6}));
     ASSERT_TRUE(apply(sheet, SetGravity{Vector3d(0, 0, 9e3)}));
     ASSERT_TRUE(apply(sheet, SetWind{{Vector3d(1000, 0, 0), 100.0, 10.0}}));
-    for (int i = 0; i < kViolentTicks; ++i) {
+    for (int i = 0; i < num_ticks; ++i) {
       const TickReport report = sheet.step({});
       EXPECT_FALSE(report.step_failed || report.frozen) << "tick " << i;
       ASSERT_TRUE(sheet.state().x.allFinite() && sheet.state().v.allFinite());

@@ -7,20 +7,20 @@
 #include <gtest/gtest.h>
 
 #include "tests/stability/stability_case.h"
+#include "tests/support/trials.h"
 
 namespace kerf::stability {
 namespace {
 
-constexpr std::size_t kTestedPerStart = 6;  // 108 cases
-#if defined(__SANITIZE_ADDRESS__)
-constexpr std::size_t kShare = 1;
-constexpr int kSteps = 2;
-constexpr int kSpinSteps = 100;
-#else
-constexpr std::size_t kShare = kTestedPerStart;
-constexpr int kSteps = 150;  // stability_matrix takes 600
-constexpr int kSpinSteps = 10'000;
-#endif
+constexpr int kTestedPerStart = 6;  // 108 cases
+
+// Cases of each start, and steps of each; stability_matrix takes 600.
+std::size_t share() {
+  return static_cast<std::size_t>(test::num_trials({.few = 1, .usual = kTestedPerStart, .many = 2 * kTestedPerStart}));
+}
+int num_steps() {
+  return test::num_trials({.few = 2, .usual = 150, .many = 150});
+}
 
 TEST(StabilityMatrix, CoversEveryStartStiffnessStepAndAspectRatio) {
   const std::vector<Case> cases = matrix();
@@ -36,7 +36,7 @@ TEST(StabilityMatrix, CoversEveryStartStiffnessStepAndAspectRatio) {
 class StabilityMatrixCase : public testing::TestWithParam<Case> {};
 
 TEST_P(StabilityMatrixCase, StaysFiniteAndKeepsItsEnergy) {
-  const Outcome outcome = run(GetParam(), kSteps, kMatrixBudget);
+  const Outcome outcome = run(GetParam(), num_steps(), kMatrixBudget);
   EXPECT_TRUE(outcome.finite);
   const fem::ConditionClass rating = fem::rate_condition(outcome.condition);
   if (rating == fem::ConditionClass::kBounded) {
@@ -48,7 +48,7 @@ TEST_P(StabilityMatrixCase, StaysFiniteAndKeepsItsEnergy) {
   EXPECT_LE(outcome.drift, 1e-6) << outcome.integrator;
 }
 
-INSTANTIATE_TEST_SUITE_P(Share, StabilityMatrixCase, testing::ValuesIn(matrix(kShare)));
+INSTANTIATE_TEST_SUITE_P(Share, StabilityMatrixCase, testing::ValuesIn(matrix(share())));
 
 // Where users ask for double precision.
 std::vector<Case> in_double(std::vector<Case> cases) {
@@ -56,7 +56,7 @@ std::vector<Case> in_double(std::vector<Case> cases) {
   return cases;
 }
 INSTANTIATE_TEST_SUITE_P(ShareInDouble, StabilityMatrixCase,
-                         testing::ValuesIn(in_double(matrix(std::min<std::size_t>(kShare, 2)))));
+                         testing::ValuesIn(in_double(matrix(std::min<std::size_t>(share(), 2)))));
 
 // Cases beyond the share that once gained energy without end, or lost momentum: bending kicks in resonance with a taut
 // strip, gains let pass in each of many steps, bending energy of slivers that rounding made negative, energy taken from
@@ -82,6 +82,7 @@ TEST(StabilityOfSpin, NeverGainsEnergyNorLeavesItsPlace) {
     int newton_iterations = 0;  // of a new sheet
   };
   constexpr double kTick = 1.0 / 60.0;
+  const int num_spin_steps = test::num_trials({.few = 100, .usual = 2'000, .many = 10'000});
   for (const Spin& each :
        {Spin{fem::IntegratorKind::kAutomatic, 1e6, 1e-4}, Spin{fem::IntegratorKind::kAutomatic, 1e6, kTick},
         Spin{fem::IntegratorKind::kAutomatic, 1e9, kTick}, Spin{fem::IntegratorKind::kTrBdf2, 1e6, kTick, 5},
@@ -92,11 +93,11 @@ TEST(StabilityOfSpin, NeverGainsEnergyNorLeavesItsPlace) {
     spin.youngs_modulus = each.youngs_modulus;
     spin.dt = each.dt;
     spin.newton_iterations = each.newton_iterations;
-    const Outcome outcome = run(spin, kSpinSteps, {});
+    const Outcome outcome = run(spin, num_spin_steps, {});
     SCOPED_TRACE(spin.name() + ": " + outcome.integrator);
-    ASSERT_EQ(outcome.num_steps, kSpinSteps);
+    ASSERT_EQ(outcome.num_steps, num_spin_steps);
     EXPECT_TRUE(outcome.finite);
-    EXPECT_NEAR(outcome.simulated, kSpinSteps * each.dt, 1e-6 * outcome.simulated) << "frozen, or cut short";
+    EXPECT_NEAR(outcome.simulated, num_spin_steps * each.dt, 1e-6 * outcome.simulated) << "frozen, or cut short";
     EXPECT_LE(outcome.gain, 1e-4);
     EXPECT_LE(outcome.drift, 1e-9);
   }

@@ -1,6 +1,6 @@
 // 300 real drawings (tests/data/clipart) as patterns: each cuts the sheet or is refused with a reason, and the audit
 // finds nothing wrong with the mesh after it. Prints what became of them; run one alone, with all checks, by
-//   KERF_SVG_FILE=<part of its path> svg_files_test
+//   KERF_SVG_FILE=<part of its path> svg_tests --gtest_filter='SvgFiles.*'
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -18,10 +18,7 @@
 #include "server/svg/svg.h"
 #include "tests/audit/audited_cut.h"
 #include "tests/support/meshes.h"
-
-#ifndef KERF_EVERY
-#define KERF_EVERY 1  // drawing counts; sanitizers take fewer
-#endif
+#include "tests/support/trials.h"
 
 namespace kerf::svg {
 namespace {
@@ -93,8 +90,10 @@ TEST(SvgFiles, EachIsCutOrRefusedAndNoInvariantIsBroken) {
   ASSERT_EQ(files.size(), all ? 300U : files.size()) << "in " << KERF_CLIPART;
   const mesh::TriangleMesh sheet = test::must(mesh::make_grid({50, 50, 1.0, 1.0}));
   Tally tally;
-  for (std::size_t i = 0; i < files.size(); i += all ? KERF_EVERY : 1) {
-    const auto flaw = cut_drawing(sheet, content_of(files[i]), !all || i % (8 * KERF_EVERY) == 0, tally);
+  // Sanitizers take one drawing in 15.
+  const std::size_t stride = all ? static_cast<std::size_t>(test::num_trials({.few = 15, .usual = 1, .many = 1})) : 1;
+  for (std::size_t i = 0; i < files.size(); i += stride) {
+    const auto flaw = cut_drawing(sheet, content_of(files[i]), !all || i % (8 * stride) == 0, tally);
     EXPECT_EQ(flaw.value_or(""), "") << "KERF_SVG_FILE=" << files[i].lexically_relative(KERF_CLIPART).string();
   }
   std::printf("%lld drawings: %lld cut into %lld pieces with %lld new triangles, refinement stopped in %lld\n",
@@ -103,7 +102,7 @@ TEST(SvgFiles, EachIsCutOrRefusedAndNoInvariantIsBroken) {
               static_cast<long long>(tally.stopped));
   for (const auto& [reason, count] : tally.refused) std::printf("  %3d refused: %s\n", count, reason.c_str());
   for (const std::string& kind : tally.not_cut) std::printf("  told: %s\n", kind.c_str());
-  if (!all || KERF_EVERY != 1) return;
+  if (!all || stride != 1) return;
   EXPECT_EQ(tally.applied, 292);
   // Five gradients without a shape, one photograph, one page of text; one drawing beyond a path's limit on segments.
   EXPECT_THAT(tally.refused, ElementsAre(Pair("CURVE_TOO_LONG", 1), Pair("SVG_EMPTY", 7)));

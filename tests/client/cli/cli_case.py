@@ -59,6 +59,12 @@ def path(name):
     return os.path.join(OPTIONS.work, name)
 
 
+def below_a_file(name):
+    """A path at which nothing can be, whatever lies on this machine."""
+    pathlib.Path(path("no-folder")).write_text("")
+    return path(f"no-folder/{name}")
+
+
 def scene_file(name, **changes):
     """A scene file: a small sheet that is cut at tick 5 of 20, but for what `changes` says otherwise (None: not at all)."""
     content = {name: value for name, value in {**SMALL_SCENE, **changes}.items() if value is not None}

@@ -7,7 +7,7 @@ import socket
 import subprocess
 
 import cli_case
-from cli_case import Case, address, kerf, main, path, setUpModule, tearDownModule
+from cli_case import Case, address, below_a_file, kerf, main, path, setUpModule, tearDownModule
 
 
 class Load(Case):
@@ -64,7 +64,7 @@ class Load(Case):
                               (("--viewers", "-1"), "0..1000"), (("--transport", "ws"), "--http"), (("--prefix", "Load"), "--prefix"),
                               (("--image-size", "1x1"), "16..4096")):
             self.refused("load", *options, code=2, says=says)
-        self.refused(*self.SMALL, "--html", "/nonexistent/report.html", says="/nonexistent")
+        self.refused(*self.SMALL, "--html", below_a_file("report.html"), says="no-folder/report.html")
         self.assertEqual(self.loaded(), [])
 
 

@@ -4,7 +4,7 @@ import base64
 import json
 import pathlib
 
-from cli_case import ROOT, Case, kerf, main, panel, path, scene_file, setUpModule, tearDownModule
+from cli_case import ROOT, Case, below_a_file, kerf, main, panel, path, scene_file, setUpModule, tearDownModule
 
 
 class Runs(Case):
@@ -117,7 +117,7 @@ class Runs(Case):
         self.refused("run", path("missing.json"), says="missing.json")
         self.refused("run", scene_file("bad.json", gravity_mps2={"x": "NaN"}), says="gravity_mps2")
         self.refused("run", scene_file("typo.json", colour="red"), says="colour")
-        self.refused("run", scene_file("small.json"), "--out", "/nonexistent/r.json", says="/nonexistent")
+        self.refused("run", scene_file("small.json"), "--out", below_a_file("r.json"), says="no-folder/r.json")
         self.refused("run", scene_file("small.json"), "--ticks", "0", code=2)
         pathlib.Path(path("broken.json")).write_text('{"grid": ')
         self.refused("run", path("broken.json"), says="line 1")

@@ -2,7 +2,7 @@
 
 import json
 
-from cli_case import Case, kerf, main, setUpModule, tearDownModule
+from cli_case import Case, kerf, main, path, setUpModule, tearDownModule
 
 
 class Usage(Case):
@@ -22,7 +22,7 @@ class Usage(Case):
     def test_refusals_are_json_with_json(self):
         for command, code, wanted in (
                 (["sheet", "get", "nobody"], 1, {"code": "NOT_FOUND", "reason": "SHEET_NOT_FOUND", "field": "name"}),
-                (["run", "/nonexistent.json"], 1, {"code": "NOT_FOUND", "reason": "FILE_NOT_FOUND"}),
+                (["run", path("missing.json")], 1, {"code": "NOT_FOUND", "reason": "FILE_NOT_FOUND"}),
                 (["sheet", "create", "a", "--grid", "big"], 2, {"code": "INVALID_ARGUMENT", "reason": "WRONG_USAGE", "field": ""}),
                 (["fly"], 2, {"code": "INVALID_ARGUMENT", "reason": "WRONG_USAGE"})):
             plain, done = kerf(*command), kerf("--json", *command)

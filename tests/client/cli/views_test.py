@@ -6,7 +6,7 @@ import os
 import pathlib
 import struct
 
-from cli_case import Case, kerf, main, path, setUpModule, tearDownModule
+from cli_case import Case, below_a_file, kerf, main, path, setUpModule, tearDownModule
 
 
 class Views(Case):
@@ -41,7 +41,7 @@ class Views(Case):
         self.refused("render", "view", "--out", path("a.png"), "--fov", "30", code=2)
         self.refused("render", "view", "--out", path("a.png"), "--size", "9999x10", says="width_px")
         self.refused("render", "view", "--out", path("a.gif"), code=2, says="--out")
-        self.refused("render", "view", "--out", "/nonexistent/a.png", says="/nonexistent/a.png")
+        self.refused("render", "view", "--out", below_a_file("a.png"), says="no-folder/a.png")
         self.assertFalse(os.path.exists(path("a.png")))
 
     def test_export(self):
