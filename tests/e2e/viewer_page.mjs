@@ -1,7 +1,7 @@
 import { check, kPatienceMs, root } from './harness.mjs';
 import { readPng } from './png.mjs';
 
-const kFrameMs = Number(process.env.FRAME_MS ?? 150);
+const kFrameMs = 150;
 
 // Made here and sent as source: the page's content security policy forbids making functions there.
 function pageFunction(expression) {
@@ -225,9 +225,14 @@ export class ViewerPage {
     await this.picture(name);
   }
 
+  /** Waits until the page has drawn whatever has changed by now. */
+  allDrawn() {
+    return this.page.evaluate(() => window.allDrawn());
+  }
+
   /** The page as a PNG, with all that has changed by now; also kept as a file. */
   async picture(name) {
-    await this.page.evaluate(() => window.allDrawn());
+    await this.allDrawn();
     return this.page.screenshot({ path: `${root}build/e2e/${name}.png` });
   }
 }

@@ -24,7 +24,9 @@ export function viewerSteps(steps, browser, server) {
   });
 
   steps.step('the scheduled cut arrives', async () => {
+    await post(url, 'SheetService/SetSheetSpeed', { ...kDemo, speed: 4 });
     await viewer.until(`k.numVertices > ${kDemoVertices} && k.tick > 420`);
+    await post(url, 'SheetService/SetSheetSpeed', { ...kDemo, speed: 1 });
     await viewer.screenshot('live');
   });
 
@@ -121,11 +123,11 @@ export function viewerSteps(steps, browser, server) {
     const from = await viewer.at(material.x, material.y);
     const { z } = await viewer.read('k.toWorld(0.5, 0.5)');
     await viewer.drag(from, { x: from.x, y: from.y - 190 });
-    await viewer.until('k.toWorld(given.x, given.y).z > given.z + 0.12', { ...material, z });
-    // The spring ends at the pointer, well above the sheet.
+    // The spring ends at the pointer, well above the sheet, which follows.
     const row = Array.from({ length: 41 }, (_, i) => ({ x: from.x - 20 + i, y: from.y - 170 }));
     const isSpring = ([red, , blue]) => red > 180 && red - blue > 120;
     check((await viewer.colours(row, 'grab')).some(isSpring), 'no spring is seen below the pointer');
+    await viewer.until('k.toWorld(given.x, given.y).z > given.z + 0.12', { ...material, z });
     await viewer.page.mouse.up();
     await viewer.until('k.toWorld(given.x, given.y).z < given.z + 0.1', { ...material, z });
     check(!(await viewer.colours(row, 'let-go')).some(isSpring), 'the spring is still seen');
@@ -250,15 +252,13 @@ export function viewerSteps(steps, browser, server) {
       const at = await phone.at(x, y);
       await phone.page.touchscreen.tap(at.x, at.y);
     }
+    await phone.allDrawn();
     await phone.touchDrag(await phone.at(0.2, 0.4), await phone.at(0.3, 0.8));
-    const moved = await phone.at(0.3, 0.8);
-    await phone.page.waitForFunction(({ x, y }) => {
-      const box = document.querySelector('.handle').getBoundingClientRect();
-      return Math.hypot(box.x + 0.5 * box.width - x, box.y + 0.5 * box.height - y) < 2;
-    }, moved).catch(async () => {
-      const box = await phone.page.locator('.handle').first().boundingBox();
-      throw new Error(`a point dragged by a finger to ${JSON.stringify(moved)} lies in ${JSON.stringify(box)}`);
-    });
+    await phone.allDrawn();
+    const moved = await phone.page.locator('.handle').first().boundingBox();
+    const wanted = await phone.at(0.3, 0.8);
+    const off = Math.hypot(moved.x + 0.5 * moved.width - wanted.x, moved.y + 0.5 * moved.height - wanted.y);
+    check(off < 2, `a point dragged by a finger is ${off} px from where that left it`);
     await phone.screenshot('phone-touch');
     await phone.page.click('#cut-cancel');
     await phone.page.click('#cut-panel [data-mode=freehand]');
