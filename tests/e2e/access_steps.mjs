@@ -131,6 +131,7 @@ export function accessSteps(steps, browser, { url }) {
     const before = await viewer.at(0, 0);
     await keyboard.press('ArrowLeft');
     await keyboard.press('+');
+    await viewer.allDrawn();
     const after = await viewer.at(0, 0);
     check(Math.hypot(after.x - before.x, after.y - before.y) > 5, 'the view did not turn');
   });
@@ -207,6 +208,7 @@ export function accessSteps(steps, browser, { url }) {
     check((await focused()) === 'save-png-2', `an arrow key moves the focus to ${await focused()}`);
     await page.keyboard.press('Escape');
     check((await page.isHidden('#save-menu')) && (await focused()) === 'save-open', 'Escape does not close it');
+    await viewer.allDrawn();
     const after = await viewer.at(0, 0);
     check(Math.hypot(after.x - before.x, after.y - before.y) < 0.5, 'an arrow key in the menu turns the view');
   });
@@ -311,13 +313,15 @@ export function accessSteps(steps, browser, { url }) {
       await touch('touchEnd');
       await session.detach();
     };
-    const width = async () => (await phone.at(1, 0)).x - (await phone.at(0, 0)).x;
+    const width = async () => {
+      await phone.allDrawn();
+      return (await phone.at(1, 0)).x - (await phone.at(0, 0)).x;
+    };
     for (const tool of ['view', 'cut', 'grab', 'pin']) {
       await phone.choose(tool);
       if (tool === 'cut') await phone.page.click('#cut-panel [data-mode=freehand]');
       const before = await width();
       await pinch();
-      await phone.until('k.framesDrawn > 0');
       check((await width()) > 1.2 * before, `with ${tool} a pinch took the sheet from ${before} px to ${await width()}`);
       if (tool === 'cut') check(await phone.page.isDisabled('#cut-cancel'), 'the first finger has left a drawing');
       await phone.page.click('#fit');

@@ -81,6 +81,8 @@ async function isInPlace(viewer, name) {
     [0.5, 1],
   ];
   const points = [];
+  // Where a material point is seen is known of the view that is drawn.
+  await viewer.allDrawn();
   for (const [x, y] of sides) {
     const side = await viewer.at(x, y);
     const middle = await viewer.at(0.5, 0.5);

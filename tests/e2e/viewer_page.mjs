@@ -185,7 +185,10 @@ export class ViewerPage {
   /** Waits until an element's text is this one. */
   async shows(selector, text) {
     const isShown = ([query, wanted]) => document.querySelector(query).textContent === wanted;
-    await this.page.waitForFunction(isShown, [selector, text], { timeout: kPatienceMs });
+    await this.page.waitForFunction(isShown, [selector, text], { timeout: kPatienceMs }).catch(async (error) => {
+      const shown = await this.page.textContent(selector).catch(() => 'nothing');
+      throw new Error(`${selector} shows '${shown}', not '${text}': ${error.message}`);
+    });
   }
 
   /** Colours of a screenshot of the page at points of it, CSS pixels: an array of [red, green, blue], 0..255. */

@@ -245,7 +245,10 @@ export function viewerSteps(steps, browser, server) {
     await post(url, 'InteractionService/SetSheetGravity', { ...kDemo, setGravity: { gravityMps2: { z: -9.81 } } });
     // Paused, it holds still under the finger.
     const phone = await ViewerPage.open(browser, `${url}/?sheet=demo`, kPhone);
-    await phone.until(`k.connection === "live" && k.framesDrawn > 0 && k.numVertices === ${kDemoVertices}`);
+    const isKnown = `k.numVertices === ${kDemoVertices} && k.pinnedVertices.length === 2`;
+    await phone.until(`k.connection === "live" && k.framesDrawn > 0 && ${isKnown}`);
+    // The view takes the colliders in, too.
+    await phone.allDrawn();
     await phone.choose('cut');
     await phone.page.click('#cut-panel [data-mode=lines]');
     for (const [x, y] of [[0.2, 0.4], [0.7, 0.5]]) {
