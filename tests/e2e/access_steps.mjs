@@ -30,7 +30,7 @@ export function accessSteps(steps, browser, { url }) {
   let recording;
   const open = async (options) => {
     const opened = await ViewerPage.open(browser, `${url}/?sheet=access`, options);
-    await opened.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    await opened.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
     return opened;
   };
   // The page's policy allows no script from elsewhere; what the browser's own tools run, it does not ask.
@@ -146,7 +146,7 @@ export function accessSteps(steps, browser, { url }) {
     await viewer.page.keyboard.press('h');
     check((await shade('theme-chosen')) > 600, 'light was chosen, and it is dark');
     await viewer.page.reload();
-    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
     check((await shade('theme-kept')) > 600, 'the choice is not kept');
     await viewer.page.keyboard.press('h');
     await viewer.page.keyboard.press('h');
@@ -267,7 +267,7 @@ export function accessSteps(steps, browser, { url }) {
     await audit(page, 'recording');
     await page.screenshot({ path: `${root}/build/e2e/${name}-recording.png` });
     await page.click('#replay-close');
-    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
   };
 
   for (const [name, options] of [

@@ -13,13 +13,13 @@ import { stripSteps } from './strip_steps.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 import { viewerSteps } from './viewer_steps.mjs';
 
-// Groups in their order, by the names that run them together.
+// Groups in their order; an outer name runs all groups in it.
 const kGroups = {
   viewer: { watching: viewerSteps, cutting: cuttingSteps, strips: stripSteps },
   controls: { sheets: sheetSteps, physics: physicsSteps, access: accessSteps },
   streams: { saving: savingSteps, connection: connectionSteps, images: imageSteps },
 };
-// These need the demo sheet from its beginning, others have it stand still, so that nobody computes or draws it.
+// Groups that need the demo sheet from its beginning. For others it is paused, so that nobody computes or draws it.
 const kFresh = ['watching', 'sheets', 'saving', 'connection', 'images'];
 
 const [kerfdPath, web, chromiumPath, again, ...args] = process.argv.slice(2);
@@ -87,7 +87,7 @@ const runner = new Runner({
     ViewerPage.exceptions.length = 0;
     await closePages();
     if (hasPassed) return;
-    // Nothing that a failed group has left reaches the next one.
+    // A fresh server keeps what a failed group has left from the next one.
     await server.stop().catch((error) => console.log(error.message));
     await server.start();
     isFresh = true;

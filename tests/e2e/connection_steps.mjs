@@ -50,8 +50,8 @@ async function slowNetwork(browser, server) {
   const proxy = await startSlowProxy(server.url, limits);
   await post(server.url, 'SheetService/CreateSheet', { sheetId: 'slow', scene: kSwinging });
   const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=slow`, kSmall);
-  await viewer.until('k.connection === "live" && k.framesDrawn > 0');
-  // The page itself is there: its program alone would take ten seconds at this speed.
+  await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
+  // The page is loaded by now; its program alone would take ten seconds at this speed.
   Object.assign(limits, { delayMs: kDelayMs, bytesPerS: kBytesPerS });
   await viewer.until('k.framesDrawn > given.drawn + 5', { drawn: await viewer.read('k.framesDrawn') });
   const begin = await serverTick(server.url, kSlow);
@@ -86,7 +86,7 @@ async function twoBrowsers(browser, server) {
   const viewers = await Promise.all(
     [0, 1].map(() => ViewerPage.open(browser, `${server.url}/?sheet=shared`, kMedium)),
   );
-  await Promise.all(viewers.map((viewer) => viewer.until('k.connection === "live" && k.framesDrawn > 0')));
+  await Promise.all(viewers.map((viewer) => viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0')));
   const { version: uncut } = await viewers[0].read('({ version: k.topologyVersion })');
   // Each cuts lines of its own, as fast as it can draw them, while the other does.
   await Promise.all(
@@ -95,7 +95,7 @@ async function twoBrowsers(browser, server) {
       for (let line = 0; line < 3; ++line) {
         await viewer.page.keyboard.press('5');
         await viewer.page.keyboard.press('i');
-        // Above the panel.
+        // These points lie above the panel.
         const x = 0.15 + 0.25 * line + 0.1 * i;
         await viewer.tap(x, 0.5 + 0.02 * line);
         await viewer.tap(x + 0.05, 0.95);
@@ -128,7 +128,7 @@ async function twoBrowsers(browser, server) {
 async function hiddenTab(browser, server) {
   const proxy = await startSlowProxy(server.url, { delayMs: 0, bytesPerS: 1e9 });
   const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=demo`, kSmall);
-  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 5');
   await viewer.setHidden(true);
   // The pause reaches the server, and what was on its way arrives.
   const quiet = async () => {
@@ -149,7 +149,7 @@ async function hiddenTab(browser, server) {
 
 async function restart(browser, server) {
   const viewer = await ViewerPage.open(browser, `${server.url}/?sheet=demo`, kSmall);
-  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 5');
   await viewer.page.evaluate(() => (window.notReloaded = true));
   await server.stop();
   await viewer.until('k.connection === "lost"');
@@ -159,7 +159,7 @@ async function restart(browser, server) {
   await viewer.until('k.tick > given.tick', { tick });
   check(await viewer.page.evaluate(() => window.notReloaded), 'the page was loaded again');
   const fresh = await ViewerPage.open(browser, `${server.url}/?sheet=demo`, kSmall);
-  await fresh.until('k.connection === "live" && k.framesDrawn > 0');
+  await fresh.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
   // Of one tick: the scene has a cut to come.
   await post(server.url, 'SheetService/PauseSheet', kDemo);
   const last = await serverTick(server.url, kDemo);

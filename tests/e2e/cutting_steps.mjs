@@ -22,7 +22,7 @@ export function cuttingSteps(steps, browser, { url }) {
     await post(url, 'SheetService/CreateSheet', { sheetId: 'fold', scene: foldedScene() });
     await post(url, 'SheetService/PauseSheet', { name: kFold });
     fold = await ViewerPage.open(browser, `${url}/?sheet=fold`, kTall);
-    await fold.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    await fold.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
     await fold.choose('cut');
     // On the half in front, where the other is behind it.
     const tapLine = async () => {
@@ -134,7 +134,7 @@ export function cuttingSteps(steps, browser, { url }) {
   steps.step('an SVG file is dropped on the sheet, moved, scaled and cut', async () => {
     await post(url, 'SheetService/CreateSheet', { sheetId: 'flat', scene: kFlatScene, paused: true });
     flat = await ViewerPage.open(browser, `${url}/?sheet=flat`, kTall);
-    await flat.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    await flat.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
     const transfer = await flat.page.evaluateHandle((text) => {
       const files = new DataTransfer();
       files.items.add(new File([text], 'sign.svg', { type: 'image/svg+xml' }));

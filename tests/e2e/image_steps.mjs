@@ -81,7 +81,7 @@ async function isInPlace(viewer, name) {
     [0.5, 1],
   ];
   const points = [];
-  // Where a material point is seen is known of the view that is drawn.
+  // Material points are placed in the view that was drawn last.
   await viewer.allDrawn();
   for (const [x, y] of sides) {
     const side = await viewer.at(x, y);
@@ -122,7 +122,7 @@ async function isNamedByTick(viewer) {
 async function takesThePlace(browser, server) {
   const proxy = await startSlowProxy(server.url, { delayMs: 0, bytesPerS: 1e9 });
   const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=demo`, kSmall);
-  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 5');
   await viewer.screenshot('image-mode-before');
   await viewer.page.keyboard.press('u');
   await enter(viewer);
@@ -296,7 +296,7 @@ async function takesTools(viewer, url) {
 async function hidden(browser, server) {
   const proxy = await startSlowProxy(server.url, { delayMs: 0, bytesPerS: 1e9 });
   const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=demo`, kSmall);
-  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 5');
   await enter(viewer);
   await viewer.setHidden(true);
   const serverTick = async () => Number((await post(server.url, 'SheetService/GetSheet', { name: 'sheets/demo' })).tick);
@@ -321,7 +321,7 @@ async function withoutVideo(browser, server) {
   const viewer = await ViewerPage.open(browser, `${server.url}/?sheet=demo`, kSmall, (page) =>
     page.addInitScript(() => delete window.VideoDecoder),
   );
-  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 5');
   await enter(viewer);
   check((await viewer.read('k.picture.codec')) === 'IMAGE_JPEG', 'without VideoDecoder these are no JPEG pictures');
   const { tick } = await viewer.read('k.picture');
@@ -379,7 +379,7 @@ export function imageSteps(steps, browser, server) {
   steps.step('they follow the camera: turned, nearer, moved, and from straight above', async () => {
     await post(server.url, 'SheetService/CreateSheet', { sheetId: 'seen', scene: kStill });
     viewer = await ViewerPage.open(browser, `${server.url}/?sheet=seen`, kWide);
-    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
     await followsCamera(viewer);
   });
   steps.step('they have the size of the window', () => followsWindow(viewer));

@@ -27,7 +27,7 @@ export function physicsSteps(steps, browser, { url }) {
     await post(url, 'SheetService/CreateSheet', { sheetId: 'physics', scene: kScene, paused: true });
     const options = { viewport: { width: 1280, height: 720 }, colorScheme: 'light' };
     viewer = await ViewerPage.open(browser, `${url}/?sheet=physics`, options);
-    await viewer.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
     await viewer.page.keyboard.press('m');
     await viewer.page.click('[data-gravity="1.62"]');
     await gravityIs(-1.62);

@@ -134,7 +134,7 @@ async function saveRun(viewer, url) {
 
 async function playRun(viewer, url, { bytes, tick, hash }) {
   await viewer.page.setInputFiles('#run-file', { name: 'Fall again.rec', mimeType: '', buffer: bytes });
-  await viewer.until('k.sheet === "sheets/fall-again" && k.connection === "live" && k.framesDrawn > 0');
+  await viewer.untilDrawn('k.sheet === "sheets/fall-again" && k.connection === "live" && k.framesDrawn > 0');
   await viewer.notice(new RegExp(`fall-again plays Fall again.rec, ${tick} ticks: it takes no commands`));
   await viewer.page.focus('#canvas');
   await viewer.page.keyboard.press('>');
@@ -289,7 +289,7 @@ export function savingSteps(steps, browser, server) {
   let recorded;
   steps.step('the statistics come and go, with a value and a plot for each line', async () => {
     viewer = await ViewerPage.open(browser, server.url, kWide);
-    await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 5');
     await statistics(viewer);
   });
   steps.step('pictures of what is seen are saved, without what lies over it', async () => {

@@ -67,7 +67,7 @@ export function sheetSteps(steps, browser, { url }) {
 
   steps.step('the panel of sheets lists what the server has, and follows it', async () => {
     viewer = await ViewerPage.open(browser, url, kWide);
-    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
     await viewer.page.click('[data-panel=sheets]');
     await row('demo').waitFor();
     check((await row('demo').locator('[aria-current]').count()) === 1, 'the sheet that is watched is not marked');
@@ -240,7 +240,7 @@ export function sheetSteps(steps, browser, { url }) {
 
   steps.step('on a phone, in the dark, a sheet is made and opened from another', async () => {
     viewer = await ViewerPage.open(browser, `${url}/?sheet=demo`, kPhone);
-    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
     await viewer.page.tap('[data-panel=sheets]');
     await row('demo').waitFor();
     await viewer.screenshot('phone-sheets');

@@ -1,4 +1,4 @@
-// Groups of named steps: they are all declared first, so that their number is known, and then run in order.
+// Groups of named steps. All are declared first, so that their number is known, and then run in order.
 
 function seconds(startedMs) {
   return `${((performance.now() - startedMs) / 1000).toFixed(1)} s`;

@@ -18,7 +18,7 @@ export function stripSteps(steps, browser, { url }) {
     const scene = { ...kFlatScene, pins: [{ vertices: { vertices: [0, kMiddle] } }] };
     await post(url, 'SheetService/CreateSheet', { sheetId: 'strip', scene, paused: true });
     strip = await ViewerPage.open(browser, `${url}/?sheet=strip`, kTall);
-    await strip.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0 && k.pinnedVertices.length === 2');
+    await strip.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0 && k.pinnedVertices.length === 2');
     await strip.choose('cut');
     await strip.page.keyboard.press('5');
     await strip.page.keyboard.press('i');

@@ -1,6 +1,7 @@
 import { check, kPatienceMs, root } from './harness.mjs';
 import { readPng } from './png.mjs';
 
+// Least time between two drawings of a page.
 const kFrameMs = 150;
 
 // Made here and sent as source: the page's content security policy forbids making functions there.
@@ -8,8 +9,8 @@ function pageFunction(expression) {
   return new Function('given', `const k = window.kerf; return k && (${expression});`);
 }
 
-// Runs in the page, whose next drawing comes `frameMs` after the last one that drew something: drawing in software leaves
-// time to the server, to input and to screenshots. Callbacks that take no time do not draw, and come with every frame.
+// Keeps `frameMs` between two drawings of a page. Drawing in software then leaves time to server, input and screenshots.
+// Callbacks without a parameter draw nothing, and run with every frame.
 function drawSeldom(frameMs) {
   const nextFrame = window.requestAnimationFrame.bind(window);
   let drawnMs = -Infinity;
@@ -20,7 +21,7 @@ function drawSeldom(frameMs) {
       if (nowMs > drawnMs && nowMs < drawnMs + frameMs) return seldom(callback);
       const drawn = window.kerf?.framesDrawn;
       callback(nowMs);
-      if (window.kerf?.framesDrawn !== drawn) drawnMs = nowMs;
+      if (window.kerf?.framesDrawn !== drawn && window.kerf.numVertices > 0) drawnMs = nowMs;
       for (const done of waiting.splice(0)) done();
     });
   };
@@ -70,6 +71,12 @@ export class ViewerPage {
         `not within ${kPatienceMs / 1000} s: ${condition} (given ${JSON.stringify(given)}): ${error.message}`,
       );
     });
+  }
+
+  /** The same, and until what is there then is drawn: the first frame of a page is drawn before there is a sheet. */
+  async untilDrawn(condition, given = {}) {
+    await this.until(condition, given);
+    await this.allDrawn();
   }
 
   read(expression) {
@@ -205,7 +212,7 @@ export class ViewerPage {
     return points.map(({ x, y }) => at(Math.floor(x), Math.floor(y)));
   }
 
-  /** How many pixels of the page have this colour, but for rounding. */
+  /** How many pixels of the page have this colour, within rounding. */
   async numPixels(colour, name) {
     const { width, height, at } = readPng(await this.picture(name));
     let count = 0;

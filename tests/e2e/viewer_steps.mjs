@@ -17,7 +17,7 @@ export function viewerSteps(steps, browser, server) {
 
   steps.step('the page opens and the sheet is live', async () => {
     viewer = await ViewerPage.open(browser, url, kWide);
-    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
     const tick = await viewer.read('k.tick');
     await viewer.until('k.tick > given.tick + 10', { tick });
     check((await viewer.page.inputValue('#sheet-picker')) === 'sheets/demo', 'the demo sheet is not the one chosen');
@@ -245,10 +245,9 @@ export function viewerSteps(steps, browser, server) {
     await post(url, 'InteractionService/SetSheetGravity', { ...kDemo, setGravity: { gravityMps2: { z: -9.81 } } });
     // Paused, it holds still under the finger.
     const phone = await ViewerPage.open(browser, `${url}/?sheet=demo`, kPhone);
+    // The view fits the colliders, too, once they are known.
     const isKnown = `k.numVertices === ${kDemoVertices} && k.pinnedVertices.length === 2`;
-    await phone.until(`k.connection === "live" && k.framesDrawn > 0 && ${isKnown}`);
-    // The view takes the colliders in, too.
-    await phone.allDrawn();
+    await phone.untilDrawn(`k.connection === "live" && k.framesDrawn > 0 && ${isKnown}`);
     await phone.choose('cut');
     await phone.page.click('#cut-panel [data-mode=lines]');
     for (const [x, y] of [[0.2, 0.4], [0.7, 0.5]]) {
@@ -289,7 +288,7 @@ export function viewerSteps(steps, browser, server) {
     const { center, radius_m: radius } = scene.colliders[0].sphere;
     const open = async (prepare) => {
       const page = await ViewerPage.open(browser, `${url}/?sheet=demo`, kPhone, prepare);
-      await page.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0 && k.pinnedVertices.length === 2');
+      await page.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0 && k.pinnedVertices.length === 2');
       await page.until('k.framesDrawn > given.drawn', { drawn: await page.read('k.framesDrawn - 1') });
       return page;
     };
