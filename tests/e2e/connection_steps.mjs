@@ -49,7 +49,8 @@ async function slowNetwork(browser, server) {
   const limits = { delayMs: 0, bytesPerS: 1e9 };
   const proxy = await startSlowProxy(server.url, limits);
   await post(server.url, 'SheetService/CreateSheet', { sheetId: 'slow', scene: kSwinging });
-  const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=slow`, kSmall);
+  // Drawing as often as it can, the page leaves the number of frames to the network.
+  const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=slow`, { ...kSmall, frameMs: 0 });
   await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
   // The page is loaded by now; its program alone would take ten seconds at this speed.
   Object.assign(limits, { delayMs: kDelayMs, bytesPerS: kBytesPerS });

@@ -47,10 +47,13 @@ export class ViewerPage {
     });
   }
 
-  /** @param prepare  called with the page before it loads anything */
-  static async open(browser, url, options, prepare = async () => {}) {
+  /**
+   * @param options  of the page; frameMs: least time between two drawings, 0 for as many as there can be
+   * @param prepare  called with the page before it loads anything
+   */
+  static async open(browser, url, { frameMs = kFrameMs, ...options }, prepare = async () => {}) {
     const viewer = new ViewerPage(await browser.newPage(options));
-    await viewer.page.addInitScript(drawSeldom, kFrameMs);
+    await viewer.page.addInitScript(drawSeldom, frameMs);
     await prepare(viewer.page);
     await viewer.page.goto(url);
     return viewer;
