@@ -1,4 +1,5 @@
 // The viewer without a mouse, in both themes, for those who hear it, and on a phone.
+import { readFileSync } from 'node:fs';
 import { readFile } from 'node:fs/promises';
 import { check, kPatienceMs, post, root } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
@@ -23,21 +24,22 @@ async function recorded({ page }) {
   return { name: 'access.kerfstream', mimeType: '', buffer };
 }
 
-export async function accessSteps(steps, browser, url) {
-  const axe = await readFile(`${root}/web/node_modules/axe-core/axe.min.js`, 'utf8');
+export function accessSteps(steps, browser, { url }) {
+  const axe = readFileSync(`${root}/web/node_modules/axe-core/axe.min.js`, 'utf8');
   let viewer;
   let recording;
   const open = async (options) => {
     const opened = await ViewerPage.open(browser, `${url}/?sheet=access`, options);
-    await opened.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    await opened.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
     return opened;
   };
   // The page's policy allows no script from elsewhere; what the browser's own tools run, it does not ask.
   const violations = async (page) => {
     const session = await page.context().newCDPSession(page);
     const run = (expression) => session.send('Runtime.evaluate', { expression, awaitPromise: true, returnByValue: true });
-    await run(axe);
-    const { result } = await run(`axe.run(document).then(({ violations }) =>
+    const { result: isThere } = await run('typeof axe === "object"');
+    if (!isThere.value) await run(axe);
+    const { result } = await run(`axe.run(document, { resultTypes: ['violations'] }).then(({ violations }) =>
       violations.map(({ id, nodes }) => id + ': ' + nodes.map(({ target }) => target.join(' ')).join(', ')))`);
     await session.detach();
     return result.value;
@@ -47,7 +49,7 @@ export async function accessSteps(steps, browser, url) {
     check(found.length === 0, `axe, ${where}: ${found.join('; ')}`);
   };
 
-  await steps.step('a sheet is cut by keys alone', async () => {
+  steps.step('a sheet is cut by keys alone', async () => {
     await post(url, 'SheetService/CreateSheet', { sheetId: 'access', scene: kScene, paused: true });
     viewer = await open({ ...kDesktop, colorScheme: 'light' });
     const { keyboard } = viewer.page;
@@ -74,7 +76,7 @@ export async function accessSteps(steps, browser, url) {
     check(await viewer.page.isHidden('.cross'), 'the cross stays after Escape');
   });
 
-  await steps.step('a cut is undone and made again, by buttons and by keys', async () => {
+  steps.step('a cut is undone and made again, by buttons and by keys', async () => {
     const { keyboard } = viewer.page;
     for (const [act, pieces] of [
       [() => viewer.page.click('#undo'), 1],
@@ -89,7 +91,7 @@ export async function accessSteps(steps, browser, url) {
     }
   });
 
-  await steps.step('Escape lets go of what is held by keys', async () => {
+  steps.step('Escape lets go of what is held by keys', async () => {
     const { keyboard } = viewer.page;
     // A static analysis says what it leaves out.
     const request = { name: 'sheets/access', analysis: { static: { maxIterations: 1 } } };
@@ -112,7 +114,7 @@ export async function accessSteps(steps, browser, url) {
     await keyboard.press('c');
   });
 
-  await steps.step('a circle is dragged, a vertex pinned and the view turned by keys', async () => {
+  steps.step('a circle is dragged, a vertex pinned and the view turned by keys', async () => {
     const { keyboard } = viewer.page;
     await keyboard.press('o');
     await keyboard.press('Shift+ArrowUp');
@@ -129,11 +131,12 @@ export async function accessSteps(steps, browser, url) {
     const before = await viewer.at(0, 0);
     await keyboard.press('ArrowLeft');
     await keyboard.press('+');
+    await viewer.allDrawn();
     const after = await viewer.at(0, 0);
     check(Math.hypot(after.x - before.x, after.y - before.y) > 5, 'the view did not turn');
   });
 
-  await steps.step('the theme is the system’s, or chosen and kept, and the scene follows', async () => {
+  steps.step('the theme is the system’s, or chosen and kept, and the scene follows', async () => {
     const shade = async (name) => (await viewer.colours([{ x: 1100, y: 200 }], name))[0].reduce((sum, c) => sum + c, 0);
     const light = await shade('theme-light');
     await viewer.page.emulateMedia({ colorScheme: 'dark' });
@@ -143,14 +146,14 @@ export async function accessSteps(steps, browser, url) {
     await viewer.page.keyboard.press('h');
     check((await shade('theme-chosen')) > 600, 'light was chosen, and it is dark');
     await viewer.page.reload();
-    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
     check((await shade('theme-kept')) > 600, 'the choice is not kept');
     await viewer.page.keyboard.press('h');
     await viewer.page.keyboard.press('h');
     check((await viewer.page.getAttribute('html', 'data-theme')) === 'system', 'the third press is not the system again');
   });
 
-  await steps.step('the help lists the keys that are bound', async () => {
+  steps.step('the help lists the keys that are bound', async () => {
     await viewer.page.keyboard.press('?');
     await viewer.page.locator('#help[open]').waitFor();
     const caps = await viewer.page.locator('#help dt').allTextContents();
@@ -161,7 +164,7 @@ export async function accessSteps(steps, browser, url) {
     await viewer.page.keyboard.press('Escape');
   });
 
-  await steps.step('the Tab key goes through everything, and everything has a name', async () => {
+  steps.step('the Tab key goes through everything, and everything has a name', async () => {
     await viewer.page.keyboard.press('c');
     await viewer.page.focus('#canvas');
     const seen = [];
@@ -194,7 +197,7 @@ export async function accessSteps(steps, browser, url) {
     check(back === 'sheets', `closing the panel leaves the focus at ${back}`);
   });
 
-  await steps.step('a menu that the mouse opens has the keyboard', async () => {
+  steps.step('a menu that the mouse opens has the keyboard', async () => {
     const { page } = viewer;
     const focused = () => page.evaluate(() => document.activeElement.id);
     await page.keyboard.press('v');
@@ -205,11 +208,12 @@ export async function accessSteps(steps, browser, url) {
     check((await focused()) === 'save-png-2', `an arrow key moves the focus to ${await focused()}`);
     await page.keyboard.press('Escape');
     check((await page.isHidden('#save-menu')) && (await focused()) === 'save-open', 'Escape does not close it');
+    await viewer.allDrawn();
     const after = await viewer.at(0, 0);
     check(Math.hypot(after.x - before.x, after.y - before.y) < 0.5, 'an arrow key in the menu turns the view');
   });
 
-  await steps.step('Escape in a panel closes the panel, and leaves a cross and a recording as they are', async () => {
+  steps.step('Escape in a panel closes the panel, and leaves a cross and a recording as they are', async () => {
     const { page } = viewer;
     const panelCloses = async () => {
       await page.focus('[data-panel=sheets]');
@@ -263,7 +267,7 @@ export async function accessSteps(steps, browser, url) {
     await audit(page, 'recording');
     await page.screenshot({ path: `${root}/build/e2e/${name}-recording.png` });
     await page.click('#replay-close');
-    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
   };
 
   for (const [name, options] of [
@@ -271,7 +275,7 @@ export async function accessSteps(steps, browser, url) {
     ['phone', kPhone],
   ]) {
     for (const colorScheme of ['light', 'dark']) {
-      await steps.step(`axe finds nothing at ${name} width, ${colorScheme}, with every panel`, async () => {
+      steps.step(`axe finds nothing at ${name} width, ${colorScheme}, with every panel`, async () => {
         const page = await open({ ...options, colorScheme });
         await audit(page.page, 'nothing open');
         for (const panel of ['sheets', 'physics', 'pieces']) {
@@ -297,7 +301,7 @@ export async function accessSteps(steps, browser, url) {
     }
   }
 
-  await steps.step('two fingers move the view, whatever one finger would do', async () => {
+  steps.step('two fingers move the view, whatever one finger would do', async () => {
     const phone = await open({ ...kPhone, colorScheme: 'light' });
     const pinch = async () => {
       const session = await phone.page.context().newCDPSession(phone.page);
@@ -309,13 +313,15 @@ export async function accessSteps(steps, browser, url) {
       await touch('touchEnd');
       await session.detach();
     };
-    const width = async () => (await phone.at(1, 0)).x - (await phone.at(0, 0)).x;
+    const width = async () => {
+      await phone.allDrawn();
+      return (await phone.at(1, 0)).x - (await phone.at(0, 0)).x;
+    };
     for (const tool of ['view', 'cut', 'grab', 'pin']) {
       await phone.choose(tool);
       if (tool === 'cut') await phone.page.click('#cut-panel [data-mode=freehand]');
       const before = await width();
       await pinch();
-      await phone.until('k.framesDrawn > 0');
       check((await width()) > 1.2 * before, `with ${tool} a pinch took the sheet from ${before} px to ${await width()}`);
       if (tool === 'cut') check(await phone.page.isDisabled('#cut-cancel'), 'the first finger has left a drawing');
       await phone.page.click('#fit');

@@ -1,11 +1,11 @@
 // What the viewer does on slow networks, beside other viewers, unseen, and when the server goes and comes back.
-import { check, post, root, startKerfd } from './harness.mjs';
+import { check, post, root } from './harness.mjs';
 import { startSlowProxy } from './slow_proxy.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
 // Small, for it is drawn in software.
 const kSmall = { viewport: { width: 760, height: 480 }, colorScheme: 'light' };
-const kTall = { viewport: { width: 1280, height: 960 }, colorScheme: 'light' };
+const kMedium = { viewport: { width: 900, height: 640 }, colorScheme: 'light' };
 const kDemo = { name: 'sheets/demo' };
 const kTickRateHz = 60;
 // The window that the server never exceeds.
@@ -42,21 +42,26 @@ async function lags(viewer, url, sheet, count) {
   return found.sort((a, b) => a - b);
 }
 
-async function slowNetwork(browser, kerfd) {
+async function slowNetwork(browser, server) {
   const kDelayMs = 150;
   // Half of what every tick would take.
   const kBytesPerS = 90_000;
-  const proxy = await startSlowProxy(kerfd.url, { delayMs: kDelayMs, bytesPerS: kBytesPerS });
-  await post(kerfd.url, 'SheetService/CreateSheet', { sheetId: 'slow', scene: kSwinging });
-  const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=slow`, kSmall);
-  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
-  const begin = await serverTick(kerfd.url, kSlow);
+  const limits = { delayMs: 0, bytesPerS: 1e9 };
+  const proxy = await startSlowProxy(server.url, limits);
+  await post(server.url, 'SheetService/CreateSheet', { sheetId: 'slow', scene: kSwinging });
+  // Drawing as often as it can, the page leaves the number of frames to the network.
+  const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=slow`, { ...kSmall, frameMs: 0 });
+  await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
+  // The page is loaded by now; its program alone would take ten seconds at this speed.
+  Object.assign(limits, { delayMs: kDelayMs, bytesPerS: kBytesPerS });
+  await viewer.until('k.framesDrawn > given.drawn + 5', { drawn: await viewer.read('k.framesDrawn') });
+  const begin = await serverTick(server.url, kSlow);
   await viewer.page.keyboard.press('u');
   // Five seconds of ticks: were frames queued, they would be later and later.
   await viewer.until('k.tick > given.begin + 300', { begin });
-  const behind = await lags(viewer, kerfd.url, kSlow, 7);
+  const behind = await lags(viewer, server.url, kSlow, 7);
   const { mostInFlight, sent } = proxy.count('/watch');
-  const passed = (await serverTick(kerfd.url, kSlow)) - begin;
+  const passed = (await serverTick(server.url, kSlow)) - begin;
   const roundTripTicks = (2 * kDelayMs * kTickRateHz) / 1000;
   const median = behind[behind.length >> 1];
   console.log(
@@ -73,16 +78,16 @@ async function slowNetwork(browser, kerfd) {
   check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
   await viewer.page.close();
   await proxy.stop();
-  await post(kerfd.url, 'SheetService/DeleteSheet', kSlow);
+  await post(server.url, 'SheetService/DeleteSheet', kSlow);
 }
 
-async function twoBrowsers(browser, kerfd) {
+async function twoBrowsers(browser, server) {
   const parent = 'sheets/shared';
-  await post(kerfd.url, 'SheetService/CreateSheet', { sheetId: 'shared', scene: kStill });
+  await post(server.url, 'SheetService/CreateSheet', { sheetId: 'shared', scene: kStill });
   const viewers = await Promise.all(
-    [0, 1].map(() => ViewerPage.open(browser, `${kerfd.url}/?sheet=shared`, kTall)),
+    [0, 1].map(() => ViewerPage.open(browser, `${server.url}/?sheet=shared`, kMedium)),
   );
-  await Promise.all(viewers.map((viewer) => viewer.until('k.connection === "live" && k.framesDrawn > 0')));
+  await Promise.all(viewers.map((viewer) => viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0')));
   const { version: uncut } = await viewers[0].read('({ version: k.topologyVersion })');
   // Each cuts lines of its own, as fast as it can draw them, while the other does.
   await Promise.all(
@@ -91,9 +96,10 @@ async function twoBrowsers(browser, kerfd) {
       for (let line = 0; line < 3; ++line) {
         await viewer.page.keyboard.press('5');
         await viewer.page.keyboard.press('i');
+        // These points lie above the panel.
         const x = 0.15 + 0.25 * line + 0.1 * i;
-        await viewer.tap(x, 0.25 + 0.02 * line);
-        await viewer.tap(x + 0.05, 0.7);
+        await viewer.tap(x, 0.5 + 0.02 * line);
+        await viewer.tap(x + 0.05, 0.95);
         const areShown = (count) => document.querySelectorAll('.handle:not([hidden])').length === count;
         await viewer.page.waitForFunction(areShown, 2);
         await viewer.page.keyboard.press('Enter');
@@ -103,33 +109,33 @@ async function twoBrowsers(browser, kerfd) {
     }),
   );
   for (const viewer of viewers) await viewer.until('k.topologyVersion >= given.uncut + 6', { uncut });
-  const { cuts } = await post(kerfd.url, 'CutService/ListCuts', { parent });
+  const { cuts } = await post(server.url, 'CutService/ListCuts', { parent });
   check(cuts.length === 6, `${cuts.length} cuts were made, not 6`);
-  const { topology_version: version } = await post(kerfd.url, 'SheetService/GetSheet', { name: parent });
+  const { topology_version: version } = await post(server.url, 'SheetService/GetSheet', { name: parent });
   for (const viewer of viewers) await viewer.until('k.topologyVersion === given.version', { version });
   const hashes = [];
   for (const viewer of viewers) hashes.push(await viewer.read('k.meshHash'));
   // One that has seen none of the cuts gets the whole mesh at once.
-  const late = await ViewerPage.open(browser, `${kerfd.url}/?sheet=shared`, kTall);
+  const late = await ViewerPage.open(browser, `${server.url}/?sheet=shared`, kMedium);
   await late.until('k.topologyVersion === given.version', { version });
   hashes.push(await late.read('k.meshHash'));
   check(new Set(hashes).size === 1 && hashes[0] !== '', `mesh hashes ${hashes}`);
   // It is at rest: nothing more is drawn.
   await viewers[1].page.screenshot({ path: `${root}/build/e2e/two-browsers.png` });
   for (const { page } of [...viewers, late]) await page.close();
-  await post(kerfd.url, 'SheetService/DeleteSheet', { name: parent });
+  await post(server.url, 'SheetService/DeleteSheet', { name: parent });
 }
 
-async function hiddenTab(browser, kerfd) {
-  const proxy = await startSlowProxy(kerfd.url, { delayMs: 0, bytesPerS: 1e9 });
+async function hiddenTab(browser, server) {
+  const proxy = await startSlowProxy(server.url, { delayMs: 0, bytesPerS: 1e9 });
   const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=demo`, kSmall);
-  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 5');
   await viewer.setHidden(true);
   // The pause reaches the server, and what was on its way arrives.
   const quiet = async () => {
     const { sent } = proxy.count('/watch');
-    const tick = await serverTick(kerfd.url, kDemo);
-    while ((await serverTick(kerfd.url, kDemo)) < tick + 60);
+    const tick = await serverTick(server.url, kDemo);
+    while ((await serverTick(server.url, kDemo)) < tick + 60);
     return proxy.count('/watch').sent === sent;
   };
   let tries = 0;
@@ -142,33 +148,31 @@ async function hiddenTab(browser, kerfd) {
   await proxy.stop();
 }
 
-async function restart(browser, kerfd, restarted) {
-  const { host } = new URL(kerfd.url);
-  const viewer = await ViewerPage.open(browser, `${kerfd.url}/?sheet=demo`, kSmall);
-  await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+async function restart(browser, server) {
+  const viewer = await ViewerPage.open(browser, `${server.url}/?sheet=demo`, kSmall);
+  await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 5');
   await viewer.page.evaluate(() => (window.notReloaded = true));
-  check((await kerfd.stop()) === 0, 'kerfd did not end with status 0 on SIGTERM');
+  await server.stop();
   await viewer.until('k.connection === "lost"');
-  const again = await restarted(host);
+  await server.start();
   await viewer.until('k.connection === "live" && k.numVertices === 2500 && k.pieces === 1');
   const tick = await viewer.read('k.tick');
   await viewer.until('k.tick > given.tick', { tick });
   check(await viewer.page.evaluate(() => window.notReloaded), 'the page was loaded again');
-  const fresh = await ViewerPage.open(browser, `${again.url}/?sheet=demo`, kSmall);
-  await fresh.until('k.connection === "live" && k.framesDrawn > 0');
+  const fresh = await ViewerPage.open(browser, `${server.url}/?sheet=demo`, kSmall);
+  await fresh.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
   // Of one tick: the scene has a cut to come.
-  await post(again.url, 'SheetService/PauseSheet', kDemo);
-  const last = await serverTick(again.url, kDemo);
+  await post(server.url, 'SheetService/PauseSheet', kDemo);
+  const last = await serverTick(server.url, kDemo);
   for (const page of [viewer, fresh]) await page.until('k.tick === given.last', { last });
   const hashes = [await viewer.read('k.meshHash'), await fresh.read('k.meshHash')];
   check(hashes[0] === hashes[1], `after the restart the page has mesh ${hashes[0]}, a new one ${hashes[1]}`);
   for (const { page } of [viewer, fresh]) await page.close();
-  await post(again.url, 'SheetService/ResumeSheet', kDemo);
-  return again;
+  await post(server.url, 'SheetService/ResumeSheet', kDemo);
 }
 
-async function withoutWorkers(browser, kerfd) {
-  const viewer = await ViewerPage.open(browser, kerfd.url, kSmall, (page) =>
+async function withoutWorkers(browser, server) {
+  const viewer = await ViewerPage.open(browser, server.url, kSmall, (page) =>
     page.route('**/*_worker*', (route) => route.abort()),
   );
   await viewer.until('k.connection === "ended"');
@@ -183,18 +187,16 @@ async function withoutWorkers(browser, kerfd) {
   await viewer.page.close();
 }
 
-/** @param start  starts a kerfd like the one that `kerfd` is, at an address */
-export async function connectionSteps(steps, browser, kerfd, start = startKerfd) {
-  await steps.step('on a slow network frames are skipped, and no more are on their way than a window has', () =>
-    slowNetwork(browser, kerfd),
+export function connectionSteps(steps, browser, server) {
+  steps.step('on a slow network frames are skipped, and no more are on their way than a window has', () =>
+    slowNetwork(browser, server),
   );
-  await steps.step('two browsers that cut one sheet at once end with the same mesh', () => twoBrowsers(browser, kerfd));
-  await steps.step('a page that nobody sees gets no frames, and goes on when it is seen', () =>
-    hiddenTab(browser, kerfd),
+  steps.step('two browsers that cut one sheet at once end with the same mesh', () => twoBrowsers(browser, server));
+  steps.step('a page that nobody sees gets no frames, and goes on when it is seen', () =>
+    hiddenTab(browser, server),
   );
-  await steps.step('a worker that cannot be loaded is told, not waited for', () => withoutWorkers(browser, kerfd));
-  await steps.step('after a restart of the server the page goes on with its sheets, without a reload', async () => {
-    kerfd = await restart(browser, kerfd, start);
-  });
-  return kerfd;
+  steps.step('a worker that cannot be loaded is told, not waited for', () => withoutWorkers(browser, server));
+  steps.step('after a restart of the server the page goes on with its sheets, without a reload', () =>
+    restart(browser, server),
+  );
 }

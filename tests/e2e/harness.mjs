@@ -1,4 +1,4 @@
-// What viewer.test.mjs needs besides its steps: kerfd, Chromium, and a count of what passed.
+// Starts kerfd and Chromium for the browser tests, and calls the server.
 import { spawn } from 'node:child_process';
 import { createRequire } from 'node:module';
 import { createInterface } from 'node:readline';
@@ -10,8 +10,7 @@ const { chromium } = createRequire(`${root}/web/package.json`)('playwright-core'
 // Rendering in software on a busy machine: no wait is about speed.
 export const kPatienceMs = 90_000;
 
-/** A kerfd with the demo scene; `http` may name an address to listen at again, `options` are others of its command line. */
-export async function startKerfd(path, web, http = '127.0.0.1:0', options = []) {
+async function launchKerfd(path, web, http, options) {
   const scene = `${root}/deploy/scenes/demo.json`;
   const usual = ['--listen', '127.0.0.1:0', '--http', http, '--max-load', '0', '--web', web, '--scene', scene];
   const child = spawn(path, [...usual, ...options], { stdio: ['ignore', 'pipe', 'inherit'] });
@@ -21,14 +20,37 @@ export async function startKerfd(path, web, http = '127.0.0.1:0', options = []) 
     exited.then((status) => reject(new Error(`kerfd ended with ${status} before it was ready`)));
     child.once('error', reject);
   });
-  return {
-    url: JSON.parse(line).http,
-    /** Asks it to stop and gives its exit status. */
-    stop: () => {
-      child.kill('SIGTERM');
-      return exited;
-    },
-  };
+  return { child, exited, url: JSON.parse(line).http };
+}
+
+/** A kerfd with the demo scene, which may be stopped and started at the same address. */
+export class Server {
+  constructor(path, web) {
+    Object.assign(this, { path, web });
+  }
+
+  /** @param options  others of its command line */
+  async start(options = []) {
+    const http = this.url ? new URL(this.url).host : '127.0.0.1:0';
+    this.process = await launchKerfd(this.path, this.web, http, options);
+    this.url = this.process.url;
+  }
+
+  /** Asks it to stop, and checks its exit status. */
+  async stop() {
+    if (!this.process) return;
+    const { child, exited } = this.process;
+    this.process = undefined;
+    child.kill('SIGTERM');
+    const status = await exited;
+    check(status === 0, `kerfd ended with ${status} on SIGTERM`);
+  }
+
+  /** The demo sheet from its beginning, and no other. */
+  async startAgain() {
+    await this.stop();
+    await this.start();
+  }
 }
 
 export function launchChromium(executablePath) {
@@ -62,38 +84,4 @@ export async function post(url, method, request) {
 
 export function check(condition, message) {
   if (!condition) throw new Error(message);
-}
-
-/** Runs named steps in order; after a failure the rest, which builds on it, is not run and counts as failed. */
-export class Steps {
-  passed = 0;
-  failed = 0;
-
-  /**
-   * @param onFailure  called with the name of the step that failed
-   * @param afterEach  called after each step; what it throws fails the step
-   */
-  constructor(onFailure, afterEach) {
-    this.onFailure = onFailure;
-    this.afterEach = afterEach;
-  }
-
-  async step(name, run) {
-    if (this.failed > 0) {
-      this.failed += 1;
-      console.log(`not run  ${name}`);
-      return;
-    }
-    const started = performance.now();
-    try {
-      await run();
-      await this.afterEach();
-      this.passed += 1;
-      console.log(`passed   ${name} (${((performance.now() - started) / 1000).toFixed(1)} s)`);
-    } catch (error) {
-      this.failed += 1;
-      console.log(`FAILED   ${name}\n${error.stack}`);
-      await this.onFailure(name);
-    }
-  }
 }

@@ -10,7 +10,7 @@ const kScene = {
   pins: [{ edge: 'TOP_CORNERS' }],
 };
 
-export async function physicsSteps(steps, browser, url) {
+export function physicsSteps(steps, browser, { url }) {
   const sheet = () => post(url, 'SheetService/GetSheet', kSheet);
   let viewer;
   // Asks the server until it has what was asked for: the page does not wait for the answer to its call.
@@ -23,11 +23,11 @@ export async function physicsSteps(steps, browser, url) {
   };
   const gravityIs = (z) => serverHas('gravity', ({ scene }) => (scene.gravity_mps2?.z ?? 0) === z);
 
-  await steps.step('gravity is set by a slider, by keys and by a button', async () => {
+  steps.step('gravity is set by a slider, by keys and by a button', async () => {
     await post(url, 'SheetService/CreateSheet', { sheetId: 'physics', scene: kScene, paused: true });
     const options = { viewport: { width: 1280, height: 720 }, colorScheme: 'light' };
     viewer = await ViewerPage.open(browser, `${url}/?sheet=physics`, options);
-    await viewer.until('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
     await viewer.page.keyboard.press('m');
     await viewer.page.click('[data-gravity="1.62"]');
     await gravityIs(-1.62);
@@ -39,7 +39,7 @@ export async function physicsSteps(steps, browser, url) {
     await viewer.shows('#gravity-value', '5.01 m/s²');
   });
 
-  await steps.step('wind blows as strong and in the direction that is asked for, and stops', async () => {
+  steps.step('wind blows as strong and in the direction that is asked for, and stops', async () => {
     await viewer.page.fill('#wind-speed', '8');
     await viewer.page.fill('#wind-azimuth', '180');
     const blows = ({ scene: { wind } }) => {
@@ -63,7 +63,7 @@ export async function physicsSteps(steps, browser, url) {
     await viewer.shows('#wind-azimuth-value', '90°');
   });
 
-  await steps.step('an edge is held, and then nothing', async () => {
+  steps.step('an edge is held, and then nothing', async () => {
     await viewer.page.selectOption('#pin-choice', { label: 'left edge' });
     await viewer.page.click('#pin-apply');
     await viewer.shows('#pin-count', '21 vertices held');
@@ -79,7 +79,7 @@ export async function physicsSteps(steps, browser, url) {
     viewer.page.waitForFunction(([name, wanted]) => document.getElementById(`material-${name}-value`).value === wanted, [id, text]);
   const materialIs = (what, isSo) => serverHas(what, ({ scene }) => isSo(scene.material));
 
-  await steps.step('the material is set by sliders, numbers and presets, and is that of the server', async () => {
+  steps.step('the material is set by sliders, numbers and presets, and is that of the server', async () => {
     await fieldShows('stiffness', '400 kPa');
     await viewer.shows('#material-mass', '200 g/m²');
     check((await viewer.page.inputValue('#material-preset')) === 'demo', 'the preset of the sheet is not shown');
@@ -116,7 +116,7 @@ export async function physicsSteps(steps, browser, url) {
     await fieldShows('across', '30 MPa');
   });
 
-  await steps.step('what is no number, and what the server refuses, is told at the number, and another viewer is followed', async () => {
+  steps.step('what is no number, and what the server refuses, is told at the number, and another viewer is followed', async () => {
     await field('density').fill('heavy');
     await field('density').press('Enter');
     await viewer.page.locator('#material-density-error', { hasText: /^Give Density as a number, such as / }).waitFor();
@@ -138,7 +138,7 @@ export async function physicsSteps(steps, browser, url) {
     viewer.errors = viewer.errors.filter((error) => !/400/.test(error));
   });
 
-  await steps.step('the speed is set by keys and by choice, and another client’s is shown', async () => {
+  steps.step('the speed is set by keys and by choice, and another client’s is shown', async () => {
     const speedIs = (wanted) => serverHas(`speed ${wanted}`, ({ speed }) => speed === wanted);
     const chosen = (text) =>
       viewer.page.waitForFunction((wanted) => document.getElementById('speed').selectedOptions[0]?.textContent === wanted, text);
@@ -160,7 +160,7 @@ export async function physicsSteps(steps, browser, url) {
     await chosen('1 ×');
   });
 
-  await steps.step('what a call for one sheet answers is not taken for another that is shown by then', async () => {
+  steps.step('what a call for one sheet answers is not taken for another that is shown by then', async () => {
     const { asked, release } = await viewer.hold('SheetService/StepSheet');
     await viewer.page.keyboard.press('.');
     await asked;
@@ -174,7 +174,7 @@ export async function physicsSteps(steps, browser, url) {
     await viewer.until('k.sheet === "sheets/physics" && k.connection === "live" && k.isPaused');
   });
 
-  await steps.step('pieces are listed with their sizes, light up and come into the middle', async () => {
+  steps.step('pieces are listed with their sizes, light up and come into the middle', async () => {
     const curve = { polyline: { points: [{ x: 0.3, y: -0.1 }, { x: 0.3, y: 1.1 }] } };
     await post(url, 'CutService/CreateCut', { parent: kSheet.name, cut: { curve } });
     await viewer.until('k.pieces === 2');

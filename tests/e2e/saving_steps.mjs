@@ -134,7 +134,7 @@ async function saveRun(viewer, url) {
 
 async function playRun(viewer, url, { bytes, tick, hash }) {
   await viewer.page.setInputFiles('#run-file', { name: 'Fall again.rec', mimeType: '', buffer: bytes });
-  await viewer.until('k.sheet === "sheets/fall-again" && k.connection === "live" && k.framesDrawn > 0');
+  await viewer.untilDrawn('k.sheet === "sheets/fall-again" && k.connection === "live" && k.framesDrawn > 0');
   await viewer.notice(new RegExp(`fall-again plays Fall again.rec, ${tick} ticks: it takes no commands`));
   await viewer.page.focus('#canvas');
   await viewer.page.keyboard.press('>');
@@ -284,50 +284,48 @@ async function refusals(viewer) {
   await refuse(Buffer.from('not a recording at all'), /bad.kerfstream cannot be played: it does not begin with KERFSTRM/);
 }
 
-/** @returns the kerfd that runs afterwards */
-export async function savingSteps(steps, browser, kerfd, start) {
+export function savingSteps(steps, browser, server) {
   let viewer;
   let recorded;
-  await steps.step('the statistics come and go, with a value and a plot for each line', async () => {
-    viewer = await ViewerPage.open(browser, kerfd.url, kWide);
-    await viewer.until('k.connection === "live" && k.framesDrawn > 5');
+  steps.step('the statistics come and go, with a value and a plot for each line', async () => {
+    viewer = await ViewerPage.open(browser, server.url, kWide);
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 5');
     await statistics(viewer);
   });
-  await steps.step('pictures of what is seen are saved, without what lies over it', async () => {
+  steps.step('pictures of what is seen are saved, without what lies over it', async () => {
     await viewer.page.keyboard.press(' ');
     await viewer.until('k.isPaused');
     await pictures(viewer);
     await legends(viewer);
   });
-  await steps.step('the mesh that is shown is saved as OBJ and as glTF', async () => {
+  steps.step('the mesh that is shown is saved as OBJ and as glTF', async () => {
     await meshes(viewer);
     await viewer.page.keyboard.press(' ');
     await viewer.until('!k.isPaused');
   });
-  await steps.step('what the server recorded is saved, and played by it as a new sheet that ends the same', async () => {
-    const run = await saveRun(viewer, kerfd.url);
-    await playRun(viewer, kerfd.url, run);
+  steps.step('what the server recorded is saved, and played by it as a new sheet that ends the same', async () => {
+    const run = await saveRun(viewer, server.url);
+    await playRun(viewer, server.url, run);
     await refuseRuns(viewer, run);
     await viewer.pick('demo');
     await viewer.until('k.sheet === "sheets/demo" && k.connection === "live"');
   });
-  await steps.step('frames are recorded while the sheet is cut', async () => {
+  steps.step('frames are recorded while the sheet is cut', async () => {
     recorded = await record(viewer);
   });
-  await steps.step('a recording is played, sought and stepped, and ends with the mesh that was live', () =>
+  steps.step('a recording is played, sought and stepped, and ends with the mesh that was live', () =>
     replay(viewer, recorded),
   );
-  await steps.step('its pieces have colours, and that it has no strains is said', () => looks(viewer));
-  await steps.step('a recording plays on without its server, and cannot be changed', async () => {
-    const { host } = new URL(kerfd.url);
-    check((await kerfd.stop()) === 0, 'kerfd did not end with status 0');
+  steps.step('its pieces have colours, and that it has no strains is said', () => looks(viewer));
+  steps.step('a recording plays on without its server, and cannot be changed', async () => {
+    await server.stop();
     await viewer.page.fill('#replay-position', '0');
     await viewer.until('k.replay.index === 0 && k.connection === "replay"');
     await refusals(viewer);
     await viewer.screenshot('replay-refused');
-    kerfd = await start(host);
+    await server.start();
   });
-  await steps.step('a recording that is dropped is played, and closing it goes back to the live sheet', async () => {
+  steps.step('a recording that is dropped is played, and closing it goes back to the live sheet', async () => {
     await viewer.drop('dropped.kerfstream', await readFile(recorded.path));
     await viewer.until('k.connection === "replay" && k.replay.isPlaying');
     await viewer.page.click('#replay-close');
@@ -335,10 +333,9 @@ export async function savingSteps(steps, browser, kerfd, start) {
     // What the browser says about the server that was away.
     viewer.errors = viewer.errors.filter((error) => !/ERR_CONNECTION_REFUSED|WebSocket/.test(error));
   });
-  await steps.step('while a recording is shown the live sheet and its settings are left alone', async () => {
-    await leavesLiveSheet(viewer, recorded, kerfd.url);
+  steps.step('while a recording is shown the live sheet and its settings are left alone', async () => {
+    await leavesLiveSheet(viewer, recorded, server.url);
     check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
     await viewer.page.close();
   });
-  return kerfd;
 }

@@ -43,7 +43,7 @@ function gridObj(n) {
   return `${lines.join('\n')}\n`;
 }
 
-export async function sheetSteps(steps, browser, url) {
+export function sheetSteps(steps, browser, { url }) {
   const sheet = (name) => post(url, 'SheetService/GetSheet', { name: `sheets/${name}` });
   const names = async () => (await post(url, 'SheetService/ListSheets', {})).sheets.map(({ name }) => name);
   let viewer;
@@ -65,9 +65,9 @@ export async function sheetSteps(steps, browser, url) {
     return made;
   };
 
-  await steps.step('the panel of sheets lists what the server has, and follows it', async () => {
+  steps.step('the panel of sheets lists what the server has, and follows it', async () => {
     viewer = await ViewerPage.open(browser, url, kWide);
-    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
     await viewer.page.click('[data-panel=sheets]');
     await row('demo').waitFor();
     check((await row('demo').locator('[aria-current]').count()) === 1, 'the sheet that is watched is not marked');
@@ -78,7 +78,7 @@ export async function sheetSteps(steps, browser, url) {
     await viewer.screenshot('sheets');
   });
 
-  await steps.step('a grid is made as asked for', async () => {
+  steps.step('a grid is made as asked for', async () => {
     await openForm();
     await viewer.page.fill('#new-columns', '12');
     await viewer.page.fill('#new-rows', '8');
@@ -99,7 +99,7 @@ export async function sheetSteps(steps, browser, url) {
     await row('flag').waitFor();
   });
 
-  await steps.step('OBJ, PLY and an outline become sheets', async () => {
+  steps.step('OBJ, PLY and an outline become sheets', async () => {
     for (const [name, text] of [
       ['square.obj', kSquareObj],
       ['square2.ply', kPly],
@@ -122,7 +122,7 @@ export async function sheetSteps(steps, browser, url) {
     check(Math.abs(reach[1] - reach[0] - 0.88) < 0.02, `the outline spans ${reach}`);
   });
 
-  await steps.step('lines inside a border become holes, scaled and placed with it', async () => {
+  steps.step('lines inside a border become holes, scaled and placed with it', async () => {
     await openForm();
     await shape('outline');
     const drawing = { name: 'plate.svg', mimeType: 'image/svg+xml', buffer: Buffer.from(kPlate) };
@@ -138,7 +138,7 @@ export async function sheetSteps(steps, browser, url) {
     await viewer.screenshot('plate');
   });
 
-  await steps.step('a mesh larger than a request is sent, and how far it is is told', async () => {
+  steps.step('a mesh larger than a request is sent, and how far it is is told', async () => {
     const text = gridObj(161);
     check(text.length > 2 << 20, `the mesh has only ${text.length} bytes`);
     await openForm();
@@ -158,7 +158,7 @@ export async function sheetSteps(steps, browser, url) {
     check((await sheet('fine')).run_state === 'PAUSED', 'what else was asked for is lost');
   });
 
-  await steps.step('a mesh that is dropped on the sheet opens the form with it', async () => {
+  steps.step('a mesh that is dropped on the sheet opens the form with it', async () => {
     await viewer.drop('Dropped Cloth.obj', Buffer.from(kSquareObj));
     await viewer.page.locator('#new-sheet[open] #new-file-name', { hasText: 'Dropped Cloth.obj' }).waitFor();
     check((await viewer.page.inputValue('#new-id')) === 'dropped-cloth', 'its name is not taken from the file');
@@ -166,7 +166,7 @@ export async function sheetSteps(steps, browser, url) {
     await viewer.until('k.sheet === "sheets/dropped-cloth"');
   });
 
-  await steps.step('refusals stand at their fields, and what was typed stays', async () => {
+  steps.step('refusals stand at their fields, and what was typed stays', async () => {
     await openForm();
     const refusal = async (field, pattern) => {
       await viewer.page.click('#new-create');
@@ -220,7 +220,7 @@ export async function sheetSteps(steps, browser, url) {
     viewer.errors = viewer.errors.filter((error) => !/40[09]/.test(error));
   });
 
-  await steps.step('a sheet is deleted when that is confirmed, and another one is shown', async () => {
+  steps.step('a sheet is deleted when that is confirmed, and another one is shown', async () => {
     await row('egg').locator('.icon').click();
     await viewer.page.locator('#confirmation[open]', { hasText: 'egg' }).waitFor();
     await viewer.screenshot('confirmation');
@@ -238,9 +238,9 @@ export async function sheetSteps(steps, browser, url) {
     await viewer.page.close();
   });
 
-  await steps.step('on a phone, in the dark, a sheet is made and opened from another', async () => {
+  steps.step('on a phone, in the dark, a sheet is made and opened from another', async () => {
     viewer = await ViewerPage.open(browser, `${url}/?sheet=demo`, kPhone);
-    await viewer.until('k.connection === "live" && k.framesDrawn > 0');
+    await viewer.untilDrawn('k.connection === "live" && k.framesDrawn > 0');
     await viewer.page.tap('[data-panel=sheets]');
     await row('demo').waitFor();
     await viewer.screenshot('phone-sheets');

@@ -9,14 +9,15 @@ class Pipe {
   timer = undefined;
   freeAtMs = 0;
 
-  constructor(to, { delayMs, bytesPerS }, passed) {
-    Object.assign(this, { to, delayMs, bytesPerS, passed });
+  constructor(to, limits, passed) {
+    Object.assign(this, { to, limits, passed });
   }
 
   push(bytes) {
     const now = performance.now();
-    this.freeAtMs = Math.max(now, this.freeAtMs) + (1000 * bytes.length) / this.bytesPerS;
-    this.queue.push({ bytes, atMs: this.freeAtMs + this.delayMs });
+    const { delayMs, bytesPerS } = this.limits;
+    this.freeAtMs = Math.max(now, this.freeAtMs) + (1000 * bytes.length) / bytesPerS;
+    this.queue.push({ bytes, atMs: this.freeAtMs + delayMs });
     this.schedule();
   }
 
@@ -109,9 +110,9 @@ export class StreamCount {
 /**
  * A TCP proxy in front of `url` that delays and throttles. Counts what is in flight between its two ends, in the order
  * in which the server sends it and the server's acknowledgements reach it.
- * @param options  delayMs: each way; bytesPerS: each way and connection
+ * @param limits  delayMs: each way; bytesPerS: each way and connection; others may be set at any time
  */
-export async function startSlowProxy(url, options) {
+export async function startSlowProxy(url, limits) {
   const { hostname, port } = new URL(url);
   const sockets = new Set();
   const counts = new Map();
@@ -119,10 +120,10 @@ export async function startSlowProxy(url, options) {
     const upstream = connect(Number(port), hostname);
     let count;
     const [fromClient, fromServer] = [new MessageReader(), new MessageReader()];
-    const toServer = new Pipe(upstream, options, (bytes) => {
+    const toServer = new Pipe(upstream, limits, (bytes) => {
       if (count) fromClient.read(bytes, (payload) => count.fromClient(payload));
     });
-    const toClient = new Pipe(client, options);
+    const toClient = new Pipe(client, limits);
     client.on('data', (bytes) => {
       const path = count ? undefined : /^GET (\/watch|\/images) /.exec(bytes.toString('latin1'))?.[1];
       if (path) {

@@ -1,8 +1,32 @@
 import { check, kPatienceMs, root } from './harness.mjs';
+import { readPng } from './png.mjs';
+
+// Least time between two drawings of a page.
+const kFrameMs = 150;
 
 // Made here and sent as source: the page's content security policy forbids making functions there.
 function pageFunction(expression) {
   return new Function('given', `const k = window.kerf; return k && (${expression});`);
+}
+
+// Keeps `frameMs` between two drawings of a page. Drawing in software then leaves time to server, input and screenshots.
+// Callbacks without a parameter draw nothing, and run with every frame.
+function drawSeldom(frameMs) {
+  const nextFrame = window.requestAnimationFrame.bind(window);
+  let drawnMs = -Infinity;
+  const waiting = [];
+  window.requestAnimationFrame = function seldom(callback) {
+    if (callback.length === 0) return nextFrame(callback);
+    return nextFrame((nowMs) => {
+      if (nowMs > drawnMs && nowMs < drawnMs + frameMs) return seldom(callback);
+      const drawn = window.kerf?.framesDrawn;
+      callback(nowMs);
+      if (window.kerf?.framesDrawn !== drawn && window.kerf.numVertices > 0) drawnMs = nowMs;
+      for (const done of waiting.splice(0)) done();
+    });
+  };
+  // Resolves once the page has drawn whatever has changed by now.
+  window.allDrawn = () => new Promise((done) => waiting.push(done));
 }
 
 /** One page with the viewer, read through window.kerf (web/src/hooks.ts) and driven as a person would. */
@@ -23,21 +47,24 @@ export class ViewerPage {
     });
   }
 
-  /** @param prepare  called with the page before it loads anything */
-  static async open(browser, url, options, prepare = async () => {}) {
+  /**
+   * @param options  of the page; frameMs: least time between two drawings, 0 for as many as there can be
+   * @param prepare  called with the page before it loads anything
+   */
+  static async open(browser, url, { frameMs = kFrameMs, ...options }, prepare = async () => {}) {
     const viewer = new ViewerPage(await browser.newPage(options));
+    await viewer.page.addInitScript(drawSeldom, frameMs);
     await prepare(viewer.page);
     await viewer.page.goto(url);
     return viewer;
   }
 
-  /** Pictures of whatever is open, as NAME-1.png and so on. */
+  /** Pictures of whatever is open, as NAME-1.png and so on; gives their paths. */
   static async screenshotAll(browser, name) {
     const pages = browser.contexts().flatMap((context) => context.pages());
-    for (const [i, page] of pages.entries()) {
-      const path = `${root}/build/e2e/${name}-${i + 1}.png`;
-      await page.screenshot({ path }).catch((error) => console.log(String(error)));
-    }
+    const paths = pages.map((_, i) => `${root}build/e2e/${name}-${i + 1}.png`);
+    const taken = await Promise.allSettled(pages.map((page, i) => page.screenshot({ path: paths[i] })));
+    return paths.map((path, i) => taken[i].reason ? `none: ${taken[i].reason.message}` : path);
   }
 
   /** Waits until `condition`, an expression of window.kerf as k and of `given`, is true of it. */
@@ -47,6 +74,12 @@ export class ViewerPage {
         `not within ${kPatienceMs / 1000} s: ${condition} (given ${JSON.stringify(given)}): ${error.message}`,
       );
     });
+  }
+
+  /** The same, and until what is there then is drawn: the first frame of a page is drawn before there is a sheet. */
+  async untilDrawn(condition, given = {}) {
+    await this.until(condition, given);
+    await this.allDrawn();
   }
 
   read(expression) {
@@ -162,52 +195,35 @@ export class ViewerPage {
   /** Waits until an element's text is this one. */
   async shows(selector, text) {
     const isShown = ([query, wanted]) => document.querySelector(query).textContent === wanted;
-    await this.page.waitForFunction(isShown, [selector, text], { timeout: kPatienceMs });
+    await this.page.waitForFunction(isShown, [selector, text], { timeout: kPatienceMs }).catch(async (error) => {
+      const shown = await this.page.textContent(selector).catch(() => 'nothing');
+      throw new Error(`${selector} shows '${shown}', not '${text}': ${error.message}`);
+    });
   }
 
   /** Colours of a screenshot of the page at points of it, CSS pixels: an array of [red, green, blue], 0..255. */
   async colours(points, name) {
-    const png = await this.page.screenshot({ path: `${root}/build/e2e/${name}.png` });
+    const png = await this.picture(name);
     const scale = png.readUInt32BE(16) / this.page.viewportSize().width;
     const pixels = points.map(({ x, y }) => ({ x: scale * x, y: scale * y }));
     return this.coloursOf(png, pixels);
   }
 
   /** Colours of a PNG at points of it, pixels. */
-  async coloursOf(png, points) {
-    const { width, rgba } = await this.decoded(png);
-    return points.map(({ x, y }) => [...rgba.subarray(4 * (Math.floor(y) * width + Math.floor(x))).subarray(0, 3)]);
+  coloursOf(png, points) {
+    const { at } = readPng(png);
+    return points.map(({ x, y }) => at(Math.floor(x), Math.floor(y)));
   }
 
-  /** How many pixels of the page have this colour, but for rounding. */
+  /** How many pixels of the page have this colour, within rounding. */
   async numPixels(colour, name) {
-    const { rgba } = await this.decoded(await this.page.screenshot({ path: `${root}/build/e2e/${name}.png` }));
+    const { width, height, at } = readPng(await this.picture(name));
     let count = 0;
-    for (let at = 0; at < rgba.length; at += 4) {
-      if (colour.every((value, channel) => Math.abs(rgba[at + channel] - value) <= 3)) count += 1;
+    for (let i = 0; i < width * height; ++i) {
+      const pixel = at(i % width, Math.floor(i / width));
+      if (colour.every((value, channel) => Math.abs(pixel[channel] - value) <= 3)) count += 1;
     }
     return count;
-  }
-
-  /** A PNG as it is decoded on a page of its own: the viewer's security policy allows no image from elsewhere. */
-  async decoded(png) {
-    const decoder = await this.page.context().browser().newPage();
-    const { width, base64 } = await decoder.evaluate(async (encoded) => {
-      const image = new Image();
-      image.src = `data:image/png;base64,${encoded}`;
-      await image.decode();
-      const canvas = new OffscreenCanvas(image.width, image.height).getContext('2d');
-      canvas.drawImage(image, 0, 0);
-      const bytes = new Blob([canvas.getImageData(0, 0, image.width, image.height).data]);
-      const url = await new Promise((resolve) => {
-        const reader = new FileReader();
-        reader.onload = () => resolve(reader.result);
-        reader.readAsDataURL(bytes);
-      });
-      return { width: image.width, base64: url.slice(url.indexOf(',') + 1) };
-    }, png.toString('base64'));
-    await decoder.close();
-    return { width, rgba: new Uint8Array(Buffer.from(base64, 'base64')) };
   }
 
   notice(pattern) {
@@ -219,6 +235,17 @@ export class ViewerPage {
     if (await this.read('k.connection === "live" && !k.isPaused')) {
       await this.until('k.framesDrawn >= given.drawn', { drawn: (await this.read('k.framesDrawn')) + 2 });
     }
-    await this.page.screenshot({ path: `${root}/build/e2e/${name}.png` });
+    await this.picture(name);
+  }
+
+  /** Waits until the page has drawn whatever has changed by now. */
+  allDrawn() {
+    return this.page.evaluate(() => window.allDrawn());
+  }
+
+  /** The page as a PNG, with all that has changed by now; also kept as a file. */
+  async picture(name) {
+    await this.allDrawn();
+    return this.page.screenshot({ path: `${root}build/e2e/${name}.png` });
   }
 }
