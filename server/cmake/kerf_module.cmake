@@ -120,10 +120,14 @@ function(kerf_test_program name)
   endif()
 endfunction()
 
-# kerf_test(path/to/name_test.cc LABEL core DEPENDS ... [ARGS ...] [TIMEOUT seconds]): one binary and one ctest entry.
+# kerf_test(path/to/name_test.cc LABEL core DEPENDS ... [SLOW] [ARGS ...] [TIMEOUT seconds]): one binary and one ctest
+# entry. SLOW tests are left out of `deploy/test quick`.
 # Every test requires the fixture `build`, so `ctest --preset dev` builds what is stale first.
 function(kerf_test source)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "DEPENDS;ARGS" ${ARGN})
+  cmake_parse_arguments(ARG "SLOW" "LABEL;TIMEOUT" "DEPENDS;ARGS" ${ARGN})
+  if(ARG_SLOW)
+    list(APPEND ARG_LABEL slow)
+  endif()
   get_filename_component(folder ${source} DIRECTORY)
   get_filename_component(stem ${source} NAME_WE)
   string(REPLACE "/" "_" prefix "${folder}")
@@ -141,14 +145,17 @@ function(kerf_test source)
   add_executable(${name} ${source})
   kerf_test_program(${name} ${ARG_DEPENDS})
   add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 ${ARG_ARGS})
-  set_tests_properties(${name} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} FIXTURES_REQUIRED built)
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT} FIXTURES_REQUIRED built)
 endfunction()
 
-# kerf_tests(name LABEL core SOURCES a_test.cc ... DEPENDS ... [SHARDS n] [TIMEOUT seconds]): the tests of a folder as one
+# kerf_tests(name LABEL core SOURCES a_test.cc ... DEPENDS ... [SLOW] [SHARDS n] [TIMEOUT seconds]): the tests of a folder as one
 # program, compiled some files at a time (see kerf_module), and as n entries of ctest, <name>_1 to <name>_n, that share
 # its tests out among them.
 function(kerf_tests name)
-  cmake_parse_arguments(ARG "" "LABEL;SHARDS;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "SLOW" "LABEL;SHARDS;TIMEOUT" "SOURCES;DEPENDS" ${ARGN})
+  if(ARG_SLOW)
+    list(APPEND ARG_LABEL slow)
+  endif()
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -164,7 +171,7 @@ function(kerf_tests name)
   foreach(shard RANGE 1 ${ARG_SHARDS})
     math(EXPR index "${shard} - 1")
     add_test(NAME ${name}_${shard} COMMAND ${name} --gtest_brief=1)
-    set_tests_properties(${name}_${shard} PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT} FIXTURES_REQUIRED built
+    set_tests_properties(${name}_${shard} PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT} FIXTURES_REQUIRED built
       ENVIRONMENT "GTEST_TOTAL_SHARDS=${ARG_SHARDS};GTEST_SHARD_INDEX=${index}")
   endforeach()
 endfunction()

@@ -1,0 +1,202 @@
+"""deploy/test: runs steps, shows how far they are, runs the rest after a failure, and ends with what failed."""
+
+import datetime
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import failures
+from progress import Memory, StepProgress, in_words
+from steps import LONG, ROOT, SETS, STEPS, with_needs
+
+LOGS = ROOT / "build/test-logs"
+EVERY = 30.0  # seconds between two lines of progress where the output is no terminal
+
+USAGE = f"""deploy/test builds Kerf and proves it. What it installs is listed in deploy/setup.
+
+  deploy/test             {', '.join(SETS[''])}: what a user runs to believe in Kerf
+  deploy/test quick       {', '.join(SETS['quick'])}: what an engineer runs before each commit
+  deploy/test deep        {', '.join(SETS['deep'])}
+  deploy/test long NAME   a proof of an hour or more; its result is written to tests/long/NAME.md
+  deploy/test STEP...     these steps, and those that they need
+
+Steps:
+""" + "\n".join(f"  {step.name:<12}{step.proves}" for step in STEPS.values()) + """
+
+Proofs by name, not part of CI:
+""" + "\n".join(f"  {name:<18}{proof.proves} ({proof.takes})" for name, proof in LONG.items()) + """
+
+Logs are in build/test-logs."""
+
+
+class Screen:
+    """One line that is written over on a terminal; elsewhere a line now and then."""
+
+    def __init__(self):
+        self.out = sys.stdout
+        self.is_terminal = self.out.isatty()
+        self.last = time.monotonic()
+
+    def say(self, text):
+        self.out.write(("\r\x1b[K" if self.is_terminal else "") + text + "\n")
+        self.out.flush()
+
+    def progress(self, text):
+        now = time.monotonic()
+        if self.is_terminal:
+            if now - self.last < 0.2:
+                return
+            self.out.write("\r\x1b[K" + text[: shutil.get_terminal_size().columns - 1])
+            self.out.flush()
+        elif now - self.last < EVERY:
+            return
+        else:
+            self.say(text)
+        self.last = now
+
+
+def run_step(step, show):
+    """Runs the commands of a step into its log; whether all ended well. `show` is called with each line and now and then."""
+    log = LOGS / f"{step.name}.log"
+    for old in (log, LOGS / f"{step.name}.xml"):
+        old.unlink(missing_ok=True)
+    environment = {**os.environ, "LOG": str(LOGS / step.name)}
+    with log.open("w", errors="replace") as file:
+        for command in step.commands:
+            file.write(f"$ {command}\n")
+            file.flush()
+            with subprocess.Popen(["bash", "-euo", "pipefail", "-c", command], cwd=ROOT, env=environment, text=True,
+                                  errors="replace", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, start_new_session=True) as process:
+                try:
+                    for line in process.stdout:
+                        file.write(line)
+                        show(line)
+                except KeyboardInterrupt:
+                    os.killpg(process.pid, signal.SIGTERM)
+                    raise
+            if process.returncode != 0:
+                return False
+    return True
+
+
+def summary_of(step):
+    """A line of the log that says how much was done, such as a count of tests."""
+    text = (LOGS / f"{step.name}.log").read_text(errors="replace")
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", text)
+    found = re.findall(r"(?:100% tests passed.*out of (\d+))|(?:Tests +(\d+) passed)|(?:^(\d+) passed, 0 failed)", plain, re.MULTILINE)
+    return f", {''.join(found[-1])} passed" if found else ""
+
+
+def report(step, failed, say):
+    for failure in failed:
+        say(f"  {failure.name}" + (f"\n    at    {failure.where}" if failure.where else "")
+            + (f"\n    alone {failure.alone}" if failure.alone else ""))
+        if failure.excerpt:
+            say("\n".join("      | " + line for line in failure.excerpt.splitlines()))
+    say(f"    log   {os.path.relpath(LOGS / step.name, ROOT)}.log")
+
+
+def run(names):
+    """Runs steps; the number of those that did not pass."""
+    LOGS.mkdir(parents=True, exist_ok=True)
+    memory = Memory(LOGS / "seconds.json")
+    screen = Screen()
+    steps = with_needs(names)
+    started = time.monotonic()
+    passed, failed, took = [], {}, {}
+    for number, step in enumerate(steps, start=1):
+        head = f"[{number}/{len(steps)}] {step.name}"
+        missing = [name for name in step.needs if name not in passed]
+        if missing:
+            failed[step.name] = []
+            screen.say(f"{head} NOT RUN: {' and '.join(missing)} failed")
+            continue
+        screen.say(f"{head}: {step.proves}")
+        later = sum(memory.expected(other) for other in steps[number:])
+        progress = StepProgress(memory.expected(step))
+
+        def show(line):
+            progress.line(line)
+            count = f" {progress.counted[0]}/{progress.counted[1]}" if progress.counted else ""
+            screen.progress(f"{head}{count}, {in_words(time.monotonic() - started)} so far, "
+                            f"about {in_words(progress.left() + later)} left")
+
+        ended_well = run_step(step, show)
+        took[step.name] = progress.elapsed()
+        if ended_well:
+            passed.append(step.name)
+            memory.note(step, took[step.name])
+            screen.say(f"{head} passed in {in_words(took[step.name])}{summary_of(step)}")
+        else:
+            log = (LOGS / f"{step.name}.log").read_text(errors="replace")
+            failed[step.name] = failures.of_step(step, log, LOGS / f"{step.name}.xml")
+            screen.say(f"{head} FAILED after {in_words(took[step.name])}")
+            report(step, failed[step.name], screen.say)
+    screen.say("")
+    for step in steps:
+        outcome = "passed" if step.name in passed else "FAILED" if step.name in took else "not run"
+        screen.say(f"  {step.name:<12}{outcome:<8}{in_words(took.get(step.name, 0)):>6}")
+    screen.say(f"  {'in all':<20}{in_words(time.monotonic() - started):>6}")
+    for name, each in failed.items():
+        for failure in each:
+            screen.say(f"FAILED in {name}: {failure.name}" + (f", run alone by: {failure.alone}" if failure.alone else ""))
+    screen.say(f"{len(passed)} passed, {len(failed)} failed")
+    return len(failed)
+
+
+def prove(name):
+    """Runs one of the long proofs and writes its page; its exit status."""
+    proof = LONG[name]
+    started = time.monotonic()
+    # Their programs lie in the build that all steps share.
+    if run(["build"]) != 0:
+        return 1
+    print(f"{proof.proves}; takes {proof.takes}", flush=True)
+    lines = []
+    with subprocess.Popen(["bash", "-euo", "pipefail", "-c", proof.command], cwd=ROOT, text=True, errors="replace",
+                          stdout=subprocess.PIPE) as process:
+        for line in process.stdout:
+            print(line, end="", flush=True)
+            lines.append(line)
+    commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
+    outcome = "passed" if process.returncode == 0 else f"FAILED (status {process.returncode})"
+    page = ROOT / f"tests/long/{name}.md"
+    page.write_text(f"# {name}\n\nProves: {proof.proves}.\n\n```sh\ndeploy/test long {name}    # {proof.takes}\n```\n\n"
+                    f"Last result: **{outcome}**, {datetime.date.today()}, commit {commit}, "
+                    f"{in_words(time.monotonic() - started)} minutes.\n\n```\n{''.join(lines[-60:])}```\n")
+    print(f"written to {os.path.relpath(page, ROOT)}")
+    return process.returncode
+
+
+def main(arguments):
+    if arguments and arguments[0] in ("-h", "--help"):
+        print(USAGE)
+        return 0
+    if arguments[:1] == ["long"]:
+        if len(arguments) == 2 and arguments[1] in LONG:
+            return prove(arguments[1])
+        print(f"deploy/test long: say which proof: {', '.join(LONG)}", file=sys.stderr)
+        return 2
+    if len(arguments) <= 1 and "".join(arguments) in SETS:
+        names = SETS["".join(arguments)]
+    else:
+        names = arguments
+    unknown = [name for name in names if name not in STEPS]
+    if unknown:
+        print(f"deploy/test: there is no step '{unknown[0]}'; there are {', '.join(STEPS)}; "
+              f"or say quick, deep, long NAME or nothing", file=sys.stderr)
+        return 2
+    return 1 if run(names) else 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main(sys.argv[1:]))
+    except KeyboardInterrupt:
+        sys.exit(130)

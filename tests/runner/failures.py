@@ -1,0 +1,122 @@
+"""What failed in a step, where, and how to run it alone: read from the step's log and, of ctest, from its report."""
+
+import dataclasses
+import json
+import re
+import subprocess
+import xml.etree.ElementTree
+
+from steps import ROOT
+
+EXCERPT = 30  # lines
+
+
+@dataclasses.dataclass(frozen=True)
+class Failure:
+    name: str
+    alone: str  # a command that runs it alone, from the root of the repository
+    where: str = ""  # file:line, if it is known
+    excerpt: str = ""  # lines of its output
+
+
+def relative(text):
+    """The same with paths from the root of the repository."""
+    return re.sub(r"(?:\.\./)+(?=(?:tests|server|client|render|web)/)", "", text.replace(f"{ROOT}/", ""))
+
+
+def last_lines(text, count=EXCERPT):
+    return "\n".join(text.rstrip().splitlines()[-count:])
+
+
+def of_gtest(program, output):
+    """Each failed test of a GoogleTest program; none where it crashed."""
+    failures = []
+    # What is printed of a test ends with the line that says it failed.
+    for chunk in re.split(r"(?<=ms\))\n", output):
+        failed = re.search(r"^\[  FAILED  \] (\S+?),? .*ms\)$", chunk, re.MULTILINE)
+        if not failed:
+            continue
+        place = re.search(r"^(\S+\.(?:cc|h):\d+): Failure", chunk, re.MULTILINE)
+        failures.append(Failure(failed[1], f"{program} --gtest_filter='{failed[1]}'", relative(place[1]) if place else "",
+                                relative(last_lines(chunk))))
+    return failures
+
+
+def of_unittest(command, output):
+    """Each failed test of a Python program."""
+    failures = []
+    for chunk in output.split("=" * 70 + "\n")[1:]:
+        failed = re.match(r"(?:FAIL|ERROR): (\w+) \((\S+)\)", chunk)
+        if not failed:
+            continue
+        places = re.findall(r'File "([^"]+)", line (\d+)', chunk)
+        ours = [place for place in places if place[0].startswith(str(ROOT))]
+        failures.append(Failure(failed[2], f"{command} -k {failed[1]}",
+                                relative(":".join(ours[0])) if ours else "", relative(last_lines(chunk))))
+    return failures
+
+
+def commands(preset):
+    """Of each test, its command line as one would type it."""
+    listed = subprocess.run(["ctest", "--preset", preset, "--show-only=json-v1"], cwd=ROOT, capture_output=True, text=True)
+    tests = json.loads(listed.stdout)["tests"] if listed.returncode == 0 else []
+    quiet = ("--gtest_brief=1", "-v")
+    return {test["name"]: [relative(word) for word in test.get("command", []) if word not in quiet] for test in tests}
+
+
+def of_ctest(preset, report):
+    """Each failed test in ctest's report (JUnit's format), by the names that the test programs themselves have for them."""
+    try:
+        cases = xml.etree.ElementTree.parse(report).getroot().iter("testcase")
+    except (OSError, xml.etree.ElementTree.ParseError):
+        return []
+    failed = [case for case in cases if case.get("status") == "fail"]
+    lines = commands(preset) if failed else {}
+    found = []
+    for case in failed:
+        name = case.get("name")
+        output = case.findtext("system-out") or ""
+        command = lines.get(name, [])
+        inner = of_unittest(" ".join(command), output) or of_gtest(command[0] if command else name, output)
+        why = case.find("failure")
+        message = why.get("message") if why is not None else ""
+        found += inner or [Failure(f"{name} ({message or 'failed'})", f"ctest --preset {preset} -R '^{name}$'", "",
+                                   relative(last_lines(output)))]
+    return found
+
+
+def of_compiler(log):
+    """Each file that the compiler refused."""
+    failures = {}
+    for place, message in re.findall(r"^(\S+\.(?:cc|h|ts):\d+(?::\d+)?): (?:fatal )?error: (.*)$", log, re.MULTILINE):
+        where = relative(place)
+        failures.setdefault(where.split(":")[0], Failure(f"compiling {where.split(':')[0]}", "", where, message))
+    return list(failures.values())
+
+
+def of_browser(log):
+    """Each failed step of the browser tests; those that were not run after it are left out."""
+    failures = []
+    for failed in re.finditer(r"^\[\d+/\d+\] FAILED +(.*?) \([\d.]+ s\)\n((?:(?!\[\d+/).*\n)*)", log, re.MULTILINE):
+        again = re.search(r"^  again: +(.*)$", failed[2], re.MULTILINE)
+        place = re.search(r"\(?file://(\S+?:\d+)(?::\d+)?\)?", failed[2])
+        failures.append(Failure(failed[1], relative(again[1]) if again else "tests/e2e/run build/release/bin/kerfd",
+                                relative(place[1]) if place else "", relative(last_lines(failed[2]))))
+    return failures
+
+
+def of_vitest(log):
+    """Each failed test of the viewer's units."""
+    plain = re.sub(r"\x1b\[[0-9;]*m", "", log)
+    failures = {}
+    for path, name in re.findall(r"^ FAIL +(\S+\.test\.ts) > (.*)$", plain, re.MULTILINE):
+        last = name.split(" > ")[-1]
+        failures[path, name] = Failure(name, f"(cd web && npx vitest run {path} -t '{last}')", f"web/{path}")
+    return list(failures.values())
+
+
+def of_step(step, log, report):
+    """What failed in a step; its last lines where nothing more exact can be read from them."""
+    found = of_ctest(step.preset, report) if step.preset else []
+    found = found or of_browser(log) or of_vitest(log) or of_compiler(log)
+    return found or [Failure(f"step {step.name}", f"deploy/test {step.name}", "", relative(last_lines(log)))]

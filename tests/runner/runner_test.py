@@ -1,0 +1,187 @@
+"""deploy/test itself: what is read from logs and reports, the time left, and that the rest runs after a failure."""
+
+import contextlib
+import importlib.machinery
+import importlib.util
+import io
+import pathlib
+import sys
+import tempfile
+import unittest
+from unittest import mock
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
+
+import failures  # noqa: E402: from this folder
+import progress  # noqa: E402
+import steps  # noqa: E402
+from steps import ROOT, Step  # noqa: E402
+
+loader = importlib.machinery.SourceFileLoader("runner_main", str(HERE / "__main__.py"))
+runner = importlib.util.module_from_spec(importlib.util.spec_from_loader("runner_main", loader))
+loader.exec_module(runner)
+
+GTEST = """Running main() from ./googletest/src/gtest_main.cc
+../../tests/fem/fem_model_test.cc:41: Failure
+Expected equality of these values:
+  1
+  2
+[  FAILED  ] Model.HasMass (3 ms)
+../../tests/fem/fem_model_test.cc:60: Failure
+Value of: false
+[  FAILED  ] Sizes/Model.Grows/2, where GetParam() = 9 (12 ms)
+"""
+UNITTEST = f"""test_a (__main__.Cuts.test_a) ... ok
+======================================================================
+FAIL: test_b (__main__.Cuts.test_b)
+----------------------------------------------------------------------
+Traceback (most recent call last):
+  File "/usr/lib/python3.11/unittest/case.py", line 57, in testPartExecutor
+    yield
+  File "{ROOT}/tests/client/cli/cuts_test.py", line 12, in test_b
+    self.assertEqual(1, 2)
+AssertionError: 1 != 2
+
+----------------------------------------------------------------------
+Ran 2 tests in 0.1s
+"""
+BROWSER = f"""[1/3] passed   the page opens (1.0 s)
+[2/3] FAILED   a cut is made (2.0 s)
+Error: no piece
+    at check (file://{ROOT}/tests/e2e/harness.mjs:80:25)
+  picture: {ROOT}/build/e2e/failed.png
+  again:   {ROOT}/tests/e2e/run build/release/bin/kerfd watching
+[3/3] not run  a cut is undone
+1 passed, 2 failed
+"""
+VITEST = """ ❯ test/theme.test.ts (2 tests | 1 failed) 4ms
+ FAIL  test/theme.test.ts > the theme > is kept
+AssertionError: expected 1 to be 2
+"""
+JUNIT = """<?xml version="1.0"?><testsuite tests="3" failures="3">
+<testcase name="fem_tests_1" status="fail"><failure message="Failed"/><system-out>{gtest}</system-out></testcase>
+<testcase name="cli_cuts_test" status="fail"><failure message="Failed"/><system-out>{unittest}</system-out></testcase>
+<testcase name="wire_tests_1" status="fail"><failure message="Subprocess aborted"/><system-out>terminate called</system-out></testcase>
+<testcase name="mesh_tests_1" status="run"><system-out/></testcase></testsuite>"""
+
+
+class Failures(unittest.TestCase):
+    def test_gtest(self):
+        first, second = failures.of_gtest("build/release/bin/fem_tests", GTEST)
+        self.assertEqual((first.name, first.where), ("Model.HasMass", "tests/fem/fem_model_test.cc:41"))
+        self.assertEqual(first.alone, "build/release/bin/fem_tests --gtest_filter='Model.HasMass'")
+        self.assertIn("Expected equality", first.excerpt)
+        self.assertEqual((second.name, second.where), ("Sizes/Model.Grows/2", "tests/fem/fem_model_test.cc:60"))
+        self.assertEqual(failures.of_gtest("x", "terminate called\n"), [])
+
+    def test_unittest(self):
+        (failure,) = failures.of_unittest("/usr/bin/python3 tests/client/cli/cuts_test.py", UNITTEST)
+        self.assertEqual((failure.name, failure.where), ("__main__.Cuts.test_b", "tests/client/cli/cuts_test.py:12"))
+        self.assertTrue(failure.alone.endswith("cuts_test.py -k test_b"))
+
+    def test_ctest(self):
+        with tempfile.TemporaryDirectory() as folder, \
+                mock.patch.object(failures, "commands", return_value={"fem_tests_1": ["bin/fem_tests"], "cli_cuts_test": ["python3", "a.py"]}):
+            report = pathlib.Path(folder, "report.xml")
+            report.write_text(JUNIT.format(gtest=GTEST, unittest=UNITTEST))
+            found = failures.of_ctest("release", report)
+        self.assertEqual([failure.name for failure in found], ["Model.HasMass", "Sizes/Model.Grows/2", "__main__.Cuts.test_b",
+                                                              "wire_tests_1 (Subprocess aborted)"])
+        self.assertEqual(found[2].alone, "python3 a.py -k test_b")
+        self.assertEqual(found[3].alone, "ctest --preset release -R '^wire_tests_1$'")
+        self.assertEqual(failures.of_ctest("release", pathlib.Path("/proc/none")), [])
+
+    def test_browser_and_viewer(self):
+        (failure,) = failures.of_browser(BROWSER)
+        self.assertEqual((failure.name, failure.where), ("a cut is made", "tests/e2e/harness.mjs:80"))
+        self.assertEqual(failure.alone, "tests/e2e/run build/release/bin/kerfd watching")
+        (failure,) = failures.of_vitest(VITEST)
+        self.assertEqual((failure.where, failure.alone),
+                         ("web/test/theme.test.ts", "(cd web && npx vitest run test/theme.test.ts -t 'is kept')"))
+
+    def test_compiler_and_what_is_not_known(self):
+        log = f"{ROOT}/server/mesh/a.cc:3:7: error: no such thing\n{ROOT}/server/mesh/a.cc:9:1: error: another\n"
+        (failure,) = failures.of_compiler(log)
+        self.assertEqual((failure.where, failure.excerpt), ("server/mesh/a.cc:3:7", "no such thing"))
+        (failure,) = failures.of_step(Step("x", "", (), 1), "one\ntwo\n", pathlib.Path("/proc/none"))
+        self.assertEqual((failure.alone, failure.excerpt), ("deploy/test x", "one\ntwo"))
+
+
+class Progress(unittest.TestCase):
+    def test_counts(self):
+        self.assertEqual(progress.count_in("[12/300] Building CXX object"), (12, 300))
+        self.assertEqual(progress.count_in(" 7/89 Test #7: mesh_tests_1 ....   Passed    1.00 sec"), (7, 89))
+        self.assertIsNone(progress.count_in("Running main()"))
+
+    def test_time_left(self):
+        now = 0.0
+        step = progress.StepProgress(100.0, lambda: now)
+        self.assertEqual(step.left(), 100.0)
+        now = 20.0
+        self.assertEqual(step.left(), 80.0)
+        step.line("[50/100] a warm build is sooner done than expected")
+        now = 30.0
+        self.assertLess(step.left(), 70.0)
+        now = 150.0
+        self.assertGreater(step.left(), 0.0)
+        self.assertEqual(progress.in_words(245), "4:05")
+
+    def test_what_a_step_took_is_expected_the_next_time(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder, "logs/seconds.json")
+            step = Step("a", "", (), 50)
+            self.assertEqual(progress.Memory(path).expected(step), 50)
+            progress.Memory(path).note(step, 7.04)
+            self.assertEqual(progress.Memory(path).expected(step), 7.0)
+            path.write_text("{")
+            self.assertEqual(progress.Memory(path).expected(step), 50)
+
+
+class Steps(unittest.TestCase):
+    def test_sets_name_steps_and_needs_come_first(self):
+        for names in steps.SETS.values():
+            ordered = [step.name for step in steps.with_needs(names)]
+            self.assertEqual(len(ordered), len(set(ordered)))
+            for step in map(steps.STEPS.get, ordered):
+                for needed in step.needs:
+                    self.assertLess(ordered.index(needed), ordered.index(step.name))
+        used = {step.name for names in steps.SETS.values() for step in steps.with_needs(names)}
+        self.assertEqual(used, set(steps.STEPS))
+
+    def test_every_long_proof_has_a_page(self):
+        self.assertEqual(sorted(page.stem for page in (ROOT / "tests/long").glob("*.md")), sorted(steps.LONG))
+
+
+class Run(unittest.TestCase):
+    def run_steps(self, *some):
+        names = [step.name for step in some]
+        with tempfile.TemporaryDirectory() as folder, mock.patch.object(runner, "LOGS", pathlib.Path(folder)), \
+                mock.patch.dict(steps.STEPS, {step.name: step for step in some}, clear=True), \
+                contextlib.redirect_stdout(io.StringIO()) as out:
+            failed = runner.run(names)
+        return failed, out.getvalue()
+
+    def test_the_rest_runs_after_a_failure_but_not_what_needs_it(self):
+        failed, out = self.run_steps(
+            Step("a", "works", ("true", "echo '3 passed, 0 failed'"), 1), Step("b", "breaks", ("echo why; false", "echo not reached"), 1),
+            Step("c", "needs b", ("true",), 1, ("b",)), Step("d", "works, too", ("true",), 1))
+        self.assertEqual(failed, 2)
+        self.assertIn("[1/4] a passed in 0:00, 3 passed", out)
+        self.assertIn("[2/4] b FAILED", out)
+        self.assertIn("      | why", out)
+        self.assertNotIn("not reached", out)
+        self.assertIn("[3/4] c NOT RUN: b failed", out)
+        self.assertIn("[4/4] d passed", out)
+        self.assertIn("FAILED in b: step b, run alone by: deploy/test b", out)
+        self.assertEqual(out.splitlines()[-1], "2 passed, 2 failed")
+
+    def test_wrong_words_are_refused(self):
+        for words in (["no-such-step"], ["long"], ["long", "no-such-proof"], ["quick", "deep"]):
+            with contextlib.redirect_stderr(io.StringIO()) as said:
+                self.assertEqual(runner.main(words), 2)
+            self.assertIn("deploy/test", said.getvalue())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,116 @@
+"""The steps of deploy/test: what each proves, its commands, and the seconds that it takes on two cores from nothing."""
+
+import dataclasses
+import pathlib
+import random
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+RUNNER = "/usr/bin/python3 tests/runner"
+
+
+@dataclasses.dataclass(frozen=True)
+class Step:
+    name: str
+    proves: str
+    commands: tuple  # of bash, run from the root of the repository; the first that fails ends the step
+    seconds: float  # on two cores, from nothing; a first guess of the time left
+    needs: tuple = ()  # steps that run before it; where one fails, this one is not run
+    preset: str = ""  # of ctest, where the step runs it: which tests failed is read from its report
+
+
+def build(preset, options="", targets=""):
+    """Reports every error of the compiler, not the first alone."""
+    return (f"cmake --preset {preset} {options} >/dev/null", f"cmake --build --preset {preset} {targets} -- -k 0")
+
+
+def ctest(preset, arguments=""):
+    """The tests of a build that has just been made: the fixture that builds it is left out."""
+    return f"ctest --preset {preset} --fixture-exclude-setup built --output-junit $LOG.xml {arguments}"
+
+
+SEED = random.SystemRandom().randrange(1, 1_000_000)
+
+STEPS = {step.name: step for step in (
+    Step("format", "sources are formatted, and nothing else lies at the top level",
+         ("tests/runner/check_format",), 6),
+    Step("build", "everything compiles without a warning, as it ships (the build of deploy/run, with tests and benchmarks)",
+         build("release", "-DKERF_TESTS=ON -DKERF_BENCH=ON"), 450),
+    Step("tests", "units, accuracy against references, properties of random cuts, API, clients, the lines of the README",
+         (ctest("release"),), 230, ("build",), "release"),
+    Step("units", "all of that but what takes long: random trials, accuracy, programs run from outside",
+         (ctest("quick"),), 70, ("build",), "quick"),
+    Step("benchmarks", "benchmarks still compute what they did, by the hashes of their results",
+         ("build/release/bin/kerf_bench --benchmark_filter='/(225|2500)(/|$)' --benchmark_min_time=0.01",), 45, ("build",)),
+    Step("viewer", "the browser viewer's types and units, and that it builds",
+         ("deploy/build-viewer", "cd web && npm test --silent"), 40),
+    Step("browser", "the viewer in a real browser against a real kerfd",
+         ("tests/e2e/run build/release/bin/kerfd",), 200, ("build", "viewer")),
+    Step("programs", "benchmarks that only people run still compile",
+         build("release", "-DKERF_TESTS=ON -DKERF_BENCH=ON", "--target benches many_cuts"), 70, ("build",)),
+    Step("core", "the simulation library builds without any network package",
+         (*build("core"), ctest("core", "-R 'golden|include_table'")), 60, ("build",), "core"),
+    Step("each-file", "a second compiler (clang) takes each file by itself, as editors do",
+         (f"{RUNNER}/each_file.py",), 300),
+    Step("asan", "no test makes the libraries touch memory that is not theirs, or do what C++ leaves undefined; every mesh "
+         "invariant holds after every edit",
+         (*build("asan"), ctest("asan")), 450, ("build",), "asan"),
+    Step("tsan", "no two threads of the host, the streams and the API race",
+         (*build("tsan"), ctest("tsan")), 260, (), "tsan"),
+    Step("fuzz", "arbitrary bytes in requests, meshes, recordings and cuts break nothing; clang's build has the same hashes",
+         ("tests/fuzz/run_fuzzers 1500", "cmake --build build/fuzz --target golden_test",
+          "build/fuzz/bin/golden_test --gtest_filter='*HashesAreThoseWrittenDown'"), 300),
+    Step("trials", f"random cuts, undos and stability once more, many times as many, from a seed that is new each time ({SEED})",
+         (f"echo 'the same again: KERF_TRIALS=many KERF_SEED={SEED} ctest --preset release -L trials'",
+          f"KERF_TRIALS=many KERF_SEED={SEED} {ctest('release', '-L trials')}"), 240, ("build",), "release"),
+    Step("matrix", "a third of the stability matrix with all of its steps",
+         ("build/release/bin/stability_matrix 16 600",), 80, ("build",)),
+)}
+
+SETS = {
+    "": ("format", "build", "tests", "benchmarks", "viewer", "browser"),
+    "quick": ("format", "build", "units", "viewer"),
+    "deep": ("build", "programs", "core", "each-file", "asan", "tsan", "fuzz", "trials", "matrix"),
+}
+
+
+def with_needs(names):
+    """The steps by name, each after those that it needs, none twice."""
+    ordered = []
+
+    def add(name):
+        for needed in STEPS[name].needs:
+            add(needed)
+        if name not in ordered:
+            ordered.append(name)
+
+    for name in names:
+        add(name)
+    return [STEPS[name] for name in ordered]
+
+
+@dataclasses.dataclass(frozen=True)
+class Proof:
+    """One of an hour or more, run by name; tests/long/NAME.md holds its last result."""
+    proves: str
+    command: str
+    takes: str
+
+
+LONG = {
+    "cuts": Proof("a million random cuts, each audited, in a build that checks every mesh invariant after every edit",
+                  "tests/fuzz/run_million", "an hour on one core"),
+    "live-sheets": Proof("10,000 accepted cuts on each of 20 live sheets: nothing is lost, area and mass do not drift",
+                         "tests/fuzz/run_million sheets", "some hours"),
+    "matrix": Proof("all 864 cases of the stability matrix, 600 steps each",
+                    "cmake --build --preset release --target stability_matrix >/dev/null && build/release/bin/stability_matrix",
+                    "3 minutes on one core"),
+    "ten-thousand-cuts": Proof(
+        "a hanging sheet that is cut 10,000 times goes on without a failed step",
+        "cmake --build --preset release --target stability_cuts >/dev/null && build/release/bin/stability_cuts 10000 200 10",
+        "2 minutes on one core"),
+    "fuzz": Proof("an hour of each fuzzer, on top of what earlier runs found",
+                  "tests/fuzz/run_fuzzers 0", "four hours"),
+    "trials": Proof("random trials from a new seed, as in `deploy/test deep`, ten seeds long",
+                    "for seed in $(shuf -i 1000000-9999999 -n 10); do echo KERF_SEED=$seed; "
+                    "KERF_TRIALS=many KERF_SEED=$seed ctest --preset release -L trials || exit 1; done", "40 minutes"),
+}
