@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "client/cpp/server.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/ws/running_server.h"
 
 namespace kerf::client {
@@ -24,12 +25,7 @@ class RunWriterTest : public testing::Test {
     running_ = ws_test::start_server();
     ASSERT_NE(running_, nullptr);
     server_ = std::make_unique<Server>(running_->grpc_address());
-    folder_ = std::filesystem::path(testing::TempDir()) / "kerf_run_writer";
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
   // What Debian's Python prints, with NumPy and the file as `run`.
   static std::string numpy(const std::string& file, const std::string& expression) {
@@ -44,7 +40,7 @@ class RunWriterTest : public testing::Test {
 
   std::unique_ptr<app::Server> running_;
   std::unique_ptr<Server> server_;
-  std::filesystem::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(RunWriterTest, NumPyReadsWhatTheFramesShowed) {

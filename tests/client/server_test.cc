@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/closed_port.h"
 #include "tests/ws/running_server.h"
 
 namespace kerf::client {
@@ -310,7 +311,8 @@ TEST_F(ServerTest, RefusalsSayWhyAndValueThrowsThem) {
   }
   EXPECT_EQ(json_scene("{\"grids\": 1}").failure().reason, "SCENE_MALFORMED");
   EXPECT_EQ(server_->sheet("nobody").undo().failure().reason, "SHEET_NOT_FOUND");
-  Server nobody("127.0.0.1:1");
+  const test::ClosedPort closed;
+  Server nobody(closed.address());
   EXPECT_EQ(nobody.info().failure().code, grpc::StatusCode::UNAVAILABLE);
 }
 

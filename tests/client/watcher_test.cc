@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "client/cpp/server.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/ws/raw_client.h"
 #include "tests/ws/running_server.h"
 
@@ -90,8 +91,7 @@ TEST_F(WatcherTest, OneThatCouldNotBeWrittenToIsOpenedAgainToo) {
 class RestartTest : public testing::Test {
  protected:
   void SetUp() override {
-    config_.scenes = {
-        ws_test::scene_file("a.json", R"({"grid": {"columns": 8, "rows": 8, "width_m": 1, "height_m": 1}})")};
+    config_.scenes = {folder_.write("a.json", R"({"grid": {"columns": 8, "rows": 8, "width_m": 1, "height_m": 1}})")};
     running_ = ws_test::start_server(config_);
     ASSERT_NE(running_, nullptr);
     config_.grpc.port = ws_test::port_of(running_->grpc_address());
@@ -102,6 +102,7 @@ class RestartTest : public testing::Test {
     running_ = ws_test::start_server(config_);
   }
 
+  const test::TemporaryFolder folder_;
   app::Config config_ = ws_test::test_config();
   std::unique_ptr<app::Server> running_;
   std::unique_ptr<Client> client_;

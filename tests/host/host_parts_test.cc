@@ -11,6 +11,7 @@
 #include "server/host/manual_clock.h"
 #include "server/host/metrics.h"
 #include "server/host/pace.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::host {
 namespace {
@@ -191,9 +192,8 @@ TEST(Disk, MemoryDisk) {
 }
 
 TEST(Disk, RealDisk) {
-  const std::string folder = testing::TempDir() + "kerf_disk_test/";
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
+  const test::TemporaryFolder empty;
+  const std::string folder = empty.path().string() + "/";
   RealDisk disk;
   check_disk(disk, folder);
   EXPECT_EQ(disk.write_file(folder + "no/such/folder", "x").error().code, ErrorCode::kNotFound);
@@ -208,7 +208,6 @@ TEST(Disk, RealDisk) {
   EXPECT_EQ(disk.write_file(folder + "device", "x").error().reason, "DISK_FULL");
   EXPECT_TRUE(std::filesystem::is_symlink(folder + "device"));
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
-  std::filesystem::remove_all(folder);
 }
 
 TEST(Disk, AMemoryDiskRunsFullWithoutLosingWhatWasThere) {

@@ -25,6 +25,7 @@
 #include "server/app/config.h"
 #include "server/sheet/sheet_config.h"
 #include "server/wire/json.h"
+#include "tests/support/temporary_folder.h"
 #include "tests/ws/raw_client.h"
 
 namespace kerf::rpc_test {
@@ -102,15 +103,8 @@ class Kerfd {
 
 class KerfdTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerfd-test-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   std::string write(const std::string& name, const std::string& content) const {
-    std::ofstream(folder_ / name) << content;
-    return (folder_ / name).string();
+    return folder_.write(name, content).string();
   }
   static std::vector<std::string> free_ports(std::vector<std::string> more = {}) {
     std::vector<std::string> arguments{"--listen", "127.0.0.1:0", "--http", "127.0.0.1:0", "--no-render"};
@@ -134,7 +128,7 @@ class KerfdTest : public ::testing::Test {
     client->send("POST /kerf.v1.SheetService/ListSheets HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{");
     return client;
   }
-  fs::path folder_;
+  test::TemporaryFolder folder_;
 };
 
 constexpr const char* kScene = R"({"grid": {"columns": 6, "rows": 6, "width_m": 1, "height_m": 1}})";
@@ -201,12 +195,12 @@ TEST_F(KerfdTest, ALaterSignalEndsItAtOnce) {
 }
 
 TEST_F(KerfdTest, RecordsWhatItRuns) {
-  Kerfd kerfd(free_ports({"--scene", write("a.json", kScene), "--record", folder_.string()}));
+  Kerfd kerfd(free_ports({"--scene", write("a.json", kScene), "--record", folder_.path().string()}));
   ASSERT_NE(kerfd.read_line(), "");
   kerfd.signal(SIGTERM);
   ASSERT_EQ(kerfd.wait(), 0);
   int recordings = 0;
-  for (const fs::directory_entry& file : fs::directory_iterator(folder_)) {
+  for (const fs::directory_entry& file : fs::directory_iterator(folder_.path())) {
     if (file.path().extension() != ".kerf") continue;
     ++recordings;
     EXPECT_EQ(file.path().filename().string().rfind("a-", 0), 0U);
@@ -296,11 +290,9 @@ TEST(KerfdConfig, VerticesOfAllSheetsFitInHalfOfTheMemoryUnlessSaidOtherwise) {
 TEST_F(KerfdTest, FindsTheViewerBesideOrAboveTheProgram) {
   fs::create_directories(folder_ / "tree/build/dev/bin");
   EXPECT_EQ(app::default_web_directory(folder_ / "tree/build/dev/bin/kerfd"), fs::path());
-  fs::create_directories(folder_ / "tree/web/dist");
-  std::ofstream(folder_ / "tree/web/dist/index.html") << "x";
+  folder_.write("tree/web/dist/index.html", "x");
   EXPECT_EQ(app::default_web_directory(folder_ / "tree/build/dev/bin/kerfd"), folder_ / "tree/web/dist");
-  fs::create_directories(folder_ / "tree/build/dev/share/kerf/web");
-  std::ofstream(folder_ / "tree/build/dev/share/kerf/web/index.html") << "x";
+  folder_.write("tree/build/dev/share/kerf/web/index.html", "x");
   EXPECT_EQ(app::default_web_directory(folder_ / "tree/build/dev/bin/kerfd"),
             folder_ / "tree/build/dev/share/kerf/web");
 }

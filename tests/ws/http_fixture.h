@@ -2,14 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "tests/support/temporary_folder.h"
 #include "tests/ws/raw_client.h"
 #include "tests/ws/running_server.h"
 
@@ -21,14 +20,10 @@ namespace fs = std::filesystem;
 inline constexpr const char* kSheet =
     R"({"sheet_id":"a","paused":true,"scene":{"grid":{"columns":6,"rows":6,"width_m":1,"height_m":1}}})";
 
-inline fs::path make_viewer() {
-  std::string name = (fs::temp_directory_path() / "kerf-viewer-XXXXXX").string();
-  EXPECT_NE(::mkdtemp(name.data()), nullptr);
-  const fs::path folder = name;
-  fs::create_directories(folder / "assets");
-  std::ofstream(folder / "index.html") << "<p>viewer</p>";
-  std::ofstream(folder / "assets" / "app-12.js") << "let viewer;";
-  return folder;
+// Writes what stands for the built viewer; its folder.
+inline fs::path write_viewer(const test::TemporaryFolder& folder) {
+  folder.write("viewer/assets/app-12.js", "let viewer;");
+  return folder.write("viewer/index.html", "<p>viewer</p>").parent_path();
 }
 
 class HttpServerTest : public ::testing::Test {
@@ -39,10 +34,7 @@ class HttpServerTest : public ::testing::Test {
     ASSERT_NE(server_, nullptr);
     port_ = port_of(server_->http_url());
   }
-  void TearDown() override {
-    server_.reset();
-    fs::remove_all(viewer_);
-  }
+  void TearDown() override { server_.reset(); }
   [[nodiscard]] Response get(std::string_view target, std::string_view headers = {}) const {
     return request(port_, "GET", target, headers);
   }
@@ -55,7 +47,8 @@ class HttpServerTest : public ::testing::Test {
     return found == std::string::npos ? -1.0 : std::stod(page.substr(found + name.size() + 2));
   }
 
-  const fs::path viewer_ = make_viewer();
+  const test::TemporaryFolder folder_;
+  const fs::path viewer_ = write_viewer(folder_);
   std::unique_ptr<app::Server> server_;
   int port_ = 0;
 };

@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 
@@ -29,13 +27,6 @@ inline std::unique_ptr<app::Server> start_server(const app::Config& config = tes
   Result<std::unique_ptr<app::Server>> server = app::Server::start(config, [](std::string_view) {});
   EXPECT_TRUE(server) << server.error().message;
   return server ? std::move(server).value() : nullptr;
-}
-
-// A scene file of this content in a folder for tests.
-inline std::filesystem::path scene_file(const std::string& name, const std::string& content) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / name;
-  std::ofstream(path) << content;
-  return path;
 }
 
 // The number after the last colon.

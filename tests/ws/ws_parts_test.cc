@@ -9,6 +9,7 @@
 #include "server/ws/asset_table.h"
 #include "server/ws/metrics_page.h"
 #include "server/ws/router.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf::ws {
 namespace {
@@ -91,17 +92,8 @@ TEST(Router, FindsATokenInAHeaderList) {
 
 class AssetTableTest : public ::testing::Test {
  protected:
-  void SetUp() override {
-    std::string name = (fs::temp_directory_path() / "kerf-assets-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(name.data()), nullptr);
-    folder_ = name;
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  void write(const std::string& path, const std::string& content) const {
-    fs::create_directories((folder_ / path).parent_path());
-    std::ofstream(folder_ / path, std::ios::binary) << content;
-  }
-  fs::path folder_;
+  void write(const std::string& path, const std::string& content) const { folder_.write(path, content); }
+  test::TemporaryFolder folder_;
 };
 
 TEST_F(AssetTableTest, ServesWhatWasThereWhenItWasRead) {
@@ -139,7 +131,7 @@ TEST_F(AssetTableTest, KnowsNoPathOutOfTheFolder) {
   write("viewer/.git/config", "secret");
   write("viewer/.hidden", "secret");
   fs::create_symlink(folder_ / "secret.txt", folder_ / "viewer" / "link.txt");
-  fs::create_directory_symlink(folder_, folder_ / "viewer" / "up");
+  fs::create_directory_symlink(folder_.path(), folder_ / "viewer" / "up");
   const Result<AssetTable> table = AssetTable::read(folder_ / "viewer");
   ASSERT_TRUE(table);
   EXPECT_EQ(table->num_files(), 1U);

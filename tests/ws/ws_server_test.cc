@@ -40,7 +40,7 @@ TEST_F(HttpServerTest, ServesTheViewer) {
 }
 
 TEST_F(HttpServerTest, NoPathLeadsOutOfTheViewer) {
-  std::ofstream(viewer_.parent_path() / "kerf-secret.txt") << "not for you";
+  folder_.write("kerf-secret.txt", "not for you");
   start();
   for (const char* path : {"/../kerf-secret.txt", "/..%2fkerf-secret.txt", "/%2e%2e/kerf-secret.txt",
                            "/assets/../../kerf-secret.txt", "//etc/passwd", "/..\\kerf-secret.txt", "/%00",
@@ -49,7 +49,6 @@ TEST_F(HttpServerTest, NoPathLeadsOutOfTheViewer) {
     EXPECT_EQ(response.status, 404) << path;
     EXPECT_EQ(response.body.find("not for you"), std::string::npos) << path;
   }
-  fs::remove(viewer_.parent_path() / "kerf-secret.txt");
 }
 
 TEST_F(HttpServerTest, CallsMethodsWithJson) {

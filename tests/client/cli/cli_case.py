@@ -12,6 +12,10 @@ import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "tests/support"))
+from closed_port import closed_port  # pylint: disable=unused-import
+
+os.environ.pop("KERF_SERVER", None)  # the server of whoever runs the tests is not theirs to touch
 SMALL_SCENE = {
     "sheet_id": "small",
     "grid": {"columns": 12, "rows": 12, "width_m": 1.0, "height_m": 1.0},

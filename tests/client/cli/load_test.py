@@ -7,7 +7,7 @@ import socket
 import subprocess
 
 import cli_case
-from cli_case import Case, address, below_a_file, kerf, main, path, setUpModule, tearDownModule
+from cli_case import Case, address, below_a_file, closed_port, kerf, main, path, setUpModule, tearDownModule
 
 
 class Load(Case):
@@ -45,9 +45,9 @@ class Load(Case):
     def test_a_report_of_before_stays_where_no_server_answers(self):
         report = pathlib.Path(path("before.html"))
         report.write_text("of before")
-        done = kerf("--server", "127.0.0.1:1", *self.SMALL, "--html", str(report), server=False)
+        done = kerf("--server", closed_port(), *self.SMALL, "--html", str(report), server=False)
         self.assertEqual(done.returncode, 1)
-        self.assertIn("no server at 127.0.0.1:1", done.stderr)
+        self.assertIn(f"no server at {closed_port()}", done.stderr)
         self.assertEqual(report.read_text(), "of before")
 
     def test_where_no_reader_sees_anything_that_is_an_error(self):

@@ -2,7 +2,7 @@
 
 import json
 
-from cli_case import Case, kerf, main, path, setUpModule, tearDownModule
+from cli_case import Case, closed_port, kerf, main, path, setUpModule, tearDownModule
 
 
 class Usage(Case):
@@ -32,7 +32,7 @@ class Usage(Case):
             self.assertEqual(list(error), ["code", "reason", "message", "field"])
             self.assertEqual({name: error[name] for name in wanted}, wanted)
             self.assertTrue(error["message"])
-        nowhere = kerf("--json", "--server", "127.0.0.1:1", "sheet", "list", server=False)
+        nowhere = kerf("--json", "--server", closed_port(), "sheet", "list", server=False)
         self.assertEqual(json.loads(nowhere.stderr)["error"]["code"], "UNAVAILABLE")
 
     def test_what_cannot_be_printed_is_told(self):
@@ -43,9 +43,9 @@ class Usage(Case):
             self.assertIn("cannot write standard output: No space left on device", done.stderr)
 
     def test_no_server(self):
-        done = kerf("--server", "127.0.0.1:1", "sheet", "list", server=False)
+        done = kerf("--server", closed_port(), "sheet", "list", server=False)
         self.assertEqual(done.returncode, 1)
-        self.assertIn("no Kerf server answers at 127.0.0.1:1", done.stderr)
+        self.assertIn(f"no Kerf server answers at {closed_port()}", done.stderr)
 
 
 if __name__ == "__main__":

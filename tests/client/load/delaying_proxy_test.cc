@@ -11,6 +11,8 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
+#include "tests/support/closed_port.h"
+
 namespace kerf::load {
 namespace {
 
@@ -119,7 +121,8 @@ TEST(DelayingProxy, OfNoServerSaysSo) {
 }
 
 TEST(DelayingProxy, ClosesWhereTheServerIsNotThere) {
-  auto proxy = DelayingProxy::start("127.0.0.1:1", {});
+  const test::ClosedPort nobody;
+  auto proxy = DelayingProxy::start(nobody.address(), {});
   ASSERT_TRUE(proxy);
   boost::asio::io_context context;
   Tcp::socket socket = connect(context, (*proxy)->address());

@@ -14,6 +14,7 @@
 
 #include "client/cpp/client.h"
 #include "client/load/sheet_set.h"
+#include "tests/support/closed_port.h"
 #include "tests/ws/running_server.h"
 
 // Short runs against a whole server: counts, not times.
@@ -228,9 +229,10 @@ TEST_F(LoadRunTest, WhatCannotBeDoneIsToldBeforeAnythingIsMade) {
   ASSERT_TRUE(client.call(&v1::SheetService::Stub::CreateSheet, client.sheets(), request, sheet).ok());
   EXPECT_EQ(run(taken).error().reason, "SHEET_EXISTS");
   EXPECT_EQ(sheets_left(), 1);  // that one
+  const test::ClosedPort nobody;
   Plan nowhere = plan();
-  nowhere.server = "127.0.0.1:1";
-  EXPECT_THAT(run(nowhere).error().message, HasSubstr("no server at 127.0.0.1:1"));
+  nowhere.server = nobody.address();
+  EXPECT_THAT(run(nowhere).error().message, HasSubstr("no server at " + nobody.address()));
 }
 
 // 20 ms each way: no frame is younger than that, none is lost, and with more of them under way each tick is seen.

@@ -6,7 +6,7 @@ import socket
 import kerf
 import kerf.aio
 import support
-from support import path
+from support import closed_port, path
 
 
 class Asynchronous(support.AsyncCase):
@@ -20,8 +20,8 @@ class Asynchronous(support.AsyncCase):
         with self.assertRaises(kerf.InvalidArgument) as caught:
             await self.sheet.cut(kerf.circle((0.5, 0.5), -1))
         self.assertEqual(caught.exception.field, "cut.curve.circle.radius_m")
-        async with kerf.aio.connect("127.0.0.1:1") as nobody:
-            with self.assertRaisesRegex(kerf.Unavailable, "no Kerf server answers at 127.0.0.1:1"):
+        async with kerf.aio.connect(closed_port()) as nobody:
+            with self.assertRaisesRegex(kerf.Unavailable, f"no Kerf server answers at {closed_port()}"):
                 await nobody.info()
 
     async def test_calls_at_once(self):

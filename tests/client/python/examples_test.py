@@ -15,7 +15,7 @@ import kerf
 import numpy
 import support
 from PIL import Image
-from support import ROOT, Case, path
+from support import ROOT, Case, closed_port, path
 
 EXAMPLES = ROOT / "client/python/examples"
 
@@ -47,7 +47,7 @@ class Examples(ExampleCase):
                 helped = support.run_python(example, "--help")
                 self.assertEqual(helped.returncode, 0, helped.stderr)
                 self.assertIn("--server", helped.stdout)
-                done = support.run_python(example, "--server", "127.0.0.1:1", cwd=support.OPTIONS.work)
+                done = support.run_python(example, "--server", closed_port(), cwd=support.OPTIONS.work)
                 self.assertNotEqual(done.returncode, 0)
                 self.assertIn("start one with deploy/run", done.stderr)
 

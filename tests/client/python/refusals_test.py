@@ -8,7 +8,7 @@ import pickle
 import kerf
 import kerf.aio
 import support
-from support import Case
+from support import Case, closed_port
 
 
 class Refusals(Case):
@@ -65,10 +65,10 @@ class Refusals(Case):
         self.assertAlmostEqual(second.widest_gap_m, 1e-5, delta=1e-7)
 
     def test_no_server(self):
-        with kerf.connect("127.0.0.1:1") as nobody, self.assertRaises(kerf.Unavailable) as caught:
+        with kerf.connect(closed_port()) as nobody, self.assertRaises(kerf.Unavailable) as caught:
             nobody.info()
         self.assertEqual((caught.exception.code, caught.exception.reason), ("UNAVAILABLE", ""))
-        self.assertIn("no Kerf server answers at 127.0.0.1:1", str(caught.exception))
+        self.assertIn(f"no Kerf server answers at {closed_port()}", str(caught.exception))
 
     def test_refusals_can_be_pickled_and_copied(self):
         with self.assertRaises(kerf.InvalidArgument) as caught:

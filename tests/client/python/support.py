@@ -11,6 +11,10 @@ import threading
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "tests/support"))
+from closed_port import closed_port  # pylint: disable=unused-import
+
+os.environ.pop("KERF_SERVER", None)  # the server of whoever runs the tests is not theirs to touch
 PYTHON = "/usr/bin/python3"
 OPTIONS = None
 ADDRESS = None
