@@ -103,9 +103,10 @@ class Case(unittest.TestCase):
         return done
 
 
-def main(description):
+def main(description, add_options=lambda parser: None):
     global OPTIONS
     parser = argparse.ArgumentParser(description=description)
+    add_options(parser)
     parser.add_argument("--kerf", required=True)
     parser.add_argument("--kerfd", required=True)
     parser.add_argument("--work", required=True)
