@@ -23,7 +23,7 @@ namespace kerf::sheet {
 namespace {
 
 using property::PatchMirror;
-using property::random_config;
+using property::random_moving_sheet;
 using property::stir;
 
 constexpr int kCutsOfASheet = 10;
@@ -80,7 +80,7 @@ void run_trial(std::uint64_t seed, Tally& tally) {
   SCOPED_TRACE("KERF_CUT_SEED=" + std::to_string(seed));
   SeededRandom random(seed);
   property::Frame frame;
-  Result<Sheet> made = Sheet::create(random_config(random, frame));
+  Result<Sheet> made = random_moving_sheet(random, frame);
   ASSERT_TRUE(made.ok()) << made.error().message;
   Sheet sheet = std::move(made).value();
   PatchMirror mirror;

@@ -70,7 +70,7 @@ class Trial {
 
  private:
   Sheet make() {
-    Result<Sheet> made = Sheet::create(property::random_config(random_, frame_));
+    Result<Sheet> made = property::random_moving_sheet(random_, frame_);
     if (!made) ADD_FAILURE() << made.error().message;
     return std::move(made).value();
   }
