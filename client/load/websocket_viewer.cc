@@ -125,8 +125,10 @@ class WebSocketViewer : public Viewer {
     });
   }
 
+  // Ends the thread at once: the WebSocket's timer of an opening would keep it for as long as that may take.
   void ended(const std::string& how) {
     if (!stopped_) log_.ended(how);
+    context_.stop();
   }
 
   const Plan& plan_;

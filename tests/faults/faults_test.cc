@@ -134,20 +134,22 @@ Finding caught_by(int fault) {
   return text.empty() ? "crashed" : text;
 }
 
-TEST(Faults, NothingIsFoundWhereThereIsNone) {
+TEST(NoFault, NothingIsFoundWhereThereIsNone) {
   EXPECT_EQ(run_hard_cases(0).value_or(""), "");
   EXPECT_EQ(run_random_cuts(0).value_or(""), "");
 }
 
-TEST(Faults, EachIsCaught) {
-  static_assert(kFaultNames.size() >= 40);
-  for (int fault = 1; fault <= static_cast<int>(kFaultNames.size()); ++fault) {
-    const char* name = kFaultNames[static_cast<std::size_t>(fault - 1)];
-    const Finding found = caught_by(fault);
-    EXPECT_TRUE(found.has_value()) << "fault " << fault << " survived: " << name;
-    std::printf("%2d %s\n   %s\n", fault, name, found.value_or("SURVIVED").c_str());
-  }
+class Faults : public testing::TestWithParam<int> {};  // their numbers, from 1
+
+TEST_P(Faults, IsCaught) {
+  const char* name = kFaultNames[static_cast<std::size_t>(GetParam() - 1)];
+  const Finding found = caught_by(GetParam());
+  EXPECT_TRUE(found.has_value()) << "fault " << GetParam() << " survived: " << name;
+  std::printf("%2d %s\n   %s\n", GetParam(), name, found.value_or("SURVIVED").c_str());
 }
+
+static_assert(kFaultNames.size() >= 40);
+INSTANTIATE_TEST_SUITE_P(Each, Faults, testing::Range(1, static_cast<int>(kFaultNames.size()) + 1));
 
 }  // namespace
 }  // namespace kerf::faults

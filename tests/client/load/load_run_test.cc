@@ -121,25 +121,27 @@ TEST_F(LoadRunTest, WebSocketsDoTheSame) {
 }
 
 // The server gives them up, they read of it once they wake, and the others never notice.
-TEST_F(LoadRunTest, StalledReadersTellHowTheyWereEnded) {
+class LoadRunOver : public LoadRunTest, public testing::WithParamInterface<Transport> {};
+
+TEST_P(LoadRunOver, StalledReadersTellHowTheyWereEnded) {
   app::Config impatient = config();
   impatient.limits.watch_ack_timeout = std::chrono::seconds(2);
   server_ = ws_test::start_server(impatient);
-  for (const Transport transport : {Transport::kGrpc, Transport::kWebSocket}) {
-    Plan wanted = plan();
-    wanted.transport = transport;
-    wanted.stalled_readers = 4;
-    wanted.stall_s = 5.0;
-    wanted.duration_s = 7.0;
-    const Result<Report> report = run(wanted);
-    ASSERT_TRUE(report) << report.error().message;
-    const ReaderTotals& stalled = report->of(Role::kStalled);
-    EXPECT_EQ(stalled.readers, 4);
-    EXPECT_EQ(stalled.ends, (std::map<std::string, std::int64_t>{{"TOO_SLOW", 4}})) << to_text(*report);
-    EXPECT_TRUE(report->of(Role::kViewer).ends.empty()) << to_text(*report);
-    EXPECT_EQ(num_errors(*report), 0) << to_text(*report);
-  }
+  Plan wanted = plan();
+  wanted.transport = GetParam();
+  wanted.stalled_readers = 4;
+  wanted.stall_s = 5.0;
+  wanted.duration_s = 7.0;
+  const Result<Report> report = run(wanted);
+  ASSERT_TRUE(report) << report.error().message;
+  const ReaderTotals& stalled = report->of(Role::kStalled);
+  EXPECT_EQ(stalled.readers, 4);
+  EXPECT_EQ(stalled.ends, (std::map<std::string, std::int64_t>{{"TOO_SLOW", 4}})) << to_text(*report);
+  EXPECT_TRUE(report->of(Role::kViewer).ends.empty()) << to_text(*report);
+  EXPECT_EQ(num_errors(*report), 0) << to_text(*report);
 }
+
+INSTANTIATE_TEST_SUITE_P(Transports, LoadRunOver, testing::Values(Transport::kGrpc, Transport::kWebSocket));
 
 TEST_F(LoadRunTest, TellsOfSheetsThatAreRefused) {
   Plan wanted = plan();
