@@ -33,20 +33,19 @@ SEED = random.SystemRandom().randrange(1, 1_000_000)
 STEPS = {step.name: step for step in (
     Step("format", "sources are formatted, and nothing else lies at the top level",
          ("tests/runner/check_format",), 6),
-    Step("build", "everything compiles without a warning, as it ships (the build of deploy/run, with tests and benchmarks)",
-         build("release", "-DKERF_TESTS=ON -DKERF_BENCH=ON"), 450),
+    Step("build", "everything compiles without a warning, as it ships (the build of deploy/run, with its tests)",
+         build("release", "-DKERF_TESTS=ON"), 500),
     Step("tests", "units, accuracy against references, properties of random cuts, API, clients, the lines of the README",
-         (ctest("release"),), 230, ("build",), "release"),
+         (ctest("release"),), 210, ("build",), "release"),
     Step("units", "all of that but what takes long: random trials, accuracy, programs run from outside",
          (ctest("quick"),), 70, ("build",), "quick"),
-    Step("benchmarks", "benchmarks still compute what they did, by the hashes of their results",
-         ("build/release/bin/kerf_bench --benchmark_filter='/(225|2500)(/|$)' --benchmark_min_time=0.01",), 45, ("build",)),
+    Step("benchmarks", "benchmarks compile, and compute what they did, by the hashes of their results",
+         (*build("release", "-DKERF_BENCH=ON", "--target benches many_cuts"),
+          "build/release/bin/kerf_bench --benchmark_filter='/(225|2500)(/|$)' --benchmark_min_time=0.01"), 120, ("build",)),
     Step("viewer", "the browser viewer's types and units, and that it builds",
          ("deploy/build-viewer", "cd web && npm test --silent"), 40),
     Step("browser", "the viewer in a real browser against a real kerfd",
          ("tests/e2e/run build/release/bin/kerfd",), 200, ("build", "viewer")),
-    Step("programs", "benchmarks that only people run still compile",
-         build("release", "-DKERF_TESTS=ON -DKERF_BENCH=ON", "--target benches many_cuts"), 70, ("build",)),
     Step("core", "the simulation library builds without any network package",
          (*build("core"), ctest("core", "-R 'golden|include_table'")), 60, ("build",), "core"),
     Step("each-file", "a second compiler (clang) takes each file by itself, as editors do",
@@ -67,9 +66,9 @@ STEPS = {step.name: step for step in (
 )}
 
 SETS = {
-    "": ("format", "build", "tests", "benchmarks", "viewer", "browser"),
+    "": ("format", "build", "tests", "viewer", "browser"),
     "quick": ("format", "build", "units", "viewer"),
-    "deep": ("build", "programs", "core", "each-file", "asan", "tsan", "fuzz", "trials", "matrix"),
+    "deep": ("build", "benchmarks", "core", "each-file", "asan", "tsan", "fuzz", "trials", "matrix"),
 }
 
 
