@@ -126,7 +126,7 @@ endfunction()
 
 # kerf_test(path/to/name_test.cc LABEL core DEPENDS ... [SLOW] [ARGS ...] [TIMEOUT seconds]): one binary and one ctest
 # entry. SLOW tests are left out of `deploy/test quick`.
-# Every test requires the fixture `build`, so `ctest --preset dev` builds what is stale first.
+# Every test requires the fixture `built`, so `ctest --preset dev` builds what is stale first.
 function(kerf_test source)
   cmake_parse_arguments(ARG "SLOW" "LABEL;TIMEOUT" "DEPENDS;ARGS" ${ARGN})
   if(ARG_SLOW)

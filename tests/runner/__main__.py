@@ -5,12 +5,12 @@ import os
 import pathlib
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import time
 
 import failures
+from processes import end_as_interrupted, interrupt_on_termination, run_command
 from progress import Memory, StepProgress, in_words
 from steps import LONG, ROOT, SETS, STEPS, with_needs
 
@@ -31,7 +31,8 @@ Steps:
 Proofs by name, not part of CI:
 """ + "\n".join(f"  {name:<18}{proof.proves} ({proof.takes})" for name, proof in LONG.items()) + """
 
-Logs are in build/test-logs."""
+Logs are in build/test-logs: one run at a time in a checkout. Ends with status 0 where everything passed, 1 where something
+failed, 2 where the words were none of these."""
 
 
 class Screen:
@@ -61,7 +62,7 @@ class Screen:
 
 
 def run_step(step, show):
-    """Runs the commands of a step into its log; whether all ended well. `show` is called with each line and now and then."""
+    """Runs the commands of a step into its log; whether all ended well. `show` gets each line, and None each second without."""
     log = LOGS / f"{step.name}.log"
     for old in (log, LOGS / f"{step.name}.xml"):
         old.unlink(missing_ok=True)
@@ -70,17 +71,12 @@ def run_step(step, show):
         for command in step.commands:
             file.write(f"$ {command}\n")
             file.flush()
-            with subprocess.Popen(["bash", "-euo", "pipefail", "-c", command], cwd=ROOT, env=environment, text=True,
-                                  errors="replace", stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT, start_new_session=True) as process:
-                try:
-                    for line in process.stdout:
-                        file.write(line)
-                        show(line)
-                except KeyboardInterrupt:
-                    os.killpg(process.pid, signal.SIGTERM)
-                    raise
-            if process.returncode != 0:
+
+            def take(line):
+                file.write(line or "")
+                show(line)
+
+            if run_command(command, take, environment, ROOT) != 0:
                 return False
     return True
 
@@ -122,7 +118,8 @@ def run(names):
         progress = StepProgress(memory.expected(step))
 
         def show(line):
-            progress.line(line)
+            if line is not None:
+                progress.line(line)
             count = f" {progress.counted[0]}/{progress.counted[1]}" if progress.counted else ""
             screen.progress(f"{head}{count}, {in_words(time.monotonic() - started)} so far, "
                             f"about {in_words(progress.left() + later)} left")
@@ -154,49 +151,60 @@ def prove(name):
     """Runs one of the long proofs and writes its page; its exit status."""
     proof = LONG[name]
     started = time.monotonic()
-    # Their programs lie in the build that all steps share.
-    if run(["build"]) != 0:
-        return 1
     print(f"{proof.proves}; takes {proof.takes}", flush=True)
     lines = []
-    with subprocess.Popen(["bash", "-euo", "pipefail", "-c", proof.command], cwd=ROOT, text=True, errors="replace",
-                          stdout=subprocess.PIPE) as process:
-        for line in process.stdout:
+
+    def take(line):
+        if line is not None:
             print(line, end="", flush=True)
-            lines.append(line)
+            lines.append(line.rstrip("\n").rpartition("\r")[2] + "\n")  # what a line of progress ended as
+
+    status = run_command(proof.command, take, cwd=ROOT)
     commit = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True).stdout.strip()
-    outcome = "passed" if process.returncode == 0 else f"FAILED (status {process.returncode})"
+    outcome = "passed" if status == 0 else f"FAILED (status {status})"
     page = ROOT / f"tests/long/{name}.md"
     page.write_text(f"# {name}\n\nProves: {proof.proves}.\n\n```sh\ndeploy/test long {name}    # {proof.takes}\n```\n\n"
                     f"Last result: **{outcome}**, {datetime.date.today()}, commit {commit}, "
                     f"{in_words(time.monotonic() - started)} minutes.\n\n```\n{''.join(lines[-60:])}```\n")
     print(f"written to {os.path.relpath(page, ROOT)}")
-    return process.returncode
+    return 1 if status else 0
+
+
+def set_up():
+    """Installs what is missing; whether that went well."""
+    return subprocess.run([ROOT / "deploy/setup", "test"], check=False).returncode == 0
 
 
 def main(arguments):
-    if arguments and arguments[0] in ("-h", "--help"):
+    if "-h" in arguments or "--help" in arguments:
         print(USAGE)
         return 0
     if arguments[:1] == ["long"]:
         if len(arguments) == 2 and arguments[1] in LONG:
-            return prove(arguments[1])
-        print(f"deploy/test long: say which proof: {', '.join(LONG)}", file=sys.stderr)
+            return prove(arguments[1]) if set_up() else 1
+        wrong = f"there is no proof '{arguments[1]}'; " if len(arguments) > 1 and arguments[1] not in LONG else ""
+        print(f"deploy/test long: {wrong}say which one proof: {', '.join(LONG)}; deploy/test --help tells what they prove",
+              file=sys.stderr)
         return 2
-    if len(arguments) <= 1 and "".join(arguments) in SETS:
-        names = SETS["".join(arguments)]
-    else:
-        names = arguments
+    names = SETS[""] if not arguments else SETS[arguments[0]] if len(arguments) == 1 and arguments[0] in SETS else arguments
     unknown = [name for name in names if name not in STEPS]
+    if unknown and unknown[0] in (*SETS, "long") and unknown[0]:
+        print(f"deploy/test: {unknown[0]} stands alone: deploy/test {unknown[0]}" + (" NAME" if unknown[0] == "long" else ""),
+              file=sys.stderr)
+        return 2
     if unknown:
         print(f"deploy/test: there is no step '{unknown[0]}'; there are {', '.join(STEPS)}; "
               f"or say quick, deep, long NAME or nothing", file=sys.stderr)
         return 2
+    if not set_up():
+        return 1
     return 1 if run(names) else 0
 
 
 if __name__ == "__main__":
+    interrupt_on_termination()
     try:
         sys.exit(main(sys.argv[1:]))
     except KeyboardInterrupt:
-        sys.exit(130)
+        print("\ndeploy/test: interrupted; its processes have ended", file=sys.stderr)
+        end_as_interrupted()

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import re
+import shlex
 import subprocess
 import xml.etree.ElementTree
 
@@ -29,7 +30,7 @@ def last_lines(text, count=EXCERPT):
 
 
 def of_gtest(program, output):
-    """Each failed test of a GoogleTest program; none where it crashed."""
+    """Each failed test of a GoogleTest program that ran to its end; what crashed it has no such line."""
     failures = []
     # What is printed of a test ends with the line that says it failed.
     for chunk in re.split(r"(?<=ms\))\n", output):
@@ -49,9 +50,11 @@ def of_unittest(command, output):
         failed = re.match(r"(?:FAIL|ERROR): (\w+) \((\S+)\)", chunk)
         if not failed:
             continue
+        # Of a class's own preparations all its tests fail; else the id's last words are class and test.
+        wanted = failed[2].split(".")[-1] + ".*" if failed[1] in ("setUpClass", "tearDownClass") else ".".join(failed[2].split(".")[-2:])
         places = re.findall(r'File "([^"]+)", line (\d+)', chunk)
         ours = [place for place in places if place[0].startswith(str(ROOT))]
-        failures.append(Failure(failed[2], f"{command} -k {failed[1]}",
+        failures.append(Failure(failed[2], f"{command} -k '*.{wanted}'",
                                 relative(":".join(ours[0])) if ours else "", relative(last_lines(chunk))))
     return failures
 
@@ -64,33 +67,45 @@ def commands(preset):
     return {test["name"]: [relative(word) for word in test.get("command", []) if word not in quiet] for test in tests}
 
 
-def of_ctest(preset, report):
-    """Each failed test in ctest's report (JUnit's format), by the names that the test programs themselves have for them."""
+def of_ctest(preset, report, log="", environment=""):
+    """Each failed test in ctest's report (JUnit's format), by the names that the test programs themselves have for them. The
+    log says how it ended; the environment is that of the step."""
     try:
         cases = xml.etree.ElementTree.parse(report).getroot().iter("testcase")
     except (OSError, xml.etree.ElementTree.ParseError):
         return []
-    failed = [case for case in cases if case.get("status") == "fail"]
+    # How each ended, such as Failed, Timeout, Exception: SegFault, Not Run.
+    ends = dict(re.findall(r"^ *\d+/\d+ Test +#\d+: (\S+) \.*\*\*\*(.+?) +[\d.]+ sec", log, re.MULTILINE))
+    failed = [case for case in cases if case.get("status") == "fail" or ends.get(case.get("name")) == "Not Run"]
     lines = commands(preset) if failed else {}
+    before = environment + " " if environment else ""
     found = []
     for case in failed:
         name = case.get("name")
         output = case.findtext("system-out") or ""
         command = lines.get(name, [])
-        inner = of_unittest(" ".join(command), output) or of_gtest(command[0] if command else name, output)
-        why = case.find("failure")
-        message = why.get("message") if why is not None else ""
-        found += inner or [Failure(f"{name} ({message or 'failed'})", f"ctest --preset {preset} -R '^{name}$'", "",
-                                   relative(last_lines(output)))]
+        if "-k" in command:
+            command = command[:command.index("-k")] + command[command.index("-k") + 2:]
+        inner = of_unittest(before + shlex.join(command), output) or of_gtest(before + (command[0] if command else name), output)
+        found += inner
+        # A program that crashed or was ended after a failed test has more to say than that test.
+        whole = "\nRan " in output or re.search(r"^\[=+\] .* ran\.", output, re.MULTILINE)
+        if not (inner and whole):
+            found.append(Failure(f"{name} ({ends.get(name, 'failed').lower()})",
+                                 f"{before}ctest --preset {preset} -R '^{re.escape(name)}$'", "", relative(last_lines(output))))
     return found
 
 
-def of_compiler(log):
-    """Each file that the compiler refused."""
+def of_compiler(step, log):
+    """Each file that the compiler refused, or clang-format."""
     failures = {}
     for place, message in re.findall(r"^(\S+\.(?:cc|h|ts):\d+(?::\d+)?): (?:fatal )?error: (.*)$", log, re.MULTILINE):
         where = relative(place)
-        failures.setdefault(where.split(":")[0], Failure(f"compiling {where.split(':')[0]}", "", where, message))
+        file = where.split(":")[0]
+        if "-Wclang-format-violations" in message:
+            failures.setdefault(file, Failure(f"formatting of {file}", f"clang-format -i {file}", where))
+        else:
+            failures.setdefault(file, Failure(f"compiling {file}", f"deploy/test {step}", where, message))
     return list(failures.values())
 
 
@@ -109,14 +124,15 @@ def of_vitest(log):
     """Each failed test of the viewer's units."""
     plain = re.sub(r"\x1b\[[0-9;]*m", "", log)
     failures = {}
-    for path, name in re.findall(r"^ FAIL +(\S+\.test\.ts) > (.*)$", plain, re.MULTILINE):
-        last = name.split(" > ")[-1]
-        failures[path, name] = Failure(name, f"(cd web && npx vitest run {path} -t '{last}')", f"web/{path}")
+    for path, name in re.findall(r"^ FAIL +(\S+\.test\.ts) (?:> (.*)|\[.*)$", plain, re.MULTILINE):
+        pattern = re.sub(r"([\\^$.|?*+()\[\]{}])", r"\\\1", name.replace(" > ", " "))
+        alone = f"npx vitest run {path}" + (f" -t {shlex.quote(pattern)}" if name else "")
+        failures[path, name] = Failure(name or f"{path} cannot be loaded", f"(cd web && {alone})", f"web/{path}")
     return list(failures.values())
 
 
 def of_step(step, log, report):
     """What failed in a step; its last lines where nothing more exact can be read from them."""
-    found = of_ctest(step.preset, report) if step.preset else []
-    found = found or of_browser(log) or of_vitest(log) or of_compiler(log)
+    found = of_ctest(step.preset, report, log, step.environment) if step.preset else []
+    found = found or of_browser(log) or of_vitest(log) or of_compiler(step.name, log)
     return found or [Failure(f"step {step.name}", f"deploy/test {step.name}", "", relative(last_lines(log)))]

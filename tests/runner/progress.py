@@ -28,9 +28,9 @@ class Memory:
     def __init__(self, path):
         self.path = path
         try:
-            self.seconds = json.loads(path.read_text())
-        except (OSError, ValueError):
-            self.seconds = {}
+            self.seconds = {name: float(seconds) for name, seconds in json.loads(path.read_text()).items()}
+        except (OSError, ValueError, AttributeError, TypeError):
+            self.seconds = {}  # a guess is good enough
 
     def expected(self, step):
         return self.seconds.get(step.name, step.seconds)
@@ -64,9 +64,10 @@ class StepProgress:
     def left(self):
         """Seconds that the step will still take: as it took the last time, or by what is done once that is past."""
         rest = self.expected - self.elapsed()
-        if self.counted is None:
+        done, total = self.counted or (0, 0)
+        # A count that has just begun says little, and one that is full is that of a command before the one that runs.
+        if done == total or self.clock() - self.counted_from < 5.0:
             return max(rest, 0.0)
-        done, total = self.counted
         by_count = (self.clock() - self.counted_from) * (total - done) / max(done, 1)
         # The count is an upper bound when it starts slowly; a warm build is soon far ahead of what was expected.
         return max(min(rest, by_count) if rest > 0 else by_count, 0.0)

@@ -14,6 +14,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 import failures  # noqa: E402: from this folder
+import processes  # noqa: E402
 import progress  # noqa: E402
 import steps  # noqa: E402
 from steps import ROOT, Step  # noqa: E402
@@ -32,6 +33,7 @@ Expected equality of these values:
 Value of: false
 [  FAILED  ] Sizes/Model.Grows/2, where GetParam() = 9 (12 ms)
 """
+GTEST_END = "[==========] 9 tests from 2 test suites ran. (20 ms total)\n[  PASSED  ] 7 tests.\n"
 UNITTEST = f"""test_a (__main__.Cuts.test_a) ... ok
 ======================================================================
 FAIL: test_b (__main__.Cuts.test_b)
@@ -58,12 +60,23 @@ Error: no piece
 VITEST = """ ❯ test/theme.test.ts (2 tests | 1 failed) 4ms
  FAIL  test/theme.test.ts > the theme > is kept
 AssertionError: expected 1 to be 2
+ FAIL  test/views.test.ts [ test/views.test.ts ]
 """
-JUNIT = """<?xml version="1.0"?><testsuite tests="3" failures="3">
-<testcase name="fem_tests_1" status="fail"><failure message="Failed"/><system-out>{gtest}</system-out></testcase>
-<testcase name="cli_cuts_test" status="fail"><failure message="Failed"/><system-out>{unittest}</system-out></testcase>
-<testcase name="wire_tests_1" status="fail"><failure message="Subprocess aborted"/><system-out>terminate called</system-out></testcase>
+# As CTest 3.25 writes it: how a test ended is in its output alone.
+JUNIT = """<?xml version="1.0"?><testsuite tests="6" failures="5">
+<testcase name="fem_tests_1" status="fail"><failure message=""/><system-out>{gtest}</system-out></testcase>
+<testcase name="fem_tests_2" status="fail"><failure message=""/><system-out>{crashed}</system-out></testcase>
+<testcase name="cli_cuts_test" status="fail"><failure message=""/><system-out>{unittest}</system-out></testcase>
+<testcase name="wire_tests_1" status="fail"><failure message=""/><system-out>terminate called</system-out></testcase>
+<testcase name="svg_tests_1" status="notrun"><system-out>Unable to find executable</system-out></testcase>
 <testcase name="mesh_tests_1" status="run"><system-out/></testcase></testsuite>"""
+CTEST = """ 1/6 Test  #1: fem_tests_1 ......................***Failed    0.17 sec
+ 2/6 Test  #2: fem_tests_2 ......................***Exception: SegFault  0.17 sec
+ 3/6 Test #30: cli_cuts_test ....................***Failed    1.00 sec
+ 4/6 Test  #4: wire_tests_1 .....................***Timeout 120.01 sec
+ 5/6 Test  #5: svg_tests_1 ......................***Not Run   0.00 sec
+ 6/6 Test  #6: mesh_tests_1 .....................   Passed    0.00 sec
+"""
 
 
 class Failures(unittest.TestCase):
@@ -78,34 +91,84 @@ class Failures(unittest.TestCase):
     def test_unittest(self):
         (failure,) = failures.of_unittest("/usr/bin/python3 tests/client/cli/cuts_test.py", UNITTEST)
         self.assertEqual((failure.name, failure.where), ("__main__.Cuts.test_b", "tests/client/cli/cuts_test.py:12"))
-        self.assertTrue(failure.alone.endswith("cuts_test.py -k test_b"))
+        self.assertTrue(failure.alone.endswith("cuts_test.py -k '*.Cuts.test_b'"))
+        prepared = UNITTEST.replace("FAIL: test_b (__main__.Cuts.test_b)", "ERROR: setUpClass (__main__.Cuts)")
+        (failure,) = failures.of_unittest("python3 a.py", prepared)
+        self.assertEqual(failure.alone, "python3 a.py -k '*.Cuts.*'")
 
     def test_ctest(self):
         with tempfile.TemporaryDirectory() as folder, \
-                mock.patch.object(failures, "commands", return_value={"fem_tests_1": ["bin/fem_tests"], "cli_cuts_test": ["python3", "a.py"]}):
+                mock.patch.object(failures, "commands", return_value={
+                    "fem_tests_1": ["bin/fem_tests"], "fem_tests_2": ["bin/fem_tests"],
+                    "cli_cuts_test": ["python3", "a.py", "-k", "test_b"]}):
             report = pathlib.Path(folder, "report.xml")
-            report.write_text(JUNIT.format(gtest=GTEST, unittest=UNITTEST))
-            found = failures.of_ctest("release", report)
-        self.assertEqual([failure.name for failure in found], ["Model.HasMass", "Sizes/Model.Grows/2", "__main__.Cuts.test_b",
-                                                              "wire_tests_1 (Subprocess aborted)"])
-        self.assertEqual(found[2].alone, "python3 a.py -k test_b")
-        self.assertEqual(found[3].alone, "ctest --preset release -R '^wire_tests_1$'")
+            report.write_text(JUNIT.format(gtest=GTEST + GTEST_END, crashed=GTEST + "terminate called", unittest=UNITTEST))
+            found = failures.of_ctest("release", report, CTEST)
+            seeded = failures.of_ctest("release", report, CTEST, "KERF_SEED=7")
+        two = ["Model.HasMass", "Sizes/Model.Grows/2"]
+        self.assertEqual([failure.name for failure in found],
+                         [*two, *two, "fem_tests_2 (exception: segfault)", "__main__.Cuts.test_b", "wire_tests_1 (timeout)",
+                          "svg_tests_1 (not run)"])
+        self.assertEqual(found[5].alone, "python3 a.py -k '*.Cuts.test_b'")
+        self.assertEqual(found[6].alone, "ctest --preset release -R '^wire_tests_1$'")
+        self.assertEqual(seeded[0].alone, "KERF_SEED=7 bin/fem_tests --gtest_filter='Model.HasMass'")
+        self.assertEqual(seeded[6].alone, "KERF_SEED=7 ctest --preset release -R '^wire_tests_1$'")
         self.assertEqual(failures.of_ctest("release", pathlib.Path("/proc/none")), [])
 
     def test_browser_and_viewer(self):
         (failure,) = failures.of_browser(BROWSER)
         self.assertEqual((failure.name, failure.where), ("a cut is made", "tests/e2e/harness.mjs:80"))
         self.assertEqual(failure.alone, "tests/e2e/run build/release/bin/kerfd watching")
-        (failure,) = failures.of_vitest(VITEST)
+        failure, unloaded = failures.of_vitest(VITEST)
         self.assertEqual((failure.where, failure.alone),
-                         ("web/test/theme.test.ts", "(cd web && npx vitest run test/theme.test.ts -t 'is kept')"))
+                         ("web/test/theme.test.ts", "(cd web && npx vitest run test/theme.test.ts -t 'the theme is kept')"))
+        self.assertEqual(unloaded.alone, "(cd web && npx vitest run test/views.test.ts)")
 
     def test_compiler_and_what_is_not_known(self):
         log = f"{ROOT}/server/mesh/a.cc:3:7: error: no such thing\n{ROOT}/server/mesh/a.cc:9:1: error: another\n"
-        (failure,) = failures.of_compiler(log)
-        self.assertEqual((failure.where, failure.excerpt), ("server/mesh/a.cc:3:7", "no such thing"))
+        (failure,) = failures.of_compiler("build", log)
+        self.assertEqual((failure.where, failure.alone, failure.excerpt), ("server/mesh/a.cc:3:7", "deploy/test build", "no such thing"))
+        (failure,) = failures.of_compiler("format", "server/a.cc:3:4: error: code should be clang-formatted [-Wclang-format-violations]\n")
+        self.assertEqual((failure.name, failure.alone), ("formatting of server/a.cc", "clang-format -i server/a.cc"))
         (failure,) = failures.of_step(Step("x", "", (), 1), "one\ntwo\n", pathlib.Path("/proc/none"))
         self.assertEqual((failure.alone, failure.excerpt), ("deploy/test x", "one\ntwo"))
+
+
+@mock.patch.object(processes, "PATIENCE", 0.3)
+class Processes(unittest.TestCase):
+    def lines_of(self, command):
+        lines = []
+        status = processes.run_command(command, lambda line: line and lines.append(line))
+        return status, lines
+
+    @staticmethod
+    def runs(pid):
+        """Whether it does; one that has ended may still be listed until its parent has looked."""
+        try:
+            return "State:\tZ" not in pathlib.Path(f"/proc/{pid.strip()}/status").read_text()
+        except OSError:
+            return False
+
+    def test_a_command_runs_to_its_end(self):
+        self.assertEqual(self.lines_of("echo a; printf b; exit 3"), (3, ["a\n", "b"]))
+
+    def test_nothing_that_it_left_behind_lives_on(self):
+        status, (child,) = self.lines_of("(trap '' TERM; echo $BASHPID; exec >/dev/null; sleep 1000) & sleep 0.2; exit 4")
+        self.assertEqual(status, 4)
+        self.assertFalse(self.runs(child))
+        status, (child,) = self.lines_of("sleep 1000 & echo $!")  # it holds the pipe open
+        self.assertEqual(status, 0)
+        self.assertFalse(self.runs(child))
+
+    def test_what_interrupts_ends_all(self):
+        def interrupt(line):
+            children.append(line)
+            raise KeyboardInterrupt
+
+        children = []
+        with self.assertRaises(KeyboardInterrupt):
+            processes.run_command("echo $$; sleep 1000", interrupt)
+        self.assertFalse(self.runs(children[0]))
 
 
 class Progress(unittest.TestCase):

@@ -16,6 +16,7 @@ class Step:
     seconds: float  # on two cores, from nothing; a first guess of the time left
     needs: tuple = ()  # steps that run before it; where one fails, this one is not run
     preset: str = ""  # of ctest, where the step runs it: which tests failed is read from its report
+    environment: str = ""  # that its tests have, to be said before a command that runs one of them alone
 
 
 def build(preset, options="", targets=""):
@@ -25,16 +26,17 @@ def build(preset, options="", targets=""):
 
 def ctest(preset, arguments=""):
     """The tests of a build that has just been made: the fixture that builds it is left out."""
-    return f"ctest --preset {preset} --fixture-exclude-setup built --output-junit $LOG.xml {arguments}"
+    return f'ctest --preset {preset} --fixture-exclude-setup built --output-junit "$LOG.xml" {arguments}'
 
 
 SEED = random.SystemRandom().randrange(1, 1_000_000)
+TRIALS = f"KERF_TRIALS=many KERF_SEED={SEED}"
 
 STEPS = {step.name: step for step in (
     Step("format", "sources are formatted, and nothing else lies at the top level",
          ("tests/runner/check_format",), 6),
     Step("build", "everything compiles without a warning, as it ships (the build of deploy/run, with its tests)",
-         build("release", "-DKERF_TESTS=ON"), 500),
+         build("release", "-DKERF_TESTS=ON -DKERF_BENCH=OFF"), 500),
     Step("tests", "units, accuracy against references, properties of random cuts, API, clients, the lines of the README",
          (ctest("release"),), 210, ("build",), "release"),
     Step("units", "all of that but what takes long: random trials, accuracy, programs run from outside",
@@ -52,15 +54,15 @@ STEPS = {step.name: step for step in (
          (f"{RUNNER}/each_file.py",), 300),
     Step("asan", "no test makes the libraries touch memory that is not theirs, or do what C++ leaves undefined; every mesh "
          "invariant holds after every edit",
-         (*build("asan"), ctest("asan")), 450, ("build",), "asan"),
+         (*build("asan"), ctest("asan")), 720, ("build",), "asan", "KERF_TRIALS=few"),
     Step("tsan", "no two threads of the host, the streams and the API race",
-         (*build("tsan"), ctest("tsan")), 260, (), "tsan"),
+         (*build("tsan"), ctest("tsan")), 260, (), "tsan", "KERF_TRIALS=few"),
     Step("fuzz", "arbitrary bytes in requests, meshes, recordings and cuts break nothing; clang's build has the same hashes",
          ("tests/fuzz/run_fuzzers 1500", "cmake --build build/fuzz --target golden_test",
           "build/fuzz/bin/golden_test --gtest_filter='*HashesAreThoseWrittenDown'"), 300),
-    Step("trials", f"random cuts, undos and stability once more, many times as many, from a seed that is new each time ({SEED})",
-         (f"echo 'the same again: KERF_TRIALS=many KERF_SEED={SEED} ctest --preset release -L trials'",
-          f"KERF_TRIALS=many KERF_SEED={SEED} {ctest('release', '-L trials')}"), 240, ("build",), "release"),
+    Step("trials", f"random cuts and undos from a seed that is new each time ({SEED}), and more of the stability matrix",
+         (f"echo 'the same again: {TRIALS} ctest --preset release -L trials'", f"{TRIALS} {ctest('release', '-L trials')}"),
+         240, ("build",), "release", TRIALS),
     Step("matrix", "a third of the stability matrix with all of its steps",
          ("build/release/bin/stability_matrix 16 600",), 80, ("build",)),
 )}
@@ -89,7 +91,7 @@ def with_needs(names):
 
 @dataclasses.dataclass(frozen=True)
 class Proof:
-    """One of an hour or more, run by name; tests/long/NAME.md holds its last result."""
+    """One that is run by name, most of an hour or more; tests/long/NAME.md holds its last result."""
     proves: str
     command: str
     takes: str
@@ -101,15 +103,18 @@ LONG = {
     "live-sheets": Proof("10,000 accepted cuts on each of 20 live sheets: nothing is lost, area and mass do not drift",
                          "tests/fuzz/run_million sheets", "some hours"),
     "matrix": Proof("all 864 cases of the stability matrix, 600 steps each",
-                    "cmake --build --preset release --target stability_matrix >/dev/null && build/release/bin/stability_matrix",
+                    "cmake --preset release >/dev/null; cmake --build --preset release --target stability_matrix >/dev/null; "
+                    "build/release/bin/stability_matrix",
                     "3 minutes on one core"),
     "ten-thousand-cuts": Proof(
         "a hanging sheet that is cut 10,000 times goes on without a failed step",
-        "cmake --build --preset release --target stability_cuts >/dev/null && build/release/bin/stability_cuts 10000 200 10",
+        "cmake --preset release >/dev/null; cmake --build --preset release --target stability_cuts >/dev/null; "
+        "build/release/bin/stability_cuts 10000 200 10",
         "2 minutes on one core"),
     "fuzz": Proof("an hour of each fuzzer, on top of what earlier runs found",
                   "tests/fuzz/run_fuzzers 0", "four hours"),
     "trials": Proof("random trials from a new seed, as in `deploy/test deep`, ten seeds long",
+                    "cmake --preset release >/dev/null; cmake --build --preset release >/dev/null; "
                     "for seed in $(shuf -i 1000000-9999999 -n 10); do echo KERF_SEED=$seed; "
                     "KERF_TRIALS=many KERF_SEED=$seed ctest --preset release -L trials || exit 1; done", "40 minutes"),
 }
