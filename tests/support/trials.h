@@ -6,6 +6,7 @@
 // A failure prints the seed of its trial; KERF_CUT_SEED=<seed> runs that trial alone.
 
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <optional>
 #include <string>
@@ -16,20 +17,36 @@ struct NumTrials {
   int few = 0, usual = 0, many = 0;
 };
 
-// The count that KERF_TRIALS names. Aborts on any other word, so that a typing error is not taken for a long run.
+// Ends the program where a variable of the environment cannot be read: a typing error is not taken for a long run.
+[[noreturn]] inline void refuse(const char* variable, const std::string& value, const char* allowed) {
+  std::fprintf(stderr, "%s: say %s, not '%s'\n", variable, allowed, value.c_str());
+  std::exit(2);  // NOLINT(concurrency-mt-unsafe): before any thread
+}
+
+// The whole number of a variable of the environment, if it is set.
+inline std::optional<std::uint64_t> number_of(const char* variable) {
+  const char* text = std::getenv(variable);  // NOLINT(concurrency-mt-unsafe)
+  if (text == nullptr) return std::nullopt;
+  const std::string value = text;
+  if (value.empty() || value.size() > 19 || value.find_first_not_of("0123456789") != std::string::npos) {
+    refuse(variable, value, "a whole number of at most 19 digits");
+  }
+  return std::strtoull(text, nullptr, 10);
+}
+
+// The count that KERF_TRIALS names.
 inline int num_trials(const NumTrials& counts) {
   const char* named = std::getenv("KERF_TRIALS");  // NOLINT(concurrency-mt-unsafe)
   const std::string word = named == nullptr ? "usual" : named;
   if (word == "few") return counts.few;
   if (word == "usual") return counts.usual;
   if (word == "many") return counts.many;
-  std::abort();
+  refuse("KERF_TRIALS", word, "few, usual or many");
 }
 
 // KERF_SEED, at most 10^12.
 inline std::uint64_t chosen_seed() {
-  const char* chosen = std::getenv("KERF_SEED");  // NOLINT(concurrency-mt-unsafe)
-  return chosen == nullptr ? 0 : std::strtoull(chosen, nullptr, 10) % 1'000'000'000'001;
+  return number_of("KERF_SEED").value_or(0) % 1'000'000'000'001;
 }
 
 // The least seed of this run's trials, even: seeds from it on, fewer than ten million, are those of no other KERF_SEED.
@@ -39,9 +56,7 @@ inline std::uint64_t first_seed() {
 
 // The seed of the one trial that is to be run, if there is one.
 inline std::optional<std::uint64_t> only_seed() {
-  const char* only = std::getenv("KERF_CUT_SEED");  // NOLINT(concurrency-mt-unsafe)
-  if (only == nullptr) return std::nullopt;
-  return std::strtoull(only, nullptr, 10);
+  return number_of("KERF_CUT_SEED");
 }
 
 }  // namespace kerf::test
