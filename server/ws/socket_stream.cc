@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "server/api/api.h"
+
 namespace kerf::ws {
 namespace {
 
