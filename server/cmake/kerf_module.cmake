@@ -177,5 +177,8 @@ function(kerf_tests name)
     add_test(NAME ${name}_${shard} COMMAND ${name} --gtest_brief=1)
     set_tests_properties(${name}_${shard} PROPERTIES LABELS "${ARG_LABEL}" TIMEOUT ${ARG_TIMEOUT} FIXTURES_REQUIRED built
       ENVIRONMENT "GTEST_TOTAL_SHARDS=${ARG_SHARDS};GTEST_SHARD_INDEX=${index}")
+    if(ARG_SLOW)
+      set_tests_properties(${name}_${shard} PROPERTIES COST 100)  # begins early, so that nothing runs alone at the end
+    endif()
   endforeach()
 endfunction()
