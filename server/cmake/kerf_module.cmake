@@ -23,7 +23,7 @@ if(KERF_FUZZ)
   target_compile_options(kerf_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# What our own libraries are compiled with beside that: sanitizers with assertions, and checks of every mesh invariant.
+# Our own libraries have sanitizers with assertions, and checks of every mesh invariant, beside that.
 # Tests and generated code are not instrumented: they are compiled as for release, so that a compiler cache has them. The
 # libraries are shared ones then, bound to their own copies of inline functions. Thread sanitizer and fuzzers need all.
 add_library(kerf_instrumented INTERFACE)

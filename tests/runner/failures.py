@@ -1,4 +1,4 @@
-"""What failed in a step, where, and how to run it alone: read from the step's log and, of ctest, from its report."""
+"""Finds what failed in a step, where, and how to run it alone, from the step's log and, of ctest, from its report."""
 
 import dataclasses
 import json
@@ -32,7 +32,7 @@ def last_lines(text, count=EXCERPT):
 def of_gtest(program, output):
     """Each failed test of a GoogleTest program that ran to its end; what crashed it has no such line."""
     failures = []
-    # What is printed of a test ends with the line that says it failed.
+    # Output of a test ends with the line that says it failed.
     for chunk in re.split(r"(?<=ms\))\n", output):
         failed = re.search(r"^\[  FAILED  \] (\S+?),? .*ms\)$", chunk, re.MULTILINE)
         if not failed:
@@ -50,7 +50,7 @@ def of_unittest(command, output):
         failed = re.match(r"(?:FAIL|ERROR): (\w+) \((\S+)\)", chunk)
         if not failed:
             continue
-        # Of a class's own preparations all its tests fail; else the id's last words are class and test.
+        # Preparations of a class have its tests after them; else the id's last words are class and test.
         wanted = failed[2].split(".")[-1] + ".*" if failed[1] in ("setUpClass", "tearDownClass") else ".".join(failed[2].split(".")[-2:])
         places = re.findall(r'File "([^"]+)", line (\d+)', chunk)
         ours = [place for place in places if place[0].startswith(str(ROOT))]
@@ -60,7 +60,7 @@ def of_unittest(command, output):
 
 
 def commands(preset):
-    """Of each test, its command line as one would type it."""
+    """Command lines by test, as one would type them."""
     listed = subprocess.run(["ctest", "--preset", preset, "--show-only=json-v1"], cwd=ROOT, capture_output=True, text=True)
     tests = json.loads(listed.stdout)["tests"] if listed.returncode == 0 else []
     quiet = ("--gtest_brief=1", "-v")
@@ -74,7 +74,7 @@ def of_ctest(preset, report, log="", environment=""):
         cases = xml.etree.ElementTree.parse(report).getroot().iter("testcase")
     except (OSError, xml.etree.ElementTree.ParseError):
         return []
-    # How each ended, such as Failed, Timeout, Exception: SegFault, Not Run.
+    # Reads how each ended, such as Failed, Timeout, Exception: SegFault, Not Run.
     ends = dict(re.findall(r"^ *\d+/\d+ Test +#\d+: (\S+) \.*\*\*\*(.+?) +[\d.]+ sec", log, re.MULTILINE))
     failed = [case for case in cases if case.get("status") == "fail" or ends.get(case.get("name")) == "Not Run"]
     lines = commands(preset) if failed else {}
@@ -132,7 +132,7 @@ def of_vitest(log):
 
 
 def of_step(step, log, report):
-    """What failed in a step; its last lines where nothing more exact can be read from them."""
+    """Finds what failed in a step; its last lines where nothing more exact can be read from them."""
     found = of_ctest(step.preset, report, log, step.environment) if step.preset else []
     found = found or of_browser(log) or of_vitest(log) or of_compiler(step.name, log)
     return found or [Failure(f"step {step.name}", f"deploy/test {step.name}", "", relative(last_lines(log)))]

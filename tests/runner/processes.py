@@ -42,7 +42,7 @@ def run_command(command, take, environment=None, cwd=None):
                 line = lines.get(timeout=1.0)
             except queue.Empty:
                 take(None)
-                # What it left running holds the pipe open and is not waited for.
+                # Processes that it left running hold the pipe open and are not waited for.
                 if process.poll() is not None:
                     return process.returncode
                 continue
