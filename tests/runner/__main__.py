@@ -124,15 +124,18 @@ def run(names):
             screen.progress(f"{head}{count}, {in_words(time.monotonic() - started)} so far, "
                             f"about {in_words(progress.left() + later)} left")
 
-        ended_well = run_step(step, show)
+        try:
+            ended_well = run_step(step, show)
+        except OSError as error:  # such as a full disk
+            screen.say(f"{head}: {error}")
+            ended_well = False
         took[step.name] = progress.elapsed()
         if ended_well:
             passed.append(step.name)
             memory.note(step, took[step.name])
             screen.say(f"{head} passed in {in_words(took[step.name])}{summary_of(step)}")
         else:
-            log = (LOGS / f"{step.name}.log").read_text(errors="replace")
-            failed[step.name] = failures.of_step(step, log, LOGS / f"{step.name}.xml")
+            failed[step.name] = failures.of_step(step, LOGS / f"{step.name}.log", LOGS / f"{step.name}.xml")
             screen.say(f"{head} FAILED after {in_words(took[step.name])}")
             report(step, failed[step.name], screen.say)
     screen.say("")

@@ -131,8 +131,13 @@ def of_vitest(log):
     return list(failures.values())
 
 
-def of_step(step, log, report):
+def of_step(step, log_file, report):
     """Finds what failed in a step; its last lines where nothing more exact can be read from them."""
-    found = of_ctest(step.preset, report, log, step.environment) if step.preset else []
-    found = found or of_browser(log) or of_vitest(log) or of_compiler(step.name, log)
-    return found or [Failure(f"step {step.name}", f"deploy/test {step.name}", "", relative(last_lines(log)))]
+    whole = Failure(f"step {step.name}", f"deploy/test {step.name}")
+    try:
+        log = log_file.read_text(errors="replace")
+        found = of_ctest(step.preset, report, log, step.environment) if step.preset else []
+        found = found or of_browser(log) or of_vitest(log) or of_compiler(step.name, log)
+    except (OSError, ValueError, LookupError, TypeError) as error:  # A log cut short must not end the steps after it.
+        return [dataclasses.replace(whole, excerpt=f"its output could not be read: {error}")]
+    return found or [dataclasses.replace(whole, excerpt=relative(last_lines(log)))]

@@ -130,8 +130,11 @@ class Failures(unittest.TestCase):
         self.assertEqual((failure.where, failure.alone, failure.excerpt), ("server/mesh/a.cc:3:7", "deploy/test build", "no such thing"))
         (failure,) = failures.of_compiler("format", "server/a.cc:3:4: error: code should be clang-formatted [-Wclang-format-violations]\n")
         self.assertEqual((failure.name, failure.alone), ("formatting of server/a.cc", "clang-format -i server/a.cc"))
-        (failure,) = failures.of_step(Step("x", "", (), 1), "one\ntwo\n", pathlib.Path("/proc/none"))
-        self.assertEqual((failure.alone, failure.excerpt), ("deploy/test x", "one\ntwo"))
+        with tempfile.TemporaryDirectory() as folder:
+            log = pathlib.Path(folder, "log")
+            log.write_text("one\ntwo\n")
+            (failure,) = failures.of_step(Step("x", "", (), 1), log, log / "none")
+            self.assertEqual((failure.alone, failure.excerpt), ("deploy/test x", "one\ntwo"))
 
 
 @mock.patch.object(processes, "PATIENCE", 0.3)
@@ -238,6 +241,16 @@ class Run(unittest.TestCase):
         self.assertIn("[4/4] d passed", out)
         self.assertIn("FAILED in b: step b, run alone by: deploy/test b", out)
         self.assertEqual(out.splitlines()[-1], "2 passed, 2 failed")
+
+    def test_neither_a_lost_log_nor_a_full_disk_ends_the_run(self):
+        failed, out = self.run_steps(Step("a", "loses its log", ('rm "$LOG.log"; false',), 1), Step("b", "works", ("true",), 1))
+        self.assertEqual(failed, 1)
+        self.assertIn("its output could not be read", out)
+        self.assertIn("[2/2] b passed", out)
+        with mock.patch.object(runner, "run_step", side_effect=OSError(28, "No space left on device")):
+            failed, out = self.run_steps(Step("a", "fills the disk", ("true",), 1), Step("b", "too", ("true",), 1))
+        self.assertEqual(failed, 2)
+        self.assertIn("[1/2] a: [Errno 28] No space left on device", out)
 
     def test_wrong_words_are_refused(self):
         for words in (["no-such-step"], ["long"], ["long", "no-such-proof"], ["quick", "deep"]):

@@ -45,7 +45,7 @@ STEPS = {step.name: step for step in (
          (*build("release", "-DKERF_BENCH=ON", "--target benches many_cuts"),
           "build/release/bin/kerf_bench --benchmark_filter='/(225|2500)(/|$)' --benchmark_min_time=0.01"), 120, ("build",)),
     Step("viewer", "the browser viewer's types and units, and that it builds",
-         ("deploy/build-viewer", "cd web && npm test --silent"), 40),
+         ("deploy/build-viewer", "cd web && npx vitest run"), 40),
     Step("browser", "the viewer in a real browser against a real kerfd",
          ("tests/e2e/run build/release/bin/kerfd",), 200, ("build", "viewer")),
     Step("core", "the simulation library builds without any network package",

@@ -18,7 +18,7 @@ from reflection import Reflection
 PROGRAMS = ("kerf", "curl", "grpcurl")
 # Each of these lines begins a part, which needs nothing that lines before it made. Lines before the first are part 1; the
 # last part also has the tests that run no line.
-PARTS = ("kerf render demo --out frame", "kerf sheet create flag", "curl ")
+PARTS = ("kerf render demo --out frame", "kerf sheet material demo", "kerf sheet create flag", "curl ")
 # Lines that need the cuts of lines before them. The others find the scene as it was, which costs less to step than a cut one.
 AFTER_CUTS = ("kerf cut", "kerf undo", "kerf pieces")
 
