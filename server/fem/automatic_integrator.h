@@ -25,12 +25,15 @@ class AutomaticIntegrator final : public Integrator {
   void follow(const Model& model) override;
   void prepare() override { chosen().prepare(); }
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
+  [[nodiscard]] double mobility(const Model& model, const Grab& grab) const override {
+    return implicit_ ? implicit_->mobility(model, grab) : explicit_.mobility(model, grab);
+  }
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override;
 
  private:
   // Whether the integrator chosen is another one, which knows nothing of the model yet.
-  bool choose(const Model& model);
+  bool choose(const Model& model, bool follows);
   Integrator& chosen() { return implicit_ ? *implicit_ : explicit_; }
 
   IntegratorOptions options_;

@@ -63,6 +63,7 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
   for (const VertexId v : touched_.members()) set_lumped_mass(mesh, v);
   MassChange change = set_masses();
   change.dropped = dropped;
+  changed_masses_ = change.vertices;
   enter_phase(observer, "bending");
   rows_.clear();
   if (has_bending()) set_bending(mesh, rewritten);
@@ -97,6 +98,7 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   lumped_mass_.resize(num_vertices, 0.0);
   mass_floor_.resize(num_vertices, 0.0);
   mass_tile_.resize(num_vertices);
+  edge_length_.resize(num_vertices, 0.0);
   if (!materials_.has_one_mass_damping()) mass_damping_.resize(num_vertices, 0.0);
   mass_.resize(num_vertices, 0.0);
   inverse_mass_.resize(num_vertices, 0.0);
@@ -235,6 +237,7 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
   if (!materials_.has_one_mass_damping()) mass_damping_[v] = mass > 0.0 ? damping / mass : 0.0;
   mass_tile_[v] = mass_tile(mesh.edge_lengths(), mesh.rest_position(vertex));
   const double edge_length = mesh.edge_lengths().at(mesh.rest_position(vertex));
+  edge_length_[v] = mass > 0.0 ? edge_length : 0.0;
   const mesh::Facet* const facet = mesh.has_material(vertex) ? mesh.facet(mesh.triangle_at(vertex)) : nullptr;
   const double area_ratio = facet != nullptr ? facet->area_ratio() : 1.0;
   mass_floor_[v] = (is_mixed ? 1.0 : materials_[0].unit_floor) * edge_length * edge_length * floor * area_ratio;

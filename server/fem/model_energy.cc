@@ -1,3 +1,5 @@
+#include <map>
+
 #include <Eigen/Geometry>
 
 #include "server/fem/angle_bending.h"
@@ -19,6 +21,21 @@ double Model::rest_area() const {
     for (const double area : block.area) total += area;
   }
   return total;
+}
+
+double Model::typical_edge_length() const {
+  constexpr double kShare = 0.1;  // of the vertices
+  std::map<double, std::size_t> counts;  // a power of two apart: few
+  std::size_t total = 0;
+  for (const double length : edge_length_) {
+    if (!(length > 0.0)) continue;
+    ++counts[length];
+    ++total;
+  }
+  for (const auto& [length, count] : counts) {
+    if (static_cast<double>(count) >= kShare * static_cast<double>(total)) return length;
+  }
+  return 0.0;
 }
 
 void Model::internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const {

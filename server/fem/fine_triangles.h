@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "server/fem/leapfrog_kernels.h"
+#include "server/mesh/ids.h"
+
+namespace kerf::fem {
+
+// Irregular triangles of a sheet in mixed precision that are too flat for fixed-point positions: their forces are made
+// in double, from positions with their remainders, and put in place of those of their lanes.
+struct FineTriangles {
+  double gradient = std::numeric_limits<double>::infinity();  // 1/m, above which a triangle is one of them
+  std::vector<std::uint8_t> is_fine;                          // by irregular lane
+  std::vector<mesh::TriangleId> slots;
+  std::vector<mesh::VertexId> vertices;  // unique
+  std::vector<std::int32_t> places;      // of forces: 4 x corner_place() of each corner of each slot
+  std::vector<float> forces;             // N, x 4, for these places
+  // In the order of the slots; `from` is 4 x the place in `vertices`.
+  std::vector<IrregularBlock<double>> blocks;
+  std::vector<EdgeLanes<double>> edges;
+  std::vector<LawLanes<double>> laws;
+  std::vector<Lanes16<double>> corner_x, corner_force;
+  double unit = 1.0;  // m, of the constants
+
+  [[nodiscard]] bool empty() const { return slots.empty(); }
+  [[nodiscard]] LeapfrogArrays<double> arrays();
+  // Rounds what leapfrog_irregular() has made.
+  void set_forces();
+};
+
+}  // namespace kerf::fem
