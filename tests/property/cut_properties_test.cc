@@ -114,7 +114,7 @@ std::vector<Curve> any_curves() {
 
 // rapidcheck takes its settings from the environment, at first use.
 bool check(const char* what, const std::function<void()>& property) {
-  const int num_sequences = test::num_trials({.few = 60, .usual = 500, .many = 4'000});  // of up to four cuts
+  const int num_sequences = test::num_trials({.few = 60, .usual = 1'000, .many = 4'000});  // of up to four cuts
   const std::string settings =
       "seed=" + std::to_string(20 + test::chosen_seed()) + " max_size=60 max_success=" + std::to_string(num_sequences);
   setenv("RC_PARAMS", settings.c_str(), 0);

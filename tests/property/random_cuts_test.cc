@@ -21,7 +21,7 @@ TEST(RandomCuts, KeepEveryInvariant) {
     expect_sound(*only, tally);
     return;
   }
-  const int num_cuts = test::num_trials({.few = 600, .usual = 10'000, .many = 50'000});
+  const int num_cuts = test::num_trials({.few = 600, .usual = 4'000, .many = 50'000});
   // Two thirds of the cuts are singles.
   std::uint64_t single = test::first_seed() + 2;
   std::uint64_t sequence = test::first_seed() + 1;
