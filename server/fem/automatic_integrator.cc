@@ -23,7 +23,7 @@ constexpr ExplicitCost kDoubleNs{4.2, 0.42};
 constexpr ExplicitCost kMixedNs{2.0, 0.2};
 constexpr double kBytesPerSlot = 37.0;
 constexpr double kBytesPerBendingEntry = 8.0;
-constexpr double kCacheBytes = 15e6;  // of which going through them costs as much again as working with them
+constexpr double kCacheBytes = 15e6;        // of which going through them costs as much again as working with them
 constexpr double kNsPerClusterEntry = 2.0;  // of a factor below its diagonal
 constexpr double kNsPerClusterVertex = 40.0;
 constexpr double kTangentNsPerSlot = 400.0;
@@ -57,9 +57,9 @@ double explicit_cost(const Model& model, const ExplicitIntegrator& integrator, P
   const LocalInertia& inertia = integrator.inertia();
   const double of_clusters = kNsPerClusterEntry * static_cast<double>(inertia.num_entries()) +
                              kNsPerClusterVertex * static_cast<double>(inertia.num_vertices());
-  return substeps * ((1.0 + bytes / kCacheBytes) *
-                         (ns.per_slot * model.num_slots() + ns.per_bending_entry * entries / interval) +
-                     of_clusters);
+  return substeps *
+         ((1.0 + bytes / kCacheBytes) * (ns.per_slot * model.num_slots() + ns.per_bending_entry * entries / interval) +
+          of_clusters);
 }
 
 LinearSolverKind implicit_solver(const Model& model) {

@@ -20,7 +20,7 @@ namespace kerf::fem {
 namespace {
 
 constexpr double kLongestKick = 1.4;  // rad, of bending
-constexpr int kMaxRetries = 3;  // of a step that ended not finite, each with twice the substeps
+constexpr int kMaxRetries = 3;        // of a step that ended not finite, each with twice the substeps
 
 void set_pins(const Loads& loads, double time_left, State& state) {
   for (const Pin& pin : loads.pins) {
@@ -102,20 +102,25 @@ void ExplicitIntegrator::plan(const Model& model, bool follows) {
   // -, least damping ratio of the fastest mode with clusters: without damping slivers that crumple gain energy.
   constexpr double kClusterDamping = 0.05;
   const Reference built = reference(model);
-
-  const double nominal = kNominal * built.omega;
-  omega_ = std::sqrt(model.stiffness_bound());
-  kick_omega_ = bending_omega_ = std::sqrt(model.bending_stiffness_bound());
-  const bool has_clusters = options_.has_local_inertia && omega_ > nominal && nominal > 0.0 && model.rest_bending().rest.empty();
-  if (has_clusters) omega_ = nominal;
-  set_damping(model, has_clusters ? std::max(options_.highest_mode_damping, kClusterDamping)
-                                  : options_.highest_mode_damping);
+  // Terms of clusters are those of the sheet as built, whether there have to be any or not, so that cuts leave most as
+  // it was.
+  omega_ = kNominal * built.omega;
+  set_damping(model, std::max(options_.highest_mode_damping, kClusterDamping));
   critical_step_ = critical_step(1.0);
-  if (!has_clusters) {
-    inertia_.clear();
-  } else {
+  kick_omega_ = std::sqrt(model.bending_stiffness_bound());
+  const bool may_have_clusters = options_.has_local_inertia && omega_ > 0.0 && model.rest_bending().rest.empty();
+  if (may_have_clusters) {
     const InertiaTerms terms = inertia_terms(kNominal * built.bending_omega);
     follows ? inertia_.follow(model, terms) : inertia_.rebuild(model, terms);
+  }
+  const double omega = std::sqrt(model.stiffness_bound());
+  const bool has_clusters = may_have_clusters && omega > omega_;
+  inertia_.set_active(has_clusters);
+  if (!has_clusters) {
+    omega_ = omega;
+    kick_omega_ = bending_omega_ = std::sqrt(model.bending_stiffness_bound());
+    set_damping(model, options_.highest_mode_damping);
+    critical_step_ = critical_step(1.0);
   }
   explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
   if (has_clusters) {
@@ -180,6 +185,7 @@ void ExplicitIntegrator::resize(const Model& model) {
   scratch_.force.resize(n);
   scratch_.start.x.resize(n);
   scratch_.start.v.resize(n);
+  scratch_.given.resize(n);
 }
 
 void ExplicitIntegrator::rebuild(const Model& model) {
@@ -231,7 +237,8 @@ bool ExplicitIntegrator::is_quiet(const Model& model, const State& state) const 
     speed_squared = std::max(speed_squared, state.v.col(v).squaredNorm());
   }
   const double extent = (high - low).maxCoeff();
-  const double noise = std::max(kNoise, kCoarseness * extent * LeapfrogSweep<float>::coarsest_gradient(model));
+  const double noise = std::max(
+      kNoise, kCoarseness * extent * std::min(model.largest_gradient(), LeapfrogSweep<float>::flattest(model)));
   return std::sqrt(speed_squared) < kAboveNoise * noise * fastest_wave(model);
 }
 
@@ -292,6 +299,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
              "rebuild() was called for this model");
   StepStats stats;
   inertia_.hold(loads.pins);
+  const bool is_calmed = calm_clusters(model, state);
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
 
@@ -312,7 +320,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     const int least = plan.substeps;
     if (is_mixed) {
       const bool fits = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
-      if (heed_.ends()) return interrupt(state);
+      if (heed_.ends()) return interrupt(is_calmed, state);
       is_mixed = fits && !(was_quiet && is_quiet(model, state));
       if (!fits) stats.flags |= kWidened;
       if (!is_mixed) {
@@ -324,7 +332,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       if (!is_double_current_) double_sweep_.rebuild(model, layout_, inertia_);
       is_double_current_ = true;
       advance(model, loads, plan, contact, double_sweep_, state);
-      if (heed_.ends()) return interrupt(state);
+      if (heed_.ends()) return interrupt(is_calmed, state);
     }
     was_in_double_ = !is_mixed;
     if (is_finite(state)) {
@@ -337,6 +345,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     go_back(state);
     stats.flags &= ~kEnergyLimited;  // of the attempt that is thrown away
     if (retry == kMaxRetries) {
+      if (is_calmed) state.v = scratch_.given;
       stats.flags |= kFrozen;
       return stats;
     }
@@ -356,13 +365,28 @@ bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, St
   // Verlet swings about the energy it keeps by what its step resolves of the fastest modes.
   constexpr double kAllowedGain = 1e-5;  // -
   if (stats.max_strain <= kSmallStrain) return true;
-  const EnergyGuard::Verdict verdict = EnergyGuard::enforce(model, loads, &inertia_, kAllowedGain, scratch_.start, state);
+  const EnergyGuard::Verdict verdict =
+      EnergyGuard::enforce(model, loads, &inertia_, kAllowedGain, scratch_.start, state);
   if (verdict != EnergyGuard::Verdict::kKept) stats.flags |= kEnergyLimited;
   return verdict == EnergyGuard::Verdict::kKept;
 }
 
-StepStats ExplicitIntegrator::interrupt(State& state) const {
+bool ExplicitIntegrator::calm_clusters(const Model& model, State& state) {
+  if (inertia_.empty()) return false;
+  double kinetic = 0.0;
+  for (Eigen::Index v = 0; v < state.v.cols(); ++v) {
+    kinetic += 0.5 * model.mass()[static_cast<std::size_t>(v)] * state.v.col(v).squaredNorm();
+  }
+  if (!(inertia_.added_energy(state.v) > kinetic)) return false;
+  scratch_.given = state.v;
+  inertia_.share_impulses(
+      model, [](mesh::VertexId) { return Eigen::Vector3d(Eigen::Vector3d::Zero()); }, state.v);
+  return true;
+}
+
+StepStats ExplicitIntegrator::interrupt(bool is_calmed, State& state) const {
   go_back(state);
+  if (is_calmed) state.v = scratch_.given;
   StepStats stats;
   stats.interrupted = true;
   return stats;
@@ -383,7 +407,8 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   if (contact != nullptr) contact->begin(state.x);
   // Rounding of floats adds up over substeps to a drift that double does not have.
   std::optional<FreeFlight> flight;
-  if (std::is_same_v<T, float> && contact == nullptr && FreeFlight::holds(model, loads)) flight.emplace(model, inertia_, state);
+  if (std::is_same_v<T, float> && contact == nullptr && FreeFlight::holds(model, loads))
+    flight.emplace(model, inertia_, state);
   set_pins(loads, duration, state);
   const int least = plan.substeps;
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
@@ -398,6 +423,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     if (plan.substeps != expected && !sweep.begin(model, loads, terms, duration, state)) return false;
   }
   const double h = plan.h();
+  const auto before = [&sweep](mesh::VertexId v) { return sweep.velocity(v); };  // what contact does
   for (int i = 0; i <= plan.substeps; ++i) {
     if (heed_.ends()) return false;
     const bool last = i == plan.substeps;
@@ -420,7 +446,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     if (contact != nullptr && !last && i + 1 < plan.substeps) {
       sweep.write(state);
       contact->enforce(h, state);
-      sweep.share_impulses(model, state);
+      inertia_.share_impulses(model, before, state.v);
       if (!sweep.read(state)) return false;
     }
   }
@@ -431,7 +457,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   drift_massless(model, duration, state);
   if (contact == nullptr) return true;
   contact->enforce(h, state);
-  sweep.share_impulses(model, state);
+  inertia_.share_impulses(model, before, state.v);
   return true;
 }
 

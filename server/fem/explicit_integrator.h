@@ -63,6 +63,7 @@ class ExplicitIntegrator final : public Integrator {
   struct Scratch {
     mesh::VertexField force;  // 3 x V, N
     State start;              // to go back to
+    mesh::VertexField given;  // 3 x V, m/s, before calm_clusters()
   };
   struct Plan {
     double duration = 0.0;  // s
@@ -91,8 +92,12 @@ class ExplicitIntegrator final : public Integrator {
   void resize(const Model& model);
   void set_sweeps(const Model& model, bool follows);
   void go_back(State& state) const;
+  // Takes velocities as what impulses of the masses alone made of the clusters' inertia, where the relative motion in
+  // clusters would hold more energy than all motion by the masses alone: noise of single vertices, as no motion of the
+  // sheet's own is. Whether it did: the velocities given are in scratch_.given.
+  bool calm_clusters(const Model& model, State& state);
   // What step() returns where it was ended.
-  StepStats interrupt(State& state) const;
+  StepStats interrupt(bool is_calmed, State& state) const;
   // So slow that its motion is not far above the noise of mixed precision: strains of that noise make waves, which
   // move at the strain times the speed of waves, however fine the mesh is. Else a stiff sheet would not come to rest.
   [[nodiscard]] bool is_quiet(const Model& model, const State& state) const;

@@ -4,6 +4,20 @@
 
 namespace kerf::fem {
 
+void FineTriangles::set_lane(std::int32_t lane, bool is_fine) {
+  std::int32_t& place = place_of_lane[static_cast<std::size_t>(lane)];
+  if (is_fine == (place != mesh::kNone)) return;
+  if (is_fine) {
+    place = static_cast<std::int32_t>(lanes.size());
+    lanes.push_back(lane);
+    return;
+  }
+  place_of_lane[static_cast<std::size_t>(lanes.back())] = place;
+  lanes[static_cast<std::size_t>(place)] = lanes.back();
+  lanes.pop_back();
+  place = mesh::kNone;
+}
+
 LeapfrogArrays<double> FineTriangles::arrays() {
   LeapfrogArrays<double> made;
   made.irregular = blocks;

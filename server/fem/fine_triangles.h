@@ -13,11 +13,12 @@ namespace kerf::fem {
 // in double, from positions with their remainders, and put in place of those of their lanes.
 struct FineTriangles {
   double gradient = std::numeric_limits<double>::infinity();  // 1/m, above which a triangle is one of them
-  std::vector<std::uint8_t> is_fine;                          // by irregular lane
-  std::vector<mesh::TriangleId> slots;
-  std::vector<mesh::VertexId> vertices;  // unique
-  std::vector<std::int32_t> places;      // of forces: 4 x corner_place() of each corner of each slot
-  std::vector<float> forces;             // N, x 4, for these places
+  std::vector<std::int32_t> place_of_lane;                    // into `lanes`, or kNone; by irregular lane
+  std::vector<std::int32_t> lanes;                            // in any order: lanes never mix
+  std::vector<mesh::TriangleId> slots;                        // of the lanes
+  std::vector<mesh::VertexId> vertices;                       // unique
+  std::vector<std::int32_t> places;  // of forces: 4 x corner_place() of each corner of each slot
+  std::vector<float> forces;         // N, x 4, for these places
   // In the order of the slots; `from` is 4 x the place in `vertices`.
   std::vector<IrregularBlock<double>> blocks;
   std::vector<EdgeLanes<double>> edges;
@@ -25,7 +26,9 @@ struct FineTriangles {
   std::vector<Lanes16<double>> corner_x, corner_force;
   double unit = 1.0;  // m, of the constants
 
-  [[nodiscard]] bool empty() const { return slots.empty(); }
+  [[nodiscard]] bool empty() const { return lanes.empty(); }
+  // Whether a lane is one of them from now on.
+  void set_lane(std::int32_t lane, bool is_fine);
   [[nodiscard]] LeapfrogArrays<double> arrays();
   // Rounds what leapfrog_irregular() has made.
   void set_forces();

@@ -23,8 +23,7 @@ InertiaCluster::InertiaCluster(const Model& model, std::span<const VertexId> mem
 
 // Entries of one place are added in the order of the parts.
 std::vector<InertiaCluster::Entry> InertiaCluster::sum_of(const Model& model, std::span<const VertexId> members,
-                                                          std::span<const StiffPart> parts,
-                                                          const AddedInertia& added) {
+                                                          std::span<const StiffPart> parts, const AddedInertia& added) {
   std::vector<Entry> entries;
   for (const StiffPart& part : parts) {
     const double factor = part.is_triangle() ? added.membrane : added.bending;
@@ -80,9 +79,8 @@ void InertiaCluster::set_order(std::span<const VertexId> members, std::vector<En
     entry.row = std::max(a, b);
     entry.column = std::min(a, b);
   }
-  std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-    return std::tuple(a.row, a.column) < std::tuple(b.row, b.column);
-  });
+  std::sort(entries.begin(), entries.end(),
+            [](const Entry& a, const Entry& b) { return std::tuple(a.row, a.column) < std::tuple(b.row, b.column); });
 }
 
 void InertiaCluster::set_matrix(const Model& model, std::span<const Entry> entries) {
@@ -116,7 +114,8 @@ void InertiaCluster::set_pattern() {
     for (std::size_t p = matrix_starts_[k]; p < matrix_starts_[k + 1]; ++p) {
       for (std::int32_t i = matrix_columns_[p]; mark_[static_cast<std::size_t>(i)] != static_cast<std::int32_t>(k);
            i = parent_[static_cast<std::size_t>(i)]) {
-        if (parent_[static_cast<std::size_t>(i)] < 0) parent_[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(k);
+        if (parent_[static_cast<std::size_t>(i)] < 0)
+          parent_[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(k);
         ++counts[static_cast<std::size_t>(i)];
         mark_[static_cast<std::size_t>(i)] = static_cast<std::int32_t>(k);
       }
@@ -151,8 +150,7 @@ void InertiaCluster::factor(std::size_t set, std::uint8_t components) {
       const auto column = static_cast<std::size_t>(matrix_columns_[p]);
       row_[column] = column != k && (is_held(k) || is_held(column)) ? 0.0 : matrix_[p];
       std::size_t length = 0;
-      for (std::size_t i = column; mark_[i] != static_cast<std::int32_t>(k);
-           i = static_cast<std::size_t>(parent_[i])) {
+      for (std::size_t i = column; mark_[i] != static_cast<std::int32_t>(k); i = static_cast<std::size_t>(parent_[i])) {
         stack_[length++] = static_cast<std::int32_t>(i);
         mark_[i] = static_cast<std::int32_t>(k);
       }

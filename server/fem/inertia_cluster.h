@@ -21,8 +21,8 @@ struct AddedInertia {
 };
 
 // The inertia M' = M + added (sum of stiff parts) of some vertices, and its Cholesky factor L D L^T: a function of the
-// parts, the masses and what is held, not of how they came about. M' is the same for x, y and z. Vertices are kept in the
-// order of elimination, of minimum degree (Amestoy, Davis, Duff 1996); the factor is made row by row (Davis 2005,
+// parts, the masses and what is held, not of how they came about. M' is the same for x, y and z. Vertices are kept in
+// the order of elimination, of minimum degree (Amestoy, Davis, Duff 1996); the factor is made row by row (Davis 2005,
 // "Algorithm 849: a concise sparse Cholesky factorization package").
 class InertiaCluster {
  public:
@@ -91,8 +91,10 @@ class InertiaCluster {
   };
   template <typename T>
   [[nodiscard]] const Numbers<T>& numbers(std::size_t set) const {
-    if constexpr (std::is_same_v<T, float>) return rounded_[set];
-    else return numbers_[set];
+    if constexpr (std::is_same_v<T, float>)
+      return rounded_[set];
+    else
+      return numbers_[set];
   }
   std::vector<std::size_t> starts_;
   std::vector<std::int32_t> rows_;

@@ -128,8 +128,8 @@ class Integrator {
   virtual StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                          State& state) = 0;
 
-  // 1/kg, what an impulse at the grab's point moves it by, the largest of its components: sum of weight^2 / m, but where
-  // vertices have another inertia.
+  // 1/kg, what an impulse at the grab's point moves it by, the largest of its components: sum of weight^2 / m, but
+  // where vertices have another inertia.
   [[nodiscard]] virtual double mobility(const Model& model, const Grab& grab) const;
 
   // What steps here and why, for people; valid until the next rebuild.

@@ -156,13 +156,13 @@ template <typename T>
 void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout, const LocalInertia& inertia) {
   inertia_ = &inertia;
   resize(model, layout);
-  if constexpr (std::is_same_v<T, float>) {
-    set_fine(model, layout);
-    set_fine_constants(model, layout);
-  }
+  fine_.gradient = flattest(model);
+  fine_.place_of_lane.clear();
+  fine_.lanes.clear();
   const auto num_lanes = static_cast<VertexId>(kBlockLanes * layout.num_blocks());
   for (VertexId v = 0; !quads_before_.empty() && v < num_lanes; ++v) set_quads(model, layout, v);
   for (std::size_t lane = 0; lane < layout.lanes().size(); ++lane) set_lane(model, layout, lane);
+  set_fine_constants(model, layout);
   stale_slices_.clear();
   bending_rows_.clear();
   if (!model.has_bending()) return;
@@ -180,13 +180,8 @@ void LeapfrogSweep<T>::follow(const Model& model, const MembraneLayout& layout, 
   for (const VertexId v : layout.changed_quads()) {
     if (static_cast<std::size_t>(v) / kBlockLanes < layout.num_blocks()) set_quads(model, layout, v);
   }
-  bool has_other_fine = false;
-  if constexpr (std::is_same_v<T, float>) {
-    has_other_fine = set_fine(model, layout);
-    set_fine_constants(model, layout);
-  }
   for (const std::int32_t lane : layout.changed_lanes()) set_lane(model, layout, static_cast<std::size_t>(lane));
-  for (std::size_t lane = 0; has_other_fine && lane < layout.lanes().size(); ++lane) set_lane(model, layout, lane);
+  set_fine_constants(model, layout);
   if (model.has_bending()) follow_bending(model);
 }
 
@@ -231,7 +226,11 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
   IrregularBlock<T>& block = irregular_[lane / kBlockLanes];
   const std::size_t l = lane % kBlockLanes;
   const TriangleId slot = layout.lanes()[lane];
-  const bool is_fine = lane < fine_.is_fine.size() && fine_.is_fine[lane] != 0;
+  const bool is_fine = slot != mesh::kNone && model.gradient(slot) > fine_.gradient;
+  if constexpr (std::is_same_v<T, float>) {
+    fine_.place_of_lane.resize(layout.lanes().size(), mesh::kNone);
+    fine_.set_lane(static_cast<std::int32_t>(lane), is_fine);
+  }
   const TriangleId of_constants = is_fine ? mesh::kNone : slot;
   if (irregular_edges_.empty()) {
     set_triangle(model, of_constants, unit_of_constants_, block.triangles, irregular_lane<T>(l));
@@ -248,12 +247,19 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
 
 template <typename T>
 void LeapfrogSweep<T>::set_fine_constants(const Model& model, const MembraneLayout& layout) {
-  const std::size_t num_blocks = (fine_.slots.size() + kBlockLanes - 1) / kBlockLanes;
+  if constexpr (!std::is_same_v<T, float>) return;
+  const std::size_t num_blocks = (fine_.lanes.size() + kBlockLanes - 1) / kBlockLanes;
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
   fine_.unit = unit_of_constants_;
   fine_.blocks.assign(num_blocks, {});
   fine_.edges.assign(is_green ? num_blocks : 0, {});
   fine_.laws.assign(model.materials().has_one() ? 0 : num_blocks, {});
+  fine_.slots.clear();
+  fine_.places.clear();
+  for (const std::int32_t lane : fine_.lanes) {
+    fine_.slots.push_back(layout.lanes()[static_cast<std::size_t>(lane)]);
+    for (int k = 0; k < 3; ++k) fine_.places.push_back(4 * corner_place(lane, k));
+  }
   fine_.corner_force.assign(12 * num_blocks, {});
   fine_.forces.assign(4 * fine_.places.size(), 0.0F);
   fine_vertices_.clear();
@@ -275,6 +281,7 @@ void LeapfrogSweep<T>::set_fine_constants(const Model& model, const MembraneLayo
   }
   fine_.vertices.assign(fine_vertices_.members().begin(), fine_vertices_.members().end());
   fine_.corner_x.assign(fine_.vertices.size() / 4 + 1, {});
+  coarsest_gradient_.reset();
 }
 
 template <typename T>

@@ -305,7 +305,8 @@ HWY_INLINE V larger_strain(D d, const StrainLanes<hn::TFromD<D>>& strains, V lar
 }
 
 template <MembraneLaw kLaw, class D, class V = hn::Vec<D>>
-V irregular_start(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, const LeapfrogStep<hn::TFromD<D>>& step, V largest) {
+V irregular_start(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, const LeapfrogStep<hn::TFromD<D>>& step,
+                  V largest) {
   irregular_forces<kLaw>(arrays, step);
   for (const IrregularBlock<hn::TFromD<D>>& block : arrays.irregular) {
     if (kLaw == MembraneLaw::kCorotational) largest = larger_strain(d, block.before, largest);

@@ -104,7 +104,7 @@ struct LeapfrogArrays {
   // Of FineTriangles: forces, N, x 4, and where they go in corner_force.
   const T* fine_force = nullptr;
   std::span<const std::int32_t> fine_places;
-  Position* bending_x = nullptr;                  // x 4, scratch
+  Position* bending_x = nullptr;                         // x 4, scratch
   std::span<const std::int32_t> num_quads, num_corners;  // of each block of vertices
   const RowStore<CornerPlaces>* corners = nullptr;       // of four vertices
   // Of each block of vertices, or null: whether any of it has its force left in `gathered` and is moved elsewhere; its

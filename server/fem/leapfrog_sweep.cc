@@ -17,8 +17,9 @@ constexpr double kReach = 1 << 30;
 // coarse.
 constexpr double kCoarsest = 1.0 / (1 << 20);
 constexpr double kCoarsestAcross = 1e-5;
-// -, room for what a sheet may travel, over its own size: triangles too flat for a unit so many times as large are fine.
-constexpr double kRoomToTravel = 4.0;
+// -, room for what a sheet may travel, over its own size: triangles too flat for a unit so many times as large are
+// fine.
+constexpr double kRoomToTravel = 2.0;
 
 // m, mean.
 double edge_length(const Model& model, std::int64_t num_triangles) {
@@ -28,11 +29,6 @@ double edge_length(const Model& model, std::int64_t num_triangles) {
 // m. `reach`: how far from the origin positions may come.
 double unit_of_positions(double reach, double edge) {
   return std::exp2(std::ceil(std::log2(std::max(reach, edge) / kReach)));
-}
-
-double unit_at_rest(const Model& model) {
-  const double edge = edge_length(model, model.num_slots());  // as near as an estimate needs it
-  return unit_of_positions(1.5 * std::sqrt(model.rest_area()), edge);
 }
 
 template <typename T>
@@ -177,49 +173,37 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
   unit_ = unit_of_positions(reach, edge);
   origin_ = 0.5 * (low + high).matrix();
   room_ = travel;
-  return unit_ <= kCoarsest * edge && unit_ * coarsest_gradient_ <= kCoarsestAcross;
+  return unit_ <= kCoarsest * edge && unit_ * coarsest_gradient(model) <= kCoarsestAcross;
 }
 
 template <typename T>
 bool LeapfrogSweep<T>::may_hold(const Model& model) {
-  return unit_at_rest(model) <= kCoarsest * edge_length(model, model.num_slots());
+  const double edge = edge_length(model, model.num_slots());  // as near as an estimate needs it
+  return unit_of_positions(1.5 * std::sqrt(model.rest_area()), edge) <= kCoarsest * edge;
+}
+
+template <typename T>
+double LeapfrogSweep<T>::flattest(const Model& model) {
+  if (!std::is_same_v<T, float>) return std::numeric_limits<double>::infinity();
+  const double unit = unit_of_positions(1.5 * model.built_extent(), model.typical_edge_length());
+  return kCoarsestAcross / (kRoomToTravel * unit);
 }
 
 template <typename T>
 double LeapfrogSweep<T>::coarsest_gradient(const Model& model) {
-  if (!std::is_same_v<T, float>) return model.largest_gradient();
-  return std::min(model.largest_gradient(), kCoarsestAcross / (kRoomToTravel * unit_at_rest(model)));
-}
-
-template <typename T>
-bool LeapfrogSweep<T>::set_fine(const Model& model, const MembraneLayout& layout) {
-  const double before = fine_.gradient;
-  fine_.gradient = kCoarsestAcross / (kRoomToTravel * unit_at_rest(model));
-  fine_.is_fine.assign(layout.lanes().size(), 0);
-  fine_.slots.clear();
-  fine_.places.clear();
-  coarsest_gradient_ = 0.0;
-  const auto is_coarse = [&](mesh::TriangleId slot) {
-    if (slot == mesh::kNone) return true;
-    const double gradient = model.gradient(slot);
-    if (gradient > fine_.gradient) return false;
-    coarsest_gradient_ = std::max(coarsest_gradient_, gradient);
-    return true;
+  if (coarsest_gradient_) return *coarsest_gradient_;
+  double coarsest = 0.0;
+  const auto look_at = [&](mesh::TriangleId slot) {
+    if (slot != mesh::kNone) coarsest = std::max(coarsest, model.gradient(slot));
   };
-  for (std::size_t lane = 0; lane < layout.lanes().size(); ++lane) {
-    if (is_coarse(layout.lanes()[lane])) continue;
-    fine_.is_fine[lane] = 1;
-    fine_.slots.push_back(layout.lanes()[lane]);
-    for (int k = 0; k < 3; ++k) fine_.places.push_back(4 * corner_place(static_cast<std::int32_t>(lane), k));
+  for (std::size_t lane = 0; lane < layout_->lanes().size(); ++lane) {
+    if (fine_.place_of_lane[lane] == mesh::kNone) look_at(layout_->lanes()[lane]);
   }
-  for (VertexId v = 0; layout.offsets()[1] != 0 && v < layout.num_vertices(); ++v) {
-    for (const int kind : {0, 1}) {
-      const mesh::TriangleId slot = layout.quad_slot(kind, v);
-      // Those of the pattern have lanes in common.
-      if (!is_coarse(slot)) coarsest_gradient_ = std::max(coarsest_gradient_, model.gradient(slot));
-    }
+  for (VertexId v = 0; !quads_before_.empty() && v < layout_->num_vertices(); ++v) {
+    for (const int kind : {0, 1}) look_at(layout_->quad_slot(kind, v));
   }
-  return fine_.gradient != before;
+  coarsest_gradient_ = coarsest;
+  return coarsest;
 }
 
 template <typename T>
@@ -443,30 +427,6 @@ Eigen::Vector3d LeapfrogSweep<T>::velocity(VertexId v) const {
   return vector_at(v_, v);
 }
 
-// With p the momentum and v the change of the vertices alone, p = M v:
-//   E'(w + M'^-1 p) - E'(w) = w.p + p.M'^-1 p / 2 <= w.p + p.M^-1 p / 2,  as M' >= M.
-template <typename T>
-void LeapfrogSweep<T>::share_impulses(const Model& model, State& state) {
-  T* const values = entries(cluster_values_);
-  for (const InertiaCluster* const cluster : inertia_->clusters()) {
-    const std::span<const VertexId> vertices = cluster->vertices();
-    bool is_changed = false;
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const double mass = model.mass()[static_cast<std::size_t>(vertices[i])];
-      const Eigen::Vector3d impulse = mass * (state.v.col(vertices[i]) - velocity(vertices[i]));
-      is_changed = is_changed || !impulse.isZero(0.0);
-      for (std::size_t c = 0; c < 3; ++c) values[4 * i + c] = static_cast<T>(impulse[static_cast<Eigen::Index>(c)]);
-      values[4 * i + 3] = 0;
-    }
-    if (!is_changed) continue;
-    cluster->solve(values);
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const Eigen::Map<const Eigen::Matrix<T, 3, 1>> change(values + 4 * i);
-      state.v.col(vertices[i]) = velocity(vertices[i]) + change.template cast<double>();
-    }
-  }
-}
-
 template <typename T>
 void LeapfrogSweep<T>::set_response(const Grab& grab, const InertiaCluster& cluster) {
   const std::span<const VertexId> vertices = cluster.vertices();
@@ -504,10 +464,7 @@ template <typename T>
 Eigen::Array3d LeapfrogSweep<T>::mobility(const Grab& grab) {
   Eigen::Array3d sum = Eigen::Array3d::Zero();
   for_each_grabbed(
-      grab,
-      [&](VertexId v, double weight) {
-        sum += weight * weight * vector_at(mobility_, v).array();
-      },
+      grab, [&](VertexId v, double weight) { sum += weight * weight * vector_at(mobility_, v).array(); },
       [&](const InertiaCluster& cluster) {
         for (std::size_t i = 0; i < cluster.vertices().size(); ++i) {
           for (std::size_t k = 0; k < 3; ++k) {
@@ -529,9 +486,7 @@ bool LeapfrogSweep<T>::push(const Grab& grab, const Eigen::Array3d& impulse, dou
   };
   for_each_grabbed(
       grab,
-      [&](VertexId v, double weight) {
-        push_vertex(v, weight * (vector_at(mobility_, v).array() * impulse).matrix());
-      },
+      [&](VertexId v, double weight) { push_vertex(v, weight * (vector_at(mobility_, v).array() * impulse).matrix()); },
       [&](const InertiaCluster& cluster) {
         for (std::size_t i = 0; i < cluster.vertices().size(); ++i) {
           const Eigen::Map<const Eigen::Array<T, 3, 1>> response(entries(cluster_values_) + 4 * i);

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -69,20 +70,17 @@ class LeapfrogSweep {
   [[nodiscard]] bool stayed_inside(double duration) const;
   // Whether floats can hold the model's sheet at all: lying still, as a square of its size.
   [[nodiscard]] static bool may_hold(const Model& model);
-  // 1/m, of the flattest triangles that floats are used for.
-  [[nodiscard]] static double coarsest_gradient(const Model& model);
+  // 1/m, of the flattest triangles that T is used for.
+  [[nodiscard]] static double flattest(const Model& model);
 
   // Of what has mass or is held. False: outside of what positions can hold.
   bool read(const State& state);
   void write(State& state) const;
-  // Of velocities of vertices in clusters that were changed in `state` since write(): gives the clusters the momentum
-  // that those vertices were given, by their inertia. Never more kinetic energy than with the masses alone.
-  void share_impulses(const Model& model, State& state);
   // m, m/s.
   [[nodiscard]] Eigen::Vector3d position(mesh::VertexId v) const;
   [[nodiscard]] Eigen::Vector3d velocity(mesh::VertexId v) const;
-  // A point sum_k weights[k] x(vertices[k]) of a grab. 1/kg by component, what an impulse there moves it by; 0 where it is
-  // held.
+  // A point sum_k weights[k] x(vertices[k]) of a grab. 1/kg by component, what an impulse there moves it by; 0 where it
+  // is held.
   [[nodiscard]] Eigen::Array3d mobility(const Grab& grab);
   // Gives it an impulse, N s, and moves what that moves for `drift`, s. False: see read().
   bool push(const Grab& grab, const Eigen::Array3d& impulse, double drift);
@@ -97,8 +95,8 @@ class LeapfrogSweep {
   template <typename Set>
   void for_arrays(const Model& model, const MembraneLayout& layout, const Set& set);  // set(array, size)
   void resize(const Model& model, const MembraneLayout& layout);
-  // Finds fine triangles; whether what fine is has changed.
-  bool set_fine(const Model& model, const MembraneLayout& layout);
+  [[nodiscard]] double coarsest_gradient(const Model& model);
+  // Of the lanes that are fine by now.
   void set_fine_constants(const Model& model, const MembraneLayout& layout);
   void set_fine_positions();
   [[nodiscard]] LeapfrogStep<double> fine_step(const Model& model, const LeapfrogTerms& terms) const;
@@ -146,10 +144,10 @@ class LeapfrogSweep {
   std::vector<std::size_t> stale_slices_;  // unused, to be made anew: some in each step, as a cut must not wait for it
   IdSet row_groups_;                       // scratch
   FineTriangles fine_;                     // of floats
-  IndexSet fine_vertices_;                 // scratch
-  double coarsest_gradient_ = 0.0;         // 1/m, of the other triangles
-  std::vector<std::uint8_t> has_cluster_;  // of each block of vertices; empty without clusters
-  std::vector<Lanes16<T>> cluster_values_;  // x 4, of one cluster, scratch
+  std::optional<double> coarsest_gradient_;  // 1/m, of the other triangles; absent: to be found
+  IndexSet fine_vertices_;                   // scratch
+  std::vector<std::uint8_t> has_cluster_;    // of each block of vertices; empty without clusters
+  std::vector<Lanes16<T>> cluster_values_;   // x 4, of one cluster, scratch
   Lanes16<T> speed_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
   double unit_ = 1.0;                                 // m

@@ -28,19 +28,18 @@ void for_each_stiff(std::vector<PartAtVertex>& parts, double limit, const Visit&
 
 }  // namespace
 
-void LocalInertia::clear() {
-  terms_ = {};
+void LocalInertia::rebuild(const Model& model, const InertiaTerms& terms) {
+  terms_ = terms;
   wanted_.clear();
   cluster_of_.clear();
   clusters_.clear();
   free_.clear();
-  set_order();
-}
-
-void LocalInertia::rebuild(const Model& model, const InertiaTerms& terms) {
-  clear();
-  terms_ = terms;
-  std::vector<VertexId> all(static_cast<std::size_t>(model.num_vertices()));
+  const auto n = static_cast<std::size_t>(model.num_vertices());
+  const std::size_t room = n + n / 4;  // so that the first cuts need not move what has a place for each vertex
+  cluster_of_.reserve(room);
+  held_.reserve(room);
+  region_.resize(room);
+  std::vector<VertexId> all(n);
   std::iota(all.begin(), all.end(), 0);
   update(model, all);
 }
@@ -62,8 +61,8 @@ void LocalInertia::update(const Model& model, std::span<const VertexId> changed)
   region_.resize(std::max(n, cluster_of_.size()));
   for (std::size_t v = n; v < cluster_of_.size(); ++v) {
     if (cluster_of_[v] != mesh::kNone) dissolve(cluster_of_[v]);
+    wanted_.erase(static_cast<VertexId>(v));
   }
-  wanted_.resize(model.num_vertices());
   cluster_of_.resize(n, mesh::kNone);
   for (const VertexId v : changed) region_.insert(v);
   for (const VertexId v : changed) {
@@ -106,7 +105,11 @@ void LocalInertia::find_wanted(const Model& model, VertexId v) {
   }
   std::sort(row_.begin(), row_.end());
   row_.erase(std::unique(row_.begin(), row_.end()), row_.end());
-  wanted_.set_row(v, row_);
+  if (row_.empty()) {
+    wanted_.erase(v);
+  } else {
+    wanted_[v] = row_;
+  }
 }
 
 // Region grows by the clusters that its stiff parts reach.
@@ -114,8 +117,9 @@ void LocalInertia::gather_region(const Model& model) {
   stiff_.clear();
   for (std::size_t i = 0; i < region_.size(); ++i) {
     const VertexId v = region_.members()[i];
-    if (v >= model.num_vertices()) continue;
-    for (const StiffPart& part : wanted_.row(v)) {
+    const auto wanted = wanted_.find(v);
+    if (wanted == wanted_.end()) continue;
+    for (const StiffPart& part : wanted->second) {
       stiff_.push_back(part);
       for (const VertexId w : part.vertices(model)) {
         if (w == mesh::kNone) continue;
@@ -193,9 +197,9 @@ void LocalInertia::set_order() {
   }
   std::sort(ordered_.begin(), ordered_.end(),
             [](const InertiaCluster* a, const InertiaCluster* b) { return a->lowest() < b->lowest(); });
-  held_.assign(cluster_of_.size(), 0);
-  held_vertices_.clear();
+  held_.resize(cluster_of_.size(), 0);
   held_of_cluster_.resize(largest_);
+  values_.resize(largest_ / 4 + 1);
 }
 
 void LocalInertia::hold(std::span<const Pin> pins) {
@@ -250,7 +254,7 @@ double LocalInertia::mobility(const Model& model, const Grab& grab) const {
 
 double LocalInertia::added_energy(const mesh::VertexField& v) const {
   double doubled = 0.0;
-  for (const InertiaCluster* const cluster : ordered_) {
+  for (const InertiaCluster* const cluster : clusters()) {
     cluster->for_each_added([&](VertexId i, VertexId j, double entry) {
       doubled += (i == j ? 1.0 : 2.0) * entry * v.col(i).dot(v.col(j));
     });
@@ -260,7 +264,7 @@ double LocalInertia::added_energy(const mesh::VertexField& v) const {
 
 Eigen::Vector3d LocalInertia::added_spin(const State& state) const {
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();
-  for (const InertiaCluster* const cluster : ordered_) {
+  for (const InertiaCluster* const cluster : clusters()) {
     cluster->for_each_added([&](VertexId i, VertexId j, double entry) {
       spin += entry * Eigen::Vector3d(state.x.col(i)).cross(Eigen::Vector3d(state.v.col(j)));
       if (i != j) spin += entry * Eigen::Vector3d(state.x.col(j)).cross(Eigen::Vector3d(state.v.col(i)));

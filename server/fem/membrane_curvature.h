@@ -14,9 +14,9 @@ namespace kerf::fem {
 //     W'' = dU.C dU + sigma : d2U,   sigma = C (U - I).
 double membrane_curvature(const Eigen::Matrix3d& C, const Eigen::Vector2d& stretch, double angle);
 
-// z: W'' <= z |G|^2 wherever no principal stretch is above kMostStretch, and at least one is above kLeastStretch, so that
-// z A g_i.g_j times the 3x3 identity is above the stiffness of a triangle that is turned, folded or compressed. Of an
-// isotropic law with nu >= 0, 2 (mu + lambda), for every F with tr U - 2 <= 2 mu / lambda: there
+// z: W'' <= z |G|^2 wherever no principal stretch is above kMostStretch, and at least one is above kLeastStretch, so
+// that z A g_i.g_j times the 3x3 identity is above the stiffness of a triangle that is turned, folded or compressed. Of
+// an isotropic law with nu >= 0, 2 (mu + lambda), for every F with tr U - 2 <= 2 mu / lambda: there
 //     W = mu |U - I|^2 + lambda / 2 (tr U - 2)^2,   W'' = 2 mu + lambda R(x)R + (lambda (tr U - 2) - 2 mu) d2 tr U,
 // d2 tr U >= 0 as the sum of singular values is convex, and |R|^2 = 2. Of other laws the largest of membrane_curvature
 // over a net of stretches and angles, and a little more.  N/m

@@ -1,5 +1,3 @@
-#include <map>
-
 #include <Eigen/Geometry>
 
 #include "server/fem/angle_bending.h"
@@ -25,14 +23,9 @@ double Model::rest_area() const {
 
 double Model::typical_edge_length() const {
   constexpr double kShare = 0.1;  // of the vertices
-  std::map<double, std::size_t> counts;  // a power of two apart: few
-  std::size_t total = 0;
-  for (const double length : edge_length_) {
-    if (!(length > 0.0)) continue;
-    ++counts[length];
-    ++total;
-  }
-  for (const auto& [length, count] : counts) {
+  std::int64_t total = 0;
+  for (const auto& [length, count] : num_vertices_by_edge_length_) total += count;
+  for (const auto& [length, count] : num_vertices_by_edge_length_) {
     if (static_cast<double>(count) >= kShare * static_cast<double>(total)) return length;
   }
   return 0.0;

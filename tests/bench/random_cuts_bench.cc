@@ -27,7 +27,8 @@ cut::Curve random_cubic(SeededRandom& random) {
   const double angle = random.uniform(0.0, 6.283185307179586);
   const Eigen::Vector2d along = 0.15 * Eigen::Vector2d(std::cos(angle), std::sin(angle));
   const auto jitter = [&] { return Eigen::Vector2d(random.uniform(-0.08, 0.08), random.uniform(-0.08, 0.08)); };
-  return cut::CubicBezier{{middle - along, middle - along / 3.0 + jitter(), middle + along / 3.0 + jitter(), middle + along}};
+  return cut::CubicBezier{
+      {middle - along, middle - along / 3.0 + jitter(), middle + along / 3.0 + jitter(), middle + along}};
 }
 
 struct Run {
@@ -46,8 +47,8 @@ fem::IntegratorOptions options_of(bool has_local_inertia, fem::Precision precisi
   return options;
 }
 
-Run fall(const fem::Model& model, const mesh::TriangleMesh& mesh, const fem::IntegratorOptions& options, double duration,
-         int num_steps, std::string* explanation = nullptr) {
+Run fall(const fem::Model& model, const mesh::TriangleMesh& mesh, const fem::IntegratorOptions& options,
+         double duration, int num_steps, std::string* explanation = nullptr) {
   fem::ExplicitIntegrator integrator(options);
   integrator.rebuild(model);
   if (explanation != nullptr) *explanation = integrator.explanation();
@@ -86,7 +87,8 @@ int run(int argc, char** argv) {
   const bool with_error = std::getenv("ERROR") != nullptr;
   const bool with_plain = std::getenv("PLAIN") != nullptr;
   Result<fem::Material> material = fem::find_preset(name);
-  if (const char* beta = std::getenv("BETA"); beta != nullptr && material.ok()) material->stiffness_damping = std::atof(beta);
+  if (const char* beta = std::getenv("BETA"); beta != nullptr && material.ok())
+    material->stiffness_damping = std::atof(beta);
   if (!material.ok()) return 2;
   SeededRandom random(seed);
   mesh::TriangleMesh mesh = test::grid(kSide);
@@ -105,14 +107,17 @@ int run(int argc, char** argv) {
     for (const fem::Precision precision : {fem::Precision::kDouble, fem::Precision::kMixed}) {
       if (std::getenv("MIXED") != nullptr && precision == fem::Precision::kDouble) continue;
       std::string explanation;
-      const Run tested = fall(model, mesh, options_of(true, precision), (std::getenv("TICKS") ? std::atoi(std::getenv("TICKS")) : 12) * kTick, (std::getenv("TICKS") ? std::atoi(std::getenv("TICKS")) : 12), &explanation);
+      const Run tested = fall(model, mesh, options_of(true, precision),
+                              (std::getenv("TICKS") ? std::atoi(std::getenv("TICKS")) : 12) * kTick,
+                              (std::getenv("TICKS") ? std::atoi(std::getenv("TICKS")) : 12), &explanation);
       const double ms = median(tested.tick_ms);
       const double per_vertex = ms / mesh.num_vertices();
       if (count == 0) uncut = per_vertex;
-      std::printf("%s %d cuts, %s: V %d, %d substeps, %.2f ms a tick, %.2f x uncut a vertex, flags %x, strain %.2f; %s\n",
-                  name.c_str(), count, precision == fem::Precision::kDouble ? "double" : "mixed", mesh.num_vertices(),
-                  tested.stats.substeps, ms, uncut > 0.0 ? per_vertex / uncut : 0.0, tested.flags,
-                  tested.stats.max_strain, explanation.c_str());
+      std::printf(
+          "%s %d cuts, %s: V %d, %d substeps, %.2f ms a tick, %.2f x uncut a vertex, flags %x, strain %.2f; %s\n",
+          name.c_str(), count, precision == fem::Precision::kDouble ? "double" : "mixed", mesh.num_vertices(),
+          tested.stats.substeps, ms, uncut > 0.0 ? per_vertex / uncut : 0.0, tested.flags, tested.stats.max_strain,
+          explanation.c_str());
       if (with_plain) {
         const Run plain = fall(model, mesh, options_of(false, precision), 2 * kTick, 2);
         std::printf("  plain: %d substeps, %.2f ms a tick\n", plain.stats.substeps, median(plain.tick_ms));
