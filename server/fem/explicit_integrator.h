@@ -79,22 +79,22 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] double cfl() const;
   // s, of a sheet so many times as stiff as at rest; infinite without material.
   [[nodiscard]] double critical_step(double stiffening) const;
-  // Of fastest modes of the sheet as it was built, from its edges and materials alone.
+  // Frequencies of the fastest modes that the sheet had as built, from its edges and materials alone.
   struct Reference {
     double omega = 0.0;          // 1/s, of the membrane and bending
     double bending_omega = 0.0;  // 1/s, of bending
   };
   [[nodiscard]] static Reference reference(const Model& model);
-  // Of beta_ and what depends on it; damping_ratio: see IntegratorOptions::highest_mode_damping.
+  // Sets beta_, xi_ and the like for omega_; damping_ratio: see IntegratorOptions::highest_mode_damping.
   void set_damping(const Model& model, double damping_ratio);
   // bending_omega: 1/s, of what need not be stiff. Sets bending_omega_ and kick_omega_.
   [[nodiscard]] InertiaTerms inertia_terms(double bending_omega);
   void resize(const Model& model);
   void set_sweeps(const Model& model, bool follows);
   void go_back(State& state) const;
-  // Takes velocities as what impulses of the masses alone made of the clusters' inertia, where the relative motion in
-  // clusters would hold more energy than all motion by the masses alone: noise of single vertices, as no motion of the
-  // sheet's own is. Whether it did: the velocities given are in scratch_.given.
+  // Gives clusters the momentum that their vertices have by the masses alone, where relative motion inside of them
+  // would hold more energy than all motion by the masses: noise of single vertices, which no motion of the sheet itself
+  // is. Returns whether it did; the velocities given are then in scratch_.given.
   bool calm_clusters(const Model& model, State& state);
   // What step() returns where it was ended.
   StepStats interrupt(bool is_calmed, State& state) const;

@@ -19,7 +19,7 @@ struct FineTriangles {
   std::vector<mesh::VertexId> vertices;                       // unique
   std::vector<std::int32_t> places;  // of forces: 4 x corner_place() of each corner of each slot
   std::vector<float> forces;         // N, x 4, for these places
-  // In the order of the slots; `from` is 4 x the place in `vertices`.
+  // Arrays of the slots in their order; `from` is 4 x the place in `vertices`.
   std::vector<IrregularBlock<double>> blocks;
   std::vector<EdgeLanes<double>> edges;
   std::vector<LawLanes<double>> laws;
@@ -27,7 +27,7 @@ struct FineTriangles {
   double unit = 1.0;  // m, of the constants
 
   [[nodiscard]] bool empty() const { return lanes.empty(); }
-  // Whether a lane is one of them from now on.
+  // Makes a lane one of them, or no longer.
   void set_lane(std::int32_t lane, bool is_fine);
   [[nodiscard]] LeapfrogArrays<double> arrays();
   // Rounds what leapfrog_irregular() has made.

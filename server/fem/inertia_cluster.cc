@@ -172,7 +172,7 @@ void InertiaCluster::factor(std::size_t set, std::uint8_t components) {
     }
     inverse_diagonal[k] = 1.0 / diagonal;
   }
-  // What is held has no response, and none on others.
+  // A held component does not respond.
   for (std::size_t i = 0; i < n; ++i) {
     if (is_held(i)) inverse_diagonal[i] = 0.0;
   }

@@ -69,7 +69,7 @@ class InertiaCluster {
   void set_order(std::span<const mesh::VertexId> members, std::vector<Entry>& entries);
   void set_matrix(const Model& model, std::span<const Entry> entries);
   void set_pattern();
-  // Of M' without what is held in these components, into set `set` of numbers.
+  // Factors M' without vertices held in these components, into one set of numbers.
   void factor(std::size_t set, std::uint8_t components);
 
   std::vector<mesh::VertexId> vertices_;

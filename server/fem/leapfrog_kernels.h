@@ -101,14 +101,14 @@ struct LeapfrogArrays {
   T* corner_force = nullptr;                      // N, x 4, at corner_place(); before the first, four zeros
   T* gathered = nullptr;                          // N, x 4
   const T* extra_force = nullptr;                 // N, x 4, or null
-  // Of FineTriangles: forces, N, x 4, and where they go in corner_force.
+  // Forces of FineTriangles, N, x 4, and their places in corner_force.
   const T* fine_force = nullptr;
   std::span<const std::int32_t> fine_places;
   Position* bending_x = nullptr;                         // x 4, scratch
   std::span<const std::int32_t> num_quads, num_corners;  // of each block of vertices
   const RowStore<CornerPlaces>* corners = nullptr;       // of four vertices
-  // Of each block of vertices, or null: whether any of it has its force left in `gathered` and is moved elsewhere; its
-  // mobility is 0.
+  // Says of each block of vertices whether some of them are in clusters, or null: such have a mobility of 0, are moved
+  // elsewhere, and leave their forces in `gathered`.
   const std::uint8_t* has_cluster = nullptr;
   const RowStore<FourEntries<T>>* bending_rows =
       nullptr;  // null: no bending in this substep; rows of blocks that have a slice may be empty

@@ -270,7 +270,7 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
   move_clusters(model, terms, kick);
 }
 
-// What moves a vertex as leapfrog_kernels.cc does.
+// Moves single vertices as leapfrog_kernels.cc does.
 template <typename T>
 class LeapfrogSweep<T>::VertexChange {
  public:

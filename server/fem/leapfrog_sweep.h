@@ -96,7 +96,7 @@ class LeapfrogSweep {
   void for_arrays(const Model& model, const MembraneLayout& layout, const Set& set);  // set(array, size)
   void resize(const Model& model, const MembraneLayout& layout);
   [[nodiscard]] double coarsest_gradient(const Model& model);
-  // Of the lanes that are fine by now.
+  // Sets the arrays of the lanes that are fine by now.
   void set_fine_constants(const Model& model, const MembraneLayout& layout);
   void set_fine_positions();
   [[nodiscard]] LeapfrogStep<double> fine_step(const Model& model, const LeapfrogTerms& terms) const;
@@ -111,7 +111,7 @@ class LeapfrogSweep {
   // Of a block that has no slice.
   void set_bending_rows_of(const Model& model, std::size_t block);
   void follow_bending(const Model& model);
-  // What leapfrog_substep() left to do of clusters.
+  // Moves the vertices of clusters, which leapfrog_substep() left alone.
   void move_clusters(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick);
   class VertexChange;
   // Into cluster_values_: what an impulse of 1 N s at the part of the grab's point that is in this cluster moves.

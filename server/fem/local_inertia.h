@@ -18,7 +18,7 @@
 
 namespace kerf::fem {
 
-// What an explicit step wants of a sheet.
+// Limits that an explicit step sets to a sheet.
 struct InertiaTerms {
   double limit = 0.0;  // 1/s^2: what a row of the stiffness may sum to over the mass of its vertex
   // 1/s^2, the same of bending, which acts once in several substeps; 0: it acts in each, and its rows are in the sum.
@@ -39,8 +39,8 @@ struct InertiaTerms {
 //   Conserved: L 1 = Q 1 = 0, so that total momentum and free fall are those of M; M' is symmetric and the same for x,
 //   y and z, so that sum x_i x (M' v)_i and v.M' v / 2 + V are kept as by leapfrog. Statics do not change. Only motion
 //   inside a cluster is slowed: its added radius of gyration is sqrt(alpha z / surface density) h.
-// What is stiff: at each vertex the parts with the largest rows, until the rest sums to no more than the limit times
-// its mass. A part is stiff as a whole, and a cluster is what stiff parts connect.
+// Stiff are at each vertex the parts with the largest rows, until the rest sums to no more than the limit times its
+// mass. A part is stiff as a whole, and stiff parts connect the vertices of a cluster.
 // Derived from the model and the terms alone, not from how they came about.
 class LocalInertia {
  public:
@@ -64,7 +64,7 @@ class LocalInertia {
   [[nodiscard]] std::size_t num_entries() const { return is_active_ ? num_entries_ : 0; }    // of all factors
   [[nodiscard]] std::size_t largest() const { return is_active_ ? largest_ : 0; }            // vertices of one cluster
 
-  // Of pins that hold vertices of clusters. Does not allocate.
+  // Holds the vertices of clusters that have pins, and no others. Does not allocate.
   void hold(std::span<const Pin> pins);
   // 1/kg, see Integrator::mobility.
   [[nodiscard]] double mobility(const Model& model, const Grab& grab) const;
@@ -74,8 +74,8 @@ class LocalInertia {
   //   E'(before + M'^-1 p) - E'(before) = before.p + p.M'^-1 p / 2 <= before.p + p.M^-1 p / 2,  as M' >= M.
   template <typename Before>
   void share_impulses(const Model& model, const Before& before, mesh::VertexField& v) const;
-  // Of the added inertia M' - M: its share of the kinetic energy, J, and of the angular momentum about the world's
-  // origin, kg m^2/s.
+  // Shares of the added inertia M' - M in the kinetic energy, J, and in the angular momentum about the world's origin,
+  // kg m^2/s.
   [[nodiscard]] double added_energy(const mesh::VertexField& v) const;
   [[nodiscard]] Eigen::Vector3d added_spin(const State& state) const;
 
@@ -102,7 +102,7 @@ class LocalInertia {
   mutable std::vector<Lanes16<double>> values_;  // scratch, of one cluster
 
   // Scratch of update().
-  IndexSet region_;  // vertices that changed, and those of clusters that are made anew
+  IndexSet region_;  // vertices that changed, and those of clusters that are made again
   std::vector<StiffPart> stiff_;
   std::vector<std::int32_t> parent_;
   std::vector<mesh::TriangleId> slots_;

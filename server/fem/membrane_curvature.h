@@ -9,7 +9,7 @@ namespace kerf::fem {
 
 // The largest second derivative of W at F = U with principal stretches `stretch`, > 0, the first at `angle`, rad, to
 // material axis 1: max over G of the quadratic form W''(F)[G, G] / |G|^2.  N/m
-//   In the principal axes, with G = [A; n], A in the plane and n across it:
+//   With principal axes for coordinates, and G = [A; n], A in the plane and n across it:
 //     dU_ij = (u_i A_ij + u_j A_ji) / (u_i + u_j),   d2U_ij = 2 (A^T A + n n^T - dU dU)_ij / (u_i + u_j),
 //     W'' = dU.C dU + sigma : d2U,   sigma = C (U - I).
 double membrane_curvature(const Eigen::Matrix3d& C, const Eigen::Vector2d& stretch, double angle);

@@ -34,7 +34,7 @@ class StiffPart {
     std::array<std::array<double, kMaxVertices>, kMaxVertices> value{};
   };
   [[nodiscard]] Matrix matrix(const Model& model) const;
-  // The same of the vertices alone.
+  // Its vertices alone.
   [[nodiscard]] std::array<mesh::VertexId, kMaxVertices> vertices(const Model& model) const;
 
  private:
@@ -57,7 +57,7 @@ double bending_row_sum(const Model& model, mesh::VertexId vertex);
 
 // All parts at a vertex, ascending.
 void find_triangles_at(const Model& model, mesh::VertexId vertex, std::vector<PartAtVertex>& parts);
-// The same of patches and edges. `slots` is scratch.
+// All patches and edges at a vertex, ascending. `slots` is scratch.
 void find_bending_at(const Model& model, mesh::VertexId vertex, std::vector<mesh::TriangleId>& slots,
                      std::vector<PartAtVertex>& parts);
 

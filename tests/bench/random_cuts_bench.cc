@@ -1,4 +1,4 @@
-// What random cuts cost a sheet: substeps and time of a tick after some random cubic curves of about 0.3 m, beside the
+// The cost of random cuts: substeps and time of a tick after some random cubic curves of about 0.3 m, beside the
 // sheet uncut, and how far it is from plain leapfrog on the same mesh.
 //   random_cuts_bench [MATERIAL [SEED [CUTS...]]]   e.g. demo 1 0 1 5 10 20 50 100 200
 #include <algorithm>

@@ -76,7 +76,7 @@ INSTANTIATE_TEST_SUITE_P(EachPrecision, LocalInertiaOf, testing::Values(Precisio
                          [](const auto& tested) { return tested.param == Precision::kDouble ? "Double" : "Mixed"; });
 
 TEST(LocalInertia, KeepsTheSubstepsOfACutSheetNearThoseOfTheUncutOne) {
-  // Of the row sums of orthotropic laws with little shear stiffness more is lost to bounds.
+  // Bounds of orthotropic laws with little shear stiffness lose more.
   struct Case {
     std::string_view name;
     double times_uncut;
@@ -143,8 +143,8 @@ TEST_P(LocalInertiaOf, FreeFallIsExactAtEveryVertex) {
     largest = std::max(largest, (state.x.col(v) - start.x.col(v)).head<2>().norm());
     largest = std::max(largest, std::abs(state.x(2, v) - state.x(2, 0)));
   }
-  // In the plane nothing moves; across it all vertices are as low as the first. In mixed precision flakes of a tenth of
-  // a millimetre are turned about by the rounding of their positions.
+  // Nothing moves in the plane, and all vertices are as low as the first. Rounding of positions in mixed precision
+  // turns flakes of a tenth of a millimetre about.
   EXPECT_LT(largest, GetParam() == Precision::kDouble ? 1e-11 : 2e-4);
 }
 
