@@ -35,6 +35,7 @@ class RandomCuts {
   void make(std::size_t count) {
     while (done_.size() < count) make_one();
   }
+  [[nodiscard]] std::size_t size() const { return done_.size(); }
   void make_one() {
     for (;;) {
       const Result<cut::CutPlan> planned = cut::plan(mesh_, {random_cubic(random_), {}, {}});
