@@ -35,8 +35,9 @@ constexpr double kFactorCgNsPerVertexToThreeHalves = 45.0;
 constexpr double kMostToThreeHalves = 20'000.0;  // vertices: beyond, a factor in float that is kept grows as V
 constexpr double kStages = 2.0;                  // of TR-BDF2
 constexpr double kPreferenceForExplicit = 2.0;
-constexpr double kSecondOrderCondition = 1e9;  // 1 + dt^2 lambda_max
-constexpr int kLeastForFactorCg = 2000;        // vertices: below, a factor in double takes no longer
+constexpr double kPreferenceWithClusters = 1.0;  // stiff sheets after cuts, which should not become slower by them
+constexpr double kSecondOrderCondition = 1e9;    // 1 + dt^2 lambda_max
+constexpr int kLeastForFactorCg = 2000;          // vertices: below, a factor in double takes no longer
 
 IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
   options.kind = kind;
@@ -111,7 +112,8 @@ bool AutomaticIntegrator::choose(const Model& model, bool follows) {
   std::string_view scheme = "explicit";
   std::string_view solver;
   bool is_other = before != IntegratorKind::kExplicit;
-  if (substeps <= options_.max_substeps && of_explicit <= kPreferenceForExplicit * of_implicit) {
+  const double preference = explicit_.inertia().empty() ? kPreferenceForExplicit : kPreferenceWithClusters;
+  if (substeps <= options_.max_substeps && of_explicit <= preference * of_implicit) {
     implicit_.reset();
   } else {
     const bool is_second_order = condition <= kSecondOrderCondition;

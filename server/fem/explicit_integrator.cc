@@ -99,13 +99,15 @@ ExplicitIntegrator::Reference ExplicitIntegrator::reference(const Model& model) 
 void ExplicitIntegrator::plan(const Model& model, bool follows) {
   // -, of the fastest modes of the sheet as built: ordinary cuts make few triangles that are stiffer.
   constexpr double kNominal = 2.3;
-  // -, least damping ratio of the fastest mode with clusters: without damping slivers that crumple gain energy.
-  constexpr double kClusterDamping = 0.05;
+  // -, least damping ratio of the fastest mode as built: without damping slivers that crumple gain energy.
+  constexpr double kLeastDamping = 0.05;
   const Reference built = reference(model);
   // Terms of clusters are those of the sheet as built, whether there have to be any or not, so that cuts leave most as
   // it was.
   omega_ = kNominal * built.omega;
-  set_damping(model, std::max(options_.highest_mode_damping, kClusterDamping));
+  // The damping time is that of the sheet as built, not that of modes so many times as fast.
+  const double damping_ratio = kNominal * std::max(options_.highest_mode_damping, kLeastDamping);
+  set_damping(model, std::min(damping_ratio, kMaxModeDamping));
   critical_step_ = critical_step(1.0);
   kick_omega_ = std::sqrt(model.bending_stiffness_bound());
   const bool may_have_clusters = options_.has_local_inertia && omega_ > 0.0 && model.rest_bending().rest.empty();
@@ -134,7 +136,7 @@ InertiaTerms ExplicitIntegrator::inertia_terms(double bending_omega) {
   constexpr double kBelow = 0.999;  // -
   constexpr double kTwice = 0.5;    // alpha without damping, twice the least stable one
   // Bending that acts less often makes clusters larger, which costs more than it saves.
-  constexpr int kMostWithClusters = 4;
+  constexpr int kMostWithClusters = 2;
   const double h = cfl() * critical_step_;
   const auto longest = [](const std::vector<double>& beta) {
     return beta.empty() ? 0.0 : *std::max_element(beta.begin(), beta.end());
@@ -149,7 +151,9 @@ InertiaTerms ExplicitIntegrator::inertia_terms(double bending_omega) {
   terms.added.bending = terms.added.membrane;
   if (interval == 1) return terms;
   const double kick = interval * h;
-  terms.bending_limit = std::pow(kBelow * kLongestKick / kick, 2);
+  // Kicks are stable by themselves, and damped where modes swing at their pace: see bending_interval().
+  const double damped = std::pow(std::numbers::pi, 3) * xi_ / (kick * omega_);
+  terms.bending_limit = kBelow * std::min(kLongestKick * kLongestKick, damped) / (kick * kick);
   terms.added.bending = (1.0 + 2.0 * longest(bending_beta_) / kick) / terms.bending_limit;
   kick_omega_ = std::min(bound, std::sqrt(terms.bending_limit));
   return terms;

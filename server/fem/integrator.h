@@ -85,7 +85,7 @@ struct IntegratorOptions {
   // Explicit. Substep <= cfl * stable step; at most 0.7 of it without damping.
   double cfl = 0.95;                   // -, (0, 1)
   double highest_mode_damping = 0.05;  // -, [0, 0.5]: damping ratio of the fastest mode, added as Kelvin-Voigt damping;
-                                       // no less than 0.05 where clusters have local inertia.
+                                       // no less than 0.05 of the sheet as built where cuts have made clusters.
                                        // Upper limit of the material's own stiffness_damping as well. Without any, the
                                        // scheme may gain energy in a crumpled sheet
   int max_substeps = 20000;            // a step

@@ -82,7 +82,7 @@ TEST(LocalInertia, KeepsTheSubstepsOfACutSheetNearThoseOfTheUncutOne) {
     double times_uncut;
   };
   for (const auto& [name, times_uncut] :
-       {Case{"demo", 2.8}, Case{"skin", 2.8}, Case{"wool", 3.0}, Case{"cotton", 3.9}, Case{"paper", 4.0}}) {
+       {Case{"demo", 2.8}, Case{"skin", 2.8}, Case{"wool", 3.3}, Case{"cotton", 3.9}, Case{"paper", 4.0}}) {
     CutSheet sheet(0, *find_preset(name));
     ExplicitIntegrator integrator(explicit_options(Precision::kMixed));
     integrator.rebuild(sheet.model);
@@ -272,6 +272,32 @@ TEST_P(LocalInertiaOf, NeverGainsEnergyAfterManyCuts) {
       const StepStats stats = integrator.step(sheet.model, loads, kTick, nullptr, state);
       ASSERT_EQ(stats.flags & (kFrozen | kWidened | kEnergyLimited), 0U) << name << " in step " << i;
       ASSERT_LT(energy_of(sheet.model, integrator, state, loads), before + 1e-4 * scale) << name << " in step " << i;
+    }
+  }
+}
+
+// Materials without damping of their own, and those that bend like plates.
+TEST_P(LocalInertiaOf, IsStableWithoutDampingOfTheMaterial) {
+  Material undamped = *find_preset("demo");
+  undamped.stiffness_damping = 0.0;
+  for (const Material& material : {undamped, *find_preset("wool"), *find_preset("foil"), *find_preset("paper")}) {
+    CutSheet sheet(10, material);
+    ExplicitIntegrator integrator(explicit_options(GetParam()));
+    integrator.rebuild(sheet.model);
+    ASSERT_FALSE(integrator.inertia().empty());
+    const Loads loads = sheet.pinned_at_corners();
+    State state = rest_state(sheet.mesh);
+    for (Eigen::Index v = 0; v < state.x.cols(); ++v) {
+      state.x(2, v) = 1e-3 * std::sin(9.0 * state.x(0, v)) * std::cos(7.0 * state.x(1, v));
+    }
+    const double dt = 400.0 * kTick / integrator.planned_substeps(kTick);
+    double before = energy_of(sheet.model, integrator, state, loads);
+    for (int i = 0; i < test::num_trials({.few = 1, .usual = 6, .many = 40}); ++i) {
+      const StepStats stats = integrator.step(sheet.model, loads, dt, nullptr, state);
+      ASSERT_EQ(stats.flags & ~kStrainLimit, 0U) << "step " << i;
+      const double after = energy_of(sheet.model, integrator, state, loads);
+      ASSERT_LT(after, before + 1e-6 * sheet.model.total_mass()) << "step " << i;
+      before = after;
     }
   }
 }
