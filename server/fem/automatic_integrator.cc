@@ -23,7 +23,9 @@ constexpr ExplicitCost kDoubleNs{4.2, 0.42};
 constexpr ExplicitCost kMixedNs{2.0, 0.2};
 constexpr double kBytesPerSlot = 37.0;
 constexpr double kBytesPerBendingEntry = 8.0;
-constexpr double kCacheBytes = 15e6;  // of which going through them costs as much again as working with them
+constexpr double kCacheBytes = 15e6;        // of which going through them costs as much again as working with them
+constexpr double kNsPerClusterEntry = 2.0;  // of a factor below its diagonal
+constexpr double kNsPerClusterVertex = 40.0;
 constexpr double kTangentNsPerSlot = 400.0;
 // Factor and solve of a Newton iteration: 12 ms of 2,500 vertices. Factorisation of a planar mesh of V vertices grows
 // as V^1.5 (George 1973, nested dissection). One in float is kept while it serves, which is for the longer the more it
@@ -33,8 +35,9 @@ constexpr double kFactorCgNsPerVertexToThreeHalves = 45.0;
 constexpr double kMostToThreeHalves = 20'000.0;  // vertices: beyond, a factor in float that is kept grows as V
 constexpr double kStages = 2.0;                  // of TR-BDF2
 constexpr double kPreferenceForExplicit = 2.0;
-constexpr double kSecondOrderCondition = 1e9;  // 1 + dt^2 lambda_max
-constexpr int kLeastForFactorCg = 2000;        // vertices: below, a factor in double takes no longer
+constexpr double kPreferenceWithClusters = 1.0;  // stiff sheets after cuts, which should not become slower by them
+constexpr double kSecondOrderCondition = 1e9;    // 1 + dt^2 lambda_max
+constexpr int kLeastForFactorCg = 2000;          // vertices: below, a factor in double takes no longer
 
 IntegratorOptions with_kind(IntegratorOptions options, IntegratorKind kind) {
   options.kind = kind;
@@ -52,8 +55,12 @@ double explicit_cost(const Model& model, const ExplicitIntegrator& integrator, P
   const auto entries = static_cast<double>(model.bending_rows().num_entries());
   const ExplicitCost ns = precision == Precision::kMixed ? kMixedNs : kDoubleNs;
   const double bytes = kBytesPerSlot * model.num_slots() + kBytesPerBendingEntry * entries / interval;
-  return substeps * (1.0 + bytes / kCacheBytes) *
-         (ns.per_slot * model.num_slots() + ns.per_bending_entry * entries / interval);
+  const LocalInertia& inertia = integrator.inertia();
+  const double of_clusters = kNsPerClusterEntry * static_cast<double>(inertia.num_entries()) +
+                             kNsPerClusterVertex * static_cast<double>(inertia.num_vertices());
+  return substeps *
+         ((1.0 + bytes / kCacheBytes) * (ns.per_slot * model.num_slots() + ns.per_bending_entry * entries / interval) +
+          of_clusters);
 }
 
 LinearSolverKind implicit_solver(const Model& model) {
@@ -84,20 +91,18 @@ StepStats AutomaticIntegrator::step(const Model& model, const Loads& loads, doub
 }
 
 void AutomaticIntegrator::rebuild(const Model& model) {
-  choose(model);
-  chosen().rebuild(model);
+  choose(model, false);
+  implicit_ ? implicit_->rebuild(model) : explicit_.set_up(model, false);
 }
 
 void AutomaticIntegrator::follow(const Model& model) {
-  if (choose(model)) {
-    chosen().rebuild(model);
-  } else {
-    chosen().follow(model);
-  }
+  const bool is_other = choose(model, true);
+  if (!implicit_) return explicit_.set_up(model, !is_other);
+  is_other ? implicit_->rebuild(model) : implicit_->follow(model);
 }
 
-bool AutomaticIntegrator::choose(const Model& model) {
-  explicit_.plan(model);
+bool AutomaticIntegrator::choose(const Model& model, bool follows) {
+  explicit_.plan(model, follows);
   const double substeps = explicit_.planned_substeps(options_.tick);
   const Precision precision = usual_precision(model, options_);
   const double of_explicit = explicit_cost(model, explicit_, precision, options_.tick);
@@ -107,7 +112,8 @@ bool AutomaticIntegrator::choose(const Model& model) {
   std::string_view scheme = "explicit";
   std::string_view solver;
   bool is_other = before != IntegratorKind::kExplicit;
-  if (substeps <= options_.max_substeps && of_explicit <= kPreferenceForExplicit * of_implicit) {
+  const double preference = explicit_.inertia().empty() ? kPreferenceForExplicit : kPreferenceWithClusters;
+  if (substeps <= options_.max_substeps && of_explicit <= preference * of_implicit) {
     implicit_.reset();
   } else {
     const bool is_second_order = condition <= kSecondOrderCondition;

@@ -11,6 +11,8 @@ namespace kerf::fem {
 // Chooses at each rebuild, from the model and IntegratorOptions::tick alone: estimates in nanoseconds, no clock, so the
 // choice is the same on every machine.
 //  - Explicit, unless TR-BDF2 is estimated at less than half its cost: at equal cost it is by far the more accurate.
+//  With
+//    clusters of local inertia, unless TR-BDF2 is estimated at less.
 //  - TR-BDF2: of the implicit schemes on the front of error against time (tests/accuracy/PLOTS.md).
 //  - Implicit Euler above a condition number of kSecondOrderCondition, where the forces at the start of a step, which
 //    the trapezoidal rule follows, are mostly rounding.
@@ -25,12 +27,15 @@ class AutomaticIntegrator final : public Integrator {
   void follow(const Model& model) override;
   void prepare() override { chosen().prepare(); }
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
+  [[nodiscard]] double mobility(const Model& model, const Grab& grab) const override {
+    return implicit_ ? implicit_->mobility(model, grab) : explicit_.mobility(model, grab);
+  }
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override;
 
  private:
   // Whether the integrator chosen is another one, which knows nothing of the model yet.
-  bool choose(const Model& model);
+  bool choose(const Model& model, bool follows);
   Integrator& chosen() { return implicit_ ? *implicit_ : explicit_; }
 
   IntegratorOptions options_;

@@ -98,12 +98,16 @@ double take(const Model& model, const Part& part, double excess, State& state) {
 
 }  // namespace
 
-EnergyGuard::Verdict EnergyGuard::enforce(const Model& model, const Loads& loads, double allowed_gain,
-                                          const State& start, State& end) {
+EnergyGuard::Verdict EnergyGuard::enforce(const Model& model, const Loads& loads, const LocalInertia* inertia,
+                                          double allowed_gain, const State& start, State& end) {
   if (!is_guarded(model, loads, start)) return Verdict::kKept;
   const double work = work_of_loads(model, loads, start, end);
-  const Energies at_start = model.energies(start, Vector3d::Zero());
-  const Energies at_end = model.energies(end, Vector3d::Zero());
+  Energies at_start = model.energies(start, Vector3d::Zero());
+  Energies at_end = model.energies(end, Vector3d::Zero());
+  if (inertia != nullptr) {
+    at_start.kinetic += inertia->added_energy(start.v);
+    at_end.kinetic += inertia->added_energy(end.v);
+  }
   const double before = elastic_energy(at_start) + at_start.kinetic;
   const double elastic = elastic_energy(at_end);
   const double allowed =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "server/fem/loads.h"
+#include "server/fem/local_inertia.h"
 #include "server/fem/model.h"
 #include "server/fem/state.h"
 
@@ -26,7 +27,9 @@ class EnergyGuard {
 
   // allowed_gain: -, that is let pass, of the energy at the start and of the work between. Methods that damp nothing
   // swing about the energy that they keep; cut off on one side only, they would damp.
-  static Verdict enforce(const Model& model, const Loads& loads, double allowed_gain, const State& start, State& end);
+  // inertia: of the scheme that made the step, whose kinetic energy counts; may be null.
+  static Verdict enforce(const Model& model, const Loads& loads, const LocalInertia* inertia, double allowed_gain,
+                         const State& start, State& end);
 };
 
 }  // namespace kerf::fem

@@ -19,7 +19,8 @@
 namespace kerf::fem {
 namespace {
 
-constexpr int kMaxRetries = 3;  // of a step that ended not finite, each with twice the substeps
+constexpr double kLongestKick = 1.4;  // rad, of bending
+constexpr int kMaxRetries = 3;        // of a step that ended not finite, each with twice the substeps
 
 void set_pins(const Loads& loads, double time_left, State& state) {
   for (const Pin& pin : loads.pins) {
@@ -47,18 +48,24 @@ double wave_speed(const MaterialLaw& law) {
   return std::sqrt(law.membrane.diagonal().maxCoeff() / law.surface_density);
 }
 
-// In the stiffest material that a triangle has.
-double fastest_wave(const Model& model) {
+// visit(law) of each material that a triangle has.
+template <typename Visit>
+void for_each_material(const Model& model, const Visit& visit) {
   const MaterialTable& materials = model.materials();
-  if (materials.has_one()) return wave_speed(materials[0]);
+  if (materials.has_one()) return visit(materials[0]);
   std::array<bool, kMaxMaterials> has{};
   for (const ElementBlock& block : model.element_blocks()) {
     for (std::size_t l = 0; l < kLanes; ++l) has[block.material[l]] = has[block.material[l]] || block.area[l] > 0.0;
   }
-  double fastest = 0.0;
   for (std::size_t i = 0; i < materials.size(); ++i) {
-    if (has[i]) fastest = std::max(fastest, wave_speed(materials[i]));
+    if (has[i]) visit(materials[i]);
   }
+}
+
+// In the stiffest material that a triangle has.
+double fastest_wave(const Model& model) {
+  double fastest = 0.0;
+  for_each_material(model, [&](const MaterialLaw& law) { fastest = std::max(fastest, wave_speed(law)); });
   return fastest;
 }
 
@@ -73,23 +80,102 @@ void drift_massless(const Model& model, double duration, State& state) {
 
 }  // namespace
 
-void ExplicitIntegrator::plan(const Model& model) {
-  omega_ = std::sqrt(model.stiffness_bound());
+ExplicitIntegrator::Reference ExplicitIntegrator::reference(const Model& model) {
+  // Sums of absolute values of a row at an inner vertex of a grid of squares with parallel diagonals.
+  constexpr double kMembraneRow = 8.0;  // of L
+  constexpr double kBendingRow = 64.0;  // of Q, over D / length^2
+  const double edge = model.typical_edge_length();
+  Reference fastest;
+  if (!(edge > 0.0)) return fastest;
+  for_each_material(model, [&](const MaterialLaw& law) {
+    const double mass = law.surface_density * edge * edge;
+    const double bending = kBendingRow * law.bending.diagonal().maxCoeff() / (edge * edge);
+    fastest.bending_omega = std::max(fastest.bending_omega, std::sqrt(bending / mass));
+    fastest.omega = std::max(fastest.omega, std::sqrt((kMembraneRow * law.curvature_bound + bending) / mass));
+  });
+  return fastest;
+}
+
+void ExplicitIntegrator::plan(const Model& model, bool follows) {
+  // -, of the fastest modes of the sheet as built: ordinary cuts make few triangles that are stiffer.
+  constexpr double kNominal = 2.3;
+  // -, least damping ratio of the fastest mode as built: without damping slivers that crumple gain energy.
+  constexpr double kLeastDamping = 0.05;
+  const Reference built = reference(model);
+  // Terms of clusters are those of the sheet as built, whether there have to be any or not, so that cuts leave most as
+  // it was.
+  omega_ = kNominal * built.omega;
+  // The damping time is that of the sheet as built, not that of modes so many times as fast.
+  const double damping_ratio = kNominal * std::max(options_.highest_mode_damping, kLeastDamping);
+  set_damping(model, std::min(damping_ratio, kMaxModeDamping));
+  critical_step_ = critical_step(1.0);
+  kick_omega_ = std::sqrt(model.bending_stiffness_bound());
+  const bool may_have_clusters = options_.has_local_inertia && omega_ > 0.0 && model.rest_bending().rest.empty();
+  if (may_have_clusters) {
+    const InertiaTerms terms = inertia_terms(kNominal * built.bending_omega);
+    follows ? inertia_.follow(model, terms) : inertia_.rebuild(model, terms);
+  }
+  const double omega = std::sqrt(model.stiffness_bound());
+  const bool has_clusters = may_have_clusters && omega > omega_;
+  inertia_.set_active(has_clusters);
+  if (!has_clusters) {
+    omega_ = omega;
+    kick_omega_ = bending_omega_ = std::sqrt(model.bending_stiffness_bound());
+    set_damping(model, options_.highest_mode_damping);
+    critical_step_ = critical_step(1.0);
+  }
+  explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
+  if (has_clusters) {
+    explanation_ += ", " + std::to_string(inertia_.clusters().size()) + " clusters of " +
+                    std::to_string(inertia_.num_vertices()) + " vertices with local inertia, the largest of " +
+                    std::to_string(inertia_.largest());
+  }
+}
+
+InertiaTerms ExplicitIntegrator::inertia_terms(double bending_omega) {
+  constexpr double kBelow = 0.999;  // -
+  constexpr double kTwice = 0.5;    // alpha without damping, twice the least stable one
+  // Bending that acts less often makes clusters larger, which costs more than it saves.
+  constexpr int kMostWithClusters = 2;
+  const double h = cfl() * critical_step_;
+  const auto longest = [](const std::vector<double>& beta) {
+    return beta.empty() ? 0.0 : *std::max_element(beta.begin(), beta.end());
+  };
+  InertiaTerms terms;
+  terms.limit = omega_ * omega_;
+  terms.added.membrane = kTwice * (1.0 + 2.0 * longest(beta_) / h) * h * h;
+  const double bound = kick_omega_;
+  kick_omega_ = bending_omega_ = bending_omega;
+  const int interval = std::min(bending_interval(h, 0.0), kMostWithClusters);
+  kick_omega_ = bound;
+  terms.added.bending = terms.added.membrane;
+  if (interval == 1) return terms;
+  const double kick = interval * h;
+  // Kicks are stable by themselves, and damped where modes swing at their pace: see bending_interval().
+  const double damped = std::pow(std::numbers::pi, 3) * xi_ / (kick * omega_);
+  terms.bending_limit = kBelow * std::min(kLongestKick * kLongestKick, damped) / (kick * kick);
+  terms.added.bending = (1.0 + 2.0 * longest(bending_beta_) / kick) / terms.bending_limit;
+  kick_omega_ = std::min(bound, std::sqrt(terms.bending_limit));
+  return terms;
+}
+
+void ExplicitIntegrator::set_damping(const Model& model, double damping_ratio_wanted) {
   const double limit = std::max(kMaxModeDamping, options_.highest_mode_damping);
   largest_xi_ = 0.0;
   xi_ = limit;
   beta_.clear();
   bending_beta_.clear();
   for (const double own : model.materials().stiffness_damping()) {
-    const double damping_ratio = std::clamp(0.5 * own * omega_, options_.highest_mode_damping, limit);
+    const double damping_ratio = std::clamp(0.5 * own * omega_, damping_ratio_wanted, limit);
     beta_.push_back(omega_ > 0.0 ? 2.0 * damping_ratio / omega_ : 0.0);
     bending_beta_.push_back(std::min(beta_.back(), own));
     largest_xi_ = std::max(largest_xi_, damping_ratio);
     xi_ = std::min(xi_, damping_ratio);
   }
-  bending_omega_ = std::sqrt(model.bending_stiffness_bound());
-  critical_step_ = critical_step(1.0);
-  explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
+}
+
+double ExplicitIntegrator::mobility(const Model& model, const Grab& grab) const {
+  return inertia_.mobility(model, grab);
 }
 
 double ExplicitIntegrator::critical_step(double stiffening) const {
@@ -103,27 +189,31 @@ void ExplicitIntegrator::resize(const Model& model) {
   scratch_.force.resize(n);
   scratch_.start.x.resize(n);
   scratch_.start.v.resize(n);
+  scratch_.given.resize(n);
 }
 
 void ExplicitIntegrator::rebuild(const Model& model) {
-  plan(model);
-  resize(model);
-  layout_.rebuild(model);
-  set_sweeps(model, false);
+  plan(model, false);
+  set_up(model, false);
 }
 
 void ExplicitIntegrator::follow(const Model& model) {
-  plan(model);
+  plan(model, true);
+  set_up(model, true);
+}
+
+void ExplicitIntegrator::set_up(const Model& model, bool follows) {
   resize(model);
-  set_sweeps(model, layout_.follow(model));
+  if (!follows) layout_.rebuild(model);
+  set_sweeps(model, follows && layout_.follow(model));
 }
 
 void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
   const auto set = [&](auto& sweep) {
     if (follows) {
-      sweep.follow(model, layout_);
+      sweep.follow(model, layout_, inertia_);
     } else {
-      sweep.rebuild(model, layout_);
+      sweep.rebuild(model, layout_, inertia_);
     }
   };
   const bool is_mixed = options_.precision == Precision::kMixed;
@@ -151,7 +241,8 @@ bool ExplicitIntegrator::is_quiet(const Model& model, const State& state) const 
     speed_squared = std::max(speed_squared, state.v.col(v).squaredNorm());
   }
   const double extent = (high - low).maxCoeff();
-  const double noise = std::max(kNoise, kCoarseness * extent * model.largest_gradient());
+  const double noise = std::max(
+      kNoise, kCoarseness * extent * std::min(model.largest_gradient(), LeapfrogSweep<float>::flattest(model)));
   return std::sqrt(speed_squared) < kAboveNoise * noise * fastest_wave(model);
 }
 
@@ -169,13 +260,12 @@ double ExplicitIntegrator::planned_substeps(double dt) const {
 }
 
 int ExplicitIntegrator::bending_interval(double h, double strain) const {
-  constexpr double kLongestKick = 1.4;   // rad
   constexpr double kLongestSwing = 2.2;  // rad: with kicks of 1.4, modes swung by tension are stable up to here
   constexpr double kPi = std::numbers::pi;
   for (int interval = kMaxBendingInterval; interval > 1; --interval) {
     const double bending_angle = interval * h * bending_omega_;
     const double membrane_angle = interval * h * omega_;
-    const bool is_stable = bending_angle < kLongestKick;
+    const bool is_stable = interval * h * kick_omega_ < kLongestKick;
     const bool is_damped = bending_angle * bending_angle * membrane_angle < kPi * kPi * kPi * xi_;
     const bool is_below_resonance = membrane_angle * std::sqrt(strain) < kLongestSwing;
     if (is_stable && is_damped && is_below_resonance) return interval;
@@ -212,6 +302,8 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   KERF_CHECK(state.x.cols() == scratch_.force.cols() && model.num_vertices() == scratch_.force.cols(),
              "rebuild() was called for this model");
   StepStats stats;
+  inertia_.hold(loads.pins);
+  const bool is_calmed = calm_clusters(model, state);
   scratch_.start.x = state.x;
   scratch_.start.v = state.v;
 
@@ -232,7 +324,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     const int least = plan.substeps;
     if (is_mixed) {
       const bool fits = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
-      if (heed_.ends()) return interrupt(state);
+      if (heed_.ends()) return interrupt(is_calmed, state);
       is_mixed = fits && !(was_quiet && is_quiet(model, state));
       if (!fits) stats.flags |= kWidened;
       if (!is_mixed) {
@@ -241,10 +333,10 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
       }
     }
     if (!is_mixed) {
-      if (!is_double_current_) double_sweep_.rebuild(model, layout_);
+      if (!is_double_current_) double_sweep_.rebuild(model, layout_, inertia_);
       is_double_current_ = true;
       advance(model, loads, plan, contact, double_sweep_, state);
-      if (heed_.ends()) return interrupt(state);
+      if (heed_.ends()) return interrupt(is_calmed, state);
     }
     was_in_double_ = !is_mixed;
     if (is_finite(state)) {
@@ -257,6 +349,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     go_back(state);
     stats.flags &= ~kEnergyLimited;  // of the attempt that is thrown away
     if (retry == kMaxRetries) {
+      if (is_calmed) state.v = scratch_.given;
       stats.flags |= kFrozen;
       return stats;
     }
@@ -276,13 +369,28 @@ bool ExplicitIntegrator::keeps_energy(const Model& model, const Loads& loads, St
   // Verlet swings about the energy it keeps by what its step resolves of the fastest modes.
   constexpr double kAllowedGain = 1e-5;  // -
   if (stats.max_strain <= kSmallStrain) return true;
-  const EnergyGuard::Verdict verdict = EnergyGuard::enforce(model, loads, kAllowedGain, scratch_.start, state);
+  const EnergyGuard::Verdict verdict =
+      EnergyGuard::enforce(model, loads, &inertia_, kAllowedGain, scratch_.start, state);
   if (verdict != EnergyGuard::Verdict::kKept) stats.flags |= kEnergyLimited;
   return verdict == EnergyGuard::Verdict::kKept;
 }
 
-StepStats ExplicitIntegrator::interrupt(State& state) const {
+bool ExplicitIntegrator::calm_clusters(const Model& model, State& state) {
+  if (inertia_.empty()) return false;
+  double kinetic = 0.0;
+  for (Eigen::Index v = 0; v < state.v.cols(); ++v) {
+    kinetic += 0.5 * model.mass()[static_cast<std::size_t>(v)] * state.v.col(v).squaredNorm();
+  }
+  if (!(inertia_.added_energy(state.v) > kinetic)) return false;
+  scratch_.given = state.v;
+  inertia_.share_impulses(
+      model, [](mesh::VertexId) { return Eigen::Vector3d(Eigen::Vector3d::Zero()); }, state.v);
+  return true;
+}
+
+StepStats ExplicitIntegrator::interrupt(bool is_calmed, State& state) const {
   go_back(state);
+  if (is_calmed) state.v = scratch_.given;
   StepStats stats;
   stats.interrupted = true;
   return stats;
@@ -303,7 +411,8 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   if (contact != nullptr) contact->begin(state.x);
   // Rounding of floats adds up over substeps to a drift that double does not have.
   std::optional<FreeFlight> flight;
-  if (std::is_same_v<T, float> && contact == nullptr && FreeFlight::holds(model, loads)) flight.emplace(model, state);
+  if (std::is_same_v<T, float> && contact == nullptr && FreeFlight::holds(model, loads))
+    flight.emplace(model, inertia_, state);
   set_pins(loads, duration, state);
   const int least = plan.substeps;
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
@@ -318,6 +427,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     if (plan.substeps != expected && !sweep.begin(model, loads, terms, duration, state)) return false;
   }
   const double h = plan.h();
+  const auto before = [&sweep](mesh::VertexId v) { return sweep.velocity(v); };  // what contact does
   for (int i = 0; i <= plan.substeps; ++i) {
     if (heed_.ends()) return false;
     const bool last = i == plan.substeps;
@@ -340,15 +450,18 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     if (contact != nullptr && !last && i + 1 < plan.substeps) {
       sweep.write(state);
       contact->enforce(h, state);
+      inertia_.share_impulses(model, before, state.v);
       if (!sweep.read(state)) return false;
     }
   }
   if (!sweep.stayed_inside(duration)) return false;
   sweep.write(state);
-  if (flight) flight->put_right(model, state);
+  if (flight) flight->put_right(model, inertia_, state);
   set_pins(loads, 0.0, state);
   drift_massless(model, duration, state);
-  if (contact != nullptr) contact->enforce(h, state);
+  if (contact == nullptr) return true;
+  contact->enforce(h, state);
+  inertia_.share_impulses(model, before, state.v);
   return true;
 }
 
@@ -375,25 +488,19 @@ bool ExplicitIntegrator::kick_grabs(const Loads& loads, const LeapfrogKick& kick
   for (const Grab& grab : loads.grabs) {
     Eigen::Array3d p = Eigen::Array3d::Zero();  // when the drift ends
     Eigen::Array3d v = Eigen::Array3d::Zero();
-    Eigen::Array3d w = Eigen::Array3d::Zero();
+    const Eigen::Array3d w = sweep.mobility(grab);
     for (std::size_t k = 0; k < 3; ++k) {
       if (grab.vertices[k] == mesh::kNone) continue;
       const double weight = grab.weights[static_cast<Eigen::Index>(k)];
       const Eigen::Vector3d velocity = sweep.velocity(grab.vertices[k]);
       p += weight * (sweep.position(grab.vertices[k]) + (h - kick.drift) * velocity).array();
       v += weight * velocity.array();
-      w += weight * weight * sweep.mobility(grab.vertices[k]).array();
     }
     const Eigen::Array3d target = grab.target - time_left * grab.velocity;
     const Eigen::Array3d impulse = kick.duration *
                                    (grab.stiffness * (target - p) - grab.damping * (v - grab.velocity.array())) /
                                    (1.0 + w * kick.duration * (h * grab.stiffness + grab.damping));
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (grab.vertices[k] == mesh::kNone) continue;
-      const double weight = grab.weights[static_cast<Eigen::Index>(k)];
-      const Eigen::Vector3d change = weight * (sweep.mobility(grab.vertices[k]).array() * impulse).matrix();
-      if (!sweep.push(grab.vertices[k], change, kick.drift * change)) return false;
-    }
+    if (!sweep.push(grab, impulse, kick.drift)) return false;
   }
   return true;
 }

@@ -6,6 +6,7 @@
 
 #include "server/fem/integrator.h"
 #include "server/fem/leapfrog_sweep.h"
+#include "server/fem/local_inertia.h"
 #include "server/fem/membrane_layout.h"
 #include "server/mesh/vertex_field.h"
 
@@ -34,11 +35,14 @@ class ExplicitIntegrator final : public Integrator {
 
   explicit ExplicitIntegrator(const IntegratorOptions& options) : options_(options) {}
 
-  // Stable step and damping alone, for planned_substeps().
-  void plan(const Model& model);
+  // Stable step, damping and clusters alone, for planned_substeps(); `follows`: after one Model::follow since the call
+  // before. To be completed by set_up() before a step.
+  void plan(const Model& model, bool follows);
+  void set_up(const Model& model, bool follows);
   void rebuild(const Model& model) override;
   void follow(const Model& model) override;
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
+  [[nodiscard]] double mobility(const Model& model, const Grab& grab) const override;
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override { return IntegratorKind::kExplicit; }
 
@@ -51,6 +55,7 @@ class ExplicitIntegrator final : public Integrator {
   // pi / (n h). Modes of the membrane lose n h xi Omega^2 / omega to damping, which is to be twice that. Those that
   // tension alone swings, Omega^2 <= strain omega^2, are not damped, and must not come near half a swing.
   [[nodiscard]] int bending_interval(double h, double strain) const;
+  [[nodiscard]] const LocalInertia& inertia() const { return inertia_; }
 
  private:
   static constexpr int kMaxBendingInterval = 8;
@@ -58,6 +63,7 @@ class ExplicitIntegrator final : public Integrator {
   struct Scratch {
     mesh::VertexField force;  // 3 x V, N
     State start;              // to go back to
+    mesh::VertexField given;  // 3 x V, m/s, before calm_clusters()
   };
   struct Plan {
     double duration = 0.0;  // s
@@ -73,11 +79,25 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] double cfl() const;
   // s, of a sheet so many times as stiff as at rest; infinite without material.
   [[nodiscard]] double critical_step(double stiffening) const;
+  // Frequencies of the fastest modes that the sheet had as built, from its edges and materials alone.
+  struct Reference {
+    double omega = 0.0;          // 1/s, of the membrane and bending
+    double bending_omega = 0.0;  // 1/s, of bending
+  };
+  [[nodiscard]] static Reference reference(const Model& model);
+  // Sets beta_, xi_ and the like for omega_; damping_ratio: see IntegratorOptions::highest_mode_damping.
+  void set_damping(const Model& model, double damping_ratio);
+  // bending_omega: 1/s, of what need not be stiff. Sets bending_omega_ and kick_omega_.
+  [[nodiscard]] InertiaTerms inertia_terms(double bending_omega);
   void resize(const Model& model);
   void set_sweeps(const Model& model, bool follows);
   void go_back(State& state) const;
+  // Gives clusters the momentum that their vertices have by the masses alone, where relative motion inside of them
+  // would hold more energy than all motion by the masses: noise of single vertices, which no motion of the sheet itself
+  // is. Returns whether it did; the velocities given are then in scratch_.given.
+  bool calm_clusters(const Model& model, State& state);
   // What step() returns where it was ended.
-  StepStats interrupt(State& state) const;
+  StepStats interrupt(bool is_calmed, State& state) const;
   // So slow that its motion is not far above the noise of mixed precision: strains of that noise make waves, which
   // move at the strain times the speed of waves, however fine the mesh is. Else a stiff sheet would not come to rest.
   [[nodiscard]] bool is_quiet(const Model& model, const State& state) const;
@@ -110,7 +130,9 @@ class ExplicitIntegrator final : public Integrator {
   std::vector<double> beta_;          // s, of the membrane, one a material
   std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h
   double xi_ = 0.0;                   // -, the least
-  double bending_omega_ = 0.0;        // 1/s
+  double bending_omega_ = 0.0;        // 1/s, of the sheet as a whole, with clusters as it was built
+  double kick_omega_ = 0.0;           // 1/s, the largest of what is not stiff anywhere
+  LocalInertia inertia_;
   MembraneLayout layout_;
   LeapfrogSweep<double> double_sweep_;  // of mixed precision: where that does not do, and of sheets nearly at rest
   bool is_double_current_ = false;

@@ -16,10 +16,11 @@ struct Motion {
   Eigen::Vector3d x, v, spin;  // m, m/s, kg m^2/s about the centre
 };
 
-Motion motion_of(const Model& model, const State& state) {
+Motion motion_of(const Model& model, const LocalInertia& inertia, const State& state) {
   const Eigen::Vector3d x = model.centre_of_mass(state.x);
   const Momentum momentum = model.momentum(state);
-  return {x, momentum.linear / model.total_mass(), momentum.angular - x.cross(momentum.linear)};
+  const Eigen::Vector3d spin = momentum.angular + inertia.added_spin(state) - x.cross(momentum.linear);
+  return {x, momentum.linear / model.total_mass(), spin};
 }
 
 // kg m^2, about the centre.
@@ -59,8 +60,8 @@ bool FreeFlight::holds(const Model& model, const Loads& loads) {
   return !is_held && !is_pushed && model.materials().has_one_mass_damping() && model.total_mass() > 0.0;
 }
 
-FreeFlight::FreeFlight(const Model& model, const State& state) {
-  const Motion motion = motion_of(model, state);
+FreeFlight::FreeFlight(const Model& model, const LocalInertia& inertia, const State& state) {
+  const Motion motion = motion_of(model, inertia, state);
   x_ = motion.x;
   v_ = motion.v;
   spin_ = motion.spin;
@@ -72,8 +73,8 @@ void FreeFlight::substep(const KickFactors& factors, const Eigen::Vector3d& grav
   spin_ *= 1.0 - factors.lost;
 }
 
-void FreeFlight::put_right(const Model& model, State& state) const {
-  const Motion motion = motion_of(model, state);
+void FreeFlight::put_right(const Model& model, const LocalInertia& inertia, State& state) const {
+  const Motion motion = motion_of(model, inertia, state);
   const std::span<const double> damping = model.materials().stiffness_damping();
   const bool keeps_spin =
       !model.has_bending() || std::all_of(damping.begin(), damping.end(), [](double own) { return own == 0.0; });

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 
 #include "server/fem/loads.h"
+#include "server/fem/local_inertia.h"
 #include "server/fem/model.h"
 #include "server/fem/state.h"
 
@@ -23,12 +24,13 @@ class FreeFlight {
  public:
   static bool holds(const Model& model, const Loads& loads);
 
-  FreeFlight(const Model& model, const State& state);
+  // With the inertia that the sheet is moved by.
+  FreeFlight(const Model& model, const LocalInertia& inertia, const State& state);
   // One kick, and a drift (s).
   void substep(const KickFactors& factors, const Eigen::Vector3d& gravity, double drift);
   // Moves the sheet as a whole, so that its centre is where it should be, and as fast, and adds a rigid rotation to its
   // velocities, so that it has the angular momentum that it should have, but none about a line that all its mass is on.
-  void put_right(const Model& model, State& state) const;
+  void put_right(const Model& model, const LocalInertia& inertia, State& state) const;
 
  private:
   Eigen::Vector3d x_;     // m

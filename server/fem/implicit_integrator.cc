@@ -135,7 +135,8 @@ bool ImplicitIntegrator::try_step(const Model& model, const Loads& loads, const 
 // False: another attempt may do better.
 bool ImplicitIntegrator::keep_energy(const Model& model, const Loads& loads, IntegratorKind kind, State& state,
                                      StepStats& stats) const {
-  const EnergyGuard::Verdict verdict = EnergyGuard::enforce(model, loads, allowed_gain(kind), scratch_.start, state);
+  const EnergyGuard::Verdict verdict =
+      EnergyGuard::enforce(model, loads, nullptr, allowed_gain(kind), scratch_.start, state);
   if (verdict != EnergyGuard::Verdict::kKept) stats.flags |= kEnergyLimited;
   return verdict != EnergyGuard::Verdict::kExceeded;
 }

@@ -5,6 +5,16 @@
 
 namespace kerf::fem {
 
+double Integrator::mobility(const Model& model, const Grab& grab) const {
+  double sum = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (grab.vertices[k] == mesh::kNone) continue;
+    const double w = grab.weights[static_cast<Eigen::Index>(k)];
+    sum += w * w * model.inverse_mass()[static_cast<std::size_t>(grab.vertices[k])];
+  }
+  return sum;
+}
+
 std::unique_ptr<Integrator> make_integrator(const IntegratorOptions& options) {
   switch (options.kind) {
     case IntegratorKind::kExplicit:

@@ -84,10 +84,12 @@ struct IntegratorOptions {
 
   // Explicit. Substep <= cfl * stable step; at most 0.7 of it without damping.
   double cfl = 0.95;                   // -, (0, 1)
-  double highest_mode_damping = 0.05;  // -, [0, 0.5]: damping ratio of the fastest mode, added as Kelvin-Voigt damping.
+  double highest_mode_damping = 0.05;  // -, [0, 0.5]: damping ratio of the fastest mode, added as Kelvin-Voigt damping;
+                                       // no less than 0.05 of the sheet as built where cuts have made clusters.
                                        // Upper limit of the material's own stiffness_damping as well. Without any, the
                                        // scheme may gain energy in a crumpled sheet
   int max_substeps = 20000;            // a step
+  bool has_local_inertia = true;       // of what cuts leave much stiffer than the sheet as built: see LocalInertia
   Precision precision = Precision::kMixed;  // kMixed: a step that floats cannot hold is made in double (kWidened), and
                                             // one of a sheet nearly at rest
 
@@ -126,6 +128,10 @@ class Integrator {
   // The result depends on the arguments alone, not on earlier calls. `contact` may be null.
   virtual StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
                          State& state) = 0;
+
+  // 1/kg, what an impulse at the grab's point moves it by, the largest of its components: sum of weight^2 / m, but
+  // where vertices have another inertia.
+  [[nodiscard]] virtual double mobility(const Model& model, const Grab& grab) const;
 
   // What steps here and why, for people; valid until the next rebuild.
   [[nodiscard]] virtual std::string_view explanation() const = 0;

@@ -135,6 +135,8 @@ void LeapfrogSweep<T>::resize(const Model& model, const MembraneLayout& layout) 
   layout_ = &layout;
   for_arrays(model, layout, [](auto& array, std::size_t size) { array.resize(size); });
   if (model.has_bending()) bending_rows_.resize((layout.num_vertices() + kRowsInGroup - 1) / kRowsInGroup);
+  has_cluster_.resize(inertia_->empty() ? 0 : layout.num_blocks());
+  cluster_values_.resize(inertia_->largest() / 4 + 1);
 }
 
 template <typename T>
@@ -146,14 +148,21 @@ void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout,
   });
   bending_rows_.clear();
   bending_rows_.make_room(like.bending_rows_.num_rows(), like.bending_rows_.num_entries());
+  has_cluster_.reserve(like.has_cluster_.size());
+  cluster_values_.reserve(like.cluster_values_.size());
 }
 
 template <typename T>
-void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout) {
+void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout, const LocalInertia& inertia) {
+  inertia_ = &inertia;
   resize(model, layout);
+  fine_.gradient = flattest(model);
+  fine_.place_of_lane.clear();
+  fine_.lanes.clear();
   const auto num_lanes = static_cast<VertexId>(kBlockLanes * layout.num_blocks());
   for (VertexId v = 0; !quads_before_.empty() && v < num_lanes; ++v) set_quads(model, layout, v);
   for (std::size_t lane = 0; lane < layout.lanes().size(); ++lane) set_lane(model, layout, lane);
+  set_fine_constants(model, layout);
   stale_slices_.clear();
   bending_rows_.clear();
   if (!model.has_bending()) return;
@@ -165,12 +174,14 @@ void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout)
 }
 
 template <typename T>
-void LeapfrogSweep<T>::follow(const Model& model, const MembraneLayout& layout) {
+void LeapfrogSweep<T>::follow(const Model& model, const MembraneLayout& layout, const LocalInertia& inertia) {
+  inertia_ = &inertia;
   resize(model, layout);
   for (const VertexId v : layout.changed_quads()) {
     if (static_cast<std::size_t>(v) / kBlockLanes < layout.num_blocks()) set_quads(model, layout, v);
   }
   for (const std::int32_t lane : layout.changed_lanes()) set_lane(model, layout, static_cast<std::size_t>(lane));
+  set_fine_constants(model, layout);
   if (model.has_bending()) follow_bending(model);
 }
 
@@ -215,10 +226,16 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
   IrregularBlock<T>& block = irregular_[lane / kBlockLanes];
   const std::size_t l = lane % kBlockLanes;
   const TriangleId slot = layout.lanes()[lane];
+  const bool is_fine = slot != mesh::kNone && model.gradient(slot) > fine_.gradient;
+  if constexpr (std::is_same_v<T, float>) {
+    fine_.place_of_lane.resize(layout.lanes().size(), mesh::kNone);
+    fine_.set_lane(static_cast<std::int32_t>(lane), is_fine);
+  }
+  const TriangleId of_constants = is_fine ? mesh::kNone : slot;
   if (irregular_edges_.empty()) {
-    set_triangle(model, slot, unit_of_constants_, block.triangles, irregular_lane<T>(l));
+    set_triangle(model, of_constants, unit_of_constants_, block.triangles, irregular_lane<T>(l));
   } else {
-    set_edges(model, slot, unit_of_constants_, irregular_edges_[lane / kBlockLanes], irregular_lane<T>(l));
+    set_edges(model, of_constants, unit_of_constants_, irregular_edges_[lane / kBlockLanes], irregular_lane<T>(l));
   }
   std::array<VertexId, 3> vertices{0, 0, 0};
   if (slot != mesh::kNone) {
@@ -229,6 +246,45 @@ void LeapfrogSweep<T>::set_lane(const Model& model, const MembraneLayout& layout
 }
 
 template <typename T>
+void LeapfrogSweep<T>::set_fine_constants(const Model& model, const MembraneLayout& layout) {
+  if constexpr (!std::is_same_v<T, float>) return;
+  const std::size_t num_blocks = (fine_.lanes.size() + kBlockLanes - 1) / kBlockLanes;
+  const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
+  fine_.unit = unit_of_constants_;
+  fine_.blocks.assign(num_blocks, {});
+  fine_.edges.assign(is_green ? num_blocks : 0, {});
+  fine_.laws.assign(model.materials().has_one() ? 0 : num_blocks, {});
+  fine_.slots.clear();
+  fine_.places.clear();
+  for (const std::int32_t lane : fine_.lanes) {
+    fine_.slots.push_back(layout.lanes()[static_cast<std::size_t>(lane)]);
+    for (int k = 0; k < 3; ++k) fine_.places.push_back(4 * corner_place(lane, k));
+  }
+  fine_.corner_force.assign(12 * num_blocks, {});
+  fine_.forces.assign(4 * fine_.places.size(), 0.0F);
+  fine_vertices_.clear();
+  fine_vertices_.resize(static_cast<std::size_t>(layout.num_vertices()));
+  for (std::size_t i = 0; i < fine_.slots.size(); ++i) {
+    IrregularBlock<double>& block = fine_.blocks[i / kBlockLanes];
+    const std::size_t l = i % kBlockLanes;
+    if (is_green) {
+      set_edges(model, fine_.slots[i], fine_.unit, fine_.edges[i / kBlockLanes], l);
+    } else {
+      set_triangle(model, fine_.slots[i], fine_.unit, block.triangles, l);
+    }
+    const auto s = static_cast<std::size_t>(fine_.slots[i]);
+    const std::array<VertexId, 3> vertices = turned_triangle(model.element_blocks()[s / kLanes], s % kLanes).vertices;
+    for (std::size_t k = 0; k < 3; ++k) {
+      fine_vertices_.insert(vertices[k]);
+      block.from[k][l] = 4 * fine_vertices_.place(vertices[k]);
+    }
+  }
+  fine_.vertices.assign(fine_vertices_.members().begin(), fine_vertices_.members().end());
+  fine_.corner_x.assign(fine_.vertices.size() / 4 + 1, {});
+  coarsest_gradient_.reset();
+}
+
+template <typename T>
 void LeapfrogSweep<T>::set_unit_of_constants() {
   if (unit_ == unit_of_constants_) return;
   const auto by = static_cast<T>(unit_ / unit_of_constants_);
@@ -236,7 +292,10 @@ void LeapfrogSweep<T>::set_unit_of_constants() {
   for (IrregularBlock<T>& block : irregular_) change_unit(block.triangles, by);
   for (EdgeLanes<T>& edges : quad_edges_) change_unit(edges, by);
   for (EdgeLanes<T>& edges : irregular_edges_) change_unit(edges, by);
-  unit_of_constants_ = unit_;
+  const double ratio = unit_ / fine_.unit;
+  for (IrregularBlock<double>& block : fine_.blocks) change_unit(block.triangles, ratio);
+  for (EdgeLanes<double>& edges : fine_.edges) change_unit(edges, ratio);
+  unit_of_constants_ = fine_.unit = unit_;
 }
 
 template <typename T>
@@ -257,13 +316,13 @@ void LeapfrogSweep<T>::set_laws(const Model& model, const LeapfrogTerms& terms) 
   for (std::size_t v = 0; !mass_damping_.empty() && v < model.mass().size(); ++v) {
     mass_damping_[v / kBlockLanes].lane[v % kBlockLanes] = static_cast<T>(model.mass_damping(static_cast<VertexId>(v)));
   }
-  const auto set = [&](TriangleId slot, LawLanes<T>& to, std::size_t l) {
+  const auto set = [&]<typename U>(TriangleId slot, LawLanes<U>& to, std::size_t l) {
     if (slot == mesh::kNone) return;
     const auto s = static_cast<std::size_t>(slot);
     const std::uint8_t material = model.element_blocks()[s / kLanes].material[s % kLanes];
     const std::array<double, 4> law = law_entries(model.materials()[material]);
-    for (std::size_t k = 0; k < law.size(); ++k) to.value[k].lane[l] = static_cast<T>(law[k]);
-    to.value[4].lane[l] = static_cast<T>(damping_of(terms.damping, material) / terms.h);
+    for (std::size_t k = 0; k < law.size(); ++k) to.value[k].lane[l] = static_cast<U>(law[k]);
+    to.value[4].lane[l] = static_cast<U>(damping_of(terms.damping, material) / terms.h);
   };
   for (VertexId v = 0; !quad_laws_.empty() && v < layout_->num_vertices(); ++v) {
     const auto i = static_cast<std::size_t>(v);
@@ -274,6 +333,9 @@ void LeapfrogSweep<T>::set_laws(const Model& model, const LeapfrogTerms& terms) 
   }
   for (std::size_t lane = 0; !irregular_laws_.empty() && lane < layout_->lanes().size(); ++lane) {
     set(layout_->lanes()[lane], irregular_laws_[lane / kBlockLanes], irregular_lane<T>(lane % kBlockLanes));
+  }
+  for (std::size_t i = 0; !fine_.laws.empty() && i < fine_.slots.size(); ++i) {
+    set(fine_.slots[i], fine_.laws[i / kBlockLanes], i % kBlockLanes);
   }
 }
 

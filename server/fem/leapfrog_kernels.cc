@@ -228,6 +228,7 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
     std::array<V, 4> sum{hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     if (gathered || has_corners) hn::LoadInterleaved4(d, arrays.gathered + 4 * i, sum[0], sum[1], sum[2], sum[3]);
     std::array<hn::Vec<LanesOf<PositionOf<T>>>, 3> x;
+    std::array<V, 3> forces{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     V fastest = hn::Load(d, fastest_of);
     if (arrays.mass_damping != nullptr) {
       const V one = hn::Set(d, T{1});
@@ -244,6 +245,7 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
             hn::Add(hn::LoadU(d, arrays.quad_force[2][c] + from[2]), hn::LoadU(d, arrays.quad_force[3][c] + from[3]));
         f = hn::Add(f, hn::Add(near, far));
       }
+      forces[c] = f;
       const V mobility = hn::Load(d, arrays.mobility[c] + at);
       const V before = hn::Load(d, arrays.v[c] + at);
       const V change =
@@ -258,6 +260,9 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
       hn::Store(x[c], dp, arrays.x[c] + at);
     }
     hn::Store(fastest, d, fastest_of);
+    if (arrays.has_cluster != nullptr && arrays.has_cluster[i / kBlockLanes] != 0) {
+      hn::StoreInterleaved4(forces[0], forces[1], forces[2], hn::Zero(d), d, arrays.gathered + 4 * i);
+    }
     if (has_corners) hn::StoreInterleaved4(x[0], x[1], x[2], hn::Zero(dp), dp, arrays.corner_x + 4 * i);
   }
 }
@@ -267,6 +272,9 @@ HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& s
 template <MembraneLaw kLaw, typename T>
 void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
   irregular_forces<kLaw>(arrays, step);
+  for (std::size_t i = 0; i < arrays.fine_places.size(); ++i) {
+    std::memcpy(arrays.corner_force + arrays.fine_places[i], arrays.fine_force + 4 * i, 4 * sizeof(T));
+  }
   if (arrays.bending_rows != nullptr) set_bending_positions(arrays, step);
   const bool gather_all = arrays.bending_rows != nullptr || arrays.extra_force != nullptr;
   for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
@@ -296,15 +304,22 @@ HWY_INLINE V larger_strain(D d, const StrainLanes<hn::TFromD<D>>& strains, V lar
   return largest;
 }
 
+template <MembraneLaw kLaw, class D, class V = hn::Vec<D>>
+V irregular_start(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, const LeapfrogStep<hn::TFromD<D>>& step,
+                  V largest) {
+  irregular_forces<kLaw>(arrays, step);
+  for (const IrregularBlock<hn::TFromD<D>>& block : arrays.irregular) {
+    if (kLaw == MembraneLaw::kCorotational) largest = larger_strain(d, block.before, largest);
+  }
+  return largest;
+}
+
 template <MembraneLaw kLaw, typename T>
 T start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
   constexpr bool kHasStrains = kLaw == MembraneLaw::kCorotational;
   const LanesOf<T> d;
   auto largest = hn::Zero(d);
-  irregular_forces<kLaw>(arrays, step);
-  for (const IrregularBlock<T>& block : arrays.irregular) {
-    if (kHasStrains) largest = larger_strain(d, block.before, largest);
-  }
+  largest = irregular_start<kLaw>(d, arrays, step, largest);
   for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
     if (arrays.num_quads[b] == 0) continue;
     quad_forces<kLaw>(arrays, step, b, b + 1);
@@ -332,6 +347,13 @@ void substep_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float
 void substep_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
   substep_any(arrays, step, speed);
 }
+double irregular_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
+  const LanesOf<double> d;
+  const auto largest = step.membrane_law == MembraneLaw::kGreen
+                           ? irregular_start<MembraneLaw::kGreen>(d, arrays, step, hn::Zero(d))
+                           : irregular_start<MembraneLaw::kCorotational>(d, arrays, step, hn::Zero(d));
+  return hn::GetLane(hn::MaxOfLanes(d, largest));
+}
 float start_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {
   return start_any(arrays, step);
 }
@@ -349,6 +371,7 @@ namespace kerf::fem {
 namespace {
 HWY_EXPORT(substep_float);
 HWY_EXPORT(substep_double);
+HWY_EXPORT(irregular_double);
 HWY_EXPORT(start_float);
 HWY_EXPORT(start_double);
 }  // namespace
@@ -360,6 +383,9 @@ void leapfrog_substep(const LeapfrogArrays<float>& arrays, const LeapfrogStep<fl
 template <>
 void leapfrog_substep(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
   HWY_DYNAMIC_DISPATCH(substep_double)(arrays, step, speed);
+}
+double leapfrog_irregular(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
+  return HWY_DYNAMIC_DISPATCH(irregular_double)(arrays, step);
 }
 template <>
 float leapfrog_start(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step) {

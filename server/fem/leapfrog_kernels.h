@@ -101,9 +101,15 @@ struct LeapfrogArrays {
   T* corner_force = nullptr;                      // N, x 4, at corner_place(); before the first, four zeros
   T* gathered = nullptr;                          // N, x 4
   const T* extra_force = nullptr;                 // N, x 4, or null
-  Position* bending_x = nullptr;                  // x 4, scratch
+  // Forces of FineTriangles, N, x 4, and their places in corner_force.
+  const T* fine_force = nullptr;
+  std::span<const std::int32_t> fine_places;
+  Position* bending_x = nullptr;                         // x 4, scratch
   std::span<const std::int32_t> num_quads, num_corners;  // of each block of vertices
   const RowStore<CornerPlaces>* corners = nullptr;       // of four vertices
+  // Says of each block of vertices whether some of them are in clusters, or null: such have a mobility of 0, are moved
+  // elsewhere, and leave their forces in `gathered`.
+  const std::uint8_t* has_cluster = nullptr;
   const RowStore<FourEntries<T>>* bending_rows =
       nullptr;  // null: no bending in this substep; rows of blocks that have a slice may be empty
   const BendingSlice<T>* bending_slices = nullptr;  // of each block of vertices, or null: go by rows
@@ -128,5 +134,8 @@ void leapfrog_substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& st
 // Strains at x as those of the substep before. Returns the largest principal one, -, at least 0; 0 of Green's strain.
 template <typename T>
 T leapfrog_start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step);
+
+// Forces of irregular triangles alone, into corner_force. Returns the largest principal strain as leapfrog_start().
+double leapfrog_irregular(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step);
 
 }  // namespace kerf::fem

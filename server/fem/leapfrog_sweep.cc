@@ -17,6 +17,9 @@ constexpr double kReach = 1 << 30;
 // coarse.
 constexpr double kCoarsest = 1.0 / (1 << 20);
 constexpr double kCoarsestAcross = 1e-5;
+// -, room for what a sheet may travel, over its own size: triangles too flat for a unit so many times as large are
+// fine.
+constexpr double kRoomToTravel = 2.0;
 
 // m, mean.
 double edge_length(const Model& model, std::int64_t num_triangles) {
@@ -26,10 +29,6 @@ double edge_length(const Model& model, std::int64_t num_triangles) {
 // m. `reach`: how far from the origin positions may come.
 double unit_of_positions(double reach, double edge) {
   return std::exp2(std::ceil(std::log2(std::max(reach, edge) / kReach)));
-}
-
-bool is_fine(const Model& model, double unit, double edge) {
-  return unit <= kCoarsest * edge && unit * model.largest_gradient() <= kCoarsestAcross;
 }
 
 template <typename T>
@@ -81,6 +80,7 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
   arrays.quad_laws = quad_laws_.empty() ? nullptr : quad_laws_.data();
   arrays.irregular_laws = irregular_laws_.empty() ? nullptr : irregular_laws_.data();
   arrays.mass_damping = entries(mass_damping_);
+  arrays.has_cluster = has_cluster_.empty() ? nullptr : has_cluster_.data();
   arrays.corner_x = entries(corner_x_);
   arrays.corner_force = entries(corner_force_) + kBlockLanes;  // after that of kNoCorner
   arrays.gathered = entries(gathered_);
@@ -120,6 +120,10 @@ bool LeapfrogSweep<T>::begin(const Model& model, const Loads& loads, const Leapf
     if (!set_position(v, state.x.col(v) - terms.h * state.v.col(v))) return false;
   }
   tension_ = static_cast<double>(leapfrog_start(arrays(), step_of(model, terms)));
+  if (!fine_.empty()) {
+    set_fine_positions();
+    tension_ = std::max(tension_, leapfrog_irregular(fine_.arrays(), fine_step(model, terms)));
+  }
   return read(state);
 }
 
@@ -136,6 +140,14 @@ void LeapfrogSweep<T>::set_mobility(const Model& model, const Loads& loads) {
     takes_part_[v] = 1;
     for (std::size_t c = 0; c < 3; ++c) {
       if (pin.fixed[c]) at(mobility_[c], v) = 0;
+    }
+  }
+  std::fill(has_cluster_.begin(), has_cluster_.end(), 0);
+  for (const InertiaCluster* const cluster : inertia_->clusters()) {
+    for (const VertexId v : cluster->vertices()) {
+      const auto i = static_cast<std::size_t>(v);
+      has_cluster_[i / kBlockLanes] = 1;
+      for (std::size_t c = 0; c < 3; ++c) at(mobility_[c], i) = 0;
     }
   }
 }
@@ -161,13 +173,59 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
   unit_ = unit_of_positions(reach, edge);
   origin_ = 0.5 * (low + high).matrix();
   room_ = travel;
-  return is_fine(model, unit_, edge);
+  return unit_ <= kCoarsest * edge && unit_ * coarsest_gradient(model) <= kCoarsestAcross;
 }
 
 template <typename T>
 bool LeapfrogSweep<T>::may_hold(const Model& model) {
   const double edge = edge_length(model, model.num_slots());  // as near as an estimate needs it
-  return is_fine(model, unit_of_positions(1.5 * std::sqrt(model.rest_area()), edge), edge);
+  return unit_of_positions(1.5 * std::sqrt(model.rest_area()), edge) <= kCoarsest * edge;
+}
+
+template <typename T>
+double LeapfrogSweep<T>::flattest(const Model& model) {
+  if (!std::is_same_v<T, float>) return std::numeric_limits<double>::infinity();
+  const double unit = unit_of_positions(1.5 * model.built_extent(), model.typical_edge_length());
+  return kCoarsestAcross / (kRoomToTravel * unit);
+}
+
+template <typename T>
+double LeapfrogSweep<T>::coarsest_gradient(const Model& model) {
+  if (coarsest_gradient_) return *coarsest_gradient_;
+  double coarsest = 0.0;
+  const auto look_at = [&](mesh::TriangleId slot) {
+    if (slot != mesh::kNone) coarsest = std::max(coarsest, model.gradient(slot));
+  };
+  for (std::size_t lane = 0; lane < layout_->lanes().size(); ++lane) {
+    if (fine_.place_of_lane[lane] == mesh::kNone) look_at(layout_->lanes()[lane]);
+  }
+  for (VertexId v = 0; !quads_before_.empty() && v < layout_->num_vertices(); ++v) {
+    for (const int kind : {0, 1}) look_at(layout_->quad_slot(kind, v));
+  }
+  coarsest_gradient_ = coarsest;
+  return coarsest;
+}
+
+template <typename T>
+void LeapfrogSweep<T>::set_fine_positions() {
+  double* to = fine_.corner_x.front().lane.data();
+  for (const VertexId v : fine_.vertices) {
+    const auto i = static_cast<std::size_t>(v);
+    for (std::size_t c = 0; c < 3; ++c) {
+      to[c] = static_cast<double>(at(x_[c], 3 * pad_ * kBlockLanes + i)) + static_cast<double>(at(remainder_[c], i));
+    }
+    to += 4;
+  }
+}
+
+template <typename T>
+LeapfrogStep<double> LeapfrogSweep<T>::fine_step(const Model& model, const LeapfrogTerms& terms) const {
+  const std::array<double, 4> law = law_entries(model.materials()[0]);
+  LeapfrogStep<double> step;
+  step.membrane_law = model.materials().membrane_law();
+  step.law = law;
+  step.damping = damping_of(terms.damping, 0) / terms.h;
+  return step;
 }
 
 template <typename T>
@@ -200,7 +258,96 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
     }
     with.extra_force = extra;
   }
+  if (!fine_.empty()) {
+    set_fine_positions();
+    leapfrog_irregular(fine_.arrays(), fine_step(model, terms));
+    fine_.set_forces();
+    with.fine_places = fine_.places;
+    if constexpr (std::is_same_v<T, float>) with.fine_force = fine_.forces.data();
+  }
+  if (has_cluster_.empty()) return leapfrog_substep(with, step, speed_.lane.data());
   leapfrog_substep(with, step, speed_.lane.data());
+  move_clusters(model, terms, kick);
+}
+
+// Moves single vertices as leapfrog_kernels.cc does.
+template <typename T>
+class LeapfrogSweep<T>::VertexChange {
+ public:
+  explicit VertexChange(LeapfrogSweep& sweep)
+      : v_(entries(sweep.v_)),
+        v_remainder_(entries(sweep.v_remainder_)),
+        x_(entries(sweep.x_, 3 * sweep.pad_)),
+        remainder_(entries(sweep.remainder_)),
+        corner_x_(entries(sweep.corner_x_)) {}
+  [[nodiscard]] T velocity(std::size_t i, std::size_t c) const { return v_[c][i]; }
+  // Velocity by `change`, m/s, and position as far as that takes it: drift in s / unit. Returns the velocity.
+  T add(std::size_t i, std::size_t c, T change, T drift) const {
+    T& v = v_[c][i];
+    Position& x = x_[c][i];
+    if constexpr (std::is_same_v<T, float>) {
+      const float all_of_v = change + v_remainder_[c][i];
+      const float after = v + all_of_v;
+      v_remainder_[c][i] = all_of_v - (after - v);
+      v = after;
+      const float all = drift * change + remainder_[c][i];
+      const auto whole = static_cast<std::int32_t>(std::lrint(all));
+      remainder_[c][i] = all - static_cast<float>(whole);
+      x += whole;
+    } else {
+      v += change;
+      x += drift * change;
+    }
+    corner_x_[4 * i + c] = x;
+    return v;
+  }
+
+ private:
+  std::array<T*, 3> v_, v_remainder_;
+  std::array<Position*, 3> x_;
+  std::array<T*, 3> remainder_;
+  Position* corner_x_;
+};
+
+template <typename T>
+void LeapfrogSweep<T>::move_clusters(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick) {
+  const std::array<T, 3> gravity{static_cast<T>(terms.gravity.x()), static_cast<T>(terms.gravity.y()),
+                                 static_cast<T>(terms.gravity.z())};
+  const auto drift = static_cast<T>(kick.drift / unit_);
+  const bool has_one_damping = mass_damping_.empty();
+  const KickFactors common = kick_factors(has_one_damping ? model.mass_damping(0) : 0.0, kick.duration);
+  const auto factors_of = [&](VertexId v) {
+    return has_one_damping ? common : kick_factors(model.mass_damping(v), kick.duration);
+  };
+  const VertexChange vertex(*this);
+  const T* const force = entries(gathered_);
+  T* const values = entries(cluster_values_);
+  std::array<T, 3> fastest{};
+  for (const InertiaCluster* const cluster : inertia_->clusters()) {
+    const std::span<const VertexId> vertices = cluster->vertices();
+    const bool is_held = cluster->is_held();
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const auto v = static_cast<std::size_t>(vertices[i]);
+      const auto scale = static_cast<T>(factors_of(vertices[i]).scale);
+      for (std::size_t c = 0; c < 4; ++c) values[4 * i + c] = scale * force[4 * v + c];
+      if (!is_held) continue;
+      const auto mass = static_cast<T>(model.mass()[v]);
+      for (std::size_t c = 0; c < 3; ++c) values[4 * i + c] += scale * mass * gravity[c];
+    }
+    cluster->solve(values);
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const auto v = static_cast<std::size_t>(vertices[i]);
+      const KickFactors factors = factors_of(vertices[i]);
+      const auto scale = static_cast<T>(is_held ? 0.0 : factors.scale);
+      const auto lost = static_cast<T>(factors.lost);
+      for (std::size_t c = 0; c < 3; ++c) {
+        if ((cluster->held()[i] >> c & 1U) != 0) continue;
+        const T change = values[4 * i + c] + scale * gravity[c] - lost * vertex.velocity(v, c);
+        fastest[c] = std::max(fastest[c], std::abs(vertex.add(v, c, change, drift)));
+      }
+    }
+  }
+  for (std::size_t c = 0; c < 3; ++c) speed_.lane[c] = std::max(speed_.lane[c], fastest[c]);
 }
 
 template <typename T>
@@ -281,14 +428,72 @@ Eigen::Vector3d LeapfrogSweep<T>::velocity(VertexId v) const {
 }
 
 template <typename T>
-Eigen::Vector3d LeapfrogSweep<T>::mobility(VertexId v) const {
-  return vector_at(mobility_, v);
+void LeapfrogSweep<T>::set_response(const Grab& grab, const InertiaCluster& cluster) {
+  const std::span<const VertexId> vertices = cluster.vertices();
+  T* const values = entries(cluster_values_);
+  std::fill_n(values, 4 * vertices.size(), T{0});
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (grab.vertices[k] != vertices[i]) continue;
+      for (std::size_t c = 0; c < 3; ++c) {
+        values[4 * i + c] += static_cast<T>(grab.weights[static_cast<Eigen::Index>(k)]);
+      }
+    }
+  }
+  cluster.solve(values);
 }
 
 template <typename T>
-bool LeapfrogSweep<T>::push(VertexId v, const Eigen::Vector3d& velocity, const Eigen::Vector3d& position) {
-  set_velocity(v, this->velocity(v) + velocity);
-  return set_position(v, this->position(v) + position);
+template <typename AtVertex, typename AtCluster>
+void LeapfrogSweep<T>::for_each_grabbed(const Grab& grab, const AtVertex& at_vertex, const AtCluster& at_cluster) {
+  std::array<const InertiaCluster*, 3> seen{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (grab.vertices[k] == mesh::kNone) continue;
+    const InertiaCluster* const cluster = inertia_->cluster_of(grab.vertices[k]);
+    if (cluster == nullptr) {
+      at_vertex(grab.vertices[k], grab.weights[static_cast<Eigen::Index>(k)]);
+    } else if (std::find(seen.begin(), seen.end(), cluster) == seen.end()) {
+      seen[k] = cluster;
+      set_response(grab, *cluster);
+      at_cluster(*cluster);
+    }
+  }
+}
+
+template <typename T>
+Eigen::Array3d LeapfrogSweep<T>::mobility(const Grab& grab) {
+  Eigen::Array3d sum = Eigen::Array3d::Zero();
+  for_each_grabbed(
+      grab, [&](VertexId v, double weight) { sum += weight * weight * vector_at(mobility_, v).array(); },
+      [&](const InertiaCluster& cluster) {
+        for (std::size_t i = 0; i < cluster.vertices().size(); ++i) {
+          for (std::size_t k = 0; k < 3; ++k) {
+            if (grab.vertices[k] != cluster.vertices()[i]) continue;
+            sum += grab.weights[static_cast<Eigen::Index>(k)] *
+                   Eigen::Map<const Eigen::Array<T, 3, 1>>(entries(cluster_values_) + 4 * i).template cast<double>();
+          }
+        }
+      });
+  return sum;
+}
+
+template <typename T>
+bool LeapfrogSweep<T>::push(const Grab& grab, const Eigen::Array3d& impulse, double drift) {
+  bool is_inside = true;
+  const auto push_vertex = [&](VertexId v, const Eigen::Vector3d& change) {
+    set_velocity(v, velocity(v) + change);
+    is_inside = set_position(v, position(v) + drift * change) && is_inside;
+  };
+  for_each_grabbed(
+      grab,
+      [&](VertexId v, double weight) { push_vertex(v, weight * (vector_at(mobility_, v).array() * impulse).matrix()); },
+      [&](const InertiaCluster& cluster) {
+        for (std::size_t i = 0; i < cluster.vertices().size(); ++i) {
+          const Eigen::Map<const Eigen::Array<T, 3, 1>> response(entries(cluster_values_) + 4 * i);
+          push_vertex(cluster.vertices()[i], (response.template cast<double>() * impulse).matrix());
+        }
+      });
+  return is_inside;
 }
 
 template class LeapfrogSweep<float>;

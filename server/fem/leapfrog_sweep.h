@@ -3,14 +3,17 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "server/fem/fine_triangles.h"
 #include "server/fem/index_set.h"
 #include "server/fem/leapfrog_kernels.h"
 #include "server/fem/loads.h"
+#include "server/fem/local_inertia.h"
 #include "server/fem/material_table.h"
 #include "server/fem/membrane_layout.h"
 #include "server/fem/model.h"
@@ -49,9 +52,10 @@ inline std::array<double, 4> law_entries(const MaterialLaw& law) {
 template <typename T>
 class LeapfrogSweep {
  public:
-  void rebuild(const Model& model, const MembraneLayout& layout);
-  // After layout.follow(), where that did not rebuild.
-  void follow(const Model& model, const MembraneLayout& layout);
+  // Clusters of `inertia` move by its inertia.
+  void rebuild(const Model& model, const MembraneLayout& layout, const LocalInertia& inertia);
+  // After layout.follow(), where that did not rebuild, and inertia.follow().
+  void follow(const Model& model, const MembraneLayout& layout, const LocalInertia& inertia);
   // Room for a rebuild() that does not allocate, where `like` is up to date with the model.
   template <typename U>
   void reserve(const Model& model, const MembraneLayout& layout, const LeapfrogSweep<U>& like);
@@ -66,16 +70,20 @@ class LeapfrogSweep {
   [[nodiscard]] bool stayed_inside(double duration) const;
   // Whether floats can hold the model's sheet at all: lying still, as a square of its size.
   [[nodiscard]] static bool may_hold(const Model& model);
+  // 1/m, of the flattest triangles that T is used for.
+  [[nodiscard]] static double flattest(const Model& model);
 
   // Of what has mass or is held. False: outside of what positions can hold.
   bool read(const State& state);
   void write(State& state) const;
-  // m/s, 1/kg by component, 0 where it is held.
+  // m, m/s.
   [[nodiscard]] Eigen::Vector3d position(mesh::VertexId v) const;
   [[nodiscard]] Eigen::Vector3d velocity(mesh::VertexId v) const;
-  [[nodiscard]] Eigen::Vector3d mobility(mesh::VertexId v) const;
-  // Changes a velocity and a position by as much. False: see read().
-  bool push(mesh::VertexId v, const Eigen::Vector3d& velocity, const Eigen::Vector3d& position);
+  // A point sum_k weights[k] x(vertices[k]) of a grab. 1/kg by component, what an impulse there moves it by; 0 where it
+  // is held.
+  [[nodiscard]] Eigen::Array3d mobility(const Grab& grab);
+  // Gives it an impulse, N s, and moves what that moves for `drift`, s. False: see read().
+  bool push(const Grab& grab, const Eigen::Array3d& impulse, double drift);
 
  private:
   template <typename U>
@@ -87,6 +95,11 @@ class LeapfrogSweep {
   template <typename Set>
   void for_arrays(const Model& model, const MembraneLayout& layout, const Set& set);  // set(array, size)
   void resize(const Model& model, const MembraneLayout& layout);
+  [[nodiscard]] double coarsest_gradient(const Model& model);
+  // Sets the arrays of the lanes that are fine by now.
+  void set_fine_constants(const Model& model, const MembraneLayout& layout);
+  void set_fine_positions();
+  [[nodiscard]] LeapfrogStep<double> fine_step(const Model& model, const LeapfrogTerms& terms) const;
   void set_quads(const Model& model, const MembraneLayout& layout, mesh::VertexId v);
   void set_lane(const Model& model, const MembraneLayout& layout, std::size_t lane);
   void set_mobility(const Model& model, const Loads& loads);
@@ -98,12 +111,21 @@ class LeapfrogSweep {
   // Of a block that has no slice.
   void set_bending_rows_of(const Model& model, std::size_t block);
   void follow_bending(const Model& model);
+  // Moves the vertices of clusters, which leapfrog_substep() left alone.
+  void move_clusters(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick);
+  class VertexChange;
+  // Into cluster_values_: what an impulse of 1 N s at the part of the grab's point that is in this cluster moves.
+  void set_response(const Grab& grab, const InertiaCluster& cluster);
+  // at_vertex(v, weight) of those outside of clusters, at_cluster(cluster), with its response, of each cluster once.
+  template <typename AtVertex, typename AtCluster>
+  void for_each_grabbed(const Grab& grab, const AtVertex& at_vertex, const AtCluster& at_cluster);
   bool set_position(mesh::VertexId v, const Eigen::Vector3d& position);
   void set_velocity(mesh::VertexId v, const Eigen::Vector3d& velocity);
   [[nodiscard]] LeapfrogStep<T> step_of(const Model& model, const LeapfrogTerms& terms) const;
   [[nodiscard]] LeapfrogArrays<T> arrays();
 
   const MembraneLayout* layout_ = nullptr;
+  const LocalInertia* inertia_ = nullptr;
   Field<Position> x_;
   Field<T> v_, remainder_, v_remainder_, mobility_;
   std::vector<Lanes16<T>> mass_damping_;                 // of several
@@ -121,6 +143,11 @@ class LeapfrogSweep {
   RowStore<FourEntries<T>> bending_rows_;  // one row of four vertices; may be empty where there is a slice
   std::vector<std::size_t> stale_slices_;  // unused, to be made anew: some in each step, as a cut must not wait for it
   IdSet row_groups_;                       // scratch
+  FineTriangles fine_;                     // of floats
+  std::optional<double> coarsest_gradient_;  // 1/m, of the other triangles; absent: to be found
+  IndexSet fine_vertices_;                   // scratch
+  std::vector<std::uint8_t> has_cluster_;    // of each block of vertices; empty without clusters
+  std::vector<Lanes16<T>> cluster_values_;   // x 4, of one cluster, scratch
   Lanes16<T> speed_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
   double unit_ = 1.0;                                 // m

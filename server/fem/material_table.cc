@@ -7,6 +7,7 @@
 
 #include "server/base/check.h"
 #include "server/fem/mass_redistribution.h"
+#include "server/fem/membrane_curvature.h"
 
 namespace kerf::fem {
 namespace {
@@ -38,6 +39,7 @@ MaterialLaw::MaterialLaw(const Material& of)
       inverse_bending(has_bending() ? Eigen::Matrix3d(bending.inverse()) : Eigen::Matrix3d::Zero()),
       axes(rotation_into_material_axes(of.direction)),
       least_membrane(least_stiffness(membrane)),
+      curvature_bound(membrane_curvature_bound(membrane)),
       surface_density(of.density * of.thickness) {
   // Mass, for edges of 1 m, and stiffness of an inner vertex of a uniform grid: six triangles of half a square each.
   const double typical_stiffness = 2.0 * (membrane(0, 0) + membrane(1, 1) + 2.0 * membrane(2, 2));

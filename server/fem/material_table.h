@@ -23,6 +23,7 @@ struct MaterialLaw {
   Eigen::Matrix3d inverse_bending;  // 1/(N m); 0 without bending
   Eigen::Matrix2d axes;             // rotation of rest coordinates into material axes
   double least_membrane = 0.0;      // N/m, of n n : C : n n over all directions n in the plane
+  double curvature_bound = 0.0;     // N/m, z of membrane_curvature.h
   double surface_density = 0.0;     // kg/m^2
   double unit_floor = 0.0;          // kg/m^2 / (N/m); mass floor of a vertex over its stiffness, for edges of 1 m
 

@@ -36,6 +36,7 @@ Model::Model(const mesh::TriangleMesh& mesh, std::span<const Material> materials
     everything.rewritten_triangles[static_cast<std::size_t>(t)] = t;
   }
   // Room for a quarter more in what is large, so that the first cuts need not move all of it.
+  edge_length_.reserve(static_cast<std::size_t>(mesh.num_vertices()) * 5 / 4);
   const std::size_t slots = everything.rewritten_triangles.size() * 5 / 4;
   blocks_.reserve(slots / kLanes + 1);
   if (has_bending()) patches_.reserve(slots);
@@ -63,6 +64,7 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
   for (const VertexId v : touched_.members()) set_lumped_mass(mesh, v);
   MassChange change = set_masses();
   change.dropped = dropped;
+  changed_masses_ = change.vertices;
   enter_phase(observer, "bending");
   rows_.clear();
   if (has_bending()) set_bending(mesh, rewritten);
@@ -97,6 +99,9 @@ void Model::resize(const mesh::TriangleMesh& mesh) {
   lumped_mass_.resize(num_vertices, 0.0);
   mass_floor_.resize(num_vertices, 0.0);
   mass_tile_.resize(num_vertices);
+  for (std::size_t v = num_vertices; v < edge_length_.size(); ++v) set_edge_length(static_cast<VertexId>(v), 0.0);
+  edge_length_.resize(num_vertices, 0.0);
+  built_extent_ = mesh.edge_lengths().bounds.sizes().maxCoeff();
   if (!materials_.has_one_mass_damping()) mass_damping_.resize(num_vertices, 0.0);
   mass_.resize(num_vertices, 0.0);
   inverse_mass_.resize(num_vertices, 0.0);
@@ -208,6 +213,15 @@ void Model::write_element(TriangleId slot, const std::array<VertexId, 3>& vertic
   for (std::size_t k = 0; k < 3; ++k) block.vertex[k][l] = vertices[k];
 }
 
+void Model::set_edge_length(VertexId vertex, double length) {
+  double& of_vertex = edge_length_[static_cast<std::size_t>(vertex)];
+  if (of_vertex == length) return;
+  const auto before = num_vertices_by_edge_length_.find(of_vertex);
+  if (before != num_vertices_by_edge_length_.end() && --before->second == 0) num_vertices_by_edge_length_.erase(before);
+  if (length > 0.0) ++num_vertices_by_edge_length_[length];
+  of_vertex = length;
+}
+
 void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
   // What all triangles have in common is a factor of the sums.
   const bool is_mixed = !materials_.has_one();
@@ -235,6 +249,7 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
   if (!materials_.has_one_mass_damping()) mass_damping_[v] = mass > 0.0 ? damping / mass : 0.0;
   mass_tile_[v] = mass_tile(mesh.edge_lengths(), mesh.rest_position(vertex));
   const double edge_length = mesh.edge_lengths().at(mesh.rest_position(vertex));
+  set_edge_length(vertex, mass > 0.0 ? edge_length : 0.0);
   const mesh::Facet* const facet = mesh.has_material(vertex) ? mesh.facet(mesh.triangle_at(vertex)) : nullptr;
   const double area_ratio = facet != nullptr ? facet->area_ratio() : 1.0;
   mass_floor_[v] = (is_mixed ? 1.0 : materials_[0].unit_floor) * edge_length * edge_length * floor * area_ratio;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <vector>
@@ -122,6 +123,10 @@ class Model {
   [[nodiscard]] std::span<const double> inverse_mass() const { return inverse_mass_; }
   [[nodiscard]] double total_mass() const;  // kg
   [[nodiscard]] double rest_area() const;   // m^2
+  // m; of the sheet as built: the least edge length (see EdgeLengths) that a tenth of the vertices, or more, have.
+  [[nodiscard]] double typical_edge_length() const;
+  // m; the longer side of the bounding box of the sheet as built, in material coordinates.
+  [[nodiscard]] double built_extent() const { return built_extent_; }
   // 1/s, Rayleigh alpha at a vertex: the force on it is -alpha m v.
   [[nodiscard]] double mass_damping(mesh::VertexId vertex) const {
     return materials_.has_one_mass_damping() ? materials_[0].material.mass_damping
@@ -147,12 +152,18 @@ class Model {
   [[nodiscard]] std::span<const mesh::VertexId> changed_rows() const {
     return has_bending() ? rows_.members() : touched_.members();
   }
+  // Vertices whose mass the last apply() or follow() worked out again; unique.
+  [[nodiscard]] std::span<const mesh::VertexId> changed_masses() const { return changed_masses_; }
   // Slots that the last apply() or follow() wrote, and those that are gone since; may repeat.
   [[nodiscard]] std::span<const mesh::TriangleId> changed_slots() const { return changed_slots_; }
   // Upper bound of the largest eigenvalue of M^-1 K at rest, 1/s^2; see StiffnessBound.
   [[nodiscard]] double stiffness_bound() const { return stiffness_bound_.value(); }
   // The part of it that is of bending.
   [[nodiscard]] double bending_stiffness_bound() const { return stiffness_bound_.bending(); }
+  // 1/m, one over the least height of the slot's triangle at rest; 0 without material.
+  [[nodiscard]] double gradient(mesh::TriangleId slot) const {
+    return gradients_.value(static_cast<std::size_t>(slot));
+  }
   // 1/m, one over the least height of any triangle at rest; 0 without material.
   [[nodiscard]] double largest_gradient() const { return gradients_.value(); }
 
@@ -189,6 +200,7 @@ class Model {
   [[nodiscard]] std::uint8_t material_at(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) const;
   void write_element(mesh::TriangleId slot, const std::array<mesh::VertexId, 3>& vertices,
                      const Eigen::Matrix2d& Dm_inv, double area, std::uint8_t material);
+  void set_edge_length(mesh::VertexId vertex, double length);
   void set_lumped_mass(const mesh::TriangleMesh& mesh, mesh::VertexId vertex);
   // Takes the lumped masses over into mass_, redistributed.
   MassChange set_masses();
@@ -269,11 +281,15 @@ class Model {
   std::vector<double> mass_floor_;         // kg, length V; below which a vertex is given mass
   std::vector<double> mass_damping_;       // 1/s, length V; empty where all materials have the same
   std::vector<MassTile> mass_tile_;        // length V
+  std::vector<double> edge_length_;        // m, length V; of the sheet as built, 0 without material
+  std::map<double, std::int64_t> num_vertices_by_edge_length_;  // lengths are powers of two apart: few
+  double built_extent_ = 0.0;                                   // m
   std::vector<double> mass_;
   std::vector<double> inverse_mass_;
   MassRedistribution redistribution_;
   StiffnessBound stiffness_bound_;
   std::vector<mesh::TriangleId> changed_slots_;
+  std::vector<mesh::VertexId> changed_masses_;
 
   // Scratch of apply().
   IndexSet touched_;                                     // vertices of rewritten slots, before and after

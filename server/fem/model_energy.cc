@@ -21,6 +21,16 @@ double Model::rest_area() const {
   return total;
 }
 
+double Model::typical_edge_length() const {
+  constexpr double kShare = 0.1;  // of the vertices
+  std::int64_t total = 0;
+  for (const auto& [length, count] : num_vertices_by_edge_length_) total += count;
+  for (const auto& [length, count] : num_vertices_by_edge_length_) {
+    if (static_cast<double>(count) >= kShare * static_cast<double>(total)) return length;
+  }
+  return 0.0;
+}
+
 void Model::internal_forces(const mesh::VertexField& x, mesh::VertexField& f) const {
   f.setZero();
   add_membrane_forces(blocks_, materials_, {}, x, x, f);

@@ -23,6 +23,7 @@ class RunningMaximum {
   [[nodiscard]] double value() const {
     return levels_.empty() || levels_.back().empty() ? 0.0 : levels_.back().front();
   }
+  [[nodiscard]] double value(std::size_t i) const { return levels_.front()[i]; }
   // New values are 0; values beyond are dropped.
   void resize(std::size_t size);
   void set(std::size_t i, double value) { levels_.front()[i] = value; }

@@ -140,13 +140,8 @@ void Sheet::Impl::set_loads() {
     to.target = from.target;
     to.velocity = (from.target - from.previous_target) / dt;
     to.stiffness = from.stiffness;
-    // Critical damping of the held point's own mass, 1 / sum w^2 / m.
-    double mobility = 0.0;  // 1/kg
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (from.vertices[k] == mesh::kNone) continue;
-      const double w = from.weights[static_cast<Eigen::Index>(k)];
-      mobility += w * w * model.inverse_mass()[static_cast<std::size_t>(from.vertices[k])];
-    }
+    // Critical damping of the held point's own mass.
+    const double mobility = integrator->mobility(model, to);
     to.damping = mobility > 0.0 ? 2.0 * std::sqrt(from.stiffness / mobility) : 0.0;
   }
 }

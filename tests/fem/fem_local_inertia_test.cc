@@ -1,0 +1,319 @@
+// Sheets cut so that some of their triangles are tiny: clusters with local inertia, and what they keep.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "server/base/state_hash.h"
+#include "server/fem/explicit_integrator.h"
+#include "tests/fem/fem_fixture.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/random_cuts.h"
+#include "tests/support/trials.h"
+
+namespace kerf::fem {
+namespace {
+
+constexpr double kTick = 1.0 / 60.0;
+
+IntegratorOptions explicit_options(Precision precision, bool has_local_inertia = true) {
+  IntegratorOptions options;
+  options.kind = IntegratorKind::kExplicit;
+  options.precision = precision;
+  options.has_local_inertia = has_local_inertia;
+  return options;
+}
+
+// 1 m x 1 m, of 50 x 50 vertices, with random cuts.
+struct CutSheet {
+  explicit CutSheet(std::size_t num_cuts, const Material& material = *find_preset("demo"), std::uint64_t seed = 1)
+      : mesh(square_grid(50)), model(mesh, material), cuts(seed, mesh, model) {
+    cuts.make(num_cuts);
+  }
+  [[nodiscard]] Loads pinned_at_corners() const {
+    Loads loads;
+    for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+      const Eigen::Vector2d p = mesh.rest_position(v);
+      if (!mesh.has_material(v) || p.y() < 1.0 || (p.x() > 0.0 && p.x() < 1.0)) continue;
+      loads.pins.push_back({v, Eigen::Vector3d(p.x(), p.y(), 0.0)});
+    }
+    return loads;
+  }
+  mesh::TriangleMesh mesh;
+  Model model;
+  test::RandomCuts cuts;
+};
+
+Loads no_forces() {
+  Loads loads;
+  loads.gravity.setZero();
+  return loads;
+}
+
+std::uint64_t hash_of(const State& state) {
+  StateHash hash;
+  hash.add_span(std::span<const double>(state.x.data(), static_cast<std::size_t>(state.x.size())));
+  hash.add_span(std::span<const double>(state.v.data(), static_cast<std::size_t>(state.v.size())));
+  return hash.value();
+}
+
+// Some steps of a new integrator.
+State stepped(const Model& model, ExplicitIntegrator& integrator, State state, const Loads& loads, int num_steps,
+              double dt = kTick) {
+  for (int i = 0; i < num_steps; ++i) {
+    const StepStats stats = integrator.step(model, loads, dt, nullptr, state);
+    EXPECT_EQ(stats.flags & ~kStrainLimit, 0U) << i;
+  }
+  return state;
+}
+
+// J, with the inertia that it is moved by.
+double energy_of(const Model& model, const ExplicitIntegrator& integrator, const State& state, const Loads& loads) {
+  return model.energies(state, loads.gravity).total() + integrator.inertia().added_energy(state.v);
+}
+
+class LocalInertiaOf : public testing::TestWithParam<Precision> {};
+INSTANTIATE_TEST_SUITE_P(EachPrecision, LocalInertiaOf, testing::Values(Precision::kDouble, Precision::kMixed),
+                         [](const auto& tested) { return tested.param == Precision::kDouble ? "Double" : "Mixed"; });
+
+TEST(LocalInertia, KeepsTheSubstepsOfACutSheetNearThoseOfTheUncutOne) {
+  // Bounds of orthotropic laws with little shear stiffness lose more.
+  struct Case {
+    std::string_view name;
+    double times_uncut;
+  };
+  for (const auto& [name, times_uncut] :
+       {Case{"demo", 2.8}, Case{"skin", 2.8}, Case{"wool", 3.3}, Case{"cotton", 3.9}, Case{"paper", 4.0}}) {
+    CutSheet sheet(0, *find_preset(name));
+    ExplicitIntegrator integrator(explicit_options(Precision::kMixed));
+    integrator.rebuild(sheet.model);
+    const double uncut = integrator.planned_substeps(kTick);
+    EXPECT_TRUE(integrator.inertia().empty()) << name;
+    for (const std::size_t num_cuts : {1, 5, 10, 20, 50}) {
+      sheet.cuts.make(num_cuts);
+      integrator.rebuild(sheet.model);
+      EXPECT_LE(integrator.planned_substeps(kTick), times_uncut * uncut) << name << " after " << num_cuts;
+    }
+    EXPECT_FALSE(integrator.inertia().empty()) << name;
+  }
+}
+
+TEST(LocalInertia, UncutSheetsHaveNone) {
+  for (const mesh::TriangleMesh& mesh : {square_grid(30), jittered_square(20)}) {
+    const Model model(mesh, *find_preset("demo"));
+    ExplicitIntegrator integrator(explicit_options(Precision::kMixed));
+    integrator.rebuild(model);
+    EXPECT_TRUE(integrator.inertia().empty());
+  }
+}
+
+// Against plain leapfrog on the same mesh, with the same damping, in substeps that its tiniest triangle asks for.
+TEST_P(LocalInertiaOf, FallsAsPlainLeapfrogDoes) {
+  Material material = *find_preset("demo");
+  material.stiffness_damping = 8.3e-6;
+  CutSheet sheet(10, material);
+  const Loads loads = sheet.pinned_at_corners();
+  State start = rest_state(sheet.mesh);
+  for (Eigen::Index v = 0; v < start.x.cols(); ++v) {
+    start.x(2, v) = 1e-3 * std::sin(9.0 * start.x(0, v)) * std::cos(7.0 * start.x(1, v));
+  }
+  ExplicitIntegrator plain(explicit_options(Precision::kDouble, false));
+  plain.rebuild(sheet.model);
+  ExplicitIntegrator clustered(explicit_options(GetParam()));
+  clustered.rebuild(sheet.model);
+  ASSERT_LT(3.0 * clustered.planned_substeps(kTick), plain.planned_substeps(kTick));
+  const State expected = stepped(sheet.model, plain, start, loads, 3);
+  const State found = stepped(sheet.model, clustered, start, loads, 3);
+  std::vector<double> errors;
+  for (Eigen::Index v = 0; v < found.x.cols(); ++v) errors.push_back((found.x.col(v) - expected.x.col(v)).norm());
+  std::sort(errors.begin(), errors.end());
+  EXPECT_LT(errors[errors.size() * 99 / 100], 1e-5);
+  EXPECT_LT(errors.back(), 5e-5);
+}
+
+TEST_P(LocalInertiaOf, FreeFallIsExactAtEveryVertex) {
+  CutSheet sheet(20);
+  ExplicitIntegrator integrator(explicit_options(GetParam()));
+  integrator.rebuild(sheet.model);
+  ASSERT_GT(integrator.inertia().clusters().size(), 5U);
+  const State start = rest_state(sheet.mesh);
+  const State state = stepped(sheet.model, integrator, start, Loads(), 30);
+  double largest = 0.0;
+  for (mesh::VertexId v = 0; v < sheet.mesh.num_vertices(); ++v) {
+    if (!sheet.mesh.has_material(v)) continue;
+    largest = std::max(largest, (state.x.col(v) - start.x.col(v)).head<2>().norm());
+    largest = std::max(largest, std::abs(state.x(2, v) - state.x(2, 0)));
+  }
+  // Nothing moves in the plane, and all vertices are as low as the first. Rounding of positions in mixed precision
+  // turns flakes of a tenth of a millimetre about.
+  EXPECT_LT(largest, GetParam() == Precision::kDouble ? 1e-11 : 2e-4);
+}
+
+TEST_P(LocalInertiaOf, KeepsMomentumOfATumblingSheet) {
+  Material material = *find_preset("demo");
+  material.mass_damping = 0.0;
+  material.stiffness_damping = 0.0;  // damped bending brakes the spin of a bent sheet
+  CutSheet sheet(20, material);
+  ExplicitIntegrator integrator(explicit_options(GetParam()));
+  integrator.rebuild(sheet.model);
+  State state = rest_state(sheet.mesh);
+  const Eigen::Vector3d omega(1.0, -2.0, 4.0);
+  for (Eigen::Index v = 0; v < state.x.cols(); ++v) {
+    const Eigen::Vector3d x = state.x.col(v);
+    state.v.col(v) = omega.cross(x) + Eigen::Vector3d(0.0, 0.0, 0.3 * std::sin(6.0 * x.x()));
+  }
+  const auto momentum_of = [&](const State& at) {
+    Momentum momentum = sheet.model.momentum(at);
+    momentum.angular += integrator.inertia().added_spin(at);
+    return momentum;
+  };
+  const Momentum before = momentum_of(state);
+  const double energy = energy_of(sheet.model, integrator, state, no_forces());
+  state = stepped(sheet.model, integrator, state, no_forces(), 30);
+  const Momentum after = momentum_of(state);
+  EXPECT_LT((after.linear - before.linear).norm(), 1e-9);
+  EXPECT_LT((after.angular - before.angular).norm(), 1e-9);
+  EXPECT_LT(energy_of(sheet.model, integrator, state, no_forces()), 1.0001 * energy);
+}
+
+// Cut by cut, and undo by undo, an integrator that follows makes the same bits as a new one.
+TEST_P(LocalInertiaOf, FollowsCutsAndUndosAsIfBuiltAnew) {
+  CutSheet sheet(0);
+  ExplicitIntegrator following(explicit_options(GetParam()));
+  following.rebuild(sheet.model);
+  const auto compare = [&](int step) {
+    ExplicitIntegrator fresh(explicit_options(GetParam()));
+    fresh.rebuild(sheet.model);
+    ASSERT_EQ(following.inertia().num_vertices(), fresh.inertia().num_vertices()) << step;
+    ASSERT_EQ(following.inertia().num_entries(), fresh.inertia().num_entries()) << step;
+    const Loads loads = sheet.pinned_at_corners();
+    State a = rest_state(sheet.mesh);
+    State b = a;
+    following.step(sheet.model, loads, 1e-3, nullptr, a);
+    fresh.step(sheet.model, loads, 1e-3, nullptr, b);
+    ASSERT_EQ(hash_of(a), hash_of(b)) << step;
+  };
+  const int num_cuts = test::num_trials({.few = 6, .usual = 16, .many = 30});
+  for (int i = 0; i < num_cuts; ++i) {
+    sheet.cuts.make_one();
+    following.follow(sheet.model);
+    compare(i);
+  }
+  EXPECT_FALSE(following.inertia().empty());
+  for (int i = num_cuts; i-- > 0;) {
+    sheet.cuts.undo_one();
+    following.follow(sheet.model);
+    compare(i);
+  }
+  EXPECT_TRUE(following.inertia().empty());
+}
+
+// The vertices of the largest cluster.
+std::vector<mesh::VertexId> largest_cluster(const LocalInertia& inertia) {
+  std::vector<mesh::VertexId> largest;
+  for (const InertiaCluster* const cluster : inertia.clusters()) {
+    const std::span<const mesh::VertexId> vertices = cluster->vertices();
+    if (vertices.size() > largest.size()) largest.assign(vertices.begin(), vertices.end());
+  }
+  return largest;
+}
+
+TEST_P(LocalInertiaOf, HoldsPinsInAClusterWhollyAndByComponent) {
+  CutSheet sheet(20);
+  ExplicitIntegrator integrator(explicit_options(GetParam()));
+  integrator.rebuild(sheet.model);
+  const std::vector<mesh::VertexId> cluster = largest_cluster(integrator.inertia());
+  ASSERT_GT(cluster.size(), 5U);
+  const State start = rest_state(sheet.mesh);
+  Loads loads;
+  loads.pins.push_back({cluster[0], start.x.col(cluster[0])});
+  loads.pins.push_back({cluster[3], start.x.col(cluster[3]), Eigen::Vector3d::Zero(), {false, false, true}});
+  const State state = stepped(sheet.model, integrator, start, loads, 12);
+  EXPECT_EQ((state.x.col(cluster[0]) - start.x.col(cluster[0])).norm(), 0.0);
+  EXPECT_EQ(state.x(2, cluster[3]), start.x(2, cluster[3]));
+  EXPECT_NE(state.x(0, cluster[3]), start.x(0, cluster[3]));
+  EXPECT_LT(state.x.row(2).minCoeff(), -0.05);  // the rest falls
+  // Let go again, they fall with what is around them.
+  const State later = stepped(sheet.model, integrator, state, Loads(), 6);
+  EXPECT_LT(later.x(2, cluster[0]), -1e-3);
+}
+
+// The grabbed vertex may have a billionth of a kilogram.
+TEST_P(LocalInertiaOf, IsPulledByAGrabInACluster) {
+  CutSheet sheet(20);
+  ExplicitIntegrator integrator(explicit_options(GetParam()));
+  integrator.rebuild(sheet.model);
+  const std::vector<mesh::VertexId> cluster = largest_cluster(integrator.inertia());
+  const State start = rest_state(sheet.mesh);
+  Loads loads = sheet.pinned_at_corners();
+  Grab grab;
+  grab.vertices[0] = cluster[cluster.size() / 2];
+  grab.target = start.x.col(grab.vertices[0]) + Eigen::Vector3d(0.0, 0.0, 0.1);
+  grab.velocity = Eigen::Vector3d(0.0, 0.0, 0.0);
+  grab.stiffness = 1e3;
+  grab.damping = 1.0;
+  loads.grabs.push_back(grab);
+  State state = start;
+  for (int i = 0; i < 30; ++i) integrator.step(sheet.model, loads, kTick, nullptr, state);
+  EXPECT_LT((state.x.col(grab.vertices[0]) - grab.target).norm(), 0.02);
+  EXPECT_TRUE(state.x.allFinite());
+}
+
+TEST_P(LocalInertiaOf, NeverGainsEnergyAfterManyCuts) {
+  for (const std::string_view name : {"demo", "skin"}) {
+    CutSheet sheet(static_cast<std::size_t>(test::num_trials({.few = 12, .usual = 40, .many = 100})),
+                   *find_preset(name));
+    ExplicitIntegrator integrator(explicit_options(GetParam()));
+    integrator.rebuild(sheet.model);
+    const Loads loads = sheet.pinned_at_corners();
+    State state = rest_state(sheet.mesh);
+    const double before = energy_of(sheet.model, integrator, state, loads);
+    const double scale = sheet.model.total_mass() * 9.81;  // J, of a fall of 1 m
+    for (int i = 0; i < test::num_trials({.few = 6, .usual = 24, .many = 120}); ++i) {
+      const StepStats stats = integrator.step(sheet.model, loads, kTick, nullptr, state);
+      ASSERT_EQ(stats.flags & (kFrozen | kWidened | kEnergyLimited), 0U) << name << " in step " << i;
+      ASSERT_LT(energy_of(sheet.model, integrator, state, loads), before + 1e-4 * scale) << name << " in step " << i;
+    }
+  }
+}
+
+// Materials without damping of their own, and those that bend like plates.
+TEST_P(LocalInertiaOf, IsStableWithoutDampingOfTheMaterial) {
+  Material undamped = *find_preset("demo");
+  undamped.stiffness_damping = 0.0;
+  for (const Material& material : {undamped, *find_preset("wool"), *find_preset("foil"), *find_preset("paper")}) {
+    CutSheet sheet(10, material);
+    ExplicitIntegrator integrator(explicit_options(GetParam()));
+    integrator.rebuild(sheet.model);
+    ASSERT_FALSE(integrator.inertia().empty());
+    const Loads loads = sheet.pinned_at_corners();
+    State state = rest_state(sheet.mesh);
+    for (Eigen::Index v = 0; v < state.x.cols(); ++v) {
+      state.x(2, v) = 1e-3 * std::sin(9.0 * state.x(0, v)) * std::cos(7.0 * state.x(1, v));
+    }
+    const double dt = 400.0 * kTick / integrator.planned_substeps(kTick);
+    double before = energy_of(sheet.model, integrator, state, loads);
+    for (int i = 0; i < test::num_trials({.few = 1, .usual = 6, .many = 40}); ++i) {
+      const StepStats stats = integrator.step(sheet.model, loads, dt, nullptr, state);
+      ASSERT_EQ(stats.flags & ~kStrainLimit, 0U) << "step " << i;
+      const double after = energy_of(sheet.model, integrator, state, loads);
+      ASSERT_LT(after, before + 1e-6 * sheet.model.total_mass()) << "step " << i;
+      before = after;
+    }
+  }
+}
+
+TEST_P(LocalInertiaOf, StepsWithoutAllocating) {
+  if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer has its own malloc";
+  CutSheet sheet(10);
+  ExplicitIntegrator integrator(explicit_options(GetParam()));
+  integrator.rebuild(sheet.model);
+  Loads loads = sheet.pinned_at_corners();
+  loads.pins.push_back({largest_cluster(integrator.inertia()).front(), Eigen::Vector3d(0.5, 0.5, 0.1)});
+  State state = rest_state(sheet.mesh);
+  const std::size_t before = test::num_allocations();
+  integrator.step(sheet.model, loads, kTick, nullptr, state);
+  EXPECT_EQ(test::num_allocations(), before);
+}
+
+}  // namespace
+}  // namespace kerf::fem
