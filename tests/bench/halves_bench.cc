@@ -37,7 +37,7 @@ class Swinging {
     terms_.gravity = {0.0, 0.0, -9.81};
     terms_.h = h_;
     layout_.rebuild(model_);
-    sweep_.rebuild(model_, layout_);
+    sweep_.rebuild(model_, layout_, inertia_);
     state_.x = Eigen::Matrix3Xd::Zero(3, mesh_.num_vertices());
     for (int v = 0; v < mesh_.num_vertices(); ++v) state_.x.col(v).head<2>() = mesh_.rest_position(v);
     state_.v = 0.1 * state_.x;
@@ -66,6 +66,7 @@ class Swinging {
   mesh::TriangleMesh mesh_;
   fem::Model model_;
   fem::MembraneLayout layout_;
+  fem::LocalInertia inertia_;  // none
   fem::LeapfrogSweep<float> sweep_;
   fem::State state_;
   fem::Loads loads_;

@@ -192,7 +192,7 @@ TEST_P(LocalInertiaOf, FollowsCutsAndUndosAsIfBuiltAnew) {
     fresh.step(sheet.model, loads, 1e-3, nullptr, b);
     ASSERT_EQ(hash_of(a), hash_of(b)) << step;
   };
-  const int num_cuts = test::num_trials({.few = 6, .usual = 16, .many = 30});
+  const int num_cuts = test::num_trials({.few = 11, .usual = 16, .many = 30});
   for (int i = 0; i < num_cuts; ++i) {
     sheet.cuts.make_one();
     following.follow(sheet.model);
