@@ -293,7 +293,7 @@ class LeapfrogSweep<T>::VertexChange {
       const float all = drift * change + remainder_[c][i];
       const auto whole = static_cast<std::int32_t>(std::lrint(all));
       remainder_[c][i] = all - static_cast<float>(whole);
-      x += whole;
+      x = static_cast<std::int32_t>(static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(whole));  // may wrap
     } else {
       v += change;
       x += drift * change;
