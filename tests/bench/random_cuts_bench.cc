@@ -88,7 +88,7 @@ Run run(const Scene& scene, const fem::Model& model, const fem::IntegratorOption
   return result;
 }
 
-// Of vertices, mm: "p99 / largest".
+// Errors of vertices, mm: "p99 / largest".
 std::string error_of(const Scene& scene, fem::Material material) {
   fem::ExplicitIntegrator plain(options_of(false, fem::Precision::kDouble));
   plain.plan(scene.model, false);
