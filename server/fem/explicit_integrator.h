@@ -93,8 +93,8 @@ class ExplicitIntegrator final : public Integrator {
   void set_sweeps(const Model& model, bool follows);
   void go_back(State& state) const;
   // Gives clusters the momentum that their vertices have by the masses alone, where relative motion inside of them
-  // would hold more energy than all motion by the masses: noise of single vertices, which no motion of the sheet itself
-  // is. Returns whether it did; the velocities given are then in scratch_.given.
+  // adds a share to the kinetic energy that swinging sheets do not have: noise of single vertices. That energy would
+  // else come out as motion of the masses. Returns whether it did; the velocities given are then in scratch_.given.
   bool calm_clusters(const Model& model, State& state);
   // What step() returns where it was ended.
   StepStats interrupt(bool is_calmed, State& state) const;
