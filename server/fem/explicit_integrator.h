@@ -109,6 +109,8 @@ class ExplicitIntegrator final : public Integrator {
   // The longest interval, no longer than `longest`, of which a step can have a whole number at the cost of a twentieth
   // more substeps: the last one of a step, if it were shorter, would beat with modes of the step's own pace.
   [[nodiscard]] int even_interval(int substeps, int longest) const;
+  // -, steps of dt below `longest`, s; at least 1.
+  [[nodiscard]] static double substeps_below(double longest, double dt);
   // At least so many, of a sheet with that tension, -, as many as bending kicks of one length want. Returns the
   // interval of these kicks.
   int set_substeps(const Model& model, int least, double tension, Plan& plan) const;
@@ -127,6 +129,7 @@ class ExplicitIntegrator final : public Integrator {
   double omega_ = 0.0;                // 1/s
   double largest_xi_ = 0.0;           // -
   double critical_step_ = 0.0;        // s, > 0
+  double fastest_wave_ = 0.0;         // m/s, of stretching, in the stiffest material that a triangle has
   std::vector<double> beta_;          // s, of the membrane, one a material
   std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h
   double xi_ = 0.0;                   // -, the least
