@@ -118,6 +118,7 @@ PreparedCollider::PreparedCollider(const Collider& collider) : friction_(collide
     kind_ = Kind::kCapsule;
     origin_ = capsule->a;
     vector_ = capsule->b - capsule->a;
+    if (!vector_.isZero(0.0)) across_ = perpendicular(vector_);
     radius_ = capsule->radius;
   }
 }
@@ -158,7 +159,7 @@ Proximity PreparedCollider::query_capsule(const Eigen::Vector3d& point) const {
   if (length_squared == 0.0) return round_proximity(from_a, radius_, Eigen::Vector3d::UnitZ());
   const double t = std::min(std::max(from_a.dot(vector_) / length_squared, 0.0), 1.0);
   const Eigen::Vector3d offset = from_a - t * vector_;
-  if (offset.isZero(0.0)) return {-radius_, perpendicular(vector_)};
+  if (offset.isZero(0.0)) return {-radius_, across_};
   return round_proximity(offset, radius_, Eigen::Vector3d::UnitZ());
 }
 

@@ -56,6 +56,8 @@ struct Proximity {
 // A shape made ready for many queries: normals of length one, the rotation as a matrix.
 class PreparedCollider {
  public:
+  enum class Kind { kPlane, kSphere, kBox, kCapsule };
+
   // `collider` must be valid.
   explicit PreparedCollider(const Collider& collider);
 
@@ -63,20 +65,28 @@ class PreparedCollider {
   // from several faces of a box, the axis of a capsule), one of them is chosen by a fixed rule.
   [[nodiscard]] Proximity query(const Eigen::Vector3d& point) const;
 
+  [[nodiscard]] Kind kind() const { return kind_; }
   [[nodiscard]] double friction() const { return friction_; }
+  // m: the plane's point, the centre, the capsule's end a.
+  [[nodiscard]] const Eigen::Vector3d& origin() const { return origin_; }
+  // The plane's normal, -; half extents of the box, m; b - a of the capsule, m.
+  [[nodiscard]] const Eigen::Vector3d& vector() const { return vector_; }
+  [[nodiscard]] const Eigen::Matrix3d& rotation() const { return rotation_; }  // world from box
+  [[nodiscard]] double radius() const { return radius_; }                      // m
+  // -, unit, at right angles to the capsule: its normal at points on its axis.
+  [[nodiscard]] const Eigen::Vector3d& across() const { return across_; }
 
  private:
-  enum class Kind { kPlane, kSphere, kBox, kCapsule };
-
   [[nodiscard]] Proximity query_box(const Eigen::Vector3d& point) const;
   [[nodiscard]] Proximity query_capsule(const Eigen::Vector3d& point) const;
 
   Kind kind_ = Kind::kPlane;
-  Eigen::Vector3d origin_{0.0, 0.0, 0.0};                   // m: plane point, centres, capsule end a
-  Eigen::Vector3d vector_{0.0, 0.0, 1.0};                   // plane normal (-), box half extents (m), capsule b - a (m)
-  Eigen::Matrix3d rotation_ = Eigen::Matrix3d::Identity();  // world from box
-  double radius_ = 0.0;                                     // m
-  double friction_ = 0.0;                                   // -
+  Eigen::Vector3d origin_{0.0, 0.0, 0.0};
+  Eigen::Vector3d vector_{0.0, 0.0, 1.0};
+  Eigen::Vector3d across_{0.0, 0.0, 1.0};
+  Eigen::Matrix3d rotation_ = Eigen::Matrix3d::Identity();
+  double radius_ = 0.0;
+  double friction_ = 0.0;
 };
 
 }  // namespace kerf::contact

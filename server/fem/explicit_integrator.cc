@@ -153,7 +153,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     was_in_double_ = !is_mixed;
     if (is_finite(state)) {
       stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
-      const bool is_kept = contact != nullptr || keeps_energy(model, loads, stats, state);
+      const bool is_kept = plan.touched || keeps_energy(model, loads, stats, state);
       // What stretches faster than the cfl number leaves room for has outrun its substeps.
       const bool is_stable = plan.h() <= critical_step(stretch_at(model, state.x).stiffening);
       if ((is_kept && is_stable) || retry == kMaxRetries) break;
@@ -172,6 +172,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   stats.load_phases = plan.load_phases;
   stats.simulated = plan.duration;
   if (stats.max_strain > options_.strain_limit) stats.flags |= kStrainLimit;
+  if (contact != nullptr && contact->num_inside() > 0) stats.flags |= kInsideBody;
   return stats;
 }
 
@@ -225,8 +226,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   if (contact != nullptr) contact->begin(state.x);
   // Rounding of floats adds up over substeps to a drift that double does not have.
   std::optional<FreeFlight> flight;
-  if (std::is_same_v<T, float> && contact == nullptr && FreeFlight::holds(model, loads))
-    flight.emplace(model, inertia_, state);
+  if (std::is_same_v<T, float> && FreeFlight::holds(model, loads)) flight.emplace(model, inertia_, state);
   set_pins(loads, duration, state);
   const int least = plan.substeps;
   const bool is_green = model.materials().membrane_law() == MembraneLaw::kGreen;
@@ -241,7 +241,6 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     if (plan.substeps != expected && !sweep.begin(model, loads, terms, duration, state)) return false;
   }
   const double h = plan.h();
-  const auto before = [&sweep](mesh::VertexId v) { return sweep.velocity(v); };  // what contact does
   for (int i = 0; i <= plan.substeps; ++i) {
     if (heed_.ends()) return false;
     const bool last = i == plan.substeps;
@@ -261,21 +260,19 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     sweep.substep(model, terms, kick);
     if (flight) flight->substep(kick_factors(model.mass_damping(0), kick.duration), loads.gravity, kick.drift);
     if (!kick_grabs(loads, kick, h, std::max(time_left - h, 0.0), sweep)) return false;
-    if (contact != nullptr && !last && i + 1 < plan.substeps) {
-      sweep.write(state);
-      contact->enforce(h, state);
-      inertia_.share_impulses(model, before, state.v);
-      if (!sweep.read(state)) return false;
+    if (contact == nullptr) continue;
+    if (i + 1 == plan.substeps) {
+      sweep.find_touching(*contact, h);
+    } else if (!(last ? sweep.enforce_found(model, *contact) : sweep.enforce(model, *contact, h))) {
+      return false;
     }
   }
   if (!sweep.stayed_inside(duration)) return false;
+  plan.touched = sweep.touched();
   sweep.write(state);
-  if (flight) flight->put_right(model, inertia_, state);
+  if (flight && !plan.touched) flight->put_right(model, inertia_, state);
   set_pins(loads, 0.0, state);
   drift_massless(model, duration, state);
-  if (contact == nullptr) return true;
-  contact->enforce(h, state);
-  inertia_.share_impulses(model, before, state.v);
   return true;
 }
 

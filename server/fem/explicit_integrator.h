@@ -70,6 +70,7 @@ class ExplicitIntegrator final : public Integrator {
     int substeps = 0;
     double tension = 0.0;  // -, of Green's strain: see GreenStretch; else 0, what it is is seen as the step begins
     int load_phases = 0;   // see StepStats
+    bool touched = false;  // a body moved a vertex
 
     [[nodiscard]] double h() const { return duration / substeps; }  // s
   };

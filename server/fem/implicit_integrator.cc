@@ -101,6 +101,7 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   stats.simulated = dt;
   stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
   if (stats.max_strain > options_.strain_limit) stats.flags |= kStrainLimit;
+  if (contact != nullptr && contact->num_inside() > 0) stats.flags |= kInsideBody;
   return stats;
 }
 

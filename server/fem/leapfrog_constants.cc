@@ -121,6 +121,8 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
   set(corner_force_, 1 + 12 * num_irregular);
   set(gathered_, 4 * n);
   set(extra_, 4 * n);
+  set(contact_.blocks, n);
+  set(contact_.before, n);
   const std::span<const double> beta = model.materials().stiffness_damping();
   const bool bends_by_position = std::all_of(beta.begin(), beta.end(), [](double own) { return own == 0.0; });
   set(slices_, reach > 0 && bends_by_position ? n : 0);
@@ -137,6 +139,7 @@ void LeapfrogSweep<T>::resize(const Model& model, const MembraneLayout& layout) 
   if (model.has_bending()) bending_rows_.resize((layout.num_vertices() + kRowsInGroup - 1) / kRowsInGroup);
   has_cluster_.resize(inertia_->empty() ? 0 : layout.num_blocks());
   cluster_values_.resize(inertia_->largest() / 4 + 1);
+  contact_.reserve(inertia_->num_vertices());
 }
 
 template <typename T>
@@ -150,6 +153,7 @@ void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout,
   bending_rows_.make_room(like.bending_rows_.num_rows(), like.bending_rows_.num_entries());
   has_cluster_.reserve(like.has_cluster_.size());
   cluster_values_.reserve(like.cluster_values_.size());
+  contact_.reserve(like.inertia_->num_vertices());
 }
 
 template <typename T>

@@ -5,14 +5,13 @@
 #include <limits>
 
 #include "server/fem/free_flight.h"
+#include "server/fem/leapfrog_vertices.h"
 
 namespace kerf::fem {
 namespace {
 
 using mesh::VertexId;
 
-// Positions of floats reach this far from their origin, so that differences still fit into 32 bits.
-constexpr double kReach = 1 << 30;
 // -, unit over edge length, and over the height of any triangle, above which strains of fixed-point positions are too
 // coarse.
 constexpr double kCoarsest = 1.0 / (1 << 20);
@@ -28,30 +27,8 @@ double edge_length(const Model& model, std::int64_t num_triangles) {
 
 // m. `reach`: how far from the origin positions may come.
 double unit_of_positions(double reach, double edge) {
-  return std::exp2(std::ceil(std::log2(std::max(reach, edge) / kReach)));
-}
-
-template <typename T>
-T* entries(std::vector<Lanes16<T>>& blocks, std::size_t first_block = 0) {
-  return blocks.empty() ? nullptr : blocks[first_block].lane.data();
-}
-template <typename U>
-std::array<U*, 3> entries(std::array<std::vector<Lanes16<U>>, 3>& field, std::size_t first_block = 0) {
-  return {entries(field[0], first_block), entries(field[1], first_block), entries(field[2], first_block)};
-}
-template <typename U>
-U& at(std::vector<Lanes16<U>>& blocks, std::size_t i) {
-  return blocks[i / kBlockLanes].lane[i % kBlockLanes];
-}
-template <typename U>
-const U& at(const std::vector<Lanes16<U>>& blocks, std::size_t i) {
-  return blocks[i / kBlockLanes].lane[i % kBlockLanes];
-}
-
-template <typename T>
-Eigen::Vector3d vector_at(const std::array<std::vector<Lanes16<T>>, 3>& field, VertexId v) {
-  const auto i = static_cast<std::size_t>(v);
-  return Eigen::Matrix<T, 3, 1>(at(field[0], i), at(field[1], i), at(field[2], i)).template cast<double>();
+  constexpr double kUnits = 1 << 30;
+  return std::exp2(std::ceil(std::log2(std::max(reach, edge) / kUnits)));
 }
 
 }  // namespace
@@ -155,6 +132,8 @@ void LeapfrogSweep<T>::set_mobility(const Model& model, const Loads& loads) {
 template <typename T>
 bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state) {
   speed_ = {};
+  fastest_ = 0;
+  touched_ = false;
   if constexpr (!std::is_same_v<T, float>) return true;
   Eigen::Array3d low = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Array3d high = -low;
@@ -231,12 +210,14 @@ LeapfrogStep<double> LeapfrogSweep<T>::fine_step(const Model& model, const Leapf
 template <typename T>
 bool LeapfrogSweep<T>::stayed_inside(double duration) const {
   if constexpr (!std::is_same_v<T, float>) return true;
-  const T fastest = *std::max_element(speed_.lane.begin(), speed_.lane.end());
+  const T fastest = std::max(fastest_, *std::max_element(speed_.lane.begin(), speed_.lane.end()));
   return duration * static_cast<double>(fastest) <= room_;
 }
 
 template <typename T>
 void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick) {
+  fastest_ = std::max(fastest_, *std::max_element(speed_.lane.begin(), speed_.lane.end()));
+  speed_ = {};
   LeapfrogStep<T> step = step_of(model, terms);
   const bool same_damping = model.materials().has_one_mass_damping();
   const KickFactors factors = kick_factors(same_damping ? model.mass_damping(0) : 0.0, kick.duration);
@@ -268,86 +249,6 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
   if (has_cluster_.empty()) return leapfrog_substep(with, step, speed_.lane.data());
   leapfrog_substep(with, step, speed_.lane.data());
   move_clusters(model, terms, kick);
-}
-
-// Moves single vertices as leapfrog_kernels.cc does.
-template <typename T>
-class LeapfrogSweep<T>::VertexChange {
- public:
-  explicit VertexChange(LeapfrogSweep& sweep)
-      : v_(entries(sweep.v_)),
-        v_remainder_(entries(sweep.v_remainder_)),
-        x_(entries(sweep.x_, 3 * sweep.pad_)),
-        remainder_(entries(sweep.remainder_)),
-        corner_x_(entries(sweep.corner_x_)) {}
-  [[nodiscard]] T velocity(std::size_t i, std::size_t c) const { return v_[c][i]; }
-  // Velocity by `change`, m/s, and position as far as that takes it: drift in s / unit. Returns the velocity.
-  T add(std::size_t i, std::size_t c, T change, T drift) const {
-    T& v = v_[c][i];
-    Position& x = x_[c][i];
-    if constexpr (std::is_same_v<T, float>) {
-      const float all_of_v = change + v_remainder_[c][i];
-      const float after = v + all_of_v;
-      v_remainder_[c][i] = all_of_v - (after - v);
-      v = after;
-      const float all = drift * change + remainder_[c][i];
-      const auto whole = static_cast<std::int32_t>(std::lrint(all));
-      remainder_[c][i] = all - static_cast<float>(whole);
-      x = static_cast<std::int32_t>(static_cast<std::uint32_t>(x) + static_cast<std::uint32_t>(whole));  // may wrap
-    } else {
-      v += change;
-      x += drift * change;
-    }
-    corner_x_[4 * i + c] = x;
-    return v;
-  }
-
- private:
-  std::array<T*, 3> v_, v_remainder_;
-  std::array<Position*, 3> x_;
-  std::array<T*, 3> remainder_;
-  Position* corner_x_;
-};
-
-template <typename T>
-void LeapfrogSweep<T>::move_clusters(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick) {
-  const std::array<T, 3> gravity{static_cast<T>(terms.gravity.x()), static_cast<T>(terms.gravity.y()),
-                                 static_cast<T>(terms.gravity.z())};
-  const auto drift = static_cast<T>(kick.drift / unit_);
-  const bool has_one_damping = mass_damping_.empty();
-  const KickFactors common = kick_factors(has_one_damping ? model.mass_damping(0) : 0.0, kick.duration);
-  const auto factors_of = [&](VertexId v) {
-    return has_one_damping ? common : kick_factors(model.mass_damping(v), kick.duration);
-  };
-  const VertexChange vertex(*this);
-  const T* const force = entries(gathered_);
-  T* const values = entries(cluster_values_);
-  std::array<T, 3> fastest{};
-  for (const InertiaCluster* const cluster : inertia_->clusters()) {
-    const std::span<const VertexId> vertices = cluster->vertices();
-    const bool is_held = cluster->is_held();
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const auto v = static_cast<std::size_t>(vertices[i]);
-      const auto scale = static_cast<T>(factors_of(vertices[i]).scale);
-      for (std::size_t c = 0; c < 4; ++c) values[4 * i + c] = scale * force[4 * v + c];
-      if (!is_held) continue;
-      const auto mass = static_cast<T>(model.mass()[v]);
-      for (std::size_t c = 0; c < 3; ++c) values[4 * i + c] += scale * mass * gravity[c];
-    }
-    cluster->solve(values);
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const auto v = static_cast<std::size_t>(vertices[i]);
-      const KickFactors factors = factors_of(vertices[i]);
-      const auto scale = static_cast<T>(is_held ? 0.0 : factors.scale);
-      const auto lost = static_cast<T>(factors.lost);
-      for (std::size_t c = 0; c < 3; ++c) {
-        if ((cluster->held()[i] >> c & 1U) != 0) continue;
-        const T change = values[4 * i + c] + scale * gravity[c] - lost * vertex.velocity(v, c);
-        fastest[c] = std::max(fastest[c], std::abs(vertex.add(v, c, change, drift)));
-      }
-    }
-  }
-  for (std::size_t c = 0; c < 3; ++c) speed_.lane[c] = std::max(speed_.lane[c], fastest[c]);
 }
 
 template <typename T>
@@ -425,75 +326,6 @@ template <typename T>
 Eigen::Vector3d LeapfrogSweep<T>::velocity(VertexId v) const {
   if constexpr (std::is_same_v<T, float>) return vector_at(v_, v) + vector_at(v_remainder_, v);
   return vector_at(v_, v);
-}
-
-template <typename T>
-void LeapfrogSweep<T>::set_response(const Grab& grab, const InertiaCluster& cluster) {
-  const std::span<const VertexId> vertices = cluster.vertices();
-  T* const values = entries(cluster_values_);
-  std::fill_n(values, 4 * vertices.size(), T{0});
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (grab.vertices[k] != vertices[i]) continue;
-      for (std::size_t c = 0; c < 3; ++c) {
-        values[4 * i + c] += static_cast<T>(grab.weights[static_cast<Eigen::Index>(k)]);
-      }
-    }
-  }
-  cluster.solve(values);
-}
-
-template <typename T>
-template <typename AtVertex, typename AtCluster>
-void LeapfrogSweep<T>::for_each_grabbed(const Grab& grab, const AtVertex& at_vertex, const AtCluster& at_cluster) {
-  std::array<const InertiaCluster*, 3> seen{};
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (grab.vertices[k] == mesh::kNone) continue;
-    const InertiaCluster* const cluster = inertia_->cluster_of(grab.vertices[k]);
-    if (cluster == nullptr) {
-      at_vertex(grab.vertices[k], grab.weights[static_cast<Eigen::Index>(k)]);
-    } else if (std::find(seen.begin(), seen.end(), cluster) == seen.end()) {
-      seen[k] = cluster;
-      set_response(grab, *cluster);
-      at_cluster(*cluster);
-    }
-  }
-}
-
-template <typename T>
-Eigen::Array3d LeapfrogSweep<T>::mobility(const Grab& grab) {
-  Eigen::Array3d sum = Eigen::Array3d::Zero();
-  for_each_grabbed(
-      grab, [&](VertexId v, double weight) { sum += weight * weight * vector_at(mobility_, v).array(); },
-      [&](const InertiaCluster& cluster) {
-        for (std::size_t i = 0; i < cluster.vertices().size(); ++i) {
-          for (std::size_t k = 0; k < 3; ++k) {
-            if (grab.vertices[k] != cluster.vertices()[i]) continue;
-            sum += grab.weights[static_cast<Eigen::Index>(k)] *
-                   Eigen::Map<const Eigen::Array<T, 3, 1>>(entries(cluster_values_) + 4 * i).template cast<double>();
-          }
-        }
-      });
-  return sum;
-}
-
-template <typename T>
-bool LeapfrogSweep<T>::push(const Grab& grab, const Eigen::Array3d& impulse, double drift) {
-  bool is_inside = true;
-  const auto push_vertex = [&](VertexId v, const Eigen::Vector3d& change) {
-    set_velocity(v, velocity(v) + change);
-    is_inside = set_position(v, position(v) + drift * change) && is_inside;
-  };
-  for_each_grabbed(
-      grab,
-      [&](VertexId v, double weight) { push_vertex(v, weight * (vector_at(mobility_, v).array() * impulse).matrix()); },
-      [&](const InertiaCluster& cluster) {
-        for (std::size_t i = 0; i < cluster.vertices().size(); ++i) {
-          const Eigen::Map<const Eigen::Array<T, 3, 1>> response(entries(cluster_values_) + 4 * i);
-          push_vertex(cluster.vertices()[i], (response.template cast<double>() * impulse).matrix());
-        }
-      });
-  return is_inside;
 }
 
 template class LeapfrogSweep<float>;

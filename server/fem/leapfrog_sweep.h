@@ -5,13 +5,16 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "server/fem/contact_constraint.h"
 #include "server/fem/fine_triangles.h"
 #include "server/fem/index_set.h"
 #include "server/fem/leapfrog_kernels.h"
+#include "server/fem/leapfrog_vertex_lanes.h"
 #include "server/fem/loads.h"
 #include "server/fem/local_inertia.h"
 #include "server/fem/material_table.h"
@@ -73,6 +76,16 @@ class LeapfrogSweep {
   // 1/m, of the flattest triangles that T is used for.
   [[nodiscard]] static double flattest(const Model& model);
 
+  // Moves vertices out of bodies after a substep that drifted for `drift`, s, and shares what that gives to clusters by
+  // their inertia. Looks at blocks that may touch alone. False: see read().
+  bool enforce(const Model& model, ContactConstraint& contact, double drift);
+  // The same of the last substep: what may touch is found after the drift, and moved after the kick that closes the
+  // step, so that what leaves the step respects the bodies.
+  void find_touching(ContactConstraint& contact, double drift);
+  bool enforce_found(const Model& model, ContactConstraint& contact);
+  // Whether a body has moved a vertex since begin().
+  [[nodiscard]] bool touched() const { return touched_; }
+
   // Of what has mass or is held. False: outside of what positions can hold.
   bool read(const State& state);
   void write(State& state) const;
@@ -91,6 +104,30 @@ class LeapfrogSweep {
   using Position = PositionOf<T>;
   template <typename U>
   using Field = std::array<std::vector<Lanes16<U>>, 3>;
+  // Positions of floats reach this far from their origin, in units, so that differences still fit into 32 bits.
+  static constexpr double kReach = 1 << 30;
+
+  struct Impulse {
+    mesh::VertexId vertex = mesh::kNone;
+    std::array<T, 3> value{};  // N s
+  };
+  // Scratch of enforce().
+  struct Contact {
+    mesh::VertexLanes vertices;
+    std::array<mesh::VertexLanes::Lanes, 3> v;  // m/s, before
+    // The blocks that find_touching() found, and positions of their vertices before; longer than there are.
+    std::size_t num_blocks = 0;
+    std::vector<std::int32_t> blocks;
+    std::vector<std::array<mesh::VertexLanes::Lanes, 3>> before;
+    std::vector<const InertiaCluster*> clusters;  // of impulses, may repeat
+    std::vector<Impulse> impulses;
+
+    void reserve(std::size_t num_in_clusters) {
+      if (impulses.capacity() >= num_in_clusters) return;
+      clusters.reserve(num_in_clusters + num_in_clusters / 4);
+      impulses.reserve(num_in_clusters + num_in_clusters / 4);
+    }
+  };
 
   template <typename Set>
   void for_arrays(const Model& model, const MembraneLayout& layout, const Set& set);  // set(array, size)
@@ -119,6 +156,15 @@ class LeapfrogSweep {
   // at_vertex(v, weight) of those outside of clusters, at_cluster(cluster), with its response, of each cluster once.
   template <typename AtVertex, typename AtCluster>
   void for_each_grabbed(const Grab& grab, const AtVertex& at_vertex, const AtCluster& at_cluster);
+  // m, no vertex moved farther in the last substep.
+  [[nodiscard]] double farthest_moved(double drift) const;
+  bool enforce_block(const Model& model, ContactConstraint& contact, const LeapfrogArrays<T>& arrays,
+                     std::int32_t block);
+  void gather_impulses(const Model& model, std::size_t block, std::uint32_t changed);
+  void share_impulses();
+  [[nodiscard]] PositionFrame frame() const { return {{origin_.x(), origin_.y(), origin_.z()}, unit_}; }
+  // m, that rounding may take a vertex farther than its velocity does in a substep.
+  [[nodiscard]] double unit_of_rounding() const { return std::is_same_v<T, float> ? unit_ : 0.0; }
   bool set_position(mesh::VertexId v, const Eigen::Vector3d& position);
   void set_velocity(mesh::VertexId v, const Eigen::Vector3d& velocity);
   [[nodiscard]] LeapfrogStep<T> step_of(const Model& model, const LeapfrogTerms& terms) const;
@@ -148,7 +194,10 @@ class LeapfrogSweep {
   IndexSet fine_vertices_;                   // scratch
   std::vector<std::uint8_t> has_cluster_;    // of each block of vertices; empty without clusters
   std::vector<Lanes16<T>> cluster_values_;   // x 4, of one cluster, scratch
-  Lanes16<T> speed_;
+  Contact contact_;
+  bool touched_ = false;
+  Lanes16<T> speed_;  // m/s, largest components of velocities in the last substep
+  T fastest_ = 0;     // m/s, the same of the substeps before
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
   double unit_ = 1.0;                                 // m
   double unit_of_constants_ = 1.0;                    // m

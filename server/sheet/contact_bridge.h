@@ -15,7 +15,7 @@
 
 namespace kerf::sheet {
 
-// Contact as the integrators call it, once a substep: fem and contact do not know each other. Copyable.
+// Contact as the integrators call it: fem and contact do not know each other. Copyable.
 class ContactBridge : public fem::ContactConstraint {
  public:
   void set_colliders(std::span<const contact::Collider> colliders) { solver_.set_colliders(colliders); }
@@ -26,8 +26,15 @@ class ContactBridge : public fem::ContactConstraint {
   void set_vertices(std::int32_t num_vertices, const std::vector<mesh::VertexId>& pinned,
                     const std::vector<mesh::VertexId>& removed);
 
-  void begin(const mesh::VertexField& x) override { x_before_ = x; }
+  void begin(const mesh::VertexField& x) override;
+  [[nodiscard]] int num_inside() const override { return solver_.num_inside(); }
   void enforce(double dt, fem::State& state) override;
+  std::span<const std::int32_t> find_due_blocks(double dt, double travel) override {
+    return solver_.find_due_blocks(dt, travel);
+  }
+  std::uint32_t enforce_block(std::int32_t block, mesh::VertexLanes& vertices) override {
+    return solver_.resolve(block, vertices);
+  }
   std::size_t find_gaps(int vertex, const Eigen::Vector3d& x, double reach,
                         std::array<fem::SurfaceGap, kMaxGaps>& gaps) const override;
 

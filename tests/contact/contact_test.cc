@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "server/base/random.h"
 #include "server/contact/collider.h"
 #include "server/contact/contact_solver.h"
+#include "tests/contact/random_vector.h"
 
 namespace kerf::contact {
 namespace {
@@ -15,12 +15,6 @@ using Eigen::Vector3d;
 using mesh::VertexField;
 
 constexpr double kTight = 1e-12;
-
-Vector3d random_vector(SeededRandom& random, double extent) {
-  const double x = random.uniform(-extent, extent);
-  const double y = random.uniform(-extent, extent);
-  return {x, y, random.uniform(-extent, extent)};
-}
 
 void expect_proximity(const Shape& shape, const Vector3d& point, double distance, const Vector3d& normal) {
   const Proximity near = PreparedCollider({shape, 0.0}).query(point);
@@ -125,6 +119,11 @@ TEST(Collider, RefusesBadValuesAndNamesTheField) {
   EXPECT_EQ(field({Sphere{}, 10.5}), "colliders[2].friction");
 }
 
+void set_colliders(ContactSolver& solver, const std::vector<Collider>& colliders) {
+  solver.set_colliders(colliders);
+  solver.reserve(4);
+}
+
 // One free particle under gravity, by symplectic Euler.
 struct Particle {
   VertexField x{1};
@@ -132,22 +131,33 @@ struct Particle {
 
   void step(ContactSolver& solver, double dt, double thickness) {
     const VertexField before = x;
+    solver.begin(thickness, {}, before);
     v.col(0) += dt * Vector3d(0.0, 0.0, -9.81);
     x += dt * v;
-    solver.resolve(thickness, {}, before, x, v);
+    solver.resolve(dt, before, x, v);
   }
 };
+
+// Of vertices that were outside of all bodies, far away, when the step began, and then moved from `before` to `x`.
+void resolve(ContactSolver& solver, double thickness, const std::vector<std::uint8_t>& fixed, const VertexField& before,
+             VertexField& x, VertexField& v) {
+  constexpr double kFarAway = 1e5;  // m
+  solver.begin(thickness, fixed, (x.array() + kFarAway).matrix());
+  solver.find_due_blocks(0.0, 3.0 * kFarAway);
+  solver.resolve(1e-3, before, x, v);
+}
 
 TEST(ContactSolver, RestsOnAPlaneAtItsThickness) {
   ContactSolver solver;
   const std::vector<Collider> floor{{Plane{}, 0.5}};
-  solver.set_colliders(floor);
+  set_colliders(solver, floor);
   Particle particle;
   particle.x.col(0) = Vector3d(0.0, 0.0, 0.3);
   for (int i = 0; i < 1000; ++i) particle.step(solver, 1e-3, 2e-3);
   EXPECT_NEAR(particle.x(2, 0), 2e-3, kTight);
   EXPECT_NEAR(particle.v.norm(), 0.0, kTight);
-  EXPECT_EQ(solver.counters().phases, 1000);
+  EXPECT_LT(solver.counters().phases, 1000);  // not while it fell
+  EXPECT_GT(solver.counters().phases, 500);
   EXPECT_GT(solver.counters().contacts, 500);
 }
 
@@ -160,7 +170,7 @@ TEST(ContactSolver, SticksOnAnInclineExactlyWhereTheTangentIsBelowMu) {
     const Vector3d normal(std::sin(angle), 0.0, std::cos(angle));
     ContactSolver solver;
     const std::vector<Collider> incline{{Plane{{0, 0, 0}, normal}, kMu}};
-    solver.set_colliders(incline);
+    set_colliders(solver, incline);
     Particle particle;
     particle.x.col(0).setZero();
     for (int i = 0; i < static_cast<int>(kSeconds / kDt); ++i) particle.step(solver, kDt, 0.0);
@@ -178,13 +188,13 @@ TEST(ContactSolver, SticksOnAnInclineExactlyWhereTheTangentIsBelowMu) {
 TEST(ContactSolver, FrictionlessContactKeepsTheTangentialVelocity) {
   ContactSolver solver;
   const std::vector<Collider> floor{{Plane{}, 0.0}};
-  solver.set_colliders(floor);
+  set_colliders(solver, floor);
   VertexField x(1);
   x << 0.0, 0.0, -0.01;
   VertexField v(1);
   v << 1.0, -2.0, -3.0;
   const VertexField before = Eigen::Matrix3Xd::Zero(3, 1);
-  solver.resolve(0.0, {}, before, x, v);
+  resolve(solver, 0.0, {}, before, x, v);
   EXPECT_EQ(Vector3d(x.col(0)), Vector3d(0, 0, 0));
   EXPECT_EQ(Vector3d(v.col(0)), Vector3d(1, -2, 0));
 }
@@ -194,7 +204,7 @@ TEST(ContactSolver, NeverAddsKineticEnergy) {
   const std::vector<Collider> bodies{{Sphere{{0, 0, 0}, 0.5}, 0.4},
                                      {OrientedBox{{0.3, 0, 0}, {0.4, 0.2, 0.3}, {0, 1, 1}, 0.5}, 1.5},
                                      {Capsule{{-0.5, 0, 0}, {0.5, 0.5, 0}, 0.2}, 0.0}};
-  solver.set_colliders(bodies);
+  set_colliders(solver, bodies);
   SeededRandom random(3);
   for (int i = 0; i < 1000; ++i) {
     VertexField x(1);
@@ -203,7 +213,7 @@ TEST(ContactSolver, NeverAddsKineticEnergy) {
     v.col(0) = random_vector(random, 5.0);
     const VertexField before = x - 1e-3 * v;
     const double speed = v.norm();
-    solver.resolve(1e-3, {}, before, x, v);
+    resolve(solver, 1e-3, {}, before, x, v);
     EXPECT_LE(v.norm(), speed * (1.0 + 1e-14));
   }
 }
@@ -211,7 +221,7 @@ TEST(ContactSolver, NeverAddsKineticEnergy) {
 TEST(ContactSolver, LeavesFixedVerticesAndFarOnesAlone) {
   ContactSolver solver;
   const std::vector<Collider> bodies{{Sphere{}, 0.0}};
-  solver.set_colliders(bodies);
+  set_colliders(solver, bodies);
   VertexField x(3);
   x << 0.0, 0.5, 3.0,  //
       0.0, 0.0, 0.0,   //
@@ -220,7 +230,7 @@ TEST(ContactSolver, LeavesFixedVerticesAndFarOnesAlone) {
   const VertexField x_before = x;
   const VertexField v_before = v;
   const std::vector<std::uint8_t> fixed{1, 0, 0};
-  solver.resolve(0.0, fixed, x_before, x, v);
+  resolve(solver, 0.0, fixed, x_before, x, v);
   EXPECT_EQ(Vector3d(x.col(0)), Vector3d(x_before.col(0)));
   EXPECT_EQ(Vector3d(v.col(0)), Vector3d(v_before.col(0)));
   EXPECT_NEAR(x.col(1).norm(), 1.0, kTight);
@@ -229,10 +239,11 @@ TEST(ContactSolver, LeavesFixedVerticesAndFarOnesAlone) {
 
 TEST(ContactSolver, DoesNothingAndCountsNothingWithoutColliders) {
   ContactSolver solver;
+  solver.reserve(4);
   VertexField x = Eigen::Matrix3Xd::Constant(3, 4, -1.0);
   VertexField v = x;
   const VertexField before = x;
-  solver.resolve(0.1, {}, before, x, v);
+  resolve(solver, 0.1, {}, before, x, v);
   EXPECT_TRUE(solver.empty());
   EXPECT_EQ(solver.counters().phases, 0);
   EXPECT_TRUE(x == before && v == before);
@@ -242,7 +253,7 @@ TEST(ContactSolver, EndsOutsideBothWallsOfANotch) {
   ContactSolver solver;
   const std::vector<Collider> notch{{Plane{{0, 0, 0}, {1.0, 0.0, 1.0}}, 0.3},
                                     {Plane{{0, 0, 0}, {-1.0, 0.0, 1.0}}, 0.3}};
-  solver.set_colliders(notch);
+  set_colliders(solver, notch);
   Particle particle;
   particle.x.col(0) = Vector3d(0.02, 0.0, 0.5);
   for (int i = 0; i < 2000; ++i) particle.step(solver, 1e-3, 0.0);
@@ -272,7 +283,7 @@ TEST(ContactSolver, EndsOutsideBothWallsHoweverNarrowTheNotch) {
     for (const double friction : {0.0, 0.3}) {
       ContactSolver solver;
       const std::vector<Collider> walls = notch(angle, friction);
-      solver.set_colliders(walls);
+      set_colliders(solver, walls);
       Particle particle;
       particle.x.col(0) = Vector3d(0.01 * std::tan(0.5 * angle), 0.0, 0.3);
       for (int i = 0; i < 2000; ++i) {
@@ -294,7 +305,7 @@ TEST(ContactSolver, EndsOutsideASphereAndThePlaneItStandsOn) {
   constexpr double kThickness = 1e-3;
   const std::vector<Collider> bodies{{Plane{}, 0.2}, {Sphere{{0.0, 0.0, 0.5}, 0.5}, 0.2}};
   ContactSolver solver;
-  solver.set_colliders(bodies);
+  set_colliders(solver, bodies);
   SeededRandom random(8);
   for (int i = 0; i < 500; ++i) {
     // In the cusp around the point of contact, which leaves room for the sheet from 4.5 cm on.
@@ -306,7 +317,7 @@ TEST(ContactSolver, EndsOutsideASphereAndThePlaneItStandsOn) {
     v.col(0) = random_vector(random, 1.0);
     const VertexField before = x;
     const double speed = v.norm();
-    solver.resolve(kThickness, {}, before, x, v);
+    resolve(solver, kThickness, {}, before, x, v);
     EXPECT_GT(least_distance(bodies, x.col(0)), kThickness - 2e-9) << i;
     EXPECT_LE(v.norm(), speed * (1.0 + 1e-14));
   }
@@ -317,14 +328,14 @@ TEST(ContactSolver, ThreeWallsAndAGapWithoutRoomStayBounded) {
   ContactSolver solver;
   std::vector<Collider> walls = notch(0.35, 0.1);
   walls.push_back({Plane{{0, 0, 0}, {0.0, 1.0, 0.2}}, 0.1});
-  solver.set_colliders(walls);
+  set_colliders(solver, walls);
   Particle particle;
   particle.x.col(0) = Vector3d(0.0, 0.05, 0.2);
   for (int i = 0; i < 1000; ++i) particle.step(solver, 1e-3, kThickness);
   EXPECT_GT(least_distance(walls, particle.x.col(0)), kThickness - 1e-6);
 
   const std::vector<Collider> vice{{Plane{}, 0.0}, {Plane{{0, 0, 1e-3}, {0.0, 0.0, -1.0}}, 0.0}};
-  solver.set_colliders(vice);
+  set_colliders(solver, vice);
   particle.x.col(0) = Vector3d(0.0, 0.0, 5e-4);
   particle.v.setZero();
   for (int i = 0; i < 1000; ++i) particle.step(solver, 1e-3, kThickness);

@@ -377,7 +377,10 @@ TEST(MajorizedStep, WhatItCannotStepEitherStaysAsItWas) {
 class NoContact final : public ContactConstraint {
  public:
   void begin(const mesh::VertexField& /*x*/) override {}
+  int num_inside() const override { return 0; }
   void enforce(double /*dt*/, State& /*state*/) override {}
+  std::span<const std::int32_t> find_due_blocks(double /*dt*/, double /*travel*/) override { return {}; }
+  std::uint32_t enforce_block(std::int32_t /*block*/, mesh::VertexLanes& /*vertices*/) override { return 0; }
   std::size_t find_gaps(int /*vertex*/, const Eigen::Vector3d& /*x*/, double /*reach*/,
                         std::array<SurfaceGap, kMaxGaps>& /*gaps*/) const override {
     return 0;

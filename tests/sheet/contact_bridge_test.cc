@@ -21,6 +21,7 @@ ContactBridge over_five_planes(const std::vector<mesh::VertexId>& pinned) {
   bridge.set_colliders(colliders);
   bridge.set_half_thickness(0.25);
   bridge.set_vertices(2, pinned, {});
+  bridge.begin(Eigen::Matrix3Xd::Zero(3, 2));
   return bridge;
 }
 

@@ -34,7 +34,7 @@ SheetConfig full_scene() {
   config.colliders = {{contact::Plane{{0.0, 0.0, -2.0}, {0.0, 0.0, 1.0}}, 0.5},
                       {contact::Sphere{{0.5, 0.4, 0.3}, 0.2}, 0.5},
                       {contact::OrientedBox{{0.2, -0.5, 0.2}, {0.1, 0.1, 0.1}, {0.0, 1.0, 0.0}, 0.3}, 0.5},
-                      {contact::Capsule{{0.0, 0.5, 0.0}, {1.0, 0.5, 0.0}, 0.1}, 0.5}};
+                      {contact::Capsule{{0.0, 0.101, 0.0}, {1.0, 0.101, 0.0}, 0.1}, 0.5}};
   sheet::Constraint& constraint = config.constraints.emplace_back();
   constraint.region = sheet::NearestVertex{{0.0, 0.0}};
   constraint.displacement = {0.0, 0.01, 0.0};

@@ -60,7 +60,7 @@ const std::vector<Row>& table() {
       {"server/codec", {"server/base"}, {}},
       {"server/mesh", {"server/base"}, {"eigen"}},
       {"server/cut", {"server/mesh", "server/base"}, {"clipper", "eigen"}},
-      {"server/contact", {"server/mesh", "server/base"}, {"eigen"}},
+      {"server/contact", {"server/mesh", "server/base"}, {"eigen", "highway"}},
       {"server/fem", {"server/mesh", "server/base"}, {"eigen", "highway", "spectra"}},
       {"server/sheet", {"server/cut", "server/contact", "server/fem", "server/mesh", "server/base"}, {"eigen"}},
       {"server/analysis", {"server/sheet", "server/fem", "server/mesh", "server/base"}, {"eigen"}},
