@@ -109,7 +109,7 @@ class ContactSolver {
   std::vector<double> collider_due_, due_, block_due_;
   std::vector<std::int32_t> due_blocks_;
   std::size_t last_pushing_ = 0;  // scratch of resolve(): nothing moved the block since that collider pushed it
-  mesh::VertexLanes vertices_;  // scratch
+  mesh::VertexLanes vertices_;    // scratch
 };
 
 }  // namespace kerf::contact

@@ -17,10 +17,10 @@ void find_gaps(const PreparedCollider& collider, const ThicknessLanes& thickness
                mesh::VertexLanes::Lanes& gaps);
 
 struct LanePush {
-  std::uint32_t pushed = 0;    // bit l: vertex l was closer than its thickness
-  double farthest = 0.0;       // m, no vertex was moved farther
-  double least_gap = 0.0;      // m, of all vertices, those pushed counting as 0
-  double deepest = 0.0;        // m, how far the deepest was pushed along its normal
+  std::uint32_t pushed = 0;  // bit l: vertex l was closer than its thickness
+  double farthest = 0.0;     // m, no vertex was moved farther
+  double least_gap = 0.0;    // m, of all vertices, those pushed counting as 0
+  double deepest = 0.0;      // m, how far the deepest was pushed along its normal
 };
 
 // Pushes vertices out of the collider; see ContactSolver.

@@ -27,13 +27,14 @@ enum StepFlags : std::uint32_t {
   kDamped = 1U << 8,   // a step of second order failed: implicit Euler's took its place
   kMajorized =
       1U << 9,  // no attempt was finite and kept the energy: one linear step that cannot gain any took their place
-  kInsideBody = 1U << 10,  // the step began with vertices inside a body, deeper than the sheet is thick: brought out slowly
+  kInsideBody =
+      1U << 10,  // the step began with vertices inside a body, deeper than the sheet is thick: brought out slowly
 };
 
 // In the order of their bits; what metrics and results call them.
 inline constexpr std::array<std::string_view, 11> kStepFlagNames{
-    "not_converged", "substepped",     "strain_limit", "substep_limit", "frozen",
-    "repaired",      "energy_limited", "widened",      "damped",        "majorized", "inside_body"};
+    "not_converged",  "substepped", "strain_limit", "substep_limit", "frozen",     "repaired",
+    "energy_limited", "widened",    "damped",       "majorized",     "inside_body"};
 static_assert(kInsideBody == 1U << (kStepFlagNames.size() - 1));
 
 // Steps that reported each flag, by bit.

@@ -196,8 +196,8 @@ class LeapfrogSweep {
   std::vector<Lanes16<T>> cluster_values_;   // x 4, of one cluster, scratch
   Contact contact_;
   bool touched_ = false;
-  Lanes16<T> speed_;  // m/s, largest components of velocities in the last substep
-  T fastest_ = 0;     // m/s, the same of the substeps before
+  Lanes16<T> speed_;                                  // m/s, largest components of velocities in the last substep
+  T fastest_ = 0;                                     // m/s, the same of the substeps before
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
   double unit_ = 1.0;                                 // m
   double unit_of_constants_ = 1.0;                    // m

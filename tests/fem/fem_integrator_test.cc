@@ -429,7 +429,8 @@ TEST_P(IntegratorContract, ContactIsToldWhenAStepBeginsAnew) {
   const bool is_first_choice =
       integrator->kind() == IntegratorKind::kExplicit || integrator->kind() == IntegratorKind::kImplicitEuler;
   // Mixed precision that fails is made again in double, not shorter.
-  const bool is_mixed = integrator->kind() == IntegratorKind::kExplicit && GetParam().options.precision == Precision::kMixed;
+  const bool is_mixed =
+      integrator->kind() == IntegratorKind::kExplicit && GetParam().options.precision == Precision::kMixed;
   const std::uint32_t expected = is_mixed ? kWidened : is_first_choice ? kSubstepped : kDamped;
   EXPECT_EQ(stats.flags & (kSubstepped | kDamped | kFrozen | kWidened), expected);
   EXPECT_TRUE(is_finite(state));

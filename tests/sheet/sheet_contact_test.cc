@@ -1,11 +1,15 @@
 // Contact and friction as a whole sheet feels them, whichever integrator steps it.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "server/sheet/sheet.h"
+#include "tests/support/random_cuts.h"
 #include "tests/support/scenes.h"
+#include "tests/support/trials.h"
 
 namespace kerf::sheet {
 namespace {
@@ -81,6 +85,83 @@ TEST_P(SheetContact, CollidersOutOfReachChangeNothing) {
     among_many.step({});
   }
   EXPECT_EQ(alone.state().x, among_many.state().x);
+}
+
+// Far from everything a sheet moves as without bodies, to the last bit.
+TEST(ExplicitContact, ABodyThatNothingComesNearChangesNoBit) {
+  for (const Precision precision : {Precision::kMixed, Precision::kDouble}) {
+    SheetConfig config = scenes::hanging(12);
+    config.integrator.kind = IntegratorKind::kExplicitLeapfrog;
+    config.integrator.precision = precision;
+    Result<Sheet> alone = Sheet::create(config);
+    config.colliders = {{contact::Plane{{0.0, 0.0, -50.0}, {0.0, 0.0, 1.0}}, 0.5},
+                        {contact::Sphere{{3.0, 4.0, 0.0}, 1.0}, 0.5}};
+    Result<Sheet> above = Sheet::create(config);
+    ASSERT_TRUE(alone.ok() && above.ok());
+    for (int tick = 0; tick < 60; ++tick) {
+      alone->step({});
+      above->step({});
+    }
+    EXPECT_EQ(alone->state_hash(), above->state_hash());
+    EXPECT_EQ(above->contact_phases(), 0);
+  }
+}
+
+TEST_P(SheetContact, ASheetThatStartsInsideABodyIsBroughtOutGently) {
+  SheetConfig config = scenes::draped_over_sphere(14);
+  config.placement.origin.z() -= 0.2;
+  config.material.mass_damping = 1.0;
+  Sheet sheet = make(std::move(config));
+  const double keep = 0.3 + 0.5 * sheet.config().material.thickness;
+  const double start = sheet.energies().total();
+  EXPECT_LT(sheet.state().x.colwise().norm().minCoeff(), 0.25);
+  int inside = 0;
+  for (int tick = 0; tick < 120; ++tick) {
+    const TickReport report = sheet.step({});
+    inside += (report.stats.flags & fem::kInsideBody) != 0 ? 1 : 0;
+    // Lifted by up to 0.2 m, at 0.25 m/s.
+    EXPECT_LT(sheet.energies().total(), start + 1.0) << "tick " << tick;
+    EXPECT_LT(report.stats.max_strain, 0.5) << "tick " << tick;
+  }
+  EXPECT_GT(inside, 10);
+  EXPECT_LT(inside, 90);
+  EXPECT_GT(sheet.state().x.colwise().norm().minCoeff(), keep - 1e-5);
+}
+
+// Offcuts and what they were cut from fall on a floor and come to rest on it, tiny triangles with local inertia among
+// them.
+TEST(ExplicitContact, WhatWasCutLandsOnTheFloor) {
+  SheetConfig config = scenes::lying_on_floor(30);
+  config.integrator.kind = IntegratorKind::kExplicitLeapfrog;
+  config.placement.origin.z() += 0.02;
+  config.material.mass_damping = 2.0;
+  config.colliders[0].friction = 0.5;
+  Result<Sheet> made = Sheet::create(std::move(config));
+  ASSERT_TRUE(made.ok());
+  Sheet& sheet = *made;
+  SeededRandom random(4);
+  const std::size_t wanted = static_cast<std::size_t>(test::num_trials({.few = 4, .usual = 12, .many = 30}));
+  for (std::size_t done = 0; done < wanted;) {
+    Cut cut;
+    cut.curve = test::random_cubic(random);
+    const std::array<Command, 1> commands{cut};
+    const TickReport report = sheet.step(commands);
+    if (report.replies.front().ok()) ++done;
+  }
+  ASSERT_NE(sheet.integrator_description().find("clusters"), std::string::npos);
+  const double floor = 0.5 * sheet.config().material.thickness;
+  const double start = sheet.energies().total();
+  for (int tick = 0; tick < 60; ++tick) {
+    const TickReport report = sheet.step({});
+    EXPECT_EQ(report.stats.flags & (fem::kFrozen | fem::kInsideBody | fem::kSubstepped), 0U) << "tick " << tick;
+    EXPECT_LE(sheet.energies().total(), start + 1e-6);
+    double lowest = floor;
+    for (mesh::VertexId v = 0; v < sheet.mesh().num_vertices(); ++v) {
+      if (sheet.mesh().has_material(v)) lowest = std::min(lowest, sheet.state().x(2, v));
+    }
+    EXPECT_GE(lowest, floor - 1e-8) << "tick " << tick;
+  }
+  EXPECT_LT(sheet.energies().kinetic, 1e-6);
 }
 
 INSTANTIATE_TEST_SUITE_P(, SheetContact,
