@@ -137,7 +137,7 @@ bool ContactSolver::push_out_of_all(std::size_t block, const ThicknessLanes& thi
     const LanePush push = push_out(colliders_[c], thickness, vertices);
     due(c, block) = travel_ + push.least_gap - kTouching;
     if (push.pushed == 0) continue;
-    last_pushing_ = c;
+    last_pushing_ = push.residual > kTouching ? colliders_.size() : c;
     pushed |= push.pushed;
     counters_.contacts += std::popcount(push.pushed);
     is_deep = is_deep || push.deepest > kTouching;
@@ -159,7 +159,7 @@ std::uint32_t ContactSolver::resolve(std::int32_t block, mesh::VertexLanes& vert
   std::uint32_t pushed = 0;
   bool is_deep = push_out_of_all(b, thickness, vertices, pushed);
   std::uint32_t pushed_again = 0;
-  for (int pass = 1; pass < kPasses && is_deep && colliders_.size() > 1; ++pass) {
+  for (int pass = 1; pass < kPasses && is_deep; ++pass) {
     pushed_again = 0;
     is_deep = push_out_of_all(b, thickness, vertices, pushed_again);
     pushed |= pushed_again;

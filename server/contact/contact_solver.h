@@ -43,7 +43,8 @@ struct ContactCounters {
 // at kExitSpeed, as its neighbours cannot follow faster without being torn.
 class ContactSolver {
  public:
-  // Passes over the colliders of a block: the second repairs what the later colliders of the first undid.
+  // Passes over the colliders of a block: the second repairs what later colliders and friction along curved
+  // ones undid in the first.
   static constexpr int kPasses = 2;
   static constexpr int kNotchRounds = 16;
   static constexpr double kTouching = 1.0e-9;  // m; a penetration that is left to the next substep

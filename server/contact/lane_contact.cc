@@ -1,6 +1,8 @@
 #include "server/contact/lane_contact.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -133,6 +135,10 @@ HWY_INLINE Near near_box(const PreparedCollider& box, const Vec3& x) {
           choose(is_outside, times(outward, inverse), face)};
 }
 
+constexpr bool is_round(PreparedCollider::Kind kind) {
+  return kind == PreparedCollider::Kind::kSphere || kind == PreparedCollider::Kind::kCapsule;
+}
+
 template <PreparedCollider::Kind kKind>
 HWY_INLINE Near near_one(const PreparedCollider& collider, const Vec3& x) {
   switch (kKind) {
@@ -170,6 +176,7 @@ HWY_NOINLINE LanePush push_of(const PreparedCollider& collider, const ThicknessL
   LanePush result;
   V least_gap = set(std::numeric_limits<double>::infinity());
   V deepest = hn::Zero(d);
+  V most_lost = hn::Zero(d);  // m^2, of tangential displacements
   const double friction = collider.friction();
   for (std::size_t l = 0; l < mesh::kVertexLanes; l += hn::Lanes(d)) {
     Vec3 x = load(vertices.x, l);
@@ -188,8 +195,10 @@ HWY_NOINLINE LanePush push_of(const PreparedCollider& collider, const ThicknessL
     if (friction > 0.0) {
       const Vec3 u = minus(x, load(vertices.before, l));
       const Vec3 slid = plus(u, n, hn::Neg(dot(u, n)));
-      const V kept = share_left(slid, hn::Mul(set(friction), depth));
-      x_after = plus(x_after, slid, hn::Sub(kept, set(1.0)));
+      const V lost = hn::Sub(share_left(slid, hn::Mul(set(friction), depth)), set(1.0));
+      x_after = plus(x_after, slid, lost);
+      const V square = hn::Mul(dot(slid, slid), hn::Mul(lost, lost));
+      most_lost = hn::Max(most_lost, hn::IfThenElseZero(is_inside, square));
       // A vertex that leaves the surface is not slowed.
       const V left = share_left(v_after, hn::Mul(set(-friction), approach));
       v_after = choose(hn::Lt(approach, hn::Zero(d)), times(v_after, left), v_after);
@@ -203,6 +212,9 @@ HWY_NOINLINE LanePush push_of(const PreparedCollider& collider, const ThicknessL
   result.least_gap = hn::GetLane(hn::MinOfLanes(d, least_gap));
   result.deepest = hn::GetLane(hn::MaxOfLanes(d, deepest));
   result.farthest = (1.0 + friction) * result.deepest;
+  const double square = hn::GetLane(hn::MaxOfLanes(d, most_lost));
+  if (kKind == PreparedCollider::Kind::kBox) result.residual = std::sqrt(square);
+  if (is_round(kKind)) result.residual = std::min(std::sqrt(square), square / collider.radius());
   return result;
 }
 

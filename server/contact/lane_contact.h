@@ -21,6 +21,7 @@ struct LanePush {
   double farthest = 0.0;     // m, no vertex was moved farther
   double least_gap = 0.0;    // m, of all vertices, those pushed counting as 0
   double deepest = 0.0;      // m, how far the deepest was pushed along its normal
+  double residual = 0.0;     // m, at most: friction takes a vertex along the tangent, into a curved surface
 };
 
 // Pushes vertices out of the collider; see ContactSolver.
