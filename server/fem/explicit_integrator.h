@@ -25,9 +25,9 @@ namespace kerf::fem {
 // Verlet algorithm for efficient molecular dynamics simulations with long-range interactions"; Tuckerman, Berne,
 // Martyna 1992): see bending_interval(). The bound is that of the sheet at rest. Stretched with Green's strain it is
 // stiffer, see GreenStretch: of that law a step begins with the substep of the sheet as it is, and is made again with
-// shorter ones where the sheet ends so stretched that they were too long. In mixed precision a step of a sheet that was
-// and is nearly at rest is made anew in double, at the cost of both. Contact is enforced after each drift, in the last
-// substep after the closing kick, so that what leaves the step respects it.
+// shorter ones where the sheet ends so stretched that they were too long. In mixed precision a step of a sheet that is
+// nearly at rest as it begins is made in double. Contact is enforced after each drift, in the last substep after the
+// closing kick, so that what leaves the step respects it.
 class ExplicitIntegrator final : public Integrator {
  public:
   // Damping ratio of the fastest mode, -, above which the stable step shrinks faster than damping is worth.
@@ -100,7 +100,11 @@ class ExplicitIntegrator final : public Integrator {
   StepStats interrupt(bool is_calmed, State& state) const;
   // So slow that its motion is not far above the noise of mixed precision: strains of that noise make waves, which
   // move at the strain times the speed of waves, however fine the mesh is. Else a stiff sheet would not come to rest.
-  [[nodiscard]] bool is_quiet(const Model& model, const State& state) const;
+  // A sheet that lies still is quiet only where its mean acceleration leaves it so slow after dt, s.
+  [[nodiscard]] bool is_quiet(const Model& model, const Loads& loads, double dt, const State& state);
+  // m/s^2, magnitude of all forces on what is not held over the mass of the sheet. Grabs and contact are left out.
+  // Overwrites scratch_.force.
+  [[nodiscard]] double mean_acceleration(const Model& model, const Loads& loads, double dt, const State& state);
   // Whether the substeps resolved the motion well enough; else its energy is limited.
   bool keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const;
   // Of the co-rotational law: what the step takes of a sheet that is stretched, -, so much that irregular meshes are

@@ -171,19 +171,69 @@ TEST(MixedPrecision, LosesTheSpinThatBendingDampingTakes) {
   EXPECT_LT((left[1] - left[0]).norm(), 1e-6 * before);
 }
 
+// Hangs in its own plane by two corners.
+struct StiffSheet {
+  StiffSheet() { loads.gravity = {0.0, -9.81, 0.0}; }
+  static Material material() {
+    Material stiff = isotropic(3e9, 0.3, 5.0e-4, 1300.0);
+    stiff.mass_damping = 20.0;
+    return stiff;
+  }
+  mesh::TriangleMesh mesh = square_grid(8);
+  Model model{mesh, material()};
+  State start = rest_state(mesh);
+  Loads loads = hang_by_corners(8, start);
+};
+
 // Its rounding alone would keep a stiff sheet moving.
 TEST(MixedPrecision, LetsAStiffSheetComeToRest) {
-  const mesh::TriangleMesh mesh = square_grid(8);
-  Material material = isotropic(3e9, 0.3, 5.0e-4, 1300.0);
-  material.mass_damping = 20.0;
-  const Model model(mesh, material);
+  const StiffSheet sheet;
   const std::unique_ptr<Integrator> integrator = make_integrator(options_of(Precision::kMixed));
-  integrator->rebuild(model);
-  State state = rest_state(mesh);
-  Loads loads = hang_by_corners(8, state);
-  loads.gravity = {0.0, -9.81, 0.0};
-  state = stepped(model, *integrator, state, 120, loads);
+  integrator->rebuild(sheet.model);
+  const State state = stepped(sheet.model, *integrator, sheet.start, 120, sheet.loads);
   EXPECT_LT(state.v.colwise().norm().maxCoeff(), 1e-6);
+}
+
+// A sweep asks before each substep and after the last, so that one that is thrown away would show.
+TEST(MixedPrecision, MakesEachStepOfASheetThatComesToRestOnce) {
+  const StiffSheet sheet;
+  const std::unique_ptr<Integrator> integrator = make_integrator(options_of(Precision::kMixed));
+  integrator->rebuild(sheet.model);
+  int times_asked = 0;
+  const GoesOn goes_on = [&] {
+    ++times_asked;
+    return true;
+  };
+  integrator->heed(&goes_on);
+  State state = sheet.start;
+  constexpr int kPerStep = 2;  // of the closing half kick, and after it
+  for (int i = 0; i < 60; ++i) {
+    times_asked = 0;
+    const StepStats stats = integrator->step(sheet.model, sheet.loads, kTick, nullptr, state);
+    EXPECT_EQ(times_asked, stats.substeps + kPerStep) << i;
+  }
+}
+
+// A state at rest is stepped in double, and one that lies still and will fall in floats, whatever was stepped before.
+TEST(MixedPrecision, ChoosesThePrecisionByTheStateAlone) {
+  const StiffSheet sheet;
+  const std::unique_ptr<Integrator> exact = make_integrator(options_of(Precision::kDouble));
+  exact->rebuild(sheet.model);
+  const State at_rest = stepped(sheet.model, *exact, sheet.start, 120, sheet.loads);
+  State still = at_rest;
+  still.v.setZero();
+  Loads let_go = sheet.loads;
+  let_go.pins.clear();
+  const std::unique_ptr<Integrator> mixed = make_integrator(options_of(Precision::kMixed));
+  mixed->rebuild(sheet.model);
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    for (const State& start : {at_rest, still}) {
+      const State expected = stepped(sheet.model, *exact, start, 1, sheet.loads);
+      EXPECT_TRUE(equal_bits(stepped(sheet.model, *mixed, start, 1, sheet.loads), expected));
+    }
+    const State falls = stepped(sheet.model, *mixed, still, 1, let_go);
+    EXPECT_FALSE(equal_bits(falls, stepped(sheet.model, *exact, still, 1, let_go)));
+  }
 }
 
 TEST(MixedPrecision, MakesAStepInDoubleWhereATriangleIsTooFlat) {
