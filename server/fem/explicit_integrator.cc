@@ -90,7 +90,7 @@ void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
   }
 }
 
-bool ExplicitIntegrator::is_quiet(const Model& model, const Loads& loads, double dt, const State& state) {
+double ExplicitIntegrator::quiet_speed(const Model& model, const Loads& loads, double dt, const State& state) {
   constexpr double kAboveNoise = 8.0;  // -
   constexpr double kNoise = 0x1p-20;  // -, of strains, gathered over many substeps: measured, many materials and meshes
   constexpr double kCoarseness = 0x1p-28;  // -, unit of positions over the extent of the sheet
@@ -106,9 +106,9 @@ bool ExplicitIntegrator::is_quiet(const Model& model, const Loads& loads, double
   const double extent = (high - low).maxCoeff();
   const double noise = std::max(
       kNoise, kCoarseness * extent * std::min(model.largest_gradient(), LeapfrogSweep<float>::flattest(model)));
-  const double quiet_speed = kAboveNoise * noise * fastest_wave_;
-  if (std::sqrt(speed_squared) >= quiet_speed) return false;
-  return speed_squared > 0.0 || dt * mean_acceleration(model, loads, dt, state) < quiet_speed;
+  const double quiet = kAboveNoise * noise * fastest_wave_;
+  if (std::sqrt(speed_squared) >= quiet) return 0.0;
+  return speed_squared > 0.0 || dt * mean_acceleration(model, loads, dt, state) < quiet ? quiet : 0.0;
 }
 
 double ExplicitIntegrator::mean_acceleration(const Model& model, const Loads& loads, double dt, const State& state) {
@@ -149,14 +149,24 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   } else {
     plan.substeps = static_cast<int>(planned);
   }
-  bool is_mixed = options_.precision == Precision::kMixed && !is_quiet(model, loads, dt, state);
+  bool is_mixed = options_.precision == Precision::kMixed;
+  double quiet = is_mixed ? quiet_speed(model, loads, dt, state) : 0.0;
+  if (quiet > 0.0 && contact != nullptr) is_mixed = false;  // which goes by the positions themselves
   for (int retry = 0;; ++retry) {
     const int least = plan.substeps;
     if (is_mixed) {
+      mixed_sweep_.step_by_displacements(quiet);
       is_mixed = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
+      if (!is_mixed && quiet > 0.0 && !mixed_sweep_.stayed_inside(plan.duration)) {  // it is quiet no longer
+        quiet = 0.0;
+        mixed_sweep_.step_by_displacements(quiet);
+        go_back(state);
+        plan.substeps = least;
+        is_mixed = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
+      }
       if (heed_.ends()) return interrupt(is_calmed, state);
       if (!is_mixed) {
-        stats.flags |= kWidened;
+        if (quiet == 0.0) stats.flags |= kWidened;
         go_back(state);
         plan.substeps = least;
       }
