@@ -151,13 +151,16 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   }
   bool is_mixed = options_.precision == Precision::kMixed;
   double quiet = is_mixed ? quiet_speed(model, loads, dt, state) : 0.0;
-  if (quiet > 0.0 && contact != nullptr) is_mixed = false;  // which goes by the positions themselves
+  // Contact goes by the positions themselves, and Green's strain has no form for displacements.
+  const bool has_displacements = contact == nullptr && model.materials().membrane_law() == MembraneLaw::kCorotational;
+  if (quiet > 0.0 && !has_displacements) is_mixed = false;
   for (int retry = 0;; ++retry) {
     const int least = plan.substeps;
     if (is_mixed) {
       mixed_sweep_.step_by_displacements(quiet);
       is_mixed = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
-      if (!is_mixed && quiet > 0.0 && !mixed_sweep_.stayed_inside(plan.duration)) {  // it is quiet no longer
+      // A sheet that is quiet no longer is stepped as ever.
+      if (quiet > 0.0 && (is_mixed ? !is_finite(state) : !mixed_sweep_.stayed_inside(plan.duration))) {
         quiet = 0.0;
         mixed_sweep_.step_by_displacements(quiet);
         go_back(state);

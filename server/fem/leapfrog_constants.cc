@@ -139,7 +139,7 @@ void LeapfrogSweep<T>::resize(const Model& model, const MembraneLayout& layout) 
   for_arrays(model, layout, [](auto& array, std::size_t size) { array.resize(size); });
   if (model.has_bending()) bending_rows_.resize((layout.num_vertices() + kRowsInGroup - 1) / kRowsInGroup);
   if (std::is_same_v<T, float>) {
-    start_.resize(layout.num_vertices());
+    start_.resize(static_cast<Eigen::Index>(kBlockLanes * layout.num_blocks()));
     bending_start_.resize(layout.num_vertices());
   }
   has_cluster_.resize(inertia_->empty() ? 0 : layout.num_blocks());

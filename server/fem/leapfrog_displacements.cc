@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "server/base/check.h"
 #include "server/fem/bending_forces.h"
 #include "server/fem/leapfrog_sweep.h"
 
@@ -13,7 +14,7 @@ using mesh::VertexId;
 template <typename T>
 bool LeapfrogSweep<T>::set_start(const Model& model, const State& state) {
   constexpr double kMostStrained = 0.25;  // -, of F^T F - I, beyond which its own rounding counts
-  if (irregular_start_.size() != irregular_.size() || quad_start_.size() != quads_.size()) return false;
+  KERF_DCHECK(model.materials().membrane_law() == MembraneLaw::kCorotational, "Green's has no displacements");
   start_.setZero();
   for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
     if (takes_part_[static_cast<std::size_t>(v)] != 0) start_.col(v) = state.x.col(v);

@@ -62,10 +62,10 @@ class LeapfrogSweep {
 
   // Makes positions of steps to come displacements since a step began, and strains those of then and what is added to
   // them: of floats, and of a sheet that hardly moves, this rounds far less. `speed`: m/s, > 0, for which units have
-  // room; 0: positions as ever.
+  // room; 0: positions as ever. Of the co-rotational law.
   void step_by_displacements(double speed) { displacement_speed_ = speed; }
-  // Takes over the state for a step of this length. False: this precision cannot hold it, or has no displacements of
-  // its law, or of a sheet that is strained so much.
+  // Takes over the state for a step of this length. False: this precision cannot hold it, or has no displacements of a
+  // sheet that is strained so much.
   bool begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration, const State& state);
   // -, largest principal strain, at least 0, one substep before the state that begin() took over; 0 of
   // Green's.
@@ -164,7 +164,7 @@ class LeapfrogSweep {
   std::vector<Lanes16<T>> cluster_values_;   // x 4, of one cluster, scratch
   double displacement_speed_ = 0.0;          // m/s, see step_by_displacements()
   std::vector<StartLanes<T>> quad_start_, irregular_start_;
-  mesh::VertexField start_;          // m, 3 x V, as the step begins
+  mesh::VertexField start_;          // m, of all lanes, as the step begins
   mesh::VertexField bending_start_;  // N, 3 x V, forces of bending then
   Lanes16<T> speed_;
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m
