@@ -159,7 +159,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     if (is_mixed) {
       mixed_sweep_.step_by_displacements(quiet);
       is_mixed = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
-      // A sheet that is quiet no longer is stepped as ever.
+      // A sheet that leaves the room of displacements is not at rest, and is stepped as ever.
       if (quiet > 0.0 && (is_mixed ? !is_finite(state) : !mixed_sweep_.stayed_inside(plan.duration))) {
         quiet = 0.0;
         mixed_sweep_.step_by_displacements(quiet);

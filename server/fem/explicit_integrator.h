@@ -27,8 +27,8 @@ namespace kerf::fem {
 // stiffer, see GreenStretch: of that law a step begins with the substep of the sheet as it is, and is made again with
 // shorter ones where the sheet ends so stretched that they were too long. In mixed precision a step of a sheet that is
 // nearly at rest as it begins goes by displacements, or is made in double: else a stiff sheet would not come to rest.
-// Contact is enforced after each drift, in the last substep after the
-// closing kick, so that what leaves the step respects it.
+// Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
+// respects it.
 class ExplicitIntegrator final : public Integrator {
  public:
   // Damping ratio of the fastest mode, -, above which the stable step shrinks faster than damping is worth.
