@@ -90,7 +90,7 @@ void ExplicitIntegrator::set_sweeps(const Model& model, bool follows) {
   }
 }
 
-bool ExplicitIntegrator::is_quiet(const Model& model, const State& state) const {
+double ExplicitIntegrator::quiet_speed(const Model& model, const Loads& loads, double dt, const State& state) {
   constexpr double kAboveNoise = 8.0;  // -
   constexpr double kNoise = 0x1p-20;  // -, of strains, gathered over many substeps: measured, many materials and meshes
   constexpr double kCoarseness = 0x1p-28;  // -, unit of positions over the extent of the sheet
@@ -106,7 +106,26 @@ bool ExplicitIntegrator::is_quiet(const Model& model, const State& state) const 
   const double extent = (high - low).maxCoeff();
   const double noise = std::max(
       kNoise, kCoarseness * extent * std::min(model.largest_gradient(), LeapfrogSweep<float>::flattest(model)));
-  return std::sqrt(speed_squared) < kAboveNoise * noise * fastest_wave_;
+  const double quiet = kAboveNoise * noise * fastest_wave_;
+  if (std::sqrt(speed_squared) >= quiet) return 0.0;
+  return speed_squared > 0.0 || dt * mean_acceleration(model, loads, dt, state) < quiet ? quiet : 0.0;
+}
+
+double ExplicitIntegrator::mean_acceleration(const Model& model, const Loads& loads, double dt, const State& state) {
+  mesh::VertexField& f = scratch_.force;
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  const auto add_to_sum = [&] {
+    for (const Pin& pin : loads.pins) f.col(pin.vertex) = pin.held(Eigen::Vector3d::Zero(), f.col(pin.vertex));
+    sum += f.rowwise().sum();
+  };
+  model.internal_forces(state.x, f);
+  add_to_sum();
+  LeapfrogKick kick;
+  kick.duration = dt;
+  set_forces(model, loads, kick, state);
+  for (Eigen::Index v = 0; v < f.cols(); ++v) f.col(v) += model.mass()[static_cast<std::size_t>(v)] * loads.gravity;
+  add_to_sum();
+  return sum.norm() / model.total_mass();
 }
 
 StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact,
@@ -131,15 +150,26 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     plan.substeps = static_cast<int>(planned);
   }
   bool is_mixed = options_.precision == Precision::kMixed;
-  const bool was_quiet = is_mixed && is_quiet(model, state);
+  double quiet = is_mixed ? quiet_speed(model, loads, dt, state) : 0.0;
+  // Green's strain has no form for displacements.
+  const bool has_displacements = model.materials().membrane_law() == MembraneLaw::kCorotational;
+  if (quiet > 0.0 && !has_displacements) is_mixed = false;
   for (int retry = 0;; ++retry) {
     const int least = plan.substeps;
     if (is_mixed) {
-      const bool fits = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
+      mixed_sweep_.step_by_displacements(quiet);
+      is_mixed = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
+      // A sheet that leaves the room of displacements is not at rest, and is stepped as ever.
+      if (quiet > 0.0 && (is_mixed ? !is_finite(state) : !mixed_sweep_.stayed_inside(plan.duration))) {
+        quiet = 0.0;
+        mixed_sweep_.step_by_displacements(quiet);
+        go_back(state);
+        plan.substeps = least;
+        is_mixed = advance(model, loads, plan, contact, mixed_sweep_, state) || !is_finite(state);
+      }
       if (heed_.ends()) return interrupt(is_calmed, state);
-      is_mixed = fits && !(was_quiet && is_quiet(model, state));
-      if (!fits) stats.flags |= kWidened;
       if (!is_mixed) {
+        if (quiet == 0.0) stats.flags |= kWidened;
         go_back(state);
         plan.substeps = least;
       }

@@ -25,9 +25,10 @@ namespace kerf::fem {
 // Verlet algorithm for efficient molecular dynamics simulations with long-range interactions"; Tuckerman, Berne,
 // Martyna 1992): see bending_interval(). The bound is that of the sheet at rest. Stretched with Green's strain it is
 // stiffer, see GreenStretch: of that law a step begins with the substep of the sheet as it is, and is made again with
-// shorter ones where the sheet ends so stretched that they were too long. In mixed precision a step of a sheet that was
-// and is nearly at rest is made anew in double, at the cost of both. Contact is enforced after each drift, in the last
-// substep after the closing kick, so that what leaves the step respects it.
+// shorter ones where the sheet ends so stretched that they were too long. In mixed precision a step of a sheet that is
+// nearly at rest as it begins goes by displacements, or is made in double: else a stiff sheet would not come to rest.
+// Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
+// respects it.
 class ExplicitIntegrator final : public Integrator {
  public:
   // Damping ratio of the fastest mode, -, above which the stable step shrinks faster than damping is worth.
@@ -99,9 +100,13 @@ class ExplicitIntegrator final : public Integrator {
   bool calm_clusters(const Model& model, State& state);
   // What step() returns where it was ended.
   StepStats interrupt(bool is_calmed, State& state) const;
-  // So slow that its motion is not far above the noise of mixed precision: strains of that noise make waves, which
-  // move at the strain times the speed of waves, however fine the mesh is. Else a stiff sheet would not come to rest.
-  [[nodiscard]] bool is_quiet(const Model& model, const State& state) const;
+  // m/s, below which motion is not far above the noise of mixed precision: strains of that noise make waves, which move
+  // at the strain times the speed of waves, however fine the mesh is. 0 where the sheet is faster. A sheet that lies
+  // still counts as fast where its mean acceleration makes it so within dt, s.
+  [[nodiscard]] double quiet_speed(const Model& model, const Loads& loads, double dt, const State& state);
+  // m/s^2, magnitude of all forces on what is not held over the mass of the sheet. Grabs and contact are left out.
+  // Overwrites scratch_.force.
+  [[nodiscard]] double mean_acceleration(const Model& model, const Loads& loads, double dt, const State& state);
   // Whether the substeps resolved the motion well enough; else its energy is limited.
   bool keeps_energy(const Model& model, const Loads& loads, StepStats& stats, State& state) const;
   // Of the co-rotational law: what the step takes of a sheet that is stretched, -, so much that irregular meshes are
@@ -138,7 +143,7 @@ class ExplicitIntegrator final : public Integrator {
   double kick_omega_ = 0.0;           // 1/s, the largest of what is not stiff anywhere
   LocalInertia inertia_;
   MembraneLayout layout_;
-  LeapfrogSweep<double> double_sweep_;  // of mixed precision: where that does not do, and of sheets nearly at rest
+  LeapfrogSweep<double> double_sweep_;  // of mixed precision: where that does not do
   bool is_double_current_ = false;
   bool was_in_double_ = false;  // the last step
   LeapfrogSweep<float> mixed_sweep_;

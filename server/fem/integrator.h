@@ -93,7 +93,7 @@ struct IntegratorOptions {
   int max_substeps = 20000;            // a step
   bool has_local_inertia = true;       // of what cuts leave much stiffer than the sheet as built: see LocalInertia
   Precision precision = Precision::kMixed;  // kMixed: a step that floats cannot hold is made in double (kWidened), and
-                                            // one of a sheet nearly at rest
+                                            // one of a sheet nearly at rest near bodies
 
   // Implicit.
   int newton_iterations = 5;       // a substep, >= 1

@@ -116,6 +116,9 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
   set(irregular_edges_, is_green ? num_irregular : 0);
   set(quads_before_, reach > 0 ? 2 * n : 0);
   set(irregular_, num_irregular);
+  const bool has_displacements = std::is_same_v<T, float> && !is_green;
+  set(quad_start_, has_displacements && reach > 0 ? 2 * n : 0);
+  set(irregular_start_, has_displacements ? num_irregular : 0);
   set(corner_x_, 4 * n);
   set(bending_x_, 4 * n);
   set(corner_force_, 1 + 12 * num_irregular);
@@ -137,6 +140,10 @@ void LeapfrogSweep<T>::resize(const Model& model, const MembraneLayout& layout) 
   layout_ = &layout;
   for_arrays(model, layout, [](auto& array, std::size_t size) { array.resize(size); });
   if (model.has_bending()) bending_rows_.resize((layout.num_vertices() + kRowsInGroup - 1) / kRowsInGroup);
+  if (std::is_same_v<T, float>) {
+    start_.resize(static_cast<Eigen::Index>(kBlockLanes * layout.num_blocks()));
+    bending_start_.resize(layout.num_vertices());
+  }
   has_cluster_.resize(inertia_->empty() ? 0 : layout.num_blocks());
   cluster_values_.resize(inertia_->largest() / 4 + 1);
   contact_.reserve(inertia_->num_vertices());

@@ -244,6 +244,7 @@ HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const Leapfr
   const hn::Rebind<Position, D> dp;
   const auto common = common_law(d, step);
   const LawLanes<T>* const laws = arrays.irregular_laws;
+  const bool from_start = arrays.irregular_start != nullptr;
   CornerPositions<Position> corners;
   const std::size_t num_blocks = arrays.irregular.size();
   for (std::size_t first = 0; first < num_blocks; first += kBlocksAtOnce) {
@@ -255,10 +256,17 @@ HWY_NOINLINE void irregular_forces(const LeapfrogArrays<T>& arrays, const Leapfr
         const auto x0 = corners.load(dp, b - first, 0, l);
         const Vec3<V> d1 = edge(d, corners.load(dp, b - first, 1, l), x0);
         const Vec3<V> d2 = edge(d, corners.load(dp, b - first, 2, l), x0);
-        set_gradients(d, arrays.irregular[b].triangles, l, d1, d2, stretches[b - first]);
+        const TriangleLanes<T>& triangles = arrays.irregular[b].triangles;
+        if (from_start) {
+          set_gradients(d, triangles, arrays.irregular_start[b], l, d1, d2, stretches[b - first]);
+        } else {
+          set_gradients(d, triangles, l, d1, d2, stretches[b - first]);
+        }
       }
     }
-    if (kLaw == MembraneLaw::kCorotational) set_strains(stretches, last - first);
+    if (kLaw == MembraneLaw::kCorotational) {
+      from_start ? set_strains_from_start(stretches, last - first) : set_strains(stretches, last - first);
+    }
     for (std::size_t b = first; b < last; ++b) {
       for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
         IrregularBlock<T>& block = arrays.irregular[b];

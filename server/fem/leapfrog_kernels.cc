@@ -70,6 +70,19 @@ HWY_NOINLINE void set_quad_gradients(const LeapfrogArrays<T>& arrays, std::size_
   }
 }
 
+template <typename T>
+HWY_NOINLINE void set_quad_gradients_from_start(const LeapfrogArrays<T>& arrays, std::size_t block,
+                                                StretchLanes<T>* to) {
+  const LanesOf<T> d;
+  const TriangleLanes<T>* const lanes = arrays.quads + 2 * block;
+  const StartLanes<T>* const start = arrays.quad_start + 2 * block;
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const auto edges = quad_edges(d, arrays, static_cast<std::ptrdiff_t>(block * kBlockLanes + l));
+    set_gradients(d, lanes[0], start[0], l, edges[0], edges[1], to[0]);
+    set_gradients(d, lanes[1], start[1], l, edges[1], edges[2], to[1]);
+  }
+}
+
 template <MembraneLaw kLaw, typename T>
 HWY_NOINLINE void set_quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block,
                                   StretchLanes<T>* stretches) {
@@ -110,13 +123,15 @@ template <MembraneLaw kLaw, typename T>
 void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t first, std::size_t last) {
   StretchLanes<T> stretches[2 * kQuadBlocksAhead];
   if constexpr (kLaw == MembraneLaw::kCorotational) {
+    const bool from_start = arrays.quad_start != nullptr;
     std::size_t num_stretches = 0;
     for (std::size_t b = first; b < last; ++b) {
       if (arrays.num_quads[b] == 0) continue;
-      set_quad_gradients(arrays, b, stretches + num_stretches);
+      from_start ? set_quad_gradients_from_start(arrays, b, stretches + num_stretches)
+                 : set_quad_gradients(arrays, b, stretches + num_stretches);
       num_stretches += 2;
     }
-    set_strains(stretches, num_stretches);
+    from_start ? set_strains_from_start(stretches, num_stretches) : set_strains(stretches, num_stretches);
   }
   StretchLanes<T>* next = stretches;
   for (std::size_t b = first; b < last; ++b) {

@@ -29,7 +29,15 @@ struct TriangleLanes {
   Lanes minus_area{};               // m^2/unit
 };
 
-// The same of kBlockLanes triangles with Green's strain, by their edges d1, d2 from corner 0 and d3 = d2 - d1:
+// Of kBlockLanes triangles as a step begins, rounded from doubles: the columns of F and F^T F - I. Without material all
+// 0.
+template <typename T>
+struct StartLanes {
+  std::array<Lanes16<T>, 3> f1{}, f2{};  // -
+  Lanes16<T> e11{}, e22{}, e12{};        // -
+};
+
+// As TriangleLanes, of kBlockLanes triangles with Green's strain, by their edges d1, d2 from corner 0 and d3 = d2 - d1:
 //   s_k = |d_k|^2 - L_k^2,   W = s.H s / 4,   t = H s,
 //   forces on the corners: t1 d1 + t2 d2, t3 d3 - t1 d1, -t2 d2 - t3 d3.
 // H = A/2 N^T C N, N taking s / 2 to e: its columns are -(ga gb^T + gb ga^T) / 2 as Voigt strains, ga and gb the shape
@@ -93,6 +101,9 @@ struct LeapfrogArrays {
   std::ptrdiff_t quad_ring = 0;
   std::ptrdiff_t quad_reach = 0;  // blocks, of offsets; 0 without quads
   std::span<IrregularBlock<T>> irregular;
+  // As quads and irregular, where positions are displacements since the step began, or null. Co-rotational law alone.
+  const StartLanes<T>* quad_start = nullptr;
+  const StartLanes<T>* irregular_start = nullptr;
   const EdgeLanes<T>* irregular_edges = nullptr;  // of Green's strain, in place of IrregularBlock::triangles
   const LawLanes<T>* quad_laws = nullptr;         // as quads, or null: those of LeapfrogStep
   const LawLanes<T>* irregular_laws = nullptr;    // as irregular

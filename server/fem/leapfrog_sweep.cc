@@ -54,6 +54,10 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
   }
   arrays.irregular = irregular_;
   arrays.irregular_edges = irregular_edges_.data();
+  if (is_by_displacements()) {
+    arrays.quad_start = quad_start_.data();
+    arrays.irregular_start = irregular_start_.data();
+  }
   arrays.quad_laws = quad_laws_.empty() ? nullptr : quad_laws_.data();
   arrays.irregular_laws = irregular_laws_.empty() ? nullptr : irregular_laws_.data();
   arrays.mass_damping = entries(mass_damping_);
@@ -91,6 +95,7 @@ bool LeapfrogSweep<T>::begin(const Model& model, const Loads& loads, const Leapf
   set_laws(model, terms);
   if (!set_frame(model, terms, duration, state)) return false;
   set_unit_of_constants();
+  if (is_by_displacements() && !set_start(model, state)) return false;
   // One substep back, so that the rate of strain in the first kick is that of the velocities.
   for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
     if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
@@ -146,10 +151,13 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
   }
   const double extent = (high - low).maxCoeff();
   if (!(extent >= 0.0)) return true;  // nothing takes part
-  const double travel = extent + 4.0 * duration * (speed + duration * terms.gravity.norm());
-  const double reach = 0.5 * extent + travel;
+  // What lies on a body falls by what gravity gives in a substep, and is stopped.
+  const double hardly = std::max(speed, displacement_speed_) + terms.h * terms.gravity.norm();
+  const double farthest =
+      is_by_displacements() ? duration * hardly : duration * (speed + duration * terms.gravity.norm());
+  const double travel = (is_by_displacements() ? 0.0 : extent) + 4.0 * farthest;
   const double edge = edge_length(model, layout_->num_triangles());
-  unit_ = unit_of_positions(reach, edge);
+  unit_ = is_by_displacements() ? unit_of_positions(travel, 0.0) : unit_of_positions(0.5 * extent + travel, edge);
   origin_ = 0.5 * (low + high).matrix();
   room_ = travel;
   return unit_ <= kCoarsest * edge && unit_ * coarsest_gradient(model) <= kCoarsestAcross;
@@ -190,8 +198,10 @@ void LeapfrogSweep<T>::set_fine_positions() {
   double* to = fine_.corner_x.front().lane.data();
   for (const VertexId v : fine_.vertices) {
     const auto i = static_cast<std::size_t>(v);
+    const Eigen::Vector3d start = (base(v) - origin_) / unit_;
     for (std::size_t c = 0; c < 3; ++c) {
-      to[c] = static_cast<double>(at(x_[c], 3 * pad_ * kBlockLanes + i)) + static_cast<double>(at(remainder_[c], i));
+      to[c] = start[static_cast<Eigen::Index>(c)] + static_cast<double>(at(x_[c], 3 * pad_ * kBlockLanes + i)) +
+              static_cast<double>(at(remainder_[c], i));
     }
     to += 4;
   }
@@ -232,13 +242,7 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
     with.bending_rows = &bending_rows_;
     if (!slices_.empty()) with.bending_slices = slices_.data();
   }
-  if (kick.forces != nullptr) {
-    T* const extra = entries(extra_);
-    for (Eigen::Index v = 0; v < kick.forces->cols(); ++v) {
-      for (Eigen::Index c = 0; c < 3; ++c) extra[4 * v + c] = static_cast<T>((*kick.forces)(c, v));
-    }
-    with.extra_force = extra;
-  }
+  if (set_extra_forces(model, kick)) with.extra_force = entries(extra_);
   if (!fine_.empty()) {
     set_fine_positions();
     leapfrog_irregular(fine_.arrays(), fine_step(model, terms));
@@ -257,11 +261,12 @@ bool LeapfrogSweep<T>::set_position(VertexId v, const Eigen::Vector3d& position)
   constexpr double kRounding = 0x1.8p52;
   const auto i = static_cast<std::size_t>(v);
   const double per_metre = 1.0 / unit_;  // exact, a power of two
+  const Eigen::Vector3d from = base(v);
   for (std::size_t c = 0; c < 3; ++c) {
     const auto axis = static_cast<Eigen::Index>(c);
     Position& x = at(x_[c], 3 * pad_ * kBlockLanes + i);
     if constexpr (std::is_same_v<T, float>) {
-      const double all = (position[axis] - origin_[axis]) * per_metre;
+      const double all = (position[axis] - from[axis]) * per_metre;
       if (!(std::abs(all) <= kReach)) return false;
       const double whole = (all + kRounding) - kRounding;
       x = static_cast<std::int32_t>(whole);
@@ -291,7 +296,7 @@ bool LeapfrogSweep<T>::read(const State& state) {
   for (std::size_t i = 0; i < takes_part_.size(); ++i) {
     const auto v = static_cast<VertexId>(i);
     const bool takes_part = takes_part_[i] != 0;
-    if (!set_position(v, takes_part ? Eigen::Vector3d(state.x.col(v)) : origin_)) return false;
+    if (!set_position(v, takes_part ? Eigen::Vector3d(state.x.col(v)) : base(v))) return false;
     set_velocity(v, takes_part ? Eigen::Vector3d(state.v.col(v)) : Eigen::Vector3d::Zero());
   }
   return true;
@@ -310,11 +315,12 @@ template <typename T>
 Eigen::Vector3d LeapfrogSweep<T>::position(VertexId v) const {
   const auto i = static_cast<std::size_t>(v);
   const std::size_t from = 3 * pad_ * kBlockLanes + i;
+  const Eigen::Vector3d start = base(v);
   Eigen::Vector3d x;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto axis = static_cast<Eigen::Index>(c);
     if constexpr (std::is_same_v<T, float>) {
-      x[axis] = origin_[axis] + unit_ * (at(x_[c], from) + static_cast<double>(at(remainder_[c], i)));
+      x[axis] = start[axis] + unit_ * (at(x_[c], from) + static_cast<double>(at(remainder_[c], i)));
     } else {
       x[axis] = at(x_[c], from);
     }

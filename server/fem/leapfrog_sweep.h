@@ -63,7 +63,12 @@ class LeapfrogSweep {
   template <typename U>
   void reserve(const Model& model, const MembraneLayout& layout, const LeapfrogSweep<U>& like);
 
-  // Takes over the state for a step of this length. False: this precision cannot hold it.
+  // Makes positions of steps to come displacements since a step began, and strains those of then and what is added to
+  // them: of floats, and of a sheet that hardly moves, this rounds far less. `speed`: m/s, > 0, for which units have
+  // room; 0: positions as ever. Of the co-rotational law.
+  void step_by_displacements(double speed) { displacement_speed_ = speed; }
+  // Takes over the state for a step of this length. False: this precision cannot hold it, or has no displacements of a
+  // sheet that is strained so much.
   bool begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration, const State& state);
   // -, largest principal strain, at least 0, one substep before the state that begin() took over; 0 of
   // Green's.
@@ -141,6 +146,15 @@ class LeapfrogSweep {
   void set_lane(const Model& model, const MembraneLayout& layout, std::size_t lane);
   void set_mobility(const Model& model, const Loads& loads);
   bool set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state);
+  [[nodiscard]] bool is_by_displacements() const { return displacement_speed_ > 0.0; }
+  // What displacements are added to. False: see begin().
+  bool set_start(const Model& model, const State& state);
+  // m, of the place that the position of a vertex counts from.
+  [[nodiscard]] Eigen::Vector3d base(mesh::VertexId v) const {
+    return is_by_displacements() ? Eigen::Vector3d(start_.col(v)) : origin_;
+  }
+  // Into extra_: those of a kick, and of bending what does not depend on displacements. False: none.
+  bool set_extra_forces(const Model& model, const LeapfrogKick& kick);
   // Those of triangles and edges in the unit of positions: exact, as units are powers of two.
   void set_unit_of_constants();
   void set_laws(const Model& model, const LeapfrogTerms& terms);
@@ -162,7 +176,9 @@ class LeapfrogSweep {
                      std::int32_t block);
   void gather_impulses(const Model& model, std::size_t block, std::uint32_t changed);
   void share_impulses();
-  [[nodiscard]] PositionFrame frame() const { return {{origin_.x(), origin_.y(), origin_.z()}, unit_}; }
+  [[nodiscard]] PositionFrame frame() const {
+    return {{origin_.x(), origin_.y(), origin_.z()}, is_by_displacements() ? start_.data() : nullptr, unit_};
+  }
   // m, that rounding may take a vertex farther than its velocity does in a substep.
   [[nodiscard]] double unit_of_rounding() const { return std::is_same_v<T, float> ? unit_ : 0.0; }
   bool set_position(mesh::VertexId v, const Eigen::Vector3d& position);
@@ -196,6 +212,10 @@ class LeapfrogSweep {
   std::vector<Lanes16<T>> cluster_values_;   // x 4, of one cluster, scratch
   Contact contact_;
   bool touched_ = false;
+  double displacement_speed_ = 0.0;  // m/s, see step_by_displacements()
+  std::vector<StartLanes<T>> quad_start_, irregular_start_;
+  mesh::VertexField start_;                           // m, of all lanes, as the step begins
+  mesh::VertexField bending_start_;                   // N, 3 x V, forces of bending then
   Lanes16<T> speed_;                                  // m/s, largest components of velocities in the last substep
   T fastest_ = 0;                                     // m/s, the same of the substeps before
   Eigen::Vector3d origin_ = Eigen::Vector3d::Zero();  // m

@@ -140,6 +140,30 @@ HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, st
   hn::Store(dot(normal, normal), d, &to.det_squared[l]);
 }
 
+// The same where edges are those of displacements since the step began. Stores F^T F - I in place of c, and det S
+// squared - 1: what is small is never the difference of what is not.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void set_gradients(D d, const TriangleLanes<hn::TFromD<D>>& lanes, const StartLanes<hn::TFromD<D>>& start,
+                              std::size_t l, const Vec3<V>& d1, const Vec3<V>& d2, StretchLanes<hn::TFromD<D>>& to) {
+  const auto load = [&](const Lanes16<hn::TFromD<D>>& from) HWY_ATTR { return hn::Load(d, &from.lane[l]); };
+  const Vec3<V> start1{load(start.f1[0]), load(start.f1[1]), load(start.f1[2])};
+  const Vec3<V> start2{load(start.f2[0]), load(start.f2[1]), load(start.f2[2])};
+  const Vec3<V> change1 = combine(d1, load(lanes.g1[0]), d2, load(lanes.g2[0]));
+  const Vec3<V> change2 = combine(d1, load(lanes.g1[1]), d2, load(lanes.g2[1]));
+  const Vec3<V> f1 = plus(start1, change1);
+  const Vec3<V> f2 = plus(start2, change2);
+  const V e11 = hn::Add(load(start.e11), dot(change1, plus(start1, f1)));
+  const V e22 = hn::Add(load(start.e22), dot(change2, plus(start2, f2)));
+  const V e12 = hn::Add(load(start.e12), hn::Add(dot(change1, f2), dot(start1, change2)));
+  store3(d, f1, to.f1, l);
+  store3(d, f2, to.f2, l);
+  hn::Store(e11, d, &to.c11[l]);
+  hn::Store(e22, d, &to.c22[l]);
+  hn::Store(e12, d, &to.c12[l]);
+  const V product = hn::Sub(hn::Mul(e11, e22), hn::Mul(e12, e12));
+  hn::Store(hn::Add(hn::Add(e11, e22), product), d, &to.det_squared[l]);
+}
+
 // Second stage. The differences in S - I = (c + (d - s) I) / s are exact where strains are small.
 template <typename T>
 HWY_INLINE void set_strains(StretchLanes<T>* blocks, std::size_t num_blocks) {
@@ -158,6 +182,36 @@ HWY_INLINE void set_strains(StretchLanes<T>* blocks, std::size_t num_blocks) {
       const auto shift = hn::Sub(det, s);
       hn::Store(hn::Mul(hn::Add(c11, shift), inverse_s), d, &t.strain1()[l]);
       hn::Store(hn::Mul(hn::Add(c22, shift), inverse_s), d, &t.strain2()[l]);
+      hn::Store(hn::Mul(hn::Load(d, &t.c12[l]), inverse_s), d, &t.S12()[l]);
+      hn::Store(inverse_s, d, &t.inverse_trace[l]);
+      hn::Store(hn::Mul(both, s), d, &t.inverse_det[l]);
+    }
+  }
+}
+
+// The same of what set_gradients() made from displacements: with F^T F = I + E, d = 1 + p and s = 2 + q,
+// S - I = (E + (p - q) I) / s.
+template <typename T>
+HWY_INLINE void set_strains_from_start(StretchLanes<T>* blocks, std::size_t num_blocks) {
+  const LanesOf<T> d;
+  const auto one = hn::Set(d, T{1});
+  const auto two = hn::Set(d, T{2});
+  const auto least = hn::Set(d, kLeastFlatness<T> * kLeastFlatness<T>);
+  for (std::size_t b = 0; b < num_blocks; ++b) {
+    StretchLanes<T>& t = blocks[b];
+    for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+      const auto e11 = hn::Load(d, &t.c11[l]);
+      const auto e22 = hn::Load(d, &t.c22[l]);
+      const auto more_squared = hn::Load(d, &t.det_squared[l]);
+      const auto det = hn::Sqrt(hn::Max(hn::Add(one, more_squared), least));
+      const auto p = hn::Div(more_squared, hn::Add(one, det));
+      const auto more = hn::Add(hn::Add(e11, e22), hn::Add(p, p));
+      const auto s = hn::Sqrt(hn::Add(hn::Add(two, two), more));
+      const auto shift = hn::Sub(p, hn::Div(more, hn::Add(two, s)));
+      const auto both = hn::Div(one, hn::Mul(s, det));
+      const auto inverse_s = hn::Mul(both, det);
+      hn::Store(hn::Mul(hn::Add(e11, shift), inverse_s), d, &t.strain1()[l]);
+      hn::Store(hn::Mul(hn::Add(e22, shift), inverse_s), d, &t.strain2()[l]);
       hn::Store(hn::Mul(hn::Load(d, &t.c12[l]), inverse_s), d, &t.S12()[l]);
       hn::Store(inverse_s, d, &t.inverse_trace[l]);
       hn::Store(hn::Mul(both, s), d, &t.inverse_det[l]);

@@ -1,5 +1,6 @@
 #include "server/fem/leapfrog_vertex_lanes.h"
 
+#include <array>
 #include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
@@ -24,18 +25,26 @@ HWY_INLINE V widened(D d, const U* from) {
   return hn::PromoteTo(d, hn::Load(hn::Rebind<U, D>(), from));
 }
 
+// m, that the positions of the vector at i count from.
+HWY_INLINE std::array<V, 3> starts_at(D d, const PositionFrame& frame, std::size_t i) {
+  std::array<V, 3> from{hn::Set(d, frame.origin[0]), hn::Set(d, frame.origin[1]), hn::Set(d, frame.origin[2])};
+  if (frame.starts != nullptr) hn::LoadInterleaved3(d, frame.starts + 3 * i, from[0], from[1], from[2]);
+  return from;
+}
+
 template <typename T>
 HWY_INLINE void load_any(const LeapfrogArrays<T>& arrays, const PositionFrame& frame, std::size_t block, double drift,
                          mesh::VertexLanes& vertices) {
   const D d;
-  for (std::size_t c = 0; c < 3; ++c) {
-    for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
-      const std::size_t i = block * kBlockLanes + l;
+  for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
+    const std::size_t i = block * kBlockLanes + l;
+    const std::array<V, 3> from = starts_at(d, frame, i);
+    for (std::size_t c = 0; c < 3; ++c) {
       V x = widened(d, arrays.x[c] + i);
       V v = widened(d, arrays.v[c] + i);
       if constexpr (std::is_same_v<T, float>) {
         x = hn::Add(x, widened(d, arrays.remainder[c] + i));
-        x = hn::Add(hn::Set(d, frame.origin[c]), hn::Mul(hn::Set(d, frame.unit), x));
+        x = hn::Add(from[c], hn::Mul(hn::Set(d, frame.unit), x));
         v = hn::Add(v, widened(d, arrays.v_remainder[c] + i));
       }
       hn::Store(x, d, &vertices.x[c][l]);
@@ -78,12 +87,13 @@ HWY_INLINE double store_any(const mesh::VertexLanes& vertices, std::uint32_t cha
     const auto mask = mask_at(d, changed, l);
     if (hn::AllFalse(d, mask)) continue;
     const std::size_t i = block * kBlockLanes + l;
+    const std::array<V, 3> from = starts_at(d, frame, i);
     for (std::size_t c = 0; c < 3; ++c) {
       const V x = hn::Load(d, &vertices.x[c][l]);
       const V v = hn::Load(d, &vertices.v[c][l]);
       store_changed(d, mask, v, arrays.v[c] + i);
       if constexpr (std::is_same_v<T, float>) {
-        const V all = hn::Mul(hn::Sub(x, hn::Set(d, frame.origin[c])), hn::Set(d, 1.0 / frame.unit));
+        const V all = hn::Mul(hn::Sub(x, from[c]), hn::Set(d, 1.0 / frame.unit));
         const V whole = hn::Round(all);
         largest = hn::Max(largest, hn::IfThenElseZero(mask, hn::Abs(all)));
         store_changed(d, mask, whole, arrays.x[c] + i);

@@ -16,6 +16,7 @@ static_assert(mesh::kVertexLanes == kBlockLanes);
 // Where positions of LeapfrogArrays are counted from, and their unit.
 struct PositionFrame {
   std::array<double, 3> origin{};  // m
+  const double* starts = nullptr;  // m, x, y, z of each vertex, in place of the origin; or null
   double unit = 1.0;               // m, a power of two
 };
 
@@ -23,7 +24,7 @@ struct PositionFrame {
 template <typename T>
 void load_vertices(const LeapfrogArrays<T>& arrays, const PositionFrame& frame, std::size_t block, double drift,
                    mesh::VertexLanes& vertices);
-// Those of which `changed` has the bit. Returns the largest component of their positions, in units from the origin;
+// Those of which `changed` has the bit. Returns the largest component of their positions, in units;
 // positions of floats beyond 2^30 are not right.
 template <typename T>
 double store_vertices(const mesh::VertexLanes& vertices, std::uint32_t changed, const PositionFrame& frame,

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "tests/fem/leapfrog_cases.h"
+#include "tests/support/allocation_counter.h"
+#include "tests/support/random_cuts.h"
 
 namespace kerf::fem {
 namespace {
@@ -171,19 +173,102 @@ TEST(MixedPrecision, LosesTheSpinThatBendingDampingTakes) {
   EXPECT_LT((left[1] - left[0]).norm(), 1e-6 * before);
 }
 
+// Hangs in its own plane by two corners.
+struct StiffSheet {
+  StiffSheet() { loads.gravity = {0.0, -9.81, 0.0}; }
+  static Material material() {
+    Material stiff = isotropic(3e9, 0.3, 5.0e-4, 1300.0);
+    stiff.mass_damping = 20.0;
+    return stiff;
+  }
+  mesh::TriangleMesh mesh = square_grid(8);
+  Model model{mesh, material()};
+  State start = rest_state(mesh);
+  Loads loads = hang_by_corners(8, start);
+};
+
 // Its rounding alone would keep a stiff sheet moving.
 TEST(MixedPrecision, LetsAStiffSheetComeToRest) {
-  const mesh::TriangleMesh mesh = square_grid(8);
-  Material material = isotropic(3e9, 0.3, 5.0e-4, 1300.0);
-  material.mass_damping = 20.0;
-  const Model model(mesh, material);
+  const StiffSheet sheet;
   const std::unique_ptr<Integrator> integrator = make_integrator(options_of(Precision::kMixed));
-  integrator->rebuild(model);
-  State state = rest_state(mesh);
-  Loads loads = hang_by_corners(8, state);
-  loads.gravity = {0.0, -9.81, 0.0};
-  state = stepped(model, *integrator, state, 120, loads);
+  integrator->rebuild(sheet.model);
+  const State state = stepped(sheet.model, *integrator, sheet.start, 120, sheet.loads);
   EXPECT_LT(state.v.colwise().norm().maxCoeff(), 1e-6);
+}
+
+// A sweep asks before each substep and after the last, so that one that is thrown away would show.
+TEST(MixedPrecision, MakesEachStepOfASheetThatComesToRestOnce) {
+  const StiffSheet sheet;
+  const std::unique_ptr<Integrator> integrator = make_integrator(options_of(Precision::kMixed));
+  integrator->rebuild(sheet.model);
+  int times_asked = 0;
+  const GoesOn goes_on = [&] {
+    ++times_asked;
+    return true;
+  };
+  integrator->heed(&goes_on);
+  State state = sheet.start;
+  constexpr int kPerStep = 2;  // of the closing half kick, and after it
+  for (int i = 0; i < 60; ++i) {
+    times_asked = 0;
+    const StepStats stats = integrator->step(sheet.model, sheet.loads, kTick, nullptr, state);
+    EXPECT_EQ(times_asked, stats.substeps + kPerStep) << i;
+  }
+}
+
+// A sheet at rest is stepped otherwise than one that falls: by the state, the model and the loads alone.
+TEST(MixedPrecision, StepsASheetAtRestWhateverWasSteppedBefore) {
+  const StiffSheet sheet;
+  const std::unique_ptr<Integrator> exact = make_integrator(options_of(Precision::kDouble));
+  exact->rebuild(sheet.model);
+  const State at_rest = stepped(sheet.model, *exact, sheet.start, 120, sheet.loads);
+  State still = at_rest;
+  still.v.setZero();
+  Loads let_go = sheet.loads;
+  let_go.pins.clear();
+  const std::unique_ptr<Integrator> mixed = make_integrator(options_of(Precision::kMixed));
+  mixed->rebuild(sheet.model);
+  for (int repeat = 0; repeat < 2; ++repeat) {
+    for (const State& start : {at_rest, still}) {
+      for (const Loads& loads : {sheet.loads, let_go}) {
+        const std::unique_ptr<Integrator> fresh = make_integrator(options_of(Precision::kMixed));
+        fresh->rebuild(sheet.model);
+        const State found = stepped(sheet.model, *mixed, start, 1, loads);
+        EXPECT_TRUE(equal_bits(found, stepped(sheet.model, *fresh, start, 1, loads)));
+        const State expected = stepped(sheet.model, *exact, start, 1, loads);
+        EXPECT_LT((found.x - expected.x).cwiseAbs().maxCoeff(), 1e-7);
+      }
+    }
+  }
+}
+
+// Triangles too flat for fixed point, clusters, bending that is damped, and a sheet that a pin pulls.
+TEST(MixedPrecision, StepsACutSheetNearlyAtRestAlmostAsInDouble) {
+  mesh::TriangleMesh mesh = square_grid(50);
+  Material material = *find_preset("wool");
+  material.stiffness_damping = 1e-6;
+  Model model(mesh, material);
+  test::RandomCuts cuts(1, mesh, model);
+  cuts.make(20);
+  State start = rest_state(mesh);
+  SeededRandom random(14);
+  start.v = random_field(random, start.x.cols(), 1e-3);
+  Loads loads = no_loads();
+  loads.pins.push_back({0, start.x.col(0) + Eigen::Vector3d(1e-6, 0.0, 2e-6), Eigen::Vector3d(1e-3, 0.0, 2e-3)});
+  constexpr double kDuration = 1e-3;  // s
+  std::vector<State> results;
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+    const std::unique_ptr<Integrator> integrator = make_integrator(options_of(precision));
+    integrator->rebuild(model);
+    State state = start;
+    const std::size_t before = test::num_allocations();
+    EXPECT_EQ(integrator->step(model, loads, kDuration, nullptr, state).flags, kNoFlags);
+    EXPECT_EQ(test::num_allocations(), before);
+    results.push_back(state);
+  }
+  EXPECT_GT((results[0].x - start.x).cwiseAbs().maxCoeff(), 1e-7);
+  EXPECT_LT((results[0].x - results[1].x).cwiseAbs().maxCoeff(), 1e-10);
+  EXPECT_LT((results[0].v - results[1].v).cwiseAbs().maxCoeff(), 1e-6);
 }
 
 TEST(MixedPrecision, MakesAStepInDoubleWhereATriangleIsTooFlat) {

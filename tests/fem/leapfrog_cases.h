@@ -49,6 +49,15 @@ inline State crumpled_state(const mesh::TriangleMesh& mesh) {
   return state;
 }
 
+// Nearly at rest, of soft_cloth() and stiffer ones.
+inline State quiet_state(const mesh::TriangleMesh& mesh) {
+  SeededRandom random(13);
+  State state = rest_state(mesh);
+  state.x += random_field(random, state.x.cols(), 1e-4);
+  state.v = random_field(random, state.x.cols(), 5e-5);
+  return state;
+}
+
 inline State stepped(const Model& model, Integrator& integrator, State state, int ticks, const Loads& loads = Loads()) {
   for (int i = 0; i < ticks; ++i) {
     EXPECT_EQ(integrator.step(model, loads, kTick, nullptr, state).flags & ~kStrainLimit, 0U);
