@@ -64,7 +64,7 @@ struct CutOptions {
   // tenth of the tolerance.  -, in [1e-6, 0.1]
   double snap = 1.0e-3;
   // Triangles touched by the cut are refined until no angle is smaller, except in corners between lips that are
-  // narrower than 60 degrees.  degrees, in [0, kMaxMinAngle]; 0 refines nothing
+  // narrower than 60 degrees and near strands (StrandQuality).  degrees, in [0, kMaxMinAngle]; 0 refines nothing
   double min_angle_deg = 20.0;
   // Moves free old points of the touched ring away from the path in rest space before refining, where that improves
   // the worst triangle around them. Needs far fewer and far less flat triangles; see MeshEdit::moved_vertices.
@@ -127,6 +127,9 @@ enum class CutStatus {
                     // larger than the snap distance, which makes it a point: mesh untouched, edit empty
 };
 
+// Smallest angle near strands, as a fraction of CutOptions::min_angle_deg.  -
+inline constexpr double kStrandAngle = 0.5;
+
 // Corners named in a reply; the sharpest first.
 inline constexpr std::size_t kMaxListedCorners = 64;
 
@@ -137,6 +140,17 @@ struct SharpCorner {
   double angle_deg = 0.0;              // degrees, in (0, 60); its sharpest one, where several meet
   std::int32_t triangles_below = 0;    // new triangles below the angle asked for at it or sharing a vertex with one
                                        // at it; one near two corners is counted at both
+};
+
+// The shapes of the new triangles near strands: lips, or lips and the border, that face each other closer than a
+// quarter of the edge length there, or lips that cross that near (mesh::Strands). A promise of kStrandAngle *
+// min_angle_deg holds there, outside of sharp corners, and none in gaps narrower than 0.03 edge lengths.
+struct StrandQuality {
+  std::int32_t triangles = 0;           // measured, those in narrow gaps included
+  std::int32_t narrow_triangles = 0;    // of those, in gaps narrower than 0.03 edge lengths
+  double asked_angle_deg = 0.0;         // degrees; smallest angle asked for, in narrow gaps none
+  double min_angle_deg = 180.0;         // degrees; smallest angle of the worst outside of narrow gaps
+  double narrow_min_angle_deg = 180.0;  // degrees; the same in narrow gaps
 };
 
 // The shapes of the new triangles: those the cut has made, not old ones that merely lost a neighbour.
@@ -150,7 +164,10 @@ struct CutQuality {
   double mean_edge_ratio = 0.0;               // -
   double min_height_m = 0.0;                  // m; smallest height
   std::int32_t triangles_below_angle = 0;     // below min_angle_deg asked for
-  std::int32_t triangles_below_contract = 0;  // of those, in no sharp corner's two rings; 0 unless refinement_stopped
+  std::int32_t triangles_below_contract = 0;  // below what is asked for where they lie, near strands or elsewhere, in
+                                              // no sharp corner's two rings; 0 unless refinement_stopped
+  double elsewhere_min_angle_deg = 180.0;  // degrees; smallest angle of the worst that is not near strands
+  StrandQuality strands;
   std::vector<SharpCorner> corners;  // with triangles below the angle; the sharpest first, at most kMaxListedCorners
   std::int32_t num_corners = 0;      // of them all
 };
