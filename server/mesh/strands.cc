@@ -51,12 +51,13 @@ bool Strands::has_strands(TriangleId t, int c, double reach) {
       const Vector2d b = from_middle(left);
       const double share = -a.dot(b - a) / (b - a).squaredNorm();
       Vector2d foot = a + std::clamp(share, 0.0, 1.0) * (b - a);
-      if (foot.norm() >= reach) continue;
-      if (note_end(right, a) || note_end(left, b)) return true;
+      if (foot.squaredNorm() >= reach * reach) continue;
       if (!mesh_.is_fixed(found_[i], k)) {
         const TriangleId u = mesh_.welded_neighbour(found_[i], k);
         if (std::find(found_.begin(), found_.end(), u) == found_.end()) found_.push_back(u);
-      } else if ((mesh_.locks(found_[i], k) & kLocksThatOpen) != 0 && share > 0.0 && share < 1.0) {
+      } else if ((mesh_.locks(found_[i], k) & kLocksThatOpen) != 0) {
+        if (note_end(right, a) || note_end(left, b)) return true;
+        if (share <= 0.0 || share >= 1.0) continue;
         if (foot.norm() < kOnEdge) foot = -normal;
         if (note_foot(foot)) return true;
       }
@@ -68,7 +69,6 @@ bool Strands::has_strands(TriangleId t, int c, double reach) {
 bool Strands::note_end(PointId p, const Vector2d& offset) {
   if (offset.norm() >= reach_ || std::find(ends_.begin(), ends_.end(), p) != ends_.end()) return false;
   ends_.push_back(p);
-  int num_lips = 0;
   int num_cuts = 0;
   bool is_nearest = true;
   mesh_.fan_around(p, fan_);
@@ -76,14 +76,13 @@ bool Strands::note_end(PointId p, const Vector2d& offset) {
     const int k = mesh_.corner_of(t, p);
     const LockBits locks = mesh_.locks(t, previous_corner(k));
     if ((locks & kLocksThatOpen) == 0) continue;
-    ++num_lips;
     if ((locks & kLockCut) != 0) ++num_cuts;
     const Vector2d along =
         mesh_.at_rest(found_.front(), difference(mesh_.at(p), mesh_.at(mesh_.points(t)[next_corner(k)])));
     if (offset.dot(along) < 0.0) is_nearest = false;
   }
   if (num_cuts >= kCutsOfCrossing) return true;
-  return num_lips > 0 && is_nearest && note_foot(offset);
+  return is_nearest && note_foot(offset);
 }
 
 bool Strands::note_foot(const Vector2d& foot) {
