@@ -48,10 +48,6 @@ constexpr double kGradedReach = 3.0;
 constexpr int kCloserAttempts = 2;    // see calls_for_less_snapping
 constexpr double kCloserSnap = 0.01;  // -; by which each multiplies the snap distance
 
-// Near strands vertices cost more than their angles gain: see mesh::Strands. As fractions of the edge length.
-constexpr double kNearStrands = 0.25;  // -
-constexpr double kNarrowGap = 0.03;    // -
-
 // Ids in the order they are added in, each once.
 class UniqueIds {
  public:

@@ -127,8 +127,12 @@ enum class CutStatus {
                     // larger than the snap distance, which makes it a point: mesh untouched, edit empty
 };
 
-// Smallest angle near strands, as a fraction of CutOptions::min_angle_deg.  -
+// Near strands vertices cost more than their angles gain. The smallest angle there is this part of
+// CutOptions::min_angle_deg.  -
 inline constexpr double kStrandAngle = 0.5;
+// Distances of strands, as fractions of the edge length there (mesh::EdgeLengths).  -
+inline constexpr double kNearStrands = 0.25;
+inline constexpr double kNarrowGap = 0.03;
 
 // Corners named in a reply; the sharpest first.
 inline constexpr std::size_t kMaxListedCorners = 64;
@@ -142,12 +146,12 @@ struct SharpCorner {
                                        // at it; one near two corners is counted at both
 };
 
-// The shapes of the new triangles near strands: lips, or lips and the border, that face each other closer than a
-// quarter of the edge length there, or lips that cross that near (mesh::Strands). A promise of kStrandAngle *
-// min_angle_deg holds there, outside of sharp corners, and none in gaps narrower than 0.03 edge lengths.
+// The shapes of the new triangles near strands: lips, or lips and the border, that face each other closer than
+// kNearStrands, or lips that cross within it (mesh::Strands). No angle there is below kStrandAngle * min_angle_deg
+// outside of sharp corners. Gaps narrower than kNarrowGap are spanned by needles of any angle.
 struct StrandQuality {
-  std::int32_t triangles = 0;           // measured, those in narrow gaps included
-  std::int32_t narrow_triangles = 0;    // of those, in gaps narrower than 0.03 edge lengths
+  std::int32_t triangles = 0;           // those in narrow gaps included
+  std::int32_t narrow_triangles = 0;    // of those, in narrow gaps
   double asked_angle_deg = 0.0;         // degrees; smallest angle asked for, in narrow gaps none
   double min_angle_deg = 180.0;         // degrees; smallest angle of the worst outside of narrow gaps
   double narrow_min_angle_deg = 180.0;  // degrees; the same in narrow gaps
@@ -166,10 +170,10 @@ struct CutQuality {
   std::int32_t triangles_below_angle = 0;     // below min_angle_deg asked for
   std::int32_t triangles_below_contract = 0;  // below what is asked for where they lie, near strands or elsewhere, in
                                               // no sharp corner's two rings; 0 unless refinement_stopped
-  double elsewhere_min_angle_deg = 180.0;  // degrees; smallest angle of the worst that is not near strands
-  StrandQuality strands;
   std::vector<SharpCorner> corners;  // with triangles below the angle; the sharpest first, at most kMaxListedCorners
   std::int32_t num_corners = 0;      // of them all
+  double elsewhere_min_angle_deg = 180.0;  // degrees; smallest angle of the worst that is not near strands
+  StrandQuality strands;
 };
 
 struct CutReport {
@@ -183,8 +187,8 @@ struct CutReport {
   double deviation_m = 0.0;              // m; proven bound on the distance between the curve (inside the sheet) and
                                          // its lips: flattening + snapping + rounding
   double deviation_of_tolerance = 0.0;   // -, in [0, 1]; the same over the tolerance there, the largest of all places
-  bool refinement_stopped = false;       // a guard fired: the mesh is valid, its quality is not as asked for. In gaps
-                                         // between lips far narrower than an edge, at the length floor of snap / 4
+  bool refinement_stopped = false;       // a guard fired: the mesh is valid, its quality is not as asked for. At the
+                                         // length floor of snap / 4
   // The next four also of a cut that misses.
   std::int32_t snapped_points = 0;   // path points moved onto an existing point or lip (by <= snap)
   std::int32_t closed_gaps = 0;      // stretches and points of the path laid on an older lip, the border or another
