@@ -180,8 +180,8 @@ bool PathInsertion::runs_along_edge(const LatticePoint& at) const {
   return false;
 }
 
-// Whether a lip of an earlier cut is closer to `at` than half the spacing. Where the path crosses it, the crossing
-// spaces the path, and a point that near would only make short edges.
+// Returns true if a lip of an earlier cut is closer to `at` than half the spacing. The crossing with it spaces the path
+// already, and a point that near would only make short edges.
 bool PathInsertion::is_near_older_lip(const LatticePoint& at) const {
   const double reach = 0.5 * spacing_ * scale_.edge_length(mesh_.lattice().position(at)) / mesh_.lattice().spacing;
   std::vector<TriangleId> found{mesh_.locate(at, hint_).triangle};

@@ -55,9 +55,10 @@ struct RefinementCounts {
 // 2004, "Off-centers: a new type of Steiner points"), fixed edges split where encroached or in the way, and two guards
 // for sharp input corners: concentric shells around corners below 60 degrees (Ruppert, sec. 7) and no refinement of
 // triangles whose shortest edge joins two lips of such a corner (Miller, Pav, Walkington 2003, "When and why Ruppert's
-// algorithm works"). Near strands (see Strands) no angle is below strand_angle_deg: what lies between lips is no higher
-// than their gap, however many triangles fill it. In narrow gaps none is asked for: there lips are only split opposite
-// each other, and needles span them. The void is never refined. Ends early where the editor's budget is exhausted.
+// algorithm works"). Near strands (see Strands) no angle is below strand_angle_deg: triangles between lips are no
+// higher than their gap, however many triangles fill it. In narrow gaps none is asked for: there lips are only split
+// opposite each other, and needles span them. The void is never refined. Ends early where the editor's budget is
+// exhausted.
 RefinementCounts refine(MeshEditor& editor, std::span<const TriangleId> seeds, const RefinementConfig& config);
 
 }  // namespace kerf::mesh

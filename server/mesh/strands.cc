@@ -11,9 +11,9 @@ using Eigen::Vector2d;
 
 namespace {
 
-// Two lips face each other where their nearest places are seen at 120 degrees or more from in between: those of a
-// corner do from 60 degrees down, as in LipCorners.
-constexpr double kCosFacing = -0.5;
+// Two lips face each other if their nearest places lie at least 150 degrees apart as seen from in between. Those of a
+// corner do from 30 degrees down; wider corners are left to what holds at sharp ones (LipCorners).
+constexpr double kCosFacing = -0.866;   // -
 constexpr int kCutsOfCrossing = 3;      // lip edges at a point where one cut meets another
 constexpr std::size_t kMaxFound = 256;  // triangles searched for strands
 constexpr double kOnEdge = 2.0;         // lattice units; a place this near to the middle lies on the edge itself
@@ -32,8 +32,7 @@ Strands::Place Strands::place_of(TriangleId t, const TriangleShape& shape) {
   return has_strands(t, c, scale * widths_.near) ? Place::kNear : Place::kElsewhere;
 }
 
-// Searches what of the sheet within reach of the middle hangs together there: triangles across edges that are not
-// fixed.
+// Searches the triangles that are reached from t over edges within reach of the middle, none of them fixed.
 bool Strands::has_strands(TriangleId t, int c, double reach) {
   const LatticePoint& p = mesh_.at(mesh_.points(t)[next_corner(c)]);
   const Vector2d edge = difference(p, mesh_.at(mesh_.points(t)[previous_corner(c)]));

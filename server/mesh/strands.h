@@ -16,14 +16,14 @@ struct StrandWidths {
   double narrow = 0.0;  // lattice units, in [0, near]; gaps below this are spanned by needles
 };
 
-// Tells triangles between and beside strands that are much closer than an edge length from all others. The answer
-// depends on lips, border and the triangle alone, and stays the same where lips are split or others are refined.
+// Finds the triangles between and beside strands that are much closer than an edge length. The answer depends on lips,
+// border and the triangle alone, and stays the same while lips are split and other triangles refined.
 class Strands {
  public:
   enum class Place {
     kElsewhere,
-    // Two strands face each other across the middle of the triangle's shortest edge, closer than `near`, or lips cross
-    // within `near` of that middle.
+    // Two strands face each other across the middle of the triangle's shortest edge, closer than `near`, or a lip of
+    // one cut meets another within `near` of that middle.
     kNear,
     // The shortest edge joins two fixed edges without being one, and is shorter than `narrow`.
     kNarrow,
@@ -37,8 +37,8 @@ class Strands {
   [[nodiscard]] Place place_of(TriangleId t, const TriangleShape& shape);
 
  private:
-  // Whether strands face each other or lips cross within `reach` (lattice units) of the middle of the edge of t
-  // opposite corner c.
+  // Returns true where strands face each other closer than `reach` (lattice units) across the middle of the edge of t
+  // opposite corner c, or lips cross within `reach` of it.
   [[nodiscard]] bool has_strands(TriangleId t, int c, double reach);
   // Takes note of a point of lips or border at this offset from the middle. True where lips cross in it.
   bool note_end(PointId p, const Eigen::Vector2d& offset);

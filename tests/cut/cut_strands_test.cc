@@ -106,7 +106,7 @@ TEST(CutStrands, OrdinaryCutsHaveNone) {
   }
 }
 
-// Cuts are told apart from the border: one that ends there at a right angle has no strand, one beside it has.
+// A cut that ends at the border at a right angle has no strand there; one that runs beside it has.
 TEST(CutStrands, TheBorderIsAStrandOfACutBesideIt) {
   mesh::TriangleMesh mesh = grid(kSide);
   const double h = mesh.base_edge_length();
@@ -140,7 +140,7 @@ struct RandomlyCut {
   }
 };
 
-// Refined to 20 degrees everywhere the sheets had 7,700, 7,466 and 7,470 vertices after 50 cuts, and 16,637, 16,278 and
+// Sheets refined to 20 degrees everywhere had 7,700, 7,466 and 7,470 vertices after 50 cuts, and 16,637, 16,278 and
 // 16,357 after 100.
 TEST(CutStrands, RandomCutsTakeFewVerticesAndKeepTheTolerance) {
   for (const std::uint64_t seed : {1, 2, 3}) {
@@ -174,7 +174,7 @@ TEST(CutStrands, UndoAndRepetitionGiveTheSameMesh) {
   EXPECT_EQ(sheet.mesh.state_hash(), shorter.mesh.state_hash());
 }
 
-// Points that only space the path are left out beside older lips; the crossing stays, as does a path alone.
+// Points that only space the path are left out beside older lips, whose crossings space it.
 TEST(CutStrands, CrossingsSpaceThePath) {
   const Polyline across{{{0.213, 0.507}, {0.787, 0.493}}};
   mesh::TriangleMesh alone = grid(kSide);
