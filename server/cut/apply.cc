@@ -236,7 +236,7 @@ class Cutter {
     config.min_angle_deg = plan_.options.min_angle_deg;
     config.length_floor = kLengthFloor * plan_.snap_m / spacing_;
     config.lengths = &mesh_.edge_lengths();
-    config.strands = strand_widths();
+    config.strands = strand_widths(mesh_, plan_.options);
     config.strand_angle_deg = kStrandAngle * plan_.options.min_angle_deg;
     config.max_insertions = max_insertions() + insertions_around(config.grading);
     const mesh::RefinementCounts counts = refine(editor_, seeds.ids(), config);
@@ -246,12 +246,6 @@ class Cutter {
                    "cut.max_new_triangles"};
     }
     return counts;
-  }
-
-  // None by element, which is not refined to any angle.
-  [[nodiscard]] mesh::StrandWidths strand_widths() const {
-    const double edge_length = is_by_element() ? 0.0 : plan_.edge_length_m / spacing_;
-    return {kNearStrands * edge_length, kNarrowGap * edge_length};
   }
 
   [[nodiscard]] mesh::TipGrading grading() const {
@@ -320,7 +314,7 @@ class Cutter {
         plan_.view_deviation_m + plan_.curve_deviation_m + (counts.deviation + kRoundingUnits) * spacing_;
     report.quality =
         measure_quality(mesh_, new_triangles(mesh_, outcome.undo, outcome.edit.rewritten_triangles, moved_),
-                        plan_.options.min_angle_deg, strand_widths());
+                        plan_.options.min_angle_deg, strand_widths(mesh_, plan_.options));
     if (!is_by_element() && plan_.options.min_angle_deg > 0.0 && report.quality.triangles_below_contract > 0) {
       report.refinement_stopped = true;
     }

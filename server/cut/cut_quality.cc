@@ -135,6 +135,12 @@ std::vector<TriangleId> new_triangles(const mesh::TriangleMesh& mesh, const mesh
   return made;
 }
 
+mesh::StrandWidths strand_widths(const mesh::TriangleMesh& mesh, const CutOptions& options) {
+  if (options.method == Method::kElement) return {};
+  const double edge_length = mesh.edge_lengths().mean / mesh.lattice().spacing;
+  return {kNearStrands * edge_length, kNarrowGap * edge_length};
+}
+
 CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const TriangleId> triangles, double min_angle_deg,
                            const mesh::StrandWidths& strand_widths) {
   CutQuality quality;

@@ -29,7 +29,7 @@ class Strands {
     kNarrow,
   };
 
-  // `lengths`: not null where `widths.near` is above 0. Both must outlive this.
+  // `lengths`: not null where `widths.near` is above 0. It and the mesh must outlive this.
   Strands(const TriangleMesh& mesh, const StrandWidths& widths, const EdgeLengths* lengths)
       : mesh_(mesh), widths_(widths), lengths_(lengths) {}
 
