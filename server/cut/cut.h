@@ -146,12 +146,12 @@ struct SharpCorner {
                                        // at it; one near two corners is counted at both
 };
 
-// The shapes of the new triangles near strands: lips, or lips and the border, that face each other closer than
+// The new triangles below min_angle_deg near strands: lips, or lips and the border, that face each other closer than
 // kNearStrands, or lips that cross within it (mesh::Strands). No angle there is below kStrandAngle * min_angle_deg
 // outside of sharp corners. Gaps narrower than kNarrowGap are spanned by needles of any angle.
 struct StrandQuality {
-  std::int32_t triangles = 0;           // those in narrow gaps included
-  std::int32_t narrow_triangles = 0;    // of those, in narrow gaps
+  std::int32_t triangles_below = 0;     // below min_angle_deg, those in narrow gaps included
+  std::int32_t narrow_below = 0;        // of those, in narrow gaps
   double asked_angle_deg = 0.0;         // degrees; smallest angle asked for, in narrow gaps none
   double min_angle_deg = 180.0;         // degrees; smallest angle of the worst outside of narrow gaps
   double narrow_min_angle_deg = 180.0;  // degrees; the same in narrow gaps
@@ -172,7 +172,7 @@ struct CutQuality {
                                               // no sharp corner's two rings; 0 unless refinement_stopped
   std::vector<SharpCorner> corners;  // with triangles below the angle; the sharpest first, at most kMaxListedCorners
   std::int32_t num_corners = 0;      // of them all
-  double elsewhere_min_angle_deg = 180.0;  // degrees; smallest angle of the worst that is not near strands
+  double elsewhere_min_angle_deg = 180.0;  // degrees; smallest angle of the worst that is not counted in `strands`
   StrandQuality strands;
 };
 

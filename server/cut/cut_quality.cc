@@ -86,24 +86,22 @@ std::vector<TriangleId> list_corners(const mesh::TriangleMesh& mesh, std::span<c
   return excused;
 }
 
-// Counts a triangle with this smallest angle (degrees) where it lies, and returns the angle asked for there.
-double count_at(mesh::Strands::Place place, double angle, double min_angle_deg, CutQuality& quality) {
+// Counts a triangle with this smallest angle (degrees), below min_angle_deg, where it lies, and returns the angle asked
+// for there.
+double count_below(mesh::Strands::Place place, double angle, double min_angle_deg, CutQuality& quality) {
   StrandQuality& strands = quality.strands;
-  switch (place) {
-    case mesh::Strands::Place::kElsewhere:
-      quality.elsewhere_min_angle_deg = std::min(quality.elsewhere_min_angle_deg, angle);
-      return min_angle_deg;
-    case mesh::Strands::Place::kNear:
-      ++strands.triangles;
-      strands.min_angle_deg = std::min(strands.min_angle_deg, angle);
-      return strands.asked_angle_deg;
-    case mesh::Strands::Place::kNarrow:
-      ++strands.triangles;
-      ++strands.narrow_triangles;
-      strands.narrow_min_angle_deg = std::min(strands.narrow_min_angle_deg, angle);
-      return 0.0;
+  if (place == mesh::Strands::Place::kElsewhere) {
+    quality.elsewhere_min_angle_deg = std::min(quality.elsewhere_min_angle_deg, angle);
+    return min_angle_deg;
   }
-  return min_angle_deg;
+  ++strands.triangles_below;
+  if (place == mesh::Strands::Place::kNear) {
+    strands.min_angle_deg = std::min(strands.min_angle_deg, angle);
+    return strands.asked_angle_deg;
+  }
+  ++strands.narrow_below;
+  strands.narrow_min_angle_deg = std::min(strands.narrow_min_angle_deg, angle);
+  return 0.0;
 }
 
 }  // namespace
@@ -161,8 +159,12 @@ CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const Trian
     quality.max_edge_ratio = std::max(quality.max_edge_ratio, ratio);
     smallest_height = std::min(smallest_height, shape.smallest_height);
     sum_angle += angle, sum_aspect += aspect, sum_ratio += ratio;
-    const double asked = count_at(strands.place_of(t, shape), angle, min_angle_deg, quality);
-    if (angle < min_angle_deg - kAngleRounding) below.push_back(t);
+    if (angle >= min_angle_deg - kAngleRounding) {
+      quality.elsewhere_min_angle_deg = std::min(quality.elsewhere_min_angle_deg, angle);
+      continue;
+    }
+    below.push_back(t);
+    const double asked = count_below(strands.place_of(t, shape), angle, min_angle_deg, quality);
     if (angle < asked - kAngleRounding) broken.push_back(t);
   }
   const double count = static_cast<double>(triangles.size());

@@ -74,11 +74,11 @@ TEST(CutStrands, AnglesAreAsAskedForNearStrandsAndElsewhere) {
       EXPECT_GE(quality.elsewhere_min_angle_deg, angle - 1e-6);
       EXPECT_EQ(quality.min_angle_deg, std::min({quality.elsewhere_min_angle_deg, quality.strands.min_angle_deg,
                                                  quality.strands.narrow_min_angle_deg}));
-      sum.triangles += quality.strands.triangles;
-      sum.narrow_triangles += quality.strands.narrow_triangles;
+      sum.triangles_below += quality.strands.triangles_below;
+      sum.narrow_below += quality.strands.narrow_below;
     }
-    EXPECT_GT(sum.narrow_triangles, 20);
-    EXPECT_GT(sum.triangles - sum.narrow_triangles, 1000);
+    EXPECT_GT(sum.narrow_below, 20);
+    EXPECT_GT(sum.triangles_below - sum.narrow_below, 1000);
     for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
       if (!mesh.is_solid(t) || smallest_angle_deg(mesh, t) >= angle - 1e-6) continue;
       const mesh::TriangleShape shape = rest_shape_of(mesh, t);
@@ -99,7 +99,7 @@ TEST(CutStrands, OrdinaryCutsHaveNone) {
   for (const Curve& curve : curves) {
     mesh::TriangleMesh mesh = grid(kSide);
     const CutQuality quality = cut(mesh, {curve, {}, {}}).report.quality;
-    EXPECT_EQ(quality.strands.triangles, 0);
+    EXPECT_EQ(quality.strands.triangles_below, 0);
     EXPECT_EQ(quality.strands.min_angle_deg, 180.0);
     EXPECT_EQ(quality.elsewhere_min_angle_deg, quality.min_angle_deg);
     EXPECT_GE(quality.min_angle_deg, 20.0 - 1e-6);
@@ -110,9 +110,9 @@ TEST(CutStrands, OrdinaryCutsHaveNone) {
 TEST(CutStrands, TheBorderIsAStrandOfACutBesideIt) {
   mesh::TriangleMesh mesh = grid(kSide);
   const double h = mesh.base_edge_length();
-  EXPECT_EQ(cut(mesh, {Polyline{{{0.513, -0.1}, {0.517, 0.3}}}, {}, {}}).report.quality.strands.triangles, 0);
-  EXPECT_EQ(cut(mesh, {Polyline{{{0.05, 0.4}, {0.053, 0.6}}}, {}, {}}).report.quality.strands.triangles, 0);
-  EXPECT_GT(cut(mesh, {Polyline{{{0.1 * h, 0.4}, {0.1 * h, 0.6}}}, {}, {}}).report.quality.strands.triangles, 0);
+  EXPECT_EQ(cut(mesh, {Polyline{{{0.513, -0.1}, {0.517, 0.3}}}, {}, {}}).report.quality.strands.triangles_below, 0);
+  EXPECT_EQ(cut(mesh, {Polyline{{{0.05, 0.4}, {0.053, 0.6}}}, {}, {}}).report.quality.strands.triangles_below, 0);
+  EXPECT_GT(cut(mesh, {Polyline{{{0.1 * h, 0.4}, {0.1 * h, 0.6}}}, {}, {}}).report.quality.strands.triangles_below, 0);
 }
 
 TEST(CutStrands, ElementsByThemselvesHaveNone) {
@@ -121,7 +121,7 @@ TEST(CutStrands, ElementsByThemselvesHaveNone) {
   options.method = Method::kElement;
   cut(mesh, {Polyline{{{0.2, 0.5}, {0.8, 0.51}}}, options, {}});
   const CutQuality quality = cut(mesh, {Polyline{{{0.2, 0.501}, {0.8, 0.511}}}, options, {}}).report.quality;
-  EXPECT_EQ(quality.strands.triangles, 0);
+  EXPECT_EQ(quality.strands.triangles_below, 0);
   EXPECT_EQ(quality.elsewhere_min_angle_deg, quality.min_angle_deg);
 }
 

@@ -183,8 +183,8 @@ TEST(ReplyCodec, QualityAndCornersOfACutAreAllTold) {
   EXPECT_EQ(quality.below_contract(), 2);
   EXPECT_EQ(quality.corners_total(), 5);
   EXPECT_EQ(quality.elsewhere_min_angle_deg(), 21.5);
-  EXPECT_EQ(quality.strands().elements(), 6);
-  EXPECT_EQ(quality.strands().narrow_elements(), 2);
+  EXPECT_EQ(quality.strands().below_angle(), 6);
+  EXPECT_EQ(quality.strands().narrow_below_angle(), 2);
   EXPECT_EQ(quality.strands().asked_angle_deg(), 10.0);
   EXPECT_EQ(quality.strands().min_angle_deg(), 11.5);
   EXPECT_EQ(quality.strands().narrow_min_angle_deg(), 3.5);
