@@ -225,6 +225,15 @@ std::string describe(const v1::CutResult& result) {
     text += "\n  piece " + std::to_string(split.piece()) + (split.children().empty() ? " is gone" : " fell apart:");
     for (const v1::Piece& child : split.children()) text += "\n    " + describe(child);
   }
+  if (const v1::StrandQuality& strands = quality.strands(); strands.below_angle() > 0) {
+    const int num_wide = strands.below_angle() - strands.narrow_below_angle();
+    text += format("\n  near strands: %d triangles below the angle, %d of them in narrow gaps", strands.below_angle(),
+                   strands.narrow_below_angle());
+    if (num_wide > 0) {
+      text += format("; smallest angle outside of these gaps %.1f degrees, asked for %.1f", strands.min_angle_deg(),
+                     strands.asked_angle_deg());
+    }
+  }
   for (const v1::SharpCorner& corner : quality.corners()) {
     text += format("\n  corner of %.1f degrees at (%.6g, %.6g) m: %d triangles below the angle", corner.angle_deg(),
                    corner.position().x(), corner.position().y(), corner.elements_below());

@@ -45,11 +45,8 @@ constexpr double kLengthFloor = 0.25;  // -; as a fraction of the snap distance,
 constexpr double kInsertionsPerTip = 400.0;
 constexpr double kGradedReach = 3.0;
 
-constexpr int kCloserAttempts = 2;                     // see calls_for_less_snapping
-constexpr double kCloserSnap = 0.01;                   // -; by which each multiplies the snap distance
-constexpr double kNarrowGap = 0.03;                    // -; as a fraction of the edge length, see RefinementConfig
-constexpr std::int64_t kGapAllowancePerPathPoint = 4;  // triangles
-constexpr std::int64_t kGapAllowanceBeside = 600;      // triangles
+constexpr int kCloserAttempts = 2;    // see calls_for_less_snapping
+constexpr double kCloserSnap = 0.01;  // -; by which each multiplies the snap distance
 
 // Ids in the order they are added in, each once.
 class UniqueIds {
@@ -239,9 +236,8 @@ class Cutter {
     config.min_angle_deg = plan_.options.min_angle_deg;
     config.length_floor = kLengthFloor * plan_.snap_m / spacing_;
     config.lengths = &mesh_.edge_lengths();
-    const auto path_size = static_cast<std::int64_t>(path_.size());
-    config.narrow_gap = kNarrowGap * plan_.edge_length_m / spacing_;
-    config.gap_allowance = kGapAllowanceBeside + kGapAllowancePerPathPoint * path_size;
+    config.strands = strand_widths(mesh_, plan_.options);
+    config.strand_angle_deg = kStrandAngle * plan_.options.min_angle_deg;
     config.max_insertions = max_insertions() + insertions_around(config.grading);
     const mesh::RefinementCounts counts = refine(editor_, seeds.ids(), config);
     if (editor_.budget_exhausted()) {
@@ -318,7 +314,7 @@ class Cutter {
         plan_.view_deviation_m + plan_.curve_deviation_m + (counts.deviation + kRoundingUnits) * spacing_;
     report.quality =
         measure_quality(mesh_, new_triangles(mesh_, outcome.undo, outcome.edit.rewritten_triangles, moved_),
-                        plan_.options.min_angle_deg);
+                        plan_.options.min_angle_deg, strand_widths(mesh_, plan_.options));
     if (!is_by_element() && plan_.options.min_angle_deg > 0.0 && report.quality.triangles_below_contract > 0) {
       report.refinement_stopped = true;
     }

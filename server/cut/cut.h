@@ -64,7 +64,7 @@ struct CutOptions {
   // tenth of the tolerance.  -, in [1e-6, 0.1]
   double snap = 1.0e-3;
   // Triangles touched by the cut are refined until no angle is smaller, except in corners between lips that are
-  // narrower than 60 degrees.  degrees, in [0, kMaxMinAngle]; 0 refines nothing
+  // narrower than 60 degrees and near strands (StrandQuality).  degrees, in [0, kMaxMinAngle]; 0 refines nothing
   double min_angle_deg = 20.0;
   // Moves free old points of the touched ring away from the path in rest space before refining, where that improves
   // the worst triangle around them. Needs far fewer and far less flat triangles; see MeshEdit::moved_vertices.
@@ -127,6 +127,13 @@ enum class CutStatus {
                     // larger than the snap distance, which makes it a point: mesh untouched, edit empty
 };
 
+// Near strands vertices cost more than their angles gain. The smallest angle there is this part of
+// CutOptions::min_angle_deg.  -
+inline constexpr double kStrandAngle = 0.5;
+// Distances of strands, as fractions of the edge length there (mesh::EdgeLengths).  -
+inline constexpr double kNearStrands = 0.25;
+inline constexpr double kNarrowGap = 0.03;
+
 // Corners named in a reply; the sharpest first.
 inline constexpr std::size_t kMaxListedCorners = 64;
 
@@ -137,6 +144,17 @@ struct SharpCorner {
   double angle_deg = 0.0;              // degrees, in (0, 60); its sharpest one, where several meet
   std::int32_t triangles_below = 0;    // new triangles below the angle asked for at it or sharing a vertex with one
                                        // at it; one near two corners is counted at both
+};
+
+// The new triangles below min_angle_deg near strands: lips, or lips and the border, that face each other closer than
+// kNearStrands, or lips that cross within it (mesh::Strands). No angle there is below kStrandAngle * min_angle_deg
+// outside of sharp corners. Gaps narrower than kNarrowGap are spanned by needles of any angle.
+struct StrandQuality {
+  std::int32_t triangles_below = 0;     // below min_angle_deg, those in narrow gaps included
+  std::int32_t narrow_below = 0;        // of those, in narrow gaps
+  double asked_angle_deg = 0.0;         // degrees; smallest angle asked for, in narrow gaps none
+  double min_angle_deg = 180.0;         // degrees; smallest angle of the worst outside of narrow gaps
+  double narrow_min_angle_deg = 180.0;  // degrees; the same in narrow gaps
 };
 
 // The shapes of the new triangles: those the cut has made, not old ones that merely lost a neighbour.
@@ -150,9 +168,12 @@ struct CutQuality {
   double mean_edge_ratio = 0.0;               // -
   double min_height_m = 0.0;                  // m; smallest height
   std::int32_t triangles_below_angle = 0;     // below min_angle_deg asked for
-  std::int32_t triangles_below_contract = 0;  // of those, in no sharp corner's two rings; 0 unless refinement_stopped
+  std::int32_t triangles_below_contract = 0;  // below what is asked for where they lie, near strands or elsewhere, in
+                                              // no sharp corner's two rings; 0 unless refinement_stopped
   std::vector<SharpCorner> corners;  // with triangles below the angle; the sharpest first, at most kMaxListedCorners
   std::int32_t num_corners = 0;      // of them all
+  double elsewhere_min_angle_deg = 180.0;  // degrees; smallest angle of the worst that is not counted in `strands`
+  StrandQuality strands;
 };
 
 struct CutReport {
@@ -166,8 +187,8 @@ struct CutReport {
   double deviation_m = 0.0;              // m; proven bound on the distance between the curve (inside the sheet) and
                                          // its lips: flattening + snapping + rounding
   double deviation_of_tolerance = 0.0;   // -, in [0, 1]; the same over the tolerance there, the largest of all places
-  bool refinement_stopped = false;       // a guard fired: the mesh is valid, its quality is not as asked for. In gaps
-                                         // between lips far narrower than an edge, at the length floor of snap / 4
+  bool refinement_stopped = false;       // a guard fired: the mesh is valid, its quality is not as asked for. At the
+                                         // length floor of snap / 4
   // The next four also of a cut that misses.
   std::int32_t snapped_points = 0;   // path points moved onto an existing point or lip (by <= snap)
   std::int32_t closed_gaps = 0;      // stretches and points of the path laid on an older lip, the border or another

@@ -51,8 +51,10 @@ std::vector<TriangleId> two_rings(const mesh::TriangleMesh& mesh, PointId p) {
   return rings;
 }
 
-// Lists the sharp corners within two rings of the triangles `below` (sorted) and returns how many of these they excuse.
-std::int32_t list_corners(const mesh::TriangleMesh& mesh, std::span<const TriangleId> below, CutQuality& quality) {
+// Lists the sharp corners within two rings of the triangles `below` (sorted) and returns those that they excuse,
+// sorted.
+std::vector<TriangleId> list_corners(const mesh::TriangleMesh& mesh, std::span<const TriangleId> below,
+                                     CutQuality& quality) {
   std::vector<PointId> candidates;
   std::vector<TriangleId> fan;
   for (const TriangleId t : below) {
@@ -81,7 +83,25 @@ std::int32_t list_corners(const mesh::TriangleMesh& mesh, std::span<const Triang
                    [](const SharpCorner& a, const SharpCorner& b) { return a.angle_deg < b.angle_deg; });
   if (quality.corners.size() > kMaxListedCorners) quality.corners.resize(kMaxListedCorners);
   sort_unique(excused);
-  return static_cast<std::int32_t>(excused.size());
+  return excused;
+}
+
+// Counts a triangle with this smallest angle (degrees), below min_angle_deg, where it lies, and returns the angle asked
+// for there.
+double count_below(mesh::Strands::Place place, double angle, double min_angle_deg, CutQuality& quality) {
+  StrandQuality& strands = quality.strands;
+  if (place == mesh::Strands::Place::kElsewhere) {
+    quality.elsewhere_min_angle_deg = std::min(quality.elsewhere_min_angle_deg, angle);
+    return min_angle_deg;
+  }
+  ++strands.triangles_below;
+  if (place == mesh::Strands::Place::kNear) {
+    strands.min_angle_deg = std::min(strands.min_angle_deg, angle);
+    return strands.asked_angle_deg;
+  }
+  ++strands.narrow_below;
+  strands.narrow_min_angle_deg = std::min(strands.narrow_min_angle_deg, angle);
+  return 0.0;
 }
 
 }  // namespace
@@ -113,14 +133,22 @@ std::vector<TriangleId> new_triangles(const mesh::TriangleMesh& mesh, const mesh
   return made;
 }
 
-CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const TriangleId> triangles,
-                           double min_angle_deg) {
+mesh::StrandWidths strand_widths(const mesh::TriangleMesh& mesh, const CutOptions& options) {
+  if (options.method == Method::kElement) return {};
+  const double edge_length = mesh.edge_lengths().mean / mesh.lattice().spacing;
+  return {kNearStrands * edge_length, kNarrowGap * edge_length};
+}
+
+CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const TriangleId> triangles, double min_angle_deg,
+                           const mesh::StrandWidths& strand_widths) {
   CutQuality quality;
+  quality.strands.asked_angle_deg = kStrandAngle * min_angle_deg;
   quality.triangles = static_cast<std::int32_t>(triangles.size());
   if (triangles.empty()) return quality;
   double smallest_height = std::numeric_limits<double>::infinity();
   double sum_angle = 0.0, sum_aspect = 0.0, sum_ratio = 0.0;
-  std::vector<TriangleId> below;
+  std::vector<TriangleId> below, broken;
+  mesh::Strands strands(mesh, strand_widths, &mesh.edge_lengths());
   for (const TriangleId t : triangles) {
     const mesh::TriangleShape shape = rest_shape_of(mesh, t);
     const double angle = angle_of(shape.cos_smallest);
@@ -131,7 +159,13 @@ CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const Trian
     quality.max_edge_ratio = std::max(quality.max_edge_ratio, ratio);
     smallest_height = std::min(smallest_height, shape.smallest_height);
     sum_angle += angle, sum_aspect += aspect, sum_ratio += ratio;
-    if (angle < min_angle_deg - kAngleRounding) below.push_back(t);
+    if (angle >= min_angle_deg - kAngleRounding) {
+      quality.elsewhere_min_angle_deg = std::min(quality.elsewhere_min_angle_deg, angle);
+      continue;
+    }
+    below.push_back(t);
+    const double asked = count_below(strands.place_of(t, shape), angle, min_angle_deg, quality);
+    if (angle < asked - kAngleRounding) broken.push_back(t);
   }
   const double count = static_cast<double>(triangles.size());
   quality.mean_min_angle_deg = sum_angle / count;
@@ -139,7 +173,11 @@ CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const Trian
   quality.mean_edge_ratio = sum_ratio / count;
   quality.min_height_m = smallest_height * mesh.lattice().spacing;
   quality.triangles_below_angle = static_cast<std::int32_t>(below.size());
-  quality.triangles_below_contract = quality.triangles_below_angle - list_corners(mesh, below, quality);
+  const std::vector<TriangleId> excused = list_corners(mesh, below, quality);
+  quality.triangles_below_contract =
+      static_cast<std::int32_t>(std::count_if(broken.begin(), broken.end(), [&](TriangleId t) {
+        return !std::binary_search(excused.begin(), excused.end(), t);
+      }));
   return quality;
 }
 

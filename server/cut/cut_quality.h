@@ -5,6 +5,7 @@
 
 #include "server/cut/cut.h"
 #include "server/mesh/mesh_editor.h"
+#include "server/mesh/strands.h"
 
 namespace kerf::cut {
 
@@ -15,8 +16,12 @@ std::vector<mesh::TriangleId> new_triangles(const mesh::TriangleMesh& mesh, cons
                                             std::span<const mesh::TriangleId> rewritten,
                                             std::span<const mesh::PointId> moved);
 
-// Measures `triangles` (sorted) against min_angle_deg and lists the corners that excuse those below it.
+// Widths by kNearStrands and kNarrowGap. They are 0 by element, which is refined to no angle.
+mesh::StrandWidths strand_widths(const mesh::TriangleMesh& mesh, const CutOptions& options);
+
+// Measures `triangles` (sorted) against min_angle_deg, near strands of these widths against kStrandAngle of it, and
+// lists the corners that excuse those below it.
 CutQuality measure_quality(const mesh::TriangleMesh& mesh, std::span<const mesh::TriangleId> triangles,
-                           double min_angle_deg);
+                           double min_angle_deg, const mesh::StrandWidths& strand_widths);
 
 }  // namespace kerf::cut

@@ -21,7 +21,7 @@ using mesh::TriangleId;
 namespace {
 
 constexpr std::int64_t kMaxLegs = 2'000'000;        // straight legs of one cut
-constexpr std::size_t kMaxSnapNeighbourhood = 512;  // triangles searched for something to snap to
+constexpr std::size_t kMaxSnapNeighbourhood = 512;  // triangles searched for something to snap to, or for a lip
 
 // The lattice point wanted and its neighbours, nearest first: rounding can put a point on the wrong side of an edge of
 // a very flat triangle, and one of the others is then inside.
@@ -115,10 +115,13 @@ bool PathInsertion::is_tip(PointId point) const {
 Status PathInsertion::insert_segment(PathPosition& position) {
   const Eigen::Vector2d along = difference(segment_start_, segment_end_);
   const mesh::Lattice& lattice = mesh_.lattice();
+  bool was_left_out = false;
   for (const double share : scale_.divisions(lattice.position(segment_start_), lattice.spacing * along, spacing_)) {
     const Eigen::Vector2d offset = share * along;
     const LatticePoint at{segment_start_.x + std::llround(offset.x()), segment_start_.y + std::llround(offset.y())};
     if (retrace(position, at) || runs_along_edge(at)) continue;
+    was_left_out = !was_left_out && is_near_older_lip(at);
+    if (was_left_out) continue;
     if (Status status = advance(position, at); !status.ok()) return status;
   }
   if (retrace(position, segment_end_)) return Nothing{};
@@ -172,6 +175,26 @@ bool PathInsertion::runs_along_edge(const LatticePoint& at) const {
     if (distance_to_segment(at, a, b) < snap_ && distance_to_segment(a, segment_start_, segment_end_) < snap_ &&
         distance_to_segment(b, segment_start_, segment_end_) < snap_) {
       return true;
+    }
+  }
+  return false;
+}
+
+// Returns true if a lip of an earlier cut is closer to `at` than half the spacing. The crossing with it spaces the path
+// already, and a point that near would only make short edges.
+bool PathInsertion::is_near_older_lip(const LatticePoint& at) const {
+  const double reach = 0.5 * spacing_ * scale_.edge_length(mesh_.lattice().position(at)) / mesh_.lattice().spacing;
+  std::vector<TriangleId> found{mesh_.locate(at, hint_).triangle};
+  for (std::size_t i = 0; i < found.size() && i < kMaxSnapNeighbourhood; ++i) {
+    const TriangleId t = found[i];
+    for (int k = 0; k < 3; ++k) {
+      const LatticePoint& a = mesh_.at(mesh_.points(t)[next_corner(k)]);
+      const LatticePoint& b = mesh_.at(mesh_.points(t)[previous_corner(k)]);
+      if (distance_to_segment(at, a, b) >= reach) continue;
+      const mesh::LockBits locks = mesh_.locks(t, k);
+      if ((locks & mesh::kLockCut) != 0 && (locks & mesh::kLockFresh) == 0) return true;
+      const TriangleId u = mesh_.welded_neighbour(t, k);
+      if (u != kNone && std::find(found.begin(), found.end(), u) == found.end()) found.push_back(u);
     }
   }
   return false;

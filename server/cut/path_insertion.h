@@ -31,7 +31,8 @@ struct InsertionCounts {
 // through points closer than the snap distance and splitting the fixed edges it crosses (older lips, the border, its
 // own earlier edges, region borders) at the rounded crossing. The edges it becomes are locked as cut; in the void
 // nothing is inserted or locked. Segments longer than the spacing get points in between, but where the mesh has edges
-// along them already: a long straight lip would drag needles as long as itself across the sheet.
+// along them already: a long straight lip would drag needles as long as itself across the sheet. Of these points, those
+// near lips of earlier cuts are left out, never two in a row.
 class PathInsertion {
  public:
   // `spacing`: longest stretch of path without a point, as a fraction of the edge length there. `laid`: told of the
@@ -66,6 +67,7 @@ class PathInsertion {
   bool follow_lips(PathPosition& from, std::vector<PathPosition>& targets);
   [[nodiscard]] LipTrace::Leg leg_to(const mesh::LatticePoint& from, const mesh::LatticePoint& to) const;
   void run_along_chain(mesh::PointId from);
+  [[nodiscard]] bool is_near_older_lip(const mesh::LatticePoint& at) const;
   [[nodiscard]] bool runs_along_edge(const mesh::LatticePoint& at) const;
   Result<PathPosition> place(const mesh::LatticePoint& at);
   [[nodiscard]] Snap find_snap(const mesh::LatticePoint& at, mesh::TriangleId start) const;

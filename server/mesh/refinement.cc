@@ -53,46 +53,38 @@ double TipGrading::length_at(const LatticePoint& at) const {
 
 namespace {
 
+double cos_of(double angle_deg) {
+  return std::cos(angle_deg * std::numbers::pi / 180.0);
+}
+
 class Refinement {
  public:
   Refinement(MeshEditor& editor, const RefinementConfig& config)
       : editor_(editor),
         mesh_(editor.mesh()),
         config_(config),
-        cos_limit_(std::cos(config.min_angle_deg * std::numbers::pi / 180.0)),
-        corners_(editor.mesh()) {}
+        cos_limit_(cos_of(config.min_angle_deg)),
+        cos_strand_limit_(cos_of(config.strand_angle_deg)),
+        corners_(editor.mesh()),
+        strands_(editor.mesh(), config.strands, config.lengths) {}
 
   RefinementCounts run(std::span<const TriangleId> seeds) {
     for (const TriangleId t : seeds) consider(t);
     work_off_queue();
     refine_wedges();
     work_off_queue();
-    if (gaps_.empty()) return counts_;
-    refine_gaps_within_allowance();
-    work_off_queue();
     return counts_;
   }
 
  private:
   // What is refined in turn: all but what a sharp corner forces; between the lips of sharp corners, beyond the first
-  // ring; narrow gaps.
-  enum class Stage { kPlain, kWedges, kGaps };
+  // ring.
+  enum class Stage { kPlain, kWedges };
 
   // A triangle left for a later stage. Stale where the slot holds other corners now.
   struct Deferred {
     TriangleId triangle = kNone;
     std::array<PointId, 3> points{};
-  };
-
-  // A triangle that spans a narrow gap, and about how many triangles would replace it.
-  struct Gap {
-    double demand = 0.0;
-    TriangleId triangle = kNone;
-    std::array<PointId, 3> points{};
-    friend bool operator<(const Gap& a, const Gap& b) {
-      if (a.demand != b.demand) return a.demand < b.demand;
-      return a.points < b.points;
-    }
   };
 
   // Between the lips of a sharp corner triangles of the gap's own width are needed, the more the sharper it is. They
@@ -102,25 +94,6 @@ class Refinement {
     for (const Deferred& spared : wedges_) {
       if (mesh_.points(spared.triangle) == spared.points) consider(spared.triangle);
     }
-  }
-
-  // Queues the gaps that cost least, as far as the allowance goes.
-  void refine_gaps_within_allowance() {
-    stage_ = Stage::kGaps;
-    std::sort(gaps_.begin(), gaps_.end());
-    double allowance = static_cast<double>(config_.gap_allowance);
-    std::array<PointId, 3> previous{};
-    for (const Gap& gap : gaps_) {
-      if (mesh_.points(gap.triangle) != gap.points || gap.points == previous) continue;
-      previous = gap.points;
-      allowance -= gap.demand;
-      if (allowance < 0.0) {
-        counts_.stopped = true;
-        break;
-      }
-      consider(gap.triangle);
-    }
-    config_.max_insertions = std::min(config_.max_insertions, counts_.insertions + config_.gap_allowance);
   }
 
   void work_off_queue() {
@@ -156,7 +129,7 @@ class Refinement {
     const TriangleShape shape = rest_shape_of(mesh_, t);
     const int c = shape.sharpest_corner;
     const double scale = scale_at(mesh_.points(t)[c]);
-    if (shape.cos_smallest <= cos_limit_) return insert_against(t, c, shape);  // well shaped, but too large
+    if (shape.cos_smallest <= cos_limit_) return insert_against(t, c, shape, cos_limit_);  // well shaped, but too large
     if (shape.shortest <= scale * config_.length_floor) return false;
     if (mesh_.is_fixed(t, next_corner(c)) && mesh_.is_fixed(t, previous_corner(c))) return false;
     const PointId p = mesh_.points(t)[next_corner(c)];
@@ -166,17 +139,15 @@ class Refinement {
       if (edges > 0 && stage_ == Stage::kPlain) wedges_.push_back({t, mesh_.points(t)});
       if (edges == 1 || (edges > 1 && stage_ == Stage::kPlain)) return false;
     }
-    if (stage_ != Stage::kGaps && shape.shortest < scale * config_.narrow_gap && spans_gap(t, c)) {
-      gaps_.push_back({shape.longest / shape.shortest, t, mesh_.points(t)});
-      return false;
-    }
-
-    return insert_against(t, c, shape);
+    const Strands::Place place = strands_.place_of(t, shape);
+    const double cos_limit = place == Strands::Place::kNear ? cos_strand_limit_ : cos_limit_;
+    if (place == Strands::Place::kNarrow) return false;
+    return (shape.cos_smallest > cos_limit || is_too_large(t, shape)) && insert_against(t, c, shape, cos_limit);
   }
 
-  // Inserts the off-centre of t, or splits the fixed edge that is in the way of it.
-  bool insert_against(TriangleId t, int c, const TriangleShape& shape) {
-    const LatticePoint target = off_centre(t, c);
+  // Inserts the off-centre of t for the angle wanted, or splits the fixed edge that is in the way of it.
+  bool insert_against(TriangleId t, int c, const TriangleShape& shape, double cos_angle) {
+    const LatticePoint target = off_centre(t, c, cos_angle);
     Location location;
     if (const std::optional<MeshSide> wall = find_wall(mesh_, t, target, location))
       return split_opposite(*wall) || split(*wall);
@@ -207,7 +178,7 @@ class Refinement {
   }
 
   // Opposite the shortest edge pq on its bisector: the circumcentre, or nearer where that is enough for the angle.
-  [[nodiscard]] LatticePoint off_centre(TriangleId t, int c) const {
+  [[nodiscard]] LatticePoint off_centre(TriangleId t, int c, double cos_angle) const {
     const LatticePoint& p = mesh_.at(mesh_.points(t)[next_corner(c)]);
     const LatticePoint& q = mesh_.at(mesh_.points(t)[previous_corner(c)]);
     const LatticePoint& apex = mesh_.at(mesh_.points(t)[c]);
@@ -219,7 +190,6 @@ class Refinement {
     const Vector2d inward(-edge.y(), edge.x());
     // Circumcentre = middle of pq + height * inward, height = (apex - p) . (apex - q) / (2 * doubled area).
     const double circumcentre = to_apex.dot(to_apex - edge) / (2.0 * twice_area);
-    const double cos_angle = cos_limit_;
     const double nearer = kOffCentreFactor * std::sqrt((1.0 + cos_angle) / (1.0 - cos_angle));
     const Vector2d offset = 0.5 * edge + std::min(circumcentre, nearer) * inward;
     return rounded(p, facet != nullptr ? Vector2d(facet->stretch().inverse() * offset) : offset);
@@ -262,12 +232,6 @@ class Refinement {
     if (mesh_.is_in_circle(t, at)) cavity_.push_back(t);
   }
 
-  // Whether the edge opposite corner c joins two different lips, or other fixed edges.
-  [[nodiscard]] bool spans_gap(TriangleId t, int c) const {
-    return !mesh_.is_fixed(t, c) && mesh_.has_fixed_edge(mesh_.points(t)[next_corner(c)]) &&
-           mesh_.has_fixed_edge(mesh_.points(t)[previous_corner(c)]);
-  }
-
   // Splits a fixed edge at the foot of a point of another lip that faces it across a narrow gap: halving it instead
   // would make each new point call for one on the other side, and so on down to the width of the gap.
   bool split_opposite(const MeshSide& edge) {
@@ -275,7 +239,7 @@ class Refinement {
     const LatticePoint& at = mesh_.at(facing);
     const LatticePoint& a = mesh_.at(mesh_.points(edge.triangle)[next_corner(edge.corner)]);
     const LatticePoint& b = mesh_.at(mesh_.points(edge.triangle)[previous_corner(edge.corner)]);
-    const double narrow_gap = scale_at(facing) * config_.narrow_gap;
+    const double narrow_gap = scale_at(facing) * config_.strands.narrow;
     if (is_frozen(edge) || !mesh_.has_fixed_edge(facing) || distance_to_segment(at, a, b) >= narrow_gap) {
       return false;
     }
@@ -326,14 +290,14 @@ class Refinement {
   MeshEditor& editor_;
   const TriangleMesh& mesh_;
   RefinementConfig config_;
-  double cos_limit_;
+  double cos_limit_, cos_strand_limit_;
   LipCorners corners_;
+  Strands strands_;
   RefinementCounts counts_;
   std::priority_queue<Pending> queue_;
   std::int64_t order_ = 0;
   Stage stage_ = Stage::kPlain;
   std::vector<Deferred> wedges_;
-  std::vector<Gap> gaps_;
   std::vector<TriangleId> cavity_;
   std::vector<TriangleId> fan_;
 };

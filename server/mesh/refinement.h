@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "server/mesh/mesh_editor.h"
+#include "server/mesh/strands.h"
 
 namespace kerf::mesh {
 
@@ -34,8 +35,8 @@ class BorderCurves {
 struct RefinementConfig {
   double min_angle_deg = 20.0;     // degrees, in [0, 28]; 0: triangles are refined for their size only
   double length_floor = 0.0;       // lattice units; edges this short are not split and not refined around
-  double narrow_gap = 0.0;         // lattice units; gaps between lips narrower than this are refined only as far as
-  std::int64_t gap_allowance = 0;  // this many triangles go, by an estimate made before
+  StrandWidths strands;            // where triangles are near strands, which are refined less
+  double strand_angle_deg = 20.0;  // degrees, in [0, min_angle_deg]; smallest angle near strands
   std::int64_t max_insertions = 0;
   // Where edges are `lengths->mean` long the lengths above are as given, elsewhere in proportion. Not null.
   const EdgeLengths* lengths = nullptr;
@@ -45,7 +46,7 @@ struct RefinementConfig {
 
 struct RefinementCounts {
   std::int64_t insertions = 0;
-  bool stopped = false;  // max_insertions or gap_allowance reached
+  bool stopped = false;  // max_insertions reached
 };
 
 // Delaunay refinement of the solid triangles in `seeds`, and of those it rewrites, until no angle is below
@@ -54,9 +55,10 @@ struct RefinementCounts {
 // 2004, "Off-centers: a new type of Steiner points"), fixed edges split where encroached or in the way, and two guards
 // for sharp input corners: concentric shells around corners below 60 degrees (Ruppert, sec. 7) and no refinement of
 // triangles whose shortest edge joins two lips of such a corner (Miller, Pav, Walkington 2003, "When and why Ruppert's
-// algorithm works"). A long narrow gap between two lips would have to be filled with triangles of its own width, none
-// of which is any higher than the needles that span it: there lips are only split opposite each other. The void is
-// never refined. Ends early where the editor's budget is exhausted.
+// algorithm works"). Near strands (see Strands) no angle is below strand_angle_deg: triangles between lips are no
+// higher than their gap, however many triangles fill it. In narrow gaps none is asked for: there lips are only split
+// opposite each other, and needles span them. The void is never refined. Ends early where the editor's budget is
+// exhausted.
 RefinementCounts refine(MeshEditor& editor, std::span<const TriangleId> seeds, const RefinementConfig& config);
 
 }  // namespace kerf::mesh

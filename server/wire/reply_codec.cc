@@ -26,6 +26,13 @@ void encode_quality(const cut::CutQuality& quality, v1::CutQuality& message) {
   message.set_below_angle(quality.triangles_below_angle);
   message.set_below_contract(quality.triangles_below_contract);
   message.set_corners_total(quality.num_corners);
+  message.set_elsewhere_min_angle_deg(quality.elsewhere_min_angle_deg);
+  v1::StrandQuality& strands = *message.mutable_strands();
+  strands.set_below_angle(quality.strands.triangles_below);
+  strands.set_narrow_below_angle(quality.strands.narrow_below);
+  strands.set_asked_angle_deg(quality.strands.asked_angle_deg);
+  strands.set_min_angle_deg(quality.strands.min_angle_deg);
+  strands.set_narrow_min_angle_deg(quality.strands.narrow_min_angle_deg);
   for (const cut::SharpCorner& corner : quality.corners) {
     v1::SharpCorner& corner_message = *message.add_corners();
     encode_vector(corner.position, *corner_message.mutable_position());

@@ -97,7 +97,8 @@ Row measure(const mesh::TriangleMesh& sheet, double sheet_condition, const test:
     KERF_CHECK(again.state_hash() == mesh.state_hash(), "the same cut gives the same mesh");
   }
   row.method = method.name;
-  row.quality = cut::measure_quality(mesh, made_by_cuts(sheet, mesh), method.options.min_angle_deg);
+  row.quality = cut::measure_quality(mesh, made_by_cuts(sheet, mesh), method.options.min_angle_deg,
+                                     cut::strand_widths(mesh, method.options));
   row.condition = condition_number(mesh) / sheet_condition;
   return row;
 }

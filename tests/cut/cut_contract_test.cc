@@ -126,7 +126,7 @@ TEST(CutContract, LeavesTheMeshBitIdenticalWhenTheBudgetRunsOut) {
   cut(mesh, {Circle{{0.5, 0.5}, 0.2}, {}, {}});
   const mesh::TriangleMesh before = mesh;
   int refused = 0;
-  for (std::int64_t budget = 1; budget < 400; budget += 13) {
+  for (std::int64_t budget = 1; budget < 400; budget += 10) {
     CutRequest request{s_curve(), {}, {}};
     request.options.max_new_triangles = budget;
     const Result<CutOutcome> outcome = apply(mesh, *plan(mesh, request));

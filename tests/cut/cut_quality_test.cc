@@ -28,11 +28,13 @@ void cut_pattern(mesh::TriangleMesh mesh, const test::CutPattern& pattern, const
     const CutReport report = cut(mesh, {curve, options, {}}).report;
     EXPECT_EQ(report.quality.triangles_below_contract, 0);
     EXPECT_FALSE(report.refinement_stopped);
-    if (report.quality.triangles_below_angle == 0) {
-      EXPECT_GE(report.quality.min_angle_deg, options.min_angle_deg - 1e-6);
-      EXPECT_LE(report.quality.max_aspect, 2.0 / std::tan(options.min_angle_deg * std::numbers::pi / 180.0));
-    } else {
-      EXPECT_GT(report.quality.num_corners, 0);
+    const CutQuality& quality = report.quality;
+    if (quality.triangles_below_angle == 0) {
+      EXPECT_GE(quality.min_angle_deg, options.min_angle_deg - 1e-6);
+      EXPECT_LE(quality.max_aspect, 2.0 / std::tan(options.min_angle_deg * std::numbers::pi / 180.0));
+    } else if (quality.num_corners == 0) {
+      EXPECT_GE(quality.elsewhere_min_angle_deg, options.min_angle_deg - 1e-6);
+      EXPECT_GE(quality.strands.min_angle_deg, kStrandAngle * options.min_angle_deg - 1e-6);
     }
     height = std::min(height, report.quality.min_height_m / mesh.base_edge_length());
     sum.crossed += report.crossed_triangles;
@@ -41,9 +43,9 @@ void cut_pattern(mesh::TriangleMesh mesh, const test::CutPattern& pattern, const
   sum.heights.push_back(height);
 }
 
-// The design's contract: outside the corners named 20 degrees, or 25, hence l_max / h_min <= 2 cot 20 = 5.5 or 4.3; on
-// average at most 6 new triangles a crossed one (90 more for a tiny loop); smallest height at least 0.05 edge lengths
-// in the median cut.
+// The design's contract: outside the corners named 20 degrees, or 25, hence l_max / h_min <= 2 cot 20 = 5.5 or 4.3, and
+// near strands half of it; on average at most 6 new triangles a crossed one (90 more for a tiny loop); smallest height
+// at least 0.05 edge lengths in the median cut.
 TEST(CutQuality, ContractHoldsOverThePatterns) {
   const mesh::TriangleMesh sheets[] = {grid(50), jittered(50)};
   for (const double angle : {20.0, kFineMinAngle}) {

@@ -1,8 +1,9 @@
 // Thousands of random cuts against the quality contract: outside the corners named in the report no new triangle has an
-// angle below the one asked for, or is flatter than that makes it, unless the report says that refinement stopped; and
-// heights are what the curves leave room for. Most random curves leave little: where two strands, or a strand and an
-// older lip, a corner of a path or the border, are some distance apart, a triangle no higher than that has to lie in
-// between. The exact arrangement tells that distance. A failure prints the seed of its trial; run that one alone with
+// angle below the one asked for, or half of it near strands, or is flatter than that makes it, unless the report says
+// that refinement stopped; and heights are what the curves leave room for. Most random curves leave little: where two
+// strands, or a strand and an older lip, a corner of a path or the border, are some distance apart, a triangle no
+// higher than that has to lie in between. The exact arrangement tells that distance. A failure prints the seed of its
+// trial; run that one alone with
 //   KERF_CUT_SEED=<seed> property_tests --gtest_filter='RandomCutQuality.*'
 #include <algorithm>
 #include <cstdio>
@@ -63,9 +64,13 @@ void count(const CutReport& report, double edge_length, double room, bool is_fin
     return;
   }
   EXPECT_EQ(report.quality.triangles_below_contract, 0);
-  EXPECT_TRUE(report.quality.triangles_below_angle == 0 || report.quality.num_corners > 0);
-  if (report.quality.triangles_below_angle == 0) {
-    EXPECT_LE(report.quality.max_aspect, kMaxAspect);
+  const CutQuality& quality = report.quality;
+  if (quality.triangles_below_angle == 0) {
+    EXPECT_LE(quality.max_aspect, kMaxAspect);
+  } else if (quality.num_corners == 0) {
+    const double asked = is_fine ? kFineMinAngle : CutOptions{}.min_angle_deg;
+    EXPECT_GE(quality.elsewhere_min_angle_deg, asked - 1e-6);
+    EXPECT_GE(quality.strands.min_angle_deg, kStrandAngle * asked - 1e-6);
   }
 }
 
@@ -114,13 +119,11 @@ TEST(RandomCutQuality, NoTriangleBelowTheAngleOutsideTheCornersNamed) {
       tally.cuts, tally.applied, tally.stopped, per_crossed, median(tally.heights),
       static_cast<int>(tally.roomy.size()), median(tally.roomy), median(tally.share_of_room),
       static_cast<long long>(tally.corners));
-  EXPECT_LE(per_crossed, 6.0);
+  EXPECT_LE(per_crossed, 4.0);
   EXPECT_GE(median(tally.roomy), 0.15);
   EXPECT_GE(median(tally.share_of_room), 0.9);
-  // Narrow gaps between two strands are filled only as far as an allowance of triangles goes, which keeps the cut
-  // within 6 new a crossed triangle; a third of the curves are scribbles, hairpins and repetitions with a small offset,
-  // which have them.
-  EXPECT_LE(tally.stopped, tally.applied / 20);
+  // A third of the curves are scribbles, hairpins and repetitions with a small offset, whose narrow gaps needles span.
+  EXPECT_LE(tally.stopped, tally.applied / 200);
   EXPECT_EQ(tally.stopped_with_room, 0);
 }
 

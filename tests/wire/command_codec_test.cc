@@ -152,8 +152,20 @@ TEST(ReplyCodec, QualityAndCornersOfACutAreAllTold) {
   report.closed_gaps = 4;
   report.widest_gap_m = 2.5e-5;
   report.merged_segments = 6;
-  report.quality = {9, 3.5, 30.25, 6.5, 2.5, 4.5, 1.75, 1e-4, 7, 2, {{{0.25, -0.5}, 12.5, 3}, {{1.0, 2.0}, 33.0, 1}},
-                    5};
+  report.quality = {9,
+                    3.5,
+                    30.25,
+                    6.5,
+                    2.5,
+                    4.5,
+                    1.75,
+                    1e-4,
+                    7,
+                    2,
+                    {{{0.25, -0.5}, 12.5, 3}, {{1.0, 2.0}, 33.0, 1}},
+                    5,
+                    21.5,
+                    {6, 2, 10.0, 11.5, 3.5}};
   const v1::CutResult result = encode_cut_result(reply, *reply.cut);
   EXPECT_EQ(result.min_angle_deg(), 3.5);
   EXPECT_TRUE(result.refinement_stopped());
@@ -170,6 +182,12 @@ TEST(ReplyCodec, QualityAndCornersOfACutAreAllTold) {
   EXPECT_EQ(quality.below_angle(), 7);
   EXPECT_EQ(quality.below_contract(), 2);
   EXPECT_EQ(quality.corners_total(), 5);
+  EXPECT_EQ(quality.elsewhere_min_angle_deg(), 21.5);
+  EXPECT_EQ(quality.strands().below_angle(), 6);
+  EXPECT_EQ(quality.strands().narrow_below_angle(), 2);
+  EXPECT_EQ(quality.strands().asked_angle_deg(), 10.0);
+  EXPECT_EQ(quality.strands().min_angle_deg(), 11.5);
+  EXPECT_EQ(quality.strands().narrow_min_angle_deg(), 3.5);
   ASSERT_EQ(quality.corners_size(), 2);
   EXPECT_EQ(quality.corners(0).position().x(), 0.25);
   EXPECT_EQ(quality.corners(0).position().y(), -0.5);
