@@ -140,7 +140,7 @@ TEST(ExplicitContact, WhatWasCutLandsOnTheFloor) {
   ASSERT_TRUE(made.ok());
   Sheet& sheet = *made;
   SeededRandom random(4);
-  const std::size_t wanted = static_cast<std::size_t>(test::num_trials({.few = 4, .usual = 12, .many = 30}));
+  const std::size_t wanted = static_cast<std::size_t>(test::num_trials({.few = 12, .usual = 16, .many = 30}));
   for (std::size_t done = 0; done < wanted;) {
     Cut cut;
     cut.curve = test::random_cubic(random);
