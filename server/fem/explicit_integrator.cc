@@ -228,8 +228,7 @@ bool ExplicitIntegrator::calm_clusters(const Model& model, State& state) {
   }
   if (!(inertia_.added_energy(state.v) > kMostAdded * kinetic)) return false;
   scratch_.given = state.v;
-  inertia_.share_impulses(
-      model, [](mesh::VertexId) { return Eigen::Vector3d(Eigen::Vector3d::Zero()); }, state.v);
+  inertia_.share_impulses(model, state.v);
   return true;
 }
 

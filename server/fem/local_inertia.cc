@@ -262,6 +262,33 @@ double LocalInertia::added_energy(const mesh::VertexField& v) const {
   return 0.5 * doubled;
 }
 
+void LocalInertia::share_impulses(const Model& model, mesh::VertexField& v) const {
+  for (const InertiaCluster* const cluster : clusters()) {
+    const std::span<const VertexId> vertices = cluster->vertices();
+    double* const values = values_.front().lane.data();
+    const auto value = [values](std::size_t i) { return Eigen::Map<Eigen::Vector3d>(values + 4 * i); };
+    Eigen::Vector3d momentum = Eigen::Vector3d::Zero();  // N s, of what the solve loses to rounding
+    double mass = 0.0;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const double mass_of_vertex = model.mass()[static_cast<std::size_t>(vertices[i])];
+      value(i) = mass_of_vertex * v.col(vertices[i]);
+      values[4 * i + 3] = 0.0;
+      momentum += value(i);
+      mass += mass_of_vertex;
+    }
+    cluster->solve(values);
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      momentum -= model.mass()[static_cast<std::size_t>(vertices[i])] * value(i);
+    }
+    const Eigen::Vector3d lost = cluster->is_held() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(momentum / mass);
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      for (Eigen::Index c = 0; c < 3; ++c) {
+        if ((cluster->held()[i] >> c & 1U) == 0) v(c, vertices[i]) = value(i)[c] + lost[c];
+      }
+    }
+  }
+}
+
 Eigen::Vector3d LocalInertia::added_spin(const State& state) const {
   Eigen::Vector3d spin = Eigen::Vector3d::Zero();
   for (const InertiaCluster* const cluster : clusters()) {

@@ -68,12 +68,10 @@ class LocalInertia {
   void hold(std::span<const Pin> pins);
   // 1/kg, see Integrator::mobility.
   [[nodiscard]] double mobility(const Model& model, const Grab& grab) const;
-  // Takes velocities of vertices in clusters that were changed from before(v) as impulses, N s, of the masses alone,
-  // and gives those to the clusters, by their inertia: v = before + M'^-1 M (v - before). Never more kinetic energy
-  // than with the masses alone: with p = M (v - before)
-  //   E'(before + M'^-1 p) - E'(before) = before.p + p.M'^-1 p / 2 <= before.p + p.M^-1 p / 2,  as M' >= M.
-  template <typename Before>
-  void share_impulses(const Model& model, const Before& before, mesh::VertexField& v) const;
+  // Takes the velocities of vertices in clusters, m/s, as given by impulses to the masses alone, and gives those to the
+  // clusters by their inertia: v = M'^-1 M v. Keeps momentum, and never adds kinetic energy, v'.M' v' <= v.M v, as
+  // M' >= M.
+  void share_impulses(const Model& model, mesh::VertexField& v) const;
   // Shares of the added inertia M' - M in the kinetic energy, J, and in the angular momentum about the world's origin,
   // kg m^2/s.
   [[nodiscard]] double added_energy(const mesh::VertexField& v) const;
@@ -110,29 +108,5 @@ class LocalInertia {
   std::vector<StiffPart> row_;
   std::vector<mesh::VertexId> changed_;
 };
-
-template <typename Before>
-void LocalInertia::share_impulses(const Model& model, const Before& before, mesh::VertexField& v) const {
-  for (const InertiaCluster* const cluster : clusters()) {
-    const std::span<const mesh::VertexId> vertices = cluster->vertices();
-    double* const values = values_.front().lane.data();
-    bool is_changed = false;
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const double mass = model.mass()[static_cast<std::size_t>(vertices[i])];
-      const Eigen::Vector3d impulse = mass * (v.col(vertices[i]) - before(vertices[i]));
-      is_changed = is_changed || !impulse.isZero(0.0);
-      for (Eigen::Index c = 0; c < 3; ++c) values[4 * i + static_cast<std::size_t>(c)] = impulse[c];
-      values[4 * i + 3] = 0.0;
-    }
-    if (!is_changed) continue;
-    cluster->solve(values);
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      for (Eigen::Index c = 0; c < 3; ++c) {
-        if ((cluster->held()[i] >> c & 1U) != 0) continue;
-        v(c, vertices[i]) = before(vertices[i])[c] + values[4 * i + static_cast<std::size_t>(c)];
-      }
-    }
-  }
-}
 
 }  // namespace kerf::fem

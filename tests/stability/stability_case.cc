@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <numeric>
+#include <utility>
+#include <variant>
 
 #include "server/base/random.h"
 #include "server/cut/cut.h"
@@ -12,6 +15,7 @@
 #include "server/mesh/regions.h"
 #include "server/sheet/integrator_settings.h"
 #include "tests/support/meshes.h"
+#include "tests/support/random_cuts.h"
 
 namespace kerf::stability {
 namespace {
@@ -138,6 +142,39 @@ Start after_cuts(double aspect) {
   return start;
 }
 
+// So many cubic curves of about 0.3 m across a sheet of 1 m x 1 m, squeezed to the aspect ratio.
+mesh::TriangleMesh with_curves(int count, double aspect) {
+  mesh::TriangleMesh mesh = test::must(mesh::make_grid({2 * kSide, 2 * kSide, 1.0, 1.0 / aspect}));
+  SeededRandom random(29);
+  for (int made = 0; made < count;) {
+    cut::CubicBezier curve = std::get<cut::CubicBezier>(test::random_cubic(random));
+    for (Eigen::Vector2d& point : curve.points) point.y() /= aspect;
+    const auto plan = cut::plan(mesh, {curve, {}, {}});
+    if (plan.ok() && cut::apply(mesh, *plan).ok()) ++made;
+  }
+  return mesh;
+}
+
+// Stretched, and moving as a whole and in waves: what tiny triangles between strands hold comes loose.
+StartKind after_curves(const char* name, int count) {
+  constexpr double kMost = 100.0;  // as in after_cuts()
+  return {name, [count](double aspect) {
+            static std::map<std::pair<int, bool>, mesh::TriangleMesh> meshes;
+            const bool is_strip = aspect >= kMost;
+            auto made = meshes.find({count, is_strip});
+            if (made == meshes.end()) {
+              made = meshes.emplace(std::pair(count, is_strip), with_curves(count, is_strip ? kMost : 1.0)).first;
+            }
+            Start start = resting(made->second);
+            for (Eigen::Index i = 0; i < start.state.v.cols(); ++i) {
+              const Eigen::Vector3d x = start.state.x.col(i);
+              start.state.v.col(i) = Eigen::Vector3d(1.0, 0.0, 5.0 * std::sin(9.0 * x.x()) * std::cos(7.0 * x.y()));
+            }
+            start.state.x *= 1.2;
+            return start;
+          }};
+}
+
 // The lightest and the heaviest material that there may be, 1e7 times as heavy, side by side; stretched and moving, so
 // that each pulls the other.
 Start density_jump(double aspect) {
@@ -182,6 +219,9 @@ std::vector<StartKind> make_kinds() {
   kinds.push_back({"after 200 cuts", after_cuts});
   kinds.push_back({"island of one triangle", island});
   kinds.push_back({"density jump of 1e7", density_jump});
+  kinds.push_back(after_curves("after 10 curves", 10));
+  kinds.push_back(after_curves("after 50 curves", 50));
+  kinds.push_back(after_curves("after 200 curves", 200));
   return kinds;
 }
 

@@ -12,7 +12,7 @@
 namespace kerf::stability {
 namespace {
 
-constexpr int kTestedPerStart = 6;  // 108 cases
+constexpr int kTestedPerStart = 6;  // 126 cases
 
 // Cases of each start, and steps of each; stability_matrix takes 600.
 std::size_t share() {
