@@ -34,7 +34,7 @@ void ContactSolver::set_colliders(std::span<const Collider> colliders) {
 
 void ContactSolver::reserve(std::int32_t num_vertices) {
   const std::size_t blocks = (static_cast<std::size_t>(num_vertices) + kVertexLanes - 1) / kVertexLanes;
-  if (blocks <= start_thickness_.size()) return;
+  if (colliders_.empty() || blocks <= start_thickness_.size()) return;
   start_thickness_.resize(blocks);
   has_inside_.resize(blocks);
   due_.resize(blocks * colliders_.size());

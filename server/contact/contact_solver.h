@@ -50,9 +50,9 @@ class ContactSolver {
   static constexpr double kTouching = 1.0e-9;  // m; a penetration that is left to the next substep
   static constexpr double kExitSpeed = 0.25;   // m/s
 
-  // Replaces the colliders, all of them valid. Allocates; the rest does not, for as many vertices as reserve() was
-  // called for.
+  // Replaces the colliders, all of them valid. Allocates.
   void set_colliders(std::span<const Collider> colliders);
+  // Makes room for so many vertices, where there are colliders. Allocates; what follows does not.
   void reserve(std::int32_t num_vertices);
 
   [[nodiscard]] bool empty() const { return colliders_.empty(); }
