@@ -32,9 +32,10 @@ Softening choose_softening(const mesh::TriangleMesh& mesh, std::span<const Mater
 Material soften(Material material, int factor);
 std::vector<Material> soften(std::vector<Material> materials, int factor);
 
-// m, >= 0, the largest distance expected from the exact sheet after 0.3 s. The first part was measured of flat sheets
-// of 1 m held by a straight edge, and grows with `size` (m, the larger side). The second is what gravity (m/s^2)
-// stretches a strip of that length more than before, along the softer axis of the softest material, let go suddenly.
+// m, >= 0, the largest distance expected after 0.3 s from explicit steps of the materials as given. The first part was
+// measured of flat sheets of 1 m held by a straight edge, and grows with `size` (m, the larger side). The second is
+// what gravity (m/s^2) stretches a strip of that length more than before, along the softer axis of the softest
+// material, let go suddenly.
 double expected_error(int factor, std::span<const Material> materials, double size, double gravity);
 
 // Describes the choice, its cost and its error in one clause for people.
