@@ -33,6 +33,7 @@ struct RunArguments {
   std::string record;
   std::string csv;
   std::string membrane_law;
+  std::string fidelity;
   IntegratorArguments integrator;
 };
 
@@ -75,6 +76,7 @@ int run(const Session& session, const RunArguments& arguments) {
   Result<sheet::SheetConfig> config = read_scene(disk, arguments.scene);
   if (!config) return refuse(config.error());
   apply(arguments.integrator, config->integrator);
+  apply_fidelity(arguments.fidelity, *config);
   if (arguments.membrane_law == "green") config->membrane_law = fem::MembraneLaw::kGreen;
   if (arguments.membrane_law == "corotational") config->membrane_law = fem::MembraneLaw::kCorotational;
 
@@ -162,6 +164,7 @@ void add_offline_commands(CLI::App& app, Session& session) {
       ->check(existing_folder());
   running->add_option("--record", arguments->record, "Write a recording for `kerf replay`")->type_name(value::kFile);
   add_integrator_options(*running, "the scene's", arguments->integrator);
+  add_fidelity_option(*running, "the scene's", arguments->fidelity);
   running
       ->add_option("--membrane-law", arguments->membrane_law,
                    "Instead of the scene's: corotational, or green (Saint Venant-Kirchhoff),\n"

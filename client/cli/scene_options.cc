@@ -56,4 +56,17 @@ void apply(const IntegratorArguments& arguments, sheet::IntegratorSettings& sett
   }
 }
 
+void add_fidelity_option(CLI::App& app, const std::string& instead, std::string& fidelity) {
+  app.add_option("--fidelity", fidelity,
+                 "Instead of " + instead +
+                     ": exact, or real-time, which softens the membrane of a sheet\ntoo stiff for its tick and says by "
+                     "how much")
+      ->check(CLI::IsMember({"exact", "real-time"}));
+}
+
+void apply_fidelity(const std::string& fidelity, sheet::SheetConfig& config) {
+  if (fidelity == "exact") config.fidelity = sheet::Fidelity::kExact;
+  if (fidelity == "real-time") config.fidelity = sheet::Fidelity::kRealTime;
+}
+
 }  // namespace kerf::cli

@@ -8,7 +8,7 @@
 #include "server/host/disk.h"
 #include "server/sheet/sheet_config.h"
 
-// Scene files, and the options that take the place of what a scene says of its integrator.
+// Scene files, and the options that take the place of what a scene says of its integrator and fidelity.
 namespace kerf::cli {
 
 // A scene file, and the files that it names, which are relative to it.
@@ -27,5 +27,9 @@ void add_integrator_options(CLI::App& app, const std::string& instead, Integrato
 
 // Puts what was given into the settings.
 void apply(const IntegratorArguments& arguments, sheet::IntegratorSettings& settings);
+
+// --fidelity, of which `fidelity` is the value: "exact", "real-time" or empty.
+void add_fidelity_option(CLI::App& app, const std::string& instead, std::string& fidelity);
+void apply_fidelity(const std::string& fidelity, sheet::SheetConfig& config);
 
 }  // namespace kerf::cli

@@ -38,6 +38,7 @@ struct CreateArguments {
   std::vector<std::string> parts;  // of other materials: x0,y0,x1,y1=PRESET
   std::string scene;               // a file, instead of all of the above
   IntegratorArguments integrator;
+  std::string fidelity;
   bool paused = false;
 };
 
@@ -95,6 +96,7 @@ int add_scene_file(const CreateArguments& arguments, v1::Scene& scene) {
   Result<sheet::SheetConfig> config = read_scene(disk, arguments.scene);
   if (!config) return refuse(config.error());
   apply(arguments.integrator, config->integrator);
+  apply_fidelity(arguments.fidelity, *config);
   scene = wire::encode_scene(*config);
   return kDone;
 }
@@ -106,6 +108,7 @@ int add_options(const CreateArguments& arguments, v1::Scene& scene) {
   if (const int code = add_parts(arguments.parts, scene); code != kDone) return code;
   if (arguments.pin == "top") scene.add_pins()->set_edge(v1::Region::TOP);
   if (arguments.pin == "corners") scene.add_pins()->set_edge(v1::Region::CORNERS);
+  if (arguments.fidelity == "real-time") scene.set_fidelity(v1::REAL_TIME);
   if (arguments.integrator.empty()) return kDone;
   sheet::IntegratorSettings settings;
   apply(arguments.integrator, settings);
@@ -229,6 +232,7 @@ void add_create(CLI::App& sheet, Session& session) {
           ->type_name(value::kFile);
   for (CLI::Option* other : {grid, size, obj, ply}) scene->excludes(other);
   add_integrator_options(*create, "the default, or the scene's", arguments->integrator);
+  add_fidelity_option(*create, "the default, or the scene's", arguments->fidelity);
   create
       ->add_option("--rest", arguments->rest,
                    "Rest shape of a mesh file: flat (its texture coordinates, or its plane), surface\n"

@@ -44,6 +44,16 @@ v1::Replay encode_replay(const host::ReplayStatus& status) {
   return replay;
 }
 
+v1::Softening encode_softening(const fem::Softening& softening) {
+  v1::Softening message;
+  message.set_factor(softening.factor);
+  message.set_fits(softening.fits());
+  message.set_counted_ms(softening.cost * 1e3);
+  message.set_budget_ms(softening.budget * 1e3);
+  message.set_expected_error_m(softening.expected_error);
+  return message;
+}
+
 }  // namespace
 
 Error too_many_pictures(const ApiCore& core) {
@@ -116,6 +126,7 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   *sheet.mutable_scene() = wire::encode_settings({*status.config, status.materials, status.gravity, status.wind});
   sheet.mutable_scene()->set_sheet_id(status.id);
   sheet.set_integrator(status.integrator);
+  if (status.softening) *sheet.mutable_softening() = encode_softening(*status.softening);
   sheet.set_linear_iterations(status.linear_iterations);
   sheet.set_linear_residual(status.linear_residual);
   sheet.set_settings_version(status.stats.settings_version);

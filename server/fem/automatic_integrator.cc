@@ -75,7 +75,27 @@ double implicit_cost(const Model& model, const IntegratorOptions& options) {
   return kStages * options.newton_iterations * (kTangentNsPerSlot * model.num_slots() + per_factor);
 }
 
+// Estimates with explicit steps already planned, as kAutomatic takes them.
+TickEstimate estimate_planned(const Model& model, const ExplicitIntegrator& planned, const IntegratorOptions& options) {
+  TickEstimate estimate;
+  estimate.substeps = planned.planned_substeps(options.tick);
+  estimate.explicit_ns = explicit_cost(model, planned, usual_precision(model, options), options.tick);
+  estimate.implicit_ns = implicit_cost(model, options);
+  const double preference = planned.inertia().empty() ? kPreferenceForExplicit : kPreferenceWithClusters;
+  estimate.is_explicit =
+      estimate.substeps <= options.max_substeps && estimate.explicit_ns <= preference * estimate.implicit_ns;
+  return estimate;
+}
+
 }  // namespace
+
+TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options) {
+  ExplicitIntegrator planned(with_kind(options, IntegratorKind::kExplicit));
+  planned.plan(model, false);
+  TickEstimate estimate = estimate_planned(model, planned, options);
+  if (options.kind != IntegratorKind::kAutomatic) estimate.is_explicit = options.kind == IntegratorKind::kExplicit;
+  return estimate;
+}
 
 AutomaticIntegrator::AutomaticIntegrator(const IntegratorOptions& options)
     : options_(options), explicit_(with_kind(options, IntegratorKind::kExplicit)) {}
@@ -103,17 +123,13 @@ void AutomaticIntegrator::follow(const Model& model) {
 
 bool AutomaticIntegrator::choose(const Model& model, bool follows) {
   explicit_.plan(model, follows);
-  const double substeps = explicit_.planned_substeps(options_.tick);
-  const Precision precision = usual_precision(model, options_);
-  const double of_explicit = explicit_cost(model, explicit_, precision, options_.tick);
-  const double of_implicit = implicit_cost(model, options_);
+  const TickEstimate estimate = estimate_planned(model, explicit_, options_);
   const double condition = 1.0 + options_.tick * options_.tick * model.stiffness_bound();
   const IntegratorKind before = kind();
   std::string_view scheme = "explicit";
   std::string_view solver;
   bool is_other = before != IntegratorKind::kExplicit;
-  const double preference = explicit_.inertia().empty() ? kPreferenceForExplicit : kPreferenceWithClusters;
-  if (substeps <= options_.max_substeps && of_explicit <= preference * of_implicit) {
+  if (estimate.is_explicit) {
     implicit_.reset();
   } else {
     const bool is_second_order = condition <= kSecondOrderCondition;
@@ -129,8 +145,9 @@ bool AutomaticIntegrator::choose(const Model& model, bool follows) {
   std::array<char, 256> text{};
   std::snprintf(text.data(), text.size(),
                 "; estimated per tick of %.4g s: %.0f explicit substeps in %s precision %.1f ms, TR-BDF2, %s %.1f ms%s",
-                options_.tick, substeps, precision == Precision::kMixed ? "mixed" : "double", of_explicit * 1e-6,
-                name_of(implicit_solver(model)).description.data(), of_implicit * 1e-6,
+                options_.tick, estimate.substeps,
+                usual_precision(model, options_) == Precision::kMixed ? "mixed" : "double", estimate.explicit_ns * 1e-6,
+                name_of(implicit_solver(model)).description.data(), estimate.implicit_ns * 1e-6,
                 condition <= kSecondOrderCondition ? "" : " (not solved well at a condition above 1e9)");
   explanation_ = "automatic: ";
   explanation_.append(scheme).append(solver).append(text.data());

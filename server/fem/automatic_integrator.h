@@ -8,6 +8,16 @@
 
 namespace kerf::fem {
 
+// Cost of a tick of IntegratorOptions::tick seconds, from counts alone, without contact.
+struct TickEstimate {
+  double substeps = 0.0;     // explicit
+  double explicit_ns = 0.0;  // ns on one core of 2024
+  double implicit_ns = 0.0;  // likewise, of TR-BDF2
+  bool is_explicit = true;   // as options.kind says, or as kAutomatic chooses
+};
+// Plans explicit steps of the model as it is, and makes none.
+TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options);
+
 // Chooses at each rebuild, from the model and IntegratorOptions::tick alone: estimates in nanoseconds, no clock, so the
 // choice is the same on every machine.
 //  - Explicit, unless TR-BDF2 is estimated at less than half its cost: at equal cost it is by far the more accurate.

@@ -70,6 +70,7 @@ struct SheetStatus {
   std::vector<fem::Material> materials;              // in force: the sheet's own, then those of config->materials
   std::shared_ptr<const sheet::SheetConfig> config;  // as created
   std::string integrator;                            // which one runs and why
+  std::optional<fem::Softening> softening;           // in force, of Fidelity::kRealTime
   std::int32_t linear_iterations = 0;                // of the last tick, see fem::StepStats
   double linear_residual = 0.0;                      // -, likewise
   fem::FlagCounts flagged_ticks{};                   // since the sheet was made, resets included

@@ -250,6 +250,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.materials = sheet_.materials().entries;
   status.config = sheet_.shared_config();
   status.integrator = sheet_.integrator_description();
+  status.softening = sheet_.softening();
   status.linear_iterations = last_step_.linear_iterations;
   status.linear_residual = last_step_.linear_residual;
   status.flagged_ticks = flagged_ticks_;

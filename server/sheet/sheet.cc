@@ -46,11 +46,12 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       mesh(initial->built.mesh),
       state{initial->built.positions, initial->velocities},
       materials(initial->materials),
+      softening(initial->softening),
       held_vertices(initial->held_vertices),
       applied_forces(initial->applied_forces),
       full_gravity(config->gravity),
       lineage(mesh.num_pieces()),
-      model(mesh, materials->by_region, config->membrane_law),
+      model(make_model(*config, mesh, materials->by_region, softening)),
       integrator(std::move(make_integrator), integrator_options(config->integrator, 1.0 / config->tick_rate_hz)) {
   contact.set_colliders(config->colliders);
   contact.set_half_thickness(0.5 * greatest_thickness(materials->by_region));
@@ -253,8 +254,9 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   Result<AppliedForces> applied = AppliedForces::create(shared, *built);
   if (!applied) return applied.error();
   Eigen::Matrix3Xd velocities = initial_velocities(*shared, *built, materials->by_region);
+  const std::optional<fem::Softening> softening = choose_softening(*shared, built->mesh, materials->by_region);
   auto initial = std::make_shared<const InitialState>(
-      InitialState{std::move(built).value(), materials, std::move(velocities), std::move(pinned).value(),
+      InitialState{std::move(built).value(), materials, softening, std::move(velocities), std::move(pinned).value(),
                    std::move(held).value(), std::move(applied).value()});
   Sheet sheet(std::make_unique<Impl>(std::move(shared), std::move(initial), std::move(make_integrator)));
   if (Status s = check_condition(*sheet.impl_->config, sheet.model(), "material"); !s) return s.error();
@@ -326,6 +328,9 @@ const Eigen::Vector3d& Sheet::gravity() const {
 }
 const SheetMaterials& Sheet::materials() const {
   return *impl_->materials;
+}
+const std::optional<fem::Softening>& Sheet::softening() const {
+  return impl_->softening;
 }
 const Wind& Sheet::wind() const {
   return impl_->wind;

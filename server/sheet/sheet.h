@@ -17,6 +17,7 @@
 #include "server/fem/integrator.h"
 #include "server/fem/loads.h"
 #include "server/fem/model.h"
+#include "server/fem/softening.h"
 #include "server/fem/state.h"
 #include "server/mesh/mesh_edit.h"
 #include "server/mesh/triangle_mesh.h"
@@ -149,13 +150,14 @@ class Sheet {
                                                         // and reset
   [[nodiscard]] std::int32_t settings_version() const;  // + 1 with each change of pins, gravity, wind or material
   [[nodiscard]] const mesh::TriangleMesh& mesh() const;
-  [[nodiscard]] const fem::Model& model() const;  // of mesh() and materials()
+  [[nodiscard]] const fem::Model& model() const;  // of mesh() and materials(), with softening()
   [[nodiscard]] const fem::State& state() const;  // x: 3 x V, m; v: 3 x V, m/s
   [[nodiscard]] const fem::Loads& loads() const;  // of the last step, or settle()
   // Where the material point started (m, world; material in m): of a point of the sheet as it was made, else of the
   // nearest one.
   [[nodiscard]] Eigen::Vector3d start_of(const Eigen::Vector2d& material) const;
   [[nodiscard]] const Eigen::Vector3d& gravity() const;                      // m/s^2, in force
+  [[nodiscard]] const std::optional<fem::Softening>& softening() const;      // in force, of Fidelity::kRealTime
   [[nodiscard]] const Wind& wind() const;                                    // in force
   [[nodiscard]] const SheetMaterials& materials() const;                     // in force
   [[nodiscard]] const std::vector<mesh::VertexId>& pinned_vertices() const;  // sorted, unique

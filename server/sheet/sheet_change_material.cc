@@ -1,8 +1,11 @@
-// Another material while the sheet runs, and which materials can be stepped at all.
+// Another material while the sheet runs, which materials can be stepped at all, and how they are softened.
 
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "server/fem/condition.h"
+#include "server/fem/softening.h"
 #include "server/sheet/sheet_impl.h"
 #include "server/sheet/sheet_materials.h"
 
@@ -19,15 +22,30 @@ Status check_condition(const SheetConfig& config, const fem::Model& model, const
                           prefix + ".youngs_modulus_pa");
 }
 
+std::optional<fem::Softening> choose_softening(const SheetConfig& config, const mesh::TriangleMesh& uncut,
+                                               const std::vector<fem::Material>& by_region) {
+  const bool moves = std::holds_alternative<DynamicAnalysis>(config.analysis);
+  if (config.fidelity == Fidelity::kExact || !moves) return std::nullopt;
+  return fem::choose_softening(uncut, by_region, config.membrane_law,
+                               integrator_options(config.integrator, 1.0 / config.tick_rate_hz), config.gravity.norm());
+}
+
+fem::Model make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh,
+                      const std::vector<fem::Material>& by_region, const std::optional<fem::Softening>& softening) {
+  return {mesh, softening ? fem::soften(by_region, softening->factor) : by_region, config.membrane_law};
+}
+
 Status Sheet::Impl::set_material(const SetMaterial& change) {
   SetMaterial wanted = change;
   if (config->planar) wanted.material = fem::without_bending(wanted.material);
   Result<SheetMaterials> changed = with_material(*materials, wanted);
   if (!changed) return changed.error();
-  fem::Model made(mesh, changed->by_region, config->membrane_law);
+  const std::optional<fem::Softening> chosen = choose_softening(*config, initial->built.mesh, changed->by_region);
+  fem::Model made = make_model(*config, mesh, changed->by_region, chosen);
   if (held_vertices.has_slopes()) made.set_clamps(mesh, held_vertices.clamps(now));
   if (Status s = check_condition(*config, made, "set_material.material"); !s) return s;
   materials = std::make_shared<const SheetMaterials>(std::move(changed).value());
+  softening = chosen;
   model = std::move(made);
   contact.set_half_thickness(0.5 * greatest_thickness(materials->by_region));
   for (GrabState& held : grabs) {

@@ -205,7 +205,8 @@ void Sheet::Impl::reset() {
   state.x = initial->built.positions;
   state.v = initial->velocities;
   materials = initial->materials;
-  model = fem::Model(mesh, materials->by_region, config->membrane_law);
+  softening = initial->softening;
+  model = make_model(*config, mesh, materials->by_region, softening);
   clamped.clear();  // as this model is; set_slopes() tells the integrator of those to come
   contact.set_half_thickness(0.5 * greatest_thickness(materials->by_region));
   grabs.clear();
@@ -251,6 +252,7 @@ void Sheet::Impl::rebuild() {
 void Sheet::Impl::make_room() {
   integrator_description =
       std::string(integrator->explanation()) + "; " + fem::describe_condition(fem::condition_number(model, dt));
+  if (softening) integrator_description += "; " + fem::describe(*softening);
   last_good.x.resize(state.x.cols());
   last_good.v.resize(state.v.cols());
 }

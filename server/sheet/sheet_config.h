@@ -36,6 +36,9 @@ inline constexpr std::size_t kMaxSheetIdBytes = 63;
 inline constexpr std::size_t kMaxColliders = 64;
 inline constexpr std::size_t kMaxScheduledCommands = 10'000;
 
+// Accuracy of a sheet that is too stiff for its tick: kRealTime softens the membrane, see fem::choose_softening.
+enum class Fidelity { kExact, kRealTime };
+
 enum class GridPattern { kUniformDiagonals, kJitteredDelaunay };
 
 // A rectangle from (0, 0) to (width, height) in material coordinates. Vertex ids are row-major: id = j * columns + i.
@@ -109,6 +112,7 @@ struct SheetConfig {
   fem::Material material;
   std::vector<RegionMaterial> materials;  // at most kMaxRegions; over `material`, a later one over those before
   fem::MembraneLaw membrane_law = fem::MembraneLaw::kCorotational;  // of all of them
+  Fidelity fidelity = Fidelity::kExact;                             // of a dynamic analysis; others are always exact
   Placement placement;
   std::vector<Region> pins;                  // at most kMaxRegions
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};  // m/s^2, |.| <= 1e4

@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "server/fem/model.h"
+#include "server/fem/softening.h"
 #include "server/sheet/applied_forces.h"
 #include "server/sheet/contact_bridge.h"
 #include "server/sheet/held_vertices.h"
@@ -23,6 +25,7 @@ namespace kerf::sheet {
 struct InitialState {
   BuiltMesh built;
   std::shared_ptr<const SheetMaterials> materials;
+  std::optional<fem::Softening> softening;
   Eigen::Matrix3Xd velocities;  // 3 x V, m/s
   std::vector<mesh::VertexId> pinned;
   HeldVertices held_vertices;
@@ -77,6 +80,14 @@ struct CommandContext {
 // kInvalidArgument SHEET_TOO_STIFF for a sheet that is to move, and that double precision cannot move. `prefix`: path
 // of the material ("material").
 Status check_condition(const SheetConfig& config, const fem::Model& model, const std::string& prefix);
+
+// Chooses for the uncut mesh how the membrane is softened; empty where the scene is exact or not stepped in time.
+std::optional<fem::Softening> choose_softening(const SheetConfig& config, const mesh::TriangleMesh& uncut,
+                                               const std::vector<fem::Material>& by_region);
+
+// The model that steps a sheet of these materials.
+fem::Model make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh,
+                      const std::vector<fem::Material>& by_region, const std::optional<fem::Softening>& softening);
 
 struct Sheet::Impl {
   Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,
@@ -157,6 +168,7 @@ struct Sheet::Impl {
   std::int32_t pins_version = 0;       // grows where a client sets them
   std::vector<GrabState> grabs;
   std::shared_ptr<const SheetMaterials> materials;  // in force
+  std::optional<fem::Softening> softening;          // of these, in the model alone
   Wind wind;
   std::vector<fem::Pin> holds;  // of the vertices in `pinned`, in order
   HeldVertices held_vertices;

@@ -1,10 +1,12 @@
 #include "server/wire/scene_codec.h"
 
+#include <array>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "server/wire/analysis_codec.h"
+#include "server/wire/choices.h"
 #include "server/wire/command_codec.h"
 #include "server/wire/conditions_codec.h"
 #include "server/wire/geometry_codec.h"
@@ -48,6 +50,11 @@ Result<contact::Collider> decode_collider(const v1::Collider& message, const std
   return choice_missing(path + ".shape", "plane, sphere, box or capsule");
 }
 
+constexpr std::array<std::pair<v1::Fidelity, sheet::Fidelity>, 2> kFidelities{{
+    {v1::EXACT, sheet::Fidelity::kExact},
+    {v1::REAL_TIME, sheet::Fidelity::kRealTime},
+}};
+
 Status decode_materials(const v1::Scene& scene, sheet::SheetConfig& config) {
   const Result<fem::Material> own = decode_material(scene.material(), "material");
   if (!own.ok()) return own.error();
@@ -60,7 +67,8 @@ Status decode_materials(const v1::Scene& scene, sheet::SheetConfig& config) {
     if (!material.ok()) return material.error();
     config.materials.push_back({std::move(*region), *material});
   }
-  return decode_membrane_law(scene.membrane_law(), config.membrane_law);
+  if (Status s = decode_membrane_law(scene.membrane_law(), config.membrane_law); !s) return s;
+  return decode_choice(kFidelities, scene.fidelity(), "fidelity", config.fidelity);
 }
 
 // Lists: colliders, scheduled commands.
@@ -140,6 +148,7 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
     *message.mutable_material() = encode_material(settings.materials[i + 1]);
   }
   scene.set_membrane_law(encode_membrane_law(settings.config.membrane_law));
+  scene.set_fidelity(encode_choice(kFidelities, settings.config.fidelity));
   encode_vector(settings.gravity, *scene.mutable_gravity_mps2());
   if (settings.wind.air_density > 0.0) encode_wind(settings.wind, *scene.mutable_wind());
   for (const contact::Collider& collider : settings.config.colliders) {

@@ -97,6 +97,7 @@ TEST(SceneCodec, MinimalSceneGetsTheDocumentedDefaults) {
   const sheet::SheetConfig config = decoded(scene);
   EXPECT_EQ(config.material, fem::find_preset("demo").value());
   EXPECT_EQ(config.membrane_law, fem::MembraneLaw::kCorotational);
+  EXPECT_EQ(config.fidelity, sheet::Fidelity::kExact);
   EXPECT_EQ(config.placement.origin, Eigen::Vector3d(0, 0, 0));
   EXPECT_EQ(config.placement.x_axis, Eigen::Vector3d(1, 0, 0));
   EXPECT_EQ(config.placement.y_axis, Eigen::Vector3d(0, 0, 1));

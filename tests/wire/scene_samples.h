@@ -213,6 +213,7 @@ inline v1::Scene full_scene() {
   integrator->set_highest_mode_damping(0.25);
   integrator->set_precision(v1::Integrator::MIXED);
   scene.set_membrane_law(v1::GREEN);
+  scene.set_fidelity(v1::REAL_TIME);
   add_commands(scene);
   add_conditions(scene);
   scene.set_ticks(900);
@@ -339,6 +340,7 @@ inline std::vector<BadScene> bad_numbers() {
       {"integrator.solver",
        [](v1::Scene& s) { s.mutable_integrator()->set_solver(static_cast<v1::Integrator::Solver>(-1)); }},
       {"membrane_law", [](v1::Scene& s) { s.set_membrane_law(static_cast<v1::MembraneLaw>(3)); }},
+      {"fidelity", [](v1::Scene& s) { s.set_fidelity(static_cast<v1::Fidelity>(3)); }},
       {"integrator.precision",
        [](v1::Scene& s) { s.mutable_integrator()->set_precision(static_cast<v1::Integrator::Precision>(3)); }},
       {"integrator.max_substeps", [](v1::Scene& s) { s.mutable_integrator()->set_max_substeps(100001); }},

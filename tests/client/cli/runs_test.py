@@ -67,6 +67,20 @@ class Runs(Case):
         self.assertAlmostEqual(green["energies"]["kinetic_j"], kinetic, delta=0.02 * kinetic)
         self.refused("run", scene_file("law.json"), "--membrane-law", "hooke", code=2, says="hooke")
 
+    def test_a_stiff_scene_in_real_time_is_recorded_so(self):
+        grid = {"columns": 42, "rows": 42, "width_m": 1, "height_m": 1}
+        wool = {"grid": grid, "material": {"preset": "wool"}, "commands": [], "ticks": 2}
+        recording = path("real-time.rec")
+        soft = self.json_of("run", scene_file("stiff.json", fidelity="REAL_TIME", **wool), "--record", recording)
+        self.assertIn("membrane softened 4 times", soft["integrator"])
+        self.assertEqual(self.json_of("replay", recording)["state_hash"], soft["state_hash"])
+        chosen = self.json_of("run", scene_file("stiff.json", **wool), "--fidelity", "real-time")
+        self.assertEqual(chosen["state_hash"], soft["state_hash"])
+        exact = self.json_of("run", scene_file("stiff.json", fidelity="REAL_TIME", **wool), "--fidelity", "exact")
+        self.assertEqual(exact["state_hash"], self.json_of("run", scene_file("stiff.json", **wool))["state_hash"])
+        self.assertNotEqual(exact["state_hash"], soft["state_hash"])
+        self.refused("run", scene_file("stiff.json", fidelity="QUICK"), says="QUICK")
+
     def test_every_linear_solver_ends_near_the_direct_one(self):
         scene = scene_file("solvers.json", integrator={"solver_tolerance": 1e-9, "max_linear_iterations": 100000})
         results = {solver: self.json_of("run", scene, "--integrator", "implicit", "--solver", solver)

@@ -31,6 +31,21 @@ class Sheets(Case):
         self.assertEqual([part["material"]["density_kgpm3"] for part in made["scene"]["materials"]], [304, 2710])
         self.json_of("sheet", "delete", "parts")
 
+    def test_a_stiff_sheet_in_real_time(self):
+        exact = self.json_of("sheet", "create", "exact", "--grid", "50x50", "--material", "wool", "--paused")
+        self.assertEqual(exact["scene"]["fidelity"], "EXACT")
+        self.assertNotIn("softening", exact)
+        soft = self.json_of("sheet", "create", "soft", "--grid", "50x50", "--material", "wool", "--paused",
+                            "--fidelity", "real-time")
+        self.assertEqual(soft["scene"]["fidelity"], "REAL_TIME")
+        self.assertEqual(soft["scene"]["material"], exact["scene"]["material"])
+        self.assertEqual((soft["softening"]["factor"], soft["softening"]["fits"]), (16, True))
+        self.assertAlmostEqual(soft["softening"]["expected_error_m"], 0.0021, delta=0.0001)
+        self.assertIn("membrane softened 16 times", kerf("sheet", "get", "soft").stdout)
+        self.refused("sheet", "create", "none", "--fidelity", "quick", code=2, says="quick")
+        for name in ("exact", "soft"):
+            self.json_of("sheet", "delete", name)
+
     def test_material_and_speed_of_a_running_sheet(self):
         self.json_of("sheet", "create", "set", "--grid", "9x9", "--material", "cotton", "--part", "0.5,0,1,1=denim")
         self.assertGreaterEqual(self.json_of("sheet", "material", "set", "silk", "--with", "thickness_m=0.0003",

@@ -39,6 +39,9 @@ class Sheets(Case):
         green = self.server.create_scene({**scene, "membrane_law": "GREEN"}, "py-green", paused=True)
         self.assertEqual(kerf.v1.scene_pb2.MembraneLaw.Name(green.get().scene.membrane_law), "GREEN")
         green.delete()
+        quick = self.server.create_scene({**scene, "fidelity": "REAL_TIME"}, "py-quick", paused=True)
+        self.assertEqual(quick.get().softening.factor, 1)
+        quick.delete()
         with self.assertRaisesRegex(ValueError, "colour"):
             self.server.create_scene({"colour": "red"})
 
