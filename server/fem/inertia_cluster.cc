@@ -19,6 +19,7 @@ InertiaCluster::InertiaCluster(const Model& model, std::span<const VertexId> mem
   set_pattern();
   held_.assign(vertices_.size(), 0);
   factor(0, 0b111);
+  if (is_dense()) invert();
 }
 
 // Entries of one place are added in the order of the parts.
@@ -125,8 +126,8 @@ void InertiaCluster::set_pattern() {
   for (std::size_t i = 0; i < n; ++i) starts_[i + 1] = starts_[i] + counts[i];
   rows_.resize(starts_[n]);
   for (std::size_t set = 0; set < 3; ++set) {
-    numbers_[set] = {std::vector<double>(rows_.size()), std::vector<double>(n)};
-    rounded_[set] = {std::vector<float>(rows_.size()), std::vector<float>(n)};
+    numbers_[set] = {std::vector<double>(rows_.size()), std::vector<double>(n), {}};
+    rounded_[set] = {std::vector<float>(rows_.size()), std::vector<float>(n), {}};
   }
   row_.assign(n, 0.0);
   stack_.resize(n);
@@ -181,6 +182,33 @@ void InertiaCluster::factor(std::size_t set, std::uint8_t components) {
   std::transform(inverse_diagonal.begin(), inverse_diagonal.end(), rounded_[set].inverse_diagonal.begin(), round);
 }
 
+bool InertiaCluster::is_dense() const {
+  constexpr std::size_t kPerEntry = 8;  // of an inverse: they take no longer than one of the factor does
+  // -, in floats: an inverse rounds stiff modes by 2^-24 of the soft ones, which has to stay far below their own part.
+  constexpr double kMostSpread = 1e4;
+  const std::size_t n = vertices_.size();
+  return n <= kMostDense && n * n <= kPerEntry * (rows_.size() + n) && spread_ <= kMostSpread;
+}
+
+void InertiaCluster::invert() {
+  const std::size_t n = vertices_.size();
+  numbers_[0].inverse.resize(n);
+  rounded_[0].inverse.resize(n);
+  alignas(64) std::array<double, 4 * kMostDense> columns{};  // of the inverse, four side by side
+  for (std::size_t first = 0; first < n; first += 4) {
+    columns.fill(0.0);
+    for (std::size_t j = first; j < std::min(first + 4, n); ++j) columns[4 * j + j % 4] = 1.0;
+    substitute(numbers_[0], columns.data());
+    for (std::size_t j = first; j < std::min(first + 4, n); ++j) {
+      for (std::size_t i = j; i < n; ++i) {
+        const double entry = columns[4 * i + j % 4];
+        numbers_[0].inverse.at(i, j) = numbers_[0].inverse.at(j, i) = entry;
+        rounded_[0].inverse.at(i, j) = rounded_[0].inverse.at(j, i) = static_cast<float>(entry);
+      }
+    }
+  }
+}
+
 void InertiaCluster::hold(std::span<const std::uint8_t> held) {
   if (std::equal(held.begin(), held.end(), held_.begin())) return;
   std::copy(held.begin(), held.end(), held_.begin());
@@ -190,27 +218,41 @@ void InertiaCluster::hold(std::span<const std::uint8_t> held) {
     if (each != 0) is_held_ = true;
     if (each != 0 && each != 0b111) num_sets_ = 3;
   }
-  if (num_sets_ == 1) return factor(0, 0b111);
+  if (num_sets_ == 1) {
+    factor(0, 0b111);
+    if (is_dense()) invert();
+    return;
+  }
   for (std::size_t set = 0; set < 3; ++set) factor(set, static_cast<std::uint8_t>(1U << set));
+}
+
+// All components alike.
+template <typename T>
+void InertiaCluster::substitute(const Numbers<T>& numbers, T* values) const {
+  using Four = Eigen::Array<T, 4, 1>;
+  const std::size_t n = vertices_.size();
+  const auto at = [values](std::size_t i) { return Eigen::Map<Four, Eigen::Aligned16>(values + 4 * i); };
+  const T* const L = numbers.values.data();
+  for (std::size_t j = 0; j < n; ++j) {
+    const Four y = at(j);
+    for (std::size_t p = starts_[j]; p < starts_[j + 1]; ++p) at(static_cast<std::size_t>(rows_[p])) -= L[p] * y;
+  }
+  for (std::size_t j = n; j-- > 0;) {
+    Four y = numbers.inverse_diagonal[j] * at(j);
+    for (std::size_t p = starts_[j]; p < starts_[j + 1]; ++p) y -= L[p] * at(static_cast<std::size_t>(rows_[p]));
+    at(j) = y;
+  }
 }
 
 template <typename T>
 void InertiaCluster::solve(T* values) const {
-  using Four = Eigen::Array<T, 4, 1>;
   const std::size_t n = vertices_.size();
-  const auto at = [values](std::size_t i) { return Eigen::Map<Four, Eigen::Aligned16>(values + 4 * i); };
   if (num_sets_ == 1) {
     const Numbers<T>& numbers = this->numbers<T>(0);
-    const T* const L = numbers.values.data();
-    for (std::size_t j = 0; j < n; ++j) {
-      const Four y = at(j);
-      for (std::size_t p = starts_[j]; p < starts_[j + 1]; ++p) at(static_cast<std::size_t>(rows_[p])) -= L[p] * y;
-    }
-    for (std::size_t j = n; j-- > 0;) {
-      Four y = numbers.inverse_diagonal[j] * at(j);
-      for (std::size_t p = starts_[j]; p < starts_[j + 1]; ++p) y -= L[p] * at(static_cast<std::size_t>(rows_[p]));
-      at(j) = y;
-    }
+    if (numbers.inverse.size == 0) return substitute(numbers, values);
+    alignas(64) std::array<T, 4 * kMostDense> product;
+    multiply(numbers.inverse, values, product.data());
+    std::copy_n(product.data(), 4 * n, values);
     return;
   }
   for (std::size_t c = 0; c < 3; ++c) {

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "server/fem/dense_fours.h"
 #include "server/fem/model.h"
 #include "server/fem/stiff_parts.h"
 #include "server/mesh/ids.h"
@@ -23,7 +24,8 @@ struct AddedInertia {
 // The inertia M' = M + added (sum of stiff parts) of some vertices, and its Cholesky factor L D L^T: a function of the
 // parts, the masses and what is held, not of how they came about. M' is the same for x, y and z. Vertices are kept in
 // the order of elimination, of minimum degree (Amestoy, Davis, Duff 1996); the factor is made row by row (Davis 2005,
-// "Algorithm 849: a concise sparse Cholesky factorization package").
+// "Algorithm 849: a concise sparse Cholesky factorization package"). Small ones are solved by their dense inverse,
+// whose products need not wait for each other.
 class InertiaCluster {
  public:
   // members: ascending. parts: ascending, their vertices among the members.
@@ -59,9 +61,17 @@ class InertiaCluster {
   }
 
  private:
-  struct Entry {  // of a symmetric matrix, row >= column
+  static constexpr std::size_t kMostDense = 32;  // vertices
+  struct Entry {                                 // of a symmetric matrix, row >= column
     std::int32_t row = 0, column = 0;
     double value = 0.0;
+  };
+  // L below its diagonal of 1, by columns, and 1 / D; of all components alike, or of each.
+  template <typename T>
+  struct Numbers {
+    std::vector<T> values;
+    std::vector<T> inverse_diagonal;
+    DenseFours<T> inverse;  // of all of M', or of size 0
   };
   // Added, kg.
   static std::vector<Entry> sum_of(const Model& model, std::span<const mesh::VertexId> members,
@@ -71,6 +81,11 @@ class InertiaCluster {
   void set_pattern();
   // Factors M' without vertices held in these components, into one set of numbers.
   void factor(std::size_t set, std::uint8_t components);
+  [[nodiscard]] bool is_dense() const;
+  template <typename T>
+  void substitute(const Numbers<T>& numbers, T* values) const;
+  // Sets the inverse that is the same for all components.
+  void invert();
 
   std::vector<mesh::VertexId> vertices_;
   mesh::VertexId lowest_ = mesh::kNone;
@@ -83,12 +98,6 @@ class InertiaCluster {
   std::vector<std::int32_t> matrix_columns_;
   std::vector<double> matrix_;
   std::vector<double> mass_;
-  // L below its diagonal of 1, by columns, and 1 / D; of all components alike, or of each.
-  template <typename T>
-  struct Numbers {
-    std::vector<T> values;
-    std::vector<T> inverse_diagonal;
-  };
   template <typename T>
   [[nodiscard]] const Numbers<T>& numbers(std::size_t set) const {
     if constexpr (std::is_same_v<T, float>)

@@ -2,54 +2,36 @@
 #include <array>
 #include <cmath>
 
-#include "server/fem/free_flight.h"
 #include "server/fem/leapfrog_sweep.h"
 #include "server/fem/leapfrog_vertices.h"
 
-// Members of LeapfrogSweep that move what has local inertia, and points that are grabbed.
+// Members of LeapfrogSweep for what has local inertia, and for points that are grabbed.
 namespace kerf::fem {
 
 using mesh::VertexId;
 
 template <typename T>
-void LeapfrogSweep<T>::move_clusters(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick) {
-  const std::array<T, 3> gravity{static_cast<T>(terms.gravity.x()), static_cast<T>(terms.gravity.y()),
-                                 static_cast<T>(terms.gravity.z())};
-  const auto drift = static_cast<T>(kick.drift / unit_);
-  const bool has_one_damping = mass_damping_.empty();
-  const KickFactors common = kick_factors(has_one_damping ? model.mass_damping(0) : 0.0, kick.duration);
-  const auto factors_of = [&](VertexId v) {
-    return has_one_damping ? common : kick_factors(model.mass_damping(v), kick.duration);
-  };
-  const VertexChange vertex(*this);
-  const T* const force = entries(gathered_);
+void LeapfrogSweep<T>::accelerate_clusters(const Model& model, const LeapfrogStep<T>& step) {
+  T* const force = entries(gathered_);
   T* const values = entries(cluster_values_);
-  std::array<T, 3> fastest{};
+  const std::array<T, 4> gravity{step.gravity[0], step.gravity[1], step.gravity[2], T{0}};
   for (const InertiaCluster* const cluster : inertia_->clusters()) {
     const std::span<const VertexId> vertices = cluster->vertices();
     const bool is_held = cluster->is_held();
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const auto v = static_cast<std::size_t>(vertices[i]);
-      const auto scale = static_cast<T>(factors_of(vertices[i]).scale);
-      for (std::size_t c = 0; c < 4; ++c) values[4 * i + c] = scale * force[4 * v + c];
+      std::copy_n(force + 4 * v, 4, values + 4 * i);
       if (!is_held) continue;
       const auto mass = static_cast<T>(model.mass()[v]);
-      for (std::size_t c = 0; c < 3; ++c) values[4 * i + c] += scale * mass * gravity[c];
+      for (std::size_t c = 0; c < 4; ++c) values[4 * i + c] += mass * gravity[c];
     }
     cluster->solve(values);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const auto v = static_cast<std::size_t>(vertices[i]);
-      const KickFactors factors = factors_of(vertices[i]);
-      const auto scale = static_cast<T>(is_held ? 0.0 : factors.scale);
-      const auto lost = static_cast<T>(factors.lost);
-      for (std::size_t c = 0; c < 3; ++c) {
-        if ((cluster->held()[i] >> c & 1U) != 0) continue;
-        const T change = values[4 * i + c] + scale * gravity[c] - lost * vertex.velocity(v, c);
-        fastest[c] = std::max(fastest[c], std::abs(vertex.add(v, c, change, drift)));
-      }
+      std::copy_n(values + 4 * i, 4, force + 4 * v);
+      for (std::size_t c = 0; is_held && c < 4; ++c) force[4 * v + c] -= gravity[c];
     }
   }
-  for (std::size_t c = 0; c < 3; ++c) speed_.lane[c] = std::max(speed_.lane[c], fastest[c]);
 }
 
 template <typename T>
@@ -122,10 +104,8 @@ bool LeapfrogSweep<T>::push(const Grab& grab, const Eigen::Array3d& impulse, dou
   return is_inside;
 }
 
-template void LeapfrogSweep<float>::move_clusters(const Model& model, const LeapfrogTerms& terms,
-                                                  const LeapfrogKick& kick);
-template void LeapfrogSweep<double>::move_clusters(const Model& model, const LeapfrogTerms& terms,
-                                                   const LeapfrogKick& kick);
+template void LeapfrogSweep<float>::accelerate_clusters(const Model& model, const LeapfrogStep<float>& step);
+template void LeapfrogSweep<double>::accelerate_clusters(const Model& model, const LeapfrogStep<double>& step);
 template Eigen::Array3d LeapfrogSweep<float>::mobility(const Grab& grab);
 template Eigen::Array3d LeapfrogSweep<double>::mobility(const Grab& grab);
 template bool LeapfrogSweep<float>::push(const Grab& grab, const Eigen::Array3d& impulse, double drift);

@@ -91,6 +91,21 @@ void LeapfrogSweep<T>::gather_impulses(const Model& model, std::size_t block, st
   }
 }
 
+// As leapfrog_kernels.cc does.
+template <typename T>
+void LeapfrogSweep<T>::add_velocity(std::size_t v, std::size_t component, T change) {
+  T& velocity = at(v_[component], v);
+  if constexpr (std::is_same_v<T, float>) {
+    float& remainder = at(v_remainder_[component], v);
+    const float all = change + remainder;
+    const float after = velocity + all;
+    remainder = all - (after - velocity);
+    velocity = after;
+  } else {
+    velocity += change;
+  }
+}
+
 template <typename T>
 void LeapfrogSweep<T>::share_impulses() {
   if (contact_.clusters.empty()) return;
@@ -103,7 +118,6 @@ void LeapfrogSweep<T>::share_impulses() {
   for (const Impulse& each : contact_.impulses) {
     std::copy(each.value.begin(), each.value.end(), impulse + 4 * static_cast<std::size_t>(each.vertex));
   }
-  const VertexChange vertex(*this);
   T* const values = entries(cluster_values_);
   for (const InertiaCluster* const cluster : contact_.clusters) {
     const std::span<const VertexId> vertices = cluster->vertices();
@@ -114,7 +128,7 @@ void LeapfrogSweep<T>::share_impulses() {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       for (std::size_t c = 0; c < 3; ++c) {
         if ((cluster->held()[i] >> c & 1U) != 0) continue;
-        vertex.add(static_cast<std::size_t>(vertices[i]), c, values[4 * i + c], T{0});
+        add_velocity(static_cast<std::size_t>(vertices[i]), c, values[4 * i + c]);
       }
     }
   }

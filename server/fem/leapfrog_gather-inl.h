@@ -17,6 +17,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include "server/fem/fours-inl.h"
 #include "server/fem/leapfrog_kernels.h"
 #include "server/fem/leapfrog_triangles-inl.h"
 
@@ -28,51 +29,6 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr std::size_t kBlocksAtOnce = 4;  // of irregular triangles, whose corners are fetched together
-
-// Of up to four.
-template <typename T>
-using Fours = hn::CappedTag<T, HWY_HAVE_SCALABLE ? 4 : 16>;
-
-#if HWY_TARGET == HWY_SCALAR
-template <class D>
-HWY_INLINE hn::Vec<D> joined(D /*d*/, hn::Vec<D> /*high*/, hn::Vec<D> low) {
-  return low;  // never asked for
-}
-#else
-template <class D>
-HWY_INLINE hn::Vec<D> joined(D d, hn::Vec<hn::Half<D>> high, hn::Vec<hn::Half<D>> low) {
-  return hn::Combine(d, high, low);
-}
-#endif
-
-// x, y, z, 0 from at[0], at[1], ... of an array "x 4" on, side by side; where lanes are fewer than four, of the first
-// one from component `part` on.
-template <class D>
-HWY_INLINE hn::Vec<D> load_fours(D d, const hn::TFromD<D>* from, const std::int32_t* at, std::size_t part = 0) {
-  if constexpr (hn::MaxLanes(D()) <= 4) {
-    return hn::LoadU(d, from + static_cast<std::ptrdiff_t>(at[0]) + part);
-  } else {
-    const hn::Half<D> half;
-    constexpr std::size_t kVertices = hn::MaxLanes(hn::Half<D>()) / 4;
-    return joined(d, load_fours(half, from, at + kVertices), load_fours(half, from, at));
-  }
-}
-
-// values[first], values[first + 1], ... of four, each four times.
-template <class D>
-HWY_INLINE hn::Vec<D> spread(D d, const std::array<hn::TFromD<D>, 4>& values, std::size_t first) {
-  if constexpr (hn::MaxLanes(D()) <= 4) {
-    return hn::Set(d, values[first]);
-  } else if constexpr (std::is_same_v<hn::TFromD<D>, float>) {
-    const hn::RebindToSigned<D> di;
-    const auto which = hn::Add(hn::ShiftRight<2>(hn::Iota(di, 0)), hn::Set(di, static_cast<std::int32_t>(first)));
-    return hn::TableLookupLanes(hn::LoadDup128(d, values.data()), hn::IndicesFromVec(d, which));
-  } else {
-    const hn::Half<D> half;
-    constexpr std::size_t kValues = hn::MaxLanes(hn::Half<D>()) / 4;
-    return joined(d, spread(half, values, first + kValues), spread(half, values, first));
-  }
-}
 
 // Fetches the rows of a group, of four vertices, before they are needed, where they do not begin where the rows of the
 // group before end: cuts have made them grow then. The processor sees the others coming.

@@ -224,61 +224,92 @@ HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const L
   }
 }
 
+// Of the vertices from i on, that of what is gathered included where `has_gathered`.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE std::array<V, 3> forces_at(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, bool has_gathered,
+                                      std::size_t i) {
+  std::array<V, 4> sum{hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  if (has_gathered) hn::LoadInterleaved4(d, arrays.gathered + 4 * i, sum[0], sum[1], sum[2], sum[3]);
+  if (arrays.quads_before == nullptr) return {sum[0], sum[1], sum[2]};
+  const auto at = static_cast<std::ptrdiff_t>(i);
+  const std::array<std::ptrdiff_t, 4> from{in_ring(arrays, at), in_ring(arrays, at - arrays.offsets[0]),
+                                           in_ring(arrays, at - arrays.offsets[1]),
+                                           in_ring(arrays, at - arrays.offsets[2])};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const V near =
+        hn::Sub(hn::LoadU(d, arrays.quad_force[1][c] + from[1]), hn::Load(d, arrays.quad_force[0][c] + from[0]));
+    const V far =
+        hn::Add(hn::LoadU(d, arrays.quad_force[2][c] + from[2]), hn::LoadU(d, arrays.quad_force[3][c] + from[3]));
+    sum[c] = hn::Add(sum[c], hn::Add(near, far));
+  }
+  return {sum[0], sum[1], sum[2]};
+}
+
+// Kick and drift of the vertices from i on.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void move_at(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, const LeapfrogStep<hn::TFromD<D>>& step,
+                        std::size_t i, const std::array<V, 3>& forces, hn::TFromD<D>* speed) {
+  using T = hn::TFromD<D>;
+  const hn::Rebind<PositionOf<T>, D> dp;
+  V lost = hn::Set(d, step.lost);
+  V scale = hn::Set(d, step.scale);
+  if (arrays.mass_damping != nullptr) {
+    const V one = hn::Set(d, T{1});
+    const V half = hn::Mul(hn::Set(d, step.scale * T{0.5}), hn::Load(d, arrays.mass_damping + i));
+    lost = hn::Div(hn::Add(half, half), hn::Add(one, half));
+    scale = hn::Div(hn::Set(d, step.scale), hn::Add(one, half));
+  }
+  T* const fastest_of = speed + i % kBlockLanes;
+  V fastest = hn::Load(d, fastest_of);
+  std::array<hn::Vec<decltype(dp)>, 3> x;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const V mobility = hn::Load(d, arrays.mobility[c] + i);
+    const V before = hn::Load(d, arrays.v[c] + i);
+    const V change =
+        hn::Sub(hn::Add(hn::Mul(hn::Mul(scale, mobility), forces[c]), hn::Mul(scale, hn::Set(d, step.gravity[c]))),
+                hn::Mul(lost, before));
+    const V v = kicked(d, before, hn::IfThenElse(hn::Eq(mobility, hn::Zero(d)), hn::Zero(d), change),
+                       std::is_same_v<T, float> ? arrays.v_remainder[c] + i : nullptr);
+    fastest = hn::Max(fastest, hn::Abs(v));
+    hn::Store(v, d, arrays.v[c] + i);
+    x[c] = drifted(d, hn::Load(dp, arrays.x[c] + i), hn::Mul(hn::Set(d, step.drift), v),
+                   std::is_same_v<T, float> ? arrays.remainder[c] + i : nullptr);
+    hn::Store(x[c], dp, arrays.x[c] + i);
+  }
+  hn::Store(fastest, d, fastest_of);
+  if (arrays.num_corners[i / kBlockLanes] == 0) return;
+  hn::StoreInterleaved4(x[0], x[1], x[2], hn::Zero(dp), dp, arrays.corner_x + 4 * i);
+}
+
+template <typename T>
+HWY_INLINE bool has_cluster(const LeapfrogArrays<T>& arrays, std::size_t block) {
+  return arrays.has_cluster != nullptr && arrays.has_cluster[block] != 0;
+}
+
+// Blocks with clusters only leave their forces.
 template <typename T>
 HWY_NOINLINE void move(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, bool gathered, std::size_t first,
                        std::size_t last, T* speed) {
   const LanesOf<T> d;
-  const LanesOf<PositionOf<T>> dp;
-  using V = hn::Vec<LanesOf<T>>;
-  V lost = hn::Set(d, step.lost);
-  V scale = hn::Set(d, step.scale);
-  const V drift = hn::Set(d, step.drift);
   for (std::size_t i = first * kBlockLanes; i < last * kBlockLanes; i += hn::Lanes(d)) {
-    const bool has_corners = arrays.num_corners[i / kBlockLanes] > 0;
-    T* const fastest_of = speed + i % kBlockLanes;
-    const auto at = static_cast<std::ptrdiff_t>(i);
-    const std::array<std::ptrdiff_t, 4> from{in_ring(arrays, at), in_ring(arrays, at - arrays.offsets[0]),
-                                             in_ring(arrays, at - arrays.offsets[1]),
-                                             in_ring(arrays, at - arrays.offsets[2])};
-    std::array<V, 4> sum{hn::Zero(d), hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    if (gathered || has_corners) hn::LoadInterleaved4(d, arrays.gathered + 4 * i, sum[0], sum[1], sum[2], sum[3]);
-    std::array<hn::Vec<LanesOf<PositionOf<T>>>, 3> x;
-    std::array<V, 3> forces{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    V fastest = hn::Load(d, fastest_of);
-    if (arrays.mass_damping != nullptr) {
-      const V one = hn::Set(d, T{1});
-      const V half = hn::Mul(hn::Set(d, step.scale * T{0.5}), hn::Load(d, arrays.mass_damping + at));
-      lost = hn::Div(hn::Add(half, half), hn::Add(one, half));
-      scale = hn::Div(hn::Set(d, step.scale), hn::Add(one, half));
-    }
-    for (std::size_t c = 0; c < 3; ++c) {
-      V f = sum[c];
-      if (arrays.quads_before != nullptr) {
-        const V near =
-            hn::Sub(hn::LoadU(d, arrays.quad_force[1][c] + from[1]), hn::Load(d, arrays.quad_force[0][c] + from[0]));
-        const V far =
-            hn::Add(hn::LoadU(d, arrays.quad_force[2][c] + from[2]), hn::LoadU(d, arrays.quad_force[3][c] + from[3]));
-        f = hn::Add(f, hn::Add(near, far));
-      }
-      forces[c] = f;
-      const V mobility = hn::Load(d, arrays.mobility[c] + at);
-      const V before = hn::Load(d, arrays.v[c] + at);
-      const V change =
-          hn::Sub(hn::Add(hn::Mul(hn::Mul(scale, mobility), f), hn::Mul(scale, hn::Set(d, step.gravity[c]))),
-                  hn::Mul(lost, before));
-      const V v = kicked(d, before, hn::IfThenElse(hn::Eq(mobility, hn::Zero(d)), hn::Zero(d), change),
-                         std::is_same_v<T, float> ? arrays.v_remainder[c] + at : nullptr);
-      fastest = hn::Max(fastest, hn::Abs(v));
-      hn::Store(v, d, arrays.v[c] + at);
-      x[c] = drifted(d, hn::Load(dp, arrays.x[c] + at), hn::Mul(drift, v),
-                     std::is_same_v<T, float> ? arrays.remainder[c] + at : nullptr);
-      hn::Store(x[c], dp, arrays.x[c] + at);
-    }
-    hn::Store(fastest, d, fastest_of);
-    if (arrays.has_cluster != nullptr && arrays.has_cluster[i / kBlockLanes] != 0) {
+    const std::size_t block = i / kBlockLanes;
+    const auto forces = forces_at(d, arrays, gathered || arrays.num_corners[block] > 0, i);
+    if (has_cluster(arrays, block)) {
       hn::StoreInterleaved4(forces[0], forces[1], forces[2], hn::Zero(d), d, arrays.gathered + 4 * i);
+    } else {
+      move_at(d, arrays, step, i, forces, speed);
     }
-    if (has_corners) hn::StoreInterleaved4(x[0], x[1], x[2], hn::Zero(dp), dp, arrays.corner_x + 4 * i);
+  }
+}
+
+template <typename T>
+HWY_INLINE void move_blocks_with_clusters(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed) {
+  const LanesOf<T> d;
+  for (std::size_t i = 0; i < arrays.num_blocks * kBlockLanes; i += hn::Lanes(d)) {
+    if (!has_cluster(arrays, i / kBlockLanes)) continue;
+    std::array<hn::Vec<LanesOf<T>>, 4> forces;
+    hn::LoadInterleaved4(d, arrays.gathered + 4 * i, forces[0], forces[1], forces[2], forces[3]);
+    move_at(d, arrays, step, i, {forces[0], forces[1], forces[2]}, speed);
   }
 }
 
@@ -362,6 +393,12 @@ void substep_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float
 void substep_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
   substep_any(arrays, step, speed);
 }
+void clusters_float(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {
+  move_blocks_with_clusters(arrays, step, speed);
+}
+void clusters_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
+  move_blocks_with_clusters(arrays, step, speed);
+}
 double irregular_double(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
   const LanesOf<double> d;
   const auto largest = step.membrane_law == MembraneLaw::kGreen
@@ -386,6 +423,8 @@ namespace kerf::fem {
 namespace {
 HWY_EXPORT(substep_float);
 HWY_EXPORT(substep_double);
+HWY_EXPORT(clusters_float);
+HWY_EXPORT(clusters_double);
 HWY_EXPORT(irregular_double);
 HWY_EXPORT(start_float);
 HWY_EXPORT(start_double);
@@ -398,6 +437,14 @@ void leapfrog_substep(const LeapfrogArrays<float>& arrays, const LeapfrogStep<fl
 template <>
 void leapfrog_substep(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
   HWY_DYNAMIC_DISPATCH(substep_double)(arrays, step, speed);
+}
+template <>
+void leapfrog_move_clusters(const LeapfrogArrays<float>& arrays, const LeapfrogStep<float>& step, float* speed) {
+  HWY_DYNAMIC_DISPATCH(clusters_float)(arrays, step, speed);
+}
+template <>
+void leapfrog_move_clusters(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step, double* speed) {
+  HWY_DYNAMIC_DISPATCH(clusters_double)(arrays, step, speed);
 }
 double leapfrog_irregular(const LeapfrogArrays<double>& arrays, const LeapfrogStep<double>& step) {
   return HWY_DYNAMIC_DISPATCH(irregular_double)(arrays, step);

@@ -91,7 +91,7 @@ struct LeapfrogArrays {
   std::array<T*, 3> v{};                     // m/s
   std::array<T*, 3> remainder{};             // of x, in its unit; null where T is double
   std::array<T*, 3> v_remainder{};           // of v, m/s; null where T is double
-  std::array<const T*, 3> mobility{};        // 1/kg, 0 where the component is held
+  std::array<const T*, 3> mobility{};        // 1/kg, 0 where the component is held, in clusters else 1
   const TriangleLanes<T>* quads = nullptr;   // 2 x num_blocks, or none
   const EdgeLanes<T>* quad_edges = nullptr;  // in their place of Green's strain
   StrainLanes<T>* quads_before = nullptr;    // as either
@@ -118,8 +118,8 @@ struct LeapfrogArrays {
   Position* bending_x = nullptr;                         // x 4, scratch
   std::span<const std::int32_t> num_quads, num_corners;  // of each block of vertices
   const RowStore<CornerPlaces>* corners = nullptr;       // of four vertices
-  // Says of each block of vertices whether some of them are in clusters, or null: such have a mobility of 0, are moved
-  // elsewhere, and leave their forces in `gathered`.
+  // Says of each block of vertices whether some of them are in clusters, or null. Such blocks leave their forces in
+  // `gathered`, and are moved by leapfrog_move_clusters() alone.
   const std::uint8_t* has_cluster = nullptr;
   const RowStore<FourEntries<T>>* bending_rows =
       nullptr;  // null: no bending in this substep; rows of blocks that have a slice may be empty
@@ -142,6 +142,10 @@ struct LeapfrogStep {
 // Forces at x, kick, drift. `speed`: kBlockLanes largest components of velocity so far, m/s.
 template <typename T>
 void leapfrog_substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed);
+// Kick and drift of blocks with clusters: those of vertices in clusters by accelerations, m/s^2, which have taken the
+// place of forces in `gathered`.
+template <typename T>
+void leapfrog_move_clusters(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* speed);
 // Strains at x as those of the substep before. Returns the largest principal one, -, at least 0; 0 of Green's strain.
 template <typename T>
 T leapfrog_start(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step);

@@ -126,10 +126,10 @@ void LeapfrogSweep<T>::set_mobility(const Model& model, const Loads& loads) {
   }
   std::fill(has_cluster_.begin(), has_cluster_.end(), 0);
   for (const InertiaCluster* const cluster : inertia_->clusters()) {
-    for (const VertexId v : cluster->vertices()) {
-      const auto i = static_cast<std::size_t>(v);
-      has_cluster_[i / kBlockLanes] = 1;
-      for (std::size_t c = 0; c < 3; ++c) at(mobility_[c], i) = 0;
+    for (std::size_t k = 0; k < cluster->vertices().size(); ++k) {
+      const auto v = static_cast<std::size_t>(cluster->vertices()[k]);
+      has_cluster_[v / kBlockLanes] = 1;
+      for (std::size_t c = 0; c < 3; ++c) at(mobility_[c], v) = (cluster->held()[k] >> c & 1U) != 0 ? T{0} : T{1};
     }
   }
 }
@@ -250,9 +250,10 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
     with.fine_places = fine_.places;
     if constexpr (std::is_same_v<T, float>) with.fine_force = fine_.forces.data();
   }
-  if (has_cluster_.empty()) return leapfrog_substep(with, step, speed_.lane.data());
   leapfrog_substep(with, step, speed_.lane.data());
-  move_clusters(model, terms, kick);
+  if (has_cluster_.empty()) return;
+  accelerate_clusters(model, step);
+  leapfrog_move_clusters(with, step, speed_.lane.data());
 }
 
 template <typename T>

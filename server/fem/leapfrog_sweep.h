@@ -162,9 +162,8 @@ class LeapfrogSweep {
   // Of a block that has no slice.
   void set_bending_rows_of(const Model& model, std::size_t block);
   void follow_bending(const Model& model);
-  // Moves the vertices of clusters, which leapfrog_substep() left alone.
-  void move_clusters(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick);
-  class VertexChange;
+  // In the place of forces on the vertices of clusters, puts what they have to be accelerated by beside gravity, m/s^2.
+  void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step);
   // Into cluster_values_: what an impulse of 1 N s at the part of the grab's point that is in this cluster moves.
   void set_response(const Grab& grab, const InertiaCluster& cluster);
   // at_vertex(v, weight) of those outside of clusters, at_cluster(cluster), with its response, of each cluster once.
@@ -175,6 +174,7 @@ class LeapfrogSweep {
   bool enforce_block(const Model& model, ContactConstraint& contact, const LeapfrogArrays<T>& arrays,
                      std::int32_t block);
   void gather_impulses(const Model& model, std::size_t block, std::uint32_t changed);
+  void add_velocity(std::size_t v, std::size_t component, T change);  // m/s
   void share_impulses();
   [[nodiscard]] PositionFrame frame() const {
     return {{origin_.x(), origin_.y(), origin_.z()}, is_by_displacements() ? start_.data() : nullptr, unit_};

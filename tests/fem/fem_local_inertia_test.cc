@@ -107,6 +107,47 @@ TEST(LocalInertia, UncutSheetsHaveNone) {
 }
 
 // Against plain leapfrog on the same mesh, with the same damping, in substeps that its tiniest triangle asks for.
+// Both of clusters with a dense inverse and of larger ones.
+TEST(LocalInertia, ClustersSolveForTheirInertia) {
+  const CutSheet sheet(50);
+  ExplicitIntegrator integrator(explicit_options(Precision::kDouble));
+  integrator.rebuild(sheet.model);
+  ASSERT_FALSE(integrator.inertia().empty());
+  const auto num_vertices = static_cast<std::size_t>(sheet.mesh.num_vertices());
+  for (const InertiaCluster* const cluster : integrator.inertia().clusters()) {
+    const std::span<const mesh::VertexId> vertices = cluster->vertices();
+    std::vector<Lanes16<double>> of_double(vertices.size() / 4 + 1);
+    std::vector<Lanes16<float>> of_float(of_double.size());
+    double* const values = of_double.front().lane.data();
+    float* const rounded = of_float.front().lane.data();
+    for (std::size_t i = 0; i < 4 * vertices.size(); ++i) {
+      values[i] = 0.25 * static_cast<double>(i % 7) - 0.5;
+      rounded[i] = static_cast<float>(values[i]);
+    }
+    cluster->solve(values);
+    cluster->solve(rounded);
+    std::vector<double> product(num_vertices, 0.0), velocity(num_vertices, 0.0);
+    double largest = 0.0;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const auto v = static_cast<std::size_t>(vertices[i]);
+      velocity[v] = values[4 * i];
+      product[v] = sheet.model.mass()[v] * velocity[v];
+      largest = std::max(largest, std::abs(velocity[v]));
+    }
+    cluster->for_each_added([&](mesh::VertexId i, mesh::VertexId j, double entry) {
+      const auto a = static_cast<std::size_t>(i);
+      const auto b = static_cast<std::size_t>(j);
+      product[a] += entry * velocity[b];
+      if (a != b) product[b] += entry * velocity[a];
+    });
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const double given = 0.25 * static_cast<double>(4 * i % 7) - 0.5;
+      EXPECT_NEAR(product[static_cast<std::size_t>(vertices[i])], given, 1e-9);
+      EXPECT_NEAR(static_cast<double>(rounded[4 * i]), values[4 * i], 1e-4 * largest);
+    }
+  }
+}
+
 TEST_P(LocalInertiaOf, FallsAsPlainLeapfrogDoes) {
   Material material = *find_preset("demo");
   material.stiffness_damping = 8.3e-6;
