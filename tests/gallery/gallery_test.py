@@ -58,8 +58,12 @@ class Gallery(unittest.TestCase):
                                      + CONTRACT_PER_STRIP * strips)
                 self.assertLessEqual(each["deviation_of_edge"], 0.02 * MEAN_EDGE)
                 if each["sharp_corners"] == 0:
-                    self.assertGreaterEqual(each["min_angle_deg"], 20 - 1e-6)
-                    self.assertLessEqual(each["max_aspect"], CONTRACT_ASPECT)
+                    self.assertEqual(each["below_contract"], 0)
+                    self.assertGreaterEqual(each["elsewhere_min_angle_deg"], 20 - 1e-6)
+                    self.assertGreaterEqual(each["strands_min_angle_deg"], 10 - 1e-6)
+                    if each["strands_min_angle_deg"] == 180:  # no strands, and so no needles between them
+                        self.assertGreaterEqual(each["min_angle_deg"], 20 - 1e-6)
+                        self.assertLessEqual(each["max_aspect"], CONTRACT_ASPECT)
         if OPTIONS.only == "":
             self.assertEqual(figures["kirigami-1000"]["cuts"], 1000)
             self.assertEqual(figures["kirigami-20"]["cuts"], 20)

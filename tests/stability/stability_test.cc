@@ -67,12 +67,13 @@ Case find_case(const std::string& name) {
   }
   throw std::invalid_argument("no case " + name);
 }
-INSTANTIATE_TEST_SUITE_P(Mended, StabilityMatrixCase,
-                         testing::Values(find_case("1000 rad/s, E 1e+09 Pa, nu 0.30, dt 0.0001 s, aspect 1e+02"),
-                                         find_case("pinned at one, E 1e+00 Pa, nu 0.49, dt 1 s, aspect 1e+00"),
-                                         find_case("random box, E 1e+03 Pa, nu 0.63, dt 0.001 s, aspect 9e+05"),
-                                         find_case("1000 m/s at random, E 1e+09 Pa, nu 0.49, dt 0.1 s, aspect 1e+02"),
-                                         find_case("density jump of 1e7, E 1e+00 Pa, nu 0.63, dt 0.0001 s, aspect 1e+04")));
+INSTANTIATE_TEST_SUITE_P(
+    Mended, StabilityMatrixCase,
+    testing::Values(find_case("1000 rad/s, E 1e+09 Pa, nu 0.30, dt 0.0001 s, aspect 1e+02"),
+                    find_case("pinned at one, E 1e+00 Pa, nu 0.49, dt 1 s, aspect 1e+00"),
+                    find_case("random box, E 1e+03 Pa, nu 0.63, dt 0.001 s, aspect 9e+05"),
+                    find_case("1000 m/s at random, E 1e+09 Pa, nu 0.49, dt 0.1 s, aspect 1e+02"),
+                    find_case("density jump of 1e7, E 1e+00 Pa, nu 0.63, dt 0.0001 s, aspect 1e+04")));
 
 // 1000 rad/s about the normal for 10,000 steps, by what users get, explicit here, and by both implicit ones with five
 // Newton steps: with two, conjugate gradients to 1e-4 leave the centre where TR-BDF2 is 4e-9 off.
