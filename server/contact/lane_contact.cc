@@ -153,7 +153,7 @@ HWY_INLINE Near near_one(const PreparedCollider& collider, const Vec3& x) {
   }
 }
 
-// What is left of a tangential vector that friction shortens by `limit`, -, in [0, 1].
+// Returns the share, -, in [0, 1], that friction leaves of a tangential vector which it shortens by `limit`.
 HWY_INLINE V share_left(const Vec3& tangential, V limit) {
   const V square = hn::Max(dot(tangential, tangential), set(kTinySquare));
   return hn::Max(hn::Sub(set(1.0), hn::Mul(limit, coarse_inverse_root(square))), set(0.0));

@@ -12,7 +12,7 @@ namespace kerf::fem {
 struct TickEstimate {
   double substeps = 0.0;     // explicit
   double explicit_ns = 0.0;  // ns on one core of 2024
-  double implicit_ns = 0.0;  // likewise, of TR-BDF2
+  double implicit_ns = 0.0;  // the same, of TR-BDF2
   bool is_explicit = true;   // as options.kind says, or as kAutomatic chooses
 };
 // Plans explicit steps of the model as it is, and makes none.

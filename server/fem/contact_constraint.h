@@ -32,10 +32,10 @@ class ContactConstraint {
   virtual void begin(const mesh::VertexField& x) = 0;
   // Vertices that were inside a body, deeper than the sheet is thick, in the last begin(). They are brought out slowly.
   [[nodiscard]] virtual int num_inside() const = 0;
-  // Of a substep of `dt`, s, all vertices.
+  // Moves all vertices, after a substep of `dt`, s.
   virtual void enforce(double dt, State& state) = 0;
-  // Of a substep of `dt`, s, in which no vertex moved farther than `travel`, m: the blocks of vertices that may touch a
-  // surface, ascending. Valid until the next call.
+  // Finds the blocks of vertices that may touch a surface, ascending, after a substep of `dt`, s, in which no vertex
+  // moved farther than `travel`, m. They are valid until the next call.
   virtual std::span<const std::int32_t> find_due_blocks(double dt, double travel) = 0;
   // Moves vertices of one of these blocks. Returns which: bit l is vertex l of the block.
   virtual std::uint32_t enforce_block(std::int32_t block, mesh::VertexLanes& vertices) = 0;

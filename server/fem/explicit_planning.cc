@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-// What an ExplicitIntegrator derives from a model before any step: the stable step, damping, clusters, and the
+// Members of ExplicitIntegrator that derive from a model, before any step, the stable step, damping, clusters and the
 // intervals of bending.
 namespace kerf::fem {
 namespace {

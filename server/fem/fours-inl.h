@@ -20,7 +20,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Of up to four.
+// Takes up to four.
 template <typename T>
 using Fours = hn::CappedTag<T, HWY_HAVE_SCALABLE ? 4 : 16>;
 

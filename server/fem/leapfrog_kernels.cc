@@ -224,7 +224,7 @@ HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const L
   }
 }
 
-// Of the vertices from i on, that of what is gathered included where `has_gathered`.
+// Forces of the vertices from i on, with what is gathered where `has_gathered`.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE std::array<V, 3> forces_at(D d, const LeapfrogArrays<hn::TFromD<D>>& arrays, bool has_gathered,
                                       std::size_t i) {

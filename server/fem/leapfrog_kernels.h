@@ -29,8 +29,8 @@ struct TriangleLanes {
   Lanes minus_area{};               // m^2/unit
 };
 
-// Of kBlockLanes triangles as a step begins, rounded from doubles: the columns of F and F^T F - I. Without material all
-// 0.
+// Constants of kBlockLanes triangles as a step begins, rounded from doubles: the columns of F and F^T F - I. Without
+// material all 0.
 template <typename T>
 struct StartLanes {
   std::array<Lanes16<T>, 3> f1{}, f2{};  // -

@@ -151,7 +151,7 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
   }
   const double extent = (high - low).maxCoeff();
   if (!(extent >= 0.0)) return true;  // nothing takes part
-  // What lies on a body falls by what gravity gives in a substep, and is stopped.
+  // A vertex that lies on a body falls by what gravity gives in a substep, and is stopped.
   const double hardly = std::max(speed, displacement_speed_) + terms.h * terms.gravity.norm();
   const double farthest =
       is_by_displacements() ? duration * hardly : duration * (speed + duration * terms.gravity.norm());

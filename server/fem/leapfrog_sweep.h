@@ -88,7 +88,7 @@ class LeapfrogSweep {
   // step, so that what leaves the step respects the bodies.
   void find_touching(ContactConstraint& contact, double drift);
   bool enforce_found(const Model& model, ContactConstraint& contact);
-  // Whether a body has moved a vertex since begin().
+  // Returns whether a body has moved a vertex since begin().
   [[nodiscard]] bool touched() const { return touched_; }
 
   // Of what has mass or is held. False: outside of what positions can hold.
@@ -147,7 +147,7 @@ class LeapfrogSweep {
   void set_mobility(const Model& model, const Loads& loads);
   bool set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state);
   [[nodiscard]] bool is_by_displacements() const { return displacement_speed_ > 0.0; }
-  // What displacements are added to. False: see begin().
+  // Sets what displacements are added to. False: see begin().
   bool set_start(const Model& model, const State& state);
   // m, of the place that the position of a vertex counts from.
   [[nodiscard]] Eigen::Vector3d base(mesh::VertexId v) const {

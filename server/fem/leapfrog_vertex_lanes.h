@@ -13,7 +13,7 @@ namespace kerf::fem {
 
 static_assert(mesh::kVertexLanes == kBlockLanes);
 
-// Where positions of LeapfrogArrays are counted from, and their unit.
+// The origin that positions of LeapfrogArrays count from, and their unit.
 struct PositionFrame {
   std::array<double, 3> origin{};  // m
   const double* starts = nullptr;  // m, x, y, z of each vertex, in place of the origin; or null

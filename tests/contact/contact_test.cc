@@ -138,7 +138,7 @@ struct Particle {
   }
 };
 
-// Of vertices that were outside of all bodies, far away, when the step began, and then moved from `before` to `x`.
+// Resolves vertices that were outside of all bodies when the step began, and then moved from `before` to `x`.
 void resolve(ContactSolver& solver, double thickness, const std::vector<std::uint8_t>& fixed, const VertexField& before,
              VertexField& x, VertexField& v) {
   constexpr double kFarAway = 1e5;  // m
