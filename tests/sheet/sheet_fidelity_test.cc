@@ -22,7 +22,7 @@ SheetConfig level_sheet(const char* material, std::int32_t n, Fidelity fidelity)
   return config;
 }
 
-// Of wool, softened 4 times.
+// Compares wool, softened 4 times, with what it was.
 SheetConfig softened_wool() {
   return level_sheet("wool", 42, Fidelity::kRealTime);
 }
