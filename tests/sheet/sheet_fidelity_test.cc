@@ -22,7 +22,7 @@ SheetConfig level_sheet(const char* material, std::int32_t n, Fidelity fidelity)
   return config;
 }
 
-// Compares wool, softened 4 times, with what it was.
+// Makes a sheet of wool that is softened 4 times.
 SheetConfig softened_wool() {
   return level_sheet("wool", 42, Fidelity::kRealTime);
 }
