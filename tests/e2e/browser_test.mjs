@@ -3,12 +3,12 @@
 import { accessSteps } from './access_steps.mjs';
 import { connectionSteps } from './connection_steps.mjs';
 import { cuttingSteps } from './cutting_steps.mjs';
-import { Server, check, launchChromium, post } from './harness.mjs';
+import { Server, check, kPatienceMs, launchChromium, post } from './harness.mjs';
 import { imageSteps } from './image_steps.mjs';
 import { physicsSteps } from './physics_steps.mjs';
 import { savingSteps } from './saving_steps.mjs';
 import { sheetSteps } from './sheet_steps.mjs';
-import { Group, Runner } from './steps.mjs';
+import { Group, Runner, within } from './steps.mjs';
 import { stripSteps } from './strip_steps.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 import { viewerSteps } from './viewer_steps.mjs';
@@ -68,7 +68,8 @@ async function standStill() {
 }
 
 async function closePages() {
-  for (const context of browser.contexts()) await context.close();
+  const closed = Promise.all(browser.contexts().map((context) => context.close()));
+  await within(kPatienceMs, closed, 'the pages of a group close');
 }
 
 const runner = new Runner({
@@ -94,6 +95,7 @@ const runner = new Runner({
   },
 });
 await runner.run(groups);
-await browser.close();
 await server.stop();
-process.exitCode = runner.failed === 0 && runner.passed > 0 ? 0 : 1;
+// Chromium has hung on its way out: that is no fault of the viewer, and leaving kills what is left of it.
+await within(kPatienceMs, browser.close(), 'Chromium closes').catch((error) => console.log(error.message));
+process.exit(runner.failed === 0 && runner.passed > 0 ? 0 : 1);

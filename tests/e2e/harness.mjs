@@ -3,6 +3,7 @@ import { spawn } from 'node:child_process';
 import { createRequire } from 'node:module';
 import { createInterface } from 'node:readline';
 import { fileURLToPath } from 'node:url';
+import { within } from './steps.mjs';
 
 export const root = fileURLToPath(new URL('../..', import.meta.url));
 const { chromium } = createRequire(`${root}/web/package.json`)('playwright-core');
@@ -42,7 +43,10 @@ export class Server {
     const { child, exited } = this.process;
     this.process = undefined;
     child.kill('SIGTERM');
-    const status = await exited;
+    const status = await within(kPatienceMs, exited, 'kerfd ends on SIGTERM').catch((error) => {
+      child.kill('SIGKILL');
+      throw error;
+    });
     check(status === 0, `kerfd ended with ${status} on SIGTERM`);
   }
 

@@ -1,5 +1,17 @@
 // Groups of named steps. All are declared first, so that their number is known, and then run in order.
 
+// The longest step has several waits, each with a limit of its own.
+const kStepMs = 300_000;
+
+/** What `promise` gives; throws where that takes longer than `limitMs`. */
+export async function within(limitMs, promise, what) {
+  let timer;
+  const late = new Promise((_, reject) => {
+    timer = setTimeout(() => reject(new Error(`not within ${limitMs / 1000} s: ${what}`)), limitMs);
+  });
+  return Promise.race([promise, late]).finally(() => clearTimeout(timer));
+}
+
 function seconds(startedMs) {
   return `${((performance.now() - startedMs) / 1000).toFixed(1)} s`;
 }
@@ -55,7 +67,7 @@ export class Runner {
       const startedMs = performance.now();
       try {
         if (i === 0) await this.prepare(group);
-        await run();
+        await within(kStepMs, run(), 'this step ends');
         await this.afterStep();
         this.report('passed', name, startedMs);
       } catch (error) {

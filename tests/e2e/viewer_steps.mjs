@@ -119,14 +119,17 @@ export function viewerSteps(steps, browser, server) {
     const tick = await viewer.read('k.tick');
     await viewer.until('k.tick > given.tick + 60', { tick });
     await viewer.choose('grab');
+    await viewer.page.keyboard.press(' ');
+    await viewer.until('k.isPaused');
     const material = { x: 0.5, y: 0.5 };
     const from = await viewer.at(material.x, material.y);
     const { z } = await viewer.read('k.toWorld(0.5, 0.5)');
     await viewer.drag(from, { x: from.x, y: from.y - 190 });
-    // The spring ends at the pointer, well above the sheet, which follows.
+    // The spring ends at the pointer, well above the sheet, which follows as soon as it runs.
     const row = Array.from({ length: 41 }, (_, i) => ({ x: from.x - 20 + i, y: from.y - 170 }));
     const isSpring = ([red, , blue]) => red > 180 && red - blue > 120;
     check((await viewer.colours(row, 'grab')).some(isSpring), 'no spring is seen below the pointer');
+    await viewer.page.keyboard.press(' ');
     await viewer.until('k.toWorld(given.x, given.y).z > given.z + 0.12', { ...material, z });
     await viewer.page.mouse.up();
     await viewer.until('k.toWorld(given.x, given.y).z < given.z + 0.1', { ...material, z });

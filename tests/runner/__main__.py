@@ -16,6 +16,7 @@ from steps import LONG, ROOT, SETS, STEPS, with_needs
 
 LOGS = ROOT / "build/test-logs"
 EVERY = 30.0  # seconds between two lines of progress where the output is no terminal
+LONGEST_SILENCE = 900.0  # seconds without a line of output after which a step hangs and is ended
 
 USAGE = f"""deploy/test builds Kerf and proves it. What it installs is listed in deploy/setup.
 
@@ -61,6 +62,10 @@ class Screen:
         self.last = now
 
 
+class Hangs(Exception):
+    """Says that a command has printed nothing for too long."""
+
+
 def run_step(step, show):
     """Runs the commands of a step into its log; whether all ended well. `show` gets each line, and None each second without."""
     log = LOGS / f"{step.name}.log"
@@ -72,11 +77,22 @@ def run_step(step, show):
             file.write(f"$ {command}\n")
             file.flush()
 
+            heard = time.monotonic()
+
             def take(line):
+                nonlocal heard
+                if line is not None:
+                    heard = time.monotonic()
+                elif time.monotonic() - heard > LONGEST_SILENCE:
+                    raise Hangs()
                 file.write(line or "")
                 show(line)
 
-            if run_command(command, take, environment, ROOT) != 0:
+            try:
+                if run_command(command, take, environment, ROOT) != 0:
+                    return False
+            except Hangs:
+                file.write(f"ended: it printed nothing for {in_words(LONGEST_SILENCE)} minutes\n")
                 return False
     return True
 

@@ -252,6 +252,14 @@ class Run(unittest.TestCase):
         self.assertEqual(failed, 2)
         self.assertIn("[1/2] a: [Errno 28] No space left on device", out)
 
+    def test_a_step_that_hangs_is_ended(self):
+        with mock.patch.object(runner, "LONGEST_SILENCE", 0.5):
+            failed, out = self.run_steps(Step("a", "hangs", ("echo last words; sleep 1000",), 1), Step("b", "works", ("true",), 1))
+        self.assertEqual(failed, 1)
+        self.assertIn("      | last words", out)
+        self.assertIn("ended: it printed nothing for 0:00 minutes", out)
+        self.assertIn("[2/2] b passed", out)
+
     def test_wrong_words_are_refused(self):
         for words in (["no-such-step"], ["long"], ["long", "no-such-proof"], ["quick", "deep"]):
             with contextlib.redirect_stderr(io.StringIO()) as said:
