@@ -99,6 +99,44 @@ export function sheetSteps(steps, browser, { url }) {
     await row('flag').waitFor();
   });
 
+  steps.step('a stiff sheet is softened where real time is chosen, and Physics says by how much', async () => {
+    const kExact = '1';
+    const fidelity = () => viewer.page.inputValue('#new-fidelity');
+    const line = viewer.page.locator('#material-softening');
+    check((await sheet('flag')).scene.fidelity === 'EXACT', 'a sheet is not exact unless asked for');
+    await openForm();
+    check((await fidelity()) === kExact, 'the form does not begin with exact');
+    await viewer.page.fill('#new-columns', '50');
+    await viewer.page.fill('#new-rows', '50');
+    await viewer.page.fill('#new-width', '1');
+    await viewer.page.selectOption('#new-material', 'wool');
+    await viewer.page.selectOption('#new-fidelity', { label: 'real time' });
+    await viewer.page.check('#new-paused');
+    await viewer.screenshot('new-sheet-real-time');
+    const { scene, softening } = await create('stiff', 2500);
+    check(scene.fidelity === 'REAL_TIME' && softening.factor > 1, JSON.stringify({ ...softening, fidelity: scene.fidelity }));
+    await viewer.page.click('[data-panel=physics]');
+    await line.filter({ hasText: ` ${softening.factor} times softer` }).waitFor();
+    const [, millimetres] = /: ([\d.]+) mm /.exec(await line.textContent());
+    const error = 1e3 * softening.expected_error_m;
+    check(Math.abs(millimetres / error - 1) < 0.05, `the error is told as ${millimetres} mm, and is ${error} mm`);
+    await line.scrollIntoViewIfNeeded();
+    await viewer.screenshot('softened');
+    // The line is gone where the material needs no softening.
+    await viewer.page.selectOption('#material-preset', 'demo');
+    await line.waitFor({ state: 'hidden' });
+    await viewer.page.selectOption('#material-preset', 'wool');
+    await line.waitFor();
+    await viewer.pick('flag');
+    await line.waitFor({ state: 'hidden' });
+    await viewer.page.click('[data-panel=sheets]');
+    // The form keeps its choices for the next sheet.
+    await openForm();
+    check((await fidelity()) !== kExact, 'the choice is forgotten');
+    await viewer.page.selectOption('#new-fidelity', kExact);
+    await viewer.page.click('#new-sheet [data-close]');
+  });
+
   steps.step('OBJ, PLY and an outline become sheets', async () => {
     for (const [name, text] of [
       ['square.obj', kSquareObj],

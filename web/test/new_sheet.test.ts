@@ -1,6 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { Region_Edge } from '../src/gen/kerf/v1/conditions_pb';
+import { Fidelity } from '../src/gen/kerf/v1/scene_pb';
 import { CreateSheetRequestSchema } from '../src/gen/kerf/v1/sheets_pb';
 import { createRequest, formField, uploadPath } from '../src/ui/sheets/new_sheet';
 import type { NewSheet } from '../src/ui/sheets/new_sheet';
@@ -17,6 +18,7 @@ const kGrid: NewSheet = {
   outlineWidthM: 1,
   hang: 'flat',
   material: 'silk',
+  fidelity: Fidelity.EXACT,
   pins: Region_Edge.LEFT,
   hasFloor: true,
   hasBall: true,
@@ -34,6 +36,11 @@ describe('createRequest', () => {
     expect([request.sheetId, request.paused, scene.material?.preset]).toEqual(['flag', true, 'silk']);
     expect(scene.mesh).toMatchObject({ case: 'grid', value: { columns: 30, rows: 20, widthM: 3, heightM: 2 } });
     expect(scene.pins.map((pin) => pin.region)).toEqual([{ case: 'edge', value: Region_Edge.LEFT }]);
+  });
+
+  it.each(['grid', 'file', 'outline'] as const)('asks for the fidelity that was chosen, of a sheet by %s', (shape) => {
+    expect(made({ shape }).scene.fidelity).toBe(Fidelity.EXACT);
+    expect(made({ shape, fidelity: Fidelity.REAL_TIME }).scene.fidelity).toBe(Fidelity.REAL_TIME);
   });
 
   it('holds nothing where nothing is to be held', () => {

@@ -2,7 +2,7 @@ import type { MessageInitShape } from '@bufbuild/protobuf';
 import { requestBody } from '../../api';
 import { Region_Edge } from '../../gen/kerf/v1/conditions_pb';
 import type { CurveSchema } from '../../gen/kerf/v1/geometry_pb';
-import type { ColliderSchema, PlacementSchema, SceneSchema } from '../../gen/kerf/v1/scene_pb';
+import type { ColliderSchema, Fidelity, PlacementSchema, SceneSchema } from '../../gen/kerf/v1/scene_pb';
 import { CreateSheetRequestSchema } from '../../gen/kerf/v1/sheets_pb';
 
 export type NewShape = 'grid' | 'file' | 'outline';
@@ -37,6 +37,7 @@ export interface NewSheet {
   outlineWidthM: number;
   hang: Hang;
   material: string;
+  fidelity: Fidelity;
   /** EDGE_UNSPECIFIED: nothing is held. */
   pins: Region_Edge;
   hasFloor: boolean;
@@ -119,6 +120,7 @@ export function createRequest(form: NewSheet): MessageInitShape<typeof CreateShe
     scene: {
       mesh: meshOf(form),
       material: { preset: form.material },
+      fidelity: form.fidelity,
       placement: placementOf(form),
       pins,
       colliders: collidersOf(form),

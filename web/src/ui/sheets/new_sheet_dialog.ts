@@ -133,6 +133,7 @@ export class NewSheetDialog {
       outlineWidthM,
       hang: chosen('hang') as Hang,
       material: fieldOf<HTMLSelectElement>('material').value,
+      fidelity: Number(fieldOf<HTMLSelectElement>('fidelity').value),
       pins: Number(fieldOf<HTMLSelectElement>('pins').value),
       hasFloor: fieldOf('floor').checked,
       hasBall: fieldOf('ball').checked,
