@@ -12,9 +12,6 @@ namespace {
 using mesh::TriangleId;
 using mesh::VertexId;
 
-constexpr auto kRowsInGroup = static_cast<int>(FourEntries<double>::kRows);
-constexpr int kGroupsInBlock = static_cast<int>(kBlockLanes) / kRowsInGroup;
-
 // Of a slot, its corners from the lowest vertex on; of kNone all 0.
 struct TurnedConstants {
   std::array<std::array<double, 2>, 3> g{};  // 1/m, of each corner
@@ -120,15 +117,13 @@ void LeapfrogSweep<T>::for_arrays(const Model& model, const MembraneLayout& layo
   set(quad_start_, has_displacements && reach > 0 ? 2 * n : 0);
   set(irregular_start_, has_displacements ? num_irregular : 0);
   set(corner_x_, 4 * n);
-  set(bending_x_, 4 * n);
+  for (std::vector<Lanes16<Position>>& x : bending_x_) set(x, n + 2);
+  set(bending_fours_, 4 * n);
   set(corner_force_, 1 + 12 * num_irregular);
   set(gathered_, 4 * n);
   set(extra_, 4 * n);
   set(contact_.blocks, n);
   set(contact_.before, n);
-  const std::span<const double> beta = model.materials().stiffness_damping();
-  const bool bends_by_position = std::all_of(beta.begin(), beta.end(), [](double own) { return own == 0.0; });
-  set(slices_, reach > 0 && bends_by_position ? n : 0);
   const bool has_several = !model.materials().has_one();
   set(quad_laws_, has_several && reach > 0 ? 2 * n : 0);
   set(irregular_laws_, has_several ? num_irregular : 0);
@@ -139,10 +134,13 @@ template <typename T>
 void LeapfrogSweep<T>::resize(const Model& model, const MembraneLayout& layout) {
   layout_ = &layout;
   for_arrays(model, layout, [](auto& array, std::size_t size) { array.resize(size); });
-  if (model.has_bending()) bending_rows_.resize((layout.num_vertices() + kRowsInGroup - 1) / kRowsInGroup);
+  if (model.has_bending()) bending_.resize(layout.num_vertices());
   if (std::is_same_v<T, float>) {
     start_.resize(static_cast<Eigen::Index>(kBlockLanes * layout.num_blocks()));
     bending_start_.resize(layout.num_vertices());
+    const auto n = static_cast<std::size_t>(layout.num_vertices());
+    if (extents_.capacity() < n) extents_.reserve(n + n / 4);
+    if (piece_of_.capacity() < n) piece_of_.reserve(n + n / 4);
   }
   has_cluster_.resize(inertia_->empty() ? 0 : layout.num_blocks());
   cluster_values_.resize(inertia_->largest() / 4 + 1);
@@ -156,8 +154,8 @@ void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout,
     array.clear();
     if (array.capacity() < size) array.reserve(size + size / 4);
   });
-  bending_rows_.clear();
-  bending_rows_.make_room(like.bending_rows_.num_rows(), like.bending_rows_.num_entries());
+  bending_.clear();
+  bending_.make_room_as(like.bending_);
   has_cluster_.reserve(like.has_cluster_.size());
   cluster_values_.reserve(like.cluster_values_.size());
   contact_.reserve(like.inertia_->num_vertices());
@@ -166,6 +164,7 @@ void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout,
 template <typename T>
 void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout, const LocalInertia& inertia) {
   inertia_ = &inertia;
+  piece_of_.clear();
   resize(model, layout);
   fine_.gradient = flattest(model);
   fine_.place_of_lane.clear();
@@ -174,19 +173,16 @@ void LeapfrogSweep<T>::rebuild(const Model& model, const MembraneLayout& layout,
   for (VertexId v = 0; !quads_before_.empty() && v < num_lanes; ++v) set_quads(model, layout, v);
   for (std::size_t lane = 0; lane < layout.lanes().size(); ++lane) set_lane(model, layout, lane);
   set_fine_constants(model, layout);
-  stale_slices_.clear();
-  bending_rows_.clear();
+  bending_.clear();
   if (!model.has_bending()) return;
-  bending_rows_.resize((layout.num_vertices() + kRowsInGroup - 1) / kRowsInGroup);
-  for (std::size_t block = 0; block < layout.num_blocks(); ++block) {
-    if (!slices_.empty()) set_slice(model, block);
-    if (slices_.empty() || slices_[block].num_diagonals < 0) set_bending_rows_of(model, block);
-  }
+  bending_.resize(layout.num_vertices());
+  for (std::size_t block = 0; block < layout.num_blocks(); ++block) bending_.set_block(model.bending_rows(), block);
 }
 
 template <typename T>
 void LeapfrogSweep<T>::follow(const Model& model, const MembraneLayout& layout, const LocalInertia& inertia) {
   inertia_ = &inertia;
+  piece_of_.clear();
   resize(model, layout);
   for (const VertexId v : layout.changed_quads()) {
     if (static_cast<std::size_t>(v) / kBlockLanes < layout.num_blocks()) set_quads(model, layout, v);
@@ -198,24 +194,16 @@ void LeapfrogSweep<T>::follow(const Model& model, const MembraneLayout& layout, 
 
 template <typename T>
 void LeapfrogSweep<T>::follow_bending(const Model& model) {
-  const int num_groups = bending_rows_.num_rows();
-  row_groups_.clear();
-  row_groups_.resize(static_cast<std::size_t>(num_groups));
-  row_groups_.insert(num_groups - 1);  // may have lost rows
+  const std::size_t num_blocks = layout_->num_blocks();
+  bending_blocks_.clear();
+  bending_blocks_.resize(num_blocks);
+  bending_blocks_.insert(static_cast<std::int32_t>(num_blocks) - 1);  // may have lost rows
   for (const VertexId v : model.changed_rows()) {
-    row_groups_.insert(v / kRowsInGroup);
-    if (slices_.empty()) continue;
-    const std::size_t block = static_cast<std::size_t>(v) / kBlockLanes;
-    std::int32_t& num_diagonals = slices_[block].num_diagonals;
-    if (num_diagonals == BendingSlice<T>::kStale) continue;
-    stale_slices_.push_back(block);
-    num_diagonals = BendingSlice<T>::kStale;
-    const auto first = static_cast<int>(block) * kGroupsInBlock;
-    for (int group = first; group < std::min(first + kGroupsInBlock, num_groups); ++group) {
-      if (bending_rows_.row(group).empty()) row_groups_.insert(group);
-    }
+    bending_blocks_.insert(static_cast<std::int32_t>(static_cast<std::size_t>(v) / kBlockLanes));
   }
-  for (const std::int32_t group : row_groups_.members()) set_four_rows(model.bending_rows(), group, bending_rows_);
+  for (const std::int32_t block : bending_blocks_.members()) {
+    bending_.set_block(model.bending_rows(), static_cast<std::size_t>(block));
+  }
 }
 
 template <typename T>
@@ -307,19 +295,6 @@ void LeapfrogSweep<T>::set_unit_of_constants() {
   for (IrregularBlock<double>& block : fine_.blocks) change_unit(block.triangles, ratio);
   for (EdgeLanes<double>& edges : fine_.edges) change_unit(edges, ratio);
   unit_of_constants_ = fine_.unit = unit_;
-}
-
-template <typename T>
-void LeapfrogSweep<T>::set_slice(const Model& model, std::size_t block) {
-  const auto reach = static_cast<std::int32_t>(3 * pad_ * kBlockLanes);
-  slices_[block] = make_bending_slice<T>(model.bending_rows(), block, reach);
-}
-
-template <typename T>
-void LeapfrogSweep<T>::set_bending_rows_of(const Model& model, std::size_t block) {
-  const auto first = static_cast<int>(block) * kGroupsInBlock;
-  const int last = std::min(first + kGroupsInBlock, bending_rows_.num_rows());
-  for (int group = first; group < last; ++group) set_four_rows(model.bending_rows(), group, bending_rows_);
 }
 
 template <typename T>

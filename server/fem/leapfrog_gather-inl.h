@@ -41,28 +41,30 @@ HWY_INLINE void fetch_moved(std::span<const FourEntries<T>> before, std::span<co
   for (std::size_t i = 0; i < entries.size(); i += kInLine) hwy::Prefetch(entries.data() + i);
 }
 
-// Bending forces of the vertices of a block, as of bending_by_slice: the same sums, four rows side by side.
+// Bending forces of the vertices of a block. Adds entries in no diagonal, four rows side by side, to the sums of those
+// in diagonals where these are gathered.
 template <typename T>
-HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
+HWY_NOINLINE void bending_by_rows(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block,
+                                  bool is_gathered) {
   constexpr std::size_t kRows = FourEntries<T>::kRows;
   const Fours<T> d;
   const Fours<PositionOf<T>> dp;
   const auto scale = hn::Set(d, step.bending_scale);
-  const auto num_groups = static_cast<std::size_t>(arrays.bending_rows->num_rows());
+  const auto num_groups = static_cast<std::size_t>(arrays.bending->num_groups());
   const std::size_t first = block * kBlockLanes / kRows;
   const std::size_t last = HWY_MIN(first + kBlockLanes / kRows, num_groups);
   for (std::size_t group = first; group < last; ++group) {
-    const std::span<const FourEntries<T>> entries = arrays.bending_rows->row(static_cast<int>(group));
+    const std::span<const FourEntries<T>> entries = arrays.bending->rest(static_cast<int>(group));
     if (group + kGroupsAhead < num_groups) {
       const auto ahead = static_cast<int>(group + kGroupsAhead);
-      fetch_moved(arrays.bending_rows->row(ahead - 1), arrays.bending_rows->row(ahead));
+      fetch_moved(arrays.bending->rest(ahead - 1), arrays.bending->rest(ahead));
     }
     for (std::size_t part = 0; part < 4 * kRows; part += hn::Lanes(d)) {
       const std::size_t at = 4 * kRows * group + part;
-      const auto xi = hn::LoadU(dp, arrays.bending_x + at);
-      auto sum = hn::Zero(d);
+      const auto xi = hn::LoadU(dp, arrays.bending_fours + at);
+      auto sum = is_gathered ? hn::LoadU(d, arrays.gathered + at) : hn::Zero(d);
       for (const FourEntries<T>& entry : entries) {
-        const auto xj = load_fours(dp, arrays.bending_x, entry.place.data() + part / 4, part % 4);
+        const auto xj = load_fours(dp, arrays.bending_fours, entry.place.data() + part / 4, part % 4);
         const auto value = spread(d, entry.value, part / 4);
         sum = hn::Add(sum, hn::Mul(value, converted(d, hn::Sub(xi, xj))));
       }

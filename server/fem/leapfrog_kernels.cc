@@ -144,35 +144,36 @@ void quad_forces(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, s
   }
 }
 
+// Gathers bending forces of the vertices of a block, not yet scaled, by the diagonals of their rows.
 template <typename T>
-HWY_NOINLINE void bending_by_slice(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
+HWY_NOINLINE void sum_bending_diagonals(const LeapfrogArrays<T>& arrays, std::size_t block) {
   const LanesOf<T> d;
   const LanesOf<PositionOf<T>> dp;
-  const BendingSlice<T>& slice = arrays.bending_slices[block];
-  const auto scale = hn::Set(d, step.bending_scale);
+  const std::span<const std::int32_t> offsets = arrays.bending->offsets(block);
+  const std::span<const Lanes16<T>> diagonals = arrays.bending->diagonals(block);
   for (std::size_t l = 0; l < kBlockLanes; l += hn::Lanes(d)) {
     const auto at = static_cast<std::ptrdiff_t>(block * kBlockLanes + l);
-    const auto xi = load3(dp, arrays.x, at);
+    const auto xi = load3(dp, arrays.bending_x, at);
     Vec3<hn::Vec<LanesOf<T>>> sum{hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    for (std::size_t k = 0; k < static_cast<std::size_t>(slice.num_diagonals); ++k) {
-      const auto value = hn::Load(d, &slice.value[k].lane[l]);
-      const auto xj = load3(dp, arrays.x, at + slice.offset[k]);
+    for (std::size_t k = 0; k < offsets.size(); ++k) {
+      const auto value = hn::Load(d, &diagonals[k].lane[l]);
+      const auto xj = load3(dp, arrays.bending_x, at + offsets[k]);
       sum.x = hn::Add(sum.x, hn::Mul(value, converted(d, hn::Sub(xi.x, xj.x))));
       sum.y = hn::Add(sum.y, hn::Mul(value, converted(d, hn::Sub(xi.y, xj.y))));
       sum.z = hn::Add(sum.z, hn::Mul(value, converted(d, hn::Sub(xi.z, xj.z))));
     }
-    hn::StoreInterleaved4(hn::Mul(sum.x, scale), hn::Mul(sum.y, scale), hn::Mul(sum.z, scale), hn::Zero(d), d,
-                          arrays.gathered + 4 * at);
+    hn::StoreInterleaved4(sum.x, sum.y, sum.z, hn::Zero(d), d, arrays.gathered + 4 * at);
   }
 }
 
 // Bending forces of the vertices of the block, forces of irregular corners around them and others.
 template <typename T>
 HWY_INLINE void gather(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, std::size_t block) {
-  const bool bends = arrays.bending_rows != nullptr;
+  const bool bends = arrays.bending != nullptr;
   if (bends) {
-    const bool by_slice = arrays.bending_slices != nullptr && arrays.bending_slices[block].num_diagonals >= 0;
-    by_slice ? bending_by_slice(arrays, step, block) : bending_by_rows(arrays, step, block);
+    const bool has_diagonals = !arrays.bending->offsets(block).empty();
+    if (has_diagonals) sum_bending_diagonals(arrays, block);
+    bending_by_rows(arrays, step, block, has_diagonals);
     if (arrays.num_corners[block] == 0 && arrays.extra_force == nullptr) return;
   }
   add_corners(arrays, block, bends);
@@ -203,12 +204,13 @@ HWY_INLINE hn::Vec<D> kicked(D d, hn::Vec<D> v, hn::Vec<D> change, float* remain
   return after;
 }
 
-// x + beta v, side by side.
+// x + beta v.
 template <typename T>
 HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step) {
   const LanesOf<T> d;
   const LanesOf<PositionOf<T>> dp;
   const auto beta = hn::Set(d, step.bending_damping);
+  const bool has_rest = arrays.bending->has_rest();
   for (std::size_t i = 0; i < kBlockLanes * arrays.num_blocks; i += hn::Lanes(d)) {
     const auto at = static_cast<std::ptrdiff_t>(i);
     auto x = load3(dp, arrays.x, at);
@@ -220,7 +222,8 @@ HWY_NOINLINE void set_bending_positions(const LeapfrogArrays<T>& arrays, const L
       std::memset(none, 0, sizeof none);
       x.z = drifted(d, x.z, hn::Mul(beta, hn::Load(d, arrays.v[2] + at)), none);
     }
-    hn::StoreInterleaved4(x.x, x.y, x.z, hn::Zero(dp), dp, arrays.bending_x + 4 * i);
+    store3(dp, x, arrays.bending_x, at);
+    if (has_rest) hn::StoreInterleaved4(x.x, x.y, x.z, hn::Zero(dp), dp, arrays.bending_fours + 4 * i);
   }
 }
 
@@ -321,8 +324,8 @@ void substep(const LeapfrogArrays<T>& arrays, const LeapfrogStep<T>& step, T* sp
   for (std::size_t i = 0; i < arrays.fine_places.size(); ++i) {
     std::memcpy(arrays.corner_force + arrays.fine_places[i], arrays.fine_force + 4 * i, 4 * sizeof(T));
   }
-  if (arrays.bending_rows != nullptr) set_bending_positions(arrays, step);
-  const bool gather_all = arrays.bending_rows != nullptr || arrays.extra_force != nullptr;
+  if (arrays.bending != nullptr) set_bending_positions(arrays, step);
+  const bool gather_all = arrays.bending != nullptr || arrays.extra_force != nullptr;
   for (std::size_t b = 0; b < arrays.num_blocks; ++b) {
     if (gather_all || arrays.num_corners[b] > 0) gather(arrays, step, b);
   }

@@ -7,7 +7,7 @@
 #include <type_traits>
 
 #include "server/fem/bending.h"
-#include "server/fem/bending_slice.h"
+#include "server/fem/bending_layout.h"
 #include "server/fem/material.h"
 #include "server/fem/membrane_layout.h"
 #include "server/fem/row_store.h"
@@ -115,15 +115,15 @@ struct LeapfrogArrays {
   // Forces of FineTriangles, N, x 4, and their places in corner_force.
   const T* fine_force = nullptr;
   std::span<const std::int32_t> fine_places;
-  Position* bending_x = nullptr;                         // x 4, scratch
+  // Scratch, x + beta v; the first with a block before the first vertex and one behind the last.
+  std::array<Position*, 3> bending_x{};
+  Position* bending_fours = nullptr;                     // x 4
   std::span<const std::int32_t> num_quads, num_corners;  // of each block of vertices
   const RowStore<CornerPlaces>* corners = nullptr;       // of four vertices
   // Says of each block of vertices whether some of them are in clusters, or null. Such blocks leave their forces in
   // `gathered`, and are moved by leapfrog_move_clusters() alone.
   const std::uint8_t* has_cluster = nullptr;
-  const RowStore<FourEntries<T>>* bending_rows =
-      nullptr;  // null: no bending in this substep; rows of blocks that have a slice may be empty
-  const BendingSlice<T>* bending_slices = nullptr;  // of each block of vertices, or null: go by rows
+  const BendingLayout<T>* bending = nullptr;  // null: no bending in this substep
 };
 
 template <typename T>

@@ -2,36 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "server/fem/free_flight.h"
 #include "server/fem/leapfrog_vertices.h"
 
 namespace kerf::fem {
-namespace {
 
 using mesh::VertexId;
-
-// -, unit over edge length, and over the height of any triangle, above which strains of fixed-point positions are too
-// coarse.
-constexpr double kCoarsest = 1.0 / (1 << 20);
-constexpr double kCoarsestAcross = 1e-5;
-// -, room for what a sheet may travel, over its own size: triangles too flat for a unit so many times as large are
-// fine.
-constexpr double kRoomToTravel = 2.0;
-
-// m, mean.
-double edge_length(const Model& model, std::int64_t num_triangles) {
-  return std::sqrt(2.0 * model.rest_area() / static_cast<double>(num_triangles));
-}
-
-// m. `reach`: how far from the origin positions may come.
-double unit_of_positions(double reach, double edge) {
-  constexpr double kUnits = 1 << 30;
-  return std::exp2(std::ceil(std::log2(std::max(reach, edge) / kUnits)));
-}
-
-}  // namespace
 
 template <typename T>
 LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
@@ -65,7 +42,8 @@ LeapfrogArrays<T> LeapfrogSweep<T>::arrays() {
   arrays.corner_x = entries(corner_x_);
   arrays.corner_force = entries(corner_force_) + kBlockLanes;  // after that of kNoCorner
   arrays.gathered = entries(gathered_);
-  arrays.bending_x = entries(bending_x_);
+  arrays.bending_x = entries(bending_x_, 1);
+  arrays.bending_fours = entries(bending_fours_);
   arrays.num_quads = layout_->num_quads();
   arrays.num_corners = layout_->num_corners();
   arrays.corners = &layout_->corners();
@@ -86,11 +64,6 @@ LeapfrogStep<T> LeapfrogSweep<T>::step_of(const Model& model, const LeapfrogTerm
 template <typename T>
 bool LeapfrogSweep<T>::begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration,
                              const State& state) {
-  constexpr std::size_t kSlicesPerStep = 16;
-  for (std::size_t i = 0; i < kSlicesPerStep && !stale_slices_.empty(); ++i) {
-    if (stale_slices_.back() < slices_.size()) set_slice(model, stale_slices_.back());
-    stale_slices_.pop_back();
-  }
   set_mobility(model, loads);
   set_laws(model, terms);
   if (!set_frame(model, terms, duration, state)) return false;
@@ -135,65 +108,6 @@ void LeapfrogSweep<T>::set_mobility(const Model& model, const Loads& loads) {
 }
 
 template <typename T>
-bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state) {
-  speed_ = {};
-  fastest_ = 0;
-  touched_ = false;
-  if constexpr (!std::is_same_v<T, float>) return true;
-  Eigen::Array3d low = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
-  Eigen::Array3d high = -low;
-  double speed = 0.0;
-  for (VertexId v = 0; v < layout_->num_vertices(); ++v) {
-    if (takes_part_[static_cast<std::size_t>(v)] == 0) continue;
-    low = low.min(state.x.col(v).array());
-    high = high.max(state.x.col(v).array());
-    speed = std::max(speed, state.v.col(v).cwiseAbs().maxCoeff());
-  }
-  const double extent = (high - low).maxCoeff();
-  if (!(extent >= 0.0)) return true;  // nothing takes part
-  // A vertex that lies on a body falls by what gravity gives in a substep, and is stopped.
-  const double hardly = std::max(speed, displacement_speed_) + terms.h * terms.gravity.norm();
-  const double farthest =
-      is_by_displacements() ? duration * hardly : duration * (speed + duration * terms.gravity.norm());
-  const double travel = (is_by_displacements() ? 0.0 : extent) + 4.0 * farthest;
-  const double edge = edge_length(model, layout_->num_triangles());
-  unit_ = is_by_displacements() ? unit_of_positions(travel, 0.0) : unit_of_positions(0.5 * extent + travel, edge);
-  origin_ = 0.5 * (low + high).matrix();
-  room_ = travel;
-  return unit_ <= kCoarsest * edge && unit_ * coarsest_gradient(model) <= kCoarsestAcross;
-}
-
-template <typename T>
-bool LeapfrogSweep<T>::may_hold(const Model& model) {
-  const double edge = edge_length(model, model.num_slots());  // as near as an estimate needs it
-  return unit_of_positions(1.5 * std::sqrt(model.rest_area()), edge) <= kCoarsest * edge;
-}
-
-template <typename T>
-double LeapfrogSweep<T>::flattest(const Model& model) {
-  if (!std::is_same_v<T, float>) return std::numeric_limits<double>::infinity();
-  const double unit = unit_of_positions(1.5 * model.built_extent(), model.typical_edge_length());
-  return kCoarsestAcross / (kRoomToTravel * unit);
-}
-
-template <typename T>
-double LeapfrogSweep<T>::coarsest_gradient(const Model& model) {
-  if (coarsest_gradient_) return *coarsest_gradient_;
-  double coarsest = 0.0;
-  const auto look_at = [&](mesh::TriangleId slot) {
-    if (slot != mesh::kNone) coarsest = std::max(coarsest, model.gradient(slot));
-  };
-  for (std::size_t lane = 0; lane < layout_->lanes().size(); ++lane) {
-    if (fine_.place_of_lane[lane] == mesh::kNone) look_at(layout_->lanes()[lane]);
-  }
-  for (VertexId v = 0; !quads_before_.empty() && v < layout_->num_vertices(); ++v) {
-    for (const int kind : {0, 1}) look_at(layout_->quad_slot(kind, v));
-  }
-  coarsest_gradient_ = coarsest;
-  return coarsest;
-}
-
-template <typename T>
 void LeapfrogSweep<T>::set_fine_positions() {
   double* to = fine_.corner_x.front().lane.data();
   for (const VertexId v : fine_.vertices) {
@@ -218,13 +132,6 @@ LeapfrogStep<double> LeapfrogSweep<T>::fine_step(const Model& model, const Leapf
 }
 
 template <typename T>
-bool LeapfrogSweep<T>::stayed_inside(double duration) const {
-  if constexpr (!std::is_same_v<T, float>) return true;
-  const T fastest = std::max(fastest_, *std::max_element(speed_.lane.begin(), speed_.lane.end()));
-  return duration * static_cast<double>(fastest) <= room_;
-}
-
-template <typename T>
 void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, const LeapfrogKick& kick) {
   fastest_ = std::max(fastest_, *std::max_element(speed_.lane.begin(), speed_.lane.end()));
   speed_ = {};
@@ -237,11 +144,7 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
   step.drift = static_cast<T>(kick.drift / unit_);
   step.bending_scale = static_cast<T>(kick.bending / kick.duration * unit_);
   LeapfrogArrays<T> with = arrays();
-  if (kick.bending > 0.0 && model.has_bending()) {
-    KERF_DCHECK(terms.bending_damping == 0.0 || slices_.empty(), "slices go by positions alone");
-    with.bending_rows = &bending_rows_;
-    if (!slices_.empty()) with.bending_slices = slices_.data();
-  }
+  if (kick.bending > 0.0 && model.has_bending()) with.bending = &bending_;
   if (set_extra_forces(model, kick)) with.extra_force = entries(extra_);
   if (!fine_.empty()) {
     set_fine_positions();

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <type_traits>
@@ -49,9 +51,9 @@ inline std::array<double, 4> law_entries(const MaterialLaw& law) {
 
 // Positions, velocities and the constants of a model in the arrays that leapfrog_kernels.h works on.
 // T = float: arithmetic and velocities are floats. Positions are 32-bit integers, multiples of a power of two of a
-// metre from the middle of the sheet, so that edges are exact to that unit wherever the sheet is, with a float
-// remainder so that motion slower than a unit a substep is not lost; velocities have one too (Kahan 1965), or thousands
-// of short substeps would round what gravity adds to all of them the same way.
+// metre from the middle of the sheet, or of each piece where pieces are far apart, so that edges are exact to that unit
+// wherever the sheet is, with a float remainder so that motion slower than a unit a substep is not lost; velocities
+// have one too (Kahan 1965), or thousands of short substeps would round what gravity adds to all of them the same way.
 template <typename T>
 class LeapfrogSweep {
  public:
@@ -112,6 +114,20 @@ class LeapfrogSweep {
   // Positions of floats reach this far from their origin, in units, so that differences still fit into 32 bits.
   static constexpr double kReach = 1 << 30;
 
+  // Where vertices are, and how fast.
+  struct Extent {
+    Eigen::Array3d low = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
+    Eigen::Array3d high = Eigen::Array3d::Constant(-std::numeric_limits<double>::infinity());
+    double speed = 0.0;  // m/s, largest component
+
+    void add(const State& state, mesh::VertexId v) {
+      low = low.min(state.x.col(v).array());
+      high = high.max(state.x.col(v).array());
+      speed = std::max(speed, state.v.col(v).cwiseAbs().maxCoeff());
+    }
+    [[nodiscard]] double size() const { return (high - low).maxCoeff(); }  // m; negative where nothing was added
+    [[nodiscard]] Eigen::Vector3d middle() const { return 0.5 * (low + high).matrix(); }
+  };
   struct Impulse {
     mesh::VertexId vertex = mesh::kNone;
     std::array<T, 3> value{};  // N s
@@ -145,22 +161,24 @@ class LeapfrogSweep {
   void set_quads(const Model& model, const MembraneLayout& layout, mesh::VertexId v);
   void set_lane(const Model& model, const MembraneLayout& layout, std::size_t lane);
   void set_mobility(const Model& model, const Loads& loads);
+  // Chooses where positions count from, and their unit. False: see begin().
   bool set_frame(const Model& model, const LeapfrogTerms& terms, double duration, const State& state);
+  // The same for each piece by itself. Returns how far positions may come from there, m.
+  double set_frames_of_pieces(const LeapfrogTerms& terms, double duration, const State& state);
+  void find_pieces();
   [[nodiscard]] bool is_by_displacements() const { return displacement_speed_ > 0.0; }
+  [[nodiscard]] bool has_starts() const { return is_by_displacements() || is_by_pieces_; }
   // Sets what displacements are added to. False: see begin().
   bool set_start(const Model& model, const State& state);
   // m, of the place that the position of a vertex counts from.
   [[nodiscard]] Eigen::Vector3d base(mesh::VertexId v) const {
-    return is_by_displacements() ? Eigen::Vector3d(start_.col(v)) : origin_;
+    return has_starts() ? Eigen::Vector3d(start_.col(v)) : origin_;
   }
   // Into extra_: those of a kick, and of bending what does not depend on displacements. False: none.
   bool set_extra_forces(const Model& model, const LeapfrogKick& kick);
   // Those of triangles and edges in the unit of positions: exact, as units are powers of two.
   void set_unit_of_constants();
   void set_laws(const Model& model, const LeapfrogTerms& terms);
-  void set_slice(const Model& model, std::size_t block);
-  // Of a block that has no slice.
-  void set_bending_rows_of(const Model& model, std::size_t block);
   void follow_bending(const Model& model);
   // In the place of forces on the vertices of clusters, puts what they have to be accelerated by beside gravity, m/s^2.
   void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step);
@@ -177,7 +195,7 @@ class LeapfrogSweep {
   void add_velocity(std::size_t v, std::size_t component, T change);  // m/s
   void share_impulses();
   [[nodiscard]] PositionFrame frame() const {
-    return {{origin_.x(), origin_.y(), origin_.z()}, is_by_displacements() ? start_.data() : nullptr, unit_};
+    return {{origin_.x(), origin_.y(), origin_.z()}, has_starts() ? start_.data() : nullptr, unit_};
   }
   // m, that rounding may take a vertex farther than its velocity does in a substep.
   [[nodiscard]] double unit_of_rounding() const { return std::is_same_v<T, float> ? unit_ : 0.0; }
@@ -199,13 +217,12 @@ class LeapfrogSweep {
   std::vector<IrregularBlock<T>> irregular_;
   std::size_t pad_ = 0;  // blocks that offsets reach; three times that are before the first vertex in x_
   std::array<Field<T>, 4> quad_force_;
-  std::vector<Lanes16<Position>> corner_x_, bending_x_;
+  std::vector<Lanes16<Position>> corner_x_, bending_fours_;
+  Field<Position> bending_x_;  // a block before the first vertex, and one behind the last
   std::vector<Lanes16<T>> corner_force_, gathered_, extra_;
-  std::vector<BendingSlice<T>> slices_;    // where there is a pattern, and bending has no damping
-  RowStore<FourEntries<T>> bending_rows_;  // one row of four vertices; may be empty where there is a slice
-  std::vector<std::size_t> stale_slices_;  // unused, to be made anew: some in each step, as a cut must not wait for it
-  IdSet row_groups_;                       // scratch
-  FineTriangles fine_;                     // of floats
+  BendingLayout<T> bending_;
+  IdSet bending_blocks_;                     // scratch
+  FineTriangles fine_;                       // of floats
   std::optional<double> coarsest_gradient_;  // 1/m, of the other triangles; absent: to be found
   IndexSet fine_vertices_;                   // scratch
   std::vector<std::uint8_t> has_cluster_;    // of each block of vertices; empty without clusters
@@ -214,7 +231,10 @@ class LeapfrogSweep {
   bool touched_ = false;
   double displacement_speed_ = 0.0;  // m/s, see step_by_displacements()
   std::vector<StartLanes<T>> quad_start_, irregular_start_;
-  mesh::VertexField start_;                           // m, of all lanes, as the step begins
+  bool is_by_pieces_ = false;                         // each piece counts from a place of its own in this step
+  std::vector<mesh::VertexId> piece_of_;              // lowest vertex of its piece; empty: to be found
+  std::vector<Extent> extents_;                       // scratch, of pieces by their lowest vertices
+  mesh::VertexField start_;                           // m, of all lanes, where positions count from by has_starts()
   mesh::VertexField bending_start_;                   // N, 3 x V, forces of bending then
   Lanes16<T> speed_;                                  // m/s, largest components of velocities in the last substep
   T fastest_ = 0;                                     // m/s, the same of the substeps before

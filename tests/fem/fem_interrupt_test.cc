@@ -31,16 +31,16 @@ class InterruptedSteps : public IntegratorTest {
 };
 
 TEST_P(InterruptedSteps, AskOftenAndAreAsIfNobodyWereAsked) {
-  const std::unique_ptr<Integrator> asking = make(model_);
   const std::unique_ptr<Integrator> alone = make(model_);
   State a = state_;
   State b = state_;
   int calls = 0;
-  const GoesOn goes_on = [&] {
+  const auto goes_on = std::make_unique<GoesOn>([&] {
     ++calls;
     return true;
-  };
-  asking->heed(&goes_on);
+  });
+  const std::unique_ptr<Integrator> asking = make(model_);
+  asking->heed(goes_on.get());
   for (int i = 0; i < 3; ++i) {
     calls = 0;
     const StepStats stats = asking->step(model_, loads_, kTick, nullptr, a);

@@ -271,6 +271,55 @@ TEST(MixedPrecision, StepsACutSheetNearlyAtRestAlmostAsInDouble) {
   EXPECT_LT((results[0].v - results[1].v).cwiseAbs().maxCoeff(), 1e-6);
 }
 
+// Two strips, of which the lower one has fallen by `way`, m.
+State fallen(const mesh::TriangleMesh& mesh, double way) {
+  SeededRandom random(17);
+  State state = rest_state(mesh);
+  state.v = random_field(random, state.x.cols(), 0.2);
+  std::vector<bool> is_lower(static_cast<std::size_t>(mesh.num_vertices()));
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (!mesh.is_solid(t)) continue;
+    double y = 0.0;
+    for (const mesh::VertexId v : mesh.vertices(t)) y += mesh.rest_position(v).y() / 3.0;
+    for (const mesh::VertexId v : mesh.vertices(t)) is_lower[static_cast<std::size_t>(v)] = y < 0.5;
+  }
+  for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+    if (!is_lower[static_cast<std::size_t>(v)]) continue;
+    state.x(2, v) -= way;
+    state.v(2, v) -= std::sqrt(2.0 * 9.81 * way);
+  }
+  return state;
+}
+
+TEST(MixedPrecision, HoldsPiecesThatAreFarApart) {
+  mesh::TriangleMesh mesh = mesh::make_grid({.num_x = 41, .num_y = 6, .width = 1.0, .height = 1.0}).value();
+  const Result<cut::CutPlan> plan = cut::plan(mesh, {cut::Polyline{{{-0.1, 0.5}, {1.1, 0.5}}}, {}, {}});
+  ASSERT_TRUE(plan.ok());
+  ASSERT_TRUE(cut::apply(mesh, *plan).ok());
+  for (const MembraneLaw law : kLaws) {
+    const Model model(mesh, soft_cloth(), law);
+    for (const double way : {0.0, 3.0, 60.0}) {
+      std::vector<State> results;
+      for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+        const std::unique_ptr<Integrator> integrator = make_integrator(options_of(precision));
+        integrator->rebuild(model);
+        results.push_back(stepped(model, *integrator, fallen(mesh, way), 3));
+      }
+      EXPECT_LT((results[0].x - results[1].x).cwiseAbs().maxCoeff(), 1e-7) << way;
+      EXPECT_LT((results[0].v - results[1].v).cwiseAbs().maxCoeff(), 1e-4) << way;
+    }
+    // What a step leaves behind does not matter to the next.
+    const std::unique_ptr<Integrator> kept = make_integrator(options_of(Precision::kMixed));
+    kept->rebuild(model);
+    for (const double way : {60.0, 0.0, 60.0}) {
+      const std::unique_ptr<Integrator> fresh = make_integrator(options_of(Precision::kMixed));
+      fresh->rebuild(model);
+      const State start = fallen(mesh, way);
+      EXPECT_TRUE(equal_bits(stepped(model, *kept, start, 1), stepped(model, *fresh, start, 1))) << way;
+    }
+  }
+}
+
 TEST(MixedPrecision, MakesAStepInDoubleWhereATriangleIsTooFlat) {
   for (const double width : {0.1, 1e-4}) {
     const mesh::TriangleMesh mesh = mesh::make_grid({.num_x = 5, .num_y = 2, .width = 1.0, .height = width}).value();

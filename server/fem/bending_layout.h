@@ -1,0 +1,162 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "server/fem/bending.h"
+#include "server/fem/lanes16.h"
+#include "server/fem/row_store.h"
+#include "server/mesh/ids.h"
+
+namespace kerf::fem {
+
+// One entry each of four neighbouring rows of the bending matrix, for vector code. A row that has fewer than the
+// longest of the four meets its own vertex with 0.
+template <typename T>
+struct FourEntries {
+  static constexpr std::size_t kRows = 4;
+  std::array<std::int32_t, kRows> place{};  // 4 x column: of its x, y, z, 0 in an array of such
+  std::array<T, kRows> value{};             // N/m
+};
+
+// The bending matrix without its diagonal as vector code multiplies by it, block of vertices by block. Entries that
+// several rows of a block have at one distance in vertex ids meet contiguous positions: they are kept as diagonals of
+// the block. The others are kept by rows, of four vertices side by side. Follows from the matrix alone.
+template <typename T>
+class BendingLayout {
+ public:
+  // Fewer entries than this at one distance cost less by rows.
+  static constexpr int kLeastInDiagonal = 7;
+  static constexpr int kRowsInGroup = static_cast<int>(FourEntries<T>::kRows);
+  static constexpr int kGroupsInBlock = static_cast<int>(kBlockLanes) / kRowsInGroup;
+
+  [[nodiscard]] int num_groups() const { return rest_.num_rows(); }
+  [[nodiscard]] bool has_rest() const { return rest_.num_entries() > 0; }
+  // Distances column - row of the diagonals of a block, ascending.
+  [[nodiscard]] std::span<const std::int32_t> offsets(std::size_t block) const {
+    return offsets_.row(static_cast<int>(block));
+  }
+  // N/m, as offsets(); 0 where a row has no entry.
+  [[nodiscard]] std::span<const Lanes16<T>> diagonals(std::size_t block) const {
+    return diagonals_.row(static_cast<int>(block));
+  }
+  // In the order of their columns.
+  [[nodiscard]] std::span<const FourEntries<T>> rest(int group) const { return rest_.row(group); }
+
+  // Drops all entries and keeps their room.
+  void clear() {
+    offsets_.clear();
+    diagonals_.clear();
+    rest_.clear();
+  }
+  // Makes room for what `like` has, so that setting it does not allocate.
+  template <typename U>
+  void make_room_as(const BendingLayout<U>& like) {
+    offsets_.make_room(like.offsets_.num_rows(), like.offsets_.num_entries());
+    diagonals_.make_room(like.diagonals_.num_rows(), like.diagonals_.num_entries());
+    rest_.make_room(like.rest_.num_rows(), like.rest_.num_entries());
+    if (place_of_.capacity() < like.place_of_.size()) place_of_.reserve(like.place_of_.size() * 5 / 4);
+    found_.reserve(like.found_.capacity());
+  }
+  // New blocks are empty until they are set.
+  void resize(int num_vertices) {
+    constexpr auto kLanesInBlock = static_cast<int>(kBlockLanes);
+    const int num_blocks = (num_vertices + kLanesInBlock - 1) / kLanesInBlock;
+    offsets_.resize(num_blocks);
+    diagonals_.resize(num_blocks);
+    rest_.resize((num_vertices + kRowsInGroup - 1) / kRowsInGroup);
+    place_of_.resize(2 * static_cast<std::size_t>(num_vertices));
+  }
+
+  // From rows of as many vertices as resize() was called with.
+  void set_block(const RowStore<BendingEntry>& rows, std::size_t block) {
+    const auto first = static_cast<mesh::VertexId>(block * kBlockLanes);
+    const mesh::VertexId last = std::min(first + static_cast<mesh::VertexId>(kBlockLanes), rows.num_rows());
+    find_diagonals(rows, first, last);
+    const std::span<std::int32_t> offsets = offsets_.resize_row(static_cast<int>(block), found_.size());
+    std::copy(found_.begin(), found_.end(), offsets.begin());
+    const std::span<Lanes16<T>> diagonals = diagonals_.resize_row(static_cast<int>(block), found_.size());
+    std::fill(diagonals.begin(), diagonals.end(), Lanes16<T>{});
+    for (mesh::VertexId v = first; v < last; ++v) {
+      for (const BendingEntry& entry : rows.row(v)) {
+        const std::uint16_t place = place_of(rows, v, entry);
+        if (place < kNone) diagonals[place].lane[static_cast<std::size_t>(v - first)] = static_cast<T>(entry.value);
+      }
+    }
+    for (mesh::VertexId v = first; v < last; v += kRowsInGroup) set_rest(rows, v);
+    for (mesh::VertexId v = first; v < last; ++v) {
+      for (const BendingEntry& entry : rows.row(v)) place_of(rows, v, entry) = 0;
+    }
+  }
+
+ private:
+  template <typename U>
+  friend class BendingLayout;
+  static constexpr std::uint16_t kNone = 65535;
+
+  std::uint16_t& place_of(const RowStore<BendingEntry>& rows, mesh::VertexId v, const BendingEntry& entry) {
+    return place_of_[static_cast<std::size_t>(entry.column - v + rows.num_rows())];
+  }
+
+  // Into found_, and their places, or kNone, into place_of_.
+  void find_diagonals(const RowStore<BendingEntry>& rows, mesh::VertexId first, mesh::VertexId last) {
+    found_.clear();
+    for (mesh::VertexId v = first; v < last; ++v) {
+      for (const BendingEntry& entry : rows.row(v)) {
+        std::uint16_t& count = place_of(rows, v, entry);
+        if (entry.column != v && ++count == kLeastInDiagonal) found_.push_back(entry.column - v);
+      }
+    }
+    std::sort(found_.begin(), found_.end());
+    for (mesh::VertexId v = first; v < last; ++v) {
+      for (const BendingEntry& entry : rows.row(v)) place_of(rows, v, entry) = kNone;
+    }
+    for (std::size_t k = 0; k < found_.size(); ++k) {
+      place_of_[static_cast<std::size_t>(found_[k] + rows.num_rows())] = static_cast<std::uint16_t>(k);
+    }
+  }
+
+  // What is in no diagonal of the rows from v on.
+  void set_rest(const RowStore<BendingEntry>& rows, mesh::VertexId v) {
+    const mesh::VertexId end = std::min(v + kRowsInGroup, rows.num_rows());
+    std::size_t longest = 0;
+    for (mesh::VertexId i = v; i < end; ++i) {
+      std::size_t size = 0;
+      for (const BendingEntry& entry : rows.row(i)) size += is_in_rest(rows, i, entry) ? 1 : 0;
+      longest = std::max(longest, size);
+    }
+    const std::span<FourEntries<T>> entries = rest_.resize_row(v / kRowsInGroup, longest);
+    for (std::size_t r = 0; r < FourEntries<T>::kRows; ++r) {
+      const mesh::VertexId i = v + static_cast<mesh::VertexId>(r);
+      std::size_t k = 0;
+      if (i < end) {
+        for (const BendingEntry& entry : rows.row(i)) {
+          if (!is_in_rest(rows, i, entry)) continue;
+          entries[k].place[r] = 4 * entry.column;
+          entries[k++].value[r] = static_cast<T>(entry.value);
+        }
+      }
+      for (; k < longest; ++k) {
+        entries[k].place[r] = 4 * i;
+        entries[k].value[r] = 0;
+      }
+    }
+  }
+  bool is_in_rest(const RowStore<BendingEntry>& rows, mesh::VertexId v, const BendingEntry& entry) {
+    return entry.column != v && place_of(rows, v, entry) == kNone;
+  }
+
+  RowStore<std::int32_t> offsets_;
+  RowStore<Lanes16<T>> diagonals_;
+  RowStore<FourEntries<T>> rest_;
+
+  // Scratch of set_block().
+  std::vector<std::int32_t> found_;
+  std::vector<std::uint16_t> place_of_;  // by distance + number of vertices; 0 outside of it
+};
+
+}  // namespace kerf::fem
