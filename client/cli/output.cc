@@ -151,6 +151,7 @@ void print(const Session& session, const v1::Sheet& sheet) {
     std::printf("%s\n", to_script_json(sheet).c_str());
   } else {
     std::printf("%s\n  %s\n", describe(sheet).c_str(), sheet.integrator().c_str());
+    if (sheet.has_local_inertia()) std::printf("  %s\n", describe(sheet.local_inertia()).c_str());
   }
 }
 
@@ -175,6 +176,12 @@ std::string describe(const v1::Sheet& sheet) {
     flags += format("%s %s %lld", flags.empty() ? "  ticks flagged" : ",", flag.c_str(), static_cast<long long>(ticks));
   }
   return text + solves + hash + flags;
+}
+
+std::string describe(const v1::LocalInertia& inertia) {
+  return format("local inertia: %d %s of %d vertices, the largest of %d; %.0f substeps a tick in place of %.0f",
+                inertia.clusters(), inertia.clusters() == 1 ? "cluster" : "clusters", inertia.vertices(),
+                inertia.largest_cluster_vertices(), inertia.planned_substeps(), inertia.plain_substeps());
 }
 
 static std::string notes(const v1::CutResult& result) {

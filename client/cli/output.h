@@ -62,6 +62,7 @@ void print(const Session& session, const v1::InteractionResponse& response);
 
 // For people.
 std::string describe(const v1::Sheet& sheet);
+std::string describe(const v1::LocalInertia& inertia);
 std::string describe(const v1::CutResult& result);
 std::string describe(const v1::Piece& piece);
 

@@ -54,6 +54,16 @@ v1::Softening encode_softening(const fem::Softening& softening) {
   return message;
 }
 
+v1::LocalInertia encode_local_inertia(const fem::LocalInertiaStats& stats) {
+  v1::LocalInertia message;
+  message.set_clusters(stats.clusters);
+  message.set_vertices(stats.vertices);
+  message.set_largest_cluster_vertices(stats.largest);
+  message.set_plain_substeps(stats.plain_substeps);
+  message.set_planned_substeps(stats.planned_substeps);
+  return message;
+}
+
 }  // namespace
 
 Error too_many_pictures(const ApiCore& core) {
@@ -127,6 +137,7 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   sheet.mutable_scene()->set_sheet_id(status.id);
   sheet.set_integrator(status.integrator);
   if (status.softening) *sheet.mutable_softening() = encode_softening(*status.softening);
+  if (status.local_inertia) *sheet.mutable_local_inertia() = encode_local_inertia(*status.local_inertia);
   sheet.set_linear_iterations(status.linear_iterations);
   sheet.set_linear_residual(status.linear_residual);
   sheet.set_settings_version(status.stats.settings_version);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "server/fem/explicit_integrator.h"
@@ -42,6 +43,9 @@ class AutomaticIntegrator final : public Integrator {
   }
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override;
+  [[nodiscard]] std::optional<LocalInertiaStats> local_inertia(double dt) const override {
+    return implicit_ ? implicit_->local_inertia(dt) : explicit_.local_inertia(dt);
+  }
 
  private:
   // Whether the integrator chosen is another one, which knows nothing of the model yet.

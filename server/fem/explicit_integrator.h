@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,7 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] double mobility(const Model& model, const Grab& grab) const override;
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override { return IntegratorKind::kExplicit; }
+  [[nodiscard]] std::optional<LocalInertiaStats> local_inertia(double dt) const override;
 
   // Substeps a step of dt takes at least.
   [[nodiscard]] double planned_substeps(double dt) const;
@@ -135,6 +137,7 @@ class ExplicitIntegrator final : public Integrator {
   double omega_ = 0.0;                // 1/s
   double largest_xi_ = 0.0;           // -
   double critical_step_ = 0.0;        // s, > 0
+  double plain_step_ = 0.0;           // s, > 0, the longest without clusters
   double fastest_wave_ = 0.0;         // m/s, of stretching, in the stiffest material that a triangle has
   std::vector<double> beta_;          // s, of the membrane, one a material
   std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h

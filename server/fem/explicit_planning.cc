@@ -64,6 +64,9 @@ void ExplicitIntegrator::plan(const Model& model, bool follows) {
   constexpr double kLeastDamping = 0.05;
   const Reference built = reference(model);
   fastest_wave_ = fastest_wave(model);
+  omega_ = std::sqrt(model.stiffness_bound());
+  set_damping(model, options_.highest_mode_damping);
+  plain_step_ = cfl() * critical_step(1.0);
   // Terms of clusters are those of the sheet as built, whether there have to be any or not, so that cuts leave most as
   // it was.
   omega_ = kNominal * built.omega;
@@ -157,6 +160,17 @@ double ExplicitIntegrator::cfl() const {
 
 double ExplicitIntegrator::planned_substeps(double dt) const {
   return substeps_below(cfl() * critical_step_, dt);
+}
+
+std::optional<LocalInertiaStats> ExplicitIntegrator::local_inertia(double dt) const {
+  if (inertia_.empty()) return std::nullopt;
+  LocalInertiaStats stats;
+  stats.clusters = static_cast<int>(inertia_.clusters().size());
+  stats.vertices = static_cast<int>(inertia_.num_vertices());
+  stats.largest = static_cast<int>(inertia_.largest());
+  stats.planned_substeps = planned_substeps(dt);
+  stats.plain_substeps = substeps_below(plain_step_, dt);
+  return stats;
 }
 
 int ExplicitIntegrator::bending_interval(double h, double strain) const {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "server/fem/contact_constraint.h"
@@ -61,6 +62,16 @@ struct StepStats {
   // wind, follower loads, clamps, a curved rest shape. Of implicit integrators, of wind alone. 0 where there are none.
   int load_phases = 0;
   bool interrupted = false;  // ended early, see Integrator::heed: the state is as it was before, nothing else holds
+};
+
+// Clusters of vertices that cuts made stiff: see LocalInertia.
+struct LocalInertiaStats {
+  int clusters = 0;  // >= 1
+  int vertices = 0;  // of all clusters
+  int largest = 0;   // vertices of one cluster
+  // Substeps a step takes at least, and how many it would take without clusters, whatever the limit is.
+  double planned_substeps = 0.0;
+  double plain_substeps = 0.0;
 };
 
 enum class IntegratorKind {
@@ -139,6 +150,8 @@ class Integrator {
   [[nodiscard]] virtual std::string_view explanation() const = 0;
   // What runs: never kAutomatic.
   [[nodiscard]] virtual IntegratorKind kind() const = 0;
+  // Of steps of dt, s. Nothing where there are no clusters, as of implicit integrators.
+  [[nodiscard]] virtual std::optional<LocalInertiaStats> local_inertia(double /*dt*/) const { return std::nullopt; }
 
  protected:
   Heed heed_;

@@ -75,6 +75,8 @@ struct SheetStatus {
   double linear_residual = 0.0;                      // -, likewise
   fem::FlagCounts flagged_ticks{};                   // since the sheet was made, resets included
   std::optional<ReplayStatus> replay;                // of a sheet that plays, or played, a recording
+  // Of a tick, where cuts made clusters.
+  std::optional<fem::LocalInertiaStats> local_inertia;
 };
 
 // What a sheet has kept of its run: config and entries are all that a recording file has.

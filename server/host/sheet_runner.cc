@@ -251,6 +251,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.config = sheet_.shared_config();
   status.integrator = sheet_.integrator_description();
   status.softening = sheet_.softening();
+  status.local_inertia = sheet_.local_inertia();
   status.linear_iterations = last_step_.linear_iterations;
   status.linear_residual = last_step_.linear_residual;
   status.flagged_ticks = flagged_ticks_;

@@ -356,6 +356,9 @@ std::vector<Piece> Sheet::pieces() const {
 const std::string& Sheet::integrator_description() const {
   return impl_->integrator_description;
 }
+std::optional<fem::LocalInertiaStats> Sheet::local_inertia() const {
+  return impl_->integrator->local_inertia(impl_->dt);
+}
 bool Sheet::frozen() const {
   return impl_->frozen;
 }

@@ -167,6 +167,8 @@ class Sheet {
   [[nodiscard]] const UndoHistory& history() const;   // what can be undone and redone
   [[nodiscard]] std::vector<Piece> pieces() const;    // as they are, by label. O(slots)
   [[nodiscard]] const std::string& integrator_description() const;  // which one runs and why
+  // Of a tick, with the clusters that cuts made; nothing where there are none.
+  [[nodiscard]] std::optional<fem::LocalInertiaStats> local_inertia() const;
   [[nodiscard]] Energies energies() const;
 
   // Nothing would move if it were stepped on: slow for kRestTicks ticks, no grabs, no scheduled command to come, not

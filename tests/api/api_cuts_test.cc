@@ -46,6 +46,23 @@ class ApiCutsTest : public ApiTest {
   }
 };
 
+TEST_F(ApiCutsTest, ASheetTellsOfTheClustersThatCutsMake) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ASSERT_TRUE(call(&Api::create_cuts, batch_request("sheets/a", {0.6})).ok());
+  EXPECT_FALSE(get_sheet("sheets/a").has_local_inertia());
+  v1::CreateCutRequest oblique = cut_request("sheets/a", 0.59);
+  oblique.mutable_cut()->mutable_curve()->mutable_polyline()->mutable_points(1)->set_y(0.61);
+  ASSERT_TRUE(call(&Api::create_cut, oblique).ok());
+  const v1::Sheet sheet = get_sheet("sheets/a");
+  ASSERT_TRUE(sheet.has_local_inertia());
+  const v1::LocalInertia& inertia = sheet.local_inertia();
+  EXPECT_GE(inertia.clusters(), 1);
+  EXPECT_GE(inertia.vertices(), inertia.largest_cluster_vertices());
+  EXPECT_GE(inertia.largest_cluster_vertices(), 2);
+  EXPECT_GT(inertia.plain_substeps(), inertia.planned_substeps());
+  EXPECT_GE(inertia.planned_substeps(), 1.0);
+}
+
 TEST_F(ApiCutsTest, ABatchIsOneVersionAndTellsOfEachCut) {
   ASSERT_TRUE(create_sheet("a", true).ok());
   const Result<v1::CreateCutsResponse> done = call(&Api::create_cuts, batch_request("sheets/a", {0.3, 7.0, 0.6}));

@@ -1,171 +1,216 @@
-// The cost of random cuts: substeps and time of a tick of 1/60 s after some random cubic curves of about 0.3 m in a
-// sheet of 50 x 50 vertices that swings from one edge, with local inertia and without, and how far the two are
-// apart.
-//   random_cuts_bench [MATERIAL [SEED [CUTS...]]]   such as demo 1 0 1 5 10 20 50 100
-// The error is that of a vertex after 0.05 s, against plain leapfrog in double on the same mesh; both have the damping
-// that plain leapfrog can carry. "-": plain leapfrog would take more than kMostPlain substeps a tick.
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
+#include <memory>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include <benchmark/benchmark.h>
+
+#include "server/base/check.h"
+#include "server/base/state_hash.h"
+#include "server/fem/automatic_integrator.h"
 #include "server/fem/explicit_integrator.h"
 #include "tests/bench/cpu_time.h"
-#include "tests/support/meshes.h"
-#include "tests/support/random_cuts.h"
+#include "tests/bench/expected.h"
+#include "tests/bench/random_cuts_scene.h"
 
+// Ticks after random cuts, beside those of the same sheet without cuts.
 namespace kerf::bench {
 namespace {
 
-constexpr int kSide = 50;
-constexpr double kTick = 1.0 / 60.0;
-constexpr int kTicks = 24;
-constexpr double kErrorTime = 0.05;  // s
-constexpr double kMostPlain = 6000.0;
+constexpr int kCounts[] = {0, 1, 5, 10, 20, 50, 100, 200};
+constexpr const char* kMaterials[] = {"demo", "cotton", "skin", "wool", "paper"};
 
-fem::IntegratorOptions options_of(bool has_local_inertia, fem::Precision precision) {
-  fem::IntegratorOptions options;
-  options.kind = fem::IntegratorKind::kExplicit;
-  options.has_local_inertia = has_local_inertia;
-  options.precision = precision;
-  options.max_substeps = 100'000;
-  return options;
+struct Variant {
+  const char* suffix;
+  CutScene scene;
+  bool has_hands;     // a grab and a pin
+  int warm_up_ticks;  // until it moves, or lies on the ball
+};
+constexpr Variant kHung{"", CutScene::kHung, false, 2};
+constexpr Variant kVariants[] = {{"/grab_pin", CutScene::kHung, true, 2}, {"/ball", CutScene::kBall, false, 15}};
+
+bool is_stiff(std::string_view material) {
+  return material == "wool" || material == "paper";
 }
 
-struct Scene {
-  mesh::TriangleMesh mesh = test::grid(kSide);
-  fem::Model model;
-  test::RandomCuts cuts;
+// Fewer where a tick takes ten seconds and more.
+int most_cuts(std::string_view material) {
+  return is_stiff(material) ? 100 : 200;
+}
 
-  Scene(const fem::Material& material, std::uint64_t seed) : model(mesh, material), cuts(seed, mesh, model) {}
+// Fewer where a tick takes seconds.
+int ticks_of(int num_cuts, std::string_view material) {
+  if (is_stiff(material)) return num_cuts <= 10 ? 11 : num_cuts <= 50 ? 5 : 3;
+  return num_cuts <= 50 ? 25 : 11;
+}
 
-  [[nodiscard]] fem::State start() const {
-    fem::State state;
-    state.x.resize(mesh.num_vertices());
-    state.v.resize(mesh.num_vertices());
-    state.v.setZero();
-    for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
-      const Eigen::Vector2d p = mesh.rest_position(v);
-      state.x.col(v) = Eigen::Vector3d(p.x(), p.y(), 1e-3 * std::sin(9.0 * p.x()) * std::cos(7.0 * p.y()));
+bool is_checked(int num_cuts) {
+  return num_cuts == 0 || num_cuts == 10 || num_cuts == 50;
+}
+
+// Two of the largest cluster that are free, or two inside a sheet that has none.
+std::array<mesh::VertexId, 2> vertices_to_hold(const sheet::Sheet& sheet) {
+  fem::ExplicitIntegrator planned(sheet::integrator_options(sheet.config().integrator, sheet.dt()));
+  planned.plan(sheet.model(), false);
+  std::vector<mesh::VertexId> free;
+  for (const fem::InertiaCluster* cluster : planned.inertia().clusters()) {
+    if (cluster->vertices().size() <= free.size()) continue;
+    std::vector<mesh::VertexId> found;
+    for (const mesh::VertexId v : cluster->vertices()) {
+      if (!std::binary_search(sheet.pinned_vertices().begin(), sheet.pinned_vertices().end(), v)) found.push_back(v);
     }
-    return state;
+    if (found.size() > free.size()) free = std::move(found);
   }
-  [[nodiscard]] fem::Loads loads(const fem::State& start) const {
-    fem::Loads loads;
-    for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
-      const bool is_held = mesh.rest_position(v).y() > 1.0 - 1e-9;
-      if (is_held && mesh.has_material(v)) loads.pins.push_back({v, start.x.col(v)});
-    }
-    return loads;
+  if (free.size() < 2) return {25 * 50 + 17, 25 * 50 + 33};
+  std::sort(free.begin(), free.end());
+  return {free.front(), free.back()};
+}
+
+void hold(sheet::Sheet& sheet) {
+  const auto [pinned, grabbed] = vertices_to_hold(sheet);
+  const std::vector<sheet::Command> commands{
+      sheet::SetPins{{sheet::RegionEdge::kTop, std::vector<mesh::VertexId>{pinned}}},
+      sheet::Grab{"hand", grabbed, {}, 0.0}};
+  for (const Result<sheet::CommandReply>& reply : sheet.apply(commands).replies) {
+    KERF_CHECK(reply.ok(), "the benchmark's grab or pin is refused");
   }
-};
+}
 
 struct Run {
-  fem::State state;
-  double median_ms = 0.0;  // of a step
-  int substeps = 0;
+  sheet::Sheet sheet;
+  std::vector<double> ms;
+  int substeps = 0;  // of the last tick
   std::uint32_t flags = 0;
+  int ticks_in_double = 0;  // such as those of sheets that became too large for mixed precision
+
+  explicit Run(sheet::Sheet made) : sheet(std::move(made)) {}
+  void tick() {
+    const double before = thread_cpu_s();
+    const sheet::TickReport report = sheet.step({});
+    ms.push_back(1e3 * (thread_cpu_s() - before));
+    substeps = report.stats.substeps;
+    flags |= report.stats.flags;
+    if ((report.stats.flags & fem::kWidened) != 0) ++ticks_in_double;
+  }
+  void start(const Variant& variant) {
+    if (variant.has_hands) hold(sheet);
+    for (int i = 0; i < variant.warm_up_ticks; ++i) tick();
+    ms.clear();
+    flags = 0;
+    ticks_in_double = 0;
+  }
+  [[nodiscard]] double ms_a_vertex() const { return median_of(ms) / sheet.mesh().num_vertices(); }
 };
 
-Run run(const Scene& scene, const fem::Model& model, const fem::IntegratorOptions& options, double dt, int num_steps) {
-  fem::ExplicitIntegrator integrator(options);
-  integrator.rebuild(model);
-  Run result{scene.start()};
-  const fem::Loads loads = scene.loads(result.state);
-  std::vector<double> ms;
-  for (int i = 0; i < num_steps; ++i) {
-    const double before = thread_cpu_s();
-    const fem::StepStats stats = integrator.step(model, loads, dt, nullptr, result.state);
-    ms.push_back(1e3 * (thread_cpu_s() - before));
-    result.substeps = stats.substeps;
-    result.flags |= stats.flags;
+// A sheet with cuts, and its twin without any.
+struct Pair {
+  Run cut, uncut;
+  CutTime spent;  // s, of all cuts
+
+  Pair(const fem::Material& material, const Variant& variant, int num_cuts, std::uint64_t seed)
+      : cut(cloth_to_cut(material, variant.scene)), uncut(cloth_to_cut(material, variant.scene)) {
+    RandomCutter cutter(seed);
+    for (int i = 0; i < num_cuts; ++i) {
+      const CutTime time = cutter.cut(cut.sheet);
+      spent.cut += time.cut;
+      spent.update += time.update;
+      spent.integrator += time.integrator;
+    }
+    cut.start(variant);
+    uncut.start(variant);
   }
-  std::nth_element(ms.begin(), ms.begin() + num_steps / 2, ms.end());
-  result.median_ms = ms[static_cast<std::size_t>(num_steps / 2)];
-  return result;
+};
+
+bool would_be_explicit(const sheet::Sheet& sheet) {
+  sheet::IntegratorSettings settings;
+  return fem::estimate_tick(sheet.model(), sheet::integrator_options(settings, sheet.dt())).is_explicit;
 }
 
-// Errors of vertices, mm: "p99 / largest".
-std::string error_of(const Scene& scene, fem::Material material) {
-  fem::ExplicitIntegrator plain(options_of(false, fem::Precision::kDouble));
-  plain.plan(scene.model, false);
-  if (plain.planned_substeps(kTick) > kMostPlain) return "-";
-  const double omega = std::sqrt(scene.model.stiffness_bound());
-  material.stiffness_damping = 0.2 / omega;  // a damping ratio of 0.1 in the fastest mode
-  const fem::Model model(scene.mesh, material);
-  constexpr int kSteps = 3;
-  const Run expected = run(scene, model, options_of(false, fem::Precision::kDouble), kErrorTime / kSteps, kSteps);
-  const Run found = run(scene, model, options_of(true, fem::Precision::kMixed), kErrorTime / kSteps, kSteps);
-  std::vector<double> errors;
-  for (Eigen::Index v = 0; v < found.state.x.cols(); ++v) {
-    errors.push_back(1e3 * (found.state.x.col(v) - expected.state.x.col(v)).norm());
-  }
-  std::sort(errors.begin(), errors.end());
-  char text[64];
-  std::snprintf(text, sizeof text, "%.2g / %.2g", errors[errors.size() * 99 / 100], errors.back());
-  return text;
+void report(benchmark::State& state, int num_cuts, const std::vector<std::unique_ptr<Pair>>& pairs) {
+  auto& counters = state.counters;
+  const auto mean = [&](const char* counter, const auto& value_of) {
+    double sum = 0.0;
+    for (const auto& pair : pairs) sum += value_of(*pair);
+    counters[counter] = sum / static_cast<double>(pairs.size());
+  };
+  const auto largest = [&](const char* counter, const auto& value_of) {
+    double most = 0.0;
+    for (const auto& pair : pairs) most = std::max(most, static_cast<double>(value_of(*pair)));
+    counters[counter] = most;
+  };
+  const auto inertia = [](const Pair& pair) {
+    return pair.cut.sheet.local_inertia().value_or(fem::LocalInertiaStats{});
+  };
+  const auto times_uncut = [](const Pair& pair) { return pair.cut.ms_a_vertex() / pair.uncut.ms_a_vertex(); };
+  mean("ms", [](const Pair& pair) { return median_of(pair.cut.ms); });
+  mean("uncut_ms", [](const Pair& pair) { return median_of(pair.uncut.ms); });
+  mean("times_uncut", times_uncut);
+  largest("times_uncut_worst", times_uncut);
+  mean("substeps", [](const Pair& pair) { return pair.cut.substeps; });
+  mean("uncut_substeps", [](const Pair& pair) { return pair.uncut.substeps; });
+  mean("plain_substeps",
+       [&](const Pair& pair) { return inertia(pair).clusters > 0 ? inertia(pair).plain_substeps : pair.cut.substeps; });
+  mean("vertices", [](const Pair& pair) { return pair.cut.sheet.mesh().num_vertices(); });
+  mean("clusters", [&](const Pair& pair) { return inertia(pair).clusters; });
+  mean("cluster_vertices", [&](const Pair& pair) { return inertia(pair).vertices; });
+  largest("largest", [&](const Pair& pair) { return inertia(pair).largest; });
+  mean("automatic_is_explicit", [](const Pair& pair) { return would_be_explicit(pair.cut.sheet) ? 1.0 : 0.0; });
+  const double per_cut = 1e6 / std::max(num_cuts, 1);
+  mean("cut_us", [&](const Pair& pair) { return per_cut * pair.spent.cut; });
+  mean("update_us", [&](const Pair& pair) { return per_cut * pair.spent.update; });
+  mean("integrator_us", [&](const Pair& pair) { return per_cut * pair.spent.integrator; });
+  std::uint32_t flags = 0;
+  for (const auto& pair : pairs) flags |= pair->cut.flags;
+  counters["flags"] = flags;
+  mean("ticks_in_double", [](const Pair& pair) { return pair.cut.ticks_in_double; });
 }
 
-int main_of(int argc, char** argv) {
-  const std::string name = argc > 1 ? argv[1] : "demo";
-  const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  std::vector<std::size_t> counts;
-  for (int i = 3; i < argc; ++i) counts.push_back(std::strtoull(argv[i], nullptr, 10));
-  if (counts.empty()) counts = {0, 1, 5, 10, 20, 50, 100};
-  const Result<fem::Material> material = fem::find_preset(name);
-  if (!material.ok()) {
-    std::fprintf(stderr, "random_cuts_bench: %s\n", material.error().message.c_str());
-    return 2;
+void random_cuts(benchmark::State& state, const std::string& name, const char* material, const Variant& variant,
+                 int num_cuts) {
+  std::vector<std::unique_ptr<Pair>> pairs;
+  for (const std::uint64_t seed : kPiSeeds) {
+    pairs.push_back(std::make_unique<Pair>(fem::find_preset(material).value(), variant, num_cuts, seed));
   }
-  Scene scene(*material, seed);
-  const Run uncut = run(scene, scene.model, options_of(true, fem::Precision::kMixed), kTick, kTicks);
-  const double uncut_per_vertex = uncut.median_ms / scene.mesh.num_vertices();
-  std::printf("%s, seed %llu: uncut %d substeps, %.2f ms a tick\n", name.c_str(), static_cast<unsigned long long>(seed),
-              uncut.substeps, uncut.median_ms);
-  std::printf(
-      "| cuts | vertices | plain substeps | ms | substeps | ms | a vertex, times uncut | clusters | vertices, "
-      "largest | factors | follow ms | error mm, p99 / largest | flags |\n");
-  std::printf("|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
-  fem::ExplicitIntegrator following(options_of(true, fem::Precision::kMixed));
-  following.rebuild(scene.model);
-  for (const std::size_t count : counts) {
-    std::size_t made = 0;
-    double follow_s = 0.0;
-    for (; scene.cuts.size() < count; ++made) {
-      scene.cuts.make_one();
-      const double before = thread_cpu_s();
-      following.follow(scene.model);
-      follow_s += thread_cpu_s() - before;
+  for (auto _ : state) {
+    double spent_ms = 0.0;
+    for (const auto& pair : pairs) {
+      pair->cut.tick();
+      pair->uncut.tick();
+      spent_ms += pair->cut.ms.back();
     }
-    fem::ExplicitIntegrator plain(options_of(false, fem::Precision::kMixed));
-    plain.rebuild(scene.model);
-    const double plain_substeps = plain.planned_substeps(kTick);
-    std::string plain_ms = "-";
-    if (plain_substeps <= kMostPlain) {
-      char text[32];
-      const Run of_plain = run(scene, scene.model, options_of(false, fem::Precision::kMixed), kTick, 4);
-      std::snprintf(text, sizeof text, "%.1f", of_plain.median_ms);
-      plain_ms = text;
-    }
-    const Run tested = run(scene, scene.model, options_of(true, fem::Precision::kMixed), kTick, kTicks);
-    const fem::LocalInertia& inertia = following.inertia();
-    const double per_vertex = tested.median_ms / scene.mesh.num_vertices();
-    std::printf("| %zu | %d | %.0f | %s | %d | %.2f | %.1f | %zu | %zu, %zu | %zu | %.2f | %s | %x |\n", count,
-                scene.mesh.num_vertices(), plain_substeps, plain_ms.c_str(), tested.substeps, tested.median_ms,
-                per_vertex / uncut_per_vertex, inertia.clusters().size(), inertia.num_vertices(), inertia.largest(),
-                inertia.num_entries(), made > 0 ? 1e3 * follow_s / static_cast<double>(made) : 0.0,
-                error_of(scene, *material).c_str(), tested.flags);
-    std::fflush(stdout);
+    state.SetIterationTime(1e-3 * spent_ms / static_cast<double>(pairs.size()));
   }
-  return 0;
+  report(state, num_cuts, pairs);
+  if (!is_checked(num_cuts)) return;
+  StateHash hash;
+  for (const auto& pair : pairs) hash.add(pair->cut.sheet.state_hash());
+  expect_hash(state, name, hash.value());
 }
+
+void add(const char* material, const Variant& variant, int num_cuts) {
+  const std::string name = "random_cuts/" + std::to_string(num_cuts) + "/" + material + variant.suffix;
+  const auto run = [=](benchmark::State& state) { random_cuts(state, name, material, variant, num_cuts); };
+  benchmark::RegisterBenchmark(name.c_str(), run)
+      ->Iterations(ticks_of(num_cuts, material))
+      ->UseManualTime()
+      ->Unit(benchmark::kMillisecond);
+}
+
+const bool kRegistered = [] {
+  for (const char* material : kMaterials) {
+    for (const int num_cuts : kCounts) {
+      if (num_cuts <= most_cuts(material)) add(material, kHung, num_cuts);
+    }
+  }
+  for (const Variant& variant : kVariants) {
+    for (const int num_cuts : kCounts) add("demo", variant, num_cuts);
+  }
+  return true;
+}();
 
 }  // namespace
 }  // namespace kerf::bench
-
-int main(int argc, char** argv) {
-  return kerf::bench::main_of(argc, argv);
-}

@@ -7,8 +7,6 @@
 
 namespace kerf::bench {
 
-namespace {
-
 sheet::SheetConfig horizontal_cloth(int side, sheet::IntegratorKind integrator) {
   sheet::SheetConfig config;
   sheet::GridSource grid;
@@ -21,13 +19,17 @@ sheet::SheetConfig horizontal_cloth(int side, sheet::IntegratorKind integrator) 
   return config;
 }
 
+sheet::SheetConfig above_ball(sheet::SheetConfig cloth) {
+  cloth.placement.origin = {-0.5, -0.5, 0.31};
+  cloth.colliders = {{contact::Sphere{{0.0, 0.0, 0.0}, 0.3}, 0.4}};
+  return cloth;
+}
+
 sheet::Sheet create(sheet::SheetConfig config) {
   Result<sheet::Sheet> sheet = sheet::Sheet::create(std::move(config));
   KERF_CHECK(sheet.ok(), "the benchmark scene is refused");
   return std::move(sheet).value();
 }
-
-}  // namespace
 
 sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator) {
   sheet::SheetConfig config = horizontal_cloth(side, integrator);
@@ -36,10 +38,7 @@ sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator) {
 }
 
 sheet::Sheet draped_cloth(int side, sheet::IntegratorKind integrator) {
-  sheet::SheetConfig config = horizontal_cloth(side, integrator);
-  config.placement.origin = {-0.5, -0.5, 0.31};
-  config.colliders = {{contact::Sphere{{0.0, 0.0, 0.0}, 0.3}, 0.4}};
-  return create(std::move(config));
+  return create(above_ball(horizontal_cloth(side, integrator)));
 }
 
 sheet::Sheet race_cloth(int side, sheet::IntegratorKind integrator, sheet::Precision precision) {

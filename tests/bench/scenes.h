@@ -9,6 +9,15 @@ namespace kerf::bench {
 
 inline constexpr int kGridSides[] = {15, 50, 100, 200};
 
+// A horizontal cloth of demo, side x side vertices, that nothing holds.
+sheet::SheetConfig horizontal_cloth(int side, sheet::IntegratorKind integrator);
+
+// The same right above a ball with friction.
+sheet::SheetConfig above_ball(sheet::SheetConfig cloth);
+
+// The benchmark's scenes are never refused.
+sheet::Sheet create(sheet::SheetConfig config);
+
 // A horizontal cloth held at two corners, side x side vertices.
 sheet::Sheet swinging_cloth(int side, sheet::IntegratorKind integrator);
 

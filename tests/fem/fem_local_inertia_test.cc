@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include "server/base/state_hash.h"
 #include "server/fem/explicit_integrator.h"
@@ -146,6 +147,54 @@ TEST(LocalInertia, ClustersSolveForTheirInertia) {
       EXPECT_NEAR(static_cast<double>(rounded[4 * i]), values[4 * i], 1e-4 * largest);
     }
   }
+}
+
+TEST(LocalInertia, TellsOfItsClustersAndOfTheSubstepsThatTheySave) {
+  CutSheet sheet(0);
+  ExplicitIntegrator integrator(explicit_options(Precision::kMixed));
+  integrator.rebuild(sheet.model);
+  EXPECT_FALSE(integrator.local_inertia(kTick)) << "nothing is cut";
+  while (sheet.cuts.size() < 10) {
+    sheet.cuts.make_one();
+    integrator.follow(sheet.model);
+  }
+  const std::optional<LocalInertiaStats> stats = integrator.local_inertia(kTick);
+  ASSERT_TRUE(stats);
+  const auto clusters = integrator.inertia().clusters();
+  std::size_t vertices = 0, largest = 0;
+  for (const InertiaCluster* cluster : clusters) {
+    vertices += cluster->vertices().size();
+    largest = std::max(largest, cluster->vertices().size());
+  }
+  EXPECT_EQ(stats->clusters, static_cast<int>(clusters.size()));
+  EXPECT_EQ(stats->vertices, static_cast<int>(vertices));
+  EXPECT_EQ(stats->largest, static_cast<int>(largest));
+  ExplicitIntegrator plain(explicit_options(Precision::kMixed, false));
+  plain.rebuild(sheet.model);
+  EXPECT_FALSE(plain.local_inertia(kTick));
+  EXPECT_EQ(stats->plain_substeps, plain.planned_substeps(kTick));
+  EXPECT_EQ(stats->planned_substeps, integrator.planned_substeps(kTick));
+  EXPECT_LT(2.0 * stats->planned_substeps, stats->plain_substeps);
+  State state = rest_state(sheet.mesh);
+  const StepStats step = integrator.step(sheet.model, sheet.pinned_at_corners(), kTick, nullptr, state);
+  EXPECT_GE(step.substeps, stats->planned_substeps);
+}
+
+TEST(LocalInertia, IsToldOfByWhatRuns) {
+  const CutSheet sheet(10);
+  IntegratorOptions options;
+  const auto found = [&](IntegratorKind kind) {
+    options.kind = kind;
+    const std::unique_ptr<Integrator> integrator = make_integrator(options);
+    integrator->rebuild(sheet.model);
+    EXPECT_NE(integrator->kind(), IntegratorKind::kAutomatic);
+    return integrator->local_inertia(options.tick);
+  };
+  ASSERT_TRUE(found(IntegratorKind::kAutomatic));
+  EXPECT_EQ(found(IntegratorKind::kAutomatic)->vertices, found(IntegratorKind::kExplicit)->vertices);
+  EXPECT_FALSE(found(IntegratorKind::kTrBdf2));
+  options.max_substeps = 1;
+  EXPECT_FALSE(found(IntegratorKind::kAutomatic)) << "implicit where explicit steps would take too many substeps";
 }
 
 TEST_P(LocalInertiaOf, FallsAsPlainLeapfrogDoes) {

@@ -43,7 +43,8 @@ STEPS = {step.name: step for step in (
          (ctest("quick"),), 70, ("build",), "quick"),
     Step("benchmarks", "benchmarks compile, and compute what they did, by the hashes of their results",
          (*build("release", "-DKERF_BENCH=ON", "--target benches many_cuts"),
-          "build/release/bin/kerf_bench --benchmark_filter='/(225|2500)(/|$)' --benchmark_min_time=0.01"), 120, ("build",)),
+          "build/release/bin/kerf_bench --benchmark_min_time=0.01 "
+          "--benchmark_filter='/(225|2500)(/|$)|random_cuts/(0|10|50)/demo'"), 135, ("build",)),
     Step("viewer", "the browser viewer's types and units, and that it builds",
          ("deploy/build-viewer", "cd web && npx vitest run"), 40),
     Step("browser", "the viewer in a real browser against a real kerfd",

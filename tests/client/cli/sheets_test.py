@@ -46,6 +46,18 @@ class Sheets(Case):
         for name in ("exact", "soft"):
             self.json_of("sheet", "delete", name)
 
+    def test_clusters_that_cuts_make_are_told_of(self):
+        whole = self.json_of("sheet", "create", "slivers", "--grid", "20x20", "--paused")
+        self.assertNotIn("local_inertia", whole)
+        for line in ("0.1,0.5 0.9,0.55", "0.1,0.55 0.9,0.5", "0.1,0.53 0.9,0.531"):
+            kerf("cut", "slivers", "--polyline", line)
+        inertia = self.json_of("sheet", "get", "slivers")["local_inertia"]
+        self.assertGreaterEqual(inertia["vertices"], inertia["largest_cluster_vertices"])
+        self.assertGreater(inertia["plain_substeps"], 2 * inertia["planned_substeps"])
+        self.assertIn(f"local inertia: {inertia['clusters']} clusters of {inertia['vertices']} vertices",
+                      kerf("sheet", "get", "slivers").stdout)
+        self.json_of("sheet", "delete", "slivers")
+
     def test_material_and_speed_of_a_running_sheet(self):
         self.json_of("sheet", "create", "set", "--grid", "9x9", "--material", "cotton", "--part", "0.5,0,1,1=denim")
         self.assertGreaterEqual(self.json_of("sheet", "material", "set", "silk", "--with", "thickness_m=0.0003",
