@@ -25,7 +25,7 @@ struct FourEntries {
 
 // The bending matrix without its diagonal as vector code multiplies by it, block of vertices by block. Entries that
 // several rows of a block have at one distance in vertex ids meet contiguous positions: they are kept as diagonals of
-// the block. The others are kept by rows, of four vertices side by side. Follows from the matrix alone.
+// the block. The others are kept by rows, of four vertices side by side. The layout follows from the matrix alone.
 template <typename T>
 class BendingLayout {
  public:
@@ -44,7 +44,7 @@ class BendingLayout {
   [[nodiscard]] std::span<const Lanes16<T>> diagonals(std::size_t block) const {
     return diagonals_.row(static_cast<int>(block));
   }
-  // In the order of their columns.
+  // Entries in no diagonal, in the order of their columns.
   [[nodiscard]] std::span<const FourEntries<T>> rest(int group) const { return rest_.row(group); }
 
   // Drops all entries and keeps their room.
@@ -72,7 +72,7 @@ class BendingLayout {
     place_of_.resize(2 * static_cast<std::size_t>(num_vertices));
   }
 
-  // From rows of as many vertices as resize() was called with.
+  // Takes rows of as many vertices as resize() was called with.
   void set_block(const RowStore<BendingEntry>& rows, std::size_t block) {
     const auto first = static_cast<mesh::VertexId>(block * kBlockLanes);
     const mesh::VertexId last = std::min(first + static_cast<mesh::VertexId>(kBlockLanes), rows.num_rows());
@@ -120,7 +120,7 @@ class BendingLayout {
     }
   }
 
-  // What is in no diagonal of the rows from v on.
+  // Sets rows of four vertices from v on, of entries in no diagonal.
   void set_rest(const RowStore<BendingEntry>& rows, mesh::VertexId v) {
     const mesh::VertexId end = std::min(v + kRowsInGroup, rows.num_rows());
     std::size_t longest = 0;

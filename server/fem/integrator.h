@@ -150,7 +150,7 @@ class Integrator {
   [[nodiscard]] virtual std::string_view explanation() const = 0;
   // What runs: never kAutomatic.
   [[nodiscard]] virtual IntegratorKind kind() const = 0;
-  // Of steps of dt, s. Nothing where there are no clusters, as of implicit integrators.
+  // Clusters and substeps of steps of dt, s. Nothing where there are no clusters, as of implicit integrators.
   [[nodiscard]] virtual std::optional<LocalInertiaStats> local_inertia(double /*dt*/) const { return std::nullopt; }
 
  protected:

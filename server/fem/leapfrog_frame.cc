@@ -1,4 +1,4 @@
-// Where the positions of a LeapfrogSweep count from, in what unit, and what floats can hold.
+// Members of LeapfrogSweep that choose where positions count from, and their unit.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

@@ -114,7 +114,7 @@ class LeapfrogSweep {
   // Positions of floats reach this far from their origin, in units, so that differences still fit into 32 bits.
   static constexpr double kReach = 1 << 30;
 
-  // Where vertices are, and how fast.
+  // Bounds of the positions and speeds of some vertices.
   struct Extent {
     Eigen::Array3d low = Eigen::Array3d::Constant(std::numeric_limits<double>::infinity());
     Eigen::Array3d high = Eigen::Array3d::Constant(-std::numeric_limits<double>::infinity());

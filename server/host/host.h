@@ -75,7 +75,7 @@ struct SheetStatus {
   double linear_residual = 0.0;                      // -, likewise
   fem::FlagCounts flagged_ticks{};                   // since the sheet was made, resets included
   std::optional<ReplayStatus> replay;                // of a sheet that plays, or played, a recording
-  // Of a tick, where cuts made clusters.
+  // Clusters that cuts made, and substeps of a tick.
   std::optional<fem::LocalInertiaStats> local_inertia;
 };
 

@@ -167,7 +167,7 @@ class Sheet {
   [[nodiscard]] const UndoHistory& history() const;   // what can be undone and redone
   [[nodiscard]] std::vector<Piece> pieces() const;    // as they are, by label. O(slots)
   [[nodiscard]] const std::string& integrator_description() const;  // which one runs and why
-  // Of a tick, with the clusters that cuts made; nothing where there are none.
+  // Clusters that cuts made, and substeps of a tick; nothing where there are none.
   [[nodiscard]] std::optional<fem::LocalInertiaStats> local_inertia() const;
   [[nodiscard]] Energies energies() const;
 

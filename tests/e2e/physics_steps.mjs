@@ -116,6 +116,25 @@ export function physicsSteps(steps, browser, { url }) {
     await fieldShows('across', '30 MPa');
   });
 
+  steps.step('what is no number is told while the server takes what was chosen before', async () => {
+    const { asked, release } = await viewer.hold('InteractionService/SetSheetMaterial');
+    await viewer.page.selectOption('#material-preset', 'denim');
+    await asked;
+    await field('density').fill('heavy');
+    await field('density').press('Enter');
+    const error = viewer.page.locator('#material-density-error', { hasText: /^Give Density as a number/ });
+    await error.waitFor();
+    const settings = viewer.page.waitForResponse('**/kerf.v1.SheetService/GetSheet');
+    await release();
+    await (await settings).finished();
+    await viewer.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    check(await error.isVisible(), 'settings that are older than an error take it away');
+    await field('density').press('Escape');
+    await viewer.page.selectOption('#material-preset', 'cotton');
+    await materialIs('cotton once more', (material) => material.density_kgpm3 === 375);
+    await fieldShows('density', '375 kg/m³');
+  });
+
   steps.step('what is no number, and what the server refuses, is told at the number, and another viewer is followed', async () => {
     await field('density').fill('heavy');
     await field('density').press('Enter');

@@ -34,7 +34,7 @@ export class MaterialControl {
   private presets: readonly Material[] = [];
   private material: Material | undefined;
   private sheetName = '';
-  // The server's, as it was shown last; undefined: a call was refused since.
+  // The server's, as it was shown last; undefined: this page has asked for another since.
   private told: string | undefined;
 
   constructor(private readonly viewer: Viewer) {
@@ -102,6 +102,7 @@ export class MaterialControl {
 
   private put(material: Material, refused: (text: string) => void): void {
     this.clearErrors();
+    this.told = undefined;
     this.material = material;
     this.showNumbers();
     const part = this.part.value === kWhole ? undefined : Number(this.part.value);
@@ -113,7 +114,6 @@ export class MaterialControl {
       await call(InteractionService.method.setSheetMaterial, { name, setMaterial: { material, part } });
     } catch (error) {
       if (name !== this.viewer.sheetName) return;
-      this.told = undefined;
       // Which field it is, the place where it is told says.
       refused(errorText(error as Error).replaceAll('set_material.material.', ''));
     }
