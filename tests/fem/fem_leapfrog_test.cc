@@ -1,9 +1,14 @@
 // The vector code of the explicit integrator: its forces and its bits. What it does as an integrator:
 // fem_integrator_test.cc, in mixed precision: fem_mixed_precision_test.cc.
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "server/fem/contact_constraint.h"
+#include "server/fem/explicit_integrator.h"
 #include "server/fem/membrane_layout.h"
 #include "server/mesh/mesh_import.h"
 #include "tests/fem/instruction_sets.h"
@@ -201,6 +206,54 @@ TEST(MembraneLayout, FindsThePatternOfAGridAlone) {
   layout.rebuild(Model(mesh, soft_cloth()));
   EXPECT_EQ(layout.offsets(), (QuadOffsets{1, 20, 19}));
   EXPECT_FALSE(layout.lanes().empty());
+}
+
+// A body that knocks a vertex out of its place in the first substep, where that is longer than `longest`, s.
+class KnockingContact final : public ContactConstraint {
+ public:
+  explicit KnockingContact(double longest) : longest_(longest) {}
+  void begin(const mesh::VertexField& /*x*/) override { is_first_ = true; }
+  [[nodiscard]] int num_inside() const override { return 0; }
+  void enforce(double /*dt*/, State& /*state*/) override {}
+  std::span<const std::int32_t> find_due_blocks(double dt, double /*travel*/) override {
+    const bool knocks = is_first_ && dt > longest_;
+    is_first_ = false;
+    return {&kFirstBlock, knocks ? 1U : 0U};
+  }
+  std::uint32_t enforce_block(std::int32_t /*block*/, mesh::VertexLanes& vertices) override {
+    vertices.x[2][3] += 1.0;
+    ++num_knocks;
+    return 1U << 3;
+  }
+  std::size_t find_gaps(int /*vertex*/, const Eigen::Vector3d& /*x*/, double /*reach*/,
+                        std::array<SurfaceGap, kMaxGaps>& /*gaps*/) const override {
+    return 0;
+  }
+  int num_knocks = 0;
+
+ private:
+  static constexpr std::int32_t kFirstBlock = 0;
+  double longest_;
+  bool is_first_ = true;
+};
+
+TEST(Leapfrog, RepeatsAStepInWhichABodyTearsTheSheetApart) {
+  const mesh::TriangleMesh mesh = square_grid(30);
+  const Model model(mesh, soft_cloth());
+  for (const Precision precision : {Precision::kDouble, Precision::kMixed}) {
+    ExplicitIntegrator integrator(options_of(precision));
+    integrator.rebuild(model);
+    const double planned = integrator.planned_substeps(kTick);
+    KnockingContact contact(0.6 * kTick / planned);
+    State state = rest_state(mesh);
+    const StepStats stats = integrator.step(model, Loads(), kTick, &contact, state);
+    // What flies off leaves the room that fixed-point positions have, and the step is first made again in double.
+    const bool is_mixed = precision == Precision::kMixed;
+    EXPECT_EQ(contact.num_knocks, is_mixed ? 2 : 1);
+    EXPECT_EQ(stats.flags, kSubstepped | (is_mixed ? kWidened : 0U));
+    EXPECT_GE(stats.substeps, 2 * planned);
+    EXPECT_LT(stats.max_strain, 0.1);
+  }
 }
 
 }  // namespace
