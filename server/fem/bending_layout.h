@@ -30,7 +30,7 @@ template <typename T>
 class BendingLayout {
  public:
   // Fewer entries than this at one distance cost less by rows.
-  static constexpr int kLeastInDiagonal = 7;
+  static constexpr std::uint32_t kLeastInDiagonal = 7;
   static constexpr int kRowsInGroup = static_cast<int>(FourEntries<T>::kRows);
   static constexpr int kGroupsInBlock = static_cast<int>(kBlockLanes) / kRowsInGroup;
 
@@ -61,6 +61,8 @@ class BendingLayout {
     rest_.make_room(like.rest_.num_rows(), like.rest_.num_entries());
     if (place_of_.capacity() < like.place_of_.size()) place_of_.reserve(like.place_of_.size() * 5 / 4);
     found_.reserve(like.found_.capacity());
+    seen_.reserve(like.seen_.capacity());
+    others_.reserve(like.others_.capacity());
   }
   // New blocks are empty until they are set.
   void resize(int num_vertices) {
@@ -81,73 +83,73 @@ class BendingLayout {
     std::copy(found_.begin(), found_.end(), offsets.begin());
     const std::span<Lanes16<T>> diagonals = diagonals_.resize_row(static_cast<int>(block), found_.size());
     std::fill(diagonals.begin(), diagonals.end(), Lanes16<T>{});
+    others_.clear();
+    std::array<std::size_t, kBlockLanes + 1> ends{};  // in others_, of what comes before each row
     for (mesh::VertexId v = first; v < last; ++v) {
+      const auto lane = static_cast<std::size_t>(v - first);
       for (const BendingEntry& entry : rows.row(v)) {
-        const std::uint16_t place = place_of(rows, v, entry);
-        if (place < kNone) diagonals[place].lane[static_cast<std::size_t>(v - first)] = static_cast<T>(entry.value);
+        const std::uint32_t place = place_of(rows, entry.column - v);
+        if (place >= kFirstPlace) {
+          diagonals[place - kFirstPlace].lane[lane] = static_cast<T>(entry.value);
+        } else if (entry.column != v) {
+          others_.push_back(entry);
+        }
       }
+      ends[lane + 1] = others_.size();
     }
-    for (mesh::VertexId v = first; v < last; v += kRowsInGroup) set_rest(rows, v);
-    for (mesh::VertexId v = first; v < last; ++v) {
-      for (const BendingEntry& entry : rows.row(v)) place_of(rows, v, entry) = 0;
+    for (mesh::VertexId v = first; v < last; v += kRowsInGroup) {
+      const auto lane = static_cast<std::size_t>(v - first);
+      const auto num_rows = static_cast<std::size_t>(std::min(last - v, kRowsInGroup));
+      set_rest(v, std::span(ends).subspan(lane, num_rows + 1));
     }
+    for (const std::int32_t offset : seen_) place_of(rows, offset) = 0;
   }
 
  private:
   template <typename U>
   friend class BendingLayout;
-  static constexpr std::uint16_t kNone = 65535;
+  static constexpr std::uint32_t kFirstPlace = 1000;  // counts are below
 
-  std::uint16_t& place_of(const RowStore<BendingEntry>& rows, mesh::VertexId v, const BendingEntry& entry) {
-    return place_of_[static_cast<std::size_t>(entry.column - v + rows.num_rows())];
+  // Of the distance column - row: how many rows of the block have it, or kFirstPlace and the place of its diagonal.
+  std::uint32_t& place_of(const RowStore<BendingEntry>& rows, std::int32_t offset) {
+    return place_of_[static_cast<std::size_t>(offset + rows.num_rows())];
   }
 
-  // Into found_, and their places, or kNone, into place_of_.
+  // Sets found_ and seen_, and the places of both.
   void find_diagonals(const RowStore<BendingEntry>& rows, mesh::VertexId first, mesh::VertexId last) {
     found_.clear();
+    seen_.clear();
     for (mesh::VertexId v = first; v < last; ++v) {
       for (const BendingEntry& entry : rows.row(v)) {
-        std::uint16_t& count = place_of(rows, v, entry);
-        if (entry.column != v && ++count == kLeastInDiagonal) found_.push_back(entry.column - v);
+        if (entry.column == v) continue;
+        const std::uint32_t count = ++place_of(rows, entry.column - v);
+        if (count == 1) seen_.push_back(entry.column - v);
+        if (count == kLeastInDiagonal) found_.push_back(entry.column - v);
       }
     }
     std::sort(found_.begin(), found_.end());
-    for (mesh::VertexId v = first; v < last; ++v) {
-      for (const BendingEntry& entry : rows.row(v)) place_of(rows, v, entry) = kNone;
-    }
     for (std::size_t k = 0; k < found_.size(); ++k) {
-      place_of_[static_cast<std::size_t>(found_[k] + rows.num_rows())] = static_cast<std::uint16_t>(k);
+      place_of(rows, found_[k]) = kFirstPlace + static_cast<std::uint32_t>(k);
     }
   }
 
-  // Sets rows of four vertices from v on, of entries in no diagonal.
-  void set_rest(const RowStore<BendingEntry>& rows, mesh::VertexId v) {
-    const mesh::VertexId end = std::min(v + kRowsInGroup, rows.num_rows());
+  // Sets rows of four vertices from v on, of what others_ has of them.
+  void set_rest(mesh::VertexId v, std::span<const std::size_t> ends) {
     std::size_t longest = 0;
-    for (mesh::VertexId i = v; i < end; ++i) {
-      std::size_t size = 0;
-      for (const BendingEntry& entry : rows.row(i)) size += is_in_rest(rows, i, entry) ? 1 : 0;
-      longest = std::max(longest, size);
-    }
+    for (std::size_t r = 0; r + 1 < ends.size(); ++r) longest = std::max(longest, ends[r + 1] - ends[r]);
     const std::span<FourEntries<T>> entries = rest_.resize_row(v / kRowsInGroup, longest);
     for (std::size_t r = 0; r < FourEntries<T>::kRows; ++r) {
-      const mesh::VertexId i = v + static_cast<mesh::VertexId>(r);
-      std::size_t k = 0;
-      if (i < end) {
-        for (const BendingEntry& entry : rows.row(i)) {
-          if (!is_in_rest(rows, i, entry)) continue;
-          entries[k].place[r] = 4 * entry.column;
-          entries[k++].value[r] = static_cast<T>(entry.value);
-        }
+      const std::size_t size = r + 1 < ends.size() ? ends[r + 1] - ends[r] : 0;
+      for (std::size_t k = 0; k < size; ++k) {
+        const BendingEntry& entry = others_[ends[r] + k];
+        entries[k].place[r] = 4 * entry.column;
+        entries[k].value[r] = static_cast<T>(entry.value);
       }
-      for (; k < longest; ++k) {
-        entries[k].place[r] = 4 * i;
+      for (std::size_t k = size; k < longest; ++k) {
+        entries[k].place[r] = 4 * (v + static_cast<mesh::VertexId>(r));
         entries[k].value[r] = 0;
       }
     }
-  }
-  bool is_in_rest(const RowStore<BendingEntry>& rows, mesh::VertexId v, const BendingEntry& entry) {
-    return entry.column != v && place_of(rows, v, entry) == kNone;
   }
 
   RowStore<std::int32_t> offsets_;
@@ -155,8 +157,10 @@ class BendingLayout {
   RowStore<FourEntries<T>> rest_;
 
   // Scratch of set_block().
-  std::vector<std::int32_t> found_;
-  std::vector<std::uint16_t> place_of_;  // by distance + number of vertices; 0 outside of it
+  std::vector<std::int32_t> found_;      // distances of the block's diagonals, ascending
+  std::vector<std::int32_t> seen_;       // all distances
+  std::vector<std::uint32_t> place_of_;  // by distance + number of vertices; 0 outside of it
+  std::vector<BendingEntry> others_;     // entries in no diagonal, row by row
 };
 
 }  // namespace kerf::fem

@@ -84,8 +84,8 @@ TEST(BendingLayout, KeepsOfAGridWhatMostRowsHaveAsDiagonals) {
     EXPECT_GE(offsets.size(), 11U);
     EXPECT_LE(offsets.size(), 18U);  // of two rings
     for (const Lanes16<double>& diagonal : layout.diagonals(block)) {
-      const auto zeros = std::count(diagonal.lane.begin(), diagonal.lane.end(), 0.0);
-      EXPECT_LE(zeros, 16 - BendingLayout<double>::kLeastInDiagonal);
+      const auto zeros = static_cast<std::size_t>(std::count(diagonal.lane.begin(), diagonal.lane.end(), 0.0));
+      EXPECT_LE(zeros + BendingLayout<double>::kLeastInDiagonal, 16U);
     }
   }
 }
