@@ -110,7 +110,7 @@ class BendingLayout {
   friend class BendingLayout;
   static constexpr std::uint32_t kFirstPlace = 1000;  // counts are below
 
-  // Of the distance column - row: how many rows of the block have it, or kFirstPlace and the place of its diagonal.
+  // Counts rows of the block with this distance column - row, or is kFirstPlace and the place of its diagonal.
   std::uint32_t& place_of(const RowStore<BendingEntry>& rows, std::int32_t offset) {
     return place_of_[static_cast<std::size_t>(offset + rows.num_rows())];
   }

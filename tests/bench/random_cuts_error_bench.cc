@@ -1,5 +1,5 @@
-// What local inertia does to the motion of randomly cut sheets: ticks of 1/60 s with it and without, and how far the
-// two are apart. What such ticks cost beside an uncut sheet is kerf_bench's random_cuts.
+// Measures how local inertia changes the motion of randomly cut sheets: ticks of 1/60 s with it and without, and how
+// far the two are apart. What such ticks cost beside an uncut sheet is kerf_bench's random_cuts.
 //   random_cuts_error_bench [--schemes] [MATERIAL [SEED [CUTS...]]]   such as demo 14159265 0 1 5 10 20 50 100
 // --schemes: run time against error of other integrators, too, in place of that table.
 // The error is that of a vertex after 0.05 s, against plain leapfrog in double on the same mesh; both have the damping

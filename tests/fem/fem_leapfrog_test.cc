@@ -247,7 +247,7 @@ TEST(Leapfrog, RepeatsAStepInWhichABodyTearsTheSheetApart) {
     KnockingContact contact(0.6 * kTick / planned);
     State state = rest_state(mesh);
     const StepStats stats = integrator.step(model, Loads(), kTick, &contact, state);
-    // What flies off leaves the room that fixed-point positions have, and the step is first made again in double.
+    // The vertex leaves the room of fixed-point positions, and the step is first made again in double.
     const bool is_mixed = precision == Precision::kMixed;
     EXPECT_EQ(contact.num_knocks, is_mixed ? 2 : 1);
     EXPECT_EQ(stats.flags, kSubstepped | (is_mixed ? kWidened : 0U));

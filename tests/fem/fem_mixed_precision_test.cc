@@ -308,7 +308,7 @@ TEST(MixedPrecision, HoldsPiecesThatAreFarApart) {
       EXPECT_LT((results[0].x - results[1].x).cwiseAbs().maxCoeff(), 1e-7) << way;
       EXPECT_LT((results[0].v - results[1].v).cwiseAbs().maxCoeff(), 1e-4) << way;
     }
-    // What a step leaves behind does not matter to the next.
+    // A step does not depend on the one before.
     const std::unique_ptr<Integrator> kept = make_integrator(options_of(Precision::kMixed));
     kept->rebuild(model);
     for (const double way : {60.0, 0.0, 60.0}) {

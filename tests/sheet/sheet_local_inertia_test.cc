@@ -1,4 +1,4 @@
-// What a sheet tells of clusters of local inertia.
+// Clusters of local inertia, as a sheet reports them.
 #include <optional>
 
 #include "tests/sheet/sheet_calls.h"
