@@ -10,7 +10,7 @@
 // Sheets of 50 x 50 vertices with random cuts: what kerf_bench and random_cuts_error_bench share.
 namespace kerf::bench {
 
-// The first 24 decimals of pi, eight each, as seeds that nobody chose.
+// Seeds: the first 24 decimals of pi, eight each.
 inline constexpr std::uint64_t kPiSeeds[] = {14159265, 35897932, 38462643};
 
 enum class CutScene {
