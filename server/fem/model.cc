@@ -228,6 +228,7 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
   double mass = 0.0;
   double floor = 0.0;
   double damping = 0.0;
+  double area = 0.0, material_area = 0.0;  // m^2, in space and in the material plane
   for (const TriangleId slot : incident_.row(vertex)) {
     const ElementBlock& block = blocks_[block_of(slot)];
     const std::size_t l = lane_of(slot);
@@ -243,6 +244,8 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
     mass += part_mass;
     floor += (is_mixed ? law.unit_floor : 1.0) * part;
     damping += part_mass * law.material.mass_damping;
+    area += block.area[l];
+    if (mesh.is_curved()) material_area += mesh.material_area(slot);
   }
   const auto v = static_cast<std::size_t>(vertex);
   lumped_mass_[v] = (is_mixed ? 1.0 : materials_[0].surface_density) * mass / 3.0;
@@ -250,8 +253,7 @@ void Model::set_lumped_mass(const mesh::TriangleMesh& mesh, VertexId vertex) {
   mass_tile_[v] = mass_tile(mesh.edge_lengths(), mesh.rest_position(vertex));
   const double edge_length = mesh.edge_lengths().at(mesh.rest_position(vertex));
   set_edge_length(vertex, mass > 0.0 ? edge_length : 0.0);
-  const mesh::Facet* const facet = mesh.has_material(vertex) ? mesh.facet(mesh.triangle_at(vertex)) : nullptr;
-  const double area_ratio = facet != nullptr ? facet->area_ratio() : 1.0;
+  const double area_ratio = material_area > 0.0 ? area / material_area : 1.0;
   mass_floor_[v] = (is_mixed ? 1.0 : materials_[0].unit_floor) * edge_length * edge_length * floor * area_ratio;
 }
 

@@ -227,5 +227,29 @@ TEST(Shell, ACutUpdatesTheModelToWhatAFreshOneIs) {
   }
 }
 
+// The mass floor once took the area ratio of whichever facet a vertex named, and an edit may name another.
+TEST(Shell, ManyCutsFromVerticesUpdateTheModelToWhatAFreshOneIs) {
+  SeededRandom random(5);
+  for (const mesh::IndexedMesh& sheet : shells()) {
+    mesh::TriangleMesh mesh = test::must(mesh::import_mesh(sheet));
+    Model model(mesh, shell_material());
+    const auto vertex = [&] {
+      return mesh.rest_position(
+          static_cast<mesh::VertexId>(random.below(static_cast<std::uint64_t>(mesh.num_vertices()))));
+    };
+    for (int i = 0; i < 30; ++i) {
+      const Eigen::Vector2d a = vertex(), b = vertex();
+      cut::CutRequest request;
+      request.curve = cut::CubicBezier{{a, a + (b - a) / 3.0, b + (a - b) / 3.0, b}};
+      const Result<cut::CutPlan> plan = cut::plan(mesh, request);
+      if (!plan.ok()) continue;  // both ends are one point
+      const Result<cut::CutOutcome> applied = cut::apply(mesh, *plan);
+      ASSERT_TRUE(applied.ok()) << applied.error().message;
+      model.apply(mesh, applied->edit);
+      ASSERT_EQ(model.hash(), Model(mesh, shell_material()).hash()) << "after cut " << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace kerf::fem
