@@ -9,6 +9,7 @@
 #include "server/fem/leapfrog_sweep.h"
 #include "server/fem/local_inertia.h"
 #include "server/fem/membrane_layout.h"
+#include "server/fem/stiff_vertices.h"
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
@@ -89,6 +90,8 @@ class ExplicitIntegrator final : public Integrator {
     double bending_omega = 0.0;  // 1/s, of bending
   };
   [[nodiscard]] static Reference reference(const Model& model);
+  // -, frequencies of the nominal step over those: a function of the model alone, so that an undo gives it back.
+  [[nodiscard]] double nominal(const Model& model, const Reference& built, bool follows);
   // Sets beta_, xi_ and the like for omega_; damping_ratio: see IntegratorOptions::highest_mode_damping.
   void set_damping(const Model& model, double damping_ratio);
   // bending_omega: 1/s, of what need not be stiff. Sets bending_omega_ and kick_omega_.
@@ -144,6 +147,8 @@ class ExplicitIntegrator final : public Integrator {
   double xi_ = 0.0;                   // -, the least
   double bending_omega_ = 0.0;        // 1/s, of the sheet as a whole, with clusters as it was built
   double kick_omega_ = 0.0;           // 1/s, the largest of what is not stiff anywhere
+  bool may_have_clusters_ = false;
+  StiffVertices stiff_;
   LocalInertia inertia_;
   MembraneLayout layout_;
   LeapfrogSweep<double> double_sweep_;  // of mixed precision: where that does not do

@@ -57,9 +57,19 @@ ExplicitIntegrator::Reference ExplicitIntegrator::reference(const Model& model) 
   return fastest;
 }
 
+double ExplicitIntegrator::nominal(const Model& model, const Reference& built, bool follows) {
+  // -, of the fastest modes of the sheet as built. The first is cheaper, but takes whole flaps of an edge's length into
+  // clusters, which then swing late: see "Random cuts" in tests/bench/README.md. Cuts that cross leave such flaps.
+  constexpr double kFewCuts = 1.3;
+  constexpr double kManyCuts = 2.3;
+  constexpr double kFew = 0.07;  // -, of the vertices: 2 random cuts of 0.3 m on 50 x 50 make 0.05
+  const double limit = kFewCuts * built.omega * kFewCuts * built.omega;
+  follows ? stiff_.follow(model, limit) : stiff_.rebuild(model, limit);
+  const bool are_few = static_cast<double>(stiff_.count()) <= kFew * model.num_vertices();
+  return are_few ? kFewCuts : kManyCuts;
+}
+
 void ExplicitIntegrator::plan(const Model& model, bool follows) {
-  // -, of the fastest modes of the sheet as built: ordinary cuts make few triangles that are stiffer.
-  constexpr double kNominal = 2.3;
   // -, least damping ratio of the fastest mode as built: without damping slivers that crumple gain energy.
   constexpr double kLeastDamping = 0.05;
   const Reference built = reference(model);
@@ -67,21 +77,23 @@ void ExplicitIntegrator::plan(const Model& model, bool follows) {
   omega_ = std::sqrt(model.stiffness_bound());
   set_damping(model, options_.highest_mode_damping);
   plain_step_ = cfl() * critical_step(1.0);
-  // Terms of clusters are those of the sheet as built, whether there have to be any or not, so that cuts leave most as
-  // it was.
-  omega_ = kNominal * built.omega;
-  // The damping time is that of the sheet as built, not that of modes so many times as fast.
-  const double damping_ratio = kNominal * std::max(options_.highest_mode_damping, kLeastDamping);
-  set_damping(model, std::min(damping_ratio, kMaxModeDamping));
-  critical_step_ = critical_step(1.0);
   kick_omega_ = std::sqrt(model.bending_stiffness_bound());
-  const bool may_have_clusters = options_.has_local_inertia && omega_ > 0.0 && model.rest_bending().rest.empty();
-  if (may_have_clusters) {
-    const InertiaTerms terms = inertia_terms(kNominal * built.bending_omega);
+  const bool could_have_clusters = may_have_clusters_;
+  may_have_clusters_ = options_.has_local_inertia && built.omega > 0.0 && model.rest_bending().rest.empty();
+  if (may_have_clusters_) {
+    follows = follows && could_have_clusters;
+    // Terms of clusters are kept whether there have to be any or not, so that a cut leaves most as it was.
+    const double nominal = this->nominal(model, built, follows);
+    omega_ = nominal * built.omega;
+    // The damping time is that of the sheet as built, not that of modes so many times as fast.
+    const double damping_ratio = nominal * std::max(options_.highest_mode_damping, kLeastDamping);
+    set_damping(model, std::min(damping_ratio, kMaxModeDamping));
+    critical_step_ = critical_step(1.0);
+    const InertiaTerms terms = inertia_terms(nominal * built.bending_omega);
     follows ? inertia_.follow(model, terms) : inertia_.rebuild(model, terms);
   }
   const double omega = std::sqrt(model.stiffness_bound());
-  const bool has_clusters = may_have_clusters && omega > omega_;
+  const bool has_clusters = may_have_clusters_ && omega > omega_;
   inertia_.set_active(has_clusters);
   if (!has_clusters) {
     omega_ = omega;
