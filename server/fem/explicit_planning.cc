@@ -58,8 +58,8 @@ ExplicitIntegrator::Reference ExplicitIntegrator::reference(const Model& model) 
 }
 
 double ExplicitIntegrator::nominal(const Model& model, const Reference& built, bool follows) {
-  // -, of the fastest modes of the sheet as built. The first is cheaper, but takes whole flaps of an edge's length into
-  // clusters, which then swing late: see "Random cuts" in tests/bench/README.md. Cuts that cross leave such flaps.
+  // -, of the fastest modes of the sheet as built. The first is cheaper and errs more, above all once cuts cross: see
+  // "Random cuts" in tests/bench/README.md.
   constexpr double kFewCuts = 1.3;
   constexpr double kManyCuts = 2.3;
   constexpr double kFew = 0.07;  // -, of the vertices: 2 random cuts of 0.3 m on 50 x 50 make 0.05
