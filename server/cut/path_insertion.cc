@@ -238,6 +238,8 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
   hint_ = location.triangle;
   use_scale_at(at);
   if (location.kind == Location::Kind::kPoint) {
+    // A place between the ends of the segment is rounded, and the segment may miss the point that is there.
+    if (at != segment_end_ && location.point != last_point_) note_met(location.point);
     note_point(location.point);
     return PathPosition{at, location.point, kNone};
   }

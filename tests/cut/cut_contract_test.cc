@@ -302,6 +302,20 @@ TEST(CutContract, WarnsOfClosedGapsAndMergedDust) {
   EXPECT_GE(cut(mesh, {dust, {}, {}}).report.merged_segments, 1);
 }
 
+// A point of the path is rounded onto the corner of an older lip, which the segment that it stands for passes by.
+TEST(CutContract, WarnsOfAGapOfLessThanOneLatticeUnit) {
+  mesh::TriangleMesh mesh = grid(11);
+  const mesh::Lattice lattice = mesh.lattice();
+  const mesh::LatticePoint corner = lattice.nearest({0.52, 0.53});
+  const auto beside = [&](std::int64_t x, std::int64_t y) { return lattice.position({corner.x + x, corner.y + y}); };
+  const auto a = static_cast<std::int64_t>(0.15 / lattice.spacing);
+  cut(mesh, {Polyline{{beside(-a, a / 8), beside(0, 0), beside(a, a / 2)}}, {}, {}});
+  const CutReport report = cut(mesh, {Polyline{{beside(-a, -a / 4 - 1), beside(a, a / 4)}}, {}, {}}).report;
+  EXPECT_EQ(report.closed_gaps, 1);
+  EXPECT_GT(report.widest_gap_m, 0.0);
+  EXPECT_LT(report.widest_gap_m, lattice.spacing);
+}
+
 TEST(CutContract, ACurveFarAwayDoesNotFillTheVoid) {
   mesh::TriangleMesh mesh = grid(10);
   const std::int32_t slots = mesh.num_triangle_slots();

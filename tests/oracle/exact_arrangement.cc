@@ -56,7 +56,10 @@ class Arrangement {
  public:
   Arrangement(const mesh::TriangleMesh& sheet, const std::vector<cut::Stroke>& strokes, double clearance)
       : records_(sheet.records()), search_(clearance), clearance_(clearance) {
-    add_locks();
+    add_edges([](const TriangleRecord& r, std::size_t k) { return r.locks[k] != 0; });
+    num_locks_ = segments_.size();
+    add_edges([&](const TriangleRecord& r, std::size_t k) { return r.locks[k] == 0 && is_between_regions(r, k); });
+    first_path_ = segments_.size();
     add_strokes(strokes);
   }
 
@@ -66,7 +69,8 @@ class Arrangement {
     for (Segment& segment : segments_) sort_and_merge(segment, nodes);
     std::set<std::pair<std::size_t, std::size_t>> edges;
     for (std::size_t i = 0; i < segments_.size(); ++i) {
-      const bool is_path = i >= num_locks_;
+      if (i >= num_locks_ && i < first_path_) continue;
+      const bool is_path = i >= first_path_;
       const std::vector<Ratio> border = is_path ? border_crossings(segments_[i]) : std::vector<Ratio>{};
       const std::vector<Event>& events = segments_[i].events;
       for (std::size_t k = 0; k + 1 < events.size(); ++k) {
@@ -102,16 +106,21 @@ class Arrangement {
     segments_.push_back({a, b, is_border, {{Ratio(0, 1), node_at(a)}, {Ratio(1, 1), node_at(b)}}});
   }
 
-  void add_locks() {
+  [[nodiscard]] bool is_between_regions(const TriangleRecord& r, std::size_t k) const {
+    return r.neighbours[k] != mesh::kNone && records_.triangles[index(r.neighbours[k])].region != r.region;
+  }
+
+  // Adds the edges that `is_wanted(triangle, corner)` picks, each once.
+  template <typename Wanted>
+  void add_edges(const Wanted& is_wanted) {
     for (std::size_t t = 0; t < records_.triangles.size(); ++t) {
       const TriangleRecord& r = records_.triangles[t];
       for (std::size_t k = 0; k < 3; ++k) {
-        if (r.locks[k] == 0 || index(r.neighbours[k]) < t) continue;
+        if (!is_wanted(r, k) || index(r.neighbours[k]) < t) continue;
         add_segment(records_.points[index(r.points[(k + 1) % 3])].at, records_.points[index(r.points[(k + 2) % 3])].at,
                     (r.locks[k] & mesh::kLockBorder) != 0);
       }
     }
-    num_locks_ = segments_.size();
   }
 
   void add_strokes(const std::vector<cut::Stroke>& strokes) {
@@ -137,13 +146,13 @@ class Arrangement {
     return box;
   }
 
-  // Locks meet in their ends only, so only pairs with the path count.
+  // Edges of the mesh meet in their ends only, so only pairs with the path count.
   void cross_all() {
     std::vector<Box> boxes;
     boxes.reserve(segments_.size());
     for (const Segment& segment : segments_) boxes.push_back(box_of(segment));
     audit::BoxGrid grid(boxes);
-    for (std::size_t i = num_locks_; i < segments_.size(); ++i) {
+    for (std::size_t i = first_path_; i < segments_.size(); ++i) {
       Box around = boxes[i];
       around.min().array() -= search_;
       around.max().array() += search_;
@@ -278,8 +287,10 @@ class Arrangement {
   }
 
   const mesh::MeshRecords& records_;
-  std::vector<Segment> segments_;  // locks first
+  // Locks, then the edges between regions of the sheet, where a path gets points but none that count, then the path.
+  std::vector<Segment> segments_;
   std::size_t num_locks_ = 0;
+  std::size_t first_path_ = 0;
   double search_;     // lattice units; things farther from each other are not compared
   double clearance_;  // lattice units
   std::size_t num_nodes_ = 0;
