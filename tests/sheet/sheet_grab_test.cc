@@ -77,8 +77,8 @@ TEST(Sheet, AllowsAtMost64Grabs) {
 
 TEST(Sheet, AViolentGrabNeverMakesItNotFinite) {
   const Vector3d target(1e5, -1e5, 1e5);
-  const int side = test::num_trials({.few = 5, .usual = 10, .many = 10});
-  const int num_ticks = test::num_trials({.few = 12, .usual = 30, .many = 30});
+  const int side = test::num_trials({.few = 8, .usual = 10, .many = 10});
+  const int num_ticks = test::num_trials({.few = 6, .usual = 30, .many = 30});
   for (const IntegratorKind kind : {IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler}) {
     SheetConfig config = scenes::hanging(side);
     config.integrator.kind = kind;
@@ -92,7 +92,7 @@ TEST(Sheet, AViolentGrabNeverMakesItNotFinite) {
       ASSERT_TRUE(sheet.state().x.allFinite() && sheet.state().v.allFinite());
       ASSERT_LT(sheet.state().x.cwiseAbs().maxCoeff(), 2e5) << "it is flung no farther than it is pulled";
     }
-    EXPECT_LT((sheet.state().x.col(3) - target).norm(), 1e-3 * target.norm());
+    EXPECT_LT((sheet.state().x.col(3) - target).norm(), 100.0);
   }
 }
 
