@@ -6,6 +6,7 @@
 // trial; run that one alone with
 //   KERF_CUT_SEED=<seed> property_tests --gtest_filter='RandomCutQuality.*'
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -27,6 +28,9 @@ constexpr int kCutsOfASequence = 4;
 // Longest edge / shortest height where no angle is below 20 degrees: at most 2 / tan(20 degrees).
 constexpr double kMaxAspect = 5.5;
 
+// The median of the smallest height is at least this where there is room.  -, edge lengths
+constexpr double kRoomyHeight = 0.15;
+
 // In the medians below gaps this wide leave room for the heights asked for.  -, edge lengths
 constexpr double kRoomy = 0.1;
 
@@ -44,6 +48,17 @@ double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+// Cuts with room whose smallest height is at least this. Where that is half of all or more, it is at most the median.
+std::ptrdiff_t num_roomy_from(double height, const Tally& tally) {
+  return std::count_if(tally.roomy.begin(), tally.roomy.end(), [=](double each) { return each >= height; });
+}
+
+// Three standard deviations of how many of n random values lie above their distribution's median. Trials that are the
+// same every time have no scatter.
+double scatter(std::size_t n) {
+  return test::chosen_seed() == 0 ? 0.0 : 1.5 * std::sqrt(static_cast<double>(n));
 }
 
 // `room`: edge lengths.
@@ -120,7 +135,8 @@ TEST(RandomCutQuality, NoTriangleBelowTheAngleOutsideTheCornersNamed) {
       static_cast<int>(tally.roomy.size()), median(tally.roomy), median(tally.share_of_room),
       static_cast<long long>(tally.corners));
   EXPECT_LE(per_crossed, 4.0);
-  EXPECT_GE(median(tally.roomy), 0.15);
+  EXPECT_GE(static_cast<double>(num_roomy_from(kRoomyHeight, tally)),
+            0.5 * static_cast<double>(tally.roomy.size()) - scatter(tally.roomy.size()));
   EXPECT_GE(median(tally.share_of_room), 0.9);
   // A third of the curves are scribbles, hairpins and repetitions with a small offset, whose narrow gaps needles span.
   EXPECT_LE(tally.stopped, tally.applied / 200);
