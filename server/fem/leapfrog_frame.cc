@@ -31,10 +31,15 @@ double unit_of_positions(double reach, double edge) {
   return std::exp2(std::ceil(std::log2(std::max(reach, edge) / kUnits)));
 }
 
-// m, that what moves so fast may travel; a sheet that springs back gets faster.
+// -, of its size that a sheet may travel besides what its speed takes it, as one that springs back gets faster.
+constexpr double kSpring = 1.0;
+// The same of pieces, whose room is what is left before double precision.
+constexpr double kSpringOfPieces = 0.25;
+
+// m, that what moves so fast may travel.
 template <class Extent>
-double travel_of(const Extent& extent, const LeapfrogTerms& terms, double duration) {
-  return extent.size() + 4.0 * duration * (extent.speed + duration * terms.gravity.norm());
+double travel_of(const Extent& extent, double spring, const LeapfrogTerms& terms, double duration) {
+  return spring * extent.size() + 4.0 * duration * (extent.speed + duration * terms.gravity.norm());
 }
 
 }  // namespace
@@ -61,10 +66,10 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
     unit_ = unit_of_positions(room_, 0.0);
     return is_fine();
   }
-  room_ = travel_of(all, terms, duration);
+  room_ = travel_of(all, kSpring, terms, duration);
   unit_ = unit_of_positions(0.5 * all.size() + room_, edge);
   if (is_fine()) return true;
-  // Pieces that have come far apart each count from a place of their own.
+  // Pieces that have come far apart each count from a place of their own, and have no more room than they need.
   const double reach = set_frames_of_pieces(terms, duration, state);
   unit_ = unit_of_positions(reach, edge);
   return is_fine();
@@ -84,7 +89,7 @@ double LeapfrogSweep<T>::set_frames_of_pieces(const LeapfrogTerms& terms, double
   for (const Extent& piece : extents_) {
     if (!(piece.size() >= 0.0)) continue;
     half = std::max(half, 0.5 * piece.size());
-    reach = std::max(reach, 0.5 * piece.size() + travel_of(piece, terms, duration));
+    reach = std::max(reach, 0.5 * piece.size() + travel_of(piece, kSpringOfPieces, terms, duration));
   }
   room_ = reach - half;
   start_.setZero();
