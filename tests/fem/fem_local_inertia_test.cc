@@ -1,4 +1,4 @@
-// Sheets cut so that some of their triangles are tiny: clusters with local inertia, and what they keep.
+// What clusters with local inertia keep, on sheets cut so that some of their triangles are tiny.
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -6,43 +6,12 @@
 
 #include "server/base/state_hash.h"
 #include "server/fem/explicit_integrator.h"
-#include "tests/fem/fem_fixture.h"
+#include "tests/fem/cut_sheet.h"
 #include "tests/support/allocation_counter.h"
-#include "tests/support/random_cuts.h"
 #include "tests/support/trials.h"
 
 namespace kerf::fem {
 namespace {
-
-constexpr double kTick = 1.0 / 60.0;
-
-IntegratorOptions explicit_options(Precision precision, bool has_local_inertia = true) {
-  IntegratorOptions options;
-  options.kind = IntegratorKind::kExplicit;
-  options.precision = precision;
-  options.has_local_inertia = has_local_inertia;
-  return options;
-}
-
-// 1 m x 1 m, of 50 x 50 vertices, with random cuts.
-struct CutSheet {
-  explicit CutSheet(std::size_t num_cuts, const Material& material = *find_preset("demo"), std::uint64_t seed = 1)
-      : mesh(square_grid(50)), model(mesh, material), cuts(seed, mesh, model) {
-    cuts.make(num_cuts);
-  }
-  [[nodiscard]] Loads pinned_at_corners() const {
-    Loads loads;
-    for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
-      const Eigen::Vector2d p = mesh.rest_position(v);
-      if (!mesh.has_material(v) || p.y() < 1.0 || (p.x() > 0.0 && p.x() < 1.0)) continue;
-      loads.pins.push_back({v, Eigen::Vector3d(p.x(), p.y(), 0.0)});
-    }
-    return loads;
-  }
-  mesh::TriangleMesh mesh;
-  Model model;
-  test::RandomCuts cuts;
-};
 
 Loads no_forces() {
   Loads loads;
@@ -76,61 +45,7 @@ class LocalInertiaOf : public testing::TestWithParam<Precision> {};
 INSTANTIATE_TEST_SUITE_P(EachPrecision, LocalInertiaOf, testing::Values(Precision::kDouble, Precision::kMixed),
                          [](const auto& tested) { return tested.param == Precision::kDouble ? "Double" : "Mixed"; });
 
-TEST(LocalInertia, KeepsTheSubstepsOfACutSheetNearThoseOfTheUncutOne) {
-  // Bounds of orthotropic laws with little shear stiffness lose more.
-  struct Case {
-    std::string_view name;
-    double times_uncut;
-  };
-  for (const auto& [name, times_uncut] :
-       {Case{"demo", 2.8}, Case{"skin", 2.8}, Case{"wool", 3.3}, Case{"cotton", 3.9}, Case{"paper", 4.0}}) {
-    CutSheet sheet(0, *find_preset(name));
-    ExplicitIntegrator integrator(explicit_options(Precision::kMixed));
-    integrator.rebuild(sheet.model);
-    const double uncut = integrator.planned_substeps(kTick);
-    EXPECT_TRUE(integrator.inertia().empty()) << name;
-    for (const std::size_t num_cuts : {1, 5, 10, 20, 50}) {
-      sheet.cuts.make(num_cuts);
-      integrator.rebuild(sheet.model);
-      EXPECT_LE(integrator.planned_substeps(kTick), times_uncut * uncut) << name << " after " << num_cuts;
-    }
-    EXPECT_FALSE(integrator.inertia().empty()) << name;
-  }
-}
-
-TEST(LocalInertia, StepsAreLongerWhileCutsAreFew) {
-  CutSheet sheet(0);
-  ExplicitIntegrator integrator(explicit_options(Precision::kMixed));
-  integrator.rebuild(sheet.model);
-  const double uncut = integrator.planned_substeps(kTick);
-  sheet.cuts.make(2);
-  integrator.follow(sheet.model);
-  const double after_two = integrator.planned_substeps(kTick);
-  EXPECT_FALSE(integrator.inertia().empty());
-  EXPECT_LE(after_two, 1.5 * uncut);
-  while (sheet.cuts.size() < 10) {
-    sheet.cuts.make_one();
-    integrator.follow(sheet.model);
-  }
-  EXPECT_GT(integrator.planned_substeps(kTick), 2.0 * uncut);
-  while (sheet.cuts.size() > 2) {
-    sheet.cuts.undo_one();
-    integrator.follow(sheet.model);
-  }
-  EXPECT_EQ(integrator.planned_substeps(kTick), after_two);
-}
-
-TEST(LocalInertia, UncutSheetsHaveNone) {
-  for (const mesh::TriangleMesh& mesh : {square_grid(30), jittered_square(20)}) {
-    const Model model(mesh, *find_preset("demo"));
-    ExplicitIntegrator integrator(explicit_options(Precision::kMixed));
-    integrator.rebuild(model);
-    EXPECT_TRUE(integrator.inertia().empty());
-  }
-}
-
-// Against plain leapfrog on the same mesh, with the same damping, in substeps that its tiniest triangle asks for.
-// Both of clusters with a dense inverse and of larger ones.
+// Covers clusters with a dense inverse, and larger ones.
 TEST(LocalInertia, ClustersSolveForTheirInertia) {
   const CutSheet sheet(50);
   ExplicitIntegrator integrator(explicit_options(Precision::kDouble));
@@ -169,54 +84,6 @@ TEST(LocalInertia, ClustersSolveForTheirInertia) {
       EXPECT_NEAR(static_cast<double>(rounded[4 * i]), values[4 * i], 1e-4 * largest);
     }
   }
-}
-
-TEST(LocalInertia, TellsOfItsClustersAndOfTheSubstepsThatTheySave) {
-  CutSheet sheet(0);
-  ExplicitIntegrator integrator(explicit_options(Precision::kMixed));
-  integrator.rebuild(sheet.model);
-  EXPECT_FALSE(integrator.local_inertia(kTick)) << "nothing is cut";
-  while (sheet.cuts.size() < 10) {
-    sheet.cuts.make_one();
-    integrator.follow(sheet.model);
-  }
-  const std::optional<LocalInertiaStats> stats = integrator.local_inertia(kTick);
-  ASSERT_TRUE(stats);
-  const auto clusters = integrator.inertia().clusters();
-  std::size_t vertices = 0, largest = 0;
-  for (const InertiaCluster* cluster : clusters) {
-    vertices += cluster->vertices().size();
-    largest = std::max(largest, cluster->vertices().size());
-  }
-  EXPECT_EQ(stats->clusters, static_cast<int>(clusters.size()));
-  EXPECT_EQ(stats->vertices, static_cast<int>(vertices));
-  EXPECT_EQ(stats->largest, static_cast<int>(largest));
-  ExplicitIntegrator plain(explicit_options(Precision::kMixed, false));
-  plain.rebuild(sheet.model);
-  EXPECT_FALSE(plain.local_inertia(kTick));
-  EXPECT_EQ(stats->plain_substeps, plain.planned_substeps(kTick));
-  EXPECT_EQ(stats->planned_substeps, integrator.planned_substeps(kTick));
-  EXPECT_LT(2.0 * stats->planned_substeps, stats->plain_substeps);
-  State state = rest_state(sheet.mesh);
-  const StepStats step = integrator.step(sheet.model, sheet.pinned_at_corners(), kTick, nullptr, state);
-  EXPECT_GE(step.substeps, stats->planned_substeps);
-}
-
-TEST(LocalInertia, IsToldOfByWhatRuns) {
-  const CutSheet sheet(10);
-  IntegratorOptions options;
-  const auto found = [&](IntegratorKind kind) {
-    options.kind = kind;
-    const std::unique_ptr<Integrator> integrator = make_integrator(options);
-    integrator->rebuild(sheet.model);
-    EXPECT_NE(integrator->kind(), IntegratorKind::kAutomatic);
-    return integrator->local_inertia(options.tick);
-  };
-  ASSERT_TRUE(found(IntegratorKind::kAutomatic));
-  EXPECT_EQ(found(IntegratorKind::kAutomatic)->vertices, found(IntegratorKind::kExplicit)->vertices);
-  EXPECT_FALSE(found(IntegratorKind::kTrBdf2));
-  options.max_substeps = 1;
-  EXPECT_FALSE(found(IntegratorKind::kAutomatic)) << "implicit where explicit steps would take too many substeps";
 }
 
 // Against plain leapfrog, of sheets whose nominal step is the longer and the shorter one.
