@@ -63,6 +63,9 @@ double ExplicitIntegrator::nominal(const Model& model, const Reference& built, b
   constexpr double kFewCuts = 1.3;
   constexpr double kManyCuts = 2.3;
   constexpr double kFew = 0.07;  // -, of the vertices: 2 random cuts of 0.3 m on 50 x 50 make 0.05
+  // -, of curved rest shapes, whose cuts make larger clusters: the facets' edges are sharp bends of tiny triangles.
+  constexpr double kCurved = 3.5;
+  if (!model.rest_bending().rest.empty()) return kCurved;
   const double limit = kFewCuts * built.omega * kFewCuts * built.omega;
   follows ? stiff_.follow(model, limit) : stiff_.rebuild(model, limit);
   const bool are_few = static_cast<double>(stiff_.count()) <= kFew * model.num_vertices();
@@ -79,7 +82,7 @@ void ExplicitIntegrator::plan(const Model& model, bool follows) {
   plain_step_ = cfl() * critical_step(1.0);
   kick_omega_ = std::sqrt(model.bending_stiffness_bound());
   const bool could_have_clusters = may_have_clusters_;
-  may_have_clusters_ = options_.has_local_inertia && built.omega > 0.0 && model.rest_bending().rest.empty();
+  may_have_clusters_ = options_.has_local_inertia && built.omega > 0.0;
   if (may_have_clusters_) {
     follows = follows && could_have_clusters;
     // Terms of clusters are kept whether there have to be any or not, so that a cut leaves most as it was.

@@ -76,7 +76,7 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
 }
 
 StiffnessProblem Model::stiffness_problem(const mesh::TriangleMesh& mesh) const {
-  const RowStore<BendingEntry>& bending_rows = mesh.is_curved() ? bound_rows_ : bending_rows_;
+  const RowStore<BendingEntry>& bending_rows = bending_bound_rows();
   return {blocks_, incident_, bending_rows, materials_, inverse_mass_, mesh.is_curved()};
 }
 

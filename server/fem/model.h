@@ -141,6 +141,10 @@ class Model {
   // Q in N/m, one row a vertex: bending force on vertex i = -sum_j Q_ij x_j, but for angles. Empty rows without
   // bending.
   [[nodiscard]] const RowStore<BendingEntry>& bending_rows() const { return bending_rows_; }
+  // N/m, what bounds the absolute values of its rows: more on a curved rest shape.
+  [[nodiscard]] const RowStore<BendingEntry>& bending_bound_rows() const {
+    return rest_bending_.empty() ? bending_rows_ : bound_rows_;
+  }
   // What clamps add to the bending force -Q x.
   [[nodiscard]] const ClampForces& clamp_forces() const { return clamp_forces_; }
   // Empty where the rest shape is flat.

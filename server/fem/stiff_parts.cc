@@ -42,6 +42,37 @@ double row_sum(const Triangle& triangle, VertexId vertex) {
   return sum;
 }
 
+// N/m, the norm of what a curved rest shape adds to the stiffness of a patch.
+double excess_at(const Model& model, TriangleId slot, std::size_t a, std::size_t b) {
+  const std::span<const RestBending> rest = model.rest_bending().rest;
+  return rest.empty() ? 0.0 : rest[static_cast<std::size_t>(slot)].excess_at(static_cast<int>(a), static_cast<int>(b));
+}
+
+// Bounds the stiffness that a curved rest shape adds to a patch, B, by a matrix with rows that sum to 0. As B does not
+// act on a common motion, with u_a = v_a - mean(v) and r_a = sum_b |B_ab|:
+//   v.B v = u.B u <= sum_ab |B_ab| |u_a| |u_b| <= sum_a r_a |u_a|^2.
+class CurvatureBound {
+ public:
+  CurvatureBound(const Model& model, TriangleId slot) {
+    const std::array<VertexId, 6>& vertex = model.bending_terms().patches[static_cast<std::size_t>(slot)].vertex;
+    for (std::size_t a = 0; a < 6; ++a) {
+      if (vertex[a] == mesh::kNone) continue;
+      ++num_;
+      for (std::size_t b = 0; b < 6; ++b) row_[a] += vertex[b] == mesh::kNone ? 0.0 : excess_at(model, slot, a, b);
+      sum_ += row_[a];
+    }
+  }
+  // N/m.
+  [[nodiscard]] double at(std::size_t a, std::size_t b) const {
+    return (a == b ? row_[a] : 0.0) - (row_[a] + row_[b]) / num_ + sum_ / (num_ * num_);
+  }
+
+ private:
+  std::array<double, 6> row_{};
+  double sum_ = 0.0;
+  double num_ = 0.0;
+};
+
 // Entry(a, b): of a part with these vertices. Negative where the vertex is none of them.
 template <std::size_t N, typename Entry>
 double row_sum_of(const std::array<VertexId, N>& vertices, VertexId vertex, const Entry& entry) {
@@ -91,7 +122,10 @@ StiffPart::Matrix StiffPart::matrix(const Model& model) const {
     fill(3, [&](std::size_t a, std::size_t b) { return entry(triangle, a, b); });
   } else if (kind() == 1) {
     const BendingPatch& patch = model.bending_terms().patches[static_cast<std::size_t>(at)];
-    fill(6, [&](std::size_t a, std::size_t b) { return patch.at(static_cast<int>(a), static_cast<int>(b)); });
+    const CurvatureBound bound(model, at);
+    fill(6, [&](std::size_t a, std::size_t b) {
+      return patch.at(static_cast<int>(a), static_cast<int>(b)) + bound.at(a, b);
+    });
   } else {
     for (const BendingEdge& edge : model.bending_edges().row(at)) {
       if (edge.first_edge == kind() - 2) fill(8, [&](std::size_t a, std::size_t b) { return edge.at(a, b); });
@@ -109,7 +143,7 @@ double membrane_row_sum(const Model& model, VertexId vertex) {
 double bending_row_sum(const Model& model, VertexId vertex) {
   if (!model.has_bending()) return 0.0;
   double sum = 0.0;
-  for (const BendingEntry& entry : model.bending_rows().row(vertex)) sum += std::abs(entry.value);
+  for (const BendingEntry& entry : model.bending_bound_rows().row(vertex)) sum += std::abs(entry.value);
   return sum;
 }
 
@@ -137,7 +171,7 @@ void find_bending_at(const Model& model, VertexId vertex, std::vector<TriangleId
   for (const TriangleId slot : slots) {
     const BendingPatch& patch = model.bending_terms().patches[static_cast<std::size_t>(slot)];
     const double of_patch = row_sum_of(patch.vertex, vertex, [&](std::size_t a, std::size_t b) {
-      return patch.at(static_cast<int>(a), static_cast<int>(b));
+      return std::abs(patch.at(static_cast<int>(a), static_cast<int>(b))) + excess_at(model, slot, a, b);
     });
     if (of_patch >= 0.0) parts.push_back({StiffPart::patch(slot), of_patch});
     for (const BendingEdge& edge : model.bending_edges().row(slot)) {

@@ -12,7 +12,8 @@ namespace kerf::fem {
 
 // A term of a model's stiffness: a triangle of the membrane, a bending patch, or what bending has at an edge. Each is a
 // symmetric matrix over a few vertices, times the 3x3 identity, with rows that sum to 0; that of a triangle is
-// z A g_i.g_j, which bounds its stiffness in every position (see membrane_curvature.h).
+// z A g_i.g_j, which bounds its stiffness in every position (see membrane_curvature.h); that of a patch is its own, and
+// on a curved rest shape a bound of what RestBending adds besides.
 class StiffPart {
  public:
   static constexpr std::size_t kMaxVertices = 8;
@@ -52,7 +53,7 @@ struct PartAtVertex {
 
 // N/m, the sum over the triangles at a vertex.
 double membrane_row_sum(const Model& model, mesh::VertexId vertex);
-// N/m, of the bending matrix.
+// N/m, of the bending matrix, or of its bound on a curved rest shape.
 double bending_row_sum(const Model& model, mesh::VertexId vertex);
 
 // All parts at a vertex, ascending.

@@ -21,6 +21,17 @@ inline mesh::TriangleMesh jittered_square(int n, double size = 1.0, std::uint64_
   return mesh::make_jittered_grid({.num_x = n, .num_y = n, .width = size, .height = size}, seed).value();
 }
 
+// On the curved rest shape, at rest.
+inline State rest_on_surface(const mesh::TriangleMesh& mesh) {
+  State state;
+  state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  state.v = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
+  for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+    if (mesh.has_material(v)) state.x.col(v) = mesh.facet(mesh.triangle_at(v))->at(mesh.rest_position(v));
+  }
+  return state;
+}
+
 // Flat in the plane z = 0, at rest.
 inline State rest_state(const mesh::TriangleMesh& mesh) {
   State state;

@@ -18,16 +18,6 @@ Material shell_material() {
   return m;
 }
 
-State at_rest(const mesh::TriangleMesh& mesh) {
-  State state;
-  state.x = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-  state.v = Eigen::Matrix3Xd::Zero(3, mesh.num_vertices());
-  for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
-    if (mesh.has_material(v)) state.x.col(v) = mesh.facet(mesh.triangle_at(v))->at(mesh.rest_position(v));
-  }
-  return state;
-}
-
 std::vector<mesh::IndexedMesh> shells() {
   return {test::rolled_square(7, 0.4), test::rolled_square(6, 0.3, true), test::dome(7, 1.1, true),
           test::creased_sheet(7)};
@@ -54,7 +44,7 @@ TEST(Shell, FeelsNothingAtRestHoweverItIsTurned) {
     const mesh::TriangleMesh mesh = test::must(mesh::import_mesh(sheet));
     ASSERT_TRUE(mesh.is_curved());
     const Model model(mesh, shell_material());
-    const State rest = at_rest(mesh);
+    const State rest = rest_on_surface(mesh);
     // What a flat sheet would feel in this shape.
     mesh::VertexField flat(rest.x.cols());
     flat.setZero();
@@ -75,7 +65,7 @@ TEST(Shell, ForcesAreTheGradientOfTheEnergy) {
   for (const mesh::IndexedMesh& sheet : shells()) {
     const mesh::TriangleMesh mesh = test::must(mesh::import_mesh(sheet));
     const Model model(mesh, shell_material());
-    mesh::VertexField x = turned(at_rest(mesh).x, random_rotation(random), Eigen::Vector3d::Zero());
+    mesh::VertexField x = turned(rest_on_surface(mesh).x, random_rotation(random), Eigen::Vector3d::Zero());
     x += random_field(random, x.cols(), 0.02);
     mesh::VertexField f(x.cols());
     model.internal_forces(x, f);
@@ -93,7 +83,7 @@ TEST(Shell, ForcesHaveNoResultantAndDampingLetsItTurn) {
   for (const mesh::IndexedMesh& sheet : shells()) {
     const mesh::TriangleMesh mesh = test::must(mesh::import_mesh(sheet));
     const Model model(mesh, shell_material());
-    State state = at_rest(mesh);
+    State state = rest_on_surface(mesh);
     const Eigen::Vector3d turn = random_vector(random, 1.0);
     for (const bool is_rigid : {true, false}) {
       if (!is_rigid) state.x += random_field(random, state.x.cols(), 0.02);
@@ -126,7 +116,7 @@ TEST(Shell, DampingTakesEnergy) {
   for (const mesh::IndexedMesh& sheet : shells()) {
     const mesh::TriangleMesh mesh = test::must(mesh::import_mesh(sheet));
     const Model model(mesh, shell_material());
-    const mesh::VertexField x = at_rest(mesh).x + random_field(random, mesh.num_vertices(), 0.02);
+    const mesh::VertexField x = rest_on_surface(mesh).x + random_field(random, mesh.num_vertices(), 0.02);
     for (int i = 0; i < 20; ++i) {
       const mesh::VertexField v = random_field(random, x.cols(), 1.0);
       const auto power = [&](double beta) {
@@ -163,7 +153,7 @@ TEST(Shell, StiffnessBoundHolds) {
       Material material = shell_material();
       material.bending_scale = scale;  // 50: so that bending decides
       const Model model(mesh, material);
-      const double largest = largest_eigenvalue(model, at_rest(mesh).x, 1000);
+      const double largest = largest_eigenvalue(model, rest_on_surface(mesh).x, 1000);
       EXPECT_GE(model.stiffness_bound(), largest * (1.0 - 1e-6));
       EXPECT_LE(model.stiffness_bound(), (scale > 1.0 ? 4.0 : 2.0) * largest);
     }
@@ -178,7 +168,7 @@ TEST(Shell, BothIntegratorsKeepItsShape) {
     options.kind = kind;
     const std::unique_ptr<Integrator> integrator = make_integrator(options);
     integrator->rebuild(model);
-    const State rest = at_rest(mesh);
+    const State rest = rest_on_surface(mesh);
     State state = rest;
     const Eigen::Vector3d turn(0.03, 0.2, -0.1);  // slow: the rim gives way to the centrifugal force
     for (Eigen::Index i = 0; i < state.x.cols(); ++i) state.v.col(i) = turn.cross(Eigen::Vector3d(state.x.col(i)));
@@ -218,7 +208,7 @@ TEST(Shell, ACutUpdatesTheModelToWhatAFreshOneIs) {
     EXPECT_EQ(model.hash(), Model(mesh, shell_material()).hash());
     EXPECT_NEAR(model.total_mass(), mass, 1e-12 * mass);
     mesh::VertexField f(mesh.num_vertices());
-    const State rest = at_rest(mesh);
+    const State rest = rest_on_surface(mesh);
     model.internal_forces(rest.x, f);
     mesh::VertexField flat(mesh.num_vertices());
     flat.setZero();
