@@ -1,4 +1,4 @@
-// What clusters with local inertia keep, on sheets cut so that some of their triangles are tiny.
+// Checks what clusters with local inertia keep, on sheets cut so that some of their triangles are tiny.
 #include <algorithm>
 #include <cmath>
 #include <memory>

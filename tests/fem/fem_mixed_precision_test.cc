@@ -320,7 +320,7 @@ TEST(MixedPrecision, HoldsPiecesThatAreFarApart) {
   }
 }
 
-// Triangles that are nearly too small, pulled to 1.6 times their length: strips after many cuts.
+// Pulls triangles that are nearly too small to 1.6 times their length, as strips are after many cuts.
 TEST(MixedPrecision, HoldsWhatIsStretchedFar) {
   const mesh::TriangleMesh mesh = mesh::make_grid({.num_x = 41, .num_y = 2, .width = 1.0, .height = 4e-4}).value();
   const Model model(mesh, soft_cloth());
