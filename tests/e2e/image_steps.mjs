@@ -119,6 +119,15 @@ async function isNamedByTick(viewer) {
   check(first <= tick && tick <= last, `a picture of a tick from ${first} to ${last} is called ${name}`);
 }
 
+/** Looks again where the sheet has left the place that the mesh gave: the mesh is up to a second older than the picture. */
+async function showsCloth(viewer) {
+  for (let tries = 0; ; ++tries) {
+    const [cloth, sky] = await viewer.colours([await viewer.at(0.5, 0.3), { x: 380, y: 4 }], 'image-mode-demo');
+    if (distance(cloth, sky) > 25) return;
+    check(tries < 20, `the cloth is ${cloth}, the sky ${sky}`);
+  }
+}
+
 async function takesThePlace(browser, server) {
   const proxy = await startSlowProxy(server.url, { delayMs: 0, bytesPerS: 1e9 });
   const viewer = await ViewerPage.open(browser, `${proxy.url}/?sheet=demo`, kSmall);
@@ -148,8 +157,7 @@ async function takesThePlace(browser, server) {
   check(mostInFlight <= 8, `${mostInFlight} pictures were in flight`);
   const shown = Number((await viewer.page.textContent('#status-tick')).replaceAll(',', ''));
   check(shown > tick + 90, `the status line says tick ${shown}, the picture was at ${tick} before 90 more`);
-  const [cloth, sky] = await viewer.colours([await viewer.at(0.5, 0.3), { x: 380, y: 4 }], 'image-mode-demo');
-  check(distance(cloth, sky) > 25, `the cloth is ${cloth}, the sky ${sky}`);
+  await showsCloth(viewer);
   await isNamedByTick(viewer);
   check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
   await viewer.page.close();
