@@ -31,9 +31,14 @@ GreenStretch stretch_at(const Model& model, const mesh::VertexField& x) {
   return green_stretch(model.element_blocks(), model.materials(), x);
 }
 
-bool has_forces_on_vertices(const Model& model, const Loads& loads) {
-  return loads.has_external_forces() || has_wind_drag(loads.wind) || has_follower_loads(loads) ||
-         !model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty();
+bool has_loads_on_vertices(const Loads& loads) {
+  return loads.has_external_forces() || has_wind_drag(loads.wind) || has_follower_loads(loads);
+}
+
+// Forces that act with bending and that the bending matrix has not.
+bool has_bending_on_vertices(const Model& model, std::span<const double> bending_beta) {
+  return model.has_bending() && (!model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty() ||
+                                 !is_uniform(bending_beta));
 }
 
 // What has no mass and is not held keeps its velocity.
@@ -254,7 +259,8 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   const double duration = plan.duration;
   const double bending_beta = is_uniform(bending_beta_) ? damping_of(bending_beta_, 0) : 0.0;
   LeapfrogTerms terms{loads.gravity, beta_, bending_beta, 0.0};
-  const bool has_forces = has_forces_on_vertices(model, loads) || (model.has_bending() && !is_uniform(bending_beta_));
+  const bool has_loads = has_loads_on_vertices(loads);
+  const bool has_bending = has_bending_on_vertices(model, bending_beta_);
   if (contact != nullptr) contact->begin(state.x);
   // Rounding of floats adds up over substeps to a drift that double does not have.
   std::optional<FreeFlight> flight;
@@ -283,7 +289,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     if (i % interval == 0) {
       kick.bending = i == 0 || last ? 0.5 * h * interval : h * interval;
     }
-    if (has_forces) {
+    if (has_loads || (has_bending && kick.bending > 0.0)) {
       sweep.write(state);
       set_forces(model, loads, kick, state);
       ++plan.load_phases;
