@@ -9,7 +9,6 @@
 #include "server/fem/leapfrog_sweep.h"
 #include "server/fem/local_inertia.h"
 #include "server/fem/membrane_layout.h"
-#include "server/fem/stiff_vertices.h"
 #include "server/mesh/vertex_field.h"
 
 namespace kerf::fem {
@@ -90,12 +89,16 @@ class ExplicitIntegrator final : public Integrator {
     double bending_omega = 0.0;  // 1/s, of bending
   };
   [[nodiscard]] static Reference reference(const Model& model);
-  // -, frequencies of the nominal step over those: a function of the model alone, so that an undo gives it back.
-  [[nodiscard]] double nominal(const Model& model, const Reference& built, bool follows);
   // Sets beta_, xi_ and the like for omega_; damping_ratio: see IntegratorOptions::highest_mode_damping.
   void set_damping(const Model& model, double damping_ratio);
-  // bending_omega: 1/s, of what need not be stiff. Sets bending_omega_ and kick_omega_.
-  [[nodiscard]] InertiaTerms inertia_terms(double bending_omega);
+  // Nothing where no clusters are wanted. Shortens or lengthens the step to what they are made for: a function of the
+  // model alone, so that an undo gives it back.
+  [[nodiscard]] std::optional<InertiaTerms> inertia_terms(const Model& model);
+  // Where the membrane alone needs none: lets bending act in every second substep in spite of a few small triangles.
+  [[nodiscard]] std::optional<InertiaTerms> inertia_terms_of_bending(const Model& model, const Reference& built);
+  // For steps of up to h, s. built_omega: 1/s, of the bending of what need not be stiff. Adds nothing where bending is
+  // to act in every substep; else sets bending_omega_.
+  void add_terms_of_kicks(double h, double built_omega, InertiaTerms& terms);
   void resize(const Model& model);
   void set_sweeps(const Model& model, bool follows);
   void go_back(State& state) const;
@@ -145,10 +148,7 @@ class ExplicitIntegrator final : public Integrator {
   std::vector<double> beta_;          // s, of the membrane, one a material
   std::vector<double> bending_beta_;  // s, the materials' own alone: see bending_forces.h
   double xi_ = 0.0;                   // -, the least
-  double bending_omega_ = 0.0;        // 1/s, of the sheet as a whole, with clusters as it was built
-  double kick_omega_ = 0.0;           // 1/s, the largest of what is not stiff anywhere
-  bool may_have_clusters_ = false;
-  StiffVertices stiff_;
+  double bending_omega_ = 0.0;        // 1/s, of bending, of what is not stiff where there are clusters
   LocalInertia inertia_;
   MembraneLayout layout_;
   LeapfrogSweep<double> double_sweep_;  // of mixed precision: where that does not do

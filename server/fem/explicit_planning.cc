@@ -5,6 +5,9 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
 
 // Members of ExplicitIntegrator that derive from a model, before any step, the stable step, damping, clusters and the
 // intervals of bending.
@@ -39,6 +42,11 @@ double fastest_wave(const Model& model) {
   return fastest;
 }
 
+// s, of all materials; 0 where there is none.
+double longest(const std::vector<double>& beta) {
+  return beta.empty() ? 0.0 : *std::max_element(beta.begin(), beta.end());
+}
+
 }  // namespace
 
 ExplicitIntegrator::Reference ExplicitIntegrator::reference(const Model& model) {
@@ -57,86 +65,80 @@ ExplicitIntegrator::Reference ExplicitIntegrator::reference(const Model& model) 
   return fastest;
 }
 
-double ExplicitIntegrator::nominal(const Model& model, const Reference& built, bool follows) {
-  // -, of the fastest modes of the sheet as built. The first is cheaper and errs more, above all once cuts cross: see
-  // "Random cuts" in tests/bench/README.md.
-  constexpr double kFewCuts = 1.3;
-  constexpr double kManyCuts = 2.3;
-  constexpr double kFew = 0.07;  // -, of the vertices: 2 random cuts of 0.3 m on 50 x 50 make 0.05
-  // -, of curved rest shapes, whose cuts make larger clusters: the facets' edges are sharp bends of tiny triangles.
-  constexpr double kCurved = 3.5;
-  if (!model.rest_bending().rest.empty()) return kCurved;
-  const double limit = kFewCuts * built.omega * kFewCuts * built.omega;
-  follows ? stiff_.follow(model, limit) : stiff_.rebuild(model, limit);
-  const bool are_few = static_cast<double>(stiff_.count()) <= kFew * model.num_vertices();
-  return are_few ? kFewCuts : kManyCuts;
-}
-
 void ExplicitIntegrator::plan(const Model& model, bool follows) {
-  // -, least damping ratio of the fastest mode as built: without damping slivers that crumple gain energy.
-  constexpr double kLeastDamping = 0.05;
-  const Reference built = reference(model);
   fastest_wave_ = fastest_wave(model);
   omega_ = std::sqrt(model.stiffness_bound());
+  bending_omega_ = std::sqrt(model.bending_stiffness_bound());
   set_damping(model, options_.highest_mode_damping);
-  plain_step_ = cfl() * critical_step(1.0);
-  kick_omega_ = std::sqrt(model.bending_stiffness_bound());
-  const bool could_have_clusters = may_have_clusters_;
-  may_have_clusters_ = options_.has_local_inertia && built.omega > 0.0;
-  if (may_have_clusters_) {
-    follows = follows && could_have_clusters;
-    // Terms of clusters are kept whether there have to be any or not, so that a cut leaves most as it was.
-    const double nominal = this->nominal(model, built, follows);
-    omega_ = nominal * built.omega;
-    // The damping time is that of the sheet as built, not that of modes so many times as fast.
-    const double damping_ratio = nominal * std::max(options_.highest_mode_damping, kLeastDamping);
-    set_damping(model, std::min(damping_ratio, kMaxModeDamping));
-    critical_step_ = critical_step(1.0);
-    const InertiaTerms terms = inertia_terms(nominal * built.bending_omega);
-    follows ? inertia_.follow(model, terms) : inertia_.rebuild(model, terms);
-  }
-  const double omega = std::sqrt(model.stiffness_bound());
-  const bool has_clusters = may_have_clusters_ && omega > omega_;
-  inertia_.set_active(has_clusters);
-  if (!has_clusters) {
-    omega_ = omega;
-    kick_omega_ = bending_omega_ = std::sqrt(model.bending_stiffness_bound());
-    set_damping(model, options_.highest_mode_damping);
-    critical_step_ = critical_step(1.0);
-  }
+  critical_step_ = critical_step(1.0);
+  plain_step_ = cfl() * critical_step_;
+  const std::optional<InertiaTerms> terms = inertia_terms(model);
+  follows = follows && inertia_.is_active();
+  inertia_.set_active(terms.has_value());
+  if (terms) follows ? inertia_.follow(model, *terms) : inertia_.rebuild(model, *terms);
   explanation_ = "explicit: velocity Verlet, stable step " + std::to_string(critical_step_ * 1e6) + " us";
-  if (has_clusters) {
+  if (!inertia_.empty()) {
     explanation_ += ", " + std::to_string(inertia_.clusters().size()) + " clusters of " +
                     std::to_string(inertia_.num_vertices()) + " vertices with local inertia, the largest of " +
                     std::to_string(inertia_.largest());
   }
 }
 
-InertiaTerms ExplicitIntegrator::inertia_terms(double bending_omega) {
-  constexpr double kBelow = 0.999;  // -
-  constexpr double kTwice = 0.5;    // alpha without damping, twice the least stable one
-  // Substeps between kicks of bending. With three, noise in free fall grows by decades within seconds.
-  constexpr int kMostWithClusters = 2;
+std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms(const Model& model) {
+  // -, frequencies of the shortest step over those of the sheet as built. Longer steps err more, above all once cuts
+  // cross: see "Random cuts" in tests/bench/README.md.
+  constexpr double kNominal = 2.3;
+  // -, of curved rest shapes, whose cuts make larger clusters: the facets' edges are sharp bends of tiny triangles.
+  constexpr double kCurved = 3.5;
+  // -, least damping ratio of the fastest mode as built: without damping slivers that crumple gain energy.
+  constexpr double kLeastDamping = 0.05;
+  constexpr double kTwice = 0.5;  // alpha without damping, twice the least stable one
+  const Reference built = reference(model);
+  if (!options_.has_local_inertia || !(built.omega > 0.0)) return std::nullopt;
+  const double nominal = model.rest_bending().rest.empty() ? kNominal : kCurved;
+  if (omega_ <= nominal * built.omega) return inertia_terms_of_bending(model, built);
+
+  omega_ = nominal * built.omega;
+  // The damping time is that of the sheet as built, not that of modes so many times as fast.
+  const double damping_ratio = nominal * std::max(options_.highest_mode_damping, kLeastDamping);
+  set_damping(model, std::min(damping_ratio, kMaxModeDamping));
+  critical_step_ = critical_step(1.0);
   const double h = cfl() * critical_step_;
-  const auto longest = [](const std::vector<double>& beta) {
-    return beta.empty() ? 0.0 : *std::max_element(beta.begin(), beta.end());
-  };
   InertiaTerms terms;
   terms.limit = omega_ * omega_;
-  terms.added.membrane = kTwice * (1.0 + 2.0 * longest(beta_) / h) * h * h;
-  const double bound = kick_omega_;
-  kick_omega_ = bending_omega_ = bending_omega;
+  terms.added.membrane = terms.added.bending = kTwice * (1.0 + 2.0 * longest(beta_) / h) * h * h;
+  add_terms_of_kicks(h, nominal * built.bending_omega, terms);
+  return terms;
+}
+
+std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms_of_bending(const Model& model, const Reference& built) {
+  // Steps for which the terms are made are these times apart, so that most cuts leave the terms as they are.
+  constexpr double kApart = 1.2;
+  if (!model.has_bending() || bending_interval(plain_step_, 0.0) > 1) return std::nullopt;
+  double pace = 1.0;  // of the fastest modes in that step, over those of the sheet as built
+  while (pace * built.omega > omega_) pace /= kApart;
+  while (pace * kApart * built.omega <= omega_) pace *= kApart;
+  InertiaTerms terms;
+  terms.limit = std::numeric_limits<double>::infinity();
+  add_terms_of_kicks(plain_step_ * omega_ / (pace * built.omega), pace * built.bending_omega, terms);
+  return terms.bending_limit > 0.0 ? std::optional(terms) : std::nullopt;
+}
+
+void ExplicitIntegrator::add_terms_of_kicks(double h, double built_omega, InertiaTerms& terms) {
+  constexpr double kBelow = 0.999;  // -
+  // Substeps between kicks of bending. With three, noise in free fall grows by decades within seconds.
+  constexpr int kMostWithClusters = 2;
+  const double bound = bending_omega_;
+  bending_omega_ = built_omega;
   const int interval = std::min(bending_interval(h, 0.0), kMostWithClusters);
-  kick_omega_ = bound;
-  terms.added.bending = terms.added.membrane;
-  if (interval == 1) return terms;
+  bending_omega_ = bound;
+  if (interval == 1) return;
   const double kick = interval * h;
   // Kicks are stable by themselves, and damped where modes swing at their pace: see bending_interval().
   const double damped = std::pow(std::numbers::pi, 3) * xi_ / (kick * omega_);
   terms.bending_limit = kBelow * std::min(kLongestKick * kLongestKick, damped) / (kick * kick);
   terms.added.bending = (1.0 + 2.0 * longest(bending_beta_) / kick) / terms.bending_limit;
-  kick_omega_ = std::min(bound, std::sqrt(terms.bending_limit));
-  return terms;
+  bending_omega_ = std::min(bound, std::sqrt(terms.bending_limit));
 }
 
 void ExplicitIntegrator::set_damping(const Model& model, double damping_ratio_wanted) {
@@ -194,7 +196,7 @@ int ExplicitIntegrator::bending_interval(double h, double strain) const {
   for (int interval = kMaxBendingInterval; interval > 1; --interval) {
     const double bending_angle = interval * h * bending_omega_;
     const double membrane_angle = interval * h * omega_;
-    const bool is_stable = interval * h * kick_omega_ < kLongestKick;
+    const bool is_stable = bending_angle < kLongestKick;
     const bool is_damped = bending_angle * bending_angle * membrane_angle < kPi * kPi * kPi * xi_;
     const bool is_below_resonance = membrane_angle * std::sqrt(strain) < kLongestSwing;
     if (is_stable && is_damped && is_below_resonance) return interval;

@@ -47,8 +47,9 @@ class LocalInertia {
   void rebuild(const Model& model, const InertiaTerms& terms);
   // After one Model::follow since the call before.
   void follow(const Model& model, const InertiaTerms& terms);
-  // While it is not active there are no clusters to be seen; they are kept up to date all the same.
+  // While it is not active there are no clusters to be seen, and only rebuild() makes them those of a model again.
   void set_active(bool is_active) { is_active_ = is_active; }
+  [[nodiscard]] bool is_active() const { return is_active_; }
 
   // By their lowest vertices, ascending.
   [[nodiscard]] std::span<InertiaCluster* const> clusters() const {
