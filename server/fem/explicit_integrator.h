@@ -94,7 +94,7 @@ class ExplicitIntegrator final : public Integrator {
   // Nothing where no clusters are wanted. Shortens or lengthens the step to what they are made for: a function of the
   // model alone, so that an undo gives it back.
   [[nodiscard]] std::optional<InertiaTerms> inertia_terms(const Model& model);
-  // Where the membrane alone needs none: lets bending act in every second substep in spite of a few small triangles.
+  // Where the membrane alone needs none: lets bending act in every third substep in spite of a few small triangles.
   [[nodiscard]] std::optional<InertiaTerms> inertia_terms_of_bending(const Model& model, const Reference& built);
   // For steps of up to h, s. built_omega: 1/s, of the bending of what need not be stiff. Adds nothing where bending is
   // to act in every substep; else sets bending_omega_.

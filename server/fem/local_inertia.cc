@@ -28,34 +28,41 @@ void for_each_stiff(std::vector<PartAtVertex>& parts, double limit, const Visit&
 
 }  // namespace
 
+void LocalInertia::reserve(std::size_t num_vertices) {
+  if (num_vertices <= cluster_of_.capacity()) return;
+  const std::size_t room = num_vertices + num_vertices / 4;
+  cluster_of_.reserve(room);
+  held_.reserve(room);
+  region_.resize(room);
+}
+
 void LocalInertia::rebuild(const Model& model, const InertiaTerms& terms) {
   terms_ = terms;
   wanted_.clear();
   cluster_of_.clear();
   clusters_.clear();
   free_.clear();
-  const auto n = static_cast<std::size_t>(model.num_vertices());
-  const std::size_t room = n + n / 4;  // so that the first cuts need not move what has a place for each vertex
-  cluster_of_.reserve(room);
-  held_.reserve(room);
-  region_.resize(room);
-  std::vector<VertexId> all(n);
-  std::iota(all.begin(), all.end(), 0);
-  update(model, all);
+  reserve(static_cast<std::size_t>(model.num_vertices()));
+  begin_update(model);
+  for (VertexId v = 0; v < model.num_vertices(); ++v) find_wanted(model, v);
+  end_update(model);
 }
 
 void LocalInertia::follow(const Model& model, const InertiaTerms& terms) {
   if (terms != terms_) return rebuild(model, terms);
-  const auto append = [this](std::span<const VertexId> vertices) {
-    changed_.insert(changed_.end(), vertices.begin(), vertices.end());
+  begin_update(model);
+  const auto update = [&](std::span<const VertexId> changed) {
+    for (const VertexId v : changed) {
+      if (cluster_of_[static_cast<std::size_t>(v)] != mesh::kNone) dissolve(cluster_of_[static_cast<std::size_t>(v)]);
+      find_wanted(model, v);
+    }
   };
-  changed_.clear();
-  append(model.changed_rows());
-  append(model.changed_masses());
-  update(model, changed_);
+  update(model.changed_rows());
+  update(model.changed_masses());
+  end_update(model);
 }
 
-void LocalInertia::update(const Model& model, std::span<const VertexId> changed) {
+void LocalInertia::begin_update(const Model& model) {
   const auto n = static_cast<std::size_t>(model.num_vertices());
   region_.clear();
   region_.resize(std::max(n, cluster_of_.size()));
@@ -64,11 +71,9 @@ void LocalInertia::update(const Model& model, std::span<const VertexId> changed)
     wanted_.erase(static_cast<VertexId>(v));
   }
   cluster_of_.resize(n, mesh::kNone);
-  for (const VertexId v : changed) region_.insert(v);
-  for (const VertexId v : changed) {
-    if (cluster_of_[static_cast<std::size_t>(v)] != mesh::kNone) dissolve(cluster_of_[static_cast<std::size_t>(v)]);
-    find_wanted(model, v);
-  }
+}
+
+void LocalInertia::end_update(const Model& model) {
   gather_region(model);
   form_clusters(model);
   set_order();
@@ -109,6 +114,7 @@ void LocalInertia::find_wanted(const Model& model, VertexId v) {
     wanted_.erase(v);
   } else {
     wanted_[v] = row_;
+    region_.insert(v);
   }
 }
 

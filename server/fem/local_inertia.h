@@ -44,6 +44,8 @@ struct InertiaTerms {
 // Derived from the model and the terms alone, not from how they came about.
 class LocalInertia {
  public:
+  // Makes room, so that the first cuts of a large sheet need not.
+  void reserve(std::size_t num_vertices);
   void rebuild(const Model& model, const InertiaTerms& terms);
   // After one Model::follow since the call before.
   void follow(const Model& model, const InertiaTerms& terms);
@@ -79,8 +81,8 @@ class LocalInertia {
   [[nodiscard]] Eigen::Vector3d added_spin(const State& state) const;
 
  private:
-  // `changed` may repeat.
-  void update(const Model& model, std::span<const mesh::VertexId> changed);
+  void begin_update(const Model& model);
+  void end_update(const Model& model);
   void dissolve(std::int32_t cluster);
   void find_wanted(const Model& model, mesh::VertexId v);
   void gather_region(const Model& model);
@@ -100,14 +102,13 @@ class LocalInertia {
   std::vector<std::uint8_t> held_of_cluster_;
   mutable std::vector<Lanes16<double>> values_;  // scratch, of one cluster
 
-  // Scratch of update().
-  IndexSet region_;  // vertices that changed, and those of clusters that are made again
+  // Scratch of updates.
+  IndexSet region_;  // vertices that changed and want stiff parts, and those of clusters that are made again
   std::vector<StiffPart> stiff_;
   std::vector<std::int32_t> parent_;
   std::vector<mesh::TriangleId> slots_;
   std::vector<PartAtVertex> parts_, bending_;
   std::vector<StiffPart> row_;
-  std::vector<mesh::VertexId> changed_;
 };
 
 }  // namespace kerf::fem
