@@ -1,6 +1,7 @@
 #include "server/fem/inertia_cluster.h"
 
 #include <algorithm>
+#include <numeric>
 #include <tuple>
 
 #include <Eigen/OrderingMethods>
@@ -17,6 +18,7 @@ InertiaCluster::InertiaCluster(const Model& model, std::span<const VertexId> mem
   set_order(members, entries);
   set_matrix(model, entries);
   set_pattern();
+  is_piece_ = has_whole_elements(model, members);
   held_.assign(vertices_.size(), 0);
   factor(0, 0b111);
   if (is_dense()) invert();
@@ -102,6 +104,7 @@ void InertiaCluster::set_matrix(const Model& model, std::span<const Entry> entri
     matrix_.push_back(value);
     matrix_starts_[row + 1] = matrix_.size();
   }
+  total_mass_ = std::accumulate(mass_.begin(), mass_.end(), 0.0);
   spread_ = largest / *std::min_element(mass_.begin(), mass_.end());
 }
 
@@ -132,6 +135,20 @@ void InertiaCluster::set_pattern() {
   row_.assign(n, 0.0);
   stack_.resize(n);
   filled_.resize(n);
+}
+
+bool InertiaCluster::has_whole_elements(const Model& model, std::span<const VertexId> members) const {
+  const auto is_member = [members](VertexId v) { return std::binary_search(members.begin(), members.end(), v); };
+  return std::all_of(members.begin(), members.end(), [&](VertexId v) {
+    const std::span<const mesh::TriangleId> slots = model.incident_slots().row(v);
+    const bool has_triangles = std::all_of(slots.begin(), slots.end(), [&](mesh::TriangleId slot) {
+      const auto corners = StiffPart::triangle(slot).vertices(model);
+      return std::all_of(corners.begin(), corners.end(), [&](VertexId w) { return w == mesh::kNone || is_member(w); });
+    });
+    if (!has_triangles || !model.has_bending()) return has_triangles;
+    const std::span<const BendingEntry> row = model.bending_rows().row(v);
+    return std::all_of(row.begin(), row.end(), [&](const BendingEntry& entry) { return is_member(entry.column); });
+  });
 }
 
 void InertiaCluster::factor(std::size_t set, std::uint8_t components) {
@@ -190,6 +207,7 @@ bool InertiaCluster::is_dense() const {
   return n <= kMostDense && n * n <= kPerEntry * (rows_.size() + n) && spread_ <= kMostSpread;
 }
 
+// Without its part that moves all alike, 1 1^T / m, where that is one: see solve().
 void InertiaCluster::invert() {
   const std::size_t n = vertices_.size();
   numbers_[0].inverse.resize(n);
@@ -197,7 +215,10 @@ void InertiaCluster::invert() {
   alignas(64) std::array<double, 4 * kMostDense> columns{};  // of the inverse, four side by side
   for (std::size_t first = 0; first < n; first += 4) {
     columns.fill(0.0);
-    for (std::size_t j = first; j < std::min(first + 4, n); ++j) columns[4 * j + j % 4] = 1.0;
+    for (std::size_t j = first; j < std::min(first + 4, n); ++j) {
+      columns[4 * j + j % 4] = 1.0;
+      for (std::size_t i = 0; i < n && !is_held_; ++i) columns[4 * i + j % 4] -= mass_[i] / total_mass_;
+    }
     substitute(numbers_[0], columns.data());
     for (std::size_t j = first; j < std::min(first + 4, n); ++j) {
       for (std::size_t i = j; i < n; ++i) {
@@ -244,15 +265,30 @@ void InertiaCluster::substitute(const Numbers<T>& numbers, T* values) const {
   }
 }
 
+// Works out by itself by what the sum of the impulses moves all alike: forces inside a flake are so much larger than
+// its weight that their rounding in a factor would throw it about.
 template <typename T>
-void InertiaCluster::solve(T* values) const {
+void InertiaCluster::solve(T* values, Impulses impulses) const {
+  using Four = Eigen::Array<T, 4, 1>;
   const std::size_t n = vertices_.size();
   if (num_sets_ == 1) {
+    const auto at = [values](std::size_t i) { return Eigen::Map<Four, Eigen::Aligned16>(values + 4 * i); };
     const Numbers<T>& numbers = this->numbers<T>(0);
-    if (numbers.inverse.size == 0) return substitute(numbers, values);
-    alignas(64) std::array<T, 4 * kMostDense> product;
-    multiply(numbers.inverse, values, product.data());
-    std::copy_n(product.data(), 4 * n, values);
+    const std::size_t num_free = is_held_ ? 0 : n;
+    Four common = Four::Zero();
+    if (!is_piece_ || impulses == Impulses::kAny) {
+      for (std::size_t i = 0; i < num_free; ++i) common += at(i);
+    }
+    if (numbers.inverse.size == 0) {
+      substitute(numbers, values);
+      for (std::size_t i = 0; i < num_free; ++i) common -= static_cast<T>(mass_[i]) * at(i);
+    } else {
+      alignas(64) std::array<T, 4 * kMostDense> product;
+      multiply(numbers.inverse, values, product.data());
+      std::copy_n(product.data(), 4 * n, values);
+    }
+    common /= static_cast<T>(total_mass_);
+    for (std::size_t i = 0; i < num_free; ++i) at(i) += common;
     return;
   }
   for (std::size_t c = 0; c < 3; ++c) {
@@ -273,7 +309,7 @@ void InertiaCluster::solve(T* values) const {
     }
   }
 }
-template void InertiaCluster::solve(float* values) const;
-template void InertiaCluster::solve(double* values) const;
+template void InertiaCluster::solve(float* values, Impulses impulses) const;
+template void InertiaCluster::solve(double* values, Impulses impulses) const;
 
 }  // namespace kerf::fem

@@ -43,12 +43,15 @@ class InertiaCluster {
   // are held already. Does not allocate.
   void hold(std::span<const std::uint8_t> held);
   [[nodiscard]] std::span<const std::uint8_t> held() const { return held_; }
-  [[nodiscard]] bool is_held() const { return is_held_; }  // any component
+  [[nodiscard]] bool is_held() const { return is_held_; }    // any component
+  [[nodiscard]] bool is_piece() const { return is_piece_; }  // no element has a vertex inside and one outside
 
   // values: x, y, z and one more of each of vertices(), N s, aligned to 64 bytes. Becomes M'^-1 values, m/s, 0 where it
-  // is held.
+  // is held. With kInternal they are impulses of the sheet's own forces: of a piece that is all in the cluster they sum
+  // to 0, whatever rounding left of them.
+  enum class Impulses : std::uint8_t { kAny, kInternal };
   template <typename T>
-  void solve(T* values) const;
+  void solve(T* values, Impulses impulses = Impulses::kAny) const;
   // visit(i, j, entry) of each entry of M' - M on and below its diagonal, kg; i, j: vertices.
   template <typename Visit>
   void for_each_added(const Visit& visit) const {
@@ -79,6 +82,7 @@ class InertiaCluster {
   void set_order(std::span<const mesh::VertexId> members, std::vector<Entry>& entries);
   void set_matrix(const Model& model, std::span<const Entry> entries);
   void set_pattern();
+  [[nodiscard]] bool has_whole_elements(const Model& model, std::span<const mesh::VertexId> members) const;
   // Factors M' without vertices held in these components, into one set of numbers.
   void factor(std::size_t set, std::uint8_t components);
   [[nodiscard]] bool is_dense() const;
@@ -98,6 +102,7 @@ class InertiaCluster {
   std::vector<std::int32_t> matrix_columns_;
   std::vector<double> matrix_;
   std::vector<double> mass_;
+  double total_mass_ = 0.0;  // kg
   template <typename T>
   [[nodiscard]] const Numbers<T>& numbers(std::size_t set) const {
     if constexpr (std::is_same_v<T, float>)
@@ -113,6 +118,7 @@ class InertiaCluster {
   std::vector<std::int32_t> parent_;  // elimination tree
   std::vector<std::uint8_t> held_;
   bool is_held_ = false;
+  bool is_piece_ = false;
 
   // Scratch of factor().
   std::vector<double> row_;

@@ -11,7 +11,8 @@ namespace kerf::fem {
 using mesh::VertexId;
 
 template <typename T>
-void LeapfrogSweep<T>::accelerate_clusters(const Model& model, const LeapfrogStep<T>& step) {
+void LeapfrogSweep<T>::accelerate_clusters(const Model& model, const LeapfrogStep<T>& step,
+                                           InertiaCluster::Impulses impulses) {
   T* const force = entries(gathered_);
   T* const values = entries(cluster_values_);
   const std::array<T, 4> gravity{step.gravity[0], step.gravity[1], step.gravity[2], T{0}};
@@ -25,7 +26,7 @@ void LeapfrogSweep<T>::accelerate_clusters(const Model& model, const LeapfrogSte
       const auto mass = static_cast<T>(model.mass()[v]);
       for (std::size_t c = 0; c < 4; ++c) values[4 * i + c] += mass * gravity[c];
     }
-    cluster->solve(values);
+    cluster->solve(values, impulses);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const auto v = static_cast<std::size_t>(vertices[i]);
       std::copy_n(values + 4 * i, 4, force + 4 * v);
@@ -104,8 +105,10 @@ bool LeapfrogSweep<T>::push(const Grab& grab, const Eigen::Array3d& impulse, dou
   return is_inside;
 }
 
-template void LeapfrogSweep<float>::accelerate_clusters(const Model& model, const LeapfrogStep<float>& step);
-template void LeapfrogSweep<double>::accelerate_clusters(const Model& model, const LeapfrogStep<double>& step);
+template void LeapfrogSweep<float>::accelerate_clusters(const Model& model, const LeapfrogStep<float>& step,
+                                                        InertiaCluster::Impulses impulses);
+template void LeapfrogSweep<double>::accelerate_clusters(const Model& model, const LeapfrogStep<double>& step,
+                                                         InertiaCluster::Impulses impulses);
 template Eigen::Array3d LeapfrogSweep<float>::mobility(const Grab& grab);
 template Eigen::Array3d LeapfrogSweep<double>::mobility(const Grab& grab);
 template bool LeapfrogSweep<float>::push(const Grab& grab, const Eigen::Array3d& impulse, double drift);

@@ -181,7 +181,7 @@ class LeapfrogSweep {
   void set_laws(const Model& model, const LeapfrogTerms& terms);
   void follow_bending(const Model& model);
   // In the place of forces on the vertices of clusters, puts what they have to be accelerated by beside gravity, m/s^2.
-  void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step);
+  void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step, InertiaCluster::Impulses impulses);
   // Into cluster_values_: what an impulse of 1 N s at the part of the grab's point that is in this cluster moves.
   void set_response(const Grab& grab, const InertiaCluster& cluster);
   // at_vertex(v, weight) of those outside of clusters, at_cluster(cluster), with its response, of each cluster once.

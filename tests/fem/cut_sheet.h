@@ -31,6 +31,14 @@ struct CutSheet {
     }
     return loads;
   }
+  // Where the state has them.
+  [[nodiscard]] Loads pinned_at_top(const State& state) const {
+    Loads loads;
+    for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
+      if (mesh.has_material(v) && mesh.rest_position(v).y() >= 1.0) loads.pins.push_back({v, state.x.col(v)});
+    }
+    return loads;
+  }
   mesh::TriangleMesh mesh;
   Model model;
   test::RandomCuts cuts;

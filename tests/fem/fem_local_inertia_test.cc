@@ -86,29 +86,37 @@ TEST(LocalInertia, ClustersSolveForTheirInertia) {
   }
 }
 
-// Against plain leapfrog, of sheets whose nominal step is the longer and the shorter one.
+// Against plain leapfrog. Two cuts of seed 28 meet by the edge that is held, where a membrane with clusters erred by
+// 0.67 mm; ten of seed 1 take triangles into clusters.
 TEST_P(LocalInertiaOf, FallsAsPlainLeapfrogDoes) {
+  struct Case {
+    std::uint64_t seed;
+    std::size_t num_cuts;
+    double times_fewer_substeps;
+    double p99, largest;  // m
+  };
   Material material = *find_preset("demo");
   material.stiffness_damping = 8.3e-6;
-  for (const std::size_t num_cuts : {2, 10}) {
-    CutSheet sheet(num_cuts, material);
-    const Loads loads = sheet.pinned_at_corners();
+  for (const Case& each : {Case{28, 2, 1.0, 1e-6, 5e-5}, Case{1, 10, 3.0, 1e-5, 5e-5}}) {
+    CutSheet sheet(each.num_cuts, material, each.seed);
     State start = rest_state(sheet.mesh);
     for (Eigen::Index v = 0; v < start.x.cols(); ++v) {
       start.x(2, v) = 1e-3 * std::sin(9.0 * start.x(0, v)) * std::cos(7.0 * start.x(1, v));
     }
+    const Loads loads = each.num_cuts == 2 ? sheet.pinned_at_top(start) : sheet.pinned_at_corners();
     ExplicitIntegrator plain(explicit_options(Precision::kDouble, false));
     plain.rebuild(sheet.model);
     ExplicitIntegrator clustered(explicit_options(GetParam()));
     clustered.rebuild(sheet.model);
-    ASSERT_LT((num_cuts == 2 ? 1.15 : 3.0) * clustered.planned_substeps(kTick), plain.planned_substeps(kTick));
+    ASSERT_FALSE(clustered.inertia().empty());
+    ASSERT_LE(each.times_fewer_substeps * clustered.planned_substeps(kTick), plain.planned_substeps(kTick));
     const State expected = stepped(sheet.model, plain, start, loads, 3);
     const State found = stepped(sheet.model, clustered, start, loads, 3);
     std::vector<double> errors;
     for (Eigen::Index v = 0; v < found.x.cols(); ++v) errors.push_back((found.x.col(v) - expected.x.col(v)).norm());
     std::sort(errors.begin(), errors.end());
-    EXPECT_LT(errors[errors.size() * 99 / 100], 1e-5) << num_cuts << " cuts";
-    EXPECT_LT(errors.back(), 5e-5) << num_cuts << " cuts";
+    EXPECT_LT(errors[errors.size() * 99 / 100], each.p99) << each.num_cuts << " cuts";
+    EXPECT_LT(errors.back(), each.largest) << each.num_cuts << " cuts";
   }
 }
 
@@ -130,7 +138,30 @@ TEST_P(LocalInertiaOf, FreeFallIsExactAtEveryVertex) {
   EXPECT_LT(largest, GetParam() == Precision::kDouble ? 1e-11 : 2e-4);
 }
 
-// Bending that is kicked every third substep lets noise grow to 1e-8 m in this time, and without an end.
+// Rounding of forces that are large beside a flake's weight threw one of 50 micrograms away at 4 m/s.
+TEST(LocalInertia, FlakesFallWithTheSheet) {
+  CutSheet sheet(50, *find_preset("demo"), 14159265);
+  ExplicitIntegrator integrator(explicit_options(Precision::kMixed));
+  integrator.rebuild(sheet.model);
+  const State start = rest_state(sheet.mesh);
+  const State state = stepped(sheet.model, integrator, start, Loads(), 4);
+  int num_flakes = 0;
+  for (const InertiaCluster* const cluster : integrator.inertia().clusters()) {
+    if (!cluster->is_piece()) continue;
+    ++num_flakes;
+    Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+    double total = 0.0;
+    for (const mesh::VertexId v : cluster->vertices()) {
+      const double mass = sheet.model.mass()[static_cast<std::size_t>(v)];
+      moved += mass * (state.x.col(v) - start.x.col(v));
+      total += mass;
+    }
+    EXPECT_LT((moved / total - Eigen::Vector3d(0.0, 0.0, state.x(2, 0) - start.x(2, 0))).norm(), 1e-6);
+  }
+  EXPECT_GT(num_flakes, 3);
+}
+
+// Kicks of bending longer than its clusters are made for let noise grow to 1e-8 m in this time, and without an end.
 TEST(LocalInertia, NoiseInFreeFallDoesNotGrow) {
   CutSheet sheet(50, *find_preset("demo"), 3);
   ExplicitIntegrator integrator(explicit_options(Precision::kDouble));
@@ -259,7 +290,7 @@ TEST_P(LocalInertiaOf, NeverGainsEnergyAfterCuts) {
   const auto many = static_cast<std::size_t>(test::num_trials({.few = 12, .usual = 40, .many = 100}));
   for (const std::string_view name : {"demo", "skin"}) {
     for (const std::size_t num_cuts : {std::size_t{2}, many}) {
-      CutSheet sheet(num_cuts, *find_preset(name));
+      CutSheet sheet(num_cuts, *find_preset(name), 2);
       ExplicitIntegrator integrator(explicit_options(GetParam()));
       integrator.rebuild(sheet.model);
       ASSERT_FALSE(integrator.inertia().empty());
