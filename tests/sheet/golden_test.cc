@@ -59,7 +59,7 @@ SheetConfig implicit_over_sphere() {
 }
 
 const Golden kGolden[] = {
-    {"hanging 50x50, three cuts", [] { return scenes::hanging_with_three_cuts(50); }, 45, 0xb78ef29122bf8236},
+    {"hanging 50x50, three cuts", [] { return scenes::hanging_with_three_cuts(50); }, 45, 0xb75aeababfaca2f9},
     {"stiff, implicit, three cuts", stiff_implicit, 40, 0x809e9df9b9096229},
     {"pulled in the wind", pulled_in_the_wind, 40, 0x6591a78c8f6c2751},
     {"cut over a sphere", cut_over_sphere, 60, 0x633025e990500a73},
