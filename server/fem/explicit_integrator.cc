@@ -35,7 +35,7 @@ bool has_loads_on_vertices(const Loads& loads) {
   return loads.has_external_forces() || has_wind_drag(loads.wind) || has_follower_loads(loads);
 }
 
-// Forces that act with bending and that the bending matrix has not.
+// Tells whether there are forces that act with bending and are not in the bending matrix.
 bool has_bending_on_vertices(const Model& model, std::span<const double> bending_beta) {
   return model.has_bending() && (!model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty() ||
                                  !is_uniform(bending_beta));

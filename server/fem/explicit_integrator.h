@@ -53,7 +53,7 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] double planned_substeps(double dt) const;
   // Substeps of h from one kick of the bending forces to the next, n <= kMaxBendingInterval, in a sheet of which the
   // largest strain in tension is as given, -. Kicks are stable by themselves where n h omega_b < 2, omega_b^2 =
-  // Model::bending_stiffness_bound(). A mode that oscillates with Omega between them is in resonance where n h Omega is
+  // Model::bending_stiffness_bound(), or the bending limit of clusters. A mode that oscillates with Omega between them is in resonance where n h Omega is
   // a multiple of pi, and then grows by up to (n h omega_b)^2 / (2 n h Omega) a kick: most by half a swing, Omega =
   // pi / (n h). Modes of the membrane lose n h xi Omega^2 / omega to damping, which is to be twice that. Those that
   // tension alone swings, Omega^2 <= strain omega^2, are not damped, and must not come near half a swing.
@@ -91,13 +91,13 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] static Reference reference(const Model& model);
   // Sets beta_, xi_ and the like for omega_; damping_ratio: see IntegratorOptions::highest_mode_damping.
   void set_damping(const Model& model, double damping_ratio);
-  // Nothing where no clusters are wanted. Shortens or lengthens the step to what they are made for: a function of the
-  // model alone, so that an undo gives it back.
+  // Lengthens the step to what clusters allow, and returns their terms, or nothing where none are wanted. Both follow
+  // from the model alone, so that an undo gives them back.
   [[nodiscard]] std::optional<InertiaTerms> inertia_terms(const Model& model);
-  // Where the membrane alone needs none: lets bending act in every third substep in spite of a few small triangles.
+  // Lets bending act in every third substep in spite of a few small triangles, where the membrane needs no clusters.
   [[nodiscard]] std::optional<InertiaTerms> inertia_terms_of_bending(const Model& model, const Reference& built);
-  // For steps of up to h, s. built_omega: 1/s, of the bending of what need not be stiff. Adds nothing where bending is
-  // to act in every substep; else sets bending_omega_.
+  // Adds what kicks of bending want in steps of up to h, s, and sets bending_omega_; adds nothing where bending is to
+  // act in every substep. built_omega: 1/s, of the bending of what need not be stiff.
   void add_terms_of_kicks(double h, double built_omega, InertiaTerms& terms);
   void resize(const Model& model);
   void set_sweeps(const Model& model, bool follows);

@@ -116,6 +116,8 @@ std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms(const Model& model
 std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms_of_bending(const Model& model, const Reference& built) {
   // Steps for which the terms are made are these times apart, so that most cuts leave the terms as they are.
   constexpr double kApart = 1.2;
+  // -, frequencies of bending that are not stiff, over those of the sheet as built.
+  constexpr double kHeadroom = 2.3;
   if (!model.has_bending() || !(omega_ > 0.0) || bending_interval(plain_step_, 0.0) > 1) return std::nullopt;
   double pace = 1.0;  // of the fastest modes in that step, over those of the sheet as built
   while (pace * built.omega > omega_) pace /= kApart;
@@ -124,7 +126,7 @@ std::optional<InertiaTerms> ExplicitIntegrator::inertia_terms_of_bending(const M
   terms.limit = std::numeric_limits<double>::infinity();
   const double omega = std::exchange(omega_, pace * built.omega);
   set_damping(model, options_.highest_mode_damping);
-  add_terms_of_kicks(cfl() * critical_step(1.0), pace * built.bending_omega, terms);
+  add_terms_of_kicks(cfl() * critical_step(1.0), kHeadroom * built.bending_omega, terms);
   omega_ = omega;
   set_damping(model, options_.highest_mode_damping);
   return terms.bending_limit > 0.0 ? std::optional(terms) : std::nullopt;

@@ -207,7 +207,7 @@ bool InertiaCluster::is_dense() const {
   return n <= kMostDense && n * n <= kPerEntry * (rows_.size() + n) && spread_ <= kMostSpread;
 }
 
-// Without its part that moves all alike, 1 1^T / m, where that is one: see solve().
+// Leaves out what moves all alike, 1 1^T / m, unless something is held: see solve().
 void InertiaCluster::invert() {
   const std::size_t n = vertices_.size();
   numbers_[0].inverse.resize(n);
@@ -265,10 +265,10 @@ void InertiaCluster::substitute(const Numbers<T>& numbers, T* values) const {
   }
 }
 
-// Works out by itself by what the sum of the impulses moves all alike: forces inside a flake are so much larger than
-// its weight that their rounding in a factor would throw it about.
+// Works out by itself what the sum of the impulses gives to all alike. Forces inside a flake are so large beside its
+// weight that their rounding would throw it about.
 template <typename T>
-void InertiaCluster::solve(T* values, Impulses impulses) const {
+void InertiaCluster::solve(T* values, const std::array<T, 4>* external) const {
   using Four = Eigen::Array<T, 4, 1>;
   const std::size_t n = vertices_.size();
   if (num_sets_ == 1) {
@@ -276,7 +276,9 @@ void InertiaCluster::solve(T* values, Impulses impulses) const {
     const Numbers<T>& numbers = this->numbers<T>(0);
     const std::size_t num_free = is_held_ ? 0 : n;
     Four common = Four::Zero();
-    if (!is_piece_ || impulses == Impulses::kAny) {
+    if (is_piece_ && external != nullptr) {
+      common = Eigen::Map<const Four>(external->data());
+    } else {
       for (std::size_t i = 0; i < num_free; ++i) common += at(i);
     }
     if (numbers.inverse.size == 0) {
@@ -309,7 +311,7 @@ void InertiaCluster::solve(T* values, Impulses impulses) const {
     }
   }
 }
-template void InertiaCluster::solve(float* values, Impulses impulses) const;
-template void InertiaCluster::solve(double* values, Impulses impulses) const;
+template void InertiaCluster::solve(float* values, const std::array<float, 4>* external) const;
+template void InertiaCluster::solve(double* values, const std::array<double, 4>* external) const;
 
 }  // namespace kerf::fem

@@ -47,11 +47,10 @@ class InertiaCluster {
   [[nodiscard]] bool is_piece() const { return is_piece_; }  // no element has a vertex inside and one outside
 
   // values: x, y, z and one more of each of vertices(), N s, aligned to 64 bytes. Becomes M'^-1 values, m/s, 0 where it
-  // is held. With kInternal they are impulses of the sheet's own forces: of a piece that is all in the cluster they sum
-  // to 0, whatever rounding left of them.
-  enum class Impulses : std::uint8_t { kAny, kInternal };
+  // is held. `external`, N s, may be null: the sum of those that are not the sheet's own. Its own sum to 0 in a loose
+  // piece that is all in the cluster, whatever rounding left of them.
   template <typename T>
-  void solve(T* values, Impulses impulses = Impulses::kAny) const;
+  void solve(T* values, const std::array<T, 4>* external = nullptr) const;
   // visit(i, j, entry) of each entry of M' - M on and below its diagonal, kg; i, j: vertices.
   template <typename Visit>
   void for_each_added(const Visit& visit) const {
@@ -74,7 +73,7 @@ class InertiaCluster {
   struct Numbers {
     std::vector<T> values;
     std::vector<T> inverse_diagonal;
-    DenseFours<T> inverse;  // of all of M', or of size 0
+    DenseFours<T> inverse;  // of M', without what moves all alike unless something is held; or of size 0
   };
   // Added, kg.
   static std::vector<Entry> sum_of(const Model& model, std::span<const mesh::VertexId> members,

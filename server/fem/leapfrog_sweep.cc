@@ -155,8 +155,7 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
   }
   leapfrog_substep(with, step, speed_.lane.data());
   if (has_cluster_.empty()) return;
-  using Impulses = InertiaCluster::Impulses;
-  accelerate_clusters(model, step, with.extra_force == nullptr ? Impulses::kInternal : Impulses::kAny);
+  accelerate_clusters(model, step, with.extra_force);
   leapfrog_move_clusters(with, step, speed_.lane.data());
 }
 

@@ -180,8 +180,9 @@ class LeapfrogSweep {
   void set_unit_of_constants();
   void set_laws(const Model& model, const LeapfrogTerms& terms);
   void follow_bending(const Model& model);
-  // In the place of forces on the vertices of clusters, puts what they have to be accelerated by beside gravity, m/s^2.
-  void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step, InertiaCluster::Impulses impulses);
+  // Puts what vertices of clusters are accelerated by beside gravity, m/s^2, in the place of the forces on them.
+  // extra_force: N, x 4, that part of these forces, or null.
+  void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step, const T* extra_force);
   // Into cluster_values_: what an impulse of 1 N s at the part of the grab's point that is in this cluster moves.
   void set_response(const Grab& grab, const InertiaCluster& cluster);
   // at_vertex(v, weight) of those outside of clusters, at_cluster(cluster), with its response, of each cluster once.

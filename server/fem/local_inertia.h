@@ -20,7 +20,7 @@ namespace kerf::fem {
 
 // Limits that an explicit step sets to a sheet.
 struct InertiaTerms {
-  double limit = 0.0;  // 1/s^2: what a row of the stiffness may sum to over the mass of its vertex
+  double limit = 0.0;  // 1/s^2: what a row of the stiffness may sum to over the mass of its vertex; may be infinite
   // 1/s^2, the same of bending, which acts once in several substeps; 0: it acts in each, and its rows are in the sum.
   double bending_limit = 0.0;
   AddedInertia added;

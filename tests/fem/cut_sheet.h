@@ -31,7 +31,7 @@ struct CutSheet {
     }
     return loads;
   }
-  // Where the state has them.
+  // Pins the upper edge where the state has it.
   [[nodiscard]] Loads pinned_at_top(const State& state) const {
     Loads loads;
     for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
