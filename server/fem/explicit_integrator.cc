@@ -37,8 +37,8 @@ bool has_loads_on_vertices(const Loads& loads) {
 
 // Tells whether there are forces that act with bending and are not in the bending matrix.
 bool has_bending_on_vertices(const Model& model, std::span<const double> bending_beta) {
-  return model.has_bending() && (!model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty() ||
-                                 !is_uniform(bending_beta));
+  return model.has_bending() &&
+         (!model.clamp_forces().forces.empty() || !model.rest_bending().rest.empty() || !is_uniform(bending_beta));
 }
 
 // What has no mass and is not held keeps its velocity.

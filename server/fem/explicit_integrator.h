@@ -53,10 +53,11 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] double planned_substeps(double dt) const;
   // Substeps of h from one kick of the bending forces to the next, n <= kMaxBendingInterval, in a sheet of which the
   // largest strain in tension is as given, -. Kicks are stable by themselves where n h omega_b < 2, omega_b^2 =
-  // Model::bending_stiffness_bound(), or the bending limit of clusters. A mode that oscillates with Omega between them is in resonance where n h Omega is
-  // a multiple of pi, and then grows by up to (n h omega_b)^2 / (2 n h Omega) a kick: most by half a swing, Omega =
-  // pi / (n h). Modes of the membrane lose n h xi Omega^2 / omega to damping, which is to be twice that. Those that
-  // tension alone swings, Omega^2 <= strain omega^2, are not damped, and must not come near half a swing.
+  // Model::bending_stiffness_bound(), or the bending limit of clusters. A mode that oscillates with Omega between them
+  // is in resonance where n h Omega is a multiple of pi, and then grows by up to (n h omega_b)^2 / (2 n h Omega) a
+  // kick: most by half a swing, Omega = pi / (n h). Modes of the membrane lose n h xi Omega^2 / omega to damping, which
+  // is to be twice that. Those that tension alone swings, Omega^2 <= strain omega^2, are not damped, and must not come
+  // near half a swing.
   [[nodiscard]] int bending_interval(double h, double strain) const;
   [[nodiscard]] const LocalInertia& inertia() const { return inertia_; }
 

@@ -11,23 +11,25 @@ namespace kerf::fem {
 using mesh::VertexId;
 
 template <typename T>
-void LeapfrogSweep<T>::accelerate_clusters(const Model& model, const LeapfrogStep<T>& step, const T* extra_force) {
+void LeapfrogSweep<T>::accelerate_clusters(const Model& model, const LeapfrogStep<T>& step,
+                                           const mesh::VertexField* forces) {
   T* const force = entries(gathered_);
   T* const values = entries(cluster_values_);
   const std::array<T, 4> gravity{step.gravity[0], step.gravity[1], step.gravity[2], T{0}};
   for (const InertiaCluster* const cluster : inertia_->clusters()) {
     const std::span<const VertexId> vertices = cluster->vertices();
     const bool is_held = cluster->is_held();
-    std::array<T, 4> external{};
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const auto v = static_cast<std::size_t>(vertices[i]);
       std::copy_n(force + 4 * v, 4, values + 4 * i);
-      for (std::size_t c = 0; extra_force != nullptr && c < 4; ++c) external[c] += extra_force[4 * v + c];
+      if (forces != nullptr) sum += forces->col(vertices[i]);
       if (!is_held) continue;
       const auto mass = static_cast<T>(model.mass()[v]);
       for (std::size_t c = 0; c < 4; ++c) values[4 * i + c] += mass * gravity[c];
     }
-    cluster->solve(values, &external);
+    const std::array<T, 4> external{static_cast<T>(sum.x()), static_cast<T>(sum.y()), static_cast<T>(sum.z()), T{0}};
+    cluster->solve(values, is_by_displacements() ? nullptr : &external);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const auto v = static_cast<std::size_t>(vertices[i]);
       std::copy_n(values + 4 * i, 4, force + 4 * v);
@@ -107,9 +109,9 @@ bool LeapfrogSweep<T>::push(const Grab& grab, const Eigen::Array3d& impulse, dou
 }
 
 template void LeapfrogSweep<float>::accelerate_clusters(const Model& model, const LeapfrogStep<float>& step,
-                                                        const float* extra_force);
+                                                        const mesh::VertexField* forces);
 template void LeapfrogSweep<double>::accelerate_clusters(const Model& model, const LeapfrogStep<double>& step,
-                                                         const double* extra_force);
+                                                         const mesh::VertexField* forces);
 template Eigen::Array3d LeapfrogSweep<float>::mobility(const Grab& grab);
 template Eigen::Array3d LeapfrogSweep<double>::mobility(const Grab& grab);
 template bool LeapfrogSweep<float>::push(const Grab& grab, const Eigen::Array3d& impulse, double drift);

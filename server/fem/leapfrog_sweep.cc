@@ -155,7 +155,7 @@ void LeapfrogSweep<T>::substep(const Model& model, const LeapfrogTerms& terms, c
   }
   leapfrog_substep(with, step, speed_.lane.data());
   if (has_cluster_.empty()) return;
-  accelerate_clusters(model, step, with.extra_force);
+  accelerate_clusters(model, step, kick.forces);
   leapfrog_move_clusters(with, step, speed_.lane.data());
 }
 

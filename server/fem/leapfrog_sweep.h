@@ -181,8 +181,8 @@ class LeapfrogSweep {
   void set_laws(const Model& model, const LeapfrogTerms& terms);
   void follow_bending(const Model& model);
   // Puts what vertices of clusters are accelerated by beside gravity, m/s^2, in the place of the forces on them.
-  // extra_force: N, x 4, that part of these forces, or null.
-  void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step, const T* extra_force);
+  // forces: N, of the kick, which are among them, or null.
+  void accelerate_clusters(const Model& model, const LeapfrogStep<T>& step, const mesh::VertexField* forces);
   // Into cluster_values_: what an impulse of 1 N s at the part of the grab's point that is in this cluster moves.
   void set_response(const Grab& grab, const InertiaCluster& cluster);
   // at_vertex(v, weight) of those outside of clusters, at_cluster(cluster), with its response, of each cluster once.
