@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <polyclipping/clipper.hpp>
 
@@ -22,7 +25,7 @@ constexpr double kArcShare = 0.4;
 // from the arc.  -
 constexpr double kChordRounding = 2.25;
 
-// Clipper rounds offset points and crossings to its grid.  grid units
+// Clipper rounds offset points and crossings to its grid; chords are straightened by as much before.  grid units
 constexpr double kGridRounding = 2.0;
 // Coordinates up to here Clipper multiplies in 64 bits.  grid units
 constexpr double kGridExtent = 1 << 29;
@@ -108,15 +111,63 @@ class Grid {
   double spacing_ = 1.0;
 };
 
+// Lays chords on the grid, each once: Clipper loses parts of strips whose sides nearly coincide, as those of retraced
+// chords and of points that rounding moves off a straight line do.
+class ChordsOnGrid {
+ public:
+  ChordsOnGrid(const FlatCurve& curve, const Grid& grid) : grid_(grid) {
+    for (const Stroke& stroke : curve.strokes) add(stroke);
+  }
+  struct Chain {
+    ClipperLib::Path points;
+    bool is_closed;  // its first point follows the last
+  };
+  [[nodiscard]] const std::vector<Chain>& chains() const { return chains_; }
+
+ private:
+  using Point = std::pair<ClipperLib::cInt, ClipperLib::cInt>;
+
+  void add(const Stroke& stroke) {
+    Simplification straight(stroke.points, 0.0, kGridRounding * grid_.spacing());
+    straight.simplify_between_corners();
+    ClipperLib::Path chain;
+    bool is_whole = true;
+    for (const Vector2d& point : straight.kept_points()) {
+      const ClipperLib::IntPoint at = grid_.nearest(point);
+      if (chain.empty() || is_new(chain.back(), at)) {
+        chain.push_back(at);
+      } else if (chain.back() != at) {
+        end(chain, false);
+        chain.push_back(at);
+        is_whole = false;
+      }
+    }
+    end(chain, is_whole);
+  }
+  bool is_new(const ClipperLib::IntPoint& a, const ClipperLib::IntPoint& b) {
+    if (a == b) return false;
+    const auto [low, high] = std::minmax({Point(a.X, a.Y), Point(b.X, b.Y)});
+    return laid_.insert({low, high}).second;
+  }
+  // A point alone stays where it is the whole stroke.
+  void end(ClipperLib::Path& chain, bool is_whole) {
+    const bool is_closed = is_whole && chain.size() > 3 && chain.front() == chain.back();
+    if (is_closed) chain.pop_back();
+    if (chain.size() > 1 || is_whole) chains_.push_back({std::move(chain), is_closed});
+    chain.clear();
+  }
+
+  const Grid& grid_;
+  std::vector<Chain> chains_;
+  std::set<std::pair<Point, Point>> laid_;
+};
+
 ClipperLib::Paths offset(const FlatCurve& curve, double radius, double arc_tolerance, const Grid& grid) {
   ClipperLib::ClipperOffset offsetter;
   offsetter.ArcTolerance = arc_tolerance / kChordRounding / grid.spacing();
-  for (const Stroke& stroke : curve.strokes) {
-    const bool closed = is_closed(stroke);
-    ClipperLib::Path path;
-    for (const Vector2d& point : stroke.points) path.push_back(grid.nearest(point));
-    if (closed) path.pop_back();
-    offsetter.AddPath(path, ClipperLib::jtRound, closed ? ClipperLib::etClosedLine : ClipperLib::etOpenRound);
+  const ChordsOnGrid chords(curve, grid);
+  for (const auto& [points, is_closed] : chords.chains()) {
+    offsetter.AddPath(points, ClipperLib::jtRound, is_closed ? ClipperLib::etClosedLine : ClipperLib::etOpenRound);
   }
   ClipperLib::Paths loops;
   offsetter.Execute(loops, radius / grid.spacing());
@@ -138,7 +189,7 @@ Result<Outline> outline(const FlatCurve& curve, double width, double tolerance) 
   Outline result;
   if (curve.strokes.empty()) return result;
   const Grid grid(curve, radius);
-  const double rounded = arc_tolerance + kGridRounding * grid.spacing();
+  const double rounded = arc_tolerance + 2.0 * kGridRounding * grid.spacing();  // of chords, and of what Clipper makes
   double moved = 0.0;
   for (const ClipperLib::Path& loop : offset(curve, radius, arc_tolerance, grid)) {
     std::vector<Vector2d> points;

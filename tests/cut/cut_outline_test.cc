@@ -1,0 +1,105 @@
+#include "server/cut/outline.h"
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "server/base/random.h"
+#include "server/cut/segment_distance.h"
+#include "tests/support/trials.h"
+
+namespace kerf::cut {
+namespace {
+
+using Eigen::Vector2d;
+
+double distance(const Vector2d& p, const std::vector<Vector2d>& line) {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+    least = std::min(least, distance_to_segment(p, line[i], line[i + 1]));
+  }
+  return least;
+}
+
+// Points at random near the line that the outline holds or leaves out wrongly.
+int count_misplaced(const std::vector<Vector2d>& line, double width, SeededRandom& random) {
+  const FlatCurve curve{{{line}}, 0.0};
+  const Result<Outline> strip = outline(curve, width, 0.005 * width);
+  EXPECT_TRUE(strip.ok());
+  if (!strip.ok()) return 1;
+  const double radius = 0.5 * width;
+  const double margin = strip->curve.deviation_m + 1e-9;
+  int misplaced = 0;
+  for (int i = 0; i < 300; ++i) {
+    const Vector2d p =
+        line[random.below(line.size())] + width * Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+    const double away = distance(p, line);
+    const bool is_inside = contains(strip->curve.strokes, p);
+    if (is_inside ? away > radius + margin : away < radius - margin) ++misplaced;
+  }
+  return misplaced;
+}
+
+std::vector<Vector2d> there_and_back(const std::vector<Vector2d>& there, const std::vector<Vector2d>& back) {
+  std::vector<Vector2d> line = there;
+  line.insert(line.end(), back.rbegin() + 1, back.rend());
+  return line;
+}
+
+class OutlineOfRetracedLine : public testing::TestWithParam<bool> {
+ protected:
+  // A line of 2 to 5 chords, straight or not.
+  std::vector<Vector2d> random_line(SeededRandom& random) const {
+    const auto anywhere = [&] { return Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)); };
+    std::vector<Vector2d> line{anywhere()};
+    Vector2d along = anywhere();
+    const std::uint64_t chords = 2 + random.below(4);
+    for (std::uint64_t i = 0; i < chords; ++i) {
+      if (!GetParam()) along = anywhere();
+      line.emplace_back(line.back() + along * random.uniform(0.02, 0.3));
+    }
+    return line;
+  }
+  SeededRandom random_{test::first_seed() + 1};
+  const int trials_ = test::num_trials({.few = 50, .usual = 200, .many = 20'000});
+};
+
+TEST_P(OutlineOfRetracedLine, HasAllOfTheStripThereAndBack) {
+  for (int i = 0; i < trials_; ++i) {
+    const auto line = random_line(random_);
+    EXPECT_EQ(count_misplaced(there_and_back(line, line), random_.uniform(0.01, 0.2), random_), 0) << i;
+  }
+}
+
+TEST_P(OutlineOfRetracedLine, HasAllOfTheStripWhereOnlyAPartIsRetraced) {
+  for (int i = 0; i < trials_; ++i) {
+    const auto line = random_line(random_);
+    auto retraced = there_and_back(line, line);
+    retraced.pop_back();
+    EXPECT_EQ(count_misplaced(retraced, random_.uniform(0.01, 0.2), random_), 0) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(StraightAndBent, OutlineOfRetracedLine, testing::Bool());
+
+TEST(Outline, HasAllOfTheStripOfAStraightLineDividedOtherwiseOnTheWayBack) {
+  SeededRandom random(test::first_seed() + 1);
+  for (int i = 0; i < test::num_trials({.few = 100, .usual = 400, .many = 20'000}); ++i) {
+    const Vector2d a(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+    const Vector2d b = a + Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+    const auto divided = [&](std::uint64_t parts) {
+      std::vector<Vector2d> line;
+      for (std::uint64_t k = 0; k <= parts; ++k) {
+        line.emplace_back(a + (b - a) * (static_cast<double>(k) / static_cast<double>(parts)));
+      }
+      return line;
+    };
+    const auto line = there_and_back(divided(1 + random.below(40)), divided(1 + random.below(5)));
+    EXPECT_EQ(count_misplaced(line, random.uniform(0.01, 0.2), random), 0) << i;
+  }
+}
+
+}  // namespace
+}  // namespace kerf::cut
