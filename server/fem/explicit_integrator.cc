@@ -301,7 +301,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
     if (contact == nullptr) continue;
     if (i + 1 == plan.substeps) {
       sweep.find_touching(*contact, h);
-    } else if (!(last ? sweep.enforce_found(model, *contact) : sweep.enforce(model, *contact, h))) {
+    } else if (!(last ? sweep.enforce_found(*contact) : sweep.enforce(*contact, h))) {
       return false;
     }
   }

@@ -36,6 +36,7 @@ class InertiaCluster {
   [[nodiscard]] mesh::VertexId lowest() const { return lowest_; }
   [[nodiscard]] std::span<const StiffPart> parts() const { return parts_; }
   [[nodiscard]] std::size_t num_entries() const { return rows_.size(); }  // of L below its diagonal
+  [[nodiscard]] double mass(std::size_t i) const { return mass_[i]; }     // kg, of vertices()[i]
   // -, the largest diagonal entry of M' over the least mass.
   [[nodiscard]] double spread() const { return spread_; }
 

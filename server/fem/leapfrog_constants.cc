@@ -144,7 +144,7 @@ void LeapfrogSweep<T>::resize(const Model& model, const MembraneLayout& layout) 
   }
   has_cluster_.resize(inertia_->empty() ? 0 : layout.num_blocks());
   cluster_values_.resize(inertia_->largest() / 4 + 1);
-  contact_.reserve(inertia_->num_vertices());
+  contact_.reserve(*inertia_);
 }
 
 template <typename T>
@@ -158,7 +158,7 @@ void LeapfrogSweep<T>::reserve(const Model& model, const MembraneLayout& layout,
   bending_.make_room_as(like.bending_);
   has_cluster_.reserve(like.has_cluster_.size());
   cluster_values_.reserve(like.cluster_values_.size());
-  contact_.reserve(like.inertia_->num_vertices());
+  contact_.reserve(*like.inertia_);
 }
 
 template <typename T>

@@ -64,6 +64,7 @@ LeapfrogStep<T> LeapfrogSweep<T>::step_of(const Model& model, const LeapfrogTerm
 template <typename T>
 bool LeapfrogSweep<T>::begin(const Model& model, const Loads& loads, const LeapfrogTerms& terms, double duration,
                              const State& state) {
+  contact_.moved = 0.0;
   set_mobility(model, loads);
   set_laws(model, terms);
   if (!set_frame(model, terms, duration, state)) return false;

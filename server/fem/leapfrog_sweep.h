@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 
+#include "server/fem/cluster_push.h"
 #include "server/fem/contact_constraint.h"
 #include "server/fem/fine_triangles.h"
 #include "server/fem/index_set.h"
@@ -83,13 +84,14 @@ class LeapfrogSweep {
   // 1/m, of the flattest triangles that T is used for.
   [[nodiscard]] static double flattest(const Model& model);
 
-  // Moves vertices out of bodies after a substep that drifted for `drift`, s, and shares what that gives to clusters by
-  // their inertia. Looks at blocks that may touch alone. False: see read().
-  bool enforce(const Model& model, ContactConstraint& contact, double drift);
+  // Moves vertices out of bodies after a substep that drifted for `drift`, s; clusters move as a whole, by their
+  // inertia, and what that leaves inside is left to the next substep. Looks at blocks that may touch alone. False: see
+  // read().
+  bool enforce(ContactConstraint& contact, double drift);
   // The same of the last substep: what may touch is found after the drift, and moved after the kick that closes the
   // step, so that what leaves the step respects the bodies.
   void find_touching(ContactConstraint& contact, double drift);
-  bool enforce_found(const Model& model, ContactConstraint& contact);
+  bool enforce_found(ContactConstraint& contact);
   // Returns whether a body has moved a vertex since begin().
   [[nodiscard]] bool touched() const { return touched_; }
 
@@ -128,25 +130,33 @@ class LeapfrogSweep {
     [[nodiscard]] double size() const { return (high - low).maxCoeff(); }  // m; negative where nothing was added
     [[nodiscard]] Eigen::Vector3d middle() const { return 0.5 * (low + high).matrix(); }
   };
-  struct Impulse {
+  // What a body wants of a vertex in a cluster.
+  struct Push {
     mesh::VertexId vertex = mesh::kNone;
-    std::array<T, 3> value{};  // N s
+    std::int32_t next = mesh::kNone;  // of the same cluster
+    std::array<T, 3> velocity{};      // m/s, change
+    std::array<T, 3> position{};      // m, change
   };
   // Scratch of enforce().
   struct Contact {
-    mesh::VertexLanes vertices;
-    std::array<mesh::VertexLanes::Lanes, 3> v;  // m/s, before
+    mesh::VertexLanes vertices, given;
     // The blocks that find_touching() found, and positions of their vertices before; longer than there are.
+    double drift = 0.0;  // s
     std::size_t num_blocks = 0;
     std::vector<std::int32_t> blocks;
     std::vector<std::array<mesh::VertexLanes::Lanes, 3>> before;
-    std::vector<const InertiaCluster*> clusters;  // of impulses, may repeat
-    std::vector<Impulse> impulses;
+    std::vector<Push> pushes;
+    std::vector<std::int32_t> first_push;  // by slots of clusters; kNone: not pushed
+    std::vector<std::int32_t> slots;       // of clusters that are pushed
+    ClusterPush<T> push;
+    double moved = 0.0;  // m, no vertex was moved farther with its cluster since the last substep
 
-    void reserve(std::size_t num_in_clusters) {
-      if (impulses.capacity() >= num_in_clusters) return;
-      clusters.reserve(num_in_clusters + num_in_clusters / 4);
-      impulses.reserve(num_in_clusters + num_in_clusters / 4);
+    void reserve(const LocalInertia& inertia) {
+      push.reserve(inertia.largest());
+      if (first_push.size() < inertia.num_slots()) first_push.resize(inertia.num_slots(), mesh::kNone);
+      slots.reserve(first_push.capacity());
+      if (pushes.capacity() >= inertia.num_vertices()) return;
+      pushes.reserve(inertia.num_vertices() + inertia.num_vertices() / 4);
     }
   };
 
@@ -190,11 +200,18 @@ class LeapfrogSweep {
   void for_each_grabbed(const Grab& grab, const AtVertex& at_vertex, const AtCluster& at_cluster);
   // m, no vertex moved farther in the last substep.
   [[nodiscard]] double farthest_moved(double drift) const;
-  bool enforce_block(const Model& model, ContactConstraint& contact, const LeapfrogArrays<T>& arrays,
-                     std::int32_t block);
-  void gather_impulses(const Model& model, std::size_t block, std::uint32_t changed);
+  bool enforce_block(ContactConstraint& contact, const LeapfrogArrays<T>& arrays, std::int32_t block);
+  void gather_pushes(std::size_t block, std::uint32_t changed);
+  // Moves clusters of which bodies push vertices, after a substep that drifted for `drift`, s.
+  bool push_clusters(double drift);
+  // Moves each vertex by its change, x 4, times the factor, to m.
+  bool move_cluster(std::span<const mesh::VertexId> vertices, const T* change, double factor);
+  // Sets a change of each vertex of a cluster that a body wants, by `change` of a push, and 0 of the others.
+  void set_wanted(std::int32_t slot, std::array<T, 3> Push::*change);
+  // Moves what push_clusters() left inside, vertex by vertex.
+  bool enforce_rest(ContactConstraint& contact);
   void add_velocity(std::size_t v, std::size_t component, T change);  // m/s
-  void share_impulses();
+  bool add_position(std::size_t v, const Eigen::Vector3d& change);    // m; false: see read()
   [[nodiscard]] PositionFrame frame() const {
     return {{origin_.x(), origin_.y(), origin_.z()}, has_starts() ? start_.data() : nullptr, unit_};
   }

@@ -59,9 +59,17 @@ class LocalInertia {
   }
   // Null where the vertex is in none.
   [[nodiscard]] const InertiaCluster* cluster_of(mesh::VertexId v) const {
-    const std::int32_t c = is_active_ ? cluster_of_[static_cast<std::size_t>(v)] : mesh::kNone;
-    return c == mesh::kNone ? nullptr : clusters_[static_cast<std::size_t>(c)].get();
+    const std::int32_t slot = slot_of(v);
+    return slot == mesh::kNone ? nullptr : &cluster_in(slot);
   }
+  // The same by slots, below num_slots(), of which some may be free.
+  [[nodiscard]] std::int32_t slot_of(mesh::VertexId v) const {
+    return is_active_ ? cluster_of_[static_cast<std::size_t>(v)] : mesh::kNone;
+  }
+  [[nodiscard]] const InertiaCluster& cluster_in(std::int32_t slot) const {
+    return *clusters_[static_cast<std::size_t>(slot)];
+  }
+  [[nodiscard]] std::size_t num_slots() const { return clusters_.size(); }
   [[nodiscard]] bool empty() const { return clusters().empty(); }
   [[nodiscard]] std::size_t num_vertices() const { return is_active_ ? num_vertices_ : 0; }  // of all clusters
   [[nodiscard]] std::size_t num_entries() const { return is_active_ ? num_entries_ : 0; }    // of all factors
