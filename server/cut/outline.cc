@@ -33,60 +33,6 @@ constexpr double kGridExtent = 1 << 29;
 // Looks at pairs whose boxes overlap in y; so many of them are looked at, all told.
 constexpr std::int64_t kMaxPairsLookedAt = 50'000'000;
 
-bool is_closed(const Stroke& stroke) {
-  return stroke.points.size() > 3 && stroke.points.front() == stroke.points.back();
-}
-
-// Angle by which the stroke turns at the end of chord i, where the outline has an arc; pi where it ends.  radians
-double turn_after(const Stroke& stroke, std::size_t i) {
-  const std::vector<Vector2d>& points = stroke.points;
-  const bool is_last = i + 2 == points.size();
-  if (is_last && !is_closed(stroke)) return pi;
-  const Vector2d along = points[i + 1] - points[i];
-  const Vector2d next = (is_last ? points[1] : points[i + 2]) - points[i + 1];
-  return std::abs(std::atan2(along.x() * next.y() - along.y() * next.x(), along.dot(next)));
-}
-
-struct Chord {
-  Vector2d low, high;     // of the strip around it
-  double outline_points;  // that it gives the outline, before strips are united
-};
-
-std::vector<Chord> strips_of_chords(const FlatCurve& curve, double radius, double arc_tolerance) {
-  const Vector2d margin = Vector2d::Constant(radius);
-  // As Clipper has it.
-  const double points_a_turn = pi / std::acos(1.0 - std::min(0.25, arc_tolerance / kChordRounding / radius));
-  std::vector<Chord> chords;
-  for (const Stroke& stroke : curve.strokes) {
-    const std::vector<Vector2d>& points = stroke.points;
-    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-      const double start = i == 0 && !is_closed(stroke) ? pi : 0.0;
-      chords.push_back({points[i].cwiseMin(points[i + 1]) - margin, points[i].cwiseMax(points[i + 1]) + margin,
-                        2.0 + points_a_turn * (start + turn_after(stroke, i)) / (2.0 * pi)});
-    }
-  }
-  return chords;
-}
-
-// Whether the strips of the chords overlap, by their boxes, in more than kMaxStripPairs pairs, or in pairs with more
-// than kMaxStripPoints points of the outline.
-bool exceeds_work_budget(const FlatCurve& curve, double radius, double arc_tolerance) {
-  std::vector<Chord> chords = strips_of_chords(curve, radius, arc_tolerance);
-  std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.low.y() < b.low.y(); });
-  std::int64_t pairs = 0, looked_at = 0;
-  double points = 0.0;
-  for (std::size_t i = 0; i < chords.size(); ++i) {
-    for (std::size_t j = i + 1; j < chords.size() && chords[j].low.y() <= chords[i].high.y(); ++j) {
-      if (++looked_at > kMaxPairsLookedAt) return true;
-      if (chords[j].low.x() > chords[i].high.x() || chords[i].low.x() > chords[j].high.x()) continue;
-      ++pairs;
-      points += chords[i].outline_points + chords[j].outline_points;
-      if (pairs > kMaxStripPairs || points > kMaxStripPoints) return true;
-    }
-  }
-  return false;
-}
-
 // The grid that Clipper works on: over all that the strip may reach.
 class Grid {
  public:
@@ -111,21 +57,17 @@ class Grid {
   double spacing_ = 1.0;
 };
 
-// Lays chords on the grid, each once: Clipper loses parts of strips whose sides nearly coincide, as those of retraced
-// chords and of points that rounding moves off a straight line do.
+// Chords one after another on the grid.
+struct Chain {
+  ClipperLib::Path points;
+  bool is_closed = false;  // its first point follows the last
+};
+
+// Lays chords on the grid, each once. Clipper loses parts of strips whose sides nearly coincide: those of retraced
+// chords, and of points that rounding moves off a straight line.
 class ChordsOnGrid {
  public:
-  ChordsOnGrid(const FlatCurve& curve, const Grid& grid) : grid_(grid) {
-    for (const Stroke& stroke : curve.strokes) add(stroke);
-  }
-  struct Chain {
-    ClipperLib::Path points;
-    bool is_closed;  // its first point follows the last
-  };
-  [[nodiscard]] const std::vector<Chain>& chains() const { return chains_; }
-
- private:
-  using Point = std::pair<ClipperLib::cInt, ClipperLib::cInt>;
+  explicit ChordsOnGrid(const Grid& grid) : grid_(grid) {}
 
   void add(const Stroke& stroke) {
     Simplification straight(stroke.points, 0.0, kGridRounding * grid_.spacing());
@@ -144,6 +86,11 @@ class ChordsOnGrid {
     }
     end(chain, is_whole);
   }
+  [[nodiscard]] const std::vector<Chain>& chains() const { return chains_; }
+
+ private:
+  using Point = std::pair<ClipperLib::cInt, ClipperLib::cInt>;
+
   bool is_new(const ClipperLib::IntPoint& a, const ClipperLib::IntPoint& b) {
     if (a == b) return false;
     const auto [low, high] = std::minmax({Point(a.X, a.Y), Point(b.X, b.Y)});
@@ -162,11 +109,61 @@ class ChordsOnGrid {
   std::set<std::pair<Point, Point>> laid_;
 };
 
-ClipperLib::Paths offset(const FlatCurve& curve, double radius, double arc_tolerance, const Grid& grid) {
+// Angle, radians, by which the chain turns at the end of chord i, where the outline has an arc; pi where it ends.
+double turn_after(const std::vector<Vector2d>& points, bool is_closed, std::size_t i) {
+  const bool is_last = i + 2 == points.size();
+  if (is_last && !is_closed) return pi;
+  const Vector2d along = points[i + 1] - points[i];
+  const Vector2d next = (is_last ? points[1] : points[i + 2]) - points[i + 1];
+  return std::abs(std::atan2(along.x() * next.y() - along.y() * next.x(), along.dot(next)));
+}
+
+struct Chord {
+  Vector2d low, high;     // of the strip around it
+  double outline_points;  // that it gives the outline, before strips are united
+};
+
+std::vector<Chord> strips_of_chords(const std::vector<Chain>& chains, const Grid& grid, double radius,
+                                    double arc_tolerance) {
+  const Vector2d margin = Vector2d::Constant(radius);
+  // As Clipper has it.
+  const double points_a_turn = pi / std::acos(1.0 - std::min(0.25, arc_tolerance / kChordRounding / radius));
+  std::vector<Chord> chords;
+  for (const Chain& chain : chains) {
+    std::vector<Vector2d> points;
+    for (const ClipperLib::IntPoint& point : chain.points) points.push_back(grid.position(point));
+    if (chain.is_closed) points.push_back(points.front());
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      const double start = i == 0 && !chain.is_closed ? pi : 0.0;
+      chords.push_back({points[i].cwiseMin(points[i + 1]) - margin, points[i].cwiseMax(points[i + 1]) + margin,
+                        2.0 + points_a_turn * (start + turn_after(points, chain.is_closed, i)) / (2.0 * pi)});
+    }
+  }
+  return chords;
+}
+
+// Tells whether the strips of chords overlap, by their boxes, in more than kMaxStripPairs pairs, or in pairs with more
+// than kMaxStripPoints points of the outline.
+bool exceeds_work_budget(std::vector<Chord> chords) {
+  std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.low.y() < b.low.y(); });
+  std::int64_t pairs = 0, looked_at = 0;
+  double points = 0.0;
+  for (std::size_t i = 0; i < chords.size(); ++i) {
+    for (std::size_t j = i + 1; j < chords.size() && chords[j].low.y() <= chords[i].high.y(); ++j) {
+      if (++looked_at > kMaxPairsLookedAt) return true;
+      if (chords[j].low.x() > chords[i].high.x() || chords[i].low.x() > chords[j].high.x()) continue;
+      ++pairs;
+      points += chords[i].outline_points + chords[j].outline_points;
+      if (pairs > kMaxStripPairs || points > kMaxStripPoints) return true;
+    }
+  }
+  return false;
+}
+
+ClipperLib::Paths offset(const std::vector<Chain>& chains, double radius, double arc_tolerance, const Grid& grid) {
   ClipperLib::ClipperOffset offsetter;
   offsetter.ArcTolerance = arc_tolerance / kChordRounding / grid.spacing();
-  const ChordsOnGrid chords(curve, grid);
-  for (const auto& [points, is_closed] : chords.chains()) {
+  for (const auto& [points, is_closed] : chains) {
     offsetter.AddPath(points, ClipperLib::jtRound, is_closed ? ClipperLib::etClosedLine : ClipperLib::etOpenRound);
   }
   ClipperLib::Paths loops;
@@ -179,19 +176,21 @@ ClipperLib::Paths offset(const FlatCurve& curve, double radius, double arc_toler
 Result<Outline> outline(const FlatCurve& curve, double width, double tolerance) {
   const double radius = 0.5 * width;
   const double arc_tolerance = kArcShare * tolerance;
-  if (exceeds_work_budget(curve, radius, arc_tolerance)) {
+  Outline result;
+  if (curve.strokes.empty()) return result;
+  const Grid grid(curve, radius);
+  ChordsOnGrid laid(grid);
+  for (const Stroke& stroke : curve.strokes) laid.add(stroke);
+  if (exceeds_work_budget(strips_of_chords(laid.chains(), grid, radius, arc_tolerance))) {
     return Error{ErrorCode::kResourceExhausted, "WIDTH_WORK_BUDGET",
                  "too much of the curve lies within the width of itself: more than " + std::to_string(kMaxStripPairs) +
                      " pairs of chords, or " + std::to_string(kMaxStripPoints) +
                      " points of their outlines; make it narrower, the tolerance larger, or split the cut into several",
                  "cut.width_m"};
   }
-  Outline result;
-  if (curve.strokes.empty()) return result;
-  const Grid grid(curve, radius);
   const double rounded = arc_tolerance + 2.0 * kGridRounding * grid.spacing();  // of chords, and of what Clipper makes
   double moved = 0.0;
-  for (const ClipperLib::Path& loop : offset(curve, radius, arc_tolerance, grid)) {
+  for (const ClipperLib::Path& loop : offset(laid.chains(), radius, arc_tolerance, grid)) {
     std::vector<Vector2d> points;
     points.reserve(loop.size() + 1);
     for (const ClipperLib::IntPoint& point : loop) points.push_back(grid.position(point));

@@ -24,7 +24,7 @@ const T* ClusterPush<T>::respond(const InertiaCluster& cluster, const T* wanted)
   const auto impulse_at = [&](std::size_t i) { return at(impulse_.front().lane.data(), i); };
   Four largest = Four::Zero();
   for (std::size_t i = 0; i < n; ++i) largest = largest.max(wanted_at(i).abs());
-  // What is wanted may be so small that its square is no number of T.
+  // Divides by the largest, as squares of what is wanted may be too small for T.
   const T unit = largest.maxCoeff();
   if (!(unit > 0)) {
     std::fill_n(response, 4 * n, T{0});
@@ -38,9 +38,16 @@ const T* ClusterPush<T>::respond(const InertiaCluster& cluster, const T* wanted)
   }
   cluster.solve(response);
   Four responded = Four::Zero();
-  for (std::size_t i = 0; i < n; ++i) responded += impulse_at(i) * at(response, i);
-  const Four scale = (responded > T{0}).select(unit * sum / responded, T{0});
-  for (std::size_t i = 0; i < n; ++i) at(response, i) *= scale;
+  Four farthest = Four::Zero();
+  for (std::size_t i = 0; i < n; ++i) {
+    responded += impulse_at(i) * at(response, i);
+    if ((impulse_at(i) != T{0}).any()) farthest = farthest.max(at(response, i).abs());
+  }
+  const T wanted_energy = sum.sum();
+  const T energy = responded.sum();
+  const T most = farthest.maxCoeff();
+  const T scale = energy > 0 && most > 0 ? std::min(wanted_energy / energy, T{1} / most) : T{0};
+  for (std::size_t i = 0; i < n; ++i) at(response, i) *= unit * scale;
   return response;
 }
 

@@ -8,11 +8,11 @@
 
 namespace kerf::fem {
 
-// Pushes vertices of a cluster as a body wants, by impulses j in proportion to their masses and to what is wanted of
-// each: j_i = s m_i wanted_i, s such that the cluster responds to them as wanted on average, (wanted, M W j) = (wanted,
-// M wanted), W = M'^-1. Exact for one vertex and for a free cluster that is pushed as a whole. This is a step of
-// steepest descent to j with (W j)_i = wanted_i: what stops vertices never adds energy by M'. Displacements are found
-// alike, and what is left of both is wanted again in the next substep.
+// Pushes vertices of a cluster as a body wants, by impulses in proportion to their masses and to what is wanted of
+// each: j = s M wanted. The response is W j, W = M'^-1, and s = (wanted, M wanted) / (M wanted, W M wanted), a step of
+// steepest descent: what stops vertices never adds energy by M', nor does a smaller s. It is exact for one vertex, and
+// for a free cluster that is pushed as a whole. No pushed vertex responds by more than the largest that is wanted.
+// Displacements are found alike. The next substep asks for what is left of both.
 template <typename T>
 class ClusterPush {
  public:

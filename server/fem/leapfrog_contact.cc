@@ -106,12 +106,17 @@ void LeapfrogSweep<T>::gather_pushes(std::size_t block, std::uint32_t changed) {
     if (first == mesh::kNone) contact_.slots.push_back(slot);
     Push push{v, first, {}, {}};
     first = static_cast<std::int32_t>(contact_.pushes.size());
+    double squared = 0.0;  // m^2
     for (std::size_t c = 0; c < 3; ++c) {
+      const double change = vertices.x[c][l] - given.x[c][l];
+      squared += change * change;
       push.velocity[c] = static_cast<T>(vertices.v[c][l] - given.v[c][l]);
-      push.position[c] = static_cast<T>(vertices.x[c][l] - given.x[c][l]);
+      push.position[c] = static_cast<T>(change);
       vertices.v[c][l] = given.v[c][l];
       vertices.x[c][l] = given.x[c][l];
     }
+    // The body counts its distances from where it wanted the vertex.
+    contact_.moved = std::max(contact_.moved, std::sqrt(squared));
     contact_.pushes.push_back(push);
   }
 }
@@ -169,7 +174,8 @@ void LeapfrogSweep<T>::set_wanted(std::int32_t slot, std::array<T, 3> Push::*cha
 }
 
 template <typename T>
-bool LeapfrogSweep<T>::move_cluster(std::span<const VertexId> vertices, const T* change, double factor) {
+bool LeapfrogSweep<T>::move_cluster(std::span<const VertexId> vertices, const T* change, double factor,
+                                    double& travel) {
   bool is_inside = true;
   double farthest = 0.0;  // m^2
   for (std::size_t i = 0; i < vertices.size(); ++i) {
@@ -178,19 +184,21 @@ bool LeapfrogSweep<T>::move_cluster(std::span<const VertexId> vertices, const T*
     farthest = std::max(farthest, moved.squaredNorm());
     is_inside = add_position(static_cast<std::size_t>(vertices[i]), moved) && is_inside;
   }
-  contact_.moved += std::sqrt(farthest);
+  travel += std::sqrt(farthest);
   return is_inside;
 }
 
-// By its mass alone a vertex would hardly stop the cluster that it is in, and moved by itself it would strain it. What
-// rests on a body is moved as far as its velocity changes in the drift; what comes upon it, less far.
+// A vertex pushed by its mass alone would hardly stop its cluster, and one moved alone would strain it. A cluster at
+// rest on a body moves as far as its velocity changes in the drift, one that arrives less far.
 template <typename T>
 bool LeapfrogSweep<T>::push_clusters(double drift) {
-  constexpr auto kLeft = static_cast<T>(0.01);  // -, of what is wanted, that may be left to the next substep
+  constexpr auto kLeft = static_cast<T>(0.25);  // -, of the largest wanted displacement, left to the next substep
   bool is_inside = true;
+  double farthest = 0.0;  // m, that a vertex travels
   for (const std::int32_t slot : contact_.slots) {
     const InertiaCluster& cluster = inertia_->cluster_in(slot);
     const std::span<const VertexId> vertices = cluster.vertices();
+    double travel = 0.0;
     set_wanted(slot, &Push::velocity);
     const T* change = contact_.push.respond(cluster, entries(cluster_values_));
     T* const of_all = entries(gathered_);
@@ -199,7 +207,7 @@ bool LeapfrogSweep<T>::push_clusters(double drift) {
       for (std::size_t c = 0; c < 3; ++c) add_velocity(v, c, change[4 * i + c]);
       std::copy_n(change + 4 * i, 3, of_all + 4 * v);
     }
-    is_inside = move_cluster(vertices, change, drift) && is_inside;
+    is_inside = move_cluster(vertices, change, drift, travel) && is_inside;
     T most = 0, left = 0;
     for (std::int32_t k = contact_.first_push[static_cast<std::size_t>(slot)]; k != mesh::kNone;) {
       Push& push = contact_.pushes[static_cast<std::size_t>(k)];
@@ -212,10 +220,13 @@ bool LeapfrogSweep<T>::push_clusters(double drift) {
     }
     if (left > kLeft * most) {
       set_wanted(slot, &Push::position);
-      is_inside = move_cluster(vertices, contact_.push.respond(cluster, entries(cluster_values_)), 1.0) && is_inside;
+      change = contact_.push.respond(cluster, entries(cluster_values_));
+      is_inside = move_cluster(vertices, change, 1.0, travel) && is_inside;
     }
+    farthest = std::max(farthest, travel);
     contact_.first_push[static_cast<std::size_t>(slot)] = mesh::kNone;
   }
+  contact_.moved += farthest;
   contact_.slots.clear();
   contact_.pushes.clear();
   return is_inside;

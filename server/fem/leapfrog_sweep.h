@@ -84,9 +84,8 @@ class LeapfrogSweep {
   // 1/m, of the flattest triangles that T is used for.
   [[nodiscard]] static double flattest(const Model& model);
 
-  // Moves vertices out of bodies after a substep that drifted for `drift`, s; clusters move as a whole, by their
-  // inertia, and what that leaves inside is left to the next substep. Looks at blocks that may touch alone. False: see
-  // read().
+  // Moves vertices out of bodies after a substep that drifted for `drift`, s. Clusters move as a whole, by their
+  // inertia. The next substep moves what that leaves inside. Looks at blocks that may touch alone. False: see read().
   bool enforce(ContactConstraint& contact, double drift);
   // The same of the last substep: what may touch is found after the drift, and moved after the kick that closes the
   // step, so that what leaves the step respects the bodies.
@@ -130,7 +129,7 @@ class LeapfrogSweep {
     [[nodiscard]] double size() const { return (high - low).maxCoeff(); }  // m; negative where nothing was added
     [[nodiscard]] Eigen::Vector3d middle() const { return 0.5 * (low + high).matrix(); }
   };
-  // What a body wants of a vertex in a cluster.
+  // A change that a body wants of a vertex in a cluster.
   struct Push {
     mesh::VertexId vertex = mesh::kNone;
     std::int32_t next = mesh::kNone;  // of the same cluster
@@ -149,7 +148,7 @@ class LeapfrogSweep {
     std::vector<std::int32_t> first_push;  // by slots of clusters; kNone: not pushed
     std::vector<std::int32_t> slots;       // of clusters that are pushed
     ClusterPush<T> push;
-    double moved = 0.0;  // m, no vertex was moved farther with its cluster since the last substep
+    double moved = 0.0;  // m, the most that a vertex is off where its body saw it last
 
     void reserve(const LocalInertia& inertia) {
       push.reserve(inertia.largest());
@@ -204,8 +203,8 @@ class LeapfrogSweep {
   void gather_pushes(std::size_t block, std::uint32_t changed);
   // Moves clusters of which bodies push vertices, after a substep that drifted for `drift`, s.
   bool push_clusters(double drift);
-  // Moves each vertex by its change, x 4, times the factor, to m.
-  bool move_cluster(std::span<const mesh::VertexId> vertices, const T* change, double factor);
+  // Moves each vertex by its change, x 4, times the factor, m. Adds how far the farthest goes to `travel`, m.
+  bool move_cluster(std::span<const mesh::VertexId> vertices, const T* change, double factor, double& travel);
   // Sets a change of each vertex of a cluster that a body wants, by `change` of a push, and 0 of the others.
   void set_wanted(std::int32_t slot, std::array<T, 3> Push::*change);
   // Moves what push_clusters() left inside, vertex by vertex.

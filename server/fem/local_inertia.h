@@ -62,7 +62,7 @@ class LocalInertia {
     const std::int32_t slot = slot_of(v);
     return slot == mesh::kNone ? nullptr : &cluster_in(slot);
   }
-  // The same by slots, below num_slots(), of which some may be free.
+  // Names the slot of its cluster, below num_slots(), or kNone.
   [[nodiscard]] std::int32_t slot_of(mesh::VertexId v) const {
     return is_active_ ? cluster_of_[static_cast<std::size_t>(v)] : mesh::kNone;
   }

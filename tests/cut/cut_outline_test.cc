@@ -15,17 +15,19 @@ namespace {
 
 using Eigen::Vector2d;
 
-double distance(const Vector2d& p, const std::vector<Vector2d>& line) {
+double distance(const Vector2d& p, const std::vector<Stroke>& strokes) {
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i + 1 < line.size(); ++i) {
-    least = std::min(least, distance_to_segment(p, line[i], line[i + 1]));
+  for (const Stroke& stroke : strokes) {
+    for (std::size_t i = 0; i + 1 < stroke.points.size(); ++i) {
+      least = std::min(least, distance_to_segment(p, stroke.points[i], stroke.points[i + 1]));
+    }
   }
   return least;
 }
 
-// Points at random near the line that the outline holds or leaves out wrongly.
-int count_misplaced(const std::vector<Vector2d>& line, double width, SeededRandom& random) {
-  const FlatCurve curve{{{line}}, 0.0};
+// Counts points at random near the strokes that the outline holds or leaves out wrongly.
+int count_misplaced(const std::vector<Stroke>& strokes, double width, SeededRandom& random) {
+  const FlatCurve curve{strokes, 0.0};
   const Result<Outline> strip = outline(curve, width, 0.005 * width);
   EXPECT_TRUE(strip.ok());
   if (!strip.ok()) return 1;
@@ -33,9 +35,10 @@ int count_misplaced(const std::vector<Vector2d>& line, double width, SeededRando
   const double margin = strip->curve.deviation_m + 1e-9;
   int misplaced = 0;
   for (int i = 0; i < 300; ++i) {
+    const std::vector<Vector2d>& points = strokes[random.below(strokes.size())].points;
     const Vector2d p =
-        line[random.below(line.size())] + width * Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
-    const double away = distance(p, line);
+        points[random.below(points.size())] + width * Vector2d(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
+    const double away = distance(p, strokes);
     const bool is_inside = contains(strip->curve.strokes, p);
     if (is_inside ? away > radius + margin : away < radius - margin) ++misplaced;
   }
@@ -69,7 +72,7 @@ class OutlineOfRetracedLine : public testing::TestWithParam<bool> {
 TEST_P(OutlineOfRetracedLine, HasAllOfTheStripThereAndBack) {
   for (int i = 0; i < trials_; ++i) {
     const auto line = random_line(random_);
-    EXPECT_EQ(count_misplaced(there_and_back(line, line), random_.uniform(0.01, 0.2), random_), 0) << i;
+    EXPECT_EQ(count_misplaced({{there_and_back(line, line)}}, random_.uniform(0.01, 0.2), random_), 0) << i;
   }
 }
 
@@ -78,7 +81,7 @@ TEST_P(OutlineOfRetracedLine, HasAllOfTheStripWhereOnlyAPartIsRetraced) {
     const auto line = random_line(random_);
     auto retraced = there_and_back(line, line);
     retraced.pop_back();
-    EXPECT_EQ(count_misplaced(retraced, random_.uniform(0.01, 0.2), random_), 0) << i;
+    EXPECT_EQ(count_misplaced({{retraced}}, random_.uniform(0.01, 0.2), random_), 0) << i;
   }
 }
 
@@ -97,7 +100,23 @@ TEST(Outline, HasAllOfTheStripOfAStraightLineDividedOtherwiseOnTheWayBack) {
       return line;
     };
     const auto line = there_and_back(divided(1 + random.below(40)), divided(1 + random.below(5)));
-    EXPECT_EQ(count_misplaced(line, random.uniform(0.01, 0.2), random), 0) << i;
+    EXPECT_EQ(count_misplaced({{line}}, random.uniform(0.01, 0.2), random), 0) << i;
+  }
+}
+
+TEST(Outline, HasAllOfTheStripWhereStrokesShareChords) {
+  SeededRandom random(test::first_seed() + 1);
+  const std::vector<Vector2d> left{{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
+  const std::vector<Vector2d> right{{1, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 0}};
+  const std::vector<Vector2d> from_a_side{{0.5, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}, {0.5, 0}};
+  std::vector<Vector2d> twice = left;
+  twice.insert(twice.end(), left.begin() + 1, left.end());
+  const Stroke along{{{0.0, 0.3}, {1.0, 0.8}}}, over{{{0.5, 0.55}, {2.0, 1.3}}};
+  const Stroke point{{{1.5, 0.2}, {1.5 + 1e-12, 0.2}}};
+  const std::vector<std::vector<Stroke>> cases{{{left}, {right}},       {{twice}},     {{from_a_side}},
+                                               {{from_a_side}, {left}}, {along, over}, {{left}, point}};
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    for (const double width : {0.01, 0.1, 0.4}) EXPECT_EQ(count_misplaced(cases[i], width, random), 0) << i;
   }
 }
 

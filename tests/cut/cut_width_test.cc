@@ -149,10 +149,10 @@ TEST(CutWidth, RefusalsLeaveTheSheetAlone) {
   by_element.options.method = Method::kElement;
   EXPECT_EQ(reason(by_element), "OPTIONS_CONFLICT");
   EXPECT_EQ(reason(strip(line, kMaxWidth)), "STRIP_COVERS_SHEET");
-  // Chords that are all within the width of each other: 800 in a row, and 520 with an arc of 19 points between each
+  // Chords that are all within the width of each other: 800 along a bow, and 520 with an arc of 19 points between each
   // two.
   Polyline row, zigzag;
-  for (int i = 0; i <= 800; ++i) row.points.emplace_back(0.4 + 1e-4 * i, 0.5);
+  for (int i = 0; i <= 800; ++i) row.points.emplace_back(0.4 + 1e-4 * i, 0.5 + 1e-7 * i * i);
   for (int i = 0; i <= 520; ++i) zigzag.points.emplace_back(0.4 + 0.2 * (i % 2), 0.5 + 1e-5 * i);
   EXPECT_EQ(reason(strip(row, 0.1)), "WIDTH_WORK_BUDGET");
   EXPECT_EQ(reason(strip(zigzag, 0.1)), "WIDTH_WORK_BUDGET");
