@@ -1,10 +1,14 @@
 // A tick without a cut or another command allocates nothing.
 #include <memory>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "server/base/random.h"
 #include "server/sheet/sheet.h"
 #include "tests/support/allocation_counter.h"
+#include "tests/support/random_cuts.h"
 #include "tests/support/scenes.h"
 
 namespace kerf::sheet {
@@ -13,7 +17,7 @@ namespace {
 constexpr double kReach = 1e-3;  // m, within which a vertex counts as in contact
 
 // A sheet with everything switched on that acts without a command: it falls on every kind of collider, is held at two
-// pins and by two grabs, is cut, and the wind blows.
+// pins and by two grabs, is cut often, and the wind blows.
 Sheet busy_sheet(const IntegratorSettings& integrator) {
   SheetConfig config = scenes::draped_over_sphere(12);
   config.integrator = integrator;
@@ -23,9 +27,15 @@ Sheet busy_sheet(const IntegratorSettings& integrator) {
   config.colliders.push_back({contact::OrientedBox{{0.3, 0.3, 0.2}, {0.1, 0.1, 0.1}, {1.0, 0.0, 1.0}, 0.5}, 0.2});
   config.colliders.push_back({contact::Capsule{{-0.4, -0.4, 0.2}, {0.0, -0.4, 0.2}, 0.1}, 0.0});
   Sheet sheet = Sheet::create(config).value();
-  const std::vector<Command> commands{Grab{"hand", Eigen::Vector2d(0.5, 0.9), std::nullopt, 0.0},
-                                      Grab{"corner", mesh::VertexId{143}, Eigen::Vector3d(0.6, 0.6, 0.6), 0.0},
-                                      scenes::line_cut({0.2, 0.5}, {0.8, 0.45})};
+  std::vector<Command> commands{Grab{"hand", Eigen::Vector2d(0.5, 0.9), std::nullopt, 0.0},
+                                Grab{"corner", mesh::VertexId{143}, Eigen::Vector3d(0.6, 0.6, 0.6), 0.0},
+                                scenes::line_cut({0.2, 0.5}, {0.8, 0.45})};
+  SeededRandom random(1);
+  for (int i = 0; i < 8; ++i) {
+    Cut cut;
+    cut.curve = test::random_cubic(random);
+    commands.emplace_back(cut);
+  }
   for (const Result<CommandReply>& reply : sheet.apply(commands).replies) EXPECT_TRUE(reply.ok());
   return sheet;
 }
@@ -45,6 +55,8 @@ TEST_P(SheetAllocation, ATickWithoutCommandsAllocatesNothing) {
   if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer has its own malloc";
   Sheet sheet = busy_sheet(GetParam());
   EXPECT_EQ(num_touching(sheet), 0);
+  const bool is_explicit = GetParam().kind == IntegratorKind::kExplicitLeapfrog;
+  EXPECT_EQ(sheet.integrator_description().find("clusters") != std::string::npos, is_explicit);
   const std::size_t before = test::num_allocations();
   for (int i = 0; i < 60; ++i) sheet.step({});
   EXPECT_EQ(test::num_allocations(), before);

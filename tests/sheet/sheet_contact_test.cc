@@ -204,6 +204,47 @@ TEST(ExplicitContact, WhatWasCutIsNotThrownWhereItComesUponAnIncline) {
   }
 }
 
+// Clusters that one wall pushes towards another are seen by both.
+TEST(ExplicitContact, WhatWasCutStaysOutsideBothWallsOfAValley) {
+  SheetConfig config = scenes::flat(30);
+  config.gravity.z() = -kGravity;
+  config.integrator.kind = IntegratorKind::kExplicitLeapfrog;
+  config.placement.origin = {-0.5, -0.5, 0.85};
+  const std::array<Eigen::Vector3d, 2> normals{Eigen::Vector3d(0.8, 0.0, 0.6),
+                                               Eigen::Vector3d(-0.8, 0.1, 0.6).normalized()};
+  for (const Eigen::Vector3d& normal : normals) {
+    config.colliders.push_back({contact::Plane{Eigen::Vector3d::Zero(), normal}, 0.3});
+  }
+  Result<Sheet> made = Sheet::create(std::move(config));
+  ASSERT_TRUE(made.ok());
+  Sheet& sheet = *made;
+  SeededRandom random(1);
+  std::vector<Command> cuts(20);
+  for (Command& command : cuts) {
+    Cut cut;
+    cut.curve = test::random_cubic(random);
+    command = cut;
+  }
+  sheet.step(cuts);
+  ASSERT_NE(sheet.integrator_description().find("clusters"), std::string::npos);
+  const double kept = 0.5 * sheet.config().material.thickness;
+  bool has_touched_both = false;
+  for (int tick = 0; tick < 90; ++tick) {
+    EXPECT_EQ(sheet.step({}).stats.flags & (fem::kFrozen | fem::kInsideBody), 0U) << "tick " << tick;
+    int touching = 0;
+    for (const Eigen::Vector3d& normal : normals) {
+      double least = 1.0;
+      for (mesh::VertexId v = 0; v < sheet.mesh().num_vertices(); ++v) {
+        if (sheet.mesh().has_material(v)) least = std::min(least, normal.dot(sheet.state().x.col(v)));
+      }
+      EXPECT_GE(least, kept - 1e-8) << "tick " << tick;
+      touching += least < kept + 1e-6 ? 1 : 0;
+    }
+    has_touched_both = has_touched_both || touching == 2;
+  }
+  EXPECT_TRUE(has_touched_both);
+}
+
 INSTANTIATE_TEST_SUITE_P(, SheetContact,
                          ::testing::Values(IntegratorKind::kExplicitLeapfrog, IntegratorKind::kImplicitEuler),
                          [](const ::testing::TestParamInfo<IntegratorKind>& tested) {
