@@ -18,7 +18,7 @@ namespace {
 using Eigen::Vector2d;
 using std::numbers::pi;
 
-// Of what the outline may add to the deviation: arcs at corners and ends. The rest is for leaving out points.  -
+// Arcs at corners and ends may use this share of what the outline adds to the deviation, leaving out points the rest.
 constexpr double kArcShare = 0.4;
 
 // Clipper rounds the number of chords of an arc to nearest: one may stand for one and a half, and be this much farther
@@ -109,7 +109,8 @@ class ChordsOnGrid {
   std::set<std::pair<Point, Point>> laid_;
 };
 
-// Angle, radians, by which the chain turns at the end of chord i, where the outline has an arc; pi where it ends.
+// Returns the angle, radians, by which the chain turns at the end of chord i, where the outline has an arc.
+// It is pi where the chain ends.
 double turn_after(const std::vector<Vector2d>& points, bool is_closed, std::size_t i) {
   const bool is_last = i + 2 == points.size();
   if (is_last && !is_closed) return pi;
@@ -142,8 +143,8 @@ std::vector<Chord> strips_of_chords(const std::vector<Chain>& chains, const Grid
   return chords;
 }
 
-// Tells whether the strips of chords overlap, by their boxes, in more than kMaxStripPairs pairs, or in pairs with more
-// than kMaxStripPoints points of the outline.
+// Tells whether boxes of strips overlap in more than kMaxStripPairs pairs, or in pairs with more than kMaxStripPoints
+// points of the outline.
 bool exceeds_work_budget(std::vector<Chord> chords) {
   std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.low.y() < b.low.y(); });
   std::int64_t pairs = 0, looked_at = 0;

@@ -8,11 +8,11 @@
 
 namespace kerf::fem {
 
-// Pushes vertices of a cluster as a body wants, by impulses in proportion to their masses and to what is wanted of
-// each: j = s M wanted. The response is W j, W = M'^-1, and s = (wanted, M wanted) / (M wanted, W M wanted), a step of
-// steepest descent: what stops vertices never adds energy by M', nor does a smaller s. It is exact for one vertex, and
-// for a free cluster that is pushed as a whole. No pushed vertex responds by more than the largest that is wanted.
-// Displacements are found alike. The next substep asks for what is left of both.
+// Pushes vertices of a cluster as a body wants, by impulses j = s M wanted. All of them respond by W j, W = M'^-1. The
+// scale s = (wanted, M wanted) / (M wanted, W M wanted) is a step of steepest descent: what stops vertices never adds
+// energy by M', nor does a smaller s. It is exact for one vertex, and for a free cluster that is pushed as a whole. No
+// pushed vertex responds by more than the largest that is wanted. Displacements are found in the same way. The next
+// substep asks for what is left of both.
 template <typename T>
 class ClusterPush {
  public:
