@@ -96,11 +96,12 @@ class ChordsOnGrid {
     const auto [low, high] = std::minmax({Point(a.X, a.Y), Point(b.X, b.Y)});
     return laid_.insert({low, high}).second;
   }
-  // A point alone stays where it is the whole stroke.
+  // A point alone stays where it is the whole stroke, as a chord: Clipper leaves a gap in the circle around a point.
   void end(ClipperLib::Path& chain, bool is_whole) {
+    if (is_whole && chain.size() == 1) chain.emplace_back(chain.front().X + 1, chain.front().Y);
     const bool is_closed = is_whole && chain.size() > 3 && chain.front() == chain.back();
     if (is_closed) chain.pop_back();
-    if (chain.size() > 1 || is_whole) chains_.push_back({std::move(chain), is_closed});
+    if (chain.size() > 1) chains_.push_back({std::move(chain), is_closed});
     chain.clear();
   }
 
