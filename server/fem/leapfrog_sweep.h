@@ -139,8 +139,8 @@ class LeapfrogSweep {
   // Scratch of enforce().
   struct Contact {
     mesh::VertexLanes vertices, given;
+    double drift = 0.0;  // s, of the substep of find_touching()
     // The blocks that find_touching() found, and positions of their vertices before; longer than there are.
-    double drift = 0.0;  // s
     std::size_t num_blocks = 0;
     std::vector<std::int32_t> blocks;
     std::vector<std::array<mesh::VertexLanes::Lanes, 3>> before;
