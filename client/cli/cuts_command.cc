@@ -157,9 +157,11 @@ int undo_or_redo(const Session& session, const std::string& id, const char* what
     std::printf("%s\n", to_script_json(result).c_str());
     return kDone;
   }
-  std::printf("%s at tick %lld: %d %s, %d %s now; %d more to undo, %d to redo\n", what,
-              static_cast<long long>(result.tick()), result.cuts_size(), result.cuts_size() == 1 ? "cut" : "cuts",
-              result.pieces(), result.pieces() == 1 ? "piece" : "pieces", result.undo_steps(), result.redo_steps());
+  const std::string step =
+      result.reset() ? "the reset" : std::to_string(result.cuts_size()) + (result.cuts_size() == 1 ? " cut" : " cuts");
+  std::printf("%s at tick %lld: %s, %d %s now; %d more to undo, %d to redo\n", what,
+              static_cast<long long>(result.tick()), step.c_str(), result.pieces(),
+              result.pieces() == 1 ? "piece" : "pieces", result.undo_steps(), result.redo_steps());
   return kDone;
 }
 
@@ -311,13 +313,12 @@ void add_cuts_commands(CLI::App& app, Session& session) {
   cuts->callback(
       [&session, arguments] { session.action = [&session, arguments] { return list_cuts(session, *arguments); }; });
 
-  add_sheet_command(app, session, "undo",
-                    "Take the last cut (or batch of cuts) back: the mesh is what it was, the motion goes on",
+  add_sheet_command(app, session, "undo", "Take back the last cut, batch of cuts or reset",
                     [](const Session& s, const std::string& id) {
                       return undo_or_redo(s, id, "UNDONE", &v1::CutService::Stub::UndoCut);
                     })
       ->group(group::kCuts);
-  add_sheet_command(app, session, "redo", "Make the cut that was undone last again",
+  add_sheet_command(app, session, "redo", "Redo the cut or reset that was undone last",
                     [](const Session& s, const std::string& id) {
                       return undo_or_redo(s, id, "REDONE", &v1::CutService::Stub::RedoCut);
                     })

@@ -65,6 +65,12 @@ std::string summary(const v1::RunResult& result) {
                   static_cast<long long>(result.linear_iterations()), result.linear_residual());
     all += text;
   }
+  if (result.largest_strained_share() > 0.0) {
+    std::snprintf(text, sizeof text,
+                  "  beyond the material's strain limit: %.2g %% of the area at most, %.2g %% on average\n",
+                  100.0 * result.largest_strained_share(), 100.0 * result.mean_strained_share());
+    all += text;
+  }
   all.pop_back();
   if (result.has_static_()) all += "\n  " + describe(result.static_());
   for (const v1::Table& table : result.tables()) all += excerpt(table);

@@ -171,11 +171,14 @@ std::string describe(const v1::Sheet& sheet) {
   const std::string solves =
       sheet.linear_iterations() > 0 ? format("  linear residual %.2g", sheet.linear_residual()) : std::string();
   const std::string hash = sheet.state_hash().empty() ? std::string() : "  hash " + sheet.state_hash();
+  const std::string strained = sheet.strained_share() > 0.0
+                                   ? format("  %.2g %% beyond its strain limit", 100.0 * sheet.strained_share())
+                                   : std::string();
   std::string flags;
   for (const auto& [flag, ticks] : by_name(sheet.flagged_ticks())) {
     flags += format("%s %s %lld", flags.empty() ? "  ticks flagged" : ",", flag.c_str(), static_cast<long long>(ticks));
   }
-  return text + solves + hash + flags;
+  return text + solves + strained + hash + flags;
 }
 
 std::string describe(const v1::LocalInertia& inertia) {

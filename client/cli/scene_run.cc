@@ -90,6 +90,9 @@ Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions&
     timer.clear();
     run.result.set_linear_iterations(run.result.linear_iterations() + report.stats.linear_iterations);
     run.result.set_linear_residual(std::max(run.result.linear_residual(), report.stats.linear_residual));
+    const double share = report.stats.strained_share;
+    run.result.set_largest_strained_share(std::max(run.result.largest_strained_share(), share));
+    run.result.set_mean_strained_share(run.result.mean_strained_share() + share / static_cast<double>(analysis.ticks));
     if (options.record) run.recording += wire::encode_recorded_tick({report.tick, {}, sheet.state_hash()});
   };
   return analysis::run_dynamic(sheet, analysis, sheet.config().probes, options.watch, after, &timer);

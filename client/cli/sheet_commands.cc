@@ -1,4 +1,7 @@
+#include <unistd.h>
+
 #include <cstdio>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <utility>
@@ -171,6 +174,28 @@ int call_with_name(const Session& session, const std::string& id,
   return kDone;
 }
 
+// Asks at a terminal where others watch the sheet. A server that cannot be asked says why at the reset.
+int reset_sheet(const Session& session, const std::string& id, bool is_sure) {
+  if (!is_sure && isatty(STDIN_FILENO) != 0) {
+    client::Client client(session.server);
+    v1::GetSheetRequest request;
+    request.set_name("sheets/" + id);
+    v1::Sheet sheet;
+    const grpc::Status status = client.call(&v1::SheetService::Stub::GetSheet, client.sheets(), request, sheet);
+    if (status.ok() && sheet.viewers() > 0) {
+      std::fprintf(stderr, "%d %s %s: reset it for everybody? [y/N] ", sheet.viewers(),
+                   sheet.viewers() == 1 ? "viewer watches" : "viewers watch", id.c_str());
+      std::string answer;
+      std::getline(std::cin, answer);
+      if (answer != "y" && answer != "Y" && answer != "yes") {
+        std::fprintf(stderr, "nothing was reset\n");
+        return kDone;
+      }
+    }
+  }
+  return call_with_name(session, id, &v1::SheetService::Stub::ResetSheet);
+}
+
 int delete_sheet(const Session& session, const std::string& id) {
   client::Client client(session.server);
   v1::DeleteSheetRequest request;
@@ -282,9 +307,11 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   add_sheet_command(*sheet, session, "resume", "Let a sheet run again", [](const Session& s, const std::string& id) {
     return call_with_name(s, id, &v1::SheetService::Stub::ResumeSheet);
   });
-  add_sheet_command(*sheet, session, "reset", "Back to the initial state", [](const Session& s, const std::string& id) {
-    return call_with_name(s, id, &v1::SheetService::Stub::ResetSheet);
-  });
+  const auto is_sure = std::make_shared<bool>(false);
+  add_sheet_command(*sheet, session, "reset",
+                    "Play the scene again from its beginning, without cuts; `kerf undo` takes that back",
+                    [is_sure](const Session& s, const std::string& id) { return reset_sheet(s, id, *is_sure); })
+      ->add_flag("--yes", *is_sure, "Do not ask, even where others watch the sheet");
 
   const auto id = std::make_shared<std::string>();
   const auto ticks = std::make_shared<std::int32_t>(1);

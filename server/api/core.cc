@@ -141,6 +141,9 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   sheet.set_linear_iterations(status.linear_iterations);
   sheet.set_linear_residual(status.linear_residual);
   sheet.set_settings_version(status.stats.settings_version);
+  sheet.set_strained_share(status.stats.strained_share);
+  sheet.set_viewers(status.viewers);
+  sheet.set_scene_tick(status.scene_tick);
   if (status.replay) *sheet.mutable_replay() = encode_replay(*status.replay);
   wire::encode_flags(status.flagged_ticks, *sheet.mutable_flagged_ticks());
   return sheet;

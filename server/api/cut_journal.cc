@@ -4,16 +4,24 @@
 
 namespace kerf::api {
 
-void CutJournal::add(const std::string& sheet, std::int64_t number, v1::Cut cut, v1::CutResult result) {
+void CutJournal::drop_undone(Log& log) {
+  std::erase_if(log.items, [&log](const auto& each) {
+    const bool drops = each.second.undone || each.second.beginning > log.beginning;
+    if (drops) log.bytes -= each.second.entry.ByteSizeLong();
+    return drops;
+  });
+}
+
+void CutJournal::add(const std::string& sheet, std::int64_t beginning, std::int64_t number, v1::Cut cut,
+                     v1::CutResult result) {
   Item item;
+  item.beginning = beginning;
   *item.entry.mutable_cut() = std::move(cut);
   *item.entry.mutable_result() = std::move(result);
   const std::lock_guard lock(mutex_);
   Log& log = logs_[sheet];
-  std::erase_if(log.items, [&log](const auto& each) {
-    if (each.second.undone) log.bytes -= each.second.entry.ByteSizeLong();
-    return each.second.undone;
-  });
+  drop_undone(log);
+  log.beginning = beginning;
   log.bytes += item.entry.ByteSizeLong();
   log.items.emplace(number, std::move(item));
   while (log.bytes > kMaxBytes && log.items.size() > 1) {
@@ -48,6 +56,19 @@ void CutJournal::redo(const std::string& sheet, const std::vector<std::int64_t>&
   }
 }
 
+void CutJournal::reset(const std::string& sheet, std::int64_t beginning) {
+  const std::lock_guard lock(mutex_);
+  Log& log = logs_[sheet];
+  if (log.beginning == beginning) return;  // a scheduled cut of the same tick came first
+  drop_undone(log);
+  log.beginning = beginning;
+}
+
+void CutJournal::go_to(const std::string& sheet, std::int64_t beginning) {
+  const std::lock_guard lock(mutex_);
+  logs_[sheet].beginning = beginning;
+}
+
 void CutJournal::refuse(const std::string& sheet, v1::ScheduledCuts cuts) {
   const std::lock_guard lock(mutex_);
   Log& log = logs_[sheet];
@@ -71,7 +92,7 @@ CutJournal::Page CutJournal::page(const std::string& sheet, std::int64_t after, 
   if (log == logs_.end()) return page;
   std::size_t bytes = 0;
   for (auto item = log->second.items.upper_bound(after); item != log->second.items.end(); ++item) {
-    if (item->second.undone) continue;
+    if (item->second.undone || item->second.beginning != log->second.beginning) continue;
     bytes += item->second.entry.ByteSizeLong();
     if (page.entries.size() == count || (!page.entries.empty() && bytes > kMaxPageBytes)) {
       page.more = true;

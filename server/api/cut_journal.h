@@ -13,8 +13,8 @@
 namespace kerf::api {
 
 // The applied cuts of every sheet since its last reset by number, and the last scheduled ones that were refused. Those
-// undone are set aside until they are made again or a new cut is applied. Bounded: of a sheet whose cuts take more than
-// kMaxBytes the oldest are forgotten. Thread-safe.
+// undone are set aside until they are made again or a new cut is applied; those before a reset, for its undo. Bounded:
+// of a sheet whose cuts take more than kMaxBytes the oldest are forgotten. Thread-safe.
 class CutJournal {
  public:
   static constexpr std::size_t kMaxBytes = std::size_t{16} << 20;     // serialised, a sheet
@@ -22,10 +22,15 @@ class CutJournal {
   static constexpr std::size_t kMaxRefused = 64;                      // a sheet
   static constexpr std::size_t kMaxRefusedBytes = std::size_t{1} << 20;  // serialised, a sheet; one may be larger
 
-  void add(const std::string& sheet, std::int64_t number, v1::Cut cut, v1::CutResult result);
+  // `beginning`: see sheet::CommandReply.
+  void add(const std::string& sheet, std::int64_t beginning, std::int64_t number, v1::Cut cut, v1::CutResult result);
   void undo(const std::string& sheet, const std::vector<std::int64_t>& numbers);
   // `result`: tick, topology version and hash that they have now.
   void redo(const std::string& sheet, const std::vector<std::int64_t>& numbers, const v1::UndoResult& result);
+  // A reset has led to a new beginning.
+  void reset(const std::string& sheet, std::int64_t beginning);
+  // A reset was undone, or done again: those cuts are there that were made since `beginning`.
+  void go_to(const std::string& sheet, std::int64_t beginning);
   void refuse(const std::string& sheet, v1::ScheduledCuts cuts);
   void forget(const std::string& sheet);
 
@@ -42,14 +47,19 @@ class CutJournal {
  private:
   struct Item {
     v1::ListCutsResponse::Entry entry;
+    std::int64_t beginning = 0;
     bool undone = false;
   };
   struct Log {
     std::map<std::int64_t, Item> items;
+    std::int64_t beginning = 0;
     std::size_t bytes = 0;
     std::deque<v1::ScheduledCuts> refused;
     std::size_t refused_bytes = 0;
   };
+
+  // Forgets what only a redo could bring back, which a change has ruled out.
+  static void drop_undone(Log& log);
 
   mutable std::mutex mutex_;
   std::map<std::string, Log> logs_;

@@ -53,6 +53,7 @@ v1::UndoResult encode_undo(const std::string& sheet_id, const host::CommandResul
   const sheet::UndoReply& undone = *result.reply.undone;
   v1::UndoResult message;
   for (const std::int64_t number : undone.cuts) message.add_cuts(cut_name(sheet_id, number));
+  message.set_reset(undone.reset);
   message.set_tick(result.reply.tick);
   message.set_topology_version(result.reply.topology_version);
   message.set_pieces(undone.pieces);
@@ -157,7 +158,11 @@ void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Co
     return journal.refuse(sheet_id, std::move(refused));
   }
   const sheet::CommandReply& reply = result->reply;
-  if (std::holds_alternative<sheet::Reset>(command)) return journal.forget(sheet_id);
+  if (const auto* reset = std::get_if<sheet::Reset>(&command)) {
+    if (reset->repeats) journal.forget(sheet_id);
+    return journal.reset(sheet_id, reply.beginning);
+  }
+  if (reply.undone && reply.undone->reset) return journal.go_to(sheet_id, reply.beginning);
   if (reply.undone && std::holds_alternative<sheet::UndoCut>(command)) {
     return journal.undo(sheet_id, reply.undone->cuts);
   }
@@ -168,7 +173,7 @@ void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Co
     if (results[i].status() != v1::CutResult::APPLIED) continue;
     const std::int64_t number = reply.cut ? reply.cut->number : reply.batch[i].number;
     if (appointment.number > 0) results[i].set_scheduled_name(scheduled_name(sheet_id, appointment.number));
-    journal.add(sheet_id, number, std::move(cuts[i]), std::move(results[i]));
+    journal.add(sheet_id, reply.beginning, number, std::move(cuts[i]), std::move(results[i]));
   }
 }
 

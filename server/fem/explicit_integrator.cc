@@ -189,7 +189,9 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     }
     was_in_double_ = !is_mixed;
     if (is_finite(state)) {
-      stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
+      const StrainExtent strain = measure_strain(model.element_blocks(), model.materials(), state.x);
+      stats.max_strain = strain.largest;
+      stats.strained_share = strain.beyond_limit;
       const bool is_kept = plan.touched || keeps_energy(model, loads, stats, state);
       // What stretches faster than the cfl number leaves room for has outrun its substeps.
       const bool is_stable = plan.h() <= critical_step(stretch_at(model, state.x).stiffening) &&
@@ -209,7 +211,6 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   stats.substeps = plan.substeps;
   stats.load_phases = plan.load_phases;
   stats.simulated = plan.duration;
-  if (stats.max_strain > options_.strain_limit) stats.flags |= kStrainLimit;
   if (contact != nullptr && contact->num_inside() > 0) stats.flags |= kInsideBody;
   return stats;
 }

@@ -99,8 +99,9 @@ StepStats ImplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     return stats;
   }
   stats.simulated = dt;
-  stats.max_strain = max_principal_strain(model.element_blocks(), state.x);
-  if (stats.max_strain > options_.strain_limit) stats.flags |= kStrainLimit;
+  const StrainExtent strain = measure_strain(model.element_blocks(), model.materials(), state.x);
+  stats.max_strain = strain.largest;
+  stats.strained_share = strain.beyond_limit;
   if (contact != nullptr && contact->num_inside() > 0) stats.flags |= kInsideBody;
   return stats;
 }

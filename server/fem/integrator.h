@@ -19,23 +19,22 @@ enum StepFlags : std::uint32_t {
   kNoFlags = 0,
   kNotConverged = 1U << 0,  // Newton or the linear solver stopped above its tolerance; the step was still accepted
   kSubstepped = 1U << 1,    // more substeps than planned: a bad trial was thrown away and the step divided
-  kStrainLimit = 1U << 2,   // a principal strain above IntegratorOptions::strain_limit at the end of the step
-  kSubstepLimit = 1U << 3,  // stability asks for more than max_substeps: the step covers less time than dt was asked to
-  kFrozen = 1U << 4,        // no finite step was found: the state is as it was before
-  kRepaired = 1U << 5,      // the fast nonlinear iteration failed; a line-searched one took its place
-  kEnergyLimited = 1U << 6,  // the step would have ended with more energy than it began with: see EnergyGuard
-  kWidened = 1U << 7,  // the sheet was too large, too fast or a triangle too flat for mixed precision: made in double
-  kDamped = 1U << 8,   // a step of second order failed: implicit Euler's took its place
+  kSubstepLimit = 1U << 2,  // stability asks for more than max_substeps: the step covers less time than dt was asked to
+  kFrozen = 1U << 3,        // no finite step was found: the state is as it was before
+  kRepaired = 1U << 4,      // the fast nonlinear iteration failed; a line-searched one took its place
+  kEnergyLimited = 1U << 5,  // the step would have ended with more energy than it began with: see EnergyGuard
+  kWidened = 1U << 6,  // the sheet was too large, too fast or a triangle too flat for mixed precision: made in double
+  kDamped = 1U << 7,   // a step of second order failed: implicit Euler's took its place
   kMajorized =
-      1U << 9,  // no attempt was finite and kept the energy: one linear step that cannot gain any took their place
+      1U << 8,  // no attempt was finite and kept the energy: one linear step that cannot gain any took their place
   kInsideBody =
-      1U << 10,  // the step began with vertices inside a body, deeper than the sheet is thick: brought out slowly
+      1U << 9,  // the step began with vertices inside a body, deeper than the sheet is thick: brought out slowly
 };
 
 // In the order of their bits; what metrics and results call them.
-inline constexpr std::array<std::string_view, 11> kStepFlagNames{
-    "not_converged",  "substepped", "strain_limit", "substep_limit", "frozen",     "repaired",
-    "energy_limited", "widened",    "damped",       "majorized",     "inside_body"};
+inline constexpr std::array<std::string_view, 10> kStepFlagNames{
+    "not_converged",  "substepped", "substep_limit", "frozen",    "repaired",
+    "energy_limited", "widened",    "damped",        "majorized", "inside_body"};
 static_assert(kInsideBody == 1U << (kStepFlagNames.size() - 1));
 
 // Steps that reported each flag, by bit.
@@ -57,7 +56,8 @@ struct StepStats {
   double linear_residual = 0.0;
   double residual = 0.0;    // largest final Newton residual of a substep, relative (see IntegratorOptions); 0: explicit
   double max_strain = 0.0;  // -, largest |principal strain| at the end of the step
-  double simulated = 0.0;   // s, time the state advanced: dt, 0 when frozen, less than dt with kSubstepLimit
+  double strained_share = 0.0;  // -, share of the area beyond Material::strain_limit then: see StrainExtent
+  double simulated = 0.0;       // s, time the state advanced: dt, 0 when frozen, less than dt with kSubstepLimit
   // Times that forces on vertices were summed that are neither of the membrane nor linear in positions: external ones,
   // wind, follower loads, clamps, a curved rest shape. Of implicit integrators, of wind alone. 0 where there are none.
   int load_phases = 0;
@@ -116,8 +116,6 @@ struct IntegratorOptions {
   double linear_tolerance = 1e-4;                                     // -, see linear_solver.h
   int max_linear_iterations = 1000;                                   // of one solve by conjugate gradients, >= 1
   int max_halvings = 6;                                               // of a step that fails
-
-  double strain_limit = 0.5;  // -, above it kStrainLimit is set
 };
 
 // Advances a state. Not thread-safe; one a sheet.

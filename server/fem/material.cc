@@ -14,7 +14,7 @@ struct Field {
   Range range;
 };
 
-constexpr std::array<Field, 10> kFields{{
+constexpr std::array<Field, 11> kFields{{
     {"youngs_modulus_pa", &Material::youngs_modulus_1, MaterialRanges::kYoungsModulus},
     {"youngs_modulus_2_pa", &Material::youngs_modulus_2, MaterialRanges::kYoungsModulus},
     {"shear_modulus_pa", &Material::shear_modulus, MaterialRanges::kShearModulus},
@@ -25,6 +25,7 @@ constexpr std::array<Field, 10> kFields{{
     {"bending_scale", &Material::bending_scale, MaterialRanges::kBendingScale},
     {"mass_damping_per_s", &Material::mass_damping, MaterialRanges::kMassDamping},
     {"stiffness_damping_s", &Material::stiffness_damping, MaterialRanges::kStiffnessDamping},
+    {"strain_limit", &Material::strain_limit, MaterialRanges::kStrainLimit},
 }};
 
 struct OptionalField {

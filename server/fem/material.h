@@ -30,6 +30,7 @@ struct MaterialRanges {
   static constexpr Range kBendingCoupling{-1e14, 1e14};
   static constexpr Range kMassDamping{0.0, 1e3};
   static constexpr Range kStiffnessDamping{0.0, 1.0};
+  static constexpr Range kStrainLimit{1e-6, 1e3};
 };
 
 // How the strain of the membrane is measured that stress is linear in; formulas in membrane.h. One for a whole sheet:
@@ -56,6 +57,8 @@ struct Material {
   double mass_damping = 0.0;        // 1/s, Rayleigh alpha: force -alpha m v
   double stiffness_damping = 0.0;   // s, Rayleigh beta: stress C (e + beta de/dt). The explicit integrator
                                     // limits it to what its step can carry (see integrator.h)
+  double strain_limit = 0.5;        // -, largest |principal strain| that the material bears; changes nothing but what
+                                    // is reported as beyond it
   // N m: of the plate law M11 = D11 k11 + D12 k22, M22 = D12 k11 + D22 k22, M12 = D66 2 k12, in material axes, as
   // measured; each one that is absent is that of C t^2 / 12 times bending_scale.
   std::optional<double> bending_stiffness_1{};  // D11

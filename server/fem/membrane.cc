@@ -300,9 +300,12 @@ GreenStretch green_stretch(std::span<const ElementBlock> blocks, const MaterialT
 
 // Principal stretches are (s +- q / s) / 2 with c = F^T F, s = tr S = sqrt(tr c + 2 det F) and
 // q = sqrt((c11 - c22)^2 + 4 c12^2): of their distances from 1 the larger is |s / 2 - 1| + q / (2 s).
-double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::VertexField& x) {
+StrainExtent measure_strain(std::span<const ElementBlock> blocks, const MaterialTable& materials,
+                            const mesh::VertexField& x) {
   constexpr double kTiny = 1e-150;
-  double largest = 0.0;
+  StrainExtent extent;
+  double area = 0.0;
+  double area_beyond = 0.0;
   Lane strain;
   LaneEdges edges;
   Lane3 f1;
@@ -317,10 +320,14 @@ double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::Ve
       strain[l] = std::abs(0.5 * s - 1.0) + 0.5 * q / (s + kTiny);
     }
     for (std::size_t l = 0; l < kLanes; ++l) {
-      if (block.area[l] > 0.0) largest = std::max(largest, strain[l]);
+      if (block.area[l] == 0.0) continue;
+      area += block.area[l];
+      if (strain[l] > materials.of(block, l).material.strain_limit) area_beyond += block.area[l];
+      extent.largest = std::max(extent.largest, strain[l]);
     }
   }
-  return largest;
+  if (area > 0.0) extent.beyond_limit = area_beyond / area;
+  return extent;
 }
 
 }  // namespace kerf::fem

@@ -37,8 +37,13 @@ void add_membrane_forces(std::span<const ElementBlock> blocks, const MaterialTab
 double membrane_energy(std::span<const ElementBlock> blocks, const MaterialTable& materials,
                        const mesh::VertexField& x);
 
-// Largest |principal strain| U - I of any triangle with material, -.
-double max_principal_strain(std::span<const ElementBlock> blocks, const mesh::VertexField& x);
+// How far a membrane is strained, in principal strains of U - I.
+struct StrainExtent {
+  double largest = 0.0;       // -, largest |principal strain| of any triangle with material
+  double beyond_limit = 0.0;  // -, share of the rest area where it is above Material::strain_limit; 0..1
+};
+StrainExtent measure_strain(std::span<const ElementBlock> blocks, const MaterialTable& materials,
+                            const mesh::VertexField& x);
 
 // How much stiffer than at rest, at most, the triangles of a membrane with Green's strain are at x, and so the largest
 // eigenvalue of M^-1 K in units of StiffnessBound's bound at rest, of a sheet whose triangles turn together. With the

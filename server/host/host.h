@@ -63,6 +63,8 @@ struct SheetStatus {
   std::int32_t num_triangles = 0;  // with material
   std::int32_t pieces = 0;
   std::optional<std::uint64_t> state_hash;  // left out by statuses()
+  std::int32_t viewers = 0;                 // of all sinks
+  std::int64_t scene_tick = 0;              // see sheet::Sheet::scene_tick()
   sheet::RunStats stats;
   std::vector<mesh::VertexId> pinned_vertices;
   Eigen::Vector3d gravity{0.0, 0.0, 0.0};            // m/s^2, in force

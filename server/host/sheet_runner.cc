@@ -178,11 +178,7 @@ Result<std::int64_t> SheetRunner::schedule(sheet::Command command, std::int64_t 
       scheduled_.begin(), scheduled_.end(), at_tick,
       [](std::int64_t tick, const WaitingCommand& waiting) { return tick < waiting.appointment.at_tick; });
   scheduled_.insert(after, {{at_tick, ++num_scheduled_}, std::move(command)});
-  if (sleeping_) {
-    sleeping_ = false;
-    note_state();
-    start_clock();
-  }
+  if (sleeping_) wake();
   return num_scheduled_;
 }
 
@@ -209,10 +205,12 @@ void SheetRunner::add_sink(std::shared_ptr<sheet::SnapshotSink> sink) {
   context_.board.update([](HostMetrics& m) { ++m.sinks; });
   sinks_.push_back(std::move(sink));
   publish_to(*sinks_.back());
+  repeat_if_over();
 }
 
 void SheetRunner::refresh_sink(const std::shared_ptr<sheet::SnapshotSink>& sink) {
   if (std::find(sinks_.begin(), sinks_.end(), sink) != sinks_.end()) publish_to(*sink);
+  repeat_if_over();
 }
 
 void SheetRunner::publish_to(sheet::SnapshotSink& sink) {
@@ -239,6 +237,8 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.id = id_;
   status.run_state = run_state();
   status.tick = sheet_.tick();
+  status.scene_tick = sheet_.scene_tick();
+  for (const auto& sink : sinks_) status.viewers += sink->num_viewers();
   status.topology_version = sheet_.topology_version();
   status.num_vertices = sheet_.mesh().num_vertices();
   status.num_triangles = sheet_.mesh().num_solid_triangles();
@@ -270,12 +270,7 @@ void SheetRunner::commands_arrived() {
     return;
   }
   if (step_call_) return;  // its ticks take them
-  if (sleeping_) {
-    sleeping_ = false;
-    note_state();
-    start_clock();
-    return;
-  }
+  if (sleeping_) return wake();
   if (!paused_ && !sheet_.frozen()) return;
   const bool was_frozen = sheet_.frozen();
   if (!run_once(false)) return;
@@ -286,6 +281,7 @@ void SheetRunner::commands_arrived() {
 void SheetRunner::on_deadline(std::uint64_t generation) {
   if (closed_ || context_.stopping || generation != generation_) return;
   timer_.reset();
+  if (sleeping_) return repeat_if_over();
   if (!run_once(true)) return deadline_call()();
   if (paused_) return;  // a replay has ended
   if (sheet_.frozen()) {
@@ -297,6 +293,7 @@ void SheetRunner::on_deadline(std::uint64_t generation) {
     context_.board.update([](HostMetrics& m) { ++m.sleeps; });
     note_state();
     publish();
+    await_repeat();
   } else {
     schedule();
   }
@@ -348,6 +345,9 @@ sheet::RunStats SheetRunner::run_stats() const {
   stats.published_unix_us = context_.clock.unix_us();
   stats.sheet_serial = context_.serial;
   stats.settings_version = sheet_.settings_version() + state_changes_;
+  stats.strained_share = last_step_.strained_share;
+  stats.resets = resets_;
+  stats.resets_undone = resets_undone_;
   stats.paused = paused_;
   stats.sleeping = sleeping_;
   stats.failed = sheet_.frozen();

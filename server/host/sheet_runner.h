@@ -98,6 +98,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     Callback<CommandResult> done;
     Nanoseconds queued_at{0};
     Appointment appointment{};
+    bool is_repeat = false;  // the sheet's own Reset
   };
   struct StepCall {
     std::int64_t remaining = 0;
@@ -139,7 +140,16 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void publish();
   void finish_step(Result<SheetStatus> result);
 
+  // Notes what clients did to the scene: whether it may still repeat, and their resets.
+  void note_changes(const std::vector<Pending>& pending, const std::vector<sheet::Command>& commands,
+                    const sheet::TickReport& report);
+
   [[nodiscard]] bool ticks_by_clock() const;
+  // Scene.repeat_after_ticks (sheet_runner_clock.cc): somebody watches, and no client has changed the scene.
+  [[nodiscard]] bool may_repeat() const;
+  void await_repeat();    // falling asleep
+  void repeat_if_over();  // asleep: with its next tick, where its time is over
+  void wake();
   void start_clock();
   void stop_clock();
   void schedule();
@@ -191,6 +201,10 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::uint64_t generation_ = 0;  // of the clockwork: a deadline of an older one means nothing
   bool paused_ = false;
   bool sleeping_ = false;
+  bool is_changed_ = false;  // by a client, since the scene began
+  bool repeats_now_ = false;
+  std::int32_t resets_ = 0;  // that clients asked for
+  std::int32_t resets_undone_ = 0;
   std::optional<sheet::SinkEnd> closed_;
   std::optional<RunState> noted_state_;  // as counted on the board
   std::int32_t state_changes_ = 0;       // of run state and speed; part of the settings version

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "server/host/sheet_runner.h"
 
 // When the ticks of a SheetRunner are due.
@@ -19,6 +21,29 @@ void SheetRunner::set_speed(double speed) {
 
 bool SheetRunner::ticks_by_clock() const {
   return run_state() == RunState::kRunning && !step_call_;
+}
+
+bool SheetRunner::may_repeat() const {
+  if (sheet_.config().repeat_after == 0 || is_changed_ || paused_ || step_call_ || is_playing()) return false;
+  return std::any_of(sinks_.begin(), sinks_.end(), [](const auto& sink) { return sink->wants_snapshot(); });
+}
+
+void SheetRunner::repeat_if_over() {
+  if (!sleeping_ || timer_ || !may_repeat()) return;
+  repeats_now_ = true;
+  wake();
+}
+
+void SheetRunner::await_repeat() {
+  if (sheet_.config().repeat_after == 0) return;
+  const std::int64_t ticks = std::max<std::int64_t>(sheet_.config().repeat_after - sheet_.scene_tick(), 0);
+  timer_ = context_.clock.schedule(context_.clock.now() + ticks * pace_.period(), deadline_call());
+}
+
+void SheetRunner::wake() {
+  sleeping_ = false;
+  note_state();
+  start_clock();
 }
 
 void SheetRunner::start_clock() {

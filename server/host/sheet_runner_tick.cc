@@ -19,6 +19,11 @@ double microseconds(Nanoseconds time) {
 bool SheetRunner::run_once(bool advance) {
   if (advance && is_playing()) return play_tick();
   std::vector<Pending> pending = advance && !sheet_.frozen() ? take_due() : std::vector<Pending>();
+  const bool is_over = repeats_now_ || sheet_.scene_tick() >= sheet_.config().repeat_after;
+  if (advance && is_over && may_repeat()) {
+    pending.push_back({sheet::Reset{.repeats = true}, [](const auto&) {}, Nanoseconds{0}, {}, true});
+  }
+  repeats_now_ = false;
   std::vector<Pending> queued = take_queue();
   std::move(queued.begin(), queued.end(), std::back_inserter(pending));
   if (!advance && pending.empty()) return false;
@@ -48,6 +53,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   const auto is_reset = [](const sheet::Command& command) { return std::holds_alternative<sheet::Reset>(command); };
   if (step_call_ && std::any_of(commands.begin(), commands.end(), is_reset)) step_call_->remaining = 0;
   const std::vector<Result<CommandResult>> results = results_of(report, pending, begin, timer);
+  note_changes(pending, commands, report);
   tell(commands, pending, report, results);
   if (bare && (stands || report.stats.interrupted)) kept_.append(*bare);
   if (!(report.stats.interrupted && commands.empty())) record(report.tick, std::move(commands));
@@ -65,6 +71,19 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   count(report, results, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
   for (std::size_t i = 0; i < pending.size(); ++i) pending[i].done(results[report.scheduled.size() + i]);
   return !report.stats.interrupted;
+}
+
+void SheetRunner::note_changes(const std::vector<Pending>& pending, const std::vector<sheet::Command>& commands,
+                               const sheet::TickReport& report) {
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    const Result<sheet::CommandReply>& reply = report.replies[i];
+    if (!reply || pending[i].is_repeat) continue;
+    const bool is_reset = std::holds_alternative<sheet::Reset>(commands[i]);
+    is_changed_ = !is_reset;
+    if (is_reset) ++resets_;
+    if (!reply->undone || !reply->undone->reset) continue;
+    ++(std::holds_alternative<sheet::RedoCut>(commands[i]) ? resets_ : resets_undone_);
+  }
 }
 
 bool SheetRunner::goes_on() const {
@@ -127,18 +146,22 @@ std::vector<Result<CommandResult>> SheetRunner::results_of(const sheet::TickRepo
   const std::size_t num_scheduled = report.scheduled.size();
   std::vector<Result<CommandResult>> results;
   results.reserve(num_scheduled + pending.size());
-  const auto add = [&](const Result<sheet::CommandReply>& reply, Nanoseconds queued) {
+  // `number`: which of the tick's commands, in the order in which they were done.
+  const auto add = [&](const Result<sheet::CommandReply>& reply, Nanoseconds queued, std::size_t number) {
     if (!reply) {
       results.emplace_back(reply.error());
       return;
     }
-    const StageTimer::CutTime time = timer.time(results.size());
+    const StageTimer::CutTime time = timer.time(number);
     results.emplace_back(
         CommandResult{*reply, {microseconds(queued), microseconds(time.cut), microseconds(time.update)}});
   };
-  for (const sheet::ScheduledReply& scheduled : report.scheduled) add(scheduled.reply, Nanoseconds{0});
+  for (std::size_t i = 0; i < num_scheduled; ++i) {
+    add(report.scheduled[i].reply, Nanoseconds{0}, i < report.num_scheduled_first ? i : i + pending.size());
+  }
   for (std::size_t i = 0; i < pending.size(); ++i) {
-    add(report.replies[i], pending[i].appointment.at_tick > 0 ? Nanoseconds{0} : drained_at - pending[i].queued_at);
+    add(report.replies[i], pending[i].appointment.at_tick > 0 ? Nanoseconds{0} : drained_at - pending[i].queued_at,
+        report.num_scheduled_first + i);
   }
   return results;
 }

@@ -59,15 +59,16 @@ struct CutBatch {
   std::vector<Cut> cuts;  // 1..kMaxBatchCuts
 };
 
-// Takes the last Cut or CutBatch that is not undone back: mesh and rest state bit for bit; what moves goes on moving
-// (see fem::revert_state). Pins that the cut's vertices inherited go with them; a vertex that a pinned one joins is
-// pinned; pins that went with material come back with it, where no others were set since; a grab of a vertex that goes
-// holds the same material point from then on. Refused with kFailedPrecondition NOTHING_TO_UNDO, or UNDO_FORGOTTEN
-// beyond what is kept (see UndoHistory).
+// Takes back the last Cut, CutBatch or Reset that is not undone.
+// A cut: mesh and rest state bit for bit; what moves keeps moving (see fem::revert_state). Pins that the cut's vertices
+// inherited go with them; a vertex that a pinned one joins is pinned; pins that went with material come back with it,
+// where no others were set since; a grab of a vertex that goes holds the same material point from then on.
+// A Reset: the sheet is as it was before it, bit for bit, without grabs; the tick counts on.
+// Refused with kFailedPrecondition NOTHING_TO_UNDO, or UNDO_FORGOTTEN beyond what is kept (see UndoHistory).
 struct UndoCut {};
 
-// Makes the cut that was undone last again: the mesh is what it was before the undo, bit for bit. An applied cut and a
-// Reset leave nothing to redo: kFailedPrecondition NOTHING_TO_REDO.
+// Repeats what was undone last: of a cut the mesh is what it was before the undo, bit for bit; a Reset is done again.
+// An applied cut and a Reset leave nothing to redo: kFailedPrecondition NOTHING_TO_REDO.
 struct RedoCut {};
 
 // Ties a point of the sheet to a moving target by a stiff spring. The point stays the same material point through later
@@ -112,9 +113,11 @@ struct SetMaterial {
   std::optional<std::int32_t> part;  // an index into SheetConfig::materials, or kOwn: what those leave; absent: all
 };
 
-// Back to the initial state: mesh, positions, pins, loads, materials, no grabs. The tick and the topology version go on
-// counting, and scheduled commands are not repeated.
-struct Reset {};
+// Brings the scene back whole: mesh, positions, pins, loads, materials, no grabs; its clock, histories and scheduled
+// commands begin again. The tick and the topology version keep counting. UndoCut takes it back.
+struct Reset {
+  bool repeats = false;  // the scene plays again by itself (SheetConfig::repeat_after): nothing is kept for an undo
+};
 
 // The error of a Cut as that of number `index` of a CutBatch.
 Error in_batch(Error error, std::size_t index);
@@ -141,7 +144,8 @@ struct CutReply {
 
 // Part of a CommandReply: of an UndoCut or RedoCut.
 struct UndoReply {
-  std::vector<std::int64_t> cuts;  // numbers of those undone or made again, ascending
+  std::vector<std::int64_t> cuts;  // numbers of those undone or made again, ascending; none of a Reset
+  bool reset = false;              // a Reset was taken back, or done again
   std::int32_t pieces = 0;         // of the whole sheet
   std::int32_t undo_steps = 0;     // that can be undone after it
   std::int32_t redo_steps = 0;     // that can be made again after it
@@ -156,6 +160,9 @@ struct CommandReply {
   std::optional<CutReply> cut;        // of a Cut
   std::vector<CutReply> batch;        // of a CutBatch, one a cut; `pieces` of each are those of the sheet after it
   std::optional<UndoReply> undone;    // of an UndoCut or RedoCut
+  // Which beginning of the scene the sheet is at then: 0 at first, a new number after each Reset, and the number before
+  // it once that is undone.
+  std::int64_t beginning = 0;
 };
 
 }  // namespace kerf::sheet

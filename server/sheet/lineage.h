@@ -66,6 +66,8 @@ class Lineage {
   void redo(const LineageChange& change);
   // Back to `num_pieces` pieces that were there when the sheet was made, with the ids that they had then.
   void reset(std::int32_t num_pieces);
+  // Back to pieces that there were before; ids given since are not given again.
+  void restore(std::vector<PieceBirth> pieces) { pieces_ = std::move(pieces); }
 
  private:
   std::vector<PieceBirth> pieces_;

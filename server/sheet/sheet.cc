@@ -35,6 +35,12 @@ Eigen::Matrix3Xd initial_velocities(const SheetConfig& config, const BuiltMesh& 
   return v;
 }
 
+bool is_damped(const std::vector<fem::Material>& materials) {
+  return std::any_of(materials.begin(), materials.end(), [](const fem::Material& material) {
+    return material.mass_damping > 0.0 || material.stiffness_damping > 0.0;
+  });
+}
+
 }  // namespace
 
 Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,
@@ -51,6 +57,7 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
       applied_forces(initial->applied_forces),
       full_gravity(config->gravity),
       lineage(mesh.num_pieces()),
+      rest(mesh.bounding_box().sizes().maxCoeff()),
       model(make_model(*config, mesh, materials->by_region, softening)),
       integrator(std::move(make_integrator), integrator_options(config->integrator, 1.0 / config->tick_rate_hz)) {
   contact.set_colliders(config->colliders);
@@ -99,7 +106,7 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
 void Sheet::Impl::stamp(TickReport& report) const {
   report.tick = tick;
   report.frozen = frozen;
-  report.at_rest = is_at_rest();
+  report.at_rest = rest.is_at_rest();
   if (report.replies.empty() && report.scheduled.empty()) return;
   StateHash hash;
   add_shape_to(hash);
@@ -117,17 +124,29 @@ void Sheet::Impl::drain_commands(std::span<const Command> commands, StageObserve
                                  TickReport& report) {
   const std::int32_t version_before = topology_version;
   std::int32_t number = 0;
-  while (scheduled && next_scheduled < schedule.size() && config->commands[schedule[next_scheduled]].tick <= tick + 1) {
-    const std::size_t index = schedule[next_scheduled++];
-    report.scheduled.push_back({index, do_command(config->commands[index].command, {observer, number++})});
-  }
+  if (scheduled) drain_schedule(observer, number, report);
+  report.num_scheduled_first = report.scheduled.size();
   report.replies.reserve(commands.size());
   for (const Command& command : commands) {
     report.replies.push_back(do_command(command, {observer, number++}));
   }
+  if (scheduled) drain_schedule(observer, number, report);  // of a scene that a Reset has just begun again
   if (topology_version == version_before) return;
   const StageScope scope(observer, Stage::kModelUpdate, -1);
   integrator->prepare();
+}
+
+void Sheet::Impl::drain_schedule(StageObserver* observer, std::int32_t& number, TickReport& report) {
+  const auto is_due = [this] {
+    return schedule_place.next < schedule.size() &&
+           config->commands[schedule[schedule_place.next]].tick <= tick + 1 - schedule_place.start_tick;
+  };
+  while (is_due()) {
+    const std::size_t index = schedule[schedule_place.next++];
+    const SchedulePlace place = schedule_place;
+    report.scheduled.push_back({index, do_command(config->commands[index].command, {observer, number++})});
+    schedule_place = place;  // a Reset by the scene itself does not repeat the schedule, which might never end
+  }
 }
 
 void Sheet::Impl::set_loads() {
@@ -166,30 +185,21 @@ void Sheet::Impl::integrate(const fem::GoesOn* goes_on, TickReport& report) {
   for (GrabState& grab : grabs) grab.previous_target = grab.target;
 }
 
-void Sheet::Impl::watch_rest() {
-  double fastest_squared = 0.0;
-  double kinetic = 0.0;
-  for (Eigen::Index i = 0; i < state.v.cols(); ++i) {
-    const double squared = state.v.col(i).squaredNorm();
-    fastest_squared = std::max(fastest_squared, squared);
-    kinetic += 0.5 * model.mass()[static_cast<std::size_t>(i)] * squared;
-  }
-  if (fastest_squared >= kRestSpeed * kRestSpeed) {
-    quiet_ticks = 0;
-    is_quiet = false;
-    return;
-  }
-  if (quiet_ticks == 0) quiet_energy = kinetic;
-  if (++quiet_ticks < kRestTicks) return;
-  is_quiet = kinetic <= quiet_energy;
-  quiet_ticks = 0;  // look at the next window
-}
-
-bool Sheet::Impl::is_at_rest() const {
+bool Sheet::Impl::is_left_alone() const {
   const std::vector<double>& times = config->gravity_history.times;
   const double gravity_change = times.empty() ? -kForever : times.back();
   const bool to_come = now.time < std::max({held_vertices.last_change(), applied_forces.last_change(), gravity_change});
-  return is_quiet && grabs.empty() && next_scheduled == schedule.size() && !frozen && !to_come;
+  return grabs.empty() && schedule_place.next == schedule.size() && !frozen && !to_come;
+}
+
+void Sheet::Impl::watch_rest() {
+  if (is_left_alone()) {
+    const bool has_wind = wind.air_density > 0.0 && !wind.velocity.isZero();
+    const bool damps = config->rest_damping && !has_wind && (is_damped(materials->by_region) || !contact.empty());
+    rest.after_tick(model, {loads.gravity.norm(), dt, damps}, state);
+  } else {
+    rest.disturb();
+  }
 }
 
 void Sheet::Impl::add_shape_to(StateHash& hash) const {
@@ -298,6 +308,9 @@ std::shared_ptr<const SheetConfig> Sheet::shared_config() const {
 std::int64_t Sheet::tick() const {
   return impl_->tick;
 }
+std::int64_t Sheet::scene_tick() const {
+  return impl_->tick - impl_->start_tick;
+}
 double Sheet::dt() const {
   return impl_->dt;
 }
@@ -364,7 +377,7 @@ bool Sheet::frozen() const {
 }
 
 bool Sheet::at_rest() const {
-  return impl_->is_at_rest();
+  return impl_->rest.is_at_rest();
 }
 
 Energies Sheet::energies() const {

@@ -41,7 +41,8 @@ enum class Stage {
 class StageObserver : public PhaseObserver {
  public:
   // `command`: which of the commands of this step() or apply(), in the order in which they are done: scheduled ones
-  // first, then those given; -1 where the stage serves none of them (loads, integration).
+  // first, then those given, then what falls due as one of these was a Reset; -1 where the stage serves none of them
+  // (loads, integration).
   virtual void begin(Stage stage, std::int32_t command) = 0;
   virtual void end(Stage stage, std::int32_t command) = 0;
   // The parts of kCut and kModelUpdate, as they begin.
@@ -59,6 +60,7 @@ struct TickReport {
   std::int64_t tick = 0;                      // after it
   std::vector<Result<CommandReply>> replies;  // one for each given command, in order
   std::vector<ScheduledReply> scheduled;      // those that fell due, in order
+  std::size_t num_scheduled_first = 0;        // of them, done before the given commands
   fem::StepStats stats;      // of the integrator; default where time did not advance, but for `interrupted`
   bool advanced = false;     // ++tick happened
   bool step_failed = false;  // the integrator gave up: positions and velocities are those before the tick
@@ -99,10 +101,6 @@ using IntegratorFactory = std::function<std::unique_ptr<fem::Integrator>(const f
 // continue with equal hashes. Not thread-safe; the owner serialises.
 class Sheet {
  public:
-  // A sheet whose fastest vertex stays below this for kRestTicks ticks, with kinetic energy not growing over them, is
-  // at rest.
-  static constexpr double kRestSpeed = 1.0e-4;  // m/s
-  static constexpr std::int32_t kRestTicks = 30;
   // After this many failed steps in a row a sheet is frozen.
   static constexpr std::int32_t kMaxFailedSteps = 3;
 
@@ -145,6 +143,7 @@ class Sheet {
   [[nodiscard]] const SheetConfig& config() const;  // as given
   [[nodiscard]] std::shared_ptr<const SheetConfig> shared_config() const;
   [[nodiscard]] std::int64_t tick() const;              // ticks done
+  [[nodiscard]] std::int64_t scene_tick() const;        // of them, since the scene began or was reset
   [[nodiscard]] double dt() const;                      // s
   [[nodiscard]] std::int32_t topology_version() const;  // 1 at first; + 1 with each applied cut or batch, undo, redo
                                                         // and reset
@@ -171,8 +170,8 @@ class Sheet {
   [[nodiscard]] std::optional<fem::LocalInertiaStats> local_inertia() const;
   [[nodiscard]] Energies energies() const;
 
-  // Nothing would move if it were stepped on: slow for kRestTicks ticks, no grabs, no scheduled command to come, not
-  // frozen. Sleeping is the owner's act.
+  // Nothing changes what acts on the sheet (no grab, no change of loads, no command to come), and no vertex is expected
+  // to move by 0.1 mm within a minute: see RestWatch. Sleeping is the owner's act.
   [[nodiscard]] bool at_rest() const;
 
   // kMaxFailedSteps steps failed in a row: the state is that of the last good tick; the sheet can be looked at, cut and

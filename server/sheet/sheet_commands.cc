@@ -50,8 +50,7 @@ std::vector<std::string> warnings_of(const cut::CutReport& report, const std::ve
 }  // namespace
 
 Result<CommandReply> Sheet::Impl::do_command(const Command& command, const CommandContext& context) {
-  is_quiet = false;
-  quiet_ticks = 0;
+  rest.disturb();
   if (Status s = validate(command); !s) return s.error();
   if (const auto* c = std::get_if<Cut>(&command)) return cut(*c, context);
   if (const auto* b = std::get_if<CutBatch>(&command)) return cut_batch(*b, context);
@@ -76,12 +75,10 @@ Result<CommandReply> Sheet::Impl::do_command(const Command& command, const Comma
   } else if (const auto* m = std::get_if<SetMaterial>(&command)) {
     done = set_material(*m);
   } else {
-    reset();
+    reset(std::get<Reset>(command));
   }
   if (!done) return done.error();
-  CommandReply reply;
-  reply.topology_version = topology_version;
-  return reply;
+  return plain_reply();
 }
 
 cut::CutRequest Sheet::Impl::request_of(const Cut& cut) const {
@@ -187,7 +184,7 @@ Status Sheet::Impl::set_pins(const SetPins& pins) {
   Result<std::vector<mesh::VertexId>> found = find_pins(mesh, pins.pins, "set_pins.pins");
   if (!found) return found.error();
   pin(std::move(found).value());
-  ++pins_version;
+  pins_version = ++last_pins_version;
   ++settings_version;
   return Nothing{};
 }
@@ -200,44 +197,27 @@ void Sheet::Impl::set_wind(const Wind& value) {
   loads.wind.tangential_drag = kTangentialShare * value.drag_coefficient;
 }
 
-void Sheet::Impl::reset() {
-  mesh = initial->built.mesh;
-  state.x = initial->built.positions;
-  state.v = initial->velocities;
-  materials = initial->materials;
-  softening = initial->softening;
-  model = make_model(*config, mesh, materials->by_region, softening);
-  clamped.clear();  // as this model is; set_slopes() tells the integrator of those to come
-  contact.set_half_thickness(0.5 * greatest_thickness(materials->by_region));
-  grabs.clear();
-  full_gravity = config->gravity;
-  held_vertices = initial->held_vertices;
-  applied_forces = initial->applied_forces;
-  now = {};
-  start_tick = tick;
-  set_wind(config->wind);
-  removed.clear();
-  pin(initial->pinned);
-  ++pins_version;
-  rebuild();
-  history.clear();
-  lineage.reset(mesh.num_pieces());
-  frozen = false;
-  failed_steps = 0;
-  ++topology_version;
-  ++settings_version;
-  topology.replace();
+CommandReply Sheet::Impl::plain_reply() const {
+  CommandReply reply;
+  reply.topology_version = topology_version;
+  reply.beginning = beginning;
+  return reply;
+}
+
+std::vector<fem::Pin> holds_at(const std::vector<mesh::VertexId>& vertices, fem::State& state) {
+  std::vector<fem::Pin> holds;
+  holds.reserve(vertices.size());
+  for (const mesh::VertexId v : vertices) {
+    state.v.col(v).setZero();
+    holds.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
+  }
+  return holds;
 }
 
 // Holds `vertices` (sorted, unique) where they are now.
 void Sheet::Impl::pin(std::vector<mesh::VertexId> vertices) {
   pinned = std::move(vertices);
-  holds.clear();
-  holds.reserve(pinned.size());
-  for (const mesh::VertexId v : pinned) {
-    state.v.col(v).setZero();
-    holds.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
-  }
+  holds = holds_at(pinned, state);
   conditions_changed = true;
   contact.set_vertices(mesh.num_vertices(), pinned, removed);
 }
@@ -255,6 +235,7 @@ void Sheet::Impl::make_room() {
   if (softening) integrator_description += "; " + fem::describe(*softening);
   last_good.x.resize(state.x.cols());
   last_good.v.resize(state.v.cols());
+  rest.make_room(state.x.cols());
 }
 
 std::vector<GrabState>::iterator Sheet::Impl::find_grab(const std::string& grab_id) {

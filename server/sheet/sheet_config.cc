@@ -104,6 +104,11 @@ Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
                               field + ".tick is " + std::to_string(commands[i].tick) + "; the first tick is 1",
                               field + ".tick");
     }
+    if (const auto* reset = std::get_if<Reset>(&commands[i].command); reset != nullptr && reset->repeats) {
+      return invalid_argument("OUT_OF_RANGE",
+                              field + ".command.reset.repeats is for recordings; give the scene repeat_after_ticks",
+                              field + ".command.reset.repeats");
+    }
     if (Status s = validate(commands[i].command); !s) {
       Error error = s.error();
       error.field = field + ".command." + error.field;
@@ -158,6 +163,7 @@ Status validate(const SheetConfig& config) {
   if (Status s = check_integer(config.max_vertices, 3, kMaxVertices, "max_vertices"); !s) return s;
   if (Status s = validate_schedule(config.commands); !s) return s;
   if (Status s = check_integer(config.ticks, 0, kMaxTicks, "ticks"); !s) return s;
+  if (Status s = check_integer(config.repeat_after, 0, kMaxTicks, "repeat_after_ticks"); !s) return s;
   return check_count(config.description.size(), kMaxDescriptionBytes, "bytes", "description");
 }
 

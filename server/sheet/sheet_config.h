@@ -129,9 +129,11 @@ struct SheetConfig {
   std::optional<InitialVelocity> initial_velocity;  // default: at rest
   std::vector<ScheduledCommand> commands;  // at most kMaxScheduledCommands; equal ticks are done in the given order
   std::int64_t ticks = 0;                  // for `kerf run`: 0..1e7, 0 means 600; no effect on the simulation
-  Analysis analysis;                       // what `kerf run` does; no effect on the simulation
-  std::vector<Probe> probes;               // what it measures; at most kMaxProbes
-  std::string description;                 // for people; at most 1000 bytes; no effect on the simulation
+  bool rest_damping = true;                // a calm sheet is damped until it rests, see RestWatch
+  std::int64_t repeat_after = 0;  // ticks, 0..1e7, 0: never; for the owner: see kerf.v1.Scene.repeat_after_ticks
+  Analysis analysis;              // what `kerf run` does; no effect on the simulation
+  std::vector<Probe> probes;      // what it measures; at most kMaxProbes
+  std::string description;        // for people; at most 1000 bytes; no effect on the simulation
 };
 
 // Whether cuts are scheduled, which may bring vertices and lips to a region that has none yet.

@@ -11,10 +11,12 @@
 #include "server/fem/model.h"
 #include "server/fem/softening.h"
 #include "server/sheet/applied_forces.h"
+#include "server/sheet/checkpoint.h"
 #include "server/sheet/contact_bridge.h"
 #include "server/sheet/held_vertices.h"
 #include "server/sheet/lineage.h"
 #include "server/sheet/mesh_source.h"
+#include "server/sheet/rest_watch.h"
 #include "server/sheet/sheet.h"
 #include "server/sheet/topology.h"
 #include "server/sheet/undo_history.h"
@@ -89,6 +91,9 @@ std::optional<fem::Softening> choose_softening(const SheetConfig& config, const 
 fem::Model make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh,
                       const std::vector<fem::Material>& by_region, const std::optional<fem::Softening>& softening);
 
+// Holds the vertices where `state` has them; they stop.
+std::vector<fem::Pin> holds_at(const std::vector<mesh::VertexId>& vertices, fem::State& state);
+
 struct Sheet::Impl {
   Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,
        IntegratorFactory make_integrator);
@@ -97,11 +102,14 @@ struct Sheet::Impl {
 
   // Stages of a tick (sheet.cc).
   void drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled, TickReport& report);
+  // Does the scene's commands that are due; `number` counts the tick's commands.
+  void drain_schedule(StageObserver* observer, std::int32_t& number, TickReport& report);
   void set_loads();
   void stamp(TickReport& report) const;
   void integrate(const fem::GoesOn* goes_on, TickReport& report);
   void watch_rest();
-  [[nodiscard]] bool is_at_rest() const;
+  // Nothing acts on it but what always does: no grab, no change of loads, no command to come.
+  [[nodiscard]] bool is_left_alone() const;
 
   // Constraints and loads (sheet_conditions.cc).
   // Makes constraints, loads and slopes those of a step of dt (s, 0: at once) that ends at `end`; nothing where none
@@ -115,13 +123,20 @@ struct Sheet::Impl {
 
   // Commands (sheet_commands.cc). Each changes everything it should, or nothing.
   Result<CommandReply> do_command(const Command& command, const CommandContext& context);
+  [[nodiscard]] CommandReply plain_reply() const;  // of a command that answers nothing of its own
   Status grab(const Grab& grab);
   Status drag(const Drag& drag);
   Status release(const Release& release);
   Status set_pins(const SetPins& pins);
   void set_wind(const Wind& value);
   Status set_material(const SetMaterial& change);  // sheet_change_material.cc
-  void reset();
+
+  // Resets (sheet_reset.cc).
+  [[nodiscard]] Checkpoint checkpoint() const;
+  [[nodiscard]] Checkpoint initial_checkpoint() const;
+  void restore(const Checkpoint& to);
+  void reset(const Reset& reset);
+  void redo_reset(const UndoStep& step);
 
   [[nodiscard]] cut::CutRequest request_of(const Cut& cut) const;  // but for the fixed vertices
   // mass_before: kg, that of the sheet, of several materials.
@@ -165,7 +180,7 @@ struct Sheet::Impl {
   mesh::TriangleMesh mesh;
   fem::State state;
   std::vector<mesh::VertexId> pinned;  // sorted, unique
-  std::int32_t pins_version = 0;       // grows where a client sets them
+  std::int32_t pins_version = 0;       // those of which SetPins; 0: the scene's
   std::vector<GrabState> grabs;
   std::shared_ptr<const SheetMaterials> materials;  // in force
   std::optional<fem::Softening> softening;          // of these, in the model alone
@@ -179,21 +194,22 @@ struct Sheet::Impl {
   bool conditions_changed = true;       // since then, other than by time
   fem::Loads loads;                     // holds, over them what constraints hold; its grabs are set anew each tick
   std::int64_t tick = 0;
-  std::int64_t start_tick = 0;     // from which histories count: of the last reset
-  std::size_t next_scheduled = 0;  // into `schedule`
-  std::int32_t failed_steps = 0;   // in a row
+  std::int64_t start_tick = 0;  // from which the scene's clock and histories count
+  std::int64_t beginning = 0;   // see CommandReply
+  SchedulePlace schedule_place;
+  std::int32_t failed_steps = 0;  // in a row
   bool frozen = false;
   UndoHistory history;
   Lineage lineage;
+  RestWatch rest;
 
   // Counters.
   std::int32_t topology_version = 1;
   std::int32_t settings_version = 0;
+  std::int32_t last_pins_version = 0;
+  std::int64_t last_beginning = 0;
   std::int64_t num_cuts = 0;  // applied, those made again included
   std::int64_t last_cut_number = 0;
-  std::int32_t quiet_ticks = 0;  // in a row, below kRestSpeed
-  double quiet_energy = 0.0;     // J, kinetic, when they began
-  bool is_quiet = false;         // kRestTicks ticks were
 
   // Derived from settings and state.
   fem::Model model;

@@ -36,6 +36,9 @@ struct RunStats {
   std::int64_t published_unix_us = 0;  // us since 1970, when the tick ended
   std::uint64_t sheet_serial = 0;      // of all sheets that the owner has made, which; versions are of one sheet
   std::int32_t settings_version = 0;   // grows when pins, gravity, wind, materials, speed or run state change
+  double strained_share = 0.0;         // -, of the last tick, see fem::StepStats
+  std::int32_t resets = 0;             // that clients asked for
+  std::int32_t resets_undone = 0;      // of them, taken back
   bool paused = false;
   bool sleeping = false;
   bool failed = false;  // frozen at its last good tick
@@ -62,6 +65,8 @@ class SnapshotSink {
   [[nodiscard]] virtual bool wants_snapshot() const = 0;
   // Asked with the above: whether Snapshot::strains are worth their time.
   [[nodiscard]] virtual bool wants_strains() const { return false; }
+  // Streams to people and programs that it feeds.
+  [[nodiscard]] virtual std::int32_t num_viewers() const { return 1; }
   virtual void publish(std::shared_ptr<const Snapshot> snapshot) = 0;
   // The last call.
   virtual void ended(SinkEnd reason) = 0;

@@ -33,11 +33,34 @@ Error nothing(const char* reason, const char* message) {
 void UndoHistory::add(std::vector<DoneCut> cuts) {
   for (const auto& step : undone_) bytes_ -= step->bytes;
   undone_.clear();
-  auto step = std::make_shared<UndoStep>();
-  step->cuts = std::move(cuts);
-  for (const DoneCut& cut : step->cuts) step->bytes += bytes_of(cut);
-  bytes_ += step->bytes;
-  done_.push_back(std::move(step));
+  UndoStep step;
+  step.cuts = std::move(cuts);
+  for (const DoneCut& cut : step.cuts) step.bytes += bytes_of(cut);
+  keep(std::move(step));
+}
+
+void UndoHistory::add_reset(std::shared_ptr<const Checkpoint> before, std::int64_t beginning) {
+  for (const auto& step : undone_) bytes_ -= step->bytes;
+  undone_.clear();
+  UndoStep step;
+  step.bytes = bytes_of(*before);
+  step.before_reset = std::move(before);
+  step.beginning = beginning;
+  keep(std::move(step));
+}
+
+void UndoHistory::redo_reset(std::shared_ptr<const Checkpoint> before) {
+  UndoStep step = *done_.back();
+  bytes_ -= step.bytes;
+  done_.pop_back();
+  step.bytes = bytes_of(*before);
+  step.before_reset = std::move(before);
+  keep(std::move(step));
+}
+
+void UndoHistory::keep(UndoStep step) {
+  bytes_ += step.bytes;
+  done_.push_back(std::make_shared<const UndoStep>(std::move(step)));
   while (!done_.empty() && (done_.size() > kMaxSteps || bytes_ > kMaxBytes)) {
     bytes_ -= done_.front()->bytes;
     done_.erase(done_.begin());
@@ -52,10 +75,10 @@ void UndoHistory::clear() {
 Result<std::shared_ptr<const UndoStep>> UndoHistory::take_done() {
   if (done_.empty() && forgotten_) {
     return nothing("UNDO_FORGOTTEN",
-                   "the cuts before are too many or too large to be kept for an undo: at most 1000 and 32 MiB; reset "
-                   "the sheet to go back to its beginning");
+                   "what came before is too much to be kept for an undo: at most 1000 steps and 32 MiB; reset the "
+                   "sheet to go back to its beginning");
   }
-  if (done_.empty()) return nothing("NOTHING_TO_UNDO", "the sheet has no cut to undo");
+  if (done_.empty()) return nothing("NOTHING_TO_UNDO", "the sheet has no cut and no reset to undo");
   undone_.push_back(std::move(done_.back()));
   done_.pop_back();
   return undone_.back();
@@ -63,7 +86,7 @@ Result<std::shared_ptr<const UndoStep>> UndoHistory::take_done() {
 
 Result<std::shared_ptr<const UndoStep>> UndoHistory::take_undone() {
   if (undone_.empty()) {
-    return nothing("NOTHING_TO_REDO", "the sheet has no undone cut to make again; a new cut or a reset drops them");
+    return nothing("NOTHING_TO_REDO", "nothing was undone since the last cut or reset, so there is nothing to redo");
   }
   done_.push_back(std::move(undone_.back()));
   undone_.pop_back();

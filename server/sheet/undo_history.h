@@ -8,6 +8,7 @@
 #include "server/base/result.h"
 #include "server/fem/loads.h"
 #include "server/mesh/mesh_editor.h"
+#include "server/sheet/checkpoint.h"
 #include "server/sheet/lineage.h"
 
 namespace kerf::sheet {
@@ -22,10 +23,13 @@ struct DoneCut {
   std::int32_t pins_version = 0;    // Sheet::Impl::pins_version then: pins set since are not put back
 };
 
-// What one UndoCut takes back: the applied cuts of a Cut or CutBatch, in the order of their making. Never changes.
+// What one UndoCut takes back: the applied cuts of a Cut or CutBatch, in the order of their making, or a Reset. Never
+// changes.
 struct UndoStep {
   std::vector<DoneCut> cuts;
-  std::size_t bytes = 0;  // it takes about
+  std::shared_ptr<const Checkpoint> before_reset;  // null: a step of cuts
+  std::int64_t beginning = 0;                      // of a Reset: the number that it gave, see CommandReply
+  std::size_t bytes = 0;                           // it takes about
 };
 
 // Steps done and steps undone. Bounded: the oldest steps done are forgotten first. A plain value that is cheap to copy.
@@ -37,7 +41,10 @@ class UndoHistory {
   // A new cut: nothing can be made again from here on. A step that alone is beyond kMaxBytes is forgotten at once, and
   // with it all before it.
   void add(std::vector<DoneCut> cuts);
-  // After a Reset.
+  // A new Reset, likewise.
+  void add_reset(std::shared_ptr<const Checkpoint> before, std::int64_t beginning);
+  // A Reset that was taken from those undone is done again from `before`.
+  void redo_reset(std::shared_ptr<const Checkpoint> before);
   void clear();
 
   // kFailedPrecondition NOTHING_TO_UNDO, UNDO_FORGOTTEN.
@@ -51,6 +58,8 @@ class UndoHistory {
 
  private:
   using Steps = std::vector<std::shared_ptr<const UndoStep>>;
+
+  void keep(UndoStep step);
 
   Steps done_;    // oldest first
   Steps undone_;  // that undone last at the end

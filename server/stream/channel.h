@@ -65,6 +65,7 @@ class Channel : public sheet::SnapshotSink, public std::enable_shared_from_this<
 
   [[nodiscard]] bool wants_snapshot() const override { return num_wanting_snapshots_.load() > 0; }
   [[nodiscard]] bool wants_strains() const override { return num_wanting_strains_.load() > 0; }
+  [[nodiscard]] std::int32_t num_viewers() const override { return num_subscribers(); }
   void publish(std::shared_ptr<const sheet::Snapshot> snapshot) override;
   void ended(sheet::SinkEnd reason) override;
 

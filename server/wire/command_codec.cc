@@ -106,8 +106,8 @@ void encode(const sheet::SetMaterial& set_material, v1::Command& message) {
   if (set_material.part) message.mutable_set_material()->set_part(*set_material.part);
 }
 
-void encode(const sheet::Reset& /*reset*/, v1::Command& message) {
-  message.mutable_reset();
+void encode(const sheet::Reset& reset, v1::Command& message) {
+  message.mutable_reset()->set_repeats(reset.repeats);
 }
 
 Result<cut::Fit> decode_fit(const v1::MaterialBox& message) {
@@ -276,7 +276,7 @@ Result<sheet::Command> decode_command(const v1::Command& message, const FileRead
     case v1::Command::kSetWind:
       return decode_set_wind(message.set_wind());
     case v1::Command::kReset:
-      return sheet::Command(sheet::Reset{});
+      return sheet::Command(sheet::Reset{message.reset().repeats()});
     case v1::Command::kCutBatch:
       return decode_cuts(message.cut_batch().cuts(), read_file);
     case v1::Command::kUndoCut:

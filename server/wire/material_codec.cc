@@ -37,6 +37,7 @@ constexpr Field kFields[] = {
      Ranges::kMassDamping},
     {"stiffness_damping_s", &v1::Material::has_stiffness_damping_s, &v1::Material::stiffness_damping_s,
      Ranges::kStiffnessDamping},
+    {"strain_limit", &v1::Material::has_strain_limit, &v1::Material::strain_limit, Ranges::kStrainLimit},
     {"bending_stiffness_1_nm", &v1::Material::has_bending_stiffness_1_nm, &v1::Material::bending_stiffness_1_nm,
      Ranges::kBendingStiffness},
     {"bending_stiffness_2_nm", &v1::Material::has_bending_stiffness_2_nm, &v1::Material::bending_stiffness_2_nm,
@@ -91,6 +92,7 @@ void put_over(const v1::Material& given, fem::Material& material) {
   if (given.has_bending_scale()) material.bending_scale = given.bending_scale();
   if (given.has_mass_damping_per_s()) material.mass_damping = given.mass_damping_per_s();
   if (given.has_stiffness_damping_s()) material.stiffness_damping = given.stiffness_damping_s();
+  if (given.has_strain_limit()) material.strain_limit = given.strain_limit();
   if (given.has_bending_stiffness_1_nm()) material.bending_stiffness_1 = given.bending_stiffness_1_nm();
   if (given.has_bending_stiffness_2_nm()) material.bending_stiffness_2 = given.bending_stiffness_2_nm();
   if (given.has_bending_coupling_nm()) material.bending_coupling = given.bending_coupling_nm();
@@ -123,6 +125,7 @@ v1::Material encode_material(const fem::Material& material) {
   message.set_bending_scale(material.bending_scale);
   message.set_mass_damping_per_s(material.mass_damping);
   message.set_stiffness_damping_s(material.stiffness_damping);
+  message.set_strain_limit(material.strain_limit);
   if (material.bending_stiffness_1) message.set_bending_stiffness_1_nm(*material.bending_stiffness_1);
   if (material.bending_stiffness_2) message.set_bending_stiffness_2_nm(*material.bending_stiffness_2);
   if (material.bending_coupling) message.set_bending_coupling_nm(*material.bending_coupling);

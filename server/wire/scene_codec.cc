@@ -111,6 +111,8 @@ Result<sheet::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_
   if (const Status status = decode_analysis(scene, config); !status.ok()) return status.error();
   if (scene.max_vertices() != 0) config.max_vertices = scene.max_vertices();
   config.ticks = scene.ticks();
+  config.repeat_after = scene.repeat_after_ticks();
+  if (scene.has_rest_damping()) config.rest_damping = scene.rest_damping();
   config.description = scene.description();
   if (const Status status = sheet::validate(config); !status.ok()) return status.error();
   return config;
@@ -162,6 +164,8 @@ v1::Scene encode_settings(const SettingsInForce& settings) {
   *scene.mutable_integrator() = encode_integrator(settings.config.integrator);
   scene.set_max_vertices(settings.config.max_vertices);
   scene.set_ticks(settings.config.ticks);
+  scene.set_repeat_after_ticks(settings.config.repeat_after);
+  if (!settings.config.rest_damping) scene.set_rest_damping(false);
   scene.set_description(settings.config.description);
   return scene;
 }

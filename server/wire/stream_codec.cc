@@ -28,6 +28,9 @@ void encode_stats(const sheet::RunStats& stats, const sheet::Topology& topology,
   message.set_settings_version(stats.settings_version);
   message.set_paused(stats.paused);
   message.set_sleeping(stats.sleeping);
+  message.set_strained_share(static_cast<float>(stats.strained_share));
+  message.set_resets(stats.resets);
+  message.set_resets_undone(stats.resets_undone);
 }
 
 void encode_end(EndReason reason, v1::Ended& message) {

@@ -31,7 +31,7 @@ State stepped(const Model& model, ExplicitIntegrator& integrator, State state, c
               double dt = kTick) {
   for (int i = 0; i < num_steps; ++i) {
     const StepStats stats = integrator.step(model, loads, dt, nullptr, state);
-    EXPECT_EQ(stats.flags & ~kStrainLimit, 0U) << i;
+    EXPECT_EQ(stats.flags, 0U) << i;
   }
   return state;
 }
@@ -355,7 +355,7 @@ TEST_P(LocalInertiaOf, IsStableWithoutDampingOfTheMaterial) {
       double before = energy_of(sheet.model, integrator, state, loads);
       for (int i = 0; i < test::num_trials({.few = 1, .usual = 6, .many = 40}); ++i) {
         const StepStats stats = integrator.step(sheet.model, loads, dt, nullptr, state);
-        ASSERT_EQ(stats.flags & ~kStrainLimit, 0U) << num_cuts << " cuts, step " << i;
+        ASSERT_EQ(stats.flags, 0U) << num_cuts << " cuts, step " << i;
         const double after = energy_of(sheet.model, integrator, state, loads);
         ASSERT_LT(after, before + 1e-6 * sheet.model.total_mass()) << num_cuts << " cuts, step " << i;
         before = after;

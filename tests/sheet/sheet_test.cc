@@ -240,12 +240,10 @@ TEST(Sheet, ResetGoesBackToTheStartAndTimeGoesOn) {
   EXPECT_EQ(sheet.tick(), 35);
   EXPECT_EQ(sheet.topology_version(), version + 1);
   EXPECT_EQ(sheet.mesh().num_pieces(), 1);
+  // From the reset on it does what a fresh sheet does, its scheduled cuts among it.
   run(sheet, 40);
-  EXPECT_EQ(sheet.mesh().num_pieces(), 1);  // scheduled cuts are not repeated
-  // From the reset on it does what a fresh sheet does.
-  SheetConfig plain = config;
-  plain.commands.clear();
-  Sheet fresh = make(plain);
+  EXPECT_EQ(sheet.mesh().num_pieces(), 3);
+  Sheet fresh = make(config);
   run(fresh, 40);
   EXPECT_EQ(sheet.shape_hash(), fresh.shape_hash());
 }
@@ -277,7 +275,7 @@ TEST(Sheet, ComesToRestOnAFloorAndIsWokenByACommand) {
   int ticks = 0;
   while (!sheet.step({}).at_rest && ticks < 600) ++ticks;
   EXPECT_TRUE(sheet.at_rest());
-  EXPECT_GE(ticks, Sheet::kRestTicks - 1);
+  EXPECT_GE(ticks, 120) << "two seconds are looked at";
   EXPECT_LT(ticks, 600);
   ASSERT_TRUE(apply(sheet, Grab{"a", 0, std::nullopt, 0.0}));
   EXPECT_FALSE(sheet.at_rest());

@@ -63,7 +63,7 @@ TEST(FieldNames, OfMaterialsAreThoseOfTheProto) {
        {&fem::Material::youngs_modulus_1, &fem::Material::youngs_modulus_2, &fem::Material::shear_modulus,
         &fem::Material::poissons_ratio_12, &fem::Material::direction, &fem::Material::thickness,
         &fem::Material::density, &fem::Material::bending_scale, &fem::Material::mass_damping,
-        &fem::Material::stiffness_damping}) {
+        &fem::Material::stiffness_damping, &fem::Material::strain_limit}) {
     fem::Material material;
     material.*member = std::numeric_limits<double>::quiet_NaN();
     expect_named(fem::validate(material, "materials[3].material").error());

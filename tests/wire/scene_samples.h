@@ -79,6 +79,7 @@ inline v1::Material full_material() {
   material.set_bending_scale(0.7);
   material.set_mass_damping_per_s(0.1);
   material.set_stiffness_damping_s(0.001);
+  material.set_strain_limit(0.25);
   material.set_bending_stiffness_1_nm(2.0e-6);
   material.set_bending_stiffness_2_nm(1.5e-6);
   material.set_bending_coupling_nm(-3.0e-7);
@@ -291,6 +292,7 @@ inline std::vector<BadScene> bad_numbers() {
       {"material.bending_scale", [](v1::Scene& s) { s.mutable_material()->set_bending_scale(-1e-9); }},
       {"material.mass_damping_per_s", [](v1::Scene& s) { s.mutable_material()->set_mass_damping_per_s(1001.0); }},
       {"material.stiffness_damping_s", [](v1::Scene& s) { s.mutable_material()->set_stiffness_damping_s(1.1); }},
+      {"material.strain_limit", [](v1::Scene& s) { s.mutable_material()->set_strain_limit(0.0); }},
       {"material.bending_stiffness_1_nm", [](v1::Scene& s) { s.mutable_material()->set_bending_stiffness_1_nm(0.0); }},
       {"material.bending_stiffness_1_nm", [=](v1::Scene& s) { s.mutable_material()->set_bending_stiffness_1_nm(nan); }},
       {"material.bending_stiffness_2_nm",

@@ -30,6 +30,7 @@ import { showState } from './ui/connection_chip';
 import type { ShownState } from './ui/connection_chip';
 import { CutPanel } from './ui/cut_panel';
 import { errorText } from './ui/error_text';
+import { FirstHint } from './ui/first_hint';
 import { HistoryControls } from './ui/history_controls';
 import { ImageMode } from './ui/image_mode';
 import { Notices } from './ui/notices';
@@ -41,6 +42,7 @@ import { RecordingControl } from './ui/recording_control';
 import { ReplayBar } from './ui/replay_bar';
 import { SaveMenu } from './ui/save_menu';
 import { SheetLook } from './ui/sheet_look';
+import { SheetNews } from './ui/sheet_news';
 import { SimulationControls } from './ui/simulation_controls';
 import { StatisticsPanel } from './ui/statistics_panel';
 import { StatusLine } from './ui/status_line';
@@ -79,6 +81,8 @@ export class App implements Viewer {
   private readonly windView = new WindView();
   private readonly colliderView: ColliderView;
   private readonly notices = new Notices(element('notices'));
+  private readonly news = new SheetNews((kind, text) => this.notify(kind, text));
+  private readonly firstHint = new FirstHint(element('first-hint'), element('first-hint-close'));
   private readonly status = new StatusLine();
   private readonly physics = new PhysicsPanel(this);
   readonly statistics = new StatisticsPanel();
@@ -151,6 +155,7 @@ export class App implements Viewer {
       this.notify('info', 'A recording can be looked at, not changed: close it to go back to the live sheet');
       return;
     }
+    if (id === 'cut' || id === 'grab') this.firstHint.close();
     if (this.tool !== this.tools[id]) this.tool.leave();
     this.tool = this.tools[id];
     this.tool.enter();
@@ -267,6 +272,11 @@ export class App implements Viewer {
     this.colliderView.set(colliders);
   }
 
+  /** Streams of the sheet to this page: the mesh, and pictures where they are shown. */
+  get numStreams(): number {
+    return this.imageMode.isOn ? 2 : 1;
+  }
+
   get topologyVersion(): number | undefined {
     return this.surface?.mirror.topologyVersion;
   }
@@ -359,7 +369,10 @@ export class App implements Viewer {
     }
     if (stats) {
       this.clock.arrived(stats.publishedUnixUs, arrivedMs);
-      if (this.watch) this.settings.saw(stats.settingsVersion);
+      if (this.watch) {
+        this.settings.saw(stats.settingsVersion);
+        this.news.saw(this.sheetName, copy.epoch, stats);
+      }
     }
     if (!this.imageMode.isOn) this.statistics.arrived(delivery, stats);
     this.sheetObjects.visible = true;

@@ -18,6 +18,7 @@ export class FrameCopier {
     const topology = isFirst || mirror.triangles !== this.shownTriangles ? topologyOf(mirror) : undefined;
     this.shownTriangles = mirror.triangles;
     const frame: FrameCopy = {
+      epoch: mirror.epoch,
       tick: mirror.tick,
       topologyVersion: mirror.topologyVersion,
       numSlots: mirror.numSlots,

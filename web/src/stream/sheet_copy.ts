@@ -44,6 +44,8 @@ export function copiedBuffers({ positions, strains }: FrameCopy): ArrayBuffer[] 
 
 /** A frame after it was decoded: what goes from the worker to the page. */
 export interface FrameCopy {
+  /** See kerf.v1.Frame.epoch; of the stream's first frame. */
+  epoch: string;
   tick: number;
   topologyVersion: number;
   numSlots: number;
@@ -64,6 +66,7 @@ export interface FrameCopy {
  * more seldom than pictures are drawn; everything else is the newest frame's.
  */
 export class SheetCopy implements SheetArrays {
+  epoch = '';
   tick = -1;
   topologyVersion = -1;
   numVertices = 0;
@@ -91,6 +94,7 @@ export class SheetCopy implements SheetArrays {
     if (this.positions.length < count) this.positions = new Float32Array(Math.max(count, 2 * this.positions.length));
     this.interpolation.take(this.positions, frame.positions, nowMs, goesOn);
     if (frame.topology) Object.assign(this, frame.topology);
+    this.epoch = frame.epoch;
     this.tick = frame.tick;
     this.topologyVersion = frame.topologyVersion;
     this.numVertices = count / 3;

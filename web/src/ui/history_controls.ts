@@ -6,7 +6,9 @@ import type { Viewer } from '../tools/tool';
 
 export type HistoryStep = 'undo' | 'redo';
 
-function told(step: HistoryStep, { cuts, pieces }: MessageShape<typeof UndoResultSchema>): string {
+// Nothing of a reset: SheetNews says that to everybody.
+function told(step: HistoryStep, { cuts, pieces, reset }: MessageShape<typeof UndoResultSchema>): string | undefined {
+  if (reset) return undefined;
   const what = cuts.length === 1 ? 'Cut' : `${cuts.length} cuts`;
   return `${what} ${step === 'undo' ? 'undone' : 'made again'}: ${pieces} ${pieces === 1 ? 'piece' : 'pieces'}`;
 }
@@ -54,7 +56,8 @@ export class HistoryControls {
       typeof UndoResultSchema
     >;
     const result = await this.viewer.attempt(() => this.send(method, { parent }));
-    if (result) this.viewer.notify('success', told(step, result));
+    const text = result && told(step, result);
+    if (text) this.viewer.notify('success', text);
     return result !== undefined;
   }
 }

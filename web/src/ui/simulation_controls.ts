@@ -3,6 +3,7 @@ import { Replay_State, Sheet_RunState, SheetService } from '../gen/kerf/v1/sheet
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import { Newest } from '../newest';
 import type { Viewer } from '../tools/tool';
+import { confirmed } from './confirmation';
 import { element, setText } from './dom';
 import { runEndText } from './run_text';
 import { SpeedControl } from './speed_control';
@@ -30,7 +31,7 @@ export class SimulationControls {
     async () => void (this.wish = undefined),
   );
 
-  constructor(private readonly viewer: Viewer & { told(sheet: Sheet): void }) {
+  constructor(private readonly viewer: Viewer & { readonly numStreams: number; told(sheet: Sheet): void }) {
     this.speed = new SpeedControl(viewer);
   }
 
@@ -76,8 +77,16 @@ export class SimulationControls {
     );
   }
 
+  /** Asks first where others watch the sheet. */
   async reset(): Promise<void> {
-    this.take(await this.viewer.attempt(() => call(SheetService.method.resetSheet, { name: this.viewer.sheetName })));
+    const { sheetName: name } = this.viewer;
+    const { getSheet, resetSheet } = SheetService.method;
+    const sheet = await this.viewer.attempt(() => call(getSheet, { name }));
+    if (!sheet) return;
+    const others = sheet.viewers - this.viewer.numStreams;
+    const question = `${others === 1 ? 'Somebody else watches' : `${others} others watch`} this sheet. Reset it for everybody?`;
+    if (others > 0 && !(await confirmed(question, 'Reset'))) return;
+    this.take(await this.viewer.attempt(() => call(resetSheet, { name })));
   }
 
   private take(sheet: Sheet | undefined): void {

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "server/fem/model.h"
+#include "server/fem/state.h"
+
+namespace kerf::sheet {
+
+// What every vertex did over a stretch of time: how far it went from where it began, and how far its mean place moved
+// from the first half to the second, which trembling in place hardly does.
+class MotionWindow {
+ public:
+  // `length`: s, > 0
+  explicit MotionWindow(double length) : length_(length) {}
+
+  void make_room(Eigen::Index num_vertices);
+  void begin(const Eigen::Matrix3Xd& x);
+  // Takes positions (3 x V, m) `dt` (s) after those before. True: the window is complete; begin() another.
+  bool add(const Eigen::Matrix3Xd& x, double dt);
+  // m, how far a vertex may be from the last place after `foresight` (s), if all goes on as in the window.
+  [[nodiscard]] double expected_motion(double foresight) const;
+
+ private:
+  double length_;
+  double time_ = 0.0;            // s
+  int num_first_ = 0;            // ticks of the first half
+  int num_second_ = 0;           // ticks of the second half
+  Eigen::Matrix3Xd start_;       // m
+  Eigen::Matrix3Xd first_sum_;   // m, of places less start_
+  Eigen::Matrix3Xd second_sum_;  // m, likewise
+  Eigen::VectorXd largest_;      // m^2, squared distances from start_
+};
+
+// Brings a sheet that nothing disturbs any more to rest, and says when it is.
+//
+// Cloth in air swings itself still within seconds, by losses that a material's Rayleigh damping hardly has at low
+// frequencies. So a calm sheet is damped a little: kCalmAfter seconds after whatever disturbed it last, and while its
+// kinetic energy, over about a second, is below what lifts it by kCalmHeight of its size, velocities decay at up to
+// kDampingRate times the rate of a pendulum of its size. Before that, and while it moves more, nothing is changed.
+//
+// At rest is a sheet no vertex of which would go further than kTolerance in the minute to come, going by one of two
+// windows: a short one, which a sheet that grows still passes soon, and a long one for what trembles. Speeds say less:
+// a vertex that a body holds has some within each substep, and stays where it is.
+class RestWatch {
+ public:
+  static constexpr double kCalmAfter = 5.0;      // s
+  static constexpr double kCalmHeight = 4.0e-5;  // -, of the size
+  static constexpr double kDampingRate = 0.8;    // -, of sqrt(g / size)
+  static constexpr double kShortWindow = 2.0;    // s
+  static constexpr double kLongWindow = 8.0;     // s
+  static constexpr double kForesight = 60.0;     // s
+  static constexpr double kTolerance = 9.0e-5;   // m
+
+  struct Tick {
+    double gravity = 0.0;  // m/s^2, >= 0
+    double dt = 0.0;       // s
+    bool damps = true;     // it may be damped
+  };
+
+  // `size`: m, the larger side of the sheet as built.
+  explicit RestWatch(double size) : size_(size) {}
+
+  // Allocates what after_tick() needs.
+  void make_room(Eigen::Index num_vertices);
+  // Something other than the sheet's own motion changed it, or may.
+  void disturb();
+  // To be called after each tick that made the state. Damps it.
+  void after_tick(const fem::Model& model, const Tick& tick, fem::State& state);
+
+  [[nodiscard]] bool is_at_rest() const { return is_at_rest_; }
+
+ private:
+  double size_;
+  double calm_time_ = 0.0;  // s, since it was disturbed
+  double energy_ = 0.0;     // J, kinetic, over about a second
+  bool is_measuring_ = false;
+  bool is_at_rest_ = false;
+  MotionWindow short_window_{kShortWindow};
+  MotionWindow long_window_{kLongWindow};
+};
+
+}  // namespace kerf::sheet

@@ -1,0 +1,111 @@
+#include "server/sheet/rest_watch.h"
+
+#include "tests/sheet/sheet_calls.h"
+
+namespace kerf::sheet {
+namespace {
+
+using Eigen::Vector3d;
+
+// Ticks until it is at rest, or `most`.
+int ticks_to_rest(Sheet& sheet, int most) {
+  for (int tick = 1; tick <= most; ++tick) {
+    if (sheet.step({}).at_rest) return tick;
+  }
+  return most;
+}
+
+// m, how far any vertex goes in the minute to come.
+double motion_in_a_minute(Sheet sheet) {
+  const Eigen::Matrix3Xd from = sheet.state().x;
+  double largest = 0.0;
+  for (int tick = 0; tick < 3600; ++tick) {
+    sheet.step({});
+    largest = std::max(largest, (sheet.state().x - from).colwise().norm().maxCoeff());
+  }
+  return largest;
+}
+
+struct Case {
+  const char* name;
+  SheetConfig config;
+};
+
+std::vector<Case> sheets_that_come_to_rest() {
+  std::vector<Case> cases{{"pinned at its top", scenes::hanging(12)},
+                          {"draped over a ball", scenes::draped_over_sphere(20)},
+                          {"on the floor", scenes::lying_on_floor(10)},
+                          {"skin over a ball", scenes::draped_over_sphere(12)}};
+  cases.back().config.material = fem::find_preset("skin").value();
+  return cases;
+}
+
+TEST(RestWatch, NoSheetSleepsThatWouldMoveByATenthOfAMillimetreWithinAMinute) {
+  constexpr int kTwentySeconds = 1200;
+  for (const auto& [name, config] : sheets_that_come_to_rest()) {
+    Sheet sheet = make(config);
+    EXPECT_LT(ticks_to_rest(sheet, 2 * kTwentySeconds), kTwentySeconds) << name;
+    EXPECT_LT(motion_in_a_minute(sheet), 1.0e-4) << name;
+  }
+}
+
+TEST(RestWatch, ASheetThatIsCutComesToRestAgain) {
+  Sheet sheet = make(scenes::draped_over_sphere(20));
+  ticks_to_rest(sheet, 2400);
+  ASSERT_TRUE(apply(sheet, scenes::line_cut({0.2, -0.1}, {0.45, 0.6})));
+  EXPECT_FALSE(sheet.at_rest());
+  EXPECT_LT(ticks_to_rest(sheet, 2400), 1200);
+  EXPECT_LT(motion_in_a_minute(sheet), 1.0e-4);
+}
+
+TEST(RestWatch, ChangesNothingInTheFirstFiveSecondsNorWhereTheSceneSaysSo) {
+  SheetConfig config = scenes::hanging(8);
+  SheetConfig free_config = config;
+  free_config.rest_damping = false;
+  Sheet sheet = make(config);
+  Sheet free_sheet = make(free_config);
+  run(sheet, 300);
+  run(free_sheet, 300);
+  EXPECT_EQ(sheet.shape_hash(), free_sheet.shape_hash());
+  run(sheet, 900);
+  run(free_sheet, 900);
+  EXPECT_LT(sheet.energies().kinetic, 0.1 * free_sheet.energies().kinetic);
+}
+
+TEST(RestWatch, DampsNoSheetWithoutDampingOfItsOwnThatTouchesNothing) {
+  SheetConfig config = scenes::hanging(8);
+  config.material.mass_damping = 0.0;
+  config.material.stiffness_damping = 0.0;
+  SheetConfig free_config = config;
+  free_config.rest_damping = false;
+  Sheet sheet = make(config);
+  Sheet free_sheet = make(free_config);
+  run(sheet, 900);
+  run(free_sheet, 900);
+  EXPECT_EQ(sheet.shape_hash(), free_sheet.shape_hash());
+}
+
+TEST(RestWatch, AStillSheetRestsAfterAWindowAndIsWokenByWhatChangesIt) {
+  SheetConfig config = scenes::flat(6);
+  config.gravity = Vector3d::Zero();
+  Sheet sheet = make(config);
+  EXPECT_LE(ticks_to_rest(sheet, 600), 123);
+  ASSERT_TRUE(apply(sheet, SetGravity{{0.0, 0.0, -1.0}}));
+  EXPECT_FALSE(sheet.at_rest());
+  run(sheet, 30);
+  EXPECT_FALSE(sheet.at_rest());
+}
+
+TEST(RestWatch, ASlowDriftIsNoRest) {
+  SheetConfig config = scenes::flat(5);
+  config.gravity = Vector3d::Zero();
+  config.pins.clear();
+  config.material.mass_damping = 0.0;
+  config.initial_velocity = InitialVelocity{Vector3d(2.0e-6, 0.0, 0.0), Vector3d::Zero(), {}};
+  Sheet sheet = make(config);
+  run(sheet, 1200);
+  EXPECT_FALSE(sheet.at_rest()) << "it goes 0.12 mm in a minute";
+}
+
+}  // namespace
+}  // namespace kerf::sheet

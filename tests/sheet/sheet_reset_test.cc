@@ -1,0 +1,176 @@
+// Reset, and what takes it back.
+#include "tests/sheet/sheet_calls.h"
+
+namespace kerf::sheet {
+namespace {
+
+using Eigen::Vector3d;
+using scenes::line_cut;
+
+Cut across(double y) {
+  return line_cut({-0.1, y}, {1.1, y + 0.02});
+}
+
+// Something of everything that a scene does over time.
+SheetConfig eventful() {
+  SheetConfig config = scenes::hanging(8);
+  config.commands = {{1, SetWind{{Vector3d(0.0, 2.0, 0.0), 1.2, 1.0}}}, {6, across(0.31)}, {9, SetGravity{{0, 0, -5}}}};
+  config.gravity_history = {{0.0, 0.1, 0.2}, {1.0, 0.5, 1.0}};
+  return config;
+}
+
+TEST(Reset, BringsTheSceneBackWholeWithItsClockScheduleAndHistories) {
+  Sheet sheet = make(eventful());
+  run(sheet, 14);
+  ASSERT_TRUE(apply(sheet, across(0.6)));
+  run(sheet, 3);
+  ASSERT_TRUE(apply(sheet, Reset{}));
+  EXPECT_EQ(sheet.tick(), 17) << "the tick counts on";
+  EXPECT_EQ(sheet.scene_tick(), 0);
+  Sheet fresh = make(eventful());
+  EXPECT_EQ(sheet.shape_hash(), fresh.shape_hash());
+  for (int tick = 1; tick <= 20; ++tick) {
+    run(sheet, 1);
+    run(fresh, 1);
+    ASSERT_EQ(sheet.shape_hash(), fresh.shape_hash()) << "tick " << tick;
+  }
+  EXPECT_EQ(sheet.scene_tick(), 20);
+}
+
+TEST(Reset, InARunningTickBeginsWithTheFirstTickOfTheScene) {
+  Sheet sheet = make(eventful());
+  run(sheet, 14);
+  const std::vector<Command> commands{Reset{}};
+  const TickReport report = sheet.step(commands);
+  EXPECT_EQ(report.scheduled.size(), 1U);
+  EXPECT_EQ(report.num_scheduled_first, 0U);
+  Sheet fresh = make(eventful());
+  for (int tick = 1; tick <= 12; ++tick) {
+    run(fresh, 1);
+    ASSERT_EQ(sheet.shape_hash(), fresh.shape_hash()) << "tick " << tick;
+    run(sheet, 1);
+  }
+}
+
+TEST(Reset, OfTheSceneItselfDoesNotRepeatItsSchedule) {
+  SheetConfig config = scenes::hanging(6);
+  config.commands = {{1, Reset{}}, {2, across(0.45)}, {5, Reset{}}};
+  Sheet sheet = make(config);
+  run(sheet, 4);
+  EXPECT_EQ(sheet.mesh().num_pieces(), 2);
+  run(sheet, 20);
+  EXPECT_EQ(sheet.mesh().num_pieces(), 1);
+  EXPECT_EQ(sheet.num_cuts(), 1);
+}
+
+TEST(Reset, IsTakenBackBitForBit) {
+  Sheet sheet = make(eventful());
+  run(sheet, 12);
+  ASSERT_TRUE(apply(sheet, across(0.7)));
+  ASSERT_TRUE(apply(sheet, SetPins{{RegionEdge::kTopCorners}}));
+  run(sheet, 2);
+  Sheet untouched = sheet;
+  ASSERT_TRUE(apply(sheet, Reset{}));
+  run(sheet, 9);
+  ASSERT_EQ(apply(sheet, UndoCut{})->undone->cuts.size(), 1U) << "the cut that the scene made since";
+  const Result<CommandReply> undone = apply(sheet, UndoCut{});
+  ASSERT_TRUE(undone) << undone.error().message;
+  EXPECT_TRUE(undone->undone->reset);
+  EXPECT_TRUE(undone->undone->cuts.empty());
+  EXPECT_EQ(undone->undone->pieces, untouched.mesh().num_pieces());
+  EXPECT_EQ(sheet.shape_hash(), untouched.shape_hash());
+  EXPECT_EQ(sheet.tick(), 23) << "the tick counts on";
+  for (int tick = 1; tick <= 10; ++tick) {
+    run(sheet, 1);
+    run(untouched, 1);
+    ASSERT_EQ(sheet.shape_hash(), untouched.shape_hash()) << "tick " << tick;
+  }
+}
+
+TEST(Reset, IsAStepOfTheHistoryAmongCuts) {
+  Sheet sheet = make(scenes::hanging(8));
+  const auto pieces = [&sheet] { return sheet.mesh().num_pieces(); };
+  ASSERT_TRUE(apply(sheet, across(0.3)));
+  const std::uint64_t one_cut = sheet.mesh().state_hash();
+  ASSERT_TRUE(apply(sheet, Reset{}));
+  EXPECT_EQ(reason(apply(sheet, RedoCut{})), "NOTHING_TO_REDO");
+  ASSERT_TRUE(apply(sheet, across(0.5)));
+  ASSERT_TRUE(apply(sheet, across(0.8)));
+  const std::uint64_t two_cuts = sheet.mesh().state_hash();
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}));
+  EXPECT_EQ(sheet.mesh().state_hash(), one_cut) << "two cuts and the reset were undone";
+  ASSERT_TRUE(apply(sheet, UndoCut{}));
+  EXPECT_EQ(pieces(), 1);
+  EXPECT_EQ(reason(apply(sheet, UndoCut{})), "NOTHING_TO_UNDO");
+  ASSERT_TRUE(apply(sheet, RedoCut{}));
+  EXPECT_EQ(sheet.mesh().state_hash(), one_cut);
+  const Result<CommandReply> again = apply(sheet, RedoCut{});
+  ASSERT_TRUE(again);
+  EXPECT_TRUE(again->undone->reset);
+  EXPECT_EQ(pieces(), 1);
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(apply(sheet, RedoCut{}));
+  EXPECT_EQ(sheet.mesh().state_hash(), two_cuts);
+}
+
+TEST(Reset, ThatIsUndoneLeavesPiecesTheirIdsAndGivesNoneTwice) {
+  Sheet sheet = make(scenes::hanging(8));
+  ASSERT_TRUE(apply(sheet, across(0.3)));
+  const auto ids = [&sheet] {
+    std::vector<std::int64_t> all;
+    for (const Piece& piece : sheet.pieces()) all.push_back(piece.birth.id);
+    return all;
+  };
+  const std::vector<std::int64_t> before = ids();
+  ASSERT_TRUE(apply(sheet, Reset{}));
+  ASSERT_TRUE(apply(sheet, across(0.6)));
+  const std::vector<std::int64_t> between = ids();
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}));
+  EXPECT_EQ(ids(), before);
+  for (const std::int64_t id : between) EXPECT_EQ(std::count(before.begin(), before.end(), id), 0) << id;
+}
+
+TEST(Reset, LetsGoAndItsUndoDoesNotTakeHoldAgain) {
+  Sheet sheet = make(scenes::hanging(6));
+  ASSERT_TRUE(apply(sheet, Grab{"hand", 0, std::nullopt, 0.0}));
+  ASSERT_TRUE(apply(sheet, Reset{}));
+  EXPECT_TRUE(sheet.grabs().empty());
+  ASSERT_TRUE(apply(sheet, UndoCut{}));
+  EXPECT_TRUE(sheet.grabs().empty()) << "whoever held it has been told that the grab is gone";
+}
+
+TEST(Reset, ThatRepeatsTheSceneKeepsNothing) {
+  Sheet sheet = make(scenes::hanging(6));
+  ASSERT_TRUE(apply(sheet, across(0.3)));
+  ASSERT_TRUE(apply(sheet, Reset{.repeats = true}));
+  EXPECT_EQ(reason(apply(sheet, UndoCut{})), "NOTHING_TO_UNDO");
+  SheetConfig config = scenes::hanging(6);
+  config.commands = {{3, Reset{.repeats = true}}};
+  EXPECT_EQ(refused(config), "OUT_OF_RANGE commands[0].command.reset.repeats");
+}
+
+TEST(Reset, WhatIsKeptForUndoIsBounded) {
+  Sheet sheet = make(scenes::hanging(60));
+  ASSERT_TRUE(apply(sheet, across(0.3)));
+  for (int i = 0; i < 100; ++i) ASSERT_TRUE(apply(sheet, Reset{}));
+  EXPECT_LE(sheet.history().bytes(), UndoHistory::kMaxBytes);
+  const std::size_t kept = sheet.history().num_done();
+  EXPECT_GT(kept, 20U);
+  EXPECT_LT(kept, 101U);
+  for (std::size_t i = 0; i < kept; ++i) ASSERT_TRUE(apply(sheet, UndoCut{}));
+  EXPECT_EQ(reason(apply(sheet, UndoCut{})), "UNDO_FORGOTTEN");
+}
+
+TEST(Reset, GivesEachBeginningANumberOfItsOwn) {
+  Sheet sheet = make(scenes::hanging(6));
+  EXPECT_EQ(apply(sheet, across(0.3))->beginning, 0);
+  EXPECT_EQ(apply(sheet, Reset{})->beginning, 1);
+  EXPECT_EQ(apply(sheet, Reset{})->beginning, 2);
+  EXPECT_EQ(apply(sheet, UndoCut{})->beginning, 1);
+  EXPECT_EQ(apply(sheet, RedoCut{})->beginning, 2);
+  EXPECT_EQ(apply(sheet, UndoCut{})->beginning, 1);
+  EXPECT_EQ(apply(sheet, across(0.6))->beginning, 1);
+  EXPECT_EQ(apply(sheet, Reset{})->beginning, 3);
+}
+
+}  // namespace
+}  // namespace kerf::sheet

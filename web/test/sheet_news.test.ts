@@ -1,0 +1,32 @@
+import { expect, test, vi } from 'vitest';
+import { SheetNews } from '../src/ui/sheet_news';
+
+function news() {
+  const notify = vi.fn();
+  return { news: new SheetNews(notify), notify };
+}
+
+test('the first frame of a sheet is no news, whatever happened before', () => {
+  const { news: each, notify } = news();
+  each.saw('sheets/a', '1', { resets: 3, resetsUndone: 1 });
+  each.saw('sheets/b', '2', { resets: 0, resetsUndone: 0 });
+  expect(notify).not.toHaveBeenCalled();
+});
+
+test('a reset and its undo are told once each', () => {
+  const { news: each, notify } = news();
+  each.saw('sheets/a', '1', { resets: 0, resetsUndone: 0 });
+  each.saw('sheets/a', '1', { resets: 1, resetsUndone: 0 });
+  each.saw('sheets/a', '1', { resets: 1, resetsUndone: 0 });
+  expect(notify.mock.calls).toEqual([['info', expect.stringContaining('was reset')]]);
+  each.saw('sheets/a', '1', { resets: 1, resetsUndone: 1 });
+  each.saw('sheets/a', '1', { resets: 1, resetsUndone: 1 });
+  expect(notify.mock.calls.slice(1)).toEqual([['info', 'The reset was undone']]);
+});
+
+test('another epoch of the same sheet says that it was made again', () => {
+  const { news: each, notify } = news();
+  each.saw('sheets/a', '1', { resets: 2, resetsUndone: 0 });
+  each.saw('sheets/a', '2', { resets: 0, resetsUndone: 0 });
+  expect(notify.mock.calls).toEqual([['warning', expect.stringContaining('restarted')]]);
+});
