@@ -150,6 +150,27 @@ TEST_F(RenderShading, StrainsGrowLighterInThePicture) {
   }
 }
 
+TEST_F(RenderShading, SheetThatLiesOnTheFloorHidesIt) {
+  Sheet sheet = make_sheet(16, 0.0);
+  for (std::size_t v = 0; v < sheet.positions.size() / 3; ++v) {
+    sheet.colours.insert(sheet.colours.end(), {200, 30, 30});
+  }
+  Scene scene = scene_of(sheet);
+  // Half the thickness of a sheet of paper behind it.
+  scene.ground = Plane{{0.0, 5e-5, 0.0}, {0.0, -1.0, 0.0}};
+  Camera camera = front_camera();
+  camera.eye = {1.5, -1.0, 0.8};
+  const Pixels pixels = draw(scene, camera, 640, 480);
+  int num_hidden = 0;
+  for (int i = -9; i <= 9; ++i) {
+    for (int k = -9; k <= 9; ++k) {
+      const Rgb colour = pixel_at(pixels, camera, {0.05 * i, 0.0, 0.05 * k});
+      if (colour.red < colour.green + 60) ++num_hidden;
+    }
+  }
+  EXPECT_EQ(num_hidden, 0) << "of 361";
+}
+
 TEST_F(RenderShading, PiecesByColourAreToldApart) {
   // Seven columns, a piece each, in the palette's order.
   Sheet sheet = make_sheet(28, 0.1);

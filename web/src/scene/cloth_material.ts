@@ -1,5 +1,6 @@
 import { DoubleSide, MeshStandardMaterial } from 'three';
 import type { IUniform } from 'three';
+import { kClothOffset } from './depth_offsets';
 
 // Checks of woven bands in material coordinates, so that stretch and shear show, filtered to the size of a pixel. The
 // two sides differ in colour, so that folds show.
@@ -43,10 +44,7 @@ export class ClothMaterial extends MeshStandardMaterial {
       shadowSide: DoubleSide,
       roughness: 0.86,
       metalness: 0,
-      // Behind the lips and wires drawn on it, and in front of the solids: see colliders.ts.
-      polygonOffset: true,
-      polygonOffsetFactor: 1.5,
-      polygonOffsetUnits: 2,
+      ...kClothOffset,
     });
     this.defines = { ...this.defines, USE_UV: '' };
     this.onBeforeCompile = (shader) => {

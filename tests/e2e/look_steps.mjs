@@ -1,0 +1,98 @@
+// What is seen of a sheet, by the colours of pixels: cloth on a floor.
+import { check, post } from './harness.mjs';
+import { ViewerPage } from './viewer_page.mjs';
+
+const kWide = { viewport: { width: 1100, height: 700 }, colorScheme: 'light' };
+const kFloor = { plane: { point: {}, normal: { z: 1 } }, friction: 0.5 };
+const kGrid = { columns: 31, rows: 31, widthM: 1, heightM: 1 };
+
+function laidFlat(z) {
+  return { origin: { x: -0.5, y: -0.5, z }, xAxis: { x: 1 }, yAxis: { y: 1 } };
+}
+
+/** A paused sheet of this scene, and a page with it. */
+async function openStill(browser, url, sheetId, scene, act = async () => {}) {
+  await post(url, 'SheetService/CreateSheet', { sheetId, scene, paused: true });
+  await act(`sheets/${sheetId}`);
+  const { tick } = await post(url, 'SheetService/GetSheet', { name: `sheets/${sheetId}` });
+  const viewer = await ViewerPage.open(browser, `${url}/?sheet=${sheetId}`, kWide);
+  await viewer.untilDrawn('k.connection === "live" && k.isPaused && k.tick === given.tick', { tick: Number(tick) });
+  await viewer.allDrawn();
+  return viewer;
+}
+
+/** Material points, to each of which `isMeant` says yes, of a grid over the unit square. */
+function gridPoints(side, isMeant = () => true) {
+  const points = [];
+  for (let i = 1; i < side; ++i) for (let j = 1; j < side; ++j) points.push([i / side, j / side]);
+  return points.filter(([x, y]) => isMeant(x, y));
+}
+
+/** Colours of the page at material points, without cards over it. */
+async function sheetColours(viewer, points, name) {
+  const setCards = (visibility) =>
+    viewer.page.evaluate((value) => {
+      for (const card of document.querySelectorAll('.card')) card.style.visibility = value;
+    }, visibility);
+  const px = [];
+  for (const [x, y] of points) px.push(await viewer.at(x, y));
+  await setCards('hidden');
+  const colours = await viewer.colours(px, name);
+  await setCards('');
+  return colours;
+}
+
+function spread(colour) {
+  return Math.max(...colour) - Math.min(...colour);
+}
+
+/** Checks that pixels have the colours of pieces, which the grey floor has not. */
+async function areOfPieces(viewer, points, name) {
+  const colours = await sheetColours(viewer, points, name);
+  const grey = colours.filter((colour) => spread(colour) < 50).length;
+  console.log(`         ${name}: ${grey} of ${points.length} points of the cloth are grey`);
+  check(grey <= 0.01 * points.length, `${name}: the floor hides the cloth at ${grey} of ${points.length} points`);
+}
+
+async function isSeenOnFloor(viewer, points, name) {
+  await viewer.page.keyboard.press('k');
+  await viewer.until('k.isByPiece && k.pieceAt(given.x, given.y)', { x: points[0][0], y: points[0][1] });
+  await areOfPieces(viewer, points, `${name}-mesh`);
+  await viewer.page.keyboard.press('q');
+  await viewer.until('k.picture?.connection === "live" && k.picture.isOfView');
+  await areOfPieces(viewer, points, `${name}-picture`);
+  check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+  await viewer.page.close();
+}
+
+export function lookSteps(steps, browser, { url }) {
+  steps.step('a sheet that lies on the floor is seen, as in the picture of the server', async () => {
+    const scene = { grid: kGrid, material: { preset: 'cotton' }, placement: laidFlat(0.002), colliders: [kFloor] };
+    const viewer = await openStill(browser, url, 'lying', scene, (name) =>
+      post(url, 'SheetService/StepSheet', { name, ticks: 90 }),
+    );
+    const { z } = await viewer.read('k.toWorld(0.5, 0.5)');
+    check(z < 0.001, `the sheet is ${z} m above the floor`);
+    await isSeenOnFloor(viewer, gridPoints(30), 'lying');
+  });
+
+  steps.step('a disc that was cut out and has landed on the floor is seen', async () => {
+    const scene = {
+      grid: kGrid,
+      material: { preset: 'paper' },
+      fidelity: 'REAL_TIME',
+      placement: laidFlat(0.5),
+      pins: [{ edge: 'CORNERS' }],
+      colliders: [kFloor],
+    };
+    const [centre, radiusM] = [{ x: 0.5, y: 0.25 }, 0.15];
+    const viewer = await openStill(browser, url, 'landed', scene, async (name) => {
+      await post(url, 'CutService/CreateCut', { parent: name, cut: { curve: { circle: { center: centre, radiusM } } } });
+      await post(url, 'SheetService/StepSheet', { name, ticks: 90 });
+    });
+    const { z } = await viewer.read('k.toWorld(0.5, 0.25)');
+    check(z < 0.001, `the disc is ${z} m above the floor`);
+    const isOnDisc = (x, y) => Math.hypot(x - centre.x, y - centre.y) < 0.9 * radiusM;
+    await isSeenOnFloor(viewer, gridPoints(60, isOnDisc), 'landed');
+  });
+}
