@@ -1,4 +1,4 @@
-// What is seen of a sheet, by the colours of pixels: cloth on a floor.
+// What is seen of a sheet, by the colours of pixels: cloth on a floor, colours that say something.
 import { check, post } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
@@ -40,6 +40,39 @@ async function sheetColours(viewer, points, name) {
   const colours = await viewer.colours(px, name);
   await setCards('');
   return colours;
+}
+
+// A flat sheet, 8 % shorter along x than at rest where x < 0.5, and as much longer elsewhere, under a ball that shades it.
+function strainedScene() {
+  const side = 31;
+  const numbers = Array.from({ length: side * side }, (_, i) => [i % side, Math.floor(i / side)].map((n) => n / (side - 1)));
+  const squares = numbers.map(([x, y], i) => (x < 1 && y < 1 ? i : -1)).filter((i) => i >= 0);
+  return {
+    inline: {
+      materialPositions: numbers.flat(),
+      positions: numbers.flatMap(([x, y]) => [(x < 0.5 ? 0.92 : 1.08) * (x - 0.5), y - 0.5, 0.2]),
+      triangles: squares.flatMap((i) => [i, i + 1, i + 1 + side, i, i + 1 + side, i + side]),
+    },
+    gravityMps2: {},
+    colliders: [{ sphere: { center: { x: -0.35, y: -0.4, z: 1.0 }, radiusM: 0.25 } }],
+  };
+}
+
+/** Colour of the page's scale of strains at a share of its width. */
+async function colourOfScale(viewer, share) {
+  const { x, y, width, height } = await viewer.page.locator('#strain-gradient').boundingBox();
+  const [colour] = await viewer.colours([{ x: x + share * width, y: y + 0.5 * height }], 'strain-scale');
+  return colour;
+}
+
+/** Checks that all of these are one colour of the legend, at most 15 % darker in linear light. */
+function areOneColour(colours, ofLegend, what) {
+  ofLegend.forEach((legend, k) => {
+    const values = colours.map((colour) => colour[k]);
+    const [least, most] = [Math.min(...values), Math.max(...values)];
+    check(most - least <= 6, `${what}: a channel goes from ${least} to ${most}`);
+    check(most <= legend + 4 && least >= 0.92 * legend - 4, `${what}: ${least} to ${most}, in the legend ${legend}`);
+  });
 }
 
 function spread(colour) {
@@ -94,5 +127,27 @@ export function lookSteps(steps, browser, { url }) {
     check(z < 0.001, `the disc is ${z} m above the floor`);
     const isOnDisc = (x, y) => Math.hypot(x - centre.x, y - centre.y) < 0.9 * radiusM;
     await isSeenOnFloor(viewer, gridPoints(60, isOnDisc), 'landed');
+  });
+
+  steps.step('stretch and compression have the colours of the scale, without pattern, light and shadow', async () => {
+    const viewer = await openStill(browser, url, 'strained', strainedScene());
+    await viewer.page.keyboard.press('x');
+    await viewer.until('k.numStrains > 0');
+    await viewer.shows('#strain-ticks', '−10−50510 %');
+    await viewer.allDrawn();
+    const halves = [
+      ['compressed', gridPoints(20, (x) => x > 0.05 && x < 0.45), 0.1],
+      ['stretched', gridPoints(20, (x) => x > 0.55 && x < 0.95), 0.9],
+    ];
+    for (const [what, points, share] of halves) {
+      areOneColour(await sheetColours(viewer, points, `strain-${what}`), await colourOfScale(viewer, share), what);
+    }
+    await viewer.page.keyboard.press('k');
+    await viewer.until('k.isByPiece && k.numStrains === 0 && k.pieceAt(0.5, 0.5)');
+    const all = gridPoints(20, (x, y) => x > 0.05 && x < 0.95 && y > 0.05 && y < 0.95);
+    const colours = await sheetColours(viewer, all, 'flat-piece');
+    areOneColour(colours, [0x00, 0x72, 0xb2], 'the only piece');
+    check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+    await viewer.page.close();
   });
 }
