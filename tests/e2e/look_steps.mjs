@@ -1,4 +1,4 @@
-// What is seen of a sheet, by the colours of pixels: cloth on a floor, colours that say something.
+// What is seen of a sheet, by the colours of pixels: cloth on a floor, colours that say something, resolution.
 import { check, post } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
@@ -147,6 +147,33 @@ export function lookSteps(steps, browser, { url }) {
     const all = gridPoints(20, (x, y) => x > 0.05 && x < 0.95 && y > 0.05 && y < 0.95);
     const colours = await sheetColours(viewer, all, 'flat-piece');
     areOneColour(colours, [0x00, 0x72, 0xb2], 'the only piece');
+    check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+    await viewer.page.close();
+  });
+
+  steps.step('a page that draws too slowly draws more coarsely, but what is still, and offers pictures', async () => {
+    const scene = { grid: kGrid, placement: laidFlat(1), pins: [{ edge: 'TOP_CORNERS' }] };
+    await post(url, 'SheetService/CreateSheet', { sheetId: 'swinging', scene });
+    // Less than seven drawings a second.
+    const viewer = await ViewerPage.open(browser, `${url}/?sheet=swinging`, { ...kWide, frameMs: 150, isAdaptive: true });
+    const hasWidth = (px) => viewer.until('document.querySelector("#canvas").width === given.px', { px });
+    await hasWidth(kWide.viewport.width);
+    await hasWidth(kWide.viewport.width / 2);
+    const offer = viewer.page.locator('.notice.offer', { hasText: /^This browser draws (slowly|without a graphics card)/ });
+    await offer.waitFor();
+    await viewer.screenshot('coarse');
+    await viewer.page.keyboard.press(' ');
+    await viewer.until('k.isPaused');
+    await hasWidth(kWide.viewport.width);
+    await viewer.shows('#status-fps', 'paused');
+    await viewer.shows('#status-age', 'current');
+    const isCoarse = hasWidth(kWide.viewport.width / 2);
+    await viewer.page.keyboard.press('ArrowLeft');
+    await isCoarse;
+    await hasWidth(kWide.viewport.width);
+    await offer.getByRole('button', { name: 'Let the server draw' }).click();
+    await viewer.until('k.picture?.connection === "live"');
+    check((await offer.count()) === 0, 'the offer is still there');
     check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
     await viewer.page.close();
   });

@@ -26,6 +26,7 @@ import { PinTool } from './tools/pin_tool';
 import { PointerRouter } from './tools/pointer_router';
 import type { NoticeKind, Tool, ToolId, Viewer } from './tools/tool';
 import { ViewTool } from './tools/view_tool';
+import { AdaptiveDrawing } from './ui/adaptive_drawing';
 import { showState } from './ui/connection_chip';
 import type { ShownState } from './ui/connection_chip';
 import { CutPanel } from './ui/cut_panel';
@@ -43,6 +44,7 @@ import { SaveMenu } from './ui/save_menu';
 import { SheetLook } from './ui/sheet_look';
 import { SimulationControls } from './ui/simulation_controls';
 import { StatisticsPanel } from './ui/statistics_panel';
+import { isStill } from './ui/run_text';
 import { StatusLine } from './ui/status_line';
 import { SvgFiles } from './ui/svg_files';
 import { Theme } from './ui/theme';
@@ -78,11 +80,12 @@ export class App implements Viewer {
   private readonly pinView = new PinView();
   private readonly windView = new WindView();
   private readonly colliderView: ColliderView;
-  private readonly notices = new Notices(element('notices'));
+  readonly notices = new Notices(element('notices'));
   private readonly status = new StatusLine();
   private readonly physics = new PhysicsPanel(this);
   readonly statistics = new StatisticsPanel();
   readonly imageMode = new ImageMode(this);
+  private readonly drawing = new AdaptiveDrawing(this);
   readonly recording = new RecordingControl(this);
   readonly replayBar = new ReplayBar(this);
   readonly transfer = new Transfer(this);
@@ -375,7 +378,7 @@ export class App implements Viewer {
     this.watch?.setPace(this.pace);
     if (this.watch?.copy?.advance(nowMs) || this.replayBar.advance(nowMs)) this.showAgain();
     const { imageMode } = this;
-    const isStale = this.stage.advance();
+    const isStale = this.drawing.begin(nowMs, this.stage.advance());
     if (isStale) {
       if (this.surface && this.hasNewFrame) this.takeFrame(this.surface);
       this.tool.update();
@@ -398,11 +401,16 @@ export class App implements Viewer {
     this.hasArrived = false;
   }
 
+  /** The sheet that is shown moves by itself. */
+  get isMoving(): boolean {
+    if (!this.watch) return this.replayBar.playing?.isPlaying ?? false;
+    return this.watch.state === 'live' && !isStill(this.surface?.mirror.stats);
+  }
+
   // A sheet that does not move sends nothing: its last frame is not old, it is the present.
   private get ageMs(): number | undefined {
     if (this.imageMode.isShown) return this.imageMode.ageMs;
-    const stats = this.surface?.mirror.stats;
-    if (this.watch?.state !== 'live' || stats?.paused || stats?.sleeping) return undefined;
+    if (!this.watch || !this.isMoving) return undefined;
     return this.clock.ageMs(unixTimeMs());
   }
 
