@@ -1,4 +1,5 @@
-// What is seen of a sheet, by the colours of pixels: cloth on a floor, colours that say something, resolution.
+// What is seen of a sheet, by the colours of pixels: cloth on a floor, colours that say something, what will be cut.
+import { foldedScene } from './cutting_scenes.mjs';
 import { check, post } from './harness.mjs';
 import { ViewerPage } from './viewer_page.mjs';
 
@@ -73,6 +74,10 @@ function areOneColour(colours, ofLegend, what) {
     check(most - least <= 6, `${what}: a channel goes from ${least} to ${most}`);
     check(most <= legend + 4 && least >= 0.92 * legend - 4, `${what}: ${least} to ${most}, in the legend ${legend}`);
   });
+}
+
+function isNear(colour, other, tolerance) {
+  return colour.every((value, k) => Math.abs(value - other[k]) <= tolerance);
 }
 
 function spread(colour) {
@@ -174,6 +179,31 @@ export function lookSteps(steps, browser, { url }) {
     await offer.getByRole('button', { name: 'Let the server draw' }).click();
     await viewer.until('k.picture?.connection === "live"');
     check((await offer.count()) === 0, 'the offer is still there');
+    check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
+    await viewer.page.close();
+  });
+
+  steps.step('what is drawn on the material bends with the sheet, and is faint where a fold hides it', async () => {
+    const viewer = await openStill(browser, url, 'bent', foldedScene());
+    await viewer.page.keyboard.press('k');
+    await viewer.until('k.isByPiece && k.pieceAt(0.5, 0.5)');
+    await viewer.choose('cut');
+    await viewer.page.keyboard.press('5');
+    await viewer.page.keyboard.press('i');
+    // Down the half in front and up the one behind it, whose upper part is seen.
+    await viewer.tap(0.5, 0.15);
+    await viewer.tap(0.5, 0.95);
+    const along = (...ys) => ys.map((y) => [0.5, y]);
+    const seen = await sheetColours(viewer, along(0.25, 0.35, 0.45, 0.85), 'preview-seen');
+    for (const colour of seen) check(isNear(colour, [255, 210, 63], 30), `a part that is seen is ${colour}`);
+    const hidden = await sheetColours(viewer, along(0.6, 0.65, 0.7), 'preview-hidden');
+    for (const [red, green, blue] of hidden) {
+      check(red > 60 && red < 150 && green > 110 && blue > 100, `a part that is hidden is ${[red, green, blue]}`);
+    }
+    await viewer.page.keyboard.press('Escape');
+    await viewer.allDrawn();
+    const left = await sheetColours(viewer, along(0.25, 0.35, 0.6, 0.65), 'preview-gone');
+    for (const colour of left) check(colour[0] < 40, `without a drawing the sheet is ${colour}`);
     check(viewer.errors.length === 0, `console: ${viewer.errors.join('; ')}`);
     await viewer.page.close();
   });

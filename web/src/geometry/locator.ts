@@ -10,6 +10,18 @@ export interface Point2 {
   y: number;
 }
 
+/** The part of a chord, from 0 at its start to 1 at its end, that lies in a triangle. */
+export interface Crossing {
+  slot: number;
+  start: number;
+  end: number;
+}
+
+// Of a chord: what is shorter is rounding.
+const kLeastPart = 1e-9;
+// Of a corner's weight: a chord along an edge is in the triangles on both sides of it, whatever rounding says.
+const kOnEdge = 1e-9;
+
 /**
  * Finds the triangle that holds a material point, by a uniform grid over the sheet (about one triangle a cell). Built
  * once a topology; material positions do not change otherwise.
@@ -63,7 +75,29 @@ export class Locator {
     return undefined;
   }
 
-  private weights(slot: number, point: Point2): Place | undefined {
+  /** The triangles that a chord passes through, in their order; no two parts overlap, and what is off the sheet is in none. */
+  along(from: Point2, to: Point2): Crossing[] {
+    const found: Crossing[] = [];
+    this.forEachCellOn(from, to, (cell) => {
+      for (let i = this.cellFirst[cell]; i < this.cellFirst[cell + 1]; ++i) {
+        const crossing = this.crossing(this.cellSlots[i], from, to);
+        if (crossing) found.push(crossing);
+      }
+    });
+    found.sort((one, other) => one.start - other.start || one.slot - other.slot);
+    const crossings: Crossing[] = [];
+    let done = 0;
+    for (const { slot, start, end } of found) {
+      const first = Math.max(start, done);
+      if (end - first <= kLeastPart) continue;
+      crossings.push({ slot, start: first, end });
+      done = end;
+    }
+    return crossings;
+  }
+
+  /** A point by the weights of a triangle's second and third corner, in it or not; undefined where that has no area. */
+  placeIn(slot: number, point: Point2): Place | undefined {
     const { material, triangles } = this;
     const [a, b, c] = [2 * triangles[3 * slot], 2 * triangles[3 * slot + 1], 2 * triangles[3 * slot + 2]];
     const [abX, abY] = [material[b] - material[a], material[b + 1] - material[a + 1]];
@@ -71,21 +105,55 @@ export class Locator {
     const [apX, apY] = [point.x - material[a], point.y - material[a + 1]];
     const area = abX * acY - abY * acX;
     if (area === 0) return undefined;
-    const u = (apX * acY - apY * acX) / area;
-    const v = (abX * apY - abY * apX) / area;
+    return { slot, u: (apX * acY - apY * acX) / area, v: (abX * apY - abY * apX) / area };
+  }
+
+  private weights(slot: number, point: Point2): Place | undefined {
+    const place = this.placeIn(slot, point);
     // Room for the rounding of float32 positions, so that a point on an edge is not lost between its two triangles.
     const slack = -1e-5;
-    return u >= slack && v >= slack && 1 - u - v >= slack ? { slot, u, v } : undefined;
+    return place && place.u >= slack && place.v >= slack && 1 - place.u - place.v >= slack ? place : undefined;
+  }
+
+  // The part of a chord where no corner's weight is below 0.
+  private crossing(slot: number, from: Point2, to: Point2): Crossing | undefined {
+    const [one, other] = [this.placeIn(slot, from), this.placeIn(slot, to)];
+    if (!one || !other) return undefined;
+    let [start, end] = [0, 1];
+    for (const weight of [({ u }: Place) => u, ({ v }: Place) => v, ({ u, v }: Place) => 1 - u - v]) {
+      const [a, b] = [weight(one) + kOnEdge, weight(other) + kOnEdge];
+      if (a < 0 && b < 0) return undefined;
+      if (a < 0) start = Math.max(start, a / (a - b));
+      else if (b < 0) end = Math.min(end, a / (a - b));
+    }
+    return end > start ? { slot, start, end } : undefined;
   }
 
   private column(x: number): number {
-    const width = this.max.x - this.min.x;
-    return width > 0 ? Math.min(this.columns - 1, Math.floor(((x - this.min.x) / width) * this.columns)) : 0;
+    return cellOf(x, this.min.x, this.max.x, this.columns);
   }
 
   private row(y: number): number {
-    const height = this.max.y - this.min.y;
-    return height > 0 ? Math.min(this.rows - 1, Math.floor(((y - this.min.y) / height) * this.rows)) : 0;
+    return cellOf(y, this.min.y, this.max.y, this.rows);
+  }
+
+  // Row by row, those between the columns in which the chord enters and leaves the row.
+  private forEachCellOn(from: Point2, to: Point2, visit: (cell: number) => void): void {
+    const { min, max, rows, columns } = this;
+    const [low, high] = from.y < to.y ? [from, to] : [to, from];
+    const height = (max.y - min.y) / rows;
+    for (let row = this.row(low.y); row <= this.row(high.y); ++row) {
+      const xAt = (y: number) => {
+        const t = Math.min(1, Math.max(0, (y - low.y) / (high.y - low.y)));
+        return low.x + t * (high.x - low.x);
+      };
+      // A little more, for rounding; the chord may lie outside of the first and the last row.
+      const room = 1e-6 * height;
+      const bottom = row === this.row(low.y) ? low.x : xAt(min.y + row * height - room);
+      const top = row === this.row(high.y) ? high.x : xAt(min.y + (row + 1) * height + room);
+      const last = this.column(Math.max(bottom, top) + room);
+      for (let column = this.column(Math.min(bottom, top) - room); column <= last; ++column) visit(row * columns + column);
+    }
   }
 
   private forEachCell(numSlots: number, visit: (cell: number, slot: number) => void): void {
@@ -102,4 +170,10 @@ export class Locator {
       }
     }
   }
+}
+
+// What lies outside belongs to the first or the last.
+function cellOf(at: number, min: number, max: number, count: number): number {
+  const size = max - min;
+  return size > 0 ? Math.min(count - 1, Math.max(0, Math.floor(((at - min) / size) * count))) : 0;
 }

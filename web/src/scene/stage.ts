@@ -42,7 +42,8 @@ export class Stage {
   private isStale = true;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
+    const wanted = { antialias: true, alpha: true, stencil: true, powerPreference: 'high-performance' } as const;
+    this.renderer = new WebGLRenderer({ canvas, ...wanted });
     this.renderer.shadowMap.enabled = true;
     this.camera.up.set(0, 0, 1);
     this.sky.position.set(0, 0, 1);

@@ -1,0 +1,131 @@
+import { Group } from 'three';
+import type { Object3D } from 'three';
+import type { LineMaterial } from 'three/addons/lines/LineMaterial.js';
+import type { Point2 } from '../geometry/locator';
+import { dashes } from '../geometry/strip';
+import type { Surface } from '../geometry/surface';
+import { placeTrace, subdivided, traceLines } from '../geometry/trace';
+import type { Trace } from '../geometry/trace';
+import { FatLines } from '../scene/fat_lines';
+import type { PreviewLine } from './drawings/drawing';
+import { stripAlong } from './strip_preview';
+
+/** What is drawn on the material, in metres of it. */
+export interface MaterialDrawing {
+  lines: readonly PreviewLine[];
+  /** Lengths that are cut and left in turn; none: all of it is cut. */
+  dashLengths: readonly number[];
+  widthM: number;
+}
+
+interface Look {
+  color: number;
+  widthPx: number;
+  rimPx: number;
+}
+
+// As in style/drawing.css.
+const kRim = 0x10151c;
+const kCurve: Look = { color: 0xffd23f, widthPx: 4, rimPx: 7 };
+const kGuide: Look = { color: 0xffffff, widthPx: 2, rimPx: 4.5 };
+// So many lines are drawn thinner.
+const kManyLines = 12;
+const kFine = { widthPx: 1.5, rimPx: 3.5 };
+const kFaint = 0.4;
+// More dashes than this are not told apart: the line is drawn whole.
+const kMaxDashes = 5000;
+
+/** Lines on the sheet in a dark rim; what a fold hides of them is faint. */
+class SheetLines {
+  private readonly lines: FatLines;
+  private readonly rim: LineMaterial;
+  private readonly core: LineMaterial;
+  private readonly hidden: LineMaterial;
+  private trace: Trace | undefined;
+
+  constructor(
+    private readonly look: Look,
+    order: number,
+  ) {
+    this.lines = new FatLines({ color: kRim, width: look.rimPx, part: 'seen' });
+    this.lines.object.renderOrder = order;
+    this.rim = this.lines.material;
+    this.core = this.lines.addLook({ color: look.color, width: look.widthPx, part: 'seen' });
+    this.hidden = this.lines.addLook({ color: look.color, width: look.widthPx, opacity: kFaint, part: 'hidden' });
+  }
+
+  get object(): Object3D {
+    return this.lines.object;
+  }
+
+  set(lines: readonly (readonly Point2[])[], surface: Surface, isFine: boolean): void {
+    this.trace = traceLines(lines, surface);
+    const { widthPx, rimPx } = isFine ? kFine : this.look;
+    this.rim.linewidth = rimPx;
+    this.core.linewidth = this.hidden.linewidth = widthPx;
+  }
+
+  place({ mirror }: Surface): void {
+    if (this.trace) placeTrace(this.trace, mirror, this.lines.begin(this.trace.numSegments));
+  }
+}
+
+/** The curve about to be cut as it will lie on the material, bent with the sheet, and the strip that it takes away. */
+export class SheetPreview {
+  readonly object = new Group();
+  // Over the floor, and curves over guides.
+  private readonly guides = new SheetLines(kGuide, 1);
+  private readonly curves = new SheetLines(kCurve, 4);
+  private strip: Point2[][] = [];
+  private surface: Surface | undefined;
+  private version = -1;
+
+  constructor() {
+    this.object.add(this.guides.object, this.curves.object);
+    this.object.visible = false;
+  }
+
+  /** What is drawn is another than before. */
+  changed(): void {
+    this.version = -1;
+  }
+
+  hide(): void {
+    this.object.visible = false;
+  }
+
+  /**
+   * Shows it on the sheet as it hangs now.
+   * @param read  is called where the drawing or the triangles are others than before
+   * @returns what is taken away: polygons in metres of material
+   */
+  show(surface: Surface, read: () => MaterialDrawing): readonly (readonly Point2[])[] {
+    const { topologyVersion } = surface.mirror;
+    if (surface !== this.surface || topologyVersion !== this.version) {
+      this.lay(surface, read());
+      [this.surface, this.version] = [surface, topologyVersion];
+    }
+    this.guides.place(surface);
+    this.curves.place(surface);
+    this.object.visible = true;
+    return this.strip;
+  }
+
+  private lay(surface: Surface, { lines, dashLengths, widthM }: MaterialDrawing): void {
+    const isFine = lines.length > kManyLines;
+    const pointsOf = (areGuides: boolean) =>
+      lines.filter((line) => (line.isGuide ?? false) === areGuides).map((line) => line.points);
+    const curves = pointsOf(false);
+    const isDashed = dashLengths.length > 0 && numDashes(curves, dashLengths) <= kMaxDashes;
+    this.guides.set(pointsOf(true), surface, false);
+    this.curves.set(isDashed ? dashes(curves, dashLengths) : curves, surface, isFine);
+    const bent = widthM > 0 ? curves.map((curve) => subdivided(curve, surface)) : [];
+    this.strip = stripAlong(bent, widthM, isDashed ? dashLengths : []);
+  }
+}
+
+function numDashes(lines: readonly (readonly Point2[])[], lengths: readonly number[]): number {
+  const along = (line: readonly Point2[]) =>
+    line.slice(1).reduce((sum, to, i) => sum + Math.hypot(to.x - line[i].x, to.y - line[i].y), 0);
+  return lines.reduce((sum, line) => sum + along(line), 0) / lengths.reduce((sum, length) => sum + length, 0);
+}
