@@ -16,7 +16,7 @@ namespace {
 constexpr int kSamples = 4;                        // a pixel, each 8 bytes
 constexpr std::int64_t kMaxSampled = 2048 * 2048;  // pixels; a larger picture gets one sample a pixel
 constexpr int kShadowMapSize = 1024;               // texels
-// Of the distance: solids and floors are drawn that much farther away, so that the sheet that rests on them hides them.
+// Solids and floors are drawn farther away by this part of the distance, so that a sheet that rests on them hides them.
 constexpr double kSupportsBehind = 0.0015;
 constexpr double kBordersInFront = 3.0;  // pixel sides by which borders are drawn nearer than the edges they mark
 constexpr double kLipsInFront = 2.0;     // pixel sides, likewise

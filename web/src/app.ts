@@ -1,15 +1,10 @@
-import { Group } from 'three';
 import { call } from './api';
 import { SheetService, Sheet_RunState } from './gen/kerf/v1/sheets_pb';
 import type { Sheet } from './gen/kerf/v1/sheets_pb';
 import { Surface } from './geometry/surface';
-import { ColliderView } from './scene/colliders';
 import { pieceCentre } from './scene/piece_highlight';
-import { PinView } from './scene/pin_view';
-import { SheetView } from './scene/sheet_view';
+import { SheetScene } from './scene/sheet_scene';
 import { Stage } from './scene/stage';
-import { WindView } from './scene/wind_view';
-import { worldBox } from './scene/world_box';
 import { FrameClock, unixTimeMs } from './stream/frame_clock';
 import type { Rejection } from './gen/kerf/v1/stream_pb';
 import { SettingsFollower } from './stream/settings_follower';
@@ -73,13 +68,8 @@ export class App implements Viewer {
   // Holds the connection and decodes frames.
   private worker: Worker | undefined = this.startWorker();
   private readonly canvas = element<HTMLCanvasElement>('canvas');
-  // The sheet and what is around it.
-  private readonly sheetObjects = new Group();
-  private readonly sheetView = new SheetView();
-  readonly look = new SheetLook(this, this.sheetView);
-  private readonly pinView = new PinView();
-  private readonly windView = new WindView();
-  private readonly colliderView: ColliderView;
+  private readonly sheetScene: SheetScene;
+  readonly look: SheetLook;
   readonly notices = new Notices(element('notices'));
   private readonly status = new StatusLine();
   private readonly physics = new PhysicsPanel(this);
@@ -103,9 +93,8 @@ export class App implements Viewer {
   constructor() {
     this.stage = new Stage(this.canvas);
     this.theme = new Theme(element('theme'), (isDark) => this.stage.setDark(isDark));
-    this.colliderView = new ColliderView(this.stage.ground);
-    this.sheetObjects.add(this.sheetView.object, this.pinView.object, this.colliderView.object, this.windView.object);
-    this.stage.scene.add(this.sheetObjects);
+    this.sheetScene = new SheetScene(this.stage);
+    this.look = new SheetLook(this, this.sheetScene.view);
     this.cutTool = new CutTool(this, () => this.cutPanel?.update(this.tool === this.cutTool));
     this.grabTool = new GrabTool(this);
     this.tools = { view: new ViewTool(), cut: this.cutTool, grab: this.grabTool, pin: new PinTool(this) };
@@ -175,7 +164,7 @@ export class App implements Viewer {
     }
     this.letGo();
     this.imageMode.clear();
-    this.sheetObjects.visible = false;
+    this.sheetScene.object.visible = false;
     this.stage.invalidate();
   }
 
@@ -262,12 +251,7 @@ export class App implements Viewer {
   }
 
   fit(): void {
-    if (!this.surface) return;
-    const colliders = this.sheet?.scene?.colliders ?? [];
-    const box = worldBox(this.surface.mirror, colliders);
-    this.stage.fit(box);
-    this.windView.fit(box);
-    this.colliderView.set(colliders);
+    if (this.surface) this.sheetScene.fit(this.surface, this.sheet?.scene?.colliders ?? []);
   }
 
   get topologyVersion(): number | undefined {
@@ -275,7 +259,7 @@ export class App implements Viewer {
   }
 
   highlight(label: number | undefined): void {
-    this.sheetView.highlight(label);
+    this.sheetScene.view.highlight(label);
     this.showAgain();
   }
 
@@ -313,9 +297,7 @@ export class App implements Viewer {
     this.sheet = sheet;
     this.controls.show();
     this.physics.show(sheet);
-    this.windView.set(sheet.scene?.wind);
-    this.pinView.set(sheet.pinnedVertices);
-    this.colliderView.set(sheet.scene?.colliders ?? []);
+    this.sheetScene.set(sheet);
     this.showAgain();
   }
 
@@ -333,8 +315,7 @@ export class App implements Viewer {
 
   /** Sheet and colliders are drawn here, or are in the picture that the server draws. */
   setMeshDrawn(isDrawn: boolean): void {
-    this.sheetView.setDrawn(isDrawn);
-    this.colliderView.object.visible = isDrawn;
+    this.sheetScene.setDrawn(isDrawn);
     this.showAgain();
   }
 
@@ -365,7 +346,7 @@ export class App implements Viewer {
       if (this.watch) this.settings.saw(stats.settingsVersion);
     }
     if (!this.imageMode.isOn) this.statistics.arrived(delivery, stats);
-    this.sheetObjects.visible = true;
+    this.sheetScene.object.visible = true;
     this.hasNewFrame = true;
     this.hasArrived = true;
     this.stage.invalidate();
@@ -421,10 +402,8 @@ export class App implements Viewer {
       // Once more when the colliders are known.
       this.isFitted = this.sheet !== undefined;
     }
-    this.sheetView.update(surface);
+    this.sheetScene.update(surface);
     this.look.color();
-    const { min, max } = surface.locator;
-    this.pinView.update(surface, 0.009 * Math.max(max.x - min.x, max.y - min.y));
     this.watch?.acknowledge();
     this.pieces.update();
   }

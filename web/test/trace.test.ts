@@ -143,7 +143,7 @@ describe('traceLines', () => {
     for (let i = 0; i < trace.numSegments; ++i) expect(length(minus(ends[2 * i + 1], ends[2 * i]))).toBeLessThan(0.15);
   });
 
-  it('goes on beside the sheet in short pieces, along the nearest triangle', () => {
+  it('continues beside the sheet in short pieces, along the nearest triangle', () => {
     const surface = bentSheet(20);
     const { ends } = worldOf([[{ x: -0.2, y: 0.5 }, { x: 0.3, y: 0.5 }]], surface);
     const [first] = ends;

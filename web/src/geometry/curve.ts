@@ -16,7 +16,7 @@ export function bezierPoint(points: readonly Point2[], t: number, weights?: read
   return { x: x / w, y: y / w };
 }
 
-/** How closely polylines follow a curve. */
+/** The closeness with which polylines follow a curve. */
 export interface Flatness {
   /** The largest distance between them, in the curve's unit. */
   tolerance: number;
@@ -26,7 +26,7 @@ export interface Flatness {
 
 // A curve is measured at three points of a chord, between which it may be somewhat farther away.
 const kMeasured = 0.9;
-// However flat it seems, a curve is halved so often if it may be: one that turns back may look straight.
+// A curve is halved so often, however flat it seems: one that turns back may look straight.
 const kLeastDepth = 2;
 
 /** Points of a curve, both ends included, whose polyline follows it closely. @param at  point at t in 0..1 */

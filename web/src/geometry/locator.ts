@@ -17,9 +17,9 @@ export interface Crossing {
   end: number;
 }
 
-// Of a chord: what is shorter is rounding.
+// A part of a chord that is shorter is rounding.
 const kLeastPart = 1e-9;
-// Of a corner's weight: a chord along an edge is in the triangles on both sides of it, whatever rounding says.
+// A chord along an edge is in the triangles on both sides of it, though rounding may make a corner's weight so much less.
 const kOnEdge = 1e-9;
 
 /**
@@ -115,16 +115,25 @@ export class Locator {
     return place && place.u >= slack && place.v >= slack && 1 - place.u - place.v >= slack ? place : undefined;
   }
 
-  // The part of a chord where no corner's weight is below 0.
+  // The part of a chord where no corner's weight is below 0. Makes no objects for triangles that it misses: most do.
   private crossing(slot: number, from: Point2, to: Point2): Crossing | undefined {
-    const [one, other] = [this.placeIn(slot, from), this.placeIn(slot, to)];
-    if (!one || !other) return undefined;
+    const { material: m, triangles } = this;
+    const [a, b, c] = [2 * triangles[3 * slot], 2 * triangles[3 * slot + 1], 2 * triangles[3 * slot + 2]];
+    const [abX, abY] = [m[b] - m[a], m[b + 1] - m[a + 1]];
+    const [acX, acY] = [m[c] - m[a], m[c + 1] - m[a + 1]];
+    const area = abX * acY - abY * acX;
+    if (area === 0) return undefined;
+    const [fromX, fromY] = [from.x - m[a], from.y - m[a + 1]];
+    const [toX, toY] = [to.x - m[a], to.y - m[a + 1]];
+    const [u0, u1] = [(fromX * acY - fromY * acX) / area, (toX * acY - toY * acX) / area];
+    const [v0, v1] = [(abX * fromY - abY * fromX) / area, (abX * toY - abY * toX) / area];
     let [start, end] = [0, 1];
-    for (const weight of [({ u }: Place) => u, ({ v }: Place) => v, ({ u, v }: Place) => 1 - u - v]) {
-      const [a, b] = [weight(one) + kOnEdge, weight(other) + kOnEdge];
-      if (a < 0 && b < 0) return undefined;
-      if (a < 0) start = Math.max(start, a / (a - b));
-      else if (b < 0) end = Math.min(end, a / (a - b));
+    for (let corner = 0; corner < 3; ++corner) {
+      const first = (corner === 0 ? u0 : corner === 1 ? v0 : 1 - u0 - v0) + kOnEdge;
+      const last = (corner === 0 ? u1 : corner === 1 ? v1 : 1 - u1 - v1) + kOnEdge;
+      if (first < 0 && last < 0) return undefined;
+      if (first < 0) start = Math.max(start, first / (first - last));
+      else if (last < 0) end = Math.min(end, first / (first - last));
     }
     return end > start ? { slot, start, end } : undefined;
   }
@@ -137,7 +146,7 @@ export class Locator {
     return cellOf(y, this.min.y, this.max.y, this.rows);
   }
 
-  // Row by row, those between the columns in which the chord enters and leaves the row.
+  // The cells of each row lie between the columns in which the chord enters and leaves it.
   private forEachCellOn(from: Point2, to: Point2, visit: (cell: number) => void): void {
     const { min, max, rows, columns } = this;
     const [low, high] = from.y < to.y ? [from, to] : [to, from];
@@ -172,7 +181,7 @@ export class Locator {
   }
 }
 
-// What lies outside belongs to the first or the last.
+// A place outside belongs to the first or the last cell.
 function cellOf(at: number, min: number, max: number, count: number): number {
   const size = max - min;
   return size > 0 ? Math.min(count - 1, Math.max(0, Math.floor(((at - min) / size) * count))) : 0;

@@ -165,8 +165,10 @@ export class Surface {
       const [dx, dy] = [m[b] - m[a], m[b + 1] - m[a + 1]];
       const along = ((point.x - m[a]) * dx + (point.y - m[a + 1]) * dy) / (dx * dx + dy * dy || 1);
       const t = Math.min(1, Math.max(0, along));
-      const distance = Math.hypot(point.x - m[a] - t * dx, point.y - m[a + 1] - t * dy);
-      if (distance < nearest) [nearest, slot] = [distance, boundary[i + 2]];
+      const square = (point.x - m[a] - t * dx) ** 2 + (point.y - m[a + 1] - t * dy) ** 2;
+      if (square >= nearest) continue;
+      nearest = square;
+      slot = boundary[i + 2];
     }
     return slot < 0 ? undefined : this.locator.placeIn(slot, point);
   }

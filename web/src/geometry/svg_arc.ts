@@ -4,7 +4,7 @@ import type { Point2 } from './locator';
 export type ArcNumbers = readonly [rx: number, ry: number, turnDeg: number, isLarge: number, isSweep: number];
 
 /**
- * Point at t in 0..1 of an elliptical arc (SVG 1.1, F.6: from its end points to its centre). Undefined where that is a
+ * Point at t in 0..1 of an elliptical arc (SVG 1.1, F.6: from its end points to its centre). Undefined if that is a
  * straight line: without a radius, or without a way to go.
  */
 export function svgArc(from: Point2, to: Point2, [rx, ry, turnDeg, isLarge, isSweep]: ArcNumbers) {
@@ -23,7 +23,7 @@ export function svgArc(from: Point2, to: Point2, [rx, ry, turnDeg, isLarge, isSw
   const start = Math.atan2((y - centerY) / b, (x - centerX) / a);
   const end = Math.atan2((-y - centerY) / b, (-x - centerX) / a);
   const whole = 2 * Math.PI;
-  // From 0 to a whole turn, backwards without the flag.
+  // The arc turns by less than a whole turn, backwards without the flag.
   const swept = isSweep ? (end - start + 2 * whole) % whole : -((start - end + 2 * whole) % whole);
   const [middleX, middleY] = [0.5 * (from.x + to.x), 0.5 * (from.y + to.y)];
   return (t: number): Point2 => {

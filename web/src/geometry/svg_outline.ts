@@ -6,7 +6,7 @@ import { shapeData } from './shape_data';
 
 /**
  * The outlines of a drawing for a preview, in a box of their own: x and y (up) in 0..1. Its lines are within 1/5000 of the
- * drawing's larger side of its curves, but where it has more than some 300 of them.
+ * drawing's larger side of its curves, unless it has more than some 300 of them.
  */
 export interface SvgOutline {
   lines: readonly (readonly Point2[])[];
@@ -14,7 +14,7 @@ export interface SvgOutline {
   aspect: number;
 }
 
-// Of the larger side of the drawing: how far its lines are from its curves.
+// The largest distance of lines from their curves, in parts of the drawing's larger side.
 const kTolerance = 2e-4;
 // A curve has at most 64 chords, and fewer where there would be more points than this together.
 const kMaxDepth = 6;

@@ -11,9 +11,9 @@ export interface Trace {
   readonly weights: Float64Array;
 }
 
-// Beside the sheet a chord is divided into pieces of this part of the sheet's larger side.
+// A chord beside the sheet is divided into pieces of this part of the sheet's larger side.
 const kBesidePart = 1 / 64;
-// Of a chord: a gap between two triangles that is shorter is rounding.
+// A gap between two triangles that is a smaller part of the chord is rounding.
 const kLeastGap = 1e-6;
 
 function between(from: Point2, to: Point2, t: number): Point2 {

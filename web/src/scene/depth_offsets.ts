@@ -1,4 +1,4 @@
-/** How far away in depth a material is drawn, so that what lies on it is seen. */
+/** A shift in depth, away from the viewer, with which a material is drawn. */
 interface DepthOffset {
   polygonOffset: true;
   polygonOffsetFactor: number;

@@ -1,11 +1,11 @@
-/** How finely a picture is drawn. */
+/** The fineness with which a picture is drawn. */
 export interface Quality {
   /** Its pixels against those of full resolution, in each direction. */
   scale: number;
   hasShadows: boolean;
 }
 
-// From the finest to the coarsest.
+// The levels from the finest to the coarsest.
 const kLevels: readonly Quality[] = [
   { scale: 1, hasShadows: true },
   { scale: 0.75, hasShadows: true },
@@ -26,10 +26,10 @@ const kLongestPatienceMs = 96_000;
 
 /**
  * Chooses how finely pictures are drawn: more coarsely step by step while they come too seldom, finer again when there is
- * room, and as finely as can be where nothing moves. Times are given to it, in milliseconds.
+ * room. A still picture is as fine as can be. Times are given to it, in milliseconds.
  */
 export class DrawingQuality {
-  /** The coarsest pictures come too seldom, too. */
+  /** Even the coarsest pictures come too seldom. */
   isTooSlow = false;
 
   private level = 0;

@@ -18,18 +18,18 @@ export interface FatLineStyle {
   opacity?: number;
   /** Drawn over everything, hidden or not. */
   onTop?: boolean;
-  /** Lines on the cloth: only what is seen of them, or only what something hides. */
+  /** Draws of lines on the cloth only the parts that are seen, or only those that something hides. */
   part?: 'seen' | 'hidden';
 }
 
-// Nearer by 0.6 % of the first view's distance: a line is wider than its place on a slope, and what hides it is a fold.
+// Lines are nearer by 0.6 % of the first view's distance: they have a width, on slopes too, and folds hide them, not cloth.
 const kNearerUnits = -1024;
 
 function lineMaterial({ color, width, opacity = 1, onTop = false, part }: FatLineStyle): LineMaterial {
   const material = new LineMaterial({
     color,
     linewidth: width,
-    // What lies over others is drawn with the transparent objects, after all others, in the order of renderOrder.
+    // Transparent objects are drawn after all others, in the order of renderOrder: so are lines over something.
     transparent: onTop || part !== undefined || opacity < 1,
     opacity,
     depthTest: !onTop,

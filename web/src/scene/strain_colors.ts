@@ -5,7 +5,7 @@ import { Color } from 'three';
 const kStops = [
   0x3b4cc0, 0x6282ea, 0x8db0fe, 0xb8d0f9, 0xdddddd, 0xf5c4ad, 0xf49a7b, 0xde604d, 0xb40426,
 ].map((hex) => new Color(hex));
-// Of the table of colours, with one in the middle: neighbours differ by at most one in a channel of a picture.
+// The table of colours has one in its middle, and neighbours differ by at most one in a channel of a picture.
 const kNumShades = 1025;
 const kSmallestMax = 1e-4;
 // The scale ends where 99 % of the vertices are below: at a pin or the end of a cut a few have many times as much.

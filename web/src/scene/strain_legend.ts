@@ -4,7 +4,7 @@ import type { StrainTick } from './strain_colors';
 /** The page's legend of the colours by strain. */
 export interface StrainLegend {
   ticks: readonly StrainTick[];
-  /** What the scale's ends mean. */
+  /** The meaning of the scale's ends. */
   words: readonly [left: string, right: string];
   /** CSS colours. */
   ink: string;

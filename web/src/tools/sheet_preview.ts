@@ -10,7 +10,7 @@ import { FatLines } from '../scene/fat_lines';
 import type { PreviewLine } from './drawings/drawing';
 import { stripAlong } from './strip_preview';
 
-/** What is drawn on the material, in metres of it. */
+/** A drawing on the material, in metres of it. */
 export interface MaterialDrawing {
   lines: readonly PreviewLine[];
   /** Lengths that are cut and left in turn; none: all of it is cut. */
@@ -32,10 +32,10 @@ const kGuide: Look = { color: 0xffffff, widthPx: 2, rimPx: 4.5 };
 const kManyLines = 12;
 const kFine = { widthPx: 1.5, rimPx: 3.5 };
 const kFaint = 0.4;
-// More dashes than this are not told apart: the line is drawn whole.
+// More dashes than this cannot be made out: the line is drawn whole.
 const kMaxDashes = 5000;
 
-/** Lines on the sheet in a dark rim; what a fold hides of them is faint. */
+/** Lines on the sheet in a dark rim, faint where a fold hides them. */
 class SheetLines {
   private readonly lines: FatLines;
   private readonly rim: LineMaterial;
@@ -85,7 +85,7 @@ export class SheetPreview {
     this.object.visible = false;
   }
 
-  /** What is drawn is another than before. */
+  /** Says that the drawing is another than before. */
   changed(): void {
     this.version = -1;
   }
@@ -96,8 +96,8 @@ export class SheetPreview {
 
   /**
    * Shows it on the sheet as it hangs now.
-   * @param read  is called where the drawing or the triangles are others than before
-   * @returns what is taken away: polygons in metres of material
+   * @param read  is called if the drawing or the triangles are others than before
+   * @returns the strip that is taken away: polygons in metres of material
    */
   show(surface: Surface, read: () => MaterialDrawing): readonly (readonly Point2[])[] {
     const { topologyVersion } = surface.mirror;

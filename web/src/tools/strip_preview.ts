@@ -1,11 +1,11 @@
 import type { Point2 } from '../geometry/locator';
 import { dashes as dashesOf, stripPolygons } from '../geometry/strip';
 
-// Of lines with more chords than this points are left out, evenly.
+// Lines with more chords than this lose points, evenly.
 const kMaxChords = 2000;
 
 /**
- * What a cut along these lines takes away: polygons that may overlap.
+ * The strip that a cut along these lines takes away: polygons that may overlap.
  *
  * @param width    in the lines' unit; 0: it takes nothing
  * @param lengths  of dashes, that are cut and left in turn; none: all of it is cut

@@ -1,7 +1,7 @@
 import type { App } from '../app';
 import { DrawingQuality } from '../scene/drawing_quality';
 
-// What browsers call drawing without a graphics card.
+// Names that browsers have for drawing without a graphics card.
 const kSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
 /** @param graphics  name of what draws, as the browser has it */
@@ -12,19 +12,19 @@ export function slowDrawingText(graphics: string): string {
 }
 
 /**
- * Draws as finely as this machine can often enough. Where even the coarsest pictures come too seldom it says why, once, and
+ * Draws as finely as this machine can often enough. If even the coarsest pictures come too seldom, it says why, once, and
  * offers those of the server.
  */
 export class AdaptiveDrawing {
   private readonly quality = new DrawingQuality();
   private readonly isFixed = new URLSearchParams(location.search).get('resolution') === 'full';
-  // When the last picture was drawn, of those that count.
+  // The time of the last picture, if it counts.
   private drawnMs: number | undefined;
   private hasOffered = false;
   private closeOffer: (() => void) | undefined;
 
   constructor(private readonly app: App) {
-    // While nobody looks nothing is drawn, and no picture takes that long.
+    // Nothing is drawn while nobody looks: no picture takes that long.
     document.addEventListener('visibilitychange', () => (this.drawnMs = undefined));
   }
 
@@ -37,7 +37,7 @@ export class AdaptiveDrawing {
     const { app, quality } = this;
     if (this.isFixed) return isChanged;
     if (this.drawnMs !== undefined) quality.took(nowMs - this.drawnMs);
-    // Over pictures of the server little is drawn here.
+    // Little is drawn here over pictures of the server.
     const isOwn = !app.imageMode.isOn;
     this.drawnMs = isChanged && isOwn ? nowMs : undefined;
     if (isChanged) quality.moved(nowMs);

@@ -13,7 +13,7 @@ export function runEndText({ state, endTick, divergedTick }: Replay): [kind: Not
   return ['warning', `Played as recorded to tick ${divergedTick} of ${endTick}, where it comes out otherwise: ${why}`];
 }
 
-/** Why the sheet does not move; undefined where it does, or nothing is known of it. */
+/** The reason that the sheet does not move; undefined if it does, or nothing is known of it. */
 export function stillText(stats: FrameStats | undefined): string | undefined {
   if (stats?.paused) return 'paused';
   return stats?.sleeping ? 'at rest' : undefined;
@@ -23,5 +23,5 @@ export function isStill(stats: FrameStats | undefined): boolean {
   return stillText(stats) !== undefined;
 }
 
-/** What is said of a frame's age where it has none, for it shows the sheet as it is. */
+/** The text for the age of a frame that shows the sheet as it is now. */
 export const kCurrent = 'current';

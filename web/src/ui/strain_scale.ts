@@ -2,7 +2,7 @@ import { kStrainGradient, strainTicks } from '../scene/strain_colors';
 import type { StrainLegend } from '../scene/strain_legend';
 import { element, make, setText } from './dom';
 
-/** What the scale's ends mean. */
+/** The meaning of the scale's ends. */
 const kWords = ['compressed', 'stretched'] as const;
 
 /** The card with the colours by strain and what they mean. */
@@ -22,7 +22,7 @@ export class StrainScale {
     this.card.hidden = !isShown;
   }
 
-  /** @param end  of the scale, -, > 0: what is stretched by that or more has its last colour */
+  /** @param end  of the scale, -, > 0: its last colour stands for that stretch and more */
   show(end: number): void {
     this.scale.hidden = false;
     this.missing.hidden = true;

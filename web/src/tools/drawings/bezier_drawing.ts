@@ -3,7 +3,7 @@ import type { Point2 } from '../../geometry/locator';
 import { PointDrawing } from './drawing';
 import type { DrawnCut, PreviewLine } from './drawing';
 
-// How far the preview's chords are from the curve: of the longest side of the box around its points.
+// The largest distance of the preview from the curve, in parts of the longer side of the box around its points.
 const kTolerance = 2e-4;
 const kMaxDepth = 9;
 
