@@ -84,7 +84,7 @@ async function legends(viewer) {
   ]) {
     const { name, bytes } = await save(viewer, item);
     // Of a picture 720 pixels high.
-    const places = [36, 134, 232].map((x) => ({ x: scale * x, y: scale * 673 }));
+    const places = [40, 138, 236].map((x) => ({ x: scale * x, y: scale * 673 }));
     const [least, none, most] = await viewer.coloursOf(bytes, places);
     const isGrey = Math.max(...none) - Math.min(...none) < 12;
     check(least[2] > least[0] + 100 && isGrey && most[0] > most[2] + 100, `${name}: the scale is ${least}, ${none}, ${most}`);

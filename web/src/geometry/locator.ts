@@ -96,6 +96,27 @@ export class Locator {
     return crossings;
   }
 
+  /** Slots of triangles around a polygon, each once: all that it overlaps, and some beside it. */
+  slotsAround(polygon: readonly Point2[]): Set<number> {
+    const [xs, ys] = [polygon.map(({ x }) => x), polygon.map(({ y }) => y)];
+    const [first, last] = [this.column(Math.min(...xs)), this.column(Math.max(...xs))];
+    const top = this.row(Math.max(...ys));
+    const slots = new Set<number>();
+    for (let row = this.row(Math.min(...ys)); row <= top; ++row) {
+      const cell = row * this.columns;
+      for (let i = this.cellFirst[cell + first]; i < this.cellFirst[cell + last + 1]; ++i) slots.add(this.cellSlots[i]);
+    }
+    return slots;
+  }
+
+  /** Material positions of a triangle's corners. */
+  cornersOf(slot: number): Point2[] {
+    return [0, 1, 2].map((corner) => {
+      const at = 2 * this.triangles[3 * slot + corner];
+      return { x: this.material[at], y: this.material[at + 1] };
+    });
+  }
+
   /** A point by the weights of a triangle's second and third corner, in it or not; undefined where that has no area. */
   placeIn(slot: number, point: Point2): Place | undefined {
     const { material, triangles } = this;

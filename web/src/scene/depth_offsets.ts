@@ -14,3 +14,9 @@ export const kClothOffset: DepthOffset = { polygonOffset: true, polygonOffsetFac
  * depth buffer of 24 bits, as in the server's pictures.
  */
 export const kSupportOffset: DepthOffset = { polygonOffset: true, polygonOffsetFactor: 4, polygonOffsetUnits: 256 };
+
+/**
+ * Drawings on the cloth are nearer than it, by 0.6 % of the first view's distance. Lines have a width, on slopes too, and
+ * are to be hidden by folds, not by the cloth that they lie on.
+ */
+export const kNearerOffset: DepthOffset = { polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: -1024 };

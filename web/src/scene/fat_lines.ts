@@ -10,6 +10,7 @@ import type { ColorRepresentation } from 'three';
 import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/addons/lines/LineSegmentsGeometry.js';
+import { kNearerOffset } from './depth_offsets';
 
 export interface FatLineStyle {
   color: ColorRepresentation;
@@ -22,9 +23,6 @@ export interface FatLineStyle {
   part?: 'seen' | 'hidden';
 }
 
-// Lines are nearer by 0.6 % of the first view's distance: they have a width, on slopes too, and folds hide them, not cloth.
-const kNearerUnits = -1024;
-
 function lineMaterial({ color, width, opacity = 1, onTop = false, part }: FatLineStyle): LineMaterial {
   const material = new LineMaterial({
     color,
@@ -36,7 +34,7 @@ function lineMaterial({ color, width, opacity = 1, onTop = false, part }: FatLin
     depthWrite: false,
   });
   if (part === undefined) return material;
-  Object.assign(material, { polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: kNearerUnits });
+  Object.assign(material, kNearerOffset);
   if (part === 'seen') return material;
   material.depthFunc = GreaterDepth;
   // Ends of neighbours overlap, and are not to be less faint than the rest.

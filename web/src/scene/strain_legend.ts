@@ -14,7 +14,7 @@ export interface StrainLegend {
 
 // CSS pixels.
 const kMargin = 12;
-const kPadding = { side: 22, end: 8 };
+const kPadding = { side: 26, end: 8 };
 const kScale = { width: 200, height: 10 };
 const kFontSize = 12;
 const kLine = kFontSize + 4;

@@ -355,8 +355,8 @@ export class CutTool implements Tool {
     const { surface } = this.viewer;
     if (!surface) return this.sheetPreview.hide();
     const { dashLengths, widthM } = this;
-    const strip = this.sheetPreview.show(surface, () => ({ lines: this.drawing.lines(), dashLengths, widthM }));
-    this.preview.show([], [], strip.map((polygon) => polygon.map((point) => this.material.toPx(point))));
+    this.preview.show([]);
+    this.sheetPreview.show(surface, () => ({ lines: this.drawing.lines(), dashLengths, widthM }));
   }
 
   // Lengths are those in the middle of the view.

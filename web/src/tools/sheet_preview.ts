@@ -4,9 +4,10 @@ import type { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import type { Point2 } from '../geometry/locator';
 import { dashes } from '../geometry/strip';
 import type { Surface } from '../geometry/surface';
-import { placeTrace, subdivided, traceLines } from '../geometry/trace';
-import type { Trace } from '../geometry/trace';
+import { placePolygons, traceLines, writePositions } from '../geometry/trace';
+import type { Places } from '../geometry/trace';
 import { FatLines } from '../scene/fat_lines';
+import { SheetFill } from '../scene/sheet_fill';
 import type { PreviewLine } from './drawings/drawing';
 import { stripAlong } from './strip_preview';
 
@@ -32,6 +33,7 @@ const kGuide: Look = { color: 0xffffff, widthPx: 2, rimPx: 4.5 };
 const kManyLines = 12;
 const kFine = { widthPx: 1.5, rimPx: 3.5 };
 const kFaint = 0.4;
+const kStrip = { color: 0xe5383b, opacity: 0.55, faintOpacity: 0.2 };
 // More dashes than this cannot be made out: the line is drawn whole.
 const kMaxDashes = 5000;
 
@@ -41,7 +43,7 @@ class SheetLines {
   private readonly rim: LineMaterial;
   private readonly core: LineMaterial;
   private readonly hidden: LineMaterial;
-  private trace: Trace | undefined;
+  private ends: Places | undefined;
 
   constructor(
     private readonly look: Look,
@@ -59,29 +61,30 @@ class SheetLines {
   }
 
   set(lines: readonly (readonly Point2[])[], surface: Surface, isFine: boolean): void {
-    this.trace = traceLines(lines, surface);
+    this.ends = traceLines(lines, surface);
     const { widthPx, rimPx } = isFine ? kFine : this.look;
     this.rim.linewidth = rimPx;
     this.core.linewidth = this.hidden.linewidth = widthPx;
   }
 
   place({ mirror }: Surface): void {
-    if (this.trace) placeTrace(this.trace, mirror, this.lines.begin(this.trace.numSegments));
+    if (this.ends) writePositions(this.ends, mirror, this.lines.begin(this.ends.slots.length / 2));
   }
 }
 
 /** The curve about to be cut as it will lie on the material, bent with the sheet, and the strip that it takes away. */
 export class SheetPreview {
   readonly object = new Group();
-  // Over the floor, and curves over guides.
-  private readonly guides = new SheetLines(kGuide, 1);
-  private readonly curves = new SheetLines(kCurve, 4);
-  private strip: Point2[][] = [];
+  // All are drawn over the floor: the strip, guides over it, curves over them.
+  private readonly strip = new SheetFill(kStrip.color, kStrip.opacity, kStrip.faintOpacity, 1);
+  private readonly guides = new SheetLines(kGuide, 2);
+  private readonly curves = new SheetLines(kCurve, 5);
+  private corners: Places | undefined;
   private surface: Surface | undefined;
   private version = -1;
 
   constructor() {
-    this.object.add(this.guides.object, this.curves.object);
+    this.object.add(this.strip.object, this.guides.object, this.curves.object);
     this.object.visible = false;
   }
 
@@ -97,9 +100,8 @@ export class SheetPreview {
   /**
    * Shows it on the sheet as it hangs now.
    * @param read  is called if the drawing or the triangles are others than before
-   * @returns the strip that is taken away: polygons in metres of material
    */
-  show(surface: Surface, read: () => MaterialDrawing): readonly (readonly Point2[])[] {
+  show(surface: Surface, read: () => MaterialDrawing): void {
     const { topologyVersion } = surface.mirror;
     if (surface !== this.surface || topologyVersion !== this.version) {
       this.lay(surface, read());
@@ -107,8 +109,9 @@ export class SheetPreview {
     }
     this.guides.place(surface);
     this.curves.place(surface);
+    const { corners } = this;
+    if (corners) writePositions(corners, surface.mirror, this.strip.begin(corners.slots.length));
     this.object.visible = true;
-    return this.strip;
   }
 
   private lay(surface: Surface, { lines, dashLengths, widthM }: MaterialDrawing): void {
@@ -119,8 +122,7 @@ export class SheetPreview {
     const isDashed = dashLengths.length > 0 && numDashes(curves, dashLengths) <= kMaxDashes;
     this.guides.set(pointsOf(true), surface, false);
     this.curves.set(isDashed ? dashes(curves, dashLengths) : curves, surface, isFine);
-    const bent = widthM > 0 ? curves.map((curve) => subdivided(curve, surface)) : [];
-    this.strip = stripAlong(bent, widthM, isDashed ? dashLengths : []);
+    this.corners = placePolygons(stripAlong(curves, widthM, isDashed ? dashLengths : []), surface);
   }
 }
 
