@@ -164,7 +164,7 @@ export function lookSteps(steps, browser, { url }) {
     const hasWidth = (px) => viewer.until('document.querySelector("#canvas").width === given.px', { px });
     await hasWidth(kWide.viewport.width);
     await hasWidth(kWide.viewport.width / 2);
-    const offer = viewer.page.locator('.notice.offer', { hasText: /^This browser draws (slowly|without a graphics card)/ });
+    const offer = viewer.page.locator('.notice.offer', { hasText: /^Drawing is slow (without a graphics card|in this browser)/ });
     await offer.waitFor();
     await viewer.screenshot('coarse');
     await viewer.page.keyboard.press(' ');

@@ -6,9 +6,7 @@ const kSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
 /** @param graphics  name of what draws, as the browser has it */
 export function slowDrawingText(graphics: string): string {
-  return kSoftware.test(graphics)
-    ? 'This browser draws without a graphics card, which is slow.'
-    : 'This browser draws slowly.';
+  return `Drawing is slow ${kSoftware.test(graphics) ? 'without a graphics card' : 'in this browser'}.`;
 }
 
 /**
