@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 
 #include "render/linear.h"
 
@@ -11,9 +10,8 @@ namespace kerf::render {
 
 namespace {
 
-// In linear light.
-Vec3 from_hex(unsigned hex) {
-  return linear({(hex >> 16U) / 255.0, ((hex >> 8U) & 0xffU) / 255.0, (hex & 0xffU) / 255.0});
+Colour from_hex(unsigned hex) {
+  return {(hex >> 16U) / 255.0, ((hex >> 8U) & 0xffU) / 255.0, (hex & 0xffU) / 255.0};
 }
 
 Rgb8 to_rgb8(Vec3 light) {
@@ -28,8 +26,9 @@ Vec3 mix(Vec3 from, Vec3 to, double share) {
   return (1.0 - share) * from + share * to;
 }
 
-constexpr std::array<unsigned, 6> kStops{0x440154, 0x414487, 0x2a788e, 0x22a884, 0x7ad151, 0xfde725};
-constexpr std::size_t kNumShades = 1024;  // of the table, so that neighbours differ by at most one in a channel
+constexpr std::array<unsigned, 9> kStops{0x3b4cc0, 0x6282ea, 0x8db0fe, 0xb8d0f9, 0xdddddd,
+                                         0xf5c4ad, 0xf49a7b, 0xde604d, 0xb40426};
+constexpr std::size_t kNumShades = 1025;  // of the table: neighbours differ by at most one in a channel
 constexpr double kSmallestEnd = 1e-4;     // -, of strain
 constexpr double kShareBelow = 0.99;      // of the vertices
 constexpr double kKeepsDownTo = 0.2;      // of the scale's end
@@ -47,7 +46,13 @@ std::array<Rgb8, kNumShades> make_shades() {
   for (std::size_t i = 0; i < kNumShades; ++i) {
     const double at = static_cast<double>(kLast * i) / (kNumShades - 1);
     const std::size_t from = std::min(static_cast<std::size_t>(at), kLast - 1);
-    shades[i] = to_rgb8(mix(from_hex(kStops[from]), from_hex(kStops[from + 1]), at - static_cast<double>(from)));
+    const double share = at - static_cast<double>(from);
+    const Colour low = from_hex(kStops[from]);
+    const Colour high = from_hex(kStops[from + 1]);
+    const auto mixed = [share](double a, double b) {
+      return static_cast<std::uint8_t>(std::lround(255.0 * ((1.0 - share) * a + share * b)));
+    };
+    shades[i] = {mixed(low.red, high.red), mixed(low.green, high.green), mixed(low.blue, high.blue)};
   }
   return shades;
 }
@@ -72,15 +77,16 @@ Vec3 linear(const Colour& srgb) {
 
 Rgb8 strain_colour(double share) {
   static const std::array<Rgb8, kNumShades> shades = make_shades();
-  const double within = share > 0.0 ? std::min(share, 1.0) : 0.0;  // 0 for NaN, too
-  return shades[static_cast<std::size_t>(within * (kNumShades - 1) + 0.5)];
+  const double within = std::isnan(share) ? 0.0 : std::clamp(share, -1.0, 1.0);
+  return shades[static_cast<std::size_t>(0.5 * (1.0 + within) * (kNumShades - 1) + 0.5)];
 }
 
 double strain_scale_end(std::span<const float> strains, double current) {
   double largest = kSmallestEnd;
   std::vector<float> sorted;
-  std::copy_if(strains.begin(), strains.end(), std::back_inserter(sorted),
-               [](float strain) { return std::isfinite(strain); });
+  for (const float strain : strains) {
+    if (std::isfinite(strain)) sorted.push_back(std::abs(strain));
+  }
   if (!sorted.empty()) {
     const auto at = static_cast<std::ptrdiff_t>(kShareBelow * static_cast<double>(sorted.size() - 1));
     std::nth_element(sorted.begin(), sorted.begin() + at, sorted.end());
@@ -102,7 +108,8 @@ std::vector<std::uint8_t> strain_colours(std::span<const float> strains, double 
 Rgb8 piece_colour(std::int64_t id) {
   const auto index = static_cast<std::size_t>(id - 1);
   const Round& round = kRounds[index / kPalette.size() % kRounds.size()];
-  return to_rgb8(mix(from_hex(kPalette[index % kPalette.size()]), from_hex(round.towards), round.share));
+  return to_rgb8(
+      mix(linear(from_hex(kPalette[index % kPalette.size()])), linear(from_hex(round.towards)), round.share));
 }
 
 }  // namespace kerf::render

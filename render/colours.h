@@ -16,14 +16,14 @@ Vec3 linear(const Colour& srgb);
 
 using Rgb8 = std::array<std::uint8_t, 3>;  // sRGB
 
-// Viridis (S. van der Walt, N. Smith, 2015, CC0), whose lightness grows evenly. `share` of the scale is clamped to
-// [0, 1].
+// The cool-warm map of K. Moreland, "Diverging color maps for scientific visualization" (2009): from blue over grey to
+// red, darker the farther from 0. `share` of the scale is clamped to [-1, 1], and 0 where it is not a number.
 Rgb8 strain_colour(double share);
 
-// The end of a scale, -, >= 1e-4: 1, 2 or 5 times a power of ten that the largest principal strains of all but 1 % of
-// the vertices are below (at pins and ends of cuts a few have many times as much). Stays `current` while that is no
-// less than the strains and at most five times as much, so that a scale does not change with every picture; 0: none
-// yet. Strains that are not finite are left out.
+// The end of a scale, -, >= 1e-4, which begins at its negative: 1, 2 or 5 times a power of ten that the magnitudes of
+// all but 1 % of the strains are below (at pins and ends of cuts a few have many times as much). Stays `current` while
+// that is no less than they are and at most five times as much, so that a scale does not change with every picture;
+// 0: none yet. Strains that are not finite are left out.
 double strain_scale_end(std::span<const float> strains, double current = 0.0);
 
 // 3*V, as Mesh::vertex_colours wants them: strain_colour() of each vertex's strain over `end` (-, > 0).

@@ -16,8 +16,8 @@ namespace {
 constexpr int kSamples = 4;                        // a pixel, each 8 bytes
 constexpr std::int64_t kMaxSampled = 2048 * 2048;  // pixels; a larger picture gets one sample a pixel
 constexpr int kShadowMapSize = 1024;               // texels
-// Of the distance: solids are drawn that much farther away, so that a sheet's flat triangles hide the round one below.
-constexpr double kSolidsBehind = 0.0015;
+// Solids and floors are drawn farther away by this part of the distance, so that a sheet that rests on them hides them.
+constexpr double kSupportsBehind = 0.0015;
 constexpr double kBordersInFront = 3.0;  // pixel sides by which borders are drawn nearer than the edges they mark
 constexpr double kLipsInFront = 2.0;     // pixel sides, likewise
 constexpr double kLipWidth = 2.0;        // pixels, up to 480 rows; more in proportion
@@ -41,6 +41,10 @@ struct Objects {
   RenderTarget target;    // drawn to
   RenderTarget resolved;  // read from
 };
+
+double supports_z_offset(const DrawList& list) {
+  return list.views.depth_per_fraction * (1.0 / (1.0 + kSupportsBehind) - 1.0);
+}
 
 class GlCanvas final : public Canvas {
  public:
@@ -219,6 +223,7 @@ void GlCanvas::set_surface_uniforms(const Program& program, const DrawList& list
 void GlCanvas::draw_ground(const DrawList& list) const {
   if (list.ground.empty()) return;
   set_surface_uniforms(objects_->ground, list);
+  objects_->ground.set("u_clip_z_offset", supports_z_offset(list));
   objects_->ground.set("u_penumbra_texels", kGroundPenumbra);
   glEnable(GL_BLEND);
   objects_->ground_vertices.draw(list.ground.size());
@@ -228,7 +233,7 @@ void GlCanvas::draw_ground(const DrawList& list) const {
 void GlCanvas::draw_solids(const DrawList& list) const {
   if (list.solids.empty()) return;
   set_surface_uniforms(objects_->solid, list);
-  objects_->solid.set("u_clip_z_offset", list.views.depth_per_fraction * (1.0 / (1.0 + kSolidsBehind) - 1.0));
+  objects_->solid.set("u_clip_z_offset", supports_z_offset(list));
   objects_->solid_vertices.draw(list.solids.size());
 }
 

@@ -171,15 +171,20 @@ void main() {
     n = -n;
     ridge = -ridge;
   }
-  vec3 albedo = (gl_FrontFacing ? u_front : u_back) * v_tint;
-  if (u_coloured) albedo = pow(v_tint * (128.0 / 255.0), vec3(2.2));
-  if (u_textured) {
-    vec2 woven = cloth(v_material, footprint);
-    float dye = u_wireframe ? mix(0.5, woven.x, 0.35) : woven.x;  // the wires are what is looked at
-    if (!u_coloured) albedo = mix(mix(albedo, vec3(0.72), 0.55), 0.62 * albedo, dye);
-    albedo *= woven.y;
+  vec3 colour;
+  if (u_coloured) {
+    // Read against a legend: neither pattern nor shadow, and little shading, for folds.
+    float facing = abs(dot(n, normalize(u_eye - v_world)));
+    colour = mix(0.85, 1.0, facing) * pow(v_tint * (128.0 / 255.0), vec3(2.2));
+  } else {
+    vec3 albedo = (gl_FrontFacing ? u_front : u_back) * v_tint;
+    if (u_textured) {
+      vec2 woven = cloth(v_material, footprint);
+      float dye = u_wireframe ? mix(0.5, woven.x, 0.35) : woven.x;  // the wires are what is looked at
+      albedo = woven.y * mix(mix(albedo, vec3(0.72), 0.55), 0.62 * albedo, dye);
+    }
+    colour = shade(albedo, n, 0.18, 0.22, 1.0 + (ridge > 0.0 ? 0.25 : 0.75) * ridge);
   }
-  vec3 colour = shade(albedo, n, 0.18, 0.22, 1.0 + (ridge > 0.0 ? 0.25 : 0.75) * ridge);
   if (u_wireframe) {
     vec3 per_px = max(sqrt(over_x * over_x + over_y * over_y), vec3(1e-9));
     colour = mix(colour, vec3(0.012, 0.016, 0.025), wire(per_px));

@@ -36,7 +36,7 @@ class Mirror {
   [[nodiscard]] const std::vector<std::array<std::int32_t, 3>>& triangles() const { return triangles_; }
   // A slot's piece; -1 without material.
   [[nodiscard]] const std::vector<std::int32_t>& pieces() const { return pieces_; }
-  // Largest principal strain of the membrane at a vertex in 0..V-1, -; see kerf.v1.Frame.strains. Where the last frame
+  // Principal strain of the largest magnitude at a vertex in 0..V-1, -; see kerf.v1.Frame.strains. Where the last frame
   // had none: has_strains() is false.
   [[nodiscard]] bool has_strains() const { return !strains_.empty(); }
   [[nodiscard]] double strain(std::int32_t vertex) const {

@@ -59,6 +59,8 @@ void CutJournal::redo(const std::string& sheet, const std::vector<std::int64_t>&
 void CutJournal::reset(const std::string& sheet, std::int64_t beginning) {
   const std::lock_guard lock(mutex_);
   Log& log = logs_[sheet];
+  log.refused.clear();
+  log.refused_bytes = 0;
   if (log.beginning == beginning) return;  // a scheduled cut of the same tick came first
   drop_undone(log);
   log.beginning = beginning;

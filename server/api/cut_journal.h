@@ -27,7 +27,7 @@ class CutJournal {
   void undo(const std::string& sheet, const std::vector<std::int64_t>& numbers);
   // `result`: tick, topology version and hash that they have now.
   void redo(const std::string& sheet, const std::vector<std::int64_t>& numbers, const v1::UndoResult& result);
-  // A reset has led to a new beginning.
+  // A reset has led to a new beginning; what was refused before is forgotten.
   void reset(const std::string& sheet, std::int64_t beginning);
   // A reset was undone, or done again: those cuts are there that were made since `beginning`.
   void go_to(const std::string& sheet, std::int64_t beginning);

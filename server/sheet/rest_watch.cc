@@ -6,16 +6,19 @@
 namespace kerf::sheet {
 
 void MotionWindow::make_room(Eigen::Index num_vertices) {
-  start_.resize(3, num_vertices);
-  first_sum_.resize(3, num_vertices);
-  second_sum_.resize(3, num_vertices);
-  largest_.resize(num_vertices);
+  if (num_vertices <= start_.cols()) return;
+  const Eigen::Index room = num_vertices + num_vertices / 4;  // so that cuts seldom allocate what grows with the sheet
+  start_.resize(3, room);
+  first_sum_.resize(3, room);
+  second_sum_.resize(3, room);
+  largest_.resize(room);
 }
 
 void MotionWindow::begin(const Eigen::Matrix3Xd& x) {
   time_ = 0.0;
   num_first_ = num_second_ = 0;
-  start_ = x;
+  num_vertices_ = x.cols();
+  start_.leftCols(num_vertices_) = x;
   first_sum_.setZero();
   second_sum_.setZero();
   largest_.setZero();
@@ -26,7 +29,7 @@ bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
   const bool is_first = time_ <= 0.5 * length_;
   ++(is_first ? num_first_ : num_second_);
   Eigen::Matrix3Xd& sum = is_first ? first_sum_ : second_sum_;
-  for (Eigen::Index v = 0; v < x.cols(); ++v) {
+  for (Eigen::Index v = 0; v < num_vertices_; ++v) {
     const Eigen::Vector3d moved = x.col(v) - start_.col(v);
     sum.col(v) += moved;
     largest_[v] = std::max(largest_[v], moved.squaredNorm());
@@ -36,7 +39,7 @@ bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
 
 double MotionWindow::expected_motion(double foresight) const {
   double expected = 0.0;
-  for (Eigen::Index v = 0; v < largest_.size(); ++v) {
+  for (Eigen::Index v = 0; v < num_vertices_; ++v) {
     const double drift = (second_sum_.col(v) / num_second_ - first_sum_.col(v) / num_first_).norm();
     expected = std::max(expected, std::sqrt(largest_[v]) + drift * foresight / (0.5 * length_));
   }

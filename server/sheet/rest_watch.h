@@ -23,13 +23,14 @@ class MotionWindow {
 
  private:
   double length_;
-  double time_ = 0.0;            // s
-  int num_first_ = 0;            // ticks of the first half
-  int num_second_ = 0;           // ticks of the second half
-  Eigen::Matrix3Xd start_;       // m
-  Eigen::Matrix3Xd first_sum_;   // m, of places less start_
-  Eigen::Matrix3Xd second_sum_;  // m, likewise
-  Eigen::VectorXd largest_;      // m^2, squared distances from start_
+  double time_ = 0.0;              // s
+  Eigen::Index num_vertices_ = 0;  // arrays have room for more
+  int num_first_ = 0;              // ticks of the first half
+  int num_second_ = 0;             // ticks of the second half
+  Eigen::Matrix3Xd start_;         // m
+  Eigen::Matrix3Xd first_sum_;     // m, of places less start_
+  Eigen::Matrix3Xd second_sum_;    // m, likewise
+  Eigen::VectorXd largest_;        // m^2, squared distances from start_
 };
 
 // Brings a sheet that nothing disturbs any more to rest, and says when it is.

@@ -413,7 +413,7 @@ std::shared_ptr<const Snapshot> Sheet::snapshot(const RunStats& stats, bool with
   }
   snapshot->topology = impl_->topology.at(impl_->mesh, impl_->topology_version);
   snapshot->stats = stats;
-  if (with_strains) snapshot->strains = largest_strains(impl_->model, impl_->state.x);
+  if (with_strains) snapshot->strains = dominant_strains(impl_->model, impl_->state.x);
   return snapshot;
 }
 

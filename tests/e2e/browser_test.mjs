@@ -5,6 +5,7 @@ import { connectionSteps } from './connection_steps.mjs';
 import { cuttingSteps } from './cutting_steps.mjs';
 import { Server, check, kPatienceMs, launchChromium, post } from './harness.mjs';
 import { imageSteps } from './image_steps.mjs';
+import { lookSteps } from './look_steps.mjs';
 import { physicsSteps } from './physics_steps.mjs';
 import { savingSteps } from './saving_steps.mjs';
 import { sheetSteps } from './sheet_steps.mjs';
@@ -15,7 +16,7 @@ import { viewerSteps } from './viewer_steps.mjs';
 
 // Groups in their order; an outer name runs all groups in it.
 const kGroups = {
-  viewer: { watching: viewerSteps, cutting: cuttingSteps, strips: stripSteps },
+  viewer: { watching: viewerSteps, looks: lookSteps, cutting: cuttingSteps, strips: stripSteps },
   controls: { sheets: sheetSteps, physics: physicsSteps, access: accessSteps },
   streams: { saving: savingSteps, connection: connectionSteps, images: imageSteps },
 };

@@ -48,14 +48,17 @@ export class ViewerPage {
   }
 
   /**
-   * @param options  of the page; frameMs: least time between two drawings, 0 for as many as there can be
+   * @param options  of the page; frameMs: least time between two drawings, 0 for as many as there can be; isAdaptive: the
+   *                 page chooses its resolution, which otherwise is full
    * @param prepare  called with the page before it loads anything
    */
-  static async open(browser, url, { frameMs = kFrameMs, ...options }, prepare = async () => {}) {
+  static async open(browser, url, { frameMs = kFrameMs, isAdaptive = false, ...options }, prepare = async () => {}) {
     const viewer = new ViewerPage(await browser.newPage(options));
     await viewer.page.addInitScript(drawSeldom, frameMs);
     await prepare(viewer.page);
-    await viewer.page.goto(url);
+    const address = new URL(url);
+    if (!isAdaptive) address.searchParams.set('resolution', 'full');
+    await viewer.page.goto(address.href);
     return viewer;
   }
 

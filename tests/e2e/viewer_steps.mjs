@@ -160,7 +160,7 @@ export function viewerSteps(steps, browser, server) {
     await viewer.page.click('#by-strain');
     await viewer.until('k.numStrains === given.vertices && k.framesDrawn > given.drawn + 1', before);
     // The page has the strains before it draws them.
-    await viewer.page.locator('#strain-end', { hasText: /^[\d.]+ % or more$/ }).waitFor();
+    await viewer.page.locator('#strain-ticks li:last-child', { hasText: /^[\d.]+ %$/ }).waitFor();
     await viewer.screenshot('strain');
     await viewer.page.keyboard.press('x');
     await viewer.until('k.numStrains === 0');

@@ -239,7 +239,7 @@ TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
   EXPECT_EQ(frozen.tick, 4 + 3);
   EXPECT_EQ(clock_.num_timers(), 1U);  // that of b
   EXPECT_EQ(host_->metrics().failed_ticks, 3);
-  EXPECT_EQ(host_->metrics().flagged_ticks[4], 3) << fem::kStepFlagNames[4];
+  EXPECT_EQ(host_->metrics().flagged_ticks[3], 3) << fem::kStepFlagNames[3];
   EXPECT_EQ(frozen.flagged_ticks, host_->metrics().flagged_ticks) << "those of the one that failed";
   EXPECT_EQ(status("b").flagged_ticks, fem::FlagCounts{});
   EXPECT_EQ(host_->metrics().failed_sheets, 1);
@@ -254,7 +254,7 @@ TEST_F(FailingHostTest, AFailingSheetFreezesAloneAndAResetStartsItAgain) {
   ASSERT_TRUE(submit("a", sheet::Reset{}));
   EXPECT_EQ(status("a").run_state, RunState::kRunning);
   EXPECT_GT(status("a").tick, frozen.tick);
-  EXPECT_EQ(status("a").flagged_ticks[4], 3) << "kept through a reset";
+  EXPECT_EQ(status("a").flagged_ticks[3], 3) << "kept through a reset";
 }
 
 TEST_F(FailingHostTest, AStepCallEndsWhereTheSheetFreezes) {

@@ -4,13 +4,13 @@
 namespace kerf::host {
 namespace {
 
-// Falls asleep within some 60 ticks; its own cut comes at tick 10, and it plays again after 100.
+// Its own cut comes at tick 10, it falls asleep some 100 ticks later, and plays again after 150.
 sheet::SheetConfig story() {
   sheet::SheetConfig config = scenes::flat(5);
   config.gravity = Eigen::Vector3d::Zero();
   config.tick_rate_hz = 50.0;
   config.commands = {{10, scenes::line_cut({-0.1, 0.4}, {1.1, 0.6})}};
-  config.repeat_after = 100;
+  config.repeat_after = 150;
   return config;
 }
 
@@ -30,7 +30,7 @@ TEST_F(HostRepeatTest, AStoryPlaysAgainWhileSomebodyWatches) {
   const auto sink = watch();
   run_for(15 * kTick);
   EXPECT_EQ(status("a").pieces, 2);
-  run_for(87 * kTick);
+  run_for(137 * kTick);
   EXPECT_EQ(status("a").pieces, 1) << "begun again";
   EXPECT_LT(status("a").scene_tick, 10);
   run_for(15 * kTick);
@@ -45,7 +45,7 @@ TEST_F(HostRepeatTest, AStoryThatNobodyWatchesSleepsUntilSomebodyComes) {
   ASSERT_EQ(status("a").run_state, RunState::kSleeping);
   EXPECT_EQ(status("a").pieces, 2);
   const std::int64_t tick = status("a").tick;
-  EXPECT_LT(tick, 100);
+  EXPECT_LT(tick, 150);
   const auto sink = watch();
   run_for(3 * kTick);
   EXPECT_EQ(status("a").run_state, RunState::kRunning);
@@ -68,7 +68,7 @@ TEST_F(HostRepeatTest, WhatAClientChangedIsNotTakenAway) {
   // After a reset it is the scene's own story again.
   ASSERT_TRUE(submit("a", sheet::Reset{}));
   EXPECT_EQ(status("a").stats.resets, 1);
-  run_for(115 * kTick);
+  run_for(165 * kTick);
   EXPECT_EQ(status("a").pieces, 2);
   EXPECT_LT(status("a").scene_tick, 30);
 }
@@ -78,7 +78,7 @@ TEST_F(HostRepeatTest, ARefusedCommandIsNoChange) {
   const auto sink = watch();
   run_for(20 * kTick);
   EXPECT_FALSE(submit("a", sheet::Release{"nobody"}));
-  run_for(90 * kTick);
+  run_for(140 * kTick);
   EXPECT_LT(status("a").scene_tick, 20);
 }
 

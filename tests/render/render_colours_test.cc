@@ -42,33 +42,46 @@ std::vector<Rgb8> colours_in(const std::string& path, const std::string& name) {
 
 TEST(StrainColours, AreTheViewersAtItsStops) {
   const std::vector<Rgb8> stops = colours_in("web/src/scene/strain_colors.ts", "kStops");
-  ASSERT_EQ(stops.size(), 6U);
+  ASSERT_EQ(stops.size(), 9U);
   for (std::size_t i = 0; i < stops.size(); ++i) {
-    const double share = static_cast<double>(i) / static_cast<double>(stops.size() - 1);
+    const double share = 2.0 * static_cast<double>(i) / static_cast<double>(stops.size() - 1) - 1.0;
     // The table's nearest entry is within a two-thousandth of the scale.
     EXPECT_LT(distance_of(strain_colour(share), stops[i]), 0.5) << "stop " << i;
   }
 }
 
-TEST(StrainColours, GrowLighterEvenlyForEveryEye) {
+TEST(StrainColours, AreGreyInTheMiddleAndDifferMoreTheFartherFromItForEveryEye) {
+  const Rgb8 middle = strain_colour(0.0);
+  EXPECT_EQ(middle[0], middle[1]);
+  EXPECT_EQ(middle[1], middle[2]);
   for (const Cone missing : {Cone::kNone, Cone::kLong, Cone::kMiddle}) {
-    double before = lab(as_seen_without(missing, strain_colour(0.0)))[0];
-    double least = 100.0;
-    double most = 0.0;
-    for (int i = 1; i <= 20; ++i) {
-      const double lightness = lab(as_seen_without(missing, strain_colour(i / 20.0)))[0];
-      least = std::min(least, lightness - before);
-      most = std::max(most, lightness - before);
-      before = lightness;
+    const auto seen = [&](double share) { return as_seen_without(missing, strain_colour(share)); };
+    for (const double side : {-1.0, 1.0}) {
+      double before = 0.0;
+      for (int i = 1; i <= 10; ++i) {
+        const double difference = distance_of(seen(side * i / 10.0), seen(0.0));
+        EXPECT_GT(difference, before + 2.3) << side * i / 10.0 << " without cone " << static_cast<int>(missing);
+        before = difference;
+      }
     }
-    EXPECT_GT(least, 1.0) << "of 100, a twentieth of the scale";
-    EXPECT_LT(most, 9.0);
-    EXPECT_GT(before, 85.0) << "yellow at the end";
+  }
+}
+
+TEST(StrainColours, TellStretchFromCompressionForEveryEye) {
+  for (const Cone missing : {Cone::kNone, Cone::kLong, Cone::kMiddle}) {
+    for (int i = 1; i <= 10; ++i) {
+      for (int k = 1; k <= 10; ++k) {
+        const double difference = distance_of(as_seen_without(missing, strain_colour(i / 10.0)),
+                                              as_seen_without(missing, strain_colour(-k / 10.0)));
+        EXPECT_GT(difference, 10.0) << i / 10.0 << " and " << -k / 10.0 << " without cone "
+                                    << static_cast<int>(missing);
+      }
+    }
   }
 }
 
 TEST(StrainColours, StayAtTheEndsBeyondThem) {
-  EXPECT_EQ(strain_colour(-3.0), strain_colour(0.0));
+  EXPECT_EQ(strain_colour(-3.0), strain_colour(-1.0));
   EXPECT_EQ(strain_colour(1.7), strain_colour(1.0));
   EXPECT_EQ(strain_colour(std::nan("")), strain_colour(0.0));
   const std::vector<float> strains{0.0F, 0.01F, 0.02F, 5.0F, -0.01F};
@@ -87,6 +100,7 @@ TEST(StrainScale, EndsAtARoundNumberAboveMostStrains) {
   EXPECT_DOUBLE_EQ(strain_scale_end(strains), 0.02);
   std::fill_n(strains.begin(), 50, 3.0F);
   EXPECT_DOUBLE_EQ(strain_scale_end(strains), 5.0);
+  EXPECT_DOUBLE_EQ(strain_scale_end(std::vector<float>(10, -0.013F)), 0.02) << "compression counts as stretch does";
   EXPECT_DOUBLE_EQ(strain_scale_end(std::vector<float>(10, 0.0F)), 1e-4);
   EXPECT_DOUBLE_EQ(strain_scale_end({}), 1e-4);
   EXPECT_DOUBLE_EQ(strain_scale_end(std::vector<float>{NAN, 0.0199F, INFINITY}), 0.02);

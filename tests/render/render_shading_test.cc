@@ -131,23 +131,43 @@ TEST_F(RenderShading, ColoursOfVerticesAreSeenFromBothSides) {
   }
 }
 
-TEST_F(RenderShading, StrainsGrowLighterInThePicture) {
+TEST_F(RenderShading, StrainsHaveTheColoursOfTheirScaleInThePicture) {
   Sheet sheet = make_sheet(20, 0.0);
   std::vector<float> strains;
   for (std::size_t v = 0; v < sheet.positions.size() / 3; ++v) {
-    strains.push_back(static_cast<float>(0.02 * (vertex(sheet, static_cast<std::int32_t>(v)).x + 0.5)));
+    strains.push_back(static_cast<float>(0.04 * vertex(sheet, static_cast<std::int32_t>(v)).x));
   }
   sheet.colours = strain_colours(strains, 0.02);
   Scene scene = scene_of(sheet);
-  scene.style.texture = false;
+  // Between the light and the sheet: its shadow falls on none of the colours.
+  scene.colliders = {Sphere{{-0.26, -0.23, 0.59}, 0.15}};
   const Camera camera = front_camera();
   const Pixels pixels = draw(scene, camera, 640, 480);
-  double before = -1.0;
   for (int step = -9; step <= 9; ++step) {
-    const double here = lightness(colour_at(pixels, camera, {0.05 * step, 0.0, 0.1}));
-    EXPECT_GT(here, before + 1.0) << step;
-    before = here;
+    const Rgb8 here = colour_at(pixels, camera, {0.05 * step, 0.0, 0.1});
+    EXPECT_LT(distance_of(here, strain_colour(0.1 * step)), 6.0) << step;
   }
+}
+
+TEST_F(RenderShading, SheetThatLiesOnTheFloorHidesIt) {
+  Sheet sheet = make_sheet(16, 0.0);
+  for (std::size_t v = 0; v < sheet.positions.size() / 3; ++v) {
+    sheet.colours.insert(sheet.colours.end(), {200, 30, 30});
+  }
+  Scene scene = scene_of(sheet);
+  // Half the thickness of a sheet of paper behind it.
+  scene.ground = Plane{{0.0, 5e-5, 0.0}, {0.0, -1.0, 0.0}};
+  Camera camera = front_camera();
+  camera.eye = {1.5, -1.0, 0.8};
+  const Pixels pixels = draw(scene, camera, 640, 480);
+  int num_hidden = 0;
+  for (int i = -9; i <= 9; ++i) {
+    for (int k = -9; k <= 9; ++k) {
+      const Rgb colour = pixel_at(pixels, camera, {0.05 * i, 0.0, 0.05 * k});
+      if (colour.red < colour.green + 60) ++num_hidden;
+    }
+  }
+  EXPECT_EQ(num_hidden, 0) << "of 361";
 }
 
 TEST_F(RenderShading, PiecesByColourAreToldApart) {

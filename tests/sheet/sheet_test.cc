@@ -282,7 +282,7 @@ TEST(Sheet, ComesToRestOnAFloorAndIsWokenByACommand) {
   run(sheet, 100);
   EXPECT_FALSE(sheet.at_rest());  // held: a hand may pull any moment
   ASSERT_TRUE(apply(sheet, Release{"a"}));
-  run(sheet, 100);
+  run(sheet, 130);
   EXPECT_TRUE(sheet.at_rest());
   EXPECT_FALSE(make(scenes::hanging(8)).at_rest());
 }

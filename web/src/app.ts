@@ -1,15 +1,10 @@
-import { Group } from 'three';
 import { call } from './api';
 import { SheetService, Sheet_RunState } from './gen/kerf/v1/sheets_pb';
 import type { Sheet } from './gen/kerf/v1/sheets_pb';
 import { Surface } from './geometry/surface';
-import { ColliderView } from './scene/colliders';
 import { pieceCentre } from './scene/piece_highlight';
-import { PinView } from './scene/pin_view';
-import { SheetView } from './scene/sheet_view';
+import { SheetScene } from './scene/sheet_scene';
 import { Stage } from './scene/stage';
-import { WindView } from './scene/wind_view';
-import { worldBox } from './scene/world_box';
 import { FrameClock, unixTimeMs } from './stream/frame_clock';
 import type { Rejection } from './gen/kerf/v1/stream_pb';
 import { SettingsFollower } from './stream/settings_follower';
@@ -26,6 +21,7 @@ import { PinTool } from './tools/pin_tool';
 import { PointerRouter } from './tools/pointer_router';
 import type { NoticeKind, Tool, ToolId, Viewer } from './tools/tool';
 import { ViewTool } from './tools/view_tool';
+import { AdaptiveDrawing } from './ui/adaptive_drawing';
 import { showState } from './ui/connection_chip';
 import type { ShownState } from './ui/connection_chip';
 import { CutPanel } from './ui/cut_panel';
@@ -40,6 +36,7 @@ import { SidePanels } from './ui/side_panels';
 import { Choice, element, setLiveControls } from './ui/dom';
 import { RecordingControl } from './ui/recording_control';
 import { ReplayBar } from './ui/replay_bar';
+import { isStill } from './ui/run_text';
 import { SaveMenu } from './ui/save_menu';
 import { SheetLook } from './ui/sheet_look';
 import { SheetNews } from './ui/sheet_news';
@@ -73,20 +70,16 @@ export class App implements Viewer {
   // Holds the connection and decodes frames.
   private worker: Worker | undefined = this.startWorker();
   private readonly canvas = element<HTMLCanvasElement>('canvas');
-  // The sheet and what is around it.
-  private readonly sheetObjects = new Group();
-  private readonly sheetView = new SheetView();
-  readonly look = new SheetLook(this, this.sheetView);
-  private readonly pinView = new PinView();
-  private readonly windView = new WindView();
-  private readonly colliderView: ColliderView;
-  private readonly notices = new Notices(element('notices'));
+  private readonly sheetScene: SheetScene;
+  readonly look: SheetLook;
+  readonly notices = new Notices(element('notices'));
   private readonly news = new SheetNews((kind, text) => this.notify(kind, text));
   private readonly firstHint = new FirstHint(element('first-hint'), element('first-hint-close'));
   private readonly status = new StatusLine();
   private readonly physics = new PhysicsPanel(this);
   readonly statistics = new StatisticsPanel();
   readonly imageMode = new ImageMode(this);
+  private readonly drawing = new AdaptiveDrawing(this);
   readonly recording = new RecordingControl(this);
   readonly replayBar = new ReplayBar(this);
   readonly transfer = new Transfer(this);
@@ -104,9 +97,8 @@ export class App implements Viewer {
   constructor() {
     this.stage = new Stage(this.canvas);
     this.theme = new Theme(element('theme'), (isDark) => this.stage.setDark(isDark));
-    this.colliderView = new ColliderView(this.stage.ground);
-    this.sheetObjects.add(this.sheetView.object, this.pinView.object, this.colliderView.object, this.windView.object);
-    this.stage.scene.add(this.sheetObjects);
+    this.sheetScene = new SheetScene(this.stage);
+    this.look = new SheetLook(this, this.sheetScene.view);
     this.cutTool = new CutTool(this, () => this.cutPanel?.update(this.tool === this.cutTool));
     this.grabTool = new GrabTool(this);
     this.tools = { view: new ViewTool(), cut: this.cutTool, grab: this.grabTool, pin: new PinTool(this) };
@@ -177,7 +169,7 @@ export class App implements Viewer {
     }
     this.letGo();
     this.imageMode.clear();
-    this.sheetObjects.visible = false;
+    this.sheetScene.object.visible = false;
     this.stage.invalidate();
   }
 
@@ -264,12 +256,7 @@ export class App implements Viewer {
   }
 
   fit(): void {
-    if (!this.surface) return;
-    const colliders = this.sheet?.scene?.colliders ?? [];
-    const box = worldBox(this.surface.mirror, colliders);
-    this.stage.fit(box);
-    this.windView.fit(box);
-    this.colliderView.set(colliders);
+    if (this.surface) this.sheetScene.fit(this.surface, this.sheet?.scene?.colliders ?? []);
   }
 
   /** Streams of the sheet to this page: the mesh, and pictures where they are shown. */
@@ -282,7 +269,7 @@ export class App implements Viewer {
   }
 
   highlight(label: number | undefined): void {
-    this.sheetView.highlight(label);
+    this.sheetScene.view.highlight(label);
     this.showAgain();
   }
 
@@ -320,9 +307,7 @@ export class App implements Viewer {
     this.sheet = sheet;
     this.controls.show();
     this.physics.show(sheet);
-    this.windView.set(sheet.scene?.wind);
-    this.pinView.set(sheet.pinnedVertices);
-    this.colliderView.set(sheet.scene?.colliders ?? []);
+    this.sheetScene.set(sheet);
     this.showAgain();
   }
 
@@ -340,8 +325,7 @@ export class App implements Viewer {
 
   /** Sheet and colliders are drawn here, or are in the picture that the server draws. */
   setMeshDrawn(isDrawn: boolean): void {
-    this.sheetView.setDrawn(isDrawn);
-    this.colliderView.object.visible = isDrawn;
+    this.sheetScene.setDrawn(isDrawn);
     this.showAgain();
   }
 
@@ -375,7 +359,7 @@ export class App implements Viewer {
       }
     }
     if (!this.imageMode.isOn) this.statistics.arrived(delivery, stats);
-    this.sheetObjects.visible = true;
+    this.sheetScene.object.visible = true;
     this.hasNewFrame = true;
     this.hasArrived = true;
     this.stage.invalidate();
@@ -388,7 +372,7 @@ export class App implements Viewer {
     this.watch?.setPace(this.pace);
     if (this.watch?.copy?.advance(nowMs) || this.replayBar.advance(nowMs)) this.showAgain();
     const { imageMode } = this;
-    const isStale = this.stage.advance();
+    const isStale = this.drawing.begin(nowMs, this.stage.advance());
     if (isStale) {
       if (this.surface && this.hasNewFrame) this.takeFrame(this.surface);
       this.tool.update();
@@ -411,11 +395,16 @@ export class App implements Viewer {
     this.hasArrived = false;
   }
 
+  /** The sheet that is shown moves by itself. */
+  get isMoving(): boolean {
+    if (!this.watch) return this.replayBar.playing?.isPlaying ?? false;
+    return this.watch.state === 'live' && !isStill(this.surface?.mirror.stats);
+  }
+
   // A sheet that does not move sends nothing: its last frame is not old, it is the present.
   private get ageMs(): number | undefined {
     if (this.imageMode.isShown) return this.imageMode.ageMs;
-    const stats = this.surface?.mirror.stats;
-    if (this.watch?.state !== 'live' || stats?.paused || stats?.sleeping) return undefined;
+    if (!this.watch || !this.isMoving) return undefined;
     return this.clock.ageMs(unixTimeMs());
   }
 
@@ -426,10 +415,8 @@ export class App implements Viewer {
       // Once more when the colliders are known.
       this.isFitted = this.sheet !== undefined;
     }
-    this.sheetView.update(surface);
+    this.sheetScene.update(surface);
     this.look.color();
-    const { min, max } = surface.locator;
-    this.pinView.update(surface, 0.009 * Math.max(max.x - min.x, max.y - min.y));
     this.watch?.acknowledge();
     this.pieces.update();
   }

@@ -2,6 +2,7 @@ import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import type { Path } from '../src/gen/kerf/v1/geometry_pb';
 import { CutSchema } from '../src/gen/kerf/v1/scene_pb';
+import { bezierPoint } from '../src/geometry/curve';
 import type { Point2 } from '../src/geometry/locator';
 import { BezierDrawing } from '../src/tools/drawings/bezier_drawing';
 import type { Drawing } from '../src/tools/drawings/drawing';
@@ -10,6 +11,17 @@ import { FreehandDrawing } from '../src/tools/drawings/freehand_drawing';
 import { LinesDrawing } from '../src/tools/drawings/lines_drawing';
 
 const at = (x: number, y: number): Point2 => ({ x, y });
+
+function distanceTo(line: readonly Point2[], p: Point2): number {
+  const distances = line.slice(1).map((b, i) => {
+    const a = line[i];
+    const [dx, dy] = [b.x - a.x, b.y - a.y];
+    const t = Math.min(1, Math.max(0, ((p.x - a.x) * dx + (p.y - a.y) * dy) / (dx * dx + dy * dy || 1)));
+    return Math.hypot(p.x - a.x - t * dx, p.y - a.y - t * dy);
+  });
+  return Math.min(...distances);
+}
+
 const kind = (drawing: Drawing) => create(CutSchema, drawing.cut()).curve!.kind;
 
 function tapped<T extends Drawing>(drawing: T, ...points: Point2[]): T {
@@ -48,6 +60,15 @@ describe('BezierDrawing', () => {
       value: { control1: at(5, 9), control2: at(10, 0), end: at(20, 0) },
     });
     expect(drawing.handles).toHaveLength(4);
+  });
+
+  it('has a preview within 1/5000 of the box around its points', () => {
+    const drawing = tapped(new BezierDrawing(), at(0, 0), at(300, 900), at(700, -500), at(1000, 0));
+    const [, curve] = drawing.lines();
+    for (let i = 0; i <= 1000; ++i) {
+      const point = bezierPoint(drawing.handles, i / 1000);
+      expect(distanceTo(curve.points, point)).toBeLessThan(1400 / 5000);
+    }
   });
 
   it('is rational once a weight differs, and so is its preview', () => {

@@ -1,7 +1,7 @@
 import { PerspectiveCamera, Ray, Vector2, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 import { boundaryEdges } from '../src/geometry/boundary';
-import { bezierPoint, distance, ellipsePoints, simplify } from '../src/geometry/curve';
+import { bezierPoint, distance, ellipsePoints, flattened, simplify } from '../src/geometry/curve';
 import { Locator } from '../src/geometry/locator';
 import { vertexNormals } from '../src/geometry/normals';
 import { Surface } from '../src/geometry/surface';
@@ -170,6 +170,35 @@ describe('curves', () => {
     expect(distance(ellipse[0], a)).toBeLessThan(1e-12);
     expect(distance(ellipse[2], b)).toBeLessThan(1e-12);
     for (const { x, y } of ellipse) expect(((y - 2) / 3) ** 2 + ((x - 1) / 2) ** 2).toBeCloseTo(1, 12);
+  });
+
+  it.each([
+    ['cubic', points, undefined],
+    ['cubic with a loop', [points[0], { x: 5, y: 3 }, { x: -2, y: 3 }, points[3]], undefined],
+    ['with a strong weight', points, [1, 20, 0.05, 1]],
+  ])('are followed as closely as asked for: %s', (_, control, weights) => {
+    const at = (t: number) => bezierPoint(control, t, weights);
+    for (const tolerance of [1e-2, 1e-4]) {
+      const line = flattened(at, { tolerance, depth: 12 });
+      expect([line[0], line.at(-1)]).toEqual([at(0), at(1)]);
+      let farthest = 0;
+      for (let i = 0; i <= 3000; ++i) {
+        const p = at(i / 3000);
+        const distances = line.slice(1).map((b, k) => {
+          const a = line[k];
+          const along = ((p.x - a.x) * (b.x - a.x) + (p.y - a.y) * (b.y - a.y)) / (distance(a, b) ** 2 || 1);
+          const t = Math.min(1, Math.max(0, along));
+          return distance(p, { x: a.x + t * (b.x - a.x), y: a.y + t * (b.y - a.y) });
+        });
+        farthest = Math.max(farthest, Math.min(...distances));
+      }
+      expect(farthest).toBeLessThanOrEqual(tolerance);
+    }
+  });
+
+  it('are halved no more often than may be', () => {
+    expect(flattened((t) => bezierPoint(points, t), { tolerance: 0, depth: 3 })).toHaveLength(9);
+    expect(flattened((t) => bezierPoint(points, t), { tolerance: 0, depth: 0 })).toEqual([points[0], points[3]]);
   });
 
   it('are reduced to the points that matter', () => {

@@ -1,9 +1,8 @@
 import { describe, expect, it } from 'vitest';
 import { pathLines, subpaths } from '../src/geometry/path_lines';
 
-const noArcs = () => [];
-const lines = (data: string, pieces = 1) =>
-  pathLines(data, pieces, noArcs).map((line) => line.map(({ x, y }) => [x, y]));
+const lines = (data: string, depth = 0) =>
+  pathLines(data, { tolerance: 1e-9, depth }).map((line) => line.map(({ x, y }) => [x, y]));
 
 describe('pathLines', () => {
   it('reads lines, absolute and relative, and pairs after a move', () => {
@@ -17,23 +16,34 @@ describe('pathLines', () => {
   });
 
   it('reads curves and mirrors their control points', () => {
-    const [curve] = lines('M0 0C0 3 3 3 3 0S6-3 6 0', 2);
+    const [curve] = lines('M0 0C0 3 3 3 3 0S6-3 6 0', 1);
     expect(curve[1]).toEqual([1.5, 2.25]);
     expect(curve[3]).toEqual([4.5, -2.25]);
-    const [parabola] = lines('M0 0q1 2 2 0t2 0', 2);
+    const [parabola] = lines('M0 0q1 2 2 0t2 0', 1);
     expect(parabola).toEqual([[0, 0], [1, 1], [2, 0], [3, -1], [4, 0]]);
     // Nothing to mirror after another kind of segment.
-    expect(lines('M0 0L2 0T4 0', 2)[0][2]).toEqual([2.5, 0]);
+    expect(lines('M0 0L2 0T4 0', 1)[0][2]).toEqual([2.5, 0]);
   });
 
-  it('gives arcs away one by one, with their flags', () => {
-    const asked: string[] = [];
-    const result = pathLines('M1 2a3 3 0 0110 0 3 3 0 1 1-1 1', 4, (data) => {
-      asked.push(data);
-      return [{ x: 1, y: 2 }, { x: 11, y: 2 }];
-    });
-    expect(asked).toEqual(['M1 2a3 3 0 0 1 10 0', 'M11 2a3 3 0 1 1 -1 1']);
-    expect(result[0]).toHaveLength(3);
+  it('follows arcs one by one, whose flags may stand together', () => {
+    const [line] = lines('M1 2a5 5 0 0110 0 5 5 0 0 1-10 0', 3);
+    expect(line).toHaveLength(17);
+    for (const [x, y] of line) expect(Math.hypot(x - 6, y - 2)).toBeCloseTo(5, 12);
+    expect([line[0], line[8], line[16]]).toEqual([[1, 2], [11, 2], [1, 2]]);
+    // Down is the positive y of path data: turning with it, the first half goes over the top.
+    expect(line[4][1]).toBeCloseTo(-3, 12);
+    expect(lines('M0 0A0 5 0 0 1 3 3a2 2 0 0 0 0 0', 3)).toEqual([[[0, 0], [3, 3], [3, 3]]]);
+  });
+
+  it('has as many chords as the tolerance asks for, and few where it is straight', () => {
+    const circle = 'M1 0A1 1 0 0 1-1 0A1 1 0 0 1 1 0z';
+    for (const tolerance of [1e-2, 1e-3, 1e-4]) {
+      const [line] = pathLines(circle, { tolerance, depth: 9 });
+      const sagittas = line.slice(1).map((end, i) => 1 - Math.hypot(0.5 * (line[i].x + end.x), 0.5 * (line[i].y + end.y)));
+      expect(Math.max(...sagittas)).toBeLessThanOrEqual(tolerance);
+      expect(Math.max(...sagittas)).toBeGreaterThan(tolerance / 5);
+    }
+    expect(pathLines('M0 0C1 1 2 2 3 3', { tolerance: 1e-3, depth: 9 })[0]).toHaveLength(5);
   });
 
   it('ends at what it cannot read', () => {

@@ -59,15 +59,17 @@ describe('SheetLook of a recording', () => {
     look.toggleByStrain();
     expect(notices).toEqual(['No strains were recorded here: colours by strain were not on at that time']);
     expect(colored()).toBe(null);
-    expect(byId('strain-end').textContent).toBe('not recorded');
+    expect([byId('strain-scale').hidden, byId('strain-missing').hidden]).toEqual([true, false]);
     mirror.strains = Float32Array.of(0.1);
     view.colorByStrain.mockReturnValue(0.2);
     look.color();
-    expect(byId('strain-end').textContent).toBe('20 % or more');
+    expect([byId('strain-scale').hidden, byId('strain-missing').hidden]).toEqual([false, true]);
+    const ticks = () => byId('strain-ticks').options.map((tick) => (tick as FakeElement).textContent);
+    expect(ticks()).toEqual(['−20', '−10', '0', '10', '20 %']);
     // Beside pictures of the server, which come with their scale.
     app.imageMode.isShown = true;
-    look.showStrainEnd(0.005);
+    look.strainScale.show(0.005);
     look.color();
-    expect(byId('strain-end').textContent).toBe('0.5 % or more');
+    expect(ticks().at(-1)).toBe('0.5 %');
   });
 });

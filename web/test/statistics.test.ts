@@ -83,6 +83,17 @@ describe('statisticsTexts', () => {
     });
   });
 
+  it('says in words that the sheet does not move', () => {
+    const texts = (still: object) => {
+      const stats = create(FrameStatsSchema, still);
+      const sheet = { numVertices: 4, numPieces: 1, stats } as SheetArrays;
+      const { fps, age, realTime } = statisticsTexts(new StreamMeter(), sheet, 'the mesh', 0);
+      return [fps, age, realTime];
+    };
+    expect(texts({ paused: true })).toEqual(['paused', 'current', 'paused']);
+    expect(texts({ sleeping: true })).toEqual(['at rest', 'current', 'at rest']);
+  });
+
   it('says nothing where nothing came, and has a text for every line', () => {
     const meter = new StreamMeter();
     const texts = statisticsTexts(meter, { numVertices: 0, numPieces: 0, stats: undefined } as SheetArrays, 'the mesh', 0);

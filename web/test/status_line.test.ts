@@ -21,4 +21,23 @@ describe('StatusLine', () => {
     expect(said()).toEqual(['–', '–', '–', '–', '–']);
     expect(page['status-rtf'].dataset.level).toBe('');
   });
+
+  it('says in words that the sheet does not move, and how often its view is drawn', () => {
+    const page: Record<string, { textContent: string; dataset: object }> = {};
+    vi.stubGlobal('document', { getElementById: (id: string) => (page[id] ??= { textContent: '', dataset: {} }) });
+    const said = () => ['rtf', 'age', 'fps'].map((id) => page[`status-${id}`].textContent);
+    const status = new StatusLine();
+    const figures = (stats: object) => {
+      return { tick: 1, numVertices: 4, numPieces: 1, stats: create(FrameStatsSchema, stats) };
+    };
+    status.update(figures({ paused: true }), undefined, 5000);
+    expect(said()).toEqual(['paused', 'current', 'paused']);
+    status.update(figures({ sleeping: true }), undefined, 5000);
+    expect(said()).toEqual(['at rest', 'current', 'at rest']);
+    status.drawn(5000);
+    status.update(figures({ sleeping: true }), undefined, 5000);
+    expect(said()).toEqual(['at rest', 'current', '1']);
+    status.update(figures({ realTimeFactor: 1 }), undefined, 9000);
+    expect(said()).toEqual(['1.00 ×', '–', '0']);
+  });
 });

@@ -37,20 +37,36 @@ class FakeContext {
 }
 
 describe('drawStrainLegend', () => {
-  it.each([1, 2])('draws the scale with what stands at its ends into a picture, %i pixels a CSS pixel', (ratio) => {
+  it.each([1, 2])('draws the scale with its marks and words into a picture, %i pixels a CSS pixel', (ratio) => {
     const context = new FakeContext();
-    const legend = { texts: ['not stretched', '2 % or more'], ink: 'black', card: 'white', fontFamily: 'serif' } as const;
+    const ticks = [
+      { at: 0, text: '−2' },
+      { at: 0.5, text: '0' },
+      { at: 1, text: '2 %' },
+    ];
+    const words = ['compressed', 'stretched'] as const;
+    const legend = { ticks, words, ink: 'black', card: 'white', fontFamily: 'serif' };
     drawStrainLegend(context as unknown as CanvasRenderingContext2D, legend, 600 * ratio, ratio);
-    const [[, left, top, right, bottom], [, from, , to]] = context.boxes;
+    const [[, left, top, right, bottom], [, from, , to, scaleBottom], ...marks] = context.boxes;
     expect([left, bottom]).toEqual([12 * ratio, 588 * ratio]);
     expect(from > left && to < right && to - from === 200 * ratio).toBe(true);
-    expect(context.stops[0]).toEqual([0, 'rgb(68,1,84)']);
-    expect(context.stops.at(-1)).toEqual([1, 'rgb(253,231,37)']);
-    const [, , , below] = context.texts[0];
-    expect(context.texts).toEqual([
-      ['not stretched', 'left', from, below],
-      ['2 % or more', 'right', to, below],
+    expect(context.stops[0]).toEqual([0, 'rgb(59,76,192)']);
+    expect(context.stops.at(-1)).toEqual([1, 'rgb(180,4,38)']);
+    const middle = 0.5 * (from + to);
+    expect(marks.map(([, at, above, end]) => [0.5 * (at + end), above])).toEqual([
+      [from, scaleBottom],
+      [middle, scaleBottom],
+      [to, scaleBottom],
     ]);
-    expect(below > top && below < bottom).toBe(true);
+    const [, , , above] = context.texts[0];
+    const [, , , below] = context.texts[2];
+    expect(context.texts).toEqual([
+      ['compressed', 'left', from, above],
+      ['stretched', 'right', to, above],
+      ['−2', 'center', from, below],
+      ['0', 'center', middle, below],
+      ['2 %', 'center', to, below],
+    ]);
+    expect(above > top && below > scaleBottom && below < bottom).toBe(true);
   });
 });

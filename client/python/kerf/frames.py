@@ -29,7 +29,7 @@ class Frame:
     triangles: Ints  # T x 3, vertex ids, counter-clockwise in material coordinates
     pieces: Ints  # T, the label of each triangle's piece: Piece.id of Sheet.pieces()
     material_positions: Float32s  # V x 2, metres, on the undeformed sheet
-    strains: Optional[Float32s]  # V, largest principal strain, 0.01: one per cent longer than at rest; None: not asked for
+    strains: Optional[Float32s]  # V, principal strains of the largest magnitude, 0.01: one per cent longer; None: not asked for
     topology_changed: bool  # since the frame before it on this stream; True in the first
     resolution: Optional[Floats]  # 3, metres: distance of neighbouring coordinates along x, y, z; None: of a loaded run
     stats: Optional[stream_pb2.FrameStats]  # see proto/kerf/v1/stream.proto; None: of a loaded run

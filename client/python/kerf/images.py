@@ -29,7 +29,7 @@ class Image:
     size_px: Tuple[int, int]  # width, height
     camera: geometry_pb2.Camera  # that it was drawn with
     stats: stream_pb2.FrameStats  # see proto/kerf/v1/stream.proto
-    strain_end: float  # with color_by="strains": what is stretched by that or more is yellow; else 0
+    strain_end: float  # with color_by="strains": the scale goes from its negative to it; else 0
 
     def array(self) -> Bytes:
         """The picture as height x width x 3 uint8, red, green, blue, top row first.

@@ -16,6 +16,40 @@ export function bezierPoint(points: readonly Point2[], t: number, weights?: read
   return { x: x / w, y: y / w };
 }
 
+/** The closeness with which polylines follow a curve. */
+export interface Flatness {
+  /** The largest distance between them, in the curve's unit. */
+  tolerance: number;
+  /** A curve is halved this many times at most, >= 0. */
+  depth: number;
+}
+
+// A curve is measured at three points of a chord, between which it may be somewhat farther away.
+const kMeasured = 0.9;
+// A curve is halved so often, however flat it seems: one that turns back may look straight.
+const kLeastDepth = 2;
+
+/** Points of a curve, both ends included, whose polyline follows it closely. @param at  point at t in 0..1 */
+export function flattened(at: (t: number) => Point2, { tolerance, depth }: Flatness): Point2[] {
+  const points = [at(0)];
+  const add = (t0: number, t1: number, end: Point2, halvings: number): void => {
+    const start = points[points.length - 1];
+    const isDeep = halvings >= Math.min(kLeastDepth, depth);
+    const isFlat = [0.25, 0.5, 0.75].every((part) => {
+      return distanceToSegment(at(t0 + part * (t1 - t0)), start, end) <= kMeasured * tolerance;
+    });
+    if (halvings >= depth || (isDeep && isFlat)) {
+      points.push(end);
+      return;
+    }
+    const middle = 0.5 * (t0 + t1);
+    add(t0, middle, at(middle), halvings + 1);
+    add(middle, t1, end, halvings + 1);
+  };
+  add(0, 1, at(1), 0);
+  return points;
+}
+
 /** Closed polyline of n chords along the ellipse with centre c that passes through a and, at a right angle to it, b. */
 export function ellipsePoints(c: Point2, a: Point2, b: Point2, n: number): Point2[] {
   return Array.from({ length: n + 1 }, (_, i) => {

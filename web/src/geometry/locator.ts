@@ -10,6 +10,18 @@ export interface Point2 {
   y: number;
 }
 
+/** The part of a chord, from 0 at its start to 1 at its end, that lies in a triangle. */
+export interface Crossing {
+  slot: number;
+  start: number;
+  end: number;
+}
+
+// A part of a chord that is shorter is rounding.
+const kLeastPart = 1e-9;
+// A chord along an edge is in the triangles on both sides of it, though rounding may make a corner's weight so much less.
+const kOnEdge = 1e-9;
+
 /**
  * Finds the triangle that holds a material point, by a uniform grid over the sheet (about one triangle a cell). Built
  * once a topology; material positions do not change otherwise.
@@ -63,7 +75,50 @@ export class Locator {
     return undefined;
   }
 
-  private weights(slot: number, point: Point2): Place | undefined {
+  /** The triangles that a chord passes through, in their order; no two parts overlap, and what is off the sheet is in none. */
+  along(from: Point2, to: Point2): Crossing[] {
+    const found: Crossing[] = [];
+    this.forEachCellOn(from, to, (cell) => {
+      for (let i = this.cellFirst[cell]; i < this.cellFirst[cell + 1]; ++i) {
+        const crossing = this.crossing(this.cellSlots[i], from, to);
+        if (crossing) found.push(crossing);
+      }
+    });
+    found.sort((one, other) => one.start - other.start || one.slot - other.slot);
+    const crossings: Crossing[] = [];
+    let done = 0;
+    for (const { slot, start, end } of found) {
+      const first = Math.max(start, done);
+      if (end - first <= kLeastPart) continue;
+      crossings.push({ slot, start: first, end });
+      done = end;
+    }
+    return crossings;
+  }
+
+  /** Slots of triangles around a polygon, each once: all that it overlaps, and some beside it. */
+  slotsAround(polygon: readonly Point2[]): Set<number> {
+    const [xs, ys] = [polygon.map(({ x }) => x), polygon.map(({ y }) => y)];
+    const [first, last] = [this.column(Math.min(...xs)), this.column(Math.max(...xs))];
+    const top = this.row(Math.max(...ys));
+    const slots = new Set<number>();
+    for (let row = this.row(Math.min(...ys)); row <= top; ++row) {
+      const cell = row * this.columns;
+      for (let i = this.cellFirst[cell + first]; i < this.cellFirst[cell + last + 1]; ++i) slots.add(this.cellSlots[i]);
+    }
+    return slots;
+  }
+
+  /** Material positions of a triangle's corners. */
+  cornersOf(slot: number): Point2[] {
+    return [0, 1, 2].map((corner) => {
+      const at = 2 * this.triangles[3 * slot + corner];
+      return { x: this.material[at], y: this.material[at + 1] };
+    });
+  }
+
+  /** A point by the weights of a triangle's second and third corner, in it or not; undefined where that has no area. */
+  placeIn(slot: number, point: Point2): Place | undefined {
     const { material, triangles } = this;
     const [a, b, c] = [2 * triangles[3 * slot], 2 * triangles[3 * slot + 1], 2 * triangles[3 * slot + 2]];
     const [abX, abY] = [material[b] - material[a], material[b + 1] - material[a + 1]];
@@ -71,21 +126,64 @@ export class Locator {
     const [apX, apY] = [point.x - material[a], point.y - material[a + 1]];
     const area = abX * acY - abY * acX;
     if (area === 0) return undefined;
-    const u = (apX * acY - apY * acX) / area;
-    const v = (abX * apY - abY * apX) / area;
+    return { slot, u: (apX * acY - apY * acX) / area, v: (abX * apY - abY * apX) / area };
+  }
+
+  private weights(slot: number, point: Point2): Place | undefined {
+    const place = this.placeIn(slot, point);
     // Room for the rounding of float32 positions, so that a point on an edge is not lost between its two triangles.
     const slack = -1e-5;
-    return u >= slack && v >= slack && 1 - u - v >= slack ? { slot, u, v } : undefined;
+    return place && place.u >= slack && place.v >= slack && 1 - place.u - place.v >= slack ? place : undefined;
+  }
+
+  // The part of a chord where no corner's weight is below 0. Makes no objects for triangles that it misses: most do.
+  private crossing(slot: number, from: Point2, to: Point2): Crossing | undefined {
+    const { material: m, triangles } = this;
+    const [a, b, c] = [2 * triangles[3 * slot], 2 * triangles[3 * slot + 1], 2 * triangles[3 * slot + 2]];
+    const [abX, abY] = [m[b] - m[a], m[b + 1] - m[a + 1]];
+    const [acX, acY] = [m[c] - m[a], m[c + 1] - m[a + 1]];
+    const area = abX * acY - abY * acX;
+    if (area === 0) return undefined;
+    const [fromX, fromY] = [from.x - m[a], from.y - m[a + 1]];
+    const [toX, toY] = [to.x - m[a], to.y - m[a + 1]];
+    const [u0, u1] = [(fromX * acY - fromY * acX) / area, (toX * acY - toY * acX) / area];
+    const [v0, v1] = [(abX * fromY - abY * fromX) / area, (abX * toY - abY * toX) / area];
+    let [start, end] = [0, 1];
+    for (let corner = 0; corner < 3; ++corner) {
+      const first = (corner === 0 ? u0 : corner === 1 ? v0 : 1 - u0 - v0) + kOnEdge;
+      const last = (corner === 0 ? u1 : corner === 1 ? v1 : 1 - u1 - v1) + kOnEdge;
+      if (first < 0 && last < 0) return undefined;
+      if (first < 0) start = Math.max(start, first / (first - last));
+      else if (last < 0) end = Math.min(end, first / (first - last));
+    }
+    return end > start ? { slot, start, end } : undefined;
   }
 
   private column(x: number): number {
-    const width = this.max.x - this.min.x;
-    return width > 0 ? Math.min(this.columns - 1, Math.floor(((x - this.min.x) / width) * this.columns)) : 0;
+    return cellOf(x, this.min.x, this.max.x, this.columns);
   }
 
   private row(y: number): number {
-    const height = this.max.y - this.min.y;
-    return height > 0 ? Math.min(this.rows - 1, Math.floor(((y - this.min.y) / height) * this.rows)) : 0;
+    return cellOf(y, this.min.y, this.max.y, this.rows);
+  }
+
+  // The cells of each row lie between the columns in which the chord enters and leaves it.
+  private forEachCellOn(from: Point2, to: Point2, visit: (cell: number) => void): void {
+    const { min, max, rows, columns } = this;
+    const [low, high] = from.y < to.y ? [from, to] : [to, from];
+    const height = (max.y - min.y) / rows;
+    for (let row = this.row(low.y); row <= this.row(high.y); ++row) {
+      const xAt = (y: number) => {
+        const t = Math.min(1, Math.max(0, (y - low.y) / (high.y - low.y)));
+        return low.x + t * (high.x - low.x);
+      };
+      // A little more, for rounding; the chord may lie outside of the first and the last row.
+      const room = 1e-6 * height;
+      const bottom = row === this.row(low.y) ? low.x : xAt(min.y + row * height - room);
+      const top = row === this.row(high.y) ? high.x : xAt(min.y + (row + 1) * height + room);
+      const last = this.column(Math.max(bottom, top) + room);
+      for (let column = this.column(Math.min(bottom, top) - room); column <= last; ++column) visit(row * columns + column);
+    }
   }
 
   private forEachCell(numSlots: number, visit: (cell: number, slot: number) => void): void {
@@ -102,4 +200,10 @@ export class Locator {
       }
     }
   }
+}
+
+// A place outside belongs to the first or the last cell.
+function cellOf(at: number, min: number, max: number, count: number): number {
+  const size = max - min;
+  return size > 0 ? Math.min(count - 1, Math.max(0, Math.floor(((at - min) / size) * count))) : 0;
 }

@@ -1,11 +1,11 @@
-import { bezierPoint } from './curve';
+import { bezierPoint, flattened } from './curve';
+import type { Flatness } from './curve';
 import type { Point2 } from './locator';
+import { svgArc } from './svg_arc';
+import type { ArcNumbers } from './svg_arc';
 
 const kNumber = /[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?/gi;
 const kCounts: Record<string, number> = { M: 2, L: 2, H: 1, V: 1, C: 6, S: 4, Q: 4, T: 2, A: 7, Z: 0 };
-
-/** Points of an arc "M x y A ...", its start included. */
-export type ArcPoints = (data: string, pieces: number) => Point2[];
 
 /** How many segments path data has, about. */
 export function countSegments(data: string): number {
@@ -15,10 +15,8 @@ export function countSegments(data: string): number {
 /**
  * Polylines, one a subpath, through path data (SVG 1.1, chapter 8.3), for a preview: what does not read as such is left
  * out.
- *
- * @param pieces  chords of a curve
  */
-export function pathLines(data: string, pieces: number, arcPoints: ArcPoints): Point2[][] {
+export function pathLines(data: string, flatness: Flatness): Point2[][] {
   const lines: Point2[][] = [];
   let line: Point2[] = [];
   let at: Point2 = { x: 0, y: 0 };
@@ -32,10 +30,16 @@ export function pathLines(data: string, pieces: number, arcPoints: ArcPoints): P
     const point = (i: number): Point2 => ({ x: origin.x + n[i], y: origin.y + n[i + 1] });
     const mirrored = (of: string): Point2 =>
       control && of.includes(curve) ? { x: 2 * at.x - control.x, y: 2 * at.y - control.y } : at;
+    const follow = (curve: (t: number) => Point2): void => void line.push(...flattened(curve, flatness).slice(1));
     const bend = (...points: Point2[]): void => {
       const all = [at, ...points];
-      for (let i = 1; i <= pieces; ++i) line.push(bezierPoint(all, i / pieces));
+      follow((t) => bezierPoint(all, t));
       control = points[points.length - 2];
+    };
+    const turn = (end: Point2): void => {
+      const arc = svgArc(at, end, n.slice(0, 5) as unknown as ArcNumbers);
+      if (arc) follow((t) => (t === 1 ? end : arc(t)));
+      else line.push(end);
     };
     if (name === 'M' || line.length === 0) lines.push((line = [name === 'M' ? point(0) : at]));
     if (name === 'L') line.push(point(0));
@@ -45,7 +49,7 @@ export function pathLines(data: string, pieces: number, arcPoints: ArcPoints): P
     else if (name === 'S') bend(mirrored('CS'), point(0), point(2));
     else if (name === 'Q') bend(point(0), point(2));
     else if (name === 'T') bend(mirrored('QT'), point(0));
-    else if (name === 'A') line.push(...arcPoints(`M${at.x} ${at.y}${letter}${n.join(' ')}`, pieces).slice(1));
+    else if (name === 'A') turn(point(5));
     else if (name === 'Z') line.push(line[0]);
     at = line[line.length - 1];
     curve = name;

@@ -129,8 +129,13 @@ export class Surface {
 
   /** World position of a material point; beside the sheet, the tangent plane at the nearest border edge is followed. */
   toWorld(point: Point2): Vector3 | undefined {
-    const place = this.locator.find(point) ?? this.nearestOnBoundary(point);
+    const place = this.placeOf(point);
     return place && this.worldAt(place);
+  }
+
+  /** The same as a place: its weights are outside 0..1 beside the sheet. */
+  placeOf(point: Point2): Place | undefined {
+    return this.locator.find(point) ?? this.nearestOnBoundary(point);
   }
 
   private materialAt(place: Place): Point2 {
@@ -152,7 +157,7 @@ export class Surface {
   // The triangle at the border edge nearest to the point, with weights of the point itself, so outside 0..1.
   private nearestOnBoundary(point: Point2): Place | undefined {
     const { boundary } = this;
-    const { materialPositions: m, triangles } = this.mirror;
+    const { materialPositions: m } = this.mirror;
     let nearest = Infinity;
     let slot = -1;
     for (let i = 0; i < boundary.length; i += 3) {
@@ -160,16 +165,12 @@ export class Surface {
       const [dx, dy] = [m[b] - m[a], m[b + 1] - m[a + 1]];
       const along = ((point.x - m[a]) * dx + (point.y - m[a + 1]) * dy) / (dx * dx + dy * dy || 1);
       const t = Math.min(1, Math.max(0, along));
-      const distance = Math.hypot(point.x - m[a] - t * dx, point.y - m[a + 1] - t * dy);
-      if (distance < nearest) [nearest, slot] = [distance, boundary[i + 2]];
+      const square = (point.x - m[a] - t * dx) ** 2 + (point.y - m[a + 1] - t * dy) ** 2;
+      if (square >= nearest) continue;
+      nearest = square;
+      slot = boundary[i + 2];
     }
-    if (slot < 0) return undefined;
-    const [a, b, c] = [0, 1, 2].map((corner) => 2 * triangles[3 * slot + corner]);
-    const [abX, abY, acX, acY] = [m[b] - m[a], m[b + 1] - m[a + 1], m[c] - m[a], m[c + 1] - m[a + 1]];
-    const [apX, apY] = [point.x - m[a], point.y - m[a + 1]];
-    const area = abX * acY - abY * acX;
-    if (area === 0) return undefined;
-    return { slot, u: (apX * acY - apY * acX) / area, v: (abX * apY - abY * apX) / area };
+    return slot < 0 ? undefined : this.locator.placeIn(slot, point);
   }
 
   // Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997), over all triangles: a click or a

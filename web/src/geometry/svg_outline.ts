@@ -2,23 +2,27 @@ import { shapesIn, withBareDrawing } from './bare_drawing';
 import type { BareDrawing } from './bare_drawing';
 import type { Point2 } from './locator';
 import { countSegments, pathLines } from './path_lines';
+import { shapeData } from './shape_data';
 
-/** The outlines of a drawing for a preview, in a box of their own: x and y (up) in 0..1. */
+/**
+ * The outlines of a drawing for a preview, in a box of their own: x and y (up) in 0..1. Its lines are within 1/5000 of the
+ * drawing's larger side of its curves, unless it has more than some 300 of them.
+ */
 export interface SvgOutline {
   lines: readonly (readonly Point2[])[];
   /** Width over height of that box, > 0. */
   aspect: number;
 }
 
-// Beyond these a preview is coarser.
+// The largest distance of lines from their curves, in parts of the drawing's larger side.
+const kTolerance = 2e-4;
+// A curve has at most 64 chords, and fewer where there would be more points than this together.
+const kMaxDepth = 6;
 const kMaxSamples = 20_000;
-const kMaxPieces = 16;
-// Chords of what has no corners but its own.
-const kShapeSamples = 192;
 
 /**
- * What the browser makes of a drawing: its own SVG engine places and measures the shapes. Undefined without a shape, or
- * if the text is no SVG.
+ * What the browser makes of a drawing: its own SVG engine places the shapes. Undefined without a shape, or if the text is
+ * no SVG.
  */
 export function svgOutline(text: string): SvgOutline | undefined {
   return withBareDrawing(text, (drawing) => inUnitBox(shapeLines(drawing).flat()));
@@ -28,30 +32,20 @@ export function svgOutline(text: string): SvgOutline | undefined {
 export function shapeLines({ host, root }: BareDrawing): Point2[][][] {
   const fromScreen = host.getScreenCTM()?.inverse();
   const shapes = shapesIn(root);
-  const data = shapes.map((shape) => shape.getAttribute('d') ?? '');
+  const data = shapes.map(shapeData);
   const segments = data.reduce((sum, text) => sum + countSegments(text), 0);
-  const pieces = Math.min(kMaxPieces, Math.max(1, Math.floor(kMaxSamples / Math.max(1, segments))));
-  const arc = document.createElementNS(host.namespaceURI, 'path') as SVGPathElement;
-  host.append(arc);
-  const arcPoints = (of: string, count: number) => {
-    arc.setAttribute('d', of);
-    return equidistant(arc, count);
-  };
+  const depth = Math.max(0, Math.min(kMaxDepth, Math.floor(Math.log2(kMaxSamples / Math.max(1, segments)))));
+  const { width, height } = host.getBBox();
+  const tolerance = kTolerance * Math.max(width, height);
   return shapes.map((shape, i) => {
     const matrix = shape.getScreenCTM();
     if (!fromScreen || !matrix) return [];
     const toHost = fromScreen.multiply(matrix);
-    // The browser measures anything, but a path in a time that grows with all of it for each point.
-    const lines =
-      shape.localName === 'path' ? pathLines(data[i], pieces, arcPoints) : [equidistant(shape, kShapeSamples)];
+    // What it stretches most is stretched no more than by this.
+    const scale = Math.hypot(toHost.a, toHost.b, toHost.c, toHost.d) || 1;
+    const lines = pathLines(data[i], { tolerance: tolerance / scale, depth });
     return lines.map((line) => line.map(({ x, y }) => new DOMPoint(x, y).matrixTransform(toHost)));
   });
-}
-
-function equidistant(shape: SVGGeometryElement, count: number): Point2[] {
-  const length = shape.getTotalLength();
-  if (!(length > 0)) return [];
-  return Array.from({ length: count + 1 }, (_, i) => shape.getPointAtLength((i / count) * length));
 }
 
 /** Undefined without points, or if they take no room in either direction. */

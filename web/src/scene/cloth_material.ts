@@ -1,8 +1,9 @@
 import { DoubleSide, MeshStandardMaterial } from 'three';
 import type { IUniform } from 'three';
+import { kClothOffset } from './depth_offsets';
 
 // Checks of woven bands in material coordinates, so that stretch and shear show, filtered to the size of a pixel. The
-// two sides differ in colour, so that folds show.
+// two sides differ in colour, so that folds show. Own colours take the place of both.
 const kPattern = /* glsl */ `
   uniform float checkSize;
   uniform bool hasOwnColors;
@@ -25,11 +26,12 @@ const kPattern = /* glsl */ `
     vec3 light = isFront ? vec3(0.84, 0.80, 0.70) : vec3(0.88, 0.46, 0.26);
     vec3 dark = isFront ? vec3(0.012, 0.072, 0.21) : vec3(0.47, 0.065, 0.03);
     vec3 color = mix(light, dark, bands * (isFront ? 0.92 : 0.6));
-    color *= 1.0 + 0.10 * weave;
-    if (!hasOwnColors) return color;
-    // The checks stay, as light and dark; the back is darker.
-    float lightness = dot(color, vec3(0.2126, 0.7152, 0.0722));
-    return vOwnColor * (0.6 + 0.55 * lightness) * (isFront ? 1.0 : 0.7);
+    return color * (1.0 + 0.10 * weave);
+  }
+
+  // Colours that say something are read against a legend: neither pattern nor shadow, and little shading, for folds.
+  vec3 readableColor(vec3 normal, vec3 toEye) {
+    return vOwnColor * mix(0.85, 1.0, abs(dot(normal, toEye)));
   }
 `;
 
@@ -43,10 +45,7 @@ export class ClothMaterial extends MeshStandardMaterial {
       shadowSide: DoubleSide,
       roughness: 0.86,
       metalness: 0,
-      // Behind the lips and wires drawn on it, and in front of the solids: see colliders.ts.
-      polygonOffset: true,
-      polygonOffsetFactor: 1.5,
-      polygonOffsetUnits: 2,
+      ...kClothOffset,
     });
     this.defines = { ...this.defines, USE_UV: '' };
     this.onBeforeCompile = (shader) => {
@@ -57,7 +56,12 @@ export class ClothMaterial extends MeshStandardMaterial {
         .replace('#include <begin_vertex>', '#include <begin_vertex>\nvOwnColor = ownColor;');
       shader.fragmentShader = shader.fragmentShader
         .replace('#include <common>', `#include <common>\n${kPattern}`)
-        .replace('#include <color_fragment>', 'diffuseColor.rgb = clothColor(vUv, gl_FrontFacing);');
+        .replace('#include <color_fragment>', 'diffuseColor.rgb = clothColor(vUv, gl_FrontFacing);')
+        .replace(
+          '#include <opaque_fragment>',
+          `if (hasOwnColors) outgoingLight = readableColor(normal, normalize(vViewPosition));
+          #include <opaque_fragment>`,
+        );
     };
   }
 

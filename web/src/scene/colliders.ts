@@ -12,20 +12,16 @@ import {
 import type { BufferGeometry, Object3D } from 'three';
 import type { Vec3 } from '../gen/kerf/v1/geometry_pb';
 import type { Collider } from '../gen/kerf/v1/scene_pb';
+import { kSupportOffset } from './depth_offsets';
 import { GroundMaterial } from './ground_material';
 
-// The sheet rests on a collider's surface: draw the solid a little smaller, so that cloth between two vertices that
-// lies on a curved solid does not sink into it, and farther away, so that it does not show through where a pixel covers
-// much of the surface. The factor is well above the cloth's own (cloth_material.ts), whose wrinkles are steeper than
-// the solid; the units are 0.15 % of the first view's distance in a depth buffer of 24 bits, as in the server's pictures.
+// Curved solids are drawn a little smaller: cloth between two vertices that rest on them does not sink into them.
 const kShrink = 0.985;
 const kSolid = new MeshStandardMaterial({
   color: 0x9aa3ad,
   roughness: 0.6,
   metalness: 0.05,
-  polygonOffset: true,
-  polygonOffsetFactor: 4,
-  polygonOffsetUnits: 256,
+  ...kSupportOffset,
 });
 
 function vector(v: Vec3 | undefined): Vector3 {

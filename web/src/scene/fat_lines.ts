@@ -1,8 +1,16 @@
-import { DynamicDrawUsage, InstancedInterleavedBuffer, InterleavedBufferAttribute } from 'three';
+import {
+  DynamicDrawUsage,
+  GreaterDepth,
+  InstancedInterleavedBuffer,
+  InterleavedBufferAttribute,
+  NotEqualStencilFunc,
+  ReplaceStencilOp,
+} from 'three';
 import type { ColorRepresentation } from 'three';
 import { LineMaterial } from 'three/addons/lines/LineMaterial.js';
 import { LineSegments2 } from 'three/addons/lines/LineSegments2.js';
 import { LineSegmentsGeometry } from 'three/addons/lines/LineSegmentsGeometry.js';
+import { kNearerOffset } from './depth_offsets';
 
 export interface FatLineStyle {
   color: ColorRepresentation;
@@ -11,6 +19,30 @@ export interface FatLineStyle {
   opacity?: number;
   /** Drawn over everything, hidden or not. */
   onTop?: boolean;
+  /** Draws of lines on the cloth only the parts that are seen, or only those that something hides. */
+  part?: 'seen' | 'hidden';
+}
+
+function lineMaterial({ color, width, opacity = 1, onTop = false, part }: FatLineStyle): LineMaterial {
+  const material = new LineMaterial({
+    color,
+    linewidth: width,
+    // Transparent objects are drawn after all others, in the order of renderOrder: so are lines over something.
+    transparent: onTop || part !== undefined || opacity < 1,
+    opacity,
+    depthTest: !onTop,
+    depthWrite: false,
+  });
+  if (part === undefined) return material;
+  Object.assign(material, kNearerOffset);
+  if (part === 'seen') return material;
+  material.depthFunc = GreaterDepth;
+  // Ends of neighbours overlap, and are not to be less faint than the rest.
+  material.stencilWrite = true;
+  material.stencilRef = 1;
+  material.stencilFunc = NotEqualStencilFunc;
+  material.stencilZPass = ReplaceStencilOp;
+  return material;
 }
 
 /** Line segments of a width in pixels whose ends are rewritten in place, frame after frame. */
@@ -20,20 +52,22 @@ export class FatLines {
   private buffer: InstancedInterleavedBuffer;
 
   constructor(style: FatLineStyle) {
-    this.material = new LineMaterial({
-      color: style.color,
-      linewidth: style.width,
-      // What is on top is drawn with the transparent objects, after all others, in the order of renderOrder.
-      transparent: style.onTop === true || (style.opacity ?? 1) < 1,
-      opacity: style.opacity ?? 1,
-      depthTest: !style.onTop,
-      depthWrite: false,
-    });
+    this.material = lineMaterial(style);
     this.object = new LineSegments2(new LineSegmentsGeometry(), this.material);
     this.object.frustumCulled = false;
     if (style.onTop) this.object.renderOrder = 10;
     this.buffer = this.allocate(16);
     this.object.geometry.instanceCount = 0;
+  }
+
+  /** Draws the same segments once more, over the looks that they have so far. */
+  addLook(style: FatLineStyle): LineMaterial {
+    const material = lineMaterial(style);
+    const again = new LineSegments2(this.object.geometry, material);
+    again.frustumCulled = false;
+    again.renderOrder = this.object.renderOrder + this.object.children.length + 1;
+    this.object.add(again);
+    return material;
   }
 
   /** Room for `count` segments: 6 numbers each (start, end; metres), to be filled before the next draw. */

@@ -1,5 +1,6 @@
 import { Color, MeshLambertMaterial } from 'three';
 import type { IUniform } from 'three';
+import { kSupportOffset } from './depth_offsets';
 
 const kGround = /* glsl */ `
   uniform float reach;
@@ -20,7 +21,7 @@ export class GroundMaterial extends MeshLambertMaterial {
   private readonly lineColor: IUniform<Color> = { value: new Color(0x000000) };
 
   constructor() {
-    super({ transparent: true, depthWrite: false });
+    super({ transparent: true, depthWrite: false, ...kSupportOffset });
     this.onBeforeCompile = (shader) => {
       shader.uniforms.reach = this.reachUniform;
       shader.uniforms.lineColor = this.lineColor;

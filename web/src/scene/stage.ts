@@ -12,6 +12,7 @@ import {
 } from 'three';
 import type { Ray } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import type { Quality } from './drawing_quality';
 import { GroundMaterial } from './ground_material';
 
 const kFovDeg = 36;
@@ -37,10 +38,12 @@ export class Stage {
   private readonly sun = new DirectionalLight(0xfff9f1, 2.3);
   private readonly sky = new HemisphereLight(0xffffff, 0x8c8f98, 1.5);
   private readonly raycaster = new Raycaster();
+  private quality: Quality = { scale: 1, hasShadows: true };
   private isStale = true;
 
   constructor(private readonly canvas: HTMLCanvasElement) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: 'high-performance' });
+    const wanted = { antialias: true, alpha: true, stencil: true, powerPreference: 'high-performance' } as const;
+    this.renderer = new WebGLRenderer({ canvas, ...wanted });
     this.renderer.shadowMap.enabled = true;
     this.camera.up.set(0, 0, 1);
     this.sky.position.set(0, 0, 1);
@@ -73,6 +76,23 @@ export class Stage {
     this.renderer.render(this.scene, this.camera);
   }
 
+  /** Draws from now on this finely; false where it did so before. */
+  setQuality(quality: Quality): boolean {
+    const { scale, hasShadows } = this.quality;
+    if (quality.scale === scale && quality.hasShadows === hasShadows) return false;
+    this.quality = quality;
+    this.sun.castShadow = quality.hasShadows;
+    this.resize();
+    return true;
+  }
+
+  /** Name of what draws, as the browser has it; empty where it does not say. */
+  get graphics(): string {
+    const context = this.renderer.getContext();
+    const info = context.getExtension('WEBGL_debug_renderer_info');
+    return info ? String(context.getParameter(info.UNMASKED_RENDERER_WEBGL)) : '';
+  }
+
   /**
    * The picture as it is drawn now, transparent where there is nothing, on a canvas of its own.
    * @param scale  its pixels a CSS pixel
@@ -81,6 +101,7 @@ export class Stage {
     const copy = document.createElement('canvas');
     this.renderer.setPixelRatio(scale);
     this.renderer.setSize(this.sizePx.x, this.sizePx.y, false);
+    this.sun.castShadow = true;
     this.draw();
     // What was drawn is there until this task ends.
     copy.width = this.canvas.width;
@@ -88,6 +109,7 @@ export class Stage {
     const context = copy.getContext('2d')!;
     if (this.backdrop) context.drawImage(this.backdrop, 0, 0, copy.width, copy.height);
     context.drawImage(this.canvas, 0, 0);
+    this.sun.castShadow = this.quality.hasShadows;
     this.resize();
     return copy;
   }
@@ -204,7 +226,7 @@ export class Stage {
     const { clientWidth, clientHeight } = this.canvas;
     if (clientWidth === 0 || clientHeight === 0) return;
     this.sizePx.set(clientWidth, clientHeight);
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(this.quality.scale * Math.min(devicePixelRatio, 2));
     this.renderer.setSize(clientWidth, clientHeight, false);
     this.camera.aspect = clientWidth / clientHeight;
     this.camera.updateProjectionMatrix();

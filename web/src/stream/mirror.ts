@@ -81,7 +81,7 @@ export class SheetMirror {
   triangles: Int32Array = new Int32Array(0);
   /** S, -1 for an empty slot */
   pieces: Int32Array = new Int32Array(0);
-  /** V largest principal strains, -, of the last frame, exactly; undefined where it had none */
+  /** V principal strains of the largest magnitude, -, of the last frame, exactly; undefined where it had none */
   strains: Float32Array | undefined;
   /** Of the last frame that had any. */
   stats: FrameStats | undefined;

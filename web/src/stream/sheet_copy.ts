@@ -22,7 +22,7 @@ export interface SheetArrays {
   readonly triangles: Int32Array;
   /** S, -1 for an empty slot */
   readonly pieces: Int32Array;
-  /** V largest principal strains, -, of the last frame; undefined where it had none */
+  /** V principal strains of the largest magnitude, -, of the last frame; undefined where it had none */
   readonly strains: Float32Array | undefined;
   readonly stats: FrameStats | undefined;
 }

@@ -4,18 +4,19 @@ import { call } from '../api';
 import { CutResult_Status, CutService } from '../gen/kerf/v1/cuts_pb';
 import type { CutSchema } from '../gen/kerf/v1/scene_pb';
 import type { Point2 } from '../geometry/locator';
-import { dashes as dashesOf, stripPolygons } from '../geometry/strip';
 import { svgOutline } from '../geometry/svg_outline';
 import { CutHandles } from './cut_handles';
 import { CutPreview } from './cut_preview';
 import { cutText, warningText } from './cut_text';
 import { MaterialPlane, PicturePlane, cutView, frontHalf } from './drawing_plane';
 import type { CutTarget, DepthRange, DrawingPlane } from './drawing_plane';
-import type { Drawing, PreviewLine } from './drawings/drawing';
+import type { Drawing } from './drawings/drawing';
 import { newDrawing } from './drawings/kinds';
 import type { CutMode } from './drawings/kinds';
 import { PictureDrawing } from './drawings/picture_drawing';
 import type { Picture } from './drawings/picture_drawing';
+import { SheetPreview } from './sheet_preview';
+import { stripAlong } from './strip_preview';
 import type { Pointer, Tool, Viewer } from './tool';
 
 /** Perforation: metres of the sheet that are cut and left in turn. */
@@ -24,9 +25,6 @@ export interface Dashes {
   cutM: number;
   leftM: number;
 }
-
-// Of a drawing with more chords than this the preview of the strip leaves points out, evenly.
-const kMaxStripChords = 2000;
 
 /** Weights go from this to its inverse, and a key makes a step of them. */
 export const kLeastWeight = 0.05;
@@ -54,6 +52,7 @@ export class CutTool implements Tool {
   private readonly picture = new PicturePlane();
   private readonly material: MaterialPlane;
   private readonly preview: CutPreview;
+  private readonly sheetPreview = new SheetPreview();
   private readonly handles: CutHandles;
   private readonly marker = document.createElement('div');
   private readonly drawnSizePx = new Vector2();
@@ -68,6 +67,7 @@ export class CutTool implements Tool {
     this.marker.hidden = true;
     viewer.overlay.append(this.marker);
     this.preview = new CutPreview(viewer.overlay);
+    viewer.stage.scene.add(this.sheetPreview.object);
     this.handles = new CutHandles(
       viewer.overlay,
       (index) => this.chooseHandle(index),
@@ -295,13 +295,9 @@ export class CutTool implements Tool {
   update(): void {
     this.followSize();
     this.showMarker();
+    if (this.plane === this.material) this.showOnSheet();
+    else this.showOnPicture();
     const { plane, drawing } = this;
-    const lines = drawing.lines();
-    this.preview.show(
-      lines.map(({ points, isGuide }) => ({ points: points.map((point) => plane.toPx(point)), isGuide })),
-      this.dashLengths.map((metres) => metres / this.metresPerPx),
-      this.strip(lines).map((polygon) => polygon.map((point) => plane.toPx(point))),
-    );
     this.handles.show(
       drawing.handles.map((point, i) => ({
         px: plane.toPx(point),
@@ -355,17 +351,27 @@ export class CutTool implements Tool {
     return stage.metresPerPx(stage.controls.target);
   }
 
-  // What would be taken away, in the plane's coordinates: true on the material, where the server measures it; on the
-  // picture as it would be in the middle of the view.
-  private strip(lines: readonly PreviewLine[]): Point2[][] {
-    if (this.widthM === 0) return [];
-    const unit = this.plane === this.material ? 1 : this.metresPerPx;
+  private showOnSheet(): void {
+    const { surface } = this.viewer;
+    if (!surface) return this.sheetPreview.hide();
+    const { dashLengths, widthM } = this;
+    this.preview.show([]);
+    this.sheetPreview.show(surface, () => ({ lines: this.drawing.lines(), dashLengths, widthM }));
+  }
+
+  // Lengths are those in the middle of the view.
+  private showOnPicture(): void {
+    this.sheetPreview.hide();
+    const lines = this.drawing.lines();
+    const dashPx = this.dashLengths.map((metres) => metres / this.metresPerPx);
     const curves = lines.filter((line) => !line.isGuide).map((line) => line.points);
-    const chords = curves.reduce((sum, curve) => sum + curve.length, 0);
-    const step = Math.ceil(chords / kMaxStripChords);
-    const thinned = curves.map((curve) => curve.filter((_, i) => i % step === 0 || i === curve.length - 1));
-    const lengths = this.dashLengths.map((metres) => metres / unit);
-    return dashesOf(thinned, lengths).flatMap((dash) => stripPolygons(dash, this.widthM / unit));
+    const strip = stripAlong(curves, this.widthM / this.metresPerPx, dashPx);
+    const toPx = (point: Point2) => this.picture.toPx(point);
+    this.preview.show(
+      lines.map(({ points, isGuide }) => ({ points: points.map(toPx), isGuide })),
+      dashPx,
+      strip.map((polygon) => polygon.map(toPx)),
+    );
   }
 
   // A picture of another size shows the same things at the same distances from its middle, in parts of its height.
@@ -394,6 +400,7 @@ export class CutTool implements Tool {
   }
 
   private refresh(): void {
+    this.sheetPreview.changed();
     this.viewer.stage.invalidate();
     this.changed();
   }

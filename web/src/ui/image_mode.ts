@@ -178,7 +178,7 @@ export class ImageMode {
     this.camera = camera;
     this.numShown += 1;
     if (!this.isShown) this.setShown(true);
-    if (strainEnd > 0) this.app.look.showStrainEnd(strainEnd);
+    if (strainEnd > 0) this.app.look.strainScale.show(strainEnd);
   }
 
   private setChosen(isChosen: boolean): void {

@@ -1,5 +1,6 @@
 import { Replay_State } from '../gen/kerf/v1/sheets_pb';
 import type { Replay } from '../gen/kerf/v1/sheets_pb';
+import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import type { NoticeKind } from '../tools/tool';
 
 /** What to say of a sheet that has played a server's recording to where it goes no further. */
@@ -11,3 +12,16 @@ export function runEndText({ state, endTick, divergedTick }: Replay): [kind: Not
   const why = 'another build of the server recorded it, or the file was edited';
   return ['warning', `Played as recorded to tick ${divergedTick} of ${endTick}, where it comes out otherwise: ${why}`];
 }
+
+/** The reason that the sheet does not move; undefined if it does, or nothing is known of it. */
+export function stillText(stats: FrameStats | undefined): string | undefined {
+  if (stats?.paused) return 'paused';
+  return stats?.sleeping ? 'at rest' : undefined;
+}
+
+export function isStill(stats: FrameStats | undefined): boolean {
+  return stillText(stats) !== undefined;
+}
+
+/** The text for the age of a frame that shows the sheet as it is now. */
+export const kCurrent = 'current';

@@ -3,19 +3,9 @@ import { meshFile } from '../scene/mesh_file';
 import type { MeshFormat } from '../scene/mesh_file';
 import { pictureOf } from '../scene/picture';
 import { drawStrainLegend } from '../scene/strain_legend';
-import type { StrainLegend } from '../scene/strain_legend';
 import { element, setText } from './dom';
 import { fileName, saveFile } from './download';
 import { Menu } from './menu';
-
-// As the page shows it; undefined where it does not.
-function shownLegend(): StrainLegend | undefined {
-  const card = element('strain-legend');
-  if (card.hidden) return undefined;
-  const { color, backgroundColor, fontFamily } = getComputedStyle(card);
-  const texts = [card.querySelector('span')!.textContent!, element('strain-end').textContent!] as const;
-  return { texts, ink: color, card: backgroundColor, fontFamily };
-}
 
 /** What is shown, as a file: pictures, meshes, recordings of frames. ServerRecordings has the items of the server’s recordings. */
 export class SaveMenu {
@@ -60,7 +50,7 @@ export class SaveMenu {
     // Beside pictures of the server the mesh comes seldom.
     const tick = imageMode.isShown ? imageMode.tick : (surface?.mirror.tick ?? 0);
     const name = this.nameOf(tick, scale === 1 ? 'png' : `${scale}x.png`);
-    const legend = shownLegend();
+    const { legend } = app.look.strainScale;
     await app.attempt(async () => {
       const drawn = app.stage.picture(scale);
       const blob = await pictureOf(drawn, (context) => legend && drawStrainLegend(context, legend, drawn.height, scale));

@@ -1,13 +1,14 @@
 import type { App } from '../app';
 import type { SheetView } from '../scene/sheet_view';
-import { kStrainGradient } from '../scene/strain_colors';
 import { PieceIds } from '../stream/piece_ids';
-import { element, setText } from './dom';
+import { element } from './dom';
+import { StrainScale } from './strain_scale';
 
 /** How the sheet is drawn: wireframe, a colour for each piece, or colours by strain. */
 export class SheetLook {
   isByPiece = false;
   isByStrain = false;
+  readonly strainScale = new StrainScale();
 
   private readonly pieceIds: PieceIds;
   // Of a recording, by topology version.
@@ -18,7 +19,6 @@ export class SheetLook {
     private readonly view: SheetView,
   ) {
     this.pieceIds = new PieceIds(() => app.showAgain());
-    element('strain-gradient').style.background = kStrainGradient;
   }
 
   get isWireframe(): boolean {
@@ -42,7 +42,7 @@ export class SheetLook {
   toggleByStrain(): void {
     this.isByStrain = !this.isByStrain;
     element('by-strain').setAttribute('aria-pressed', String(this.isByStrain));
-    element('strain-legend').hidden = !this.isByStrain;
+    this.strainScale.setShown(this.isByStrain);
     if (this.isByPiece && this.isByStrain) this.toggleByPiece();
     this.app.restartWatch(true);
     this.app.showAgain();
@@ -70,17 +70,12 @@ export class SheetLook {
     }
     if (this.lacksStrains) {
       this.view.colorByPiece(null);
-      setText(element('strain-end'), 'not recorded');
+      this.strainScale.showMissing();
       return;
     }
     const end = this.view.colorByStrain();
     // The server has a scale of its own for its pictures, which come with it.
-    if (end !== undefined && !this.app.imageMode.isShown) this.showStrainEnd(end);
-  }
-
-  /** @param end  of the scale that is seen: what is stretched by that or more is yellow */
-  showStrainEnd(end: number): void {
-    setText(element('strain-end'), `${Number((100 * end).toPrecision(1))} % or more`);
+    if (end !== undefined && !this.app.imageMode.isShown) this.strainScale.show(end);
   }
 
   // What is shown is of a recording, and was recorded without strains. Live they are on their way.

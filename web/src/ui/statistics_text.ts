@@ -1,6 +1,7 @@
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import type { SheetFigures } from '../stream/sheet_copy';
 import type { StreamMeter } from '../stream/stream_meter';
+import { kCurrent, stillText } from './run_text';
 
 /** Labels of the overlay, and what they mean, in the order in which they are shown. */
 export const kStatistics = {
@@ -43,7 +44,7 @@ function pair(low: number | undefined, high: number | undefined, unit: string, d
 
 function sheetTexts(sheet: SheetFigures, stats: FrameStats | undefined) {
   return {
-    realTime: stats ? `${stats.realTimeFactor.toFixed(2)} ×` : kNothing,
+    realTime: stillText(stats) ?? (stats ? `${stats.realTimeFactor.toFixed(2)} ×` : kNothing),
     overruns: stats ? `${stats.overruns.toLocaleString('en')} (${stats.slippedS.toFixed(2)} s)` : kNothing,
     vertices: sheet.numVertices.toLocaleString('en'),
     triangles: stats ? stats.numTriangles.toLocaleString('en') : kNothing,
@@ -60,10 +61,11 @@ export function statisticsTexts(
 ): Partial<Record<StatisticId, string>> {
   const { ages, bytes, keyframes, decodeTimes, tickTimes, unacknowledged } = meter;
   const hasFrames = bytes.count > 0;
+  const still = stillText(sheet?.stats);
   return {
     format,
-    fps: `${meter.drawn.rate(nowMs).toFixed(0)} / s`,
-    age: pair(ages.quantile(0.5), ages.quantile(0.95), 'ms', 0),
+    fps: still && meter.drawn.count === 0 ? still : `${meter.drawn.rate(nowMs).toFixed(0)} / s`,
+    age: still && ages.count === 0 ? kCurrent : pair(ages.quantile(0.5), ages.quantile(0.95), 'ms', 0),
     frames: `${bytes.rate(nowMs).toFixed(0)} / s`,
     bytes: hasFrames
       ? `${bytesText(bytes.rate(nowMs, bytes.sum()))}/s, ${bytesText(bytes.sum() / bytes.count)}`

@@ -2,6 +2,7 @@ import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import type { SheetFigures } from '../stream/sheet_copy';
 import { SampleWindow } from '../stream/sample_window';
 import { element, setText } from './dom';
+import { isStill, kCurrent, stillText } from './run_text';
 import { speedOf } from './speeds';
 
 // A second of pictures, on the fastest of screens.
@@ -30,22 +31,21 @@ export class StatusLine {
    */
   update(sheet: SheetFigures | undefined, ageMs: number | undefined, nowMs: number): void {
     this.pictures.forget(nowMs);
-    setText(this.fps, String(this.pictures.count));
     const stats = sheet?.stats;
+    const still = stillText(stats);
+    // The view of a sheet that does not move may.
+    setText(this.fps, this.pictures.count === 0 && still ? still : String(this.pictures.count));
     setText(this.tick, sheet?.tick.toLocaleString('en') ?? kNothing);
     setText(this.vertices, sheet?.numVertices.toLocaleString('en') ?? kNothing);
     setText(this.pieces, sheet ? String(sheet.numPieces) : kNothing);
-    setText(this.realTime, realTimeText(stats));
+    setText(this.realTime, still ?? realTimeText(stats));
     this.realTime.dataset.level = isBehind(stats) ? 'warn' : '';
-    setText(this.age, ageText(sheet && ageMs));
+    setText(this.age, still ? kCurrent : ageText(sheet && ageMs));
   }
 }
 
 function realTimeText(stats: FrameStats | undefined): string {
-  if (!stats) return kNothing;
-  if (stats.paused) return 'paused';
-  if (stats.sleeping) return 'at rest';
-  return `${stats.realTimeFactor.toFixed(2)} ×`;
+  return stats ? `${stats.realTimeFactor.toFixed(2)} ×` : kNothing;
 }
 
 function ageText(ageMs: number | undefined): string {
@@ -55,5 +55,5 @@ function ageText(ageMs: number | undefined): string {
 
 // In slow motion a sheet that keeps its pace is not behind.
 function isBehind(stats: FrameStats | undefined): boolean {
-  return stats !== undefined && !stats.paused && !stats.sleeping && stats.realTimeFactor < 0.95 * speedOf(stats);
+  return stats !== undefined && !isStill(stats) && stats.realTimeFactor < 0.95 * speedOf(stats);
 }

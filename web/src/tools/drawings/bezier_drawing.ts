@@ -1,9 +1,11 @@
-import { bezierPoint } from '../../geometry/curve';
+import { bezierPoint, flattened } from '../../geometry/curve';
 import type { Point2 } from '../../geometry/locator';
 import { PointDrawing } from './drawing';
 import type { DrawnCut, PreviewLine } from './drawing';
 
-const kPreviewPieces = 64;
+// The largest distance of the preview from the curve, in parts of the longer side of the box around its points.
+const kTolerance = 2e-4;
+const kMaxDepth = 9;
 
 /**
  * A Bezier curve by its control points: three taps make it quadratic, a fourth cubic. Rational where weights differ.
@@ -42,8 +44,12 @@ export class BezierDrawing extends PointDrawing {
   lines(): PreviewLine[] {
     if (!this.isReady) return [{ points: this.points }];
     const { points, weights } = this;
-    const at = (i: number) => bezierPoint(points, i / kPreviewPieces, weights);
-    const curve = Array.from({ length: kPreviewPieces + 1 }, (_, i) => at(i));
+    const extent = (along: (point: Point2) => number) => {
+      const places = points.map(along);
+      return Math.max(...places) - Math.min(...places);
+    };
+    const tolerance = kTolerance * Math.max(extent(({ x }) => x), extent(({ y }) => y));
+    const curve = flattened((t) => bezierPoint(points, t, weights), { tolerance, depth: kMaxDepth });
     return [{ points, isGuide: true }, { points: curve }];
   }
 

@@ -3,7 +3,8 @@ import type { Point2 } from '../../geometry/locator';
 import { PointDrawing } from './drawing';
 import type { DrawnCut, PreviewLine } from './drawing';
 
-const kPreviewPieces = 96;
+// Its chords are within 1/6000 of its larger diameter of the ellipse.
+const kPreviewPieces = 128;
 // The second axis of a new ellipse against the first.
 const kFirstRatio = 0.6;
 
