@@ -281,8 +281,8 @@ export class App implements Viewer {
     if (surface) this.stage.lookAt(pieceCentre(surface.mirror, label));
   }
 
-  notify(kind: NoticeKind, text: string): void {
-    this.notices.add(kind, text);
+  notify(kind: NoticeKind, text: string, details?: readonly string[]): void {
+    this.notices.add(kind, text, details);
   }
 
   async attempt<T>(run: () => Promise<T>, what = ''): Promise<T | undefined> {
@@ -388,7 +388,7 @@ export class App implements Viewer {
     const mesh = this.surface?.mirror;
     const figures = mesh && imageMode.isShown ? imageMode.figures(mesh) : mesh;
     this.status.update(figures, this.ageMs, nowMs);
-    this.statistics.update(figures, imageMode.isShown ? imageMode.format : 'the mesh', nowMs);
+    this.statistics.update(figures, imageMode.isShown ? imageMode.format : 'mesh', nowMs);
   }
 
   private drawn(nowMs: number): void {
