@@ -60,12 +60,14 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   app.formatter(std::make_shared<Help>());
   app.get_help_ptr()->description("Print this help and exit");
   app.set_version_flag("--version", std::string("kerf ") + KERF_VERSION, "Print the version and exit");
-  app.add_option("--server", session.server, "Server's gRPC address (or environment KERF_SERVER)")
+  app.add_option("--server", session.server,
+                 "Server's gRPC address (or environment KERF_SERVER); port 50051 unless given")
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_flag("--json", session.json,
                "Print replies as JSON; a refusal is {\"error\": {code, reason, message, field}} on stderr");
   app.add_flag("-q,--quiet", session.quiet, "No progress bars and no status line");
+  app.add_flag("-v,--verbose", session.verbose, "Also what the server measured and counted");
   app.fallthrough();  // --server and --json may stand after the subcommand too
   app.require_subcommand(1);
   app.footer(

@@ -152,7 +152,7 @@ int list_sheets(const Session& session) {
   } else if (all.sheets().empty()) {
     std::printf("no sheets\n");
   } else {
-    for (const v1::Sheet& sheet : all.sheets()) std::printf("%s\n", describe(sheet).c_str());
+    for (const v1::Sheet& sheet : all.sheets()) std::printf("%s\n", describe(sheet, session.verbose).c_str());
   }
   return kDone;
 }
@@ -202,7 +202,8 @@ void add_create(CLI::App& sheet, Session& session) {
   CLI::App* create = sheet.add_subcommand("create",
                                           "Create a sheet from a grid, a mesh file or a scene file.\n"
                                           "Example: kerf sheet create flag --grid 50x50 --size 1x1 --pin top");
-  create->add_option("ID", arguments->id, "Name of the sheet: a small letter, then letters, digits, dashes")
+  create
+      ->add_option("ID", arguments->id, "Name of the sheet: small letters, digits and hyphens, beginning with a letter")
       ->required();
   CLI::Option* grid = create->add_option("--grid", arguments->grid, "Vertices along x and y")
                           ->type_name("COLUMNSxROWS")
@@ -251,8 +252,8 @@ void add_create(CLI::App& sheet, Session& session) {
       ->excludes(scene);
   create
       ->add_option("--part", arguments->parts,
-                   "A part of another material, x0,y0,x1,y1=PRESET: what is in this box, in metres on the\n"
-                   "undeformed sheet; any number of times, a later one over those before")
+                   "Make the part in this box of another material, x0,y0,x1,y1=PRESET, in metres on the\n"
+                   "undeformed sheet; may be repeated, and later boxes win")
       ->type_name("BOX=MATERIAL")
       ->excludes(scene)
       ->take_all();
@@ -271,20 +272,26 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   add_hands_commands(*sheet, session);
   add_recording_commands(*sheet, session);
   CLI::App* list = sheet->add_subcommand("list", "List all sheets");
+  list->alias("ls");
   list->callback([&session] { session.action = [&session] { return list_sheets(session); }; });
-  add_sheet_command(*sheet, session, "get", "Show one sheet", [](const Session& s, const std::string& id) {
-    return call_with_name(s, id, &v1::SheetService::Stub::GetSheet);
-  });
-  add_sheet_command(*sheet, session, "delete", "Remove a sheet", delete_sheet);
+  add_sheet_command(*sheet, session, "get", "Show one sheet, with what the server measured and counted",
+                    [](const Session& s, const std::string& id) {
+                      Session verbose = s;
+                      verbose.verbose = true;
+                      return call_with_name(verbose, id, &v1::SheetService::Stub::GetSheet);
+                    });
+  add_sheet_command(*sheet, session, "delete", "Remove a sheet", delete_sheet)->alias("rm");
   add_sheet_command(*sheet, session, "pause", "Stop a sheet's clock", [](const Session& s, const std::string& id) {
     return call_with_name(s, id, &v1::SheetService::Stub::PauseSheet);
   });
-  add_sheet_command(*sheet, session, "resume", "Let a sheet run again", [](const Session& s, const std::string& id) {
-    return call_with_name(s, id, &v1::SheetService::Stub::ResumeSheet);
-  });
-  add_sheet_command(*sheet, session, "reset", "Back to the initial state", [](const Session& s, const std::string& id) {
-    return call_with_name(s, id, &v1::SheetService::Stub::ResetSheet);
-  });
+  add_sheet_command(*sheet, session, "resume", "Let a paused sheet run again",
+                    [](const Session& s, const std::string& id) {
+                      return call_with_name(s, id, &v1::SheetService::Stub::ResumeSheet);
+                    });
+  add_sheet_command(*sheet, session, "reset", "Return to the initial state",
+                    [](const Session& s, const std::string& id) {
+                      return call_with_name(s, id, &v1::SheetService::Stub::ResetSheet);
+                    });
 
   const auto id = std::make_shared<std::string>();
   const auto ticks = std::make_shared<std::int32_t>(1);
