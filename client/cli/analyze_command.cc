@@ -107,26 +107,29 @@ void add_analyze_command(CLI::App& app, Session& session) {
   auto* steps =
       analyzing->add_option("--steps", arguments->steps, "Approach the load in this many equal steps (default: 1)")
           ->check(CLI::Range(1, 10'000));
-  auto* tolerance = analyzing
-                        ->add_option("--tolerance", arguments->tolerance,
-                                     "Forces out of balance over loads and reactions at an equilibrium (default: 1e-9)")
-                        ->check(CLI::Range(1e-13, 0.1));
+  auto* tolerance =
+      analyzing
+          ->add_option("--tolerance", arguments->tolerance,
+                       "Largest residual force at an equilibrium, relative to loads and reactions (default: 1e-9)")
+          ->check(CLI::Range(1e-13, 0.1));
   auto* dynamic = analyzing
                       ->add_flag("--dynamic", arguments->dynamic,
                                  "Continue from now for --ticks under the present loads, and measure the probes")
                       ->excludes(modes)
                       ->excludes(steps)
                       ->excludes(tolerance);
-  analyzing->add_option("--ticks", arguments->ticks, "This many ticks (default: 0, the state as it is)")
+  analyzing->add_option("--ticks", arguments->ticks, "Number of ticks (default: 0, the state as it is)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{100'000}))
       ->needs(dynamic);
-  analyzing->add_option("--every", arguments->every, "Measure every this many ticks, and at the end (default: 1)")
+  analyzing
+      ->add_option("--every", arguments->every,
+                   "Ticks from one measurement to the next; the end is always measured (default: 1)")
       ->check(CLI::Range(1, 10'000'000))
       ->needs(dynamic);
   analyzing
       ->add_option("--request", arguments->file,
-                   "A file with the whole request: kerf.v1.AnalyzeSheetRequest as JSON, probes included;\n"
-                   "or with --dynamic all but its analysis")
+                   "File with the whole request: kerf.v1.AnalyzeSheetRequest as JSON, probes included;\n"
+                   "with --dynamic its analysis is left out")
       ->type_name(value::kFile)
       ->excludes(modes)
       ->excludes(steps)

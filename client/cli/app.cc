@@ -37,6 +37,8 @@ std::vector<const CLI::Option*> visible(const CLI::App& app, bool positional) {
   std::vector<const CLI::Option*> found;
   visit_groups(app, [&](const CLI::App& group) {
     for (const CLI::Option* option : group.get_options()) {
+      // An option group has a --help of its own, which is the command's.
+      if (&group != &app && option == group.get_help_ptr()) continue;
       if (option->get_positional() == positional && !option->get_group().empty()) found.push_back(option);
     }
   });
@@ -61,7 +63,7 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   app.get_help_ptr()->description("Print this help and exit");
   app.set_version_flag("--version", std::string("kerf ") + KERF_VERSION, "Print the version and exit");
   app.add_option("--server", session.server,
-                 "Server's gRPC address (or environment KERF_SERVER); port 50051 unless given")
+                 "Server's gRPC address (or the environment KERF_SERVER); port 50051 unless given")
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_flag("--json", session.json,

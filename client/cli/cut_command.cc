@@ -190,7 +190,7 @@ void add_cut_command(CLI::App& app, Session& session) {
       "Scale the curve evenly and centre it in the box \"x0,y0,x1,y1\", or in 90 % of the sheet: \"sheet\"");
   CLI::Option* dash = command->add_option(
       "--dash", arguments->dash, "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\"");
-  command->add_option("--dash-offset", arguments->dash_offset, "Metres into the pattern at which it begins (default 0)")
+  command->add_option("--dash-offset", arguments->dash_offset, "Start this many metres into the pattern (default 0)")
       ->needs(dash);
   CLI::Option* width = command->add_option(
       "--width", arguments->width,

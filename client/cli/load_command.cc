@@ -98,7 +98,7 @@ void add_sheet_options(CLI::App& command, LoadArguments& arguments) {
   load::Plan& plan = arguments.plan;
   command.add_option("--sheets", plan.sheets, "Sheets to make, 1..10000")->capture_default_str();
   command.add_option("--grid", arguments.grid, "Vertices of each, COLUMNSxROWS")->capture_default_str();
-  command.add_option("--tick-rate", plan.tick_rate_hz, "Ticks a second, 1..1000")->capture_default_str();
+  command.add_option("--tick-rate", plan.tick_rate_hz, "Ticks per second, 1..1000")->capture_default_str();
   command.add_flag("--still", plan.still,
                    "Sheets that nothing moves, which fall asleep (otherwise they keep swinging)");
   command.add_option("--prefix", plan.prefix, "Names of the sheets begin with this")->capture_default_str();
@@ -110,7 +110,7 @@ void add_sheet_options(CLI::App& command, LoadArguments& arguments) {
 
 void add_reader_options(CLI::App& command, LoadArguments& arguments) {
   load::Plan& plan = arguments.plan;
-  command.add_option("--viewers", plan.viewers, "Readers of frames, shared out among the sheets, 0..1000")
+  command.add_option("--viewers", plan.viewers, "Readers of frames, spread over the sheets, 0..1000")
       ->capture_default_str();
   command
       .add_option("--viewer-rate", plan.viewer_rate_hz,
@@ -118,13 +118,14 @@ void add_reader_options(CLI::App& command, LoadArguments& arguments) {
       ->capture_default_str();
   command.add_option("--slow-readers", plan.slow_readers, "Readers that hold every frame for --hold, 0..1000")
       ->capture_default_str();
-  command.add_option("--hold", plan.hold_s, "Seconds, 0.001..60")->capture_default_str();
+  command.add_option("--hold", plan.hold_s, "Seconds that slow readers hold a frame, 0.001..60")->capture_default_str();
   command
       .add_option("--stalled-readers", plan.stalled_readers,
-                  "Readers that take one frame, neither read nor acknowledge for --stall, then tell how they were "
-                  "ended, 0..1000")
+                  "Readers that take one frame, then neither read nor acknowledge for --stall, 0..1000")
       ->capture_default_str();
-  command.add_option("--stall", plan.stall_s, "Seconds, 0.001..3600; a server ends readers after 10")
+  command
+      .add_option("--stall", plan.stall_s,
+                  "Seconds that stalled readers stall, 0.001..3600; a server disconnects readers after 10")
       ->capture_default_str();
   command.add_option("--image-viewers", plan.image_viewers, "Readers of pictures, 0..100")->capture_default_str();
   command.add_option("--image-size", arguments.image_size, "Size of their pictures in pixels")->capture_default_str();
@@ -137,10 +138,10 @@ void add_reader_options(CLI::App& command, LoadArguments& arguments) {
 void add_run_options(CLI::App& command, LoadArguments& arguments) {
   load::Plan& plan = arguments.plan;
   command.add_option("--duration", plan.duration_s, "Seconds to measure, 0.1..1800")->capture_default_str();
-  command.add_option("--warm-up", plan.warm_up_s, "Seconds before, with everything running")->capture_default_str();
-  command.add_option(
-      "--http", plan.http,
-      "The viewer's port of the server, HOST:PORT: for --transport ws, and for CPU and memory from /metrics");
+  command.add_option("--warm-up", plan.warm_up_s, "Seconds before that, with everything running")
+      ->capture_default_str();
+  command.add_option("--http", plan.http,
+                     "HTTP address of the server, HOST:PORT: for --transport ws, and for CPU and memory from /metrics");
   command
       .add_option("--transport", arguments.transport, "Transport of frames: grpc, or ws (a WebSocket, as browsers use)")
       ->check(CLI::IsMember({"grpc", "ws"}))

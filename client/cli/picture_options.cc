@@ -22,7 +22,7 @@ void add_picture_options(CLI::App& command, PictureOptions& options) {
       ->type_name("WIDTHxHEIGHT")
       ->capture_default_str();
   CLI::Option* view = command.add_option("--view", options.view,
-                                         "Seen from \"EYE TARGET [UP]\", each x,y,z in metres, as in kerf cut --view "
+                                         "View from \"EYE TARGET [UP]\", each x,y,z in metres, as in kerf cut --view "
                                          "(default: all of it)");
   command.add_option("--fov", options.fov_deg, "Vertical field of view, degrees (default 40)")->needs(view);
   command.add_flag("--wireframe", options.wireframe, "Draw the triangles' edges");

@@ -69,7 +69,7 @@ void add_recording_commands(CLI::App& sheet, Session& session) {
   CLI::App* playing = sheet.add_subcommand("play", "Play a recording live as a new sheet, which pauses at its end");
   playing->add_option("FILE", arguments->file, "Recording")->required()->type_name(value::kFile);
   playing->add_option("--id", arguments->id, "Name of the sheet (default: that of the recording, else the server's)");
-  playing->add_flag("--paused", arguments->paused, "Begin paused");
+  playing->add_flag("--paused", arguments->paused, "Start paused");
   playing->callback(
       [&session, arguments] { session.action = [&session, arguments] { return play(session, *arguments); }; });
 }

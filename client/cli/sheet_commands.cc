@@ -213,14 +213,16 @@ void add_create(CLI::App& sheet, Session& session) {
           ->add_option("--size", arguments->size, "Width and height in metres; the sheet spans (0,0) to (width,height)")
           ->type_name("WIDTHxHEIGHT")
           ->capture_default_str();
-  CLI::Option* obj = create
-                         ->add_option("--obj", arguments->obj,
-                                      "Mesh from this Wavefront OBJ file: its positions place the sheet, its texture\n"
-                                      "coordinates in metres are material coordinates; see --rest. At most 64 MiB")
-                         ->type_name(value::kFile);
+  CLI::Option* obj =
+      create
+          ->add_option("--obj", arguments->obj,
+                       "Take the mesh from this Wavefront OBJ file: its positions place the sheet, its texture\n"
+                       "coordinates in metres are material coordinates; see --rest. At most 64 MiB")
+          ->type_name(value::kFile);
   CLI::Option* ply = create
                          ->add_option("--ply", arguments->ply,
-                                      "The same from a PLY file, text or binary; s t, u v or texture_u texture_v")
+                                      "Take the mesh from this PLY file, text or binary; texture coordinates are s t, "
+                                      "u v or texture_u texture_v")
                          ->type_name(value::kFile);
   for (CLI::Option* file : {obj, ply}) file->excludes(grid)->excludes(size);
   obj->excludes(ply);
@@ -228,8 +230,8 @@ void add_create(CLI::App& sheet, Session& session) {
       create
           ->add_option(
               "--scene", arguments->scene,
-              "Everything from this scene file, the JSON form of kerf.v1.Scene, as `kerf run` reads it, but its\n"
-              "sheet_id and analysis; its probes are what `kerf analyze` measures. But for a mesh file, at most 1 MiB")
+              "Take everything from this scene file (JSON form of kerf.v1.Scene, as `kerf run` reads it) except its\n"
+              "sheet_id and analysis; `kerf analyze` measures its probes. At most 1 MiB without its mesh file")
           ->type_name(value::kFile);
   for (CLI::Option* other : {grid, size, obj, ply}) scene->excludes(other);
   add_integrator_options(*create, "the default, or the scene's", arguments->integrator);
@@ -257,7 +259,7 @@ void add_create(CLI::App& sheet, Session& session) {
       ->type_name("BOX=MATERIAL")
       ->excludes(scene)
       ->take_all();
-  create->add_flag("--paused", arguments->paused, "Begin paused");
+  create->add_flag("--paused", arguments->paused, "Start paused");
   create->callback(
       [&session, arguments] { session.action = [&session, arguments] { return create_sheet(session, *arguments); }; });
 }
@@ -271,7 +273,7 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   add_settings_commands(*sheet, session);
   add_hands_commands(*sheet, session);
   add_recording_commands(*sheet, session);
-  CLI::App* list = sheet->add_subcommand("list", "List all sheets");
+  CLI::App* list = sheet->add_subcommand("list", "List all sheets (also: ls)");
   list->alias("ls");
   list->callback([&session] { session.action = [&session] { return list_sheets(session); }; });
   add_sheet_command(*sheet, session, "get", "Show one sheet, with what the server measured and counted",
@@ -280,7 +282,7 @@ void add_sheet_commands(CLI::App& app, Session& session) {
                       verbose.verbose = true;
                       return call_with_name(verbose, id, &v1::SheetService::Stub::GetSheet);
                     });
-  add_sheet_command(*sheet, session, "delete", "Remove a sheet", delete_sheet)->alias("rm");
+  add_sheet_command(*sheet, session, "delete", "Remove a sheet (also: rm)", delete_sheet)->alias("rm");
   add_sheet_command(*sheet, session, "pause", "Stop a sheet's clock", [](const Session& s, const std::string& id) {
     return call_with_name(s, id, &v1::SheetService::Stub::PauseSheet);
   });
