@@ -262,7 +262,7 @@ async function leavesLiveSheet(viewer, { path }, url) {
   await release();
   const drawing = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 2 2"><circle cx="1" cy="1" r="1"/></svg>';
   await viewer.drop('sign.svg', Buffer.from(drawing));
-  await viewer.notice(/A recording can be looked at, not changed/);
+  await viewer.notice(/A recording cannot be changed/);
   const { pinnedVertices } = await viewer.read('({ pinnedVertices: k.pinnedVertices })');
   check(pinnedVertices.length === 2, `the live sheet's pins, ${pinnedVertices}, are shown in the recording`);
   await viewer.page.click('#replay-close');
@@ -273,7 +273,7 @@ async function leavesLiveSheet(viewer, { path }, url) {
 
 async function refusals(viewer) {
   await viewer.page.keyboard.press('c');
-  await viewer.notice(/A recording can be looked at, not changed/);
+  await viewer.notice(/A recording cannot be changed/);
   check((await viewer.read('k.tool')) === 'view', 'a tool is chosen that has nothing to work on');
   const isInert = (id) => viewer.page.evaluate((query) => document.querySelector(query).inert, id);
   check((await isInert('#pause')) && (await isInert('[data-tool=cut]')), 'the live controls are not switched off');

@@ -148,7 +148,7 @@ export class App implements Viewer {
   choose(id: ToolId): void {
     this.keyboardPointer.hide();
     if (this.replayBar.isOpen && id !== 'view') {
-      this.notify('info', 'A recording can be looked at, not changed: close it to go back to the live sheet');
+      this.notify('info', 'A recording cannot be changed: close it to return to the live sheet');
       return;
     }
     if (this.tool !== this.tools[id]) this.tool.leave();
@@ -230,7 +230,7 @@ export class App implements Viewer {
 
   private startWorker(): Worker {
     return startWorker('watch', (why) => {
-      const told = `What receives the sheet has failed: ${why}. Open the sheet again, or reload the page`;
+      const told = `The viewer can no longer receive the sheet: ${why}. Open the sheet again, or reload the page`;
       this.worker = undefined;
       this.watch?.fail(told);
       this.notify('error', told);
