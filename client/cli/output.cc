@@ -79,7 +79,7 @@ std::string notes(const v1::CutResult& result) {
   return text;
 }
 
-// What the server measured and counted, each in a line.
+// Measurements and counts of the server, each in a line.
 std::string measurements(const v1::Sheet& sheet) {
   std::string text = "\n  " + sheet.integrator();
   if (sheet.has_local_inertia()) {
@@ -98,7 +98,7 @@ std::string measurements(const v1::Sheet& sheet) {
   return text + flags;
 }
 
-// The new triangles.
+// Shapes of the new triangles.
 std::string shapes(const v1::CutResult& result) {
   const v1::CutQuality& quality = result.quality();
   std::string text = format(
@@ -127,7 +127,7 @@ std::string shapes(const v1::CutResult& result) {
   return text;
 }
 
-// What became of the sheet, and how long that took.
+// Names, layers, gaps, pieces and times of an applied cut.
 std::string outcome(const v1::CutResult& result) {
   std::string text = format(
       "\n  %s, topology version %d, state hash %s\n"

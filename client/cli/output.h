@@ -62,7 +62,7 @@ void print(const Session& session, const v1::Sheet& sheet);
 void print(const Session& session, const v1::CutResult& result);
 void print(const Session& session, const v1::InteractionResponse& response);
 
-// For people. `verbose`: also what the server measured and counted, in lines of their own.
+// Texts for people. `verbose` adds lines with what the server measured and counted.
 std::string describe(const v1::Sheet& sheet, bool verbose);
 std::string describe(const v1::CutResult& result, bool verbose);
 std::string describe(const v1::Piece& piece);

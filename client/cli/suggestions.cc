@@ -60,7 +60,7 @@ std::string unknown_word(const CLI::App& app) {
   return words.empty() ? std::string() : words.front();
 }
 
-// What other programs call the same, first.
+// Words of other programs, each with the command that does the same.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kOtherNames{{
     {"snip", "cut"},
     {"slice", "cut"},
@@ -82,7 +82,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kOtherNa
     {"benchmark", "load"},
 }};
 
-// Names near the word, or else the one of `commands` that does what other programs call so.
+// Names near the word, or else the command that does the same.
 std::vector<std::string> near_commands(const std::string& word, const std::vector<std::string>& commands) {
   std::vector<std::string> near = near_names(word, commands);
   for (const auto& [other, name] : kOtherNames) {

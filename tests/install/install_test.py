@@ -110,7 +110,7 @@ class Programs(unittest.TestCase):
                 self.assertIn("EXIT STATUS" if name == "kerf" else "kerfd", done.stdout)
 
     def test_the_viewer_has_all_its_files_with_their_times(self):
-        """Where it was built. kerfd takes an encoding that is older than its file for none."""
+        """Tests a viewer that was built. kerfd ignores an encoding that is older than its file."""
         built = pathlib.Path(OPTIONS.source, "web/dist")
         for file in built.rglob("*"):
             if file.is_file():

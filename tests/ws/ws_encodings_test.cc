@@ -1,4 +1,4 @@
-// Encodings of the viewer's files: which is sent, by Accept-Encoding, and with which headers.
+// Encodings of the viewer's files: the choice by Accept-Encoding, and the headers.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-/** Why a text is no SVG drawing, after the name of its file: "is broken: ..."; undefined where it is one. */
+/** The fault of a text as an SVG drawing, to follow the file's name: "is broken: ..."; undefined without one. */
 export function svgFault(text: string): string | undefined {
   const parsed = new DOMParser().parseFromString(text, 'image/svg+xml');
   // Browsers report faults in a document of their own.

@@ -45,7 +45,7 @@ export function cutText(result: CutResult, hasWidth = false): string {
   return `Cut: ${countText(result.pieces, 'piece')}${removed ? `, ${areaText(removed.areaM2)} removed` : ''}`;
 }
 
-/** What else the reply to a cut says, a sentence each; empty where nothing was cut. */
+/** The rest of the reply to a cut, a sentence each; empty where nothing was cut. */
 export function cutDetails(result: CutResult): string[] {
   if (result.status !== CutResult_Status.APPLIED) return [];
   const { removed, layers, tick } = result;

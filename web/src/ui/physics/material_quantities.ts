@@ -160,7 +160,7 @@ export const kMaterialQuantities: readonly MaterialQuantity[] = [
   },
 ];
 
-// By the names of kerf.v1.Material.
+// Labels of the fields of kerf.v1.Material.
 const kFieldNames: Record<string, string> = {
   youngs_modulus_pa: 'Stiffness',
   youngs_modulus_2_pa: 'Transverse stiffness',

@@ -4,14 +4,14 @@ import { formField } from './new_sheet';
 import type { NewSheet } from './new_sheet';
 import { isId, nearestId } from './sheet_ids';
 
-/** What is wrong in the form, by the name of its field; '' is the form as a whole. */
+/** Faults of the form by the names of their fields; '' is the form as a whole. */
 export type FormErrors = ReadonlyMap<string, string>;
 
 // server/sheet/sheet_config.cc: vertices a side, metres.
 const kMostOfASide = 1000;
 const kLongestM = 10_000;
 
-/** What is wrong with a name, in words; undefined where the server may take it, or chooses one. */
+/** The fault of a name in words; undefined where the server may take it, or chooses one. */
 export function nameError(id: string): string | undefined {
   if (id === '' || isId(id)) return undefined;
   const nearest = nearestId(id);

@@ -223,7 +223,7 @@ export class NewSheetDialog {
     for (const [name, text] of formErrors(form, this.drawing !== undefined, mostVertices)) this.showError(name, text);
   }
 
-  // As it is typed.
+  // Runs while the name is typed.
   private checkName(): void {
     const wrong = nameError(fieldOf('id').value.trim());
     if (wrong) this.showError('id', wrong);

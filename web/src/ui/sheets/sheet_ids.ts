@@ -1,7 +1,7 @@
 // kerf.v1.CreateSheetRequest.sheet_id.
 const kLongest = 63;
 
-/** Whether a sheet may have this id. */
+/** True if a sheet may have this id. */
 export function isId(text: string): boolean {
   return text.length <= kLongest && /^[a-z][a-z0-9-]*$/.test(text);
 }
