@@ -92,8 +92,8 @@ void add_analyze_command(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<AnalyzeArguments>();
   CLI::App* analyzing =
       app.add_subcommand("analyze",
-                         "Equilibrium or vibrations of a sheet as it is now, or what it does next, on a copy:\n"
-                         "the sheet itself goes on.\n"
+                         "Compute the equilibrium, the vibrations or the next ticks of a sheet, on a copy:\n"
+                         "the sheet itself keeps running.\n"
                          "Examples: kerf analyze cloth\n"
                          "          kerf analyze cloth --modes 6\n"
                          "          kerf analyze cloth --dynamic --ticks 120 --csv tables/\n"
@@ -101,32 +101,35 @@ void add_analyze_command(CLI::App& app, Session& session) {
   analyzing->group(group::kPhysics);
   add_sheet_id(*analyzing, arguments->id);
   auto* modes =
-      analyzing->add_option("--modes", arguments->modes, "So many of the lowest vibrations, about the sheet as it is")
+      analyzing->add_option("--modes", arguments->modes, "This many of the lowest vibrations, about the sheet as it is")
           ->check(CLI::Range(1, 200));
   analyzing->add_flag("--resting", arguments->resting, "Vibrations about its equilibrium instead")->needs(modes);
   auto* steps =
-      analyzing->add_option("--steps", arguments->steps, "Approach the load in so many equal steps (default: 1)")
+      analyzing->add_option("--steps", arguments->steps, "Approach the load in this many equal steps (default: 1)")
           ->check(CLI::Range(1, 10'000));
-  auto* tolerance = analyzing
-                        ->add_option("--tolerance", arguments->tolerance,
-                                     "Forces out of balance over loads and reactions at an equilibrium (default: 1e-9)")
-                        ->check(CLI::Range(1e-13, 0.1));
+  auto* tolerance =
+      analyzing
+          ->add_option("--tolerance", arguments->tolerance,
+                       "Largest residual force at an equilibrium, relative to loads and reactions (default: 1e-9)")
+          ->check(CLI::Range(1e-13, 0.1));
   auto* dynamic = analyzing
                       ->add_flag("--dynamic", arguments->dynamic,
-                                 "Go on from now for --ticks, with what acts on the sheet, and measure its probes")
+                                 "Continue from now for --ticks under the present loads, and measure the probes")
                       ->excludes(modes)
                       ->excludes(steps)
                       ->excludes(tolerance);
-  analyzing->add_option("--ticks", arguments->ticks, "So many ticks (default: 0, the state as it is)")
+  analyzing->add_option("--ticks", arguments->ticks, "Number of ticks (default: 0, the state as it is)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{100'000}))
       ->needs(dynamic);
-  analyzing->add_option("--every", arguments->every, "Measure after each so many ticks, and at the end (default: 1)")
+  analyzing
+      ->add_option("--every", arguments->every,
+                   "Ticks from one measurement to the next; the end is always measured (default: 1)")
       ->check(CLI::Range(1, 10'000'000))
       ->needs(dynamic);
   analyzing
       ->add_option("--request", arguments->file,
-                   "A file with the whole request: kerf.v1.AnalyzeSheetRequest as JSON, probes included;\n"
-                   "or with --dynamic all but its analysis")
+                   "File with the whole request: kerf.v1.AnalyzeSheetRequest as JSON, probes included;\n"
+                   "with --dynamic its analysis is left out")
       ->type_name(value::kFile)
       ->excludes(modes)
       ->excludes(steps)

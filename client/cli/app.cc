@@ -37,6 +37,8 @@ std::vector<const CLI::Option*> visible(const CLI::App& app, bool positional) {
   std::vector<const CLI::Option*> found;
   visit_groups(app, [&](const CLI::App& group) {
     for (const CLI::Option* option : group.get_options()) {
+      // An option group has a --help of its own, which is the command's.
+      if (&group != &app && option == group.get_help_ptr()) continue;
       if (option->get_positional() == positional && !option->get_group().empty()) found.push_back(option);
     }
   });
@@ -60,12 +62,14 @@ std::unique_ptr<CLI::App> make_app(Session& session) {
   app.formatter(std::make_shared<Help>());
   app.get_help_ptr()->description("Print this help and exit");
   app.set_version_flag("--version", std::string("kerf ") + KERF_VERSION, "Print the version and exit");
-  app.add_option("--server", session.server, "Server's gRPC address (or environment KERF_SERVER)")
+  app.add_option("--server", session.server,
+                 "Server's gRPC address (or the environment KERF_SERVER); port 50051 unless given")
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_flag("--json", session.json,
                "Print replies as JSON; a refusal is {\"error\": {code, reason, message, field}} on stderr");
   app.add_flag("-q,--quiet", session.quiet, "No progress bars and no status line");
+  app.add_flag("-v,--verbose", session.verbose, "Also what the server measured and counted");
   app.fallthrough();  // --server and --json may stand after the subcommand too
   app.require_subcommand(1);
   app.footer(

@@ -275,6 +275,14 @@ Parsed<std::vector<double>> parse_dash(const std::string& text) {
   return std::move(*numbers);
 }
 
+std::string with_port(const std::string& address) {
+  const std::string port = ":50051";
+  const auto colons = std::count(address.begin(), address.end(), ':');
+  if (colons == 0 || (address.front() == '[' && address.back() == ']')) return address + port;
+  const bool bare_v6 = colons > 1 && address.find_first_not_of("0123456789abcdefABCDEF:.") == std::string::npos;
+  return bare_v6 ? "[" + address + "]" + port : address;
+}
+
 bool has_ending(std::string_view name, std::string_view ending) {
   if (name.size() < ending.size()) return false;
   return std::equal(ending.begin(), ending.end(), name.end() - static_cast<std::ptrdiff_t>(ending.size()),

@@ -62,6 +62,9 @@ Parsed<v1::View> parse_layers(const std::string& text);
 // "0.01,0.005[,...]"
 Parsed<std::vector<double>> parse_dash(const std::string& text);
 
+// The address of a server, with the default port 50051 where it names none: "127.0.0.1", "[::1]", "::1".
+std::string with_port(const std::string& address);
+
 // Whether `name` ends with `ending`, letter case ignored.
 bool has_ending(std::string_view name, std::string_view ending);
 

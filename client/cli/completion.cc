@@ -60,7 +60,7 @@ struct Place {
   }
   [[nodiscard]] const CLI::App* find_command(const std::string& word) const {
     for (const CLI::App* each : commands_of(*command)) {
-      if (each->get_name() == word) return each;
+      if (each->check_name(word)) return each;
     }
     return nullptr;
   }

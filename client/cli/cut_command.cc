@@ -146,7 +146,7 @@ int cut(const Session& session, const CutArguments& arguments) {
   v1::CutResult result;
   const grpc::Status status = client.call(&v1::CutService::Stub::CreateCut, client.cuts(), request, result);
   if (!status.ok()) return refuse(status, session.server);
-  std::printf("%s\n", (session.json ? to_script_json(result) : describe(result)).c_str());
+  print(session, result);
   return kDone;
 }
 
@@ -164,7 +164,7 @@ void add_cut_command(CLI::App& app, Session& session) {
   CLI::Option_group* curve = command->add_option_group("curve", "Exactly one of");
   curve->add_option("--bezier", arguments->bezier,
                     "Cubic Bezier curve: \"x,y x,y x,y x,y\"; 3 more points a further piece");
-  curve->add_option("--polyline", arguments->polyline, "Straight pieces: \"x,y x,y ...\"");
+  curve->add_option("--polyline", arguments->polyline, "Straight lines: \"x,y x,y ...\"");
   curve->add_option("--circle", arguments->circle, "Full circle: \"cx,cy,r\"");
   curve->add_option("--ellipse", arguments->ellipse, "Full ellipse: \"cx,cy,rx,ry\" or \"cx,cy,rx,ry,DEGREES\"");
   curve->add_option(
@@ -180,9 +180,9 @@ void add_cut_command(CLI::App& app, Session& session) {
       curve
           ->add_option(
               "--batch", arguments->batch,
-              "The cuts of this file, all of them or none: {\"cuts\": [{\"curve\": ...}, ...]}, as `kerf cuts ID\n"
-              "--export FILE` writes it; each cut has its own tolerance and angle there. More than 4096 cuts\n"
-              "or 1 MiB go in several calls: all or none holds for each, and the first that is refused ends it")
+              "All cuts of this file, or none: {\"cuts\": [{\"curve\": ...}, ...]}, as `kerf cuts ID --export FILE`\n"
+              "writes it; each cut has its own tolerance and angle there. More than 4096 cuts or 1 MiB take\n"
+              "several calls: each makes all of its cuts or none, and the first refusal ends the series")
           ->type_name(value::kFile);
   curve->require_option(1);
   CLI::Option* fit = command->add_option(
@@ -190,41 +190,42 @@ void add_cut_command(CLI::App& app, Session& session) {
       "Scale the curve evenly and centre it in the box \"x0,y0,x1,y1\", or in 90 % of the sheet: \"sheet\"");
   CLI::Option* dash = command->add_option(
       "--dash", arguments->dash, "Perforate: metres cut and left in turn along the curve, \"0.01,0.005[,...]\"");
-  command->add_option("--dash-offset", arguments->dash_offset, "Metres into the pattern at which it begins (default 0)")
+  command->add_option("--dash-offset", arguments->dash_offset, "Start this many metres into the pattern (default 0)")
       ->needs(dash);
   CLI::Option* width = command->add_option(
       "--width", arguments->width,
-      "Kerf: take away the strip of this width around the curve, metres on the undeformed sheet (default: nothing)");
+      "Remove a strip of this width around the curve, metres on the undeformed sheet (default: remove nothing)");
   CLI::Option* view = command->add_option("--view", arguments->view,
                                           "Cut along sight lines: the curve is in pixels of a picture taken from \"EYE "
                                           "TARGET [UP]\", each x,y,z in metres;\n"
                                           "(0,0) is its top left corner");
-  command->add_option("--picture", arguments->picture, "Its size in pixels (default 640x360)")->needs(view);
-  command->add_option("--fov", arguments->fov_deg, "Its vertical field of view, degrees (default 40)")->needs(view);
+  command->add_option("--picture", arguments->picture, "Size of that picture in pixels (default 640x360)")->needs(view);
+  command->add_option("--fov", arguments->fov_deg, "Vertical field of view of that picture, degrees (default 40)")
+      ->needs(view);
   command
       ->add_option("--layers", arguments->layers,
                    "Which layers of a folded sheet: nearest (what is seen, the default), all, piece (all of the piece\n"
                    "seen first), piece:N, or depth:NEAREST,FARTHEST in metres from the camera")
       ->needs(view);
   command->add_option("--at-tick", arguments->at_tick,
-                      "At the start of this tick instead of at once; what became of it: `kerf cuts ID`");
+                      "Cut at the start of this tick instead of at once; `kerf cuts ID` shows the outcome");
   CLI::Option* tolerance = command->add_option(
       "--tolerance", arguments->tolerance,
       "Largest distance between curve and cut, as a fraction of the edge length there (default 0.02)");
   CLI::Option* min_angle = command->add_option("--min-angle", arguments->min_angle_deg,
                                                "Smallest angle of new triangles, degrees (default 20)");
-  command->add_option("--tolerance-m", arguments->tolerance_m, "The same in metres, instead of --tolerance");
+  command->add_option("--tolerance-m", arguments->tolerance_m, "Tolerance in metres, instead of --tolerance");
   command->add_option("--quality", arguments->quality, "default (20 degrees) or fine (25), instead of --min-angle")
       ->check(CLI::IsMember({"default", "fine"}));
   command
       ->add_option("--method", arguments->method,
-                   "neighbourhood (default), or element: each crossed element by itself, for comparison")
+                   "neighbourhood (default), or element: split each crossed triangle by itself, for comparison")
       ->check(CLI::IsMember({"neighbourhood", "element"}));
   command->add_option("--tip-size", arguments->tip_size,
                       "Edge length at the tips inside the sheet, metres (default: no grading)");
   command->add_option("--tip-grading", arguments->tip_grading,
                       "Growth of edges from ring to ring away from the tips, 1.05 to 10 (default 1.5)");
-  command->add_flag("--no-relax", arguments->no_relax, "Let no old vertex move in material space");
+  command->add_flag("--no-relax", arguments->no_relax, "Keep existing vertices where they are in material coordinates");
   command->add_option("--max-new-triangles", arguments->max_new_triangles,
                       "Refuse a cut that needs more, 1 to 1000000 (default 200000)");
   batch->excludes(tolerance, min_angle, fit, dash, view, width);

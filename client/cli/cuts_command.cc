@@ -159,9 +159,9 @@ int undo_or_redo(const Session& session, const std::string& id, const char* what
   }
   const std::string step =
       result.reset() ? "the reset" : std::to_string(result.cuts_size()) + (result.cuts_size() == 1 ? " cut" : " cuts");
-  std::printf("%s at tick %lld: %s, %d %s now; %d more to undo, %d to redo\n", what,
-              static_cast<long long>(result.tick()), step.c_str(), result.pieces(),
-              result.pieces() == 1 ? "piece" : "pieces", result.undo_steps(), result.redo_steps());
+  std::printf("%s: %s, now %d %s; %d more to undo, %d to redo (tick %lld)\n", what, step.c_str(), result.pieces(),
+              result.pieces() == 1 ? "piece" : "pieces", result.undo_steps(), result.redo_steps(),
+              static_cast<long long>(result.tick()));
   return kDone;
 }
 
@@ -228,24 +228,25 @@ client::Failure with_what_was_made(client::Failure failure, const Made& made, co
   return failure;
 }
 
-void print_made(const Made& made, const std::string& id) {
+void print_made(const Session& session, const Made& made, const std::string& id) {
   const v1::CreateCutsResponse& answer = made.answer;
   const auto tick = static_cast<long long>(answer.tick());
   if (answer.status() == v1::CutResult::SCHEDULED) {
-    std::printf(
-        "SCHEDULED for tick %lld: %d cuts; `kerf cuts %s` tells what became of them, `--cancel %s` takes them back\n",
-        tick, made.num_cuts, id.c_str(), number_of(answer.scheduled_name()).c_str());
+    std::printf("SCHEDULED for tick %lld: %d cuts; `kerf cuts %s` shows the outcome, `--cancel %s` cancels them\n",
+                tick, made.num_cuts, id.c_str(), number_of(answer.scheduled_name()).c_str());
     return;
   }
-  std::printf(
-      "%d of %d cuts APPLIED at tick %lld: %d %s, %d new vertices, %d new triangles\n"
-      "  topology version %d, state hash %s\n"
-      "  queued %.0f us, cuts %.0f us, model update %.0f us\n",
-      answer.applied(), answer.results_size(), tick, answer.pieces(), answer.pieces() == 1 ? "piece" : "pieces",
-      answer.new_vertices(), answer.new_triangles(), answer.topology_version(), answer.state_hash().c_str(),
-      answer.queued_us(), answer.cut_us(), answer.update_us());
+  std::printf("%d of %d cuts made: %d %s, %d new vertices (tick %lld)\n", answer.applied(), answer.results_size(),
+              answer.pieces(), answer.pieces() == 1 ? "piece" : "pieces", answer.new_vertices(), tick);
+  if (session.verbose) {
+    std::printf(
+        "  %d new triangles, topology version %d, state hash %s\n"
+        "  queued %.0f us, cuts %.0f us, model update %.0f us\n",
+        answer.new_triangles(), answer.topology_version(), answer.state_hash().c_str(), answer.queued_us(),
+        answer.cut_us(), answer.update_us());
+  }
   if (made.num_calls > 1) {
-    std::printf("  in %d calls, each whole or not at all; `kerf undo` takes them back in %d %s\n", made.num_calls,
+    std::printf("  in %d calls, each whole or not at all; `kerf undo` undoes them in %d %s\n", made.num_calls,
                 made.num_undo_steps, made.num_undo_steps == 1 ? "step" : "steps");
   }
 }
@@ -284,7 +285,7 @@ int cut_batch(const Session& session, const std::string& id, const std::string& 
   if (session.json) {
     std::printf("%s\n", to_script_json(made.answer).c_str());
   } else {
-    print_made(made, id);
+    print_made(session, made, id);
   }
   return kDone;
 }
@@ -293,8 +294,8 @@ void add_cuts_commands(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<CutsArguments>();
   CLI::App* cuts = app.add_subcommand(
       "cuts",
-      "List a sheet's cuts, those that wait for their tick and those refused then; take back one that waits; or carry\n"
-      "them to another sheet.\n"
+      "List a sheet's cuts, those scheduled and those refused at their tick; cancel a scheduled one; or copy\n"
+      "the cuts to another sheet.\n"
       "Example: kerf cuts demo --export cuts.json && kerf cuts flag --apply cuts.json");
   cuts->group(group::kCuts);
   add_sheet_id(*cuts, arguments->id);
@@ -306,21 +307,21 @@ void add_cuts_commands(CLI::App& app, Session& session) {
           ->type_name(value::kFile)
           ->excludes(export_to);
   cuts->add_option("--cancel", arguments->cancel,
-                   "Take back the call of this number that waits for its tick (kerf cut ID --at-tick, which tells it)")
+                   "Cancel the scheduled cut with this number, which kerf cut ID --at-tick printed")
       ->check(CLI::PositiveNumber)
       ->excludes(export_to)
       ->excludes(apply);
   cuts->callback(
       [&session, arguments] { session.action = [&session, arguments] { return list_cuts(session, *arguments); }; });
 
-  add_sheet_command(app, session, "undo", "Take back the last cut, batch of cuts or reset",
+  add_sheet_command(app, session, "undo", "Undo the last cut, batch of cuts or reset",
                     [](const Session& s, const std::string& id) {
-                      return undo_or_redo(s, id, "UNDONE", &v1::CutService::Stub::UndoCut);
+                      return undo_or_redo(s, id, "Undone", &v1::CutService::Stub::UndoCut);
                     })
       ->group(group::kCuts);
   add_sheet_command(app, session, "redo", "Redo the cut or reset that was undone last",
                     [](const Session& s, const std::string& id) {
-                      return undo_or_redo(s, id, "REDONE", &v1::CutService::Stub::RedoCut);
+                      return undo_or_redo(s, id, "Redone", &v1::CutService::Stub::RedoCut);
                     })
       ->group(group::kCuts);
   add_sheet_command(app, session, "pieces", "List the pieces of a sheet: id, parent, area, mass, centroid", list_pieces)

@@ -123,7 +123,7 @@ void add_grabs(CLI::App& sheet, Session& session) {
                                                  int (*action)(const Session&, const GrabArguments&)) {
     CLI::App* command = sheet.add_subcommand(name, help);
     add_sheet_id(*command, arguments->id);
-    command->add_option("NAME", arguments->grab_id, "Of the grab, 1 to 63 bytes")->required();
+    command->add_option("NAME", arguments->grab_id, "Name of the grab, 1 to 63 bytes")->required();
     command->callback([&session, arguments, action] {
       session.action = [&session, arguments, action] { return action(session, *arguments); };
     });
@@ -135,14 +135,14 @@ void add_grabs(CLI::App& sheet, Session& session) {
                         &grab);
   CLI::Option_group* point = begin->add_option_group("point");
   point->add_option("--at", arguments->point, "The point, metres in material coordinates")->type_name("X,Y");
-  point->add_option("--vertex", arguments->vertex, "Or a vertex");
+  point->add_option("--vertex", arguments->vertex, "The vertex, instead of --at");
   point->require_option(1);
   begin->add_option("--to", arguments->target, "Where it is pulled, metres (default: where it is now)")
       ->type_name(kVector);
   begin->add_option("--stiffness", arguments->stiffness_npm,
-                    "Of the spring, N/m, up to 1e6; 0: as stiff as stays stable");
-  CLI::App* move = add("drag", "Pull a grabbed point somewhere else", &drag);
-  move->add_option("TARGET", arguments->target, "Metres")->required()->type_name(kVector);
+                    "Stiffness of the spring, N/m, up to 1e6; 0: as stiff as stays stable");
+  CLI::App* move = add("drag", "Move a grabbed point", &drag);
+  move->add_option("TARGET", arguments->target, "Where to move it, metres")->required()->type_name(kVector);
   add("release", "Let a grabbed point go", &release);
 }
 
@@ -165,20 +165,20 @@ void add_hands_commands(CLI::App& sheet, Session& session) {
       [&session, id, places] { session.action = [&session, id, places] { return set_pins(session, *id, *places); }; });
 
   const auto vector = std::make_shared<std::string>();
-  CLI::App* gravity = sheet.add_subcommand("gravity", "Another gravity.\nExample: kerf sheet gravity demo 0,0,-1.62");
+  CLI::App* gravity = sheet.add_subcommand("gravity", "Set gravity.\nExample: kerf sheet gravity demo 0,0,-1.62");
   add_sheet_id(*gravity, *id);
-  gravity->add_option("GRAVITY", *vector, "m/s^2")->required()->type_name(kVector);
+  gravity->add_option("GRAVITY", *vector, "Acceleration, m/s^2")->required()->type_name(kVector);
   gravity->callback([&session, id, vector] {
     session.action = [&session, id, vector] { return set_gravity(session, *id, *vector); };
   });
 
   const auto wind = std::make_shared<WindArguments>();
-  CLI::App* air = sheet.add_subcommand("wind", "Another wind.\nExample: kerf sheet wind demo 0,5,0");
+  CLI::App* air = sheet.add_subcommand("wind", "Set the wind.\nExample: kerf sheet wind demo 0,5,0");
   add_sheet_id(*air, wind->id);
-  air->add_option("VELOCITY", wind->velocity, "m/s; 0,0,0 is still air, none is no air at all")
+  air->add_option("VELOCITY", wind->velocity, "Velocity, m/s; 0,0,0 is still air, none removes the air")
       ->required()
       ->type_name(kVector);
-  air->add_option("--density", wind->air_density_kgpm3, "Of the air, kg/m^3, up to 100 (default 1.2)");
+  air->add_option("--density", wind->air_density_kgpm3, "Density of the air, kg/m^3, up to 100 (default 1.2)");
   air->add_option("--drag", wind->drag_coefficient, "Drag coefficient, up to 10 (default 1)");
   air->callback([&session, wind] { session.action = [&session, wind] { return set_wind(session, *wind); }; });
 }

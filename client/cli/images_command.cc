@@ -176,25 +176,26 @@ void add_images_command(CLI::App& app, Session& session) {
       app.add_subcommand("images",
                          "Save a sheet as it moves, in numbered pictures that the server draws.\n"
                          "Example: kerf images demo --out film --rate 30 --count 300\n"
-                         "Each is of the newest tick when its turn comes; with --json a line a picture. "
-                         "A paused sheet has one when something changes.\n"
+                         "Each picture shows the newest tick at its time; with --json there is a line per picture. "
+                         "A paused sheet gives one when something changes.\n"
                          "ffmpeg -framerate 30 -i film/picture-%06d.jpg film.mp4 makes a film of them.");
   command->group(group::kLooks);
   add_sheet_id(*command, arguments->id);
   command
       ->add_option("--out", arguments->out,
-                   "Folder for picture-000001.jpg and so on; made if it is not there, but not\n"
+                   "Folder for picture-000001.jpg and so on; created if it is missing, but not\n"
                    "the one that it lies in")
       ->required()
       ->type_name(value::kFolder);
   add_picture_options(*command, arguments->picture);
-  command->add_option("--format", arguments->format, "How they are written")
+  command->add_option("--format", arguments->format, "Format of the pictures")
       ->check(CLI::IsMember({"jpeg", "png"}))
       ->capture_default_str();
-  command->add_option("--quality", arguments->quality, "Of JPEG, 1..100 (default 80)")->check(CLI::Range(1, 100));
-  command->add_option("--rate", arguments->max_rate_hz, "At most so many a second, 0.001..1000 (default: every tick)")
+  command->add_option("--quality", arguments->quality, "JPEG quality, 1..100 (default 80)")->check(CLI::Range(1, 100));
+  command
+      ->add_option("--rate", arguments->max_rate_hz, "At most this many per second, 0.001..1000 (default: every tick)")
       ->check(CLI::Range(0.001, 1000.0));
-  command->add_option("--count", arguments->count, "Stop after so many; 0: go on until interrupted (Ctrl-C)")
+  command->add_option("--count", arguments->count, "Stop after this many; 0: continue until interrupted (Ctrl-C)")
       ->check(CLI::NonNegativeNumber);
   command->callback(
       [&session, arguments] { session.action = [&session, arguments] { return images(session, *arguments); }; });

@@ -98,55 +98,56 @@ void add_sheet_options(CLI::App& command, LoadArguments& arguments) {
   load::Plan& plan = arguments.plan;
   command.add_option("--sheets", plan.sheets, "Sheets to make, 1..10000")->capture_default_str();
   command.add_option("--grid", arguments.grid, "Vertices of each, COLUMNSxROWS")->capture_default_str();
-  command.add_option("--tick-rate", plan.tick_rate_hz, "Ticks a second, 1..1000")->capture_default_str();
+  command.add_option("--tick-rate", plan.tick_rate_hz, "Ticks per second, 1..1000")->capture_default_str();
   command.add_flag("--still", plan.still,
-                   "Sheets that nothing moves, which fall asleep (else they swing all the time)");
+                   "Sheets that nothing moves, which fall asleep (otherwise they keep swinging)");
   command.add_option("--prefix", plan.prefix, "Names of the sheets begin with this")->capture_default_str();
   command.add_option("--cuts-per-second", plan.cuts_per_second, "Cuts of all sheets together, 0..1000")
       ->capture_default_str();
-  command.add_flag("--keep-cuts", plan.keep_cuts, "Do not take cuts back: sheets become finer and dearer");
-  command.add_option("--seed", plan.seed, "Of where cuts go")->capture_default_str();
+  command.add_flag("--keep-cuts", plan.keep_cuts, "Do not undo cuts: sheets become finer and slower");
+  command.add_option("--seed", plan.seed, "Seed of the random places of cuts")->capture_default_str();
 }
 
 void add_reader_options(CLI::App& command, LoadArguments& arguments) {
   load::Plan& plan = arguments.plan;
-  command.add_option("--viewers", plan.viewers, "Readers of frames, shared out among the sheets, 0..1000")
+  command.add_option("--viewers", plan.viewers, "Readers of frames, spread over the sheets, 0..1000")
       ->capture_default_str();
   command
-      .add_option("--viewer-rate", plan.viewer_rate_hz, "Frames a second that they ask for, 0.001..1000; 0: every tick")
+      .add_option("--viewer-rate", plan.viewer_rate_hz,
+                  "Frames per second that they ask for, 0.001..1000; 0: every tick")
       ->capture_default_str();
   command.add_option("--slow-readers", plan.slow_readers, "Readers that hold every frame for --hold, 0..1000")
       ->capture_default_str();
-  command.add_option("--hold", plan.hold_s, "Seconds, 0.001..60")->capture_default_str();
+  command.add_option("--hold", plan.hold_s, "Seconds that slow readers hold a frame, 0.001..60")->capture_default_str();
   command
       .add_option("--stalled-readers", plan.stalled_readers,
-                  "Readers that take one frame, neither read nor acknowledge for --stall, then tell how they were "
-                  "ended, 0..1000")
+                  "Readers that take one frame, then neither read nor acknowledge for --stall, 0..1000")
       ->capture_default_str();
-  command.add_option("--stall", plan.stall_s, "Seconds, 0.001..3600; a server ends readers after 10")
+  command
+      .add_option("--stall", plan.stall_s,
+                  "Seconds that stalled readers stall, 0.001..3600; a server disconnects readers after 10")
       ->capture_default_str();
   command.add_option("--image-viewers", plan.image_viewers, "Readers of pictures, 0..100")->capture_default_str();
-  command.add_option("--image-size", arguments.image_size, "Of their pictures, in pixels")->capture_default_str();
-  command
-      .add_option("--way", plan.way_ms, "Milliseconds that the way between readers and server takes, each direction")
+  command.add_option("--image-size", arguments.image_size, "Size of their pictures in pixels")->capture_default_str();
+  command.add_option("--way", plan.way_ms, "Network delay between readers and server, milliseconds each way")
       ->capture_default_str();
-  command
-      .add_option("--way-rate", plan.way_kib_per_s, "KiB/s that each reader's connection passes at most; 0: no limit")
+  command.add_option("--way-rate", plan.way_kib_per_s, "Bandwidth of each reader's connection, KiB/s; 0: no limit")
       ->capture_default_str();
 }
 
 void add_run_options(CLI::App& command, LoadArguments& arguments) {
   load::Plan& plan = arguments.plan;
-  command.add_option("--duration", plan.duration_s, "Seconds that are measured, 0.1..1800")->capture_default_str();
-  command.add_option("--warm-up", plan.warm_up_s, "Seconds before, with everything running")->capture_default_str();
-  command.add_option(
-      "--http", plan.http,
-      "The viewer's port of the server, HOST:PORT: for --transport ws, and for CPU and memory from /metrics");
+  command.add_option("--duration", plan.duration_s, "Seconds to measure, 0.1..1800")->capture_default_str();
+  command.add_option("--warm-up", plan.warm_up_s, "Seconds before that, with everything running")
+      ->capture_default_str();
+  command.add_option("--http", plan.http,
+                     "HTTP address of the server, HOST:PORT: for --transport ws, and for CPU and memory from /metrics");
   command
-      .add_option("--transport", arguments.transport, "Of readers of frames: grpc, or ws (a WebSocket, as browsers)")
+      .add_option("--transport", arguments.transport, "Transport of frames: grpc, or ws (a WebSocket, as browsers use)")
       ->check(CLI::IsMember({"grpc", "ws"}))
       ->capture_default_str();
-  command.add_option("--server-pid", plan.server_pid, "Its process on this machine: the same, from /proc");
+  command.add_option("--server-pid", plan.server_pid,
+                     "Process of the server on this machine: CPU and memory from /proc");
   command.add_option("--html", arguments.html, "File to write: a report with plots")->type_name(value::kFile);
 }
 
@@ -156,8 +157,8 @@ void add_load_command(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<LoadArguments>();
   CLI::App* command = app.add_subcommand(
       "load",
-      "Put a running server under load and measure it: makes sheets, watches and cuts them, deletes them again.\n"
-      "Latencies count from when something should have happened, so that a stall is not left out.\n"
+      "Put a running server under load and measure it: creates sheets, watches, cuts and deletes them.\n"
+      "Latencies count from when something was due, so that stalls are included.\n"
       "Example: kerf load --sheets 64 --viewers 16 --cuts-per-second 10 --duration 30 --html report.html");
   command->group(group::kPhysics);
   add_sheet_options(*command, *arguments);

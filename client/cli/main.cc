@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/cli/app.h"
+#include "client/cli/arguments.h"
 #include "client/cli/commands.h"
 #include "client/cli/suggestions.h"
 
@@ -21,7 +22,7 @@ int run(int argc, char** argv) {
 
   // Words of somebody's unfinished command line, which are not ours to read.
   if (argc > 1 && std::string_view(argv[1]) == "__complete") {
-    return kerf::cli::print_completion(*app, {argv + 2, argv + argc}, session.server);
+    return kerf::cli::print_completion(*app, {argv + 2, argv + argc}, kerf::cli::with_port(session.server));
   }
   // Also where the rest cannot be parsed.
   if (std::find(argv, argv + argc, std::string_view("--json")) != argv + argc) kerf::cli::refuse_in_json();
@@ -32,6 +33,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return kerf::cli::misuse(kerf::cli::explain(*app, error));
   }
+  session.server = kerf::cli::with_port(session.server);
   return session.action();
 }
 

@@ -56,13 +56,18 @@ std::string value_name(const CLI::Option& option) {
   return type.substr(0, type.find(':', type == "HOST:PORT" ? type.size() : 0));
 }
 
+// Ends with a full stop.
+std::string sentence(const std::string& text) {
+  return text.empty() || text.back() == '.' ? text : text + ".";
+}
+
 std::string entry(const CLI::Option& option) {
   std::string head;
   for (const std::string& name : option.get_snames()) head += (head.empty() ? "" : ", ") + bold("-" + name);
   for (const std::string& name : option.get_lnames()) head += (head.empty() ? "" : ", ") + bold("--" + name);
   if (head.empty()) head = italic(option.get_name(true));
   if (takes_value(option) && option.nonpositional()) head += " " + italic(value_name(option));
-  std::string text = prose(option.get_description());
+  std::string text = prose(sentence(option.get_description()));
   if (!option.nonpositional() && !choices_of(option).empty()) text += prose("One of " + value_name(option) + ".");
   if (option.nonpositional() && option.get_required()) text += "Required.\n";
   if (!option.get_default_str().empty()) text += prose("Default: " + option.get_default_str() + ".");

@@ -153,8 +153,8 @@ void add_offline_commands(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<RunArguments>();
   CLI::App* running =
       app.add_subcommand("run",
-                         "Run a scene file as fast as this machine can, with no server: in time, to an\n"
-                         "equilibrium, or for its vibrations, as its analysis says.\n"
+                         "Run a scene file as fast as this machine can, without a server: in time, to an\n"
+                         "equilibrium, or for its vibrations, as the scene's analysis says.\n"
                          "Example: kerf run deploy/scenes/demo.json --ticks 300 --out result.json");
   running->add_option("SCENE", arguments->scene, "Scene file: the JSON form of kerf.v1.Scene")
       ->required()
@@ -173,7 +173,7 @@ void add_offline_commands(CLI::App& app, Session& session) {
   add_fidelity_option(*running, "the scene's", arguments->fidelity);
   running
       ->add_option("--membrane-law", arguments->membrane_law,
-                   "Instead of the scene's: corotational, or green (Saint Venant-Kirchhoff),\n"
+                   "Membrane law, instead of the scene's: corotational, or green (Saint Venant-Kirchhoff),\n"
                    "cheaper in explicit steps, stiffer under tension")
       ->check(CLI::IsMember({"corotational", "green"}));
   running->callback(

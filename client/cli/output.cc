@@ -68,6 +68,90 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
+std::string millimetres(double metres) {
+  const double mm = 1e3 * metres;
+  return format(mm < 100.0 ? "%.2g mm" : "%.0f mm", mm);
+}
+
+std::string notes(const v1::CutResult& result) {
+  std::string text;
+  for (const std::string& warning : result.warnings()) text += "\n  note: " + warning;
+  return text;
+}
+
+// Measurements and counts of the server, each in a line.
+std::string measurements(const v1::Sheet& sheet) {
+  std::string text = "\n  " + sheet.integrator();
+  if (sheet.has_local_inertia()) {
+    const v1::LocalInertia& inertia = sheet.local_inertia();
+    text += format("\n  local inertia: %d %s of %d vertices, the largest of %d; %.0f substeps a tick in place of %.0f",
+                   inertia.clusters(), inertia.clusters() == 1 ? "cluster" : "clusters", inertia.vertices(),
+                   inertia.largest_cluster_vertices(), inertia.planned_substeps(), inertia.plain_substeps());
+  }
+  if (sheet.linear_iterations() > 0) text += format("\n  linear residual %.2g", sheet.linear_residual());
+  if (!sheet.state_hash().empty()) text += "\n  state hash " + sheet.state_hash();
+  std::string flags;
+  for (const auto& [flag, ticks] : by_name(sheet.flagged_ticks())) {
+    flags +=
+        format("%s %s %lld", flags.empty() ? "\n  ticks flagged" : ",", flag.c_str(), static_cast<long long>(ticks));
+  }
+  return text + flags;
+}
+
+// Shapes of the new triangles.
+std::string shapes(const v1::CutResult& result) {
+  const v1::CutQuality& quality = result.quality();
+  std::string text = format(
+      "\n  %d triangles crossed, %d new triangles: smallest angle %.1f degrees (mean %.1f), l_max/h_min up to %.2f "
+      "(%.2f),\n"
+      "  l_max/l_min up to %.2f (%.2f), smallest height %.3g m, %d below the contract",
+      result.crossed_triangles(), result.new_triangles(), result.min_angle_deg(), quality.mean_min_angle_deg(),
+      quality.max_aspect(), quality.mean_aspect(), quality.max_edge_ratio(), quality.mean_edge_ratio(),
+      quality.min_height_m(), quality.below_contract());
+  if (const v1::StrandQuality& strands = quality.strands(); strands.below_angle() > 0) {
+    const int num_wide = strands.below_angle() - strands.narrow_below_angle();
+    text += format("\n  near strands: %d triangles below the angle, %d of them in narrow gaps", strands.below_angle(),
+                   strands.narrow_below_angle());
+    if (num_wide > 0) {
+      text += format("; smallest angle outside of these gaps %.1f degrees, asked for %.1f", strands.min_angle_deg(),
+                     strands.asked_angle_deg());
+    }
+  }
+  for (const v1::SharpCorner& corner : quality.corners()) {
+    text += format("\n  corner of %.1f degrees at (%.6g, %.6g) m: %d triangles below the angle", corner.angle_deg(),
+                   corner.position().x(), corner.position().y(), corner.elements_below());
+  }
+  if (quality.corners_total() > quality.corners_size()) {
+    text += format("\n  and %d more corners", quality.corners_total() - quality.corners_size());
+  }
+  return text;
+}
+
+// Names, layers, gaps, pieces and times of an applied cut.
+std::string outcome(const v1::CutResult& result) {
+  std::string text = format(
+      "\n  %s, topology version %d, state hash %s\n"
+      "  queued %.0f us, cut %.0f us, model update %.0f us",
+      result.name().c_str(), result.topology_version(), result.state_hash().c_str(), result.queued_us(),
+      result.cut_us(), result.update_us());
+  for (const v1::CutLayer& layer : result.layers()) {
+    text += format("\n  layer: piece %d, %.4g m long, %.4g to %.4g m from the camera, %s", layer.piece(),
+                   layer.length_m(), layer.nearest_m(), layer.farthest_m(), layer.faces_camera() ? "front" : "back");
+  }
+  if (result.closed_gaps() > 0) {
+    text += format("\n  gaps closed to earlier cuts, the border or the curve itself: %d, up to %.3g m wide",
+                   result.closed_gaps(), result.widest_gap_m());
+  }
+  if (result.merged_segments() > 0) {
+    text += format("\n  parts of the curve too short to cut, left out: %d", result.merged_segments());
+  }
+  for (const v1::PieceSplit& split : result.split_pieces()) {
+    text += "\n  piece " + std::to_string(split.piece()) + (split.children().empty() ? " is gone" : " fell apart:");
+    for (const v1::Piece& child : split.children()) text += "\n    " + describe(child);
+  }
+  return text;
+}
+
 // What stands in the message's first quotation marks.
 std::string quoted_in(const std::string& message) {
   const std::size_t begin = message.find('"') + 1;
@@ -147,12 +231,11 @@ std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::str
 }
 
 void print(const Session& session, const v1::Sheet& sheet) {
-  if (session.json) {
-    std::printf("%s\n", to_script_json(sheet).c_str());
-  } else {
-    std::printf("%s\n  %s\n", describe(sheet).c_str(), sheet.integrator().c_str());
-    if (sheet.has_local_inertia()) std::printf("  %s\n", describe(sheet.local_inertia()).c_str());
-  }
+  std::printf("%s\n", (session.json ? to_script_json(sheet) : describe(sheet, session.verbose)).c_str());
+}
+
+void print(const Session& session, const v1::CutResult& result) {
+  std::printf("%s\n", (session.json ? to_script_json(result) : describe(result, session.verbose)).c_str());
 }
 
 void print(const Session& session, const v1::InteractionResponse& response) {
@@ -163,94 +246,42 @@ void print(const Session& session, const v1::InteractionResponse& response) {
   }
 }
 
-std::string describe(const v1::Sheet& sheet) {
-  const std::string text =
+std::string describe(const v1::Sheet& sheet, bool verbose) {
+  std::string text =
       format("%-20s %-8s tick %-8lld %6d vertices %6d triangles %3d %s  x%.2f real time", sheet.name().c_str(),
              name_of(sheet.run_state()), static_cast<long long>(sheet.tick()), sheet.num_vertices(),
              sheet.num_triangles(), sheet.pieces(), sheet.pieces() == 1 ? "piece" : "pieces", sheet.real_time_factor());
-  const std::string solves =
-      sheet.linear_iterations() > 0 ? format("  linear residual %.2g", sheet.linear_residual()) : std::string();
-  const std::string hash = sheet.state_hash().empty() ? std::string() : "  hash " + sheet.state_hash();
-  const std::string strained = sheet.strained_share() > 0.0
-                                   ? format("  %.2g %% beyond its strain limit", 100.0 * sheet.strained_share())
-                                   : std::string();
-  std::string flags;
-  for (const auto& [flag, ticks] : by_name(sheet.flagged_ticks())) {
-    flags += format("%s %s %lld", flags.empty() ? "  ticks flagged" : ",", flag.c_str(), static_cast<long long>(ticks));
+  if (sheet.strained_share() > 0.0) {
+    text += format("\n  %.2g %% of the area is beyond its strain limit", 100.0 * sheet.strained_share());
   }
-  return text + solves + strained + hash + flags;
+  if (sheet.softening().factor() > 1) {
+    text += format("\n  membrane %d times softer to keep up with real time; expected error %s",
+                   sheet.softening().factor(), millimetres(sheet.softening().expected_error_m()).c_str());
+  }
+  return verbose ? text + measurements(sheet) : text;
 }
 
-std::string describe(const v1::LocalInertia& inertia) {
-  return format("local inertia: %d %s of %d vertices, the largest of %d; %.0f substeps a tick in place of %.0f",
-                inertia.clusters(), inertia.clusters() == 1 ? "cluster" : "clusters", inertia.vertices(),
-                inertia.largest_cluster_vertices(), inertia.planned_substeps(), inertia.plain_substeps());
-}
-
-static std::string notes(const v1::CutResult& result) {
-  std::string text;
-  for (const std::string& warning : result.warnings()) text += "\n  note: " + warning;
-  return text;
-}
-
-std::string describe(const v1::CutResult& result) {
+std::string describe(const v1::CutResult& result, bool verbose) {
+  const std::string pieces = format("%d %s", result.pieces(), result.pieces() == 1 ? "piece" : "pieces");
+  const auto tick = static_cast<long long>(result.tick());
   if (result.status() == v1::CutResult::SCHEDULED) {
     const std::string number = result.scheduled_name().substr(result.scheduled_name().rfind('/') + 1);
-    return format("SCHEDULED for tick %lld; `kerf cuts` tells what became of it, `--cancel %s` takes it back",
-                  static_cast<long long>(result.tick()), number.c_str());
+    return format("SCHEDULED for tick %lld; `kerf cuts` shows the outcome, `--cancel %s` cancels it", tick,
+                  number.c_str());
   }
   if (result.status() == v1::CutResult::NO_INTERSECTION) {
-    return format(
-               "NO_INTERSECTION at tick %lld: the curve misses the sheet, only retraces an earlier cut or is too "
-               "small; "
-               "%d %s",
-               static_cast<long long>(result.tick()), result.pieces(), result.pieces() == 1 ? "piece" : "pieces") +
-           notes(result);
+    const char* why =
+        result.closed_gaps() > 0 ? "follows an earlier cut or the border" : "misses the sheet or is too small";
+    return format("Nothing was cut: the curve %s (%s, tick %lld)", why, pieces.c_str(), tick) + notes(result);
   }
-  const v1::CutQuality& quality = result.quality();
-  std::string text = format(
-      "APPLIED at tick %lld: %d %s, %d new vertices, %d new triangles\n"
-      "  deviation <= %.3g m, %d triangles crossed\n"
-      "  new triangles: smallest angle %.1f degrees (mean %.1f), l_max/h_min up to %.2f (%.2f), l_max/l_min up to "
-      "%.2f\n"
-      "  (%.2f), smallest height %.3g m, %d below the contract\n"
-      "  %s, topology version %d, state hash %s\n"
-      "  queued %.0f us, cut %.0f us, model update %.0f us",
-      static_cast<long long>(result.tick()), result.pieces(), result.pieces() == 1 ? "piece" : "pieces",
-      result.new_vertices(), result.new_triangles(), result.deviation_m(), result.crossed_triangles(),
-      result.min_angle_deg(), quality.mean_min_angle_deg(), quality.max_aspect(), quality.mean_aspect(),
-      quality.max_edge_ratio(), quality.mean_edge_ratio(), quality.min_height_m(), quality.below_contract(),
-      result.name().c_str(), result.topology_version(), result.state_hash().c_str(), result.queued_us(),
-      result.cut_us(), result.update_us());
-  for (const v1::CutLayer& layer : result.layers()) {
-    text += format("\n  layer: piece %d, %.4g m long, %.4g to %.4g m from the camera, %s", layer.piece(),
-                   layer.length_m(), layer.nearest_m(), layer.farthest_m(), layer.faces_camera() ? "front" : "back");
-  }
+  std::string text = format("Cut: %s, %d new vertices, at most %s off the curve (tick %lld)", pieces.c_str(),
+                            result.new_vertices(), millimetres(result.deviation_m()).c_str(), tick);
   if (result.has_removed()) {
     const v1::Removed& removed = result.removed();
-    text += format("\n  taken away: %.6g m^2, %.6g kg, %d vertices", removed.area_m2(), removed.mass_kg(),
-                   removed.vertices());
+    text +=
+        format("\n  removed: %.6g m^2, %.6g kg, %d vertices", removed.area_m2(), removed.mass_kg(), removed.vertices());
   }
-  for (const v1::PieceSplit& split : result.split_pieces()) {
-    text += "\n  piece " + std::to_string(split.piece()) + (split.children().empty() ? " is gone" : " fell apart:");
-    for (const v1::Piece& child : split.children()) text += "\n    " + describe(child);
-  }
-  if (const v1::StrandQuality& strands = quality.strands(); strands.below_angle() > 0) {
-    const int num_wide = strands.below_angle() - strands.narrow_below_angle();
-    text += format("\n  near strands: %d triangles below the angle, %d of them in narrow gaps", strands.below_angle(),
-                   strands.narrow_below_angle());
-    if (num_wide > 0) {
-      text += format("; smallest angle outside of these gaps %.1f degrees, asked for %.1f", strands.min_angle_deg(),
-                     strands.asked_angle_deg());
-    }
-  }
-  for (const v1::SharpCorner& corner : quality.corners()) {
-    text += format("\n  corner of %.1f degrees at (%.6g, %.6g) m: %d triangles below the angle", corner.angle_deg(),
-                   corner.position().x(), corner.position().y(), corner.elements_below());
-  }
-  if (quality.corners_total() > quality.corners_size()) {
-    text += format("\n  and %d more corners", quality.corners_total() - quality.corners_size());
-  }
+  if (verbose) text += shapes(result) + outcome(result);
   return text + notes(result);
 }
 

@@ -32,7 +32,8 @@ enum ExitCode {
 struct Session {
   std::string server = "127.0.0.1:50051";
   bool json = false;
-  bool quiet = false;  // no progress bars and no status line
+  bool quiet = false;    // no progress bars and no status line
+  bool verbose = false;  // also what the server measured and counted
   // Set by the subcommand that was given; returns an exit code.
   std::function<int()> action;
 };
@@ -56,14 +57,14 @@ int refuse_ended(const v1::Ended& ended, std::int64_t count, const std::string& 
 // Protocol Buffers keep them in no order.
 std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks);
 
-// For people, or with --json all of it.
+// For people, or with --json all of it; with --verbose more than a line or two.
 void print(const Session& session, const v1::Sheet& sheet);
+void print(const Session& session, const v1::CutResult& result);
 void print(const Session& session, const v1::InteractionResponse& response);
 
-// For people.
-std::string describe(const v1::Sheet& sheet);
-std::string describe(const v1::LocalInertia& inertia);
-std::string describe(const v1::CutResult& result);
+// Texts for people. `verbose` adds lines with what the server measured and counted.
+std::string describe(const v1::Sheet& sheet, bool verbose);
+std::string describe(const v1::CutResult& result, bool verbose);
 std::string describe(const v1::Piece& piece);
 
 }  // namespace kerf::cli

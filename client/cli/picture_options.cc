@@ -22,14 +22,14 @@ void add_picture_options(CLI::App& command, PictureOptions& options) {
       ->type_name("WIDTHxHEIGHT")
       ->capture_default_str();
   CLI::Option* view = command.add_option("--view", options.view,
-                                         "Seen from \"EYE TARGET [UP]\", each x,y,z in metres, as in kerf cut --view "
+                                         "View from \"EYE TARGET [UP]\", each x,y,z in metres, as in kerf cut --view "
                                          "(default: all of it)");
-  command.add_option("--fov", options.fov_deg, "Its vertical field of view, degrees (default 40)")->needs(view);
+  command.add_option("--fov", options.fov_deg, "Vertical field of view, degrees (default 40)")->needs(view);
   command.add_flag("--wireframe", options.wireframe, "Draw the triangles' edges");
   command.add_flag("--undeformed", options.undeformed,
                    "Draw the sheet as it is cut, but flat: x,y,0 in material coordinates, without colliders");
-  command.add_flag("--dark", options.dark, "Draw it before a dark backdrop");
-  command.add_option("--color-by", options.color_by, "What colours it: its sides, its pieces, or strains")
+  command.add_flag("--dark", options.dark, "Use a dark background");
+  command.add_option("--color-by", options.color_by, "Colour by side, by piece or by strain")
       ->check(CLI::IsMember({"sides", "pieces", "strains"}))
       ->capture_default_str();
 }

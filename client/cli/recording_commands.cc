@@ -66,10 +66,10 @@ void add_recording_commands(CLI::App& sheet, Session& session) {
   record->callback([&session, id, out] { session.action = [&session, id, out] { return fetch(session, *id, *out); }; });
 
   const auto arguments = std::make_shared<PlayArguments>();
-  CLI::App* playing = sheet.add_subcommand("play", "A new sheet that plays a recording live, and is paused at its end");
+  CLI::App* playing = sheet.add_subcommand("play", "Play a recording live as a new sheet, which pauses at its end");
   playing->add_option("FILE", arguments->file, "Recording")->required()->type_name(value::kFile);
   playing->add_option("--id", arguments->id, "Name of the sheet (default: that of the recording, else the server's)");
-  playing->add_flag("--paused", arguments->paused, "Begin paused");
+  playing->add_flag("--paused", arguments->paused, "Start paused");
   playing->callback(
       [&session, arguments] { session.action = [&session, arguments] { return play(session, *arguments); }; });
 }

@@ -29,14 +29,15 @@ Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path)
 }
 
 void add_integrator_options(CLI::App& app, const std::string& instead, IntegratorArguments& arguments) {
-  app.add_option("--integrator", arguments.integrator,
-                 "Instead of " + instead + ": explicit, implicit (Euler), trapezoidal,\nbdf2, tr-bdf2 or auto")
+  app.add_option(
+         "--integrator", arguments.integrator,
+         "Integrator, instead of " + instead + ": explicit, implicit (Euler),\ntrapezoidal, bdf2, tr-bdf2 or auto")
       ->check(CLI::IsMember({"explicit", "implicit", "trapezoidal", "bdf2", "tr-bdf2", "auto"}));
   app.add_option("--precision", arguments.precision,
-                 "Of the explicit integrator, instead of " + instead + ": double or mixed")
+                 "Precision of the explicit integrator, instead of " + instead + ": double or mixed")
       ->check(CLI::IsMember({"double", "mixed"}));
   app.add_option("--solver", arguments.solver,
-                 "Of the implicit integrators' linear systems, instead of " + instead +
+                 "Linear solver of the implicit integrators, instead of " + instead +
                      ":\nblock-jacobi-cg, factor-cg, multigrid-cg, jacobi-cg, cg or direct; es-cgm and as-cgm, which "
                      "solve a\ndifferent system")
       ->check(CLI::IsMember(solver_options()));
@@ -57,10 +58,11 @@ void apply(const IntegratorArguments& arguments, sheet::IntegratorSettings& sett
 }
 
 void add_fidelity_option(CLI::App& app, const std::string& instead, std::string& fidelity) {
-  app.add_option("--fidelity", fidelity,
-                 "Instead of " + instead +
-                     ": exact, or real-time, which softens the membrane of a sheet\ntoo stiff for its tick and says by "
-                     "how much")
+  app.add_option(
+         "--fidelity", fidelity,
+         "Fidelity, instead of " + instead +
+             ": exact, or real-time, which softens the membrane of a sheet\nthat is too stiff for its tick, and "
+             "says by how much")
       ->check(CLI::IsMember({"exact", "real-time"}));
 }
 

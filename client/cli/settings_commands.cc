@@ -72,17 +72,17 @@ int set_speed(const Session& session, const std::string& id, double speed) {
 void add_settings_commands(CLI::App& sheet, Session& session) {
   const auto arguments = std::make_shared<MaterialArguments>();
   CLI::App* material = sheet.add_subcommand("material",
-                                            "Another material for a running sheet; what moves goes on moving.\n"
+                                            "Change the material of a running sheet, which keeps moving.\n"
                                             "Example: kerf sheet material demo silk --with thickness_m=0.0002");
   add_sheet_id(*material, arguments->id);
   material->add_option("PRESET", arguments->preset, "Material preset; `kerf info` lists them (default: demo)")
       ->type_name(value::kMaterial);
   material
       ->add_option("--with", arguments->numbers,
-                   "FIELD=NUMBER, a field of kerf.v1.Material put over the preset; any number of times")
+                   "FIELD=NUMBER, a field of kerf.v1.Material that replaces the preset's; may be repeated")
       ->take_all();
   material->add_option("--part", arguments->part,
-                       "Only this part of those that the sheet was made with, from 0; -1: what they leave");
+                       "Only this part of those that the sheet was created with, from 0; -1: the rest of the sheet");
   material->callback(
       [&session, arguments] { session.action = [&session, arguments] { return set_material(session, *arguments); }; });
 
@@ -90,7 +90,7 @@ void add_settings_commands(CLI::App& sheet, Session& session) {
   const auto speed = std::make_shared<double>(1.0);
   CLI::App* pace = sheet.add_subcommand("speed", "Slow motion or time lapse: the same ticks at another pace");
   add_sheet_id(*pace, *id);
-  pace->add_option("SPEED", *speed, "Simulated seconds in one of the wall's, 0.01..4; 1 is live")->required();
+  pace->add_option("SPEED", *speed, "Simulated seconds per second, 0.01..4; 1 is real time")->required();
   pace->callback(
       [&session, id, speed] { session.action = [&session, id, speed] { return set_speed(session, *id, *speed); }; });
 }

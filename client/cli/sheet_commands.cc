@@ -155,7 +155,7 @@ int list_sheets(const Session& session) {
   } else if (all.sheets().empty()) {
     std::printf("no sheets\n");
   } else {
-    for (const v1::Sheet& sheet : all.sheets()) std::printf("%s\n", describe(sheet).c_str());
+    for (const v1::Sheet& sheet : all.sheets()) std::printf("%s\n", describe(sheet, session.verbose).c_str());
   }
   return kDone;
 }
@@ -227,7 +227,8 @@ void add_create(CLI::App& sheet, Session& session) {
   CLI::App* create = sheet.add_subcommand("create",
                                           "Create a sheet from a grid, a mesh file or a scene file.\n"
                                           "Example: kerf sheet create flag --grid 50x50 --size 1x1 --pin top");
-  create->add_option("ID", arguments->id, "Name of the sheet: a small letter, then letters, digits, dashes")
+  create
+      ->add_option("ID", arguments->id, "Name of the sheet: small letters, digits and hyphens, beginning with a letter")
       ->required();
   CLI::Option* grid = create->add_option("--grid", arguments->grid, "Vertices along x and y")
                           ->type_name("COLUMNSxROWS")
@@ -237,14 +238,16 @@ void add_create(CLI::App& sheet, Session& session) {
           ->add_option("--size", arguments->size, "Width and height in metres; the sheet spans (0,0) to (width,height)")
           ->type_name("WIDTHxHEIGHT")
           ->capture_default_str();
-  CLI::Option* obj = create
-                         ->add_option("--obj", arguments->obj,
-                                      "Mesh from this Wavefront OBJ file: its positions place the sheet, its texture\n"
-                                      "coordinates in metres are material coordinates; see --rest. At most 64 MiB")
-                         ->type_name(value::kFile);
+  CLI::Option* obj =
+      create
+          ->add_option("--obj", arguments->obj,
+                       "Take the mesh from this Wavefront OBJ file: its positions place the sheet, its texture\n"
+                       "coordinates in metres are material coordinates; see --rest. At most 64 MiB")
+          ->type_name(value::kFile);
   CLI::Option* ply = create
                          ->add_option("--ply", arguments->ply,
-                                      "The same from a PLY file, text or binary; s t, u v or texture_u texture_v")
+                                      "Take the mesh from this PLY file, text or binary; texture coordinates are s t, "
+                                      "u v or texture_u texture_v")
                          ->type_name(value::kFile);
   for (CLI::Option* file : {obj, ply}) file->excludes(grid)->excludes(size);
   obj->excludes(ply);
@@ -252,8 +255,8 @@ void add_create(CLI::App& sheet, Session& session) {
       create
           ->add_option(
               "--scene", arguments->scene,
-              "Everything from this scene file, the JSON form of kerf.v1.Scene, as `kerf run` reads it, but its\n"
-              "sheet_id and analysis; its probes are what `kerf analyze` measures. But for a mesh file, at most 1 MiB")
+              "Take everything from this scene file (JSON form of kerf.v1.Scene, as `kerf run` reads it) except its\n"
+              "sheet_id and analysis; `kerf analyze` measures its probes. At most 1 MiB without its mesh file")
           ->type_name(value::kFile);
   for (CLI::Option* other : {grid, size, obj, ply}) scene->excludes(other);
   add_integrator_options(*create, "the default, or the scene's", arguments->integrator);
@@ -276,12 +279,12 @@ void add_create(CLI::App& sheet, Session& session) {
       ->excludes(scene);
   create
       ->add_option("--part", arguments->parts,
-                   "A part of another material, x0,y0,x1,y1=PRESET: what is in this box, in metres on the\n"
-                   "undeformed sheet; any number of times, a later one over those before")
+                   "Make the part in this box of another material, x0,y0,x1,y1=PRESET, in metres on the\n"
+                   "undeformed sheet; may be repeated, and later boxes win")
       ->type_name("BOX=MATERIAL")
       ->excludes(scene)
       ->take_all();
-  create->add_flag("--paused", arguments->paused, "Begin paused");
+  create->add_flag("--paused", arguments->paused, "Start paused");
   create->callback(
       [&session, arguments] { session.action = [&session, arguments] { return create_sheet(session, *arguments); }; });
 }
@@ -295,18 +298,23 @@ void add_sheet_commands(CLI::App& app, Session& session) {
   add_settings_commands(*sheet, session);
   add_hands_commands(*sheet, session);
   add_recording_commands(*sheet, session);
-  CLI::App* list = sheet->add_subcommand("list", "List all sheets");
+  CLI::App* list = sheet->add_subcommand("list", "List all sheets (also: ls)");
+  list->alias("ls");
   list->callback([&session] { session.action = [&session] { return list_sheets(session); }; });
-  add_sheet_command(*sheet, session, "get", "Show one sheet", [](const Session& s, const std::string& id) {
-    return call_with_name(s, id, &v1::SheetService::Stub::GetSheet);
-  });
-  add_sheet_command(*sheet, session, "delete", "Remove a sheet", delete_sheet);
+  add_sheet_command(*sheet, session, "get", "Show one sheet, with what the server measured and counted",
+                    [](const Session& s, const std::string& id) {
+                      Session verbose = s;
+                      verbose.verbose = true;
+                      return call_with_name(verbose, id, &v1::SheetService::Stub::GetSheet);
+                    });
+  add_sheet_command(*sheet, session, "delete", "Remove a sheet (also: rm)", delete_sheet)->alias("rm");
   add_sheet_command(*sheet, session, "pause", "Stop a sheet's clock", [](const Session& s, const std::string& id) {
     return call_with_name(s, id, &v1::SheetService::Stub::PauseSheet);
   });
-  add_sheet_command(*sheet, session, "resume", "Let a sheet run again", [](const Session& s, const std::string& id) {
-    return call_with_name(s, id, &v1::SheetService::Stub::ResumeSheet);
-  });
+  add_sheet_command(*sheet, session, "resume", "Let a paused sheet run again",
+                    [](const Session& s, const std::string& id) {
+                      return call_with_name(s, id, &v1::SheetService::Stub::ResumeSheet);
+                    });
   const auto is_sure = std::make_shared<bool>(false);
   add_sheet_command(*sheet, session, "reset",
                     "Play the scene again from its beginning, without cuts; `kerf undo` takes that back",

@@ -32,10 +32,10 @@ int print_script(const Session& session, const std::string& shell) {
 void add_shell_commands(CLI::App& app, Session& session) {
   const auto shell = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("completion",
-                                         "Print the script that teaches a shell to complete kerf's words with Tab.\n"
+                                         "Print the script for tab completion of kerf's commands and options.\n"
                                          "Example: source <(kerf completion bash)");
   command->group(group::kServer);
-  command->add_option("SHELL", *shell, "Which")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  command->add_option("SHELL", *shell, "The shell")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}));
   command->callback(
       [&session, shell] { session.action = [&session, shell] { return print_script(session, *shell); }; });
 }

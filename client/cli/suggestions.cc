@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <string_view>
 #include <utility>
 
 #include "client/cli/app.h"
@@ -59,6 +60,38 @@ std::string unknown_word(const CLI::App& app) {
   return words.empty() ? std::string() : words.front();
 }
 
+// Words of other programs, each with the command that does the same.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 18> kOtherNames{{
+    {"snip", "cut"},
+    {"slice", "cut"},
+    {"split", "cut"},
+    {"slit", "cut"},
+    {"new", "create"},
+    {"add", "create"},
+    {"make", "create"},
+    {"remove", "delete"},
+    {"del", "delete"},
+    {"show", "get"},
+    {"status", "info"},
+    {"stop", "pause"},
+    {"start", "resume"},
+    {"draw", "render"},
+    {"screenshot", "render"},
+    {"follow", "watch"},
+    {"save", "export"},
+    {"benchmark", "load"},
+}};
+
+// Names near the word, or else the command that does the same.
+std::vector<std::string> near_commands(const std::string& word, const std::vector<std::string>& commands) {
+  std::vector<std::string> near = near_names(word, commands);
+  for (const auto& [other, name] : kOtherNames) {
+    const bool there = std::find(commands.begin(), commands.end(), name) != commands.end();
+    if (near.empty() && word == other && there) near.emplace_back(name);
+  }
+  return near;
+}
+
 }  // namespace
 
 std::vector<std::string> near_names(const std::string& word, const std::vector<std::string>& names) {
@@ -95,8 +128,8 @@ std::string explain(const CLI::App& app, const CLI::ParseError& error) {
     return name + "` has no option " + word + did_you_mean(near_names(word, option_names(&command))) + help;
   }
   const std::vector<std::string> commands = command_names(command);
-  if (commands.empty()) return name + "` takes no argument more: \"" + word + "\"" + help;
-  return name + "` has no command \"" + word + "\"" + did_you_mean(near_names(word, commands)) + help;
+  if (commands.empty()) return name + "` takes no further argument: \"" + word + "\"" + help;
+  return name + "` has no command \"" + word + "\"" + did_you_mean(near_commands(word, commands)) + help;
 }
 
 }  // namespace kerf::cli

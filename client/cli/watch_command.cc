@@ -113,21 +113,21 @@ int watch(const Session& session, const WatchArguments& arguments) {
 
 void add_watch_command(CLI::App& app, Session& session) {
   const auto arguments = std::make_shared<WatchArguments>();
-  CLI::App* command = app.add_subcommand(
-      "watch",
-      "Follow a sheet live: a status line, or with --json a line a frame.\n"
-      "Frames and bytes a second, age of the frames, ticks that were not sent; a summary at the end (Ctrl-C).");
+  CLI::App* command = app.add_subcommand("watch",
+                                         "Follow a sheet live: a status line, or with --json a line per frame.\n"
+                                         "Shows frames and bytes per second, the age of frames and ticks that were not "
+                                         "sent; a summary at the end (Ctrl-C).");
   command->group(group::kLooks);
   add_sheet_id(*command, arguments->id);
-  command->add_option("--frames", arguments->frames, "Stop after this many frames; 0: go on until interrupted")
+  command->add_option("--frames", arguments->frames, "Stop after this many frames; 0: continue until interrupted")
       ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--rate", arguments->max_rate_hz,
-                   "At most so many frames a second, 0.001..1000 (default: every tick)")
+                   "At most this many frames per second, 0.001..1000 (default: every tick)")
       ->check(CLI::Range(0.001, 1000.0));
   command
       ->add_option("--reconnect", arguments->reconnect_s,
-                   "A server that is lost, one that is started again say, is tried for so many seconds, 0..86400")
+                   "When the connection is lost, retry for this many seconds, 0..86400")
       ->check(CLI::Range(0.0, 86400.0))
       ->capture_default_str();
   command->callback(

@@ -24,10 +24,10 @@ kerf::cli::ManualText text_of_kerf() {
       {{"EXIT STATUS",
         "0: done, a cut that misses the sheet included. 1: refused, with the reason on standard error. 2: wrong "
         "usage.\n"
-        "With --json the reason of 1 and 2 is one line of JSON, still on standard error:\n"
+        "With --json the reason of 1 and 2 is one line of JSON on standard error:\n"
         " {\"error\": {\"code\": \"NOT_FOUND\", \"reason\": \"SHEET_NOT_FOUND\", \"message\": \"...\", \"field\": "
         "\"name\"}}\n"
-        "The code is that of gRPC, INVALID_ARGUMENT of wrong usage; the reason is for programs; the field may be "
+        "The code is that of gRPC, INVALID_ARGUMENT for wrong usage; the reason is for programs; the field may be "
         "empty."},
        {"ENVIRONMENT", "KERF_SERVER: the server's address where --server is not given."},
        {"EXAMPLES",
@@ -43,13 +43,13 @@ kerf::cli::ManualText text_of_kerf() {
 kerf::cli::ManualText text_of_kerfd() {
   return {"kerfd",
           "real-time server for elastic sheets that are cut while they move",
-          "kerfd steps sheets at a fixed tick, cuts them along curves on request, and streams what becomes of them to "
+          "kerfd steps sheets at a fixed tick, cuts them along curves on request, and streams the result to "
           "viewers.\n"
           "It serves gRPC, and on a second port the viewer, a WebSocket, and every unary call as JSON over POST.\n"
           "\n"
           "When it is ready it prints one line on standard output:\n"
           " {\"grpc\":\"HOST:PORT\",\"http\":\"http://HOST:PORT\"}\n"
-          "SIGTERM and SIGINT stop it in good order, within ten seconds.",
+          "SIGTERM and SIGINT stop it cleanly, within ten seconds.",
           {{"EXIT STATUS", "0: stopped by a signal. 2: the command line, a scene or an address was refused."},
            {"EXAMPLES",
             " kerfd --scene demo.json\n"

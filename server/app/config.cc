@@ -20,7 +20,7 @@ namespace {
 constexpr const char* kDescription =
     "Kerf: steps finite-element sheets in real time, takes cuts over gRPC and streams them to viewers.\n"
     "When ready it prints one line on standard output: {\"grpc\":\"HOST:PORT\",\"http\":\"http://HOST:PORT\"}\n"
-    "SIGTERM or SIGINT (Ctrl-C) stops it in good order.";
+    "SIGTERM or SIGINT (Ctrl-C) stops it cleanly.";
 
 constexpr int kMostSheets = 100'000;
 

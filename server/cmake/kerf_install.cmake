@@ -12,6 +12,7 @@ function(kerf_install_part part)
     string(REGEX REPLACE "^kerf_" "" name ${target})
     set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   endforeach()
+  add_dependencies(installed ${ARG_TARGETS})
   install(TARGETS ${ARG_TARGETS} EXPORT kerf-${part}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT devel)
   install(EXPORT kerf-${part} NAMESPACE kerf:: FILE kerf-${part}.cmake DESTINATION ${kerf_package} COMPONENT devel)

@@ -136,7 +136,7 @@ Status validate(const Command& command);
 struct CutReply {
   cut::CutStatus status = cut::CutStatus::kNoIntersection;
   cut::CutReport report;                 // all zero on kNoIntersection, but for `pieces`
-  std::vector<std::string> warnings;     // gaps closed, dust merged, refinement stopped: for people
+  std::vector<std::string> warnings;     // what is worse than the cut's tolerance, or left out: for people
   std::int64_t number = 0;               // 1, 2, ... for the sheet's applied cuts, never given twice; 0 unless applied
   std::vector<SplitPiece> split_pieces;  // that the cut made fall apart or took away, by id
   std::optional<double> removed_mass;    // kg; of an applied cut with a width

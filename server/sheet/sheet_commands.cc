@@ -20,28 +20,23 @@ Error unknown_grab(const std::string& grab_id, const std::string& field) {
   return {ErrorCode::kNotFound, "GRAB_NOT_FOUND", "the sheet has no grab \"" + grab_id + "\"", field};
 }
 
-template <typename... Values>
-std::string text_of(const char* format, Values... values) {
-  std::array<char, 128> text{};
-  std::snprintf(text.data(), text.size(), format, values...);
+std::string millimetres(double metres) {
+  std::array<char, 32> text{};
+  const double mm = 1e3 * metres;
+  std::snprintf(text.data(), text.size(), mm < 100.0 ? "%.2g mm" : "%.0f mm", mm);
   return text.data();
 }
 
-// `remarks` come first.
+// `remarks` come first. Closed gaps and merged segments are below the cut's tolerance, so that the report alone has
+// them.
 std::vector<std::string> warnings_of(const cut::CutReport& report, const std::vector<std::string>& remarks) {
   std::vector<std::string> warnings = remarks;
-  const auto add = [&warnings](const char* what, std::int32_t count) {
-    if (count > 0) warnings.push_back(std::string(what) + ": " + std::to_string(count));
-  };
-  if (report.closed_gaps > 0) {
-    warnings.push_back(text_of("gaps to older lips, the border or the path itself, closed: %d, up to %.3g m wide",
-                               report.closed_gaps, report.widest_gap_m));
+  if (report.triangles_behind > 0) {
+    warnings.push_back("triangles that reach behind the camera, left out: " + std::to_string(report.triangles_behind));
   }
-  add("segments shorter than the snap distance, merged", report.merged_segments);
-  add("triangles that reach behind the camera, left out", report.triangles_behind);
   if (report.view_deviation_m > 0.0) {
-    warnings.push_back(
-        text_of("seen nearly edge-on: the cut lies up to %.3g m off the sight lines", report.view_deviation_m));
+    warnings.push_back("seen nearly edge-on: the cut is up to " + millimetres(report.view_deviation_m) +
+                       " off the sight lines");
   }
   if (report.refinement_stopped) warnings.emplace_back("refinement stopped early: some new triangles are flat");
   return warnings;

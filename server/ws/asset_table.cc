@@ -5,12 +5,15 @@
 #include <cctype>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <span>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "server/base/state_hash.h"
+#include "server/ws/header_list.h"
 
 namespace kerf::ws {
 namespace {
@@ -37,10 +40,35 @@ std::string etag_of(const std::string& content) {
   return tag + '"';
 }
 
-Asset make_asset(std::string_view path, std::string content) {
+// Codings by the extension of their files, the shorter coding first.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kCodings{{{".br", "br"}, {".gz", "gzip"}}};
+
+struct File {
+  std::string content;
+  fs::file_time_type written;
+};
+
+using Files = std::map<std::string, File, std::less<>>;  // by path
+
+AssetContent make_content(std::string_view coding, const std::string& bytes) {
+  return {coding, std::make_shared<const std::string>(bytes), etag_of(bytes)};
+}
+
+bool encodes_another(std::string_view path, const Files& files) {
+  return std::ranges::any_of(kCodings, [&](const auto& coding) {
+    return path.ends_with(coding.first) && files.contains(path.substr(0, path.size() - coding.first.size()));
+  });
+}
+
+Asset make_asset(const std::string& path, const Files& files) {
+  const File& original = files.find(path)->second;
   Asset asset;
-  asset.etag = etag_of(content);
-  asset.content = std::make_shared<const std::string>(std::move(content));
+  asset.original = make_content({}, original.content);
+  for (const auto& [extension, coding] : kCodings) {
+    const auto encoded = files.find(path + std::string(extension));
+    if (encoded == files.end() || encoded->second.written < original.written) continue;
+    asset.encoded.push_back(make_content(coding, encoded->second.content));
+  }
   asset.media_type = media_type_of(path);
   asset.immutable = path.starts_with("/assets/");  // Vite puts the content's hash into these names
   return asset;
@@ -78,10 +106,18 @@ std::string_view media_type_of(std::string_view path) {
   return found == kTypes.end() ? std::string_view("application/octet-stream") : found->second;
 }
 
+const AssetContent& Asset::best_for(std::string_view accept_encoding) const {
+  std::vector<std::string_view> codings;
+  for (const AssetContent& content : encoded) codings.push_back(content.coding);
+  const std::string_view best = best_coding(accept_encoding, codings);
+  const auto found = std::ranges::find(encoded, best, &AssetContent::coding);
+  return found == encoded.end() ? original : *found;
+}
+
 Result<AssetTable> AssetTable::read(const fs::path& directory) {
   std::error_code error;
   if (!fs::is_directory(directory, error)) return unreadable(directory, "no such directory");
-  AssetTable table;
+  Files files;
   std::size_t bytes = 0;
   fs::recursive_directory_iterator entry(directory, error);
   for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
@@ -96,7 +132,7 @@ Result<AssetTable> AssetTable::read(const fs::path& directory) {
     std::optional<std::string> content = read_file(file.path());
     if (!content) return unreadable(file.path(), "reading failed");
     bytes += content->size();
-    if (table.assets_.size() == kMaxFiles || bytes > kMaxBytes) {
+    if (files.size() == kMaxFiles || bytes > kMaxBytes) {
       return Error{ErrorCode::kResourceExhausted,
                    "VIEWER_TOO_LARGE",
                    directory.string() + " holds more than " + std::to_string(kMaxFiles) + " files or " +
@@ -104,10 +140,13 @@ Result<AssetTable> AssetTable::read(const fs::path& directory) {
                    {}};
     }
     std::string path = "/" + file.path().lexically_relative(directory).generic_string();
-    Asset asset = make_asset(path, std::move(*content));
-    table.assets_.emplace(std::move(path), std::move(asset));
+    files.emplace(std::move(path), File{std::move(*content), file.last_write_time(ignored)});
   }
   if (error) return unreadable(directory, error.message());
+  AssetTable table;
+  for (const auto& [path, file] : files) {
+    if (!encodes_another(path, files)) table.assets_.emplace(path, make_asset(path, files));
+  }
   if (table.find("/") == nullptr) return unreadable(directory / "index.html", "no such file");
   return table;
 }

@@ -50,9 +50,13 @@ std::string header(const Request& request, http::field field) {
 
 // The request, but for its body.
 HttpRequest head_of(const Request& message) {
-  return {std::string(message.method_string()),        std::string(message.target()),
-          header(message, http::field::host),          header(message, http::field::origin),
-          header(message, http::field::if_none_match), {}};
+  return {std::string(message.method_string()),
+          std::string(message.target()),
+          header(message, http::field::host),
+          header(message, http::field::origin),
+          header(message, http::field::if_none_match),
+          header(message, http::field::accept_encoding),
+          {}};
 }
 
 HttpRequest to_request(Request& message) {

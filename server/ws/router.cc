@@ -1,12 +1,12 @@
 #include "server/ws/router.h"
 
 #include <algorithm>
-#include <cctype>
 
 #include "server/api/api.h"
 #include "server/api/image_session.h"
 #include "server/api/watch_session.h"
 #include "server/wire/error_codec.h"
+#include "server/ws/header_list.h"
 
 namespace kerf::ws {
 namespace {
@@ -61,19 +61,24 @@ bool matches_etag(std::string_view if_none_match, std::string_view etag) {
   return if_none_match == "*" || if_none_match.find(etag) != std::string_view::npos;
 }
 
-HttpResponse serve(const Asset& asset, std::string_view if_none_match) {
+// The whole file always: a Range header asks for a part that no server has to give (RFC 9110, 14.2).
+HttpResponse serve(const Asset& asset, const HttpRequest& request) {
+  const AssetContent& content = asset.best_for(request.accept_encoding);
   HttpResponse response;
   response.media_type = asset.media_type;
-  response.headers.emplace_back("ETag", asset.etag);
+  response.headers.emplace_back("ETag", content.etag);
   response.headers.emplace_back("Cache-Control", asset.immutable ? "public, max-age=31536000, immutable" : "no-cache");
+  response.headers.emplace_back("Accept-Ranges", "none");
+  if (!asset.encoded.empty()) response.headers.emplace_back("Vary", "Accept-Encoding");
   if (asset.media_type.starts_with("text/html")) {
     response.headers.emplace_back("Content-Security-Policy", kContentSecurityPolicy);
   }
-  if (matches_etag(if_none_match, asset.etag)) {
+  if (matches_etag(request.if_none_match, content.etag)) {
     response.status = 304;
     return response;
   }
-  response.body = asset.content;
+  if (!content.coding.empty()) response.headers.emplace_back("Content-Encoding", content.coding);
+  response.body = content.bytes;
   return response;
 }
 
@@ -109,21 +114,6 @@ HttpResponse refusal(const Error& error) {
   return response;
 }
 
-bool lists_token(std::string_view list, std::string_view token) {
-  const auto same = [](char a, char b) {
-    return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-  };
-  while (!list.empty()) {
-    const std::size_t comma = std::min(list.find(','), list.size());
-    std::string_view entry = list.substr(0, comma);
-    list.remove_prefix(std::min(comma + 1, list.size()));
-    while (!entry.empty() && (entry.front() == ' ' || entry.front() == '\t')) entry.remove_prefix(1);
-    while (!entry.empty() && (entry.back() == ' ' || entry.back() == '\t')) entry.remove_suffix(1);
-    if (std::ranges::equal(entry, token, same)) return true;
-  }
-  return false;
-}
-
 Router::Router(api::Api& api, AssetTable assets, std::function<std::string()> metrics)
     : api_(api),
       assets_(std::move(assets)),
@@ -143,7 +133,7 @@ HttpResponse Router::get(const HttpRequest& request, std::string_view path) cons
   if (path == "/metrics") {
     return {200, "text/plain; version=0.0.4; charset=utf-8", std::make_shared<const std::string>(metrics_())};
   }
-  if (const Asset* asset = assets_.find(path)) return serve(*asset, request.if_none_match);
+  if (const Asset* asset = assets_.find(path)) return serve(*asset, request);
   if (path == "/" && assets_.num_files() == 0) {
     return text(404, "kerfd runs, but no viewer was found; build web/ or give --web DIR\n");
   }

@@ -27,11 +27,12 @@ namespace kerf::ws {
 
 // What matters of a request. A header that is absent is empty.
 struct HttpRequest {
-  std::string method;         // "GET"
-  std::string target;         // "/path?query", as sent
-  std::string host;           // Host
-  std::string origin;         // Origin
-  std::string if_none_match;  // If-None-Match
+  std::string method;           // "GET"
+  std::string target;           // "/path?query", as sent
+  std::string host;             // Host
+  std::string origin;           // Origin
+  std::string if_none_match;    // If-None-Match
+  std::string accept_encoding;  // Accept-Encoding
   std::string body;
 };
 
@@ -99,8 +100,5 @@ class Router {
   std::int64_t max_message_bytes_;
   std::atomic<bool> draining_ = false;
 };
-
-// True if the comma-separated list names `token`, without regard to case.
-bool lists_token(std::string_view list, std::string_view token);
 
 }  // namespace kerf::ws

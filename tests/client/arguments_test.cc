@@ -132,6 +132,16 @@ TEST(Arguments, CamerasAndLayers) {
   }
 }
 
+TEST(Arguments, ServersHaveAPort) {
+  EXPECT_EQ(with_port("127.0.0.1"), "127.0.0.1:50051");
+  EXPECT_EQ(with_port("kerf.example.org"), "kerf.example.org:50051");
+  EXPECT_EQ(with_port("::1"), "[::1]:50051");
+  EXPECT_EQ(with_port("[::1]"), "[::1]:50051");
+  for (const char* whole : {"127.0.0.1:8", "[::1]:8", "unix:/run/kerf", "dns:///kerf:8", "localhost:port"}) {
+    EXPECT_EQ(with_port(whole), whole);
+  }
+}
+
 TEST(Output, JsonForScriptsHasNumbersAndSnakeCase) {
   v1::ListSheetsResponse list;
   v1::Sheet& sheet = *list.add_sheets();

@@ -94,7 +94,7 @@ TEST_F(CompletionTest, OptionsThatTakeFilesSaySo) {
 
 TEST_F(CompletionTest, LinesCarryTheFirstSentenceOfTheDescription) {
   const std::string lines = to_lines(complete_words({"comp"}));
-  EXPECT_EQ(lines, "words\ncompletion\tPrint the script that teaches a shell to complete kerf's words with Tab\n");
+  EXPECT_EQ(lines, "words\ncompletion\tPrint the script for tab completion of kerf's commands and options\n");
   EXPECT_EQ(to_lines(complete_words({"undo", "b"})), "words\nbeta\n");
 }
 

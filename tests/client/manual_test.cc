@@ -52,7 +52,16 @@ TEST(Manual, HasEveryCommandAndOptionOfKerf) {
   EXPECT_THAT(page, HasSubstr("--pin top|corners|none"));
   EXPECT_THAT(page, HasSubstr("--server HOST:PORT"));
   EXPECT_THAT(page, HasSubstr("Default: 127.0.0.1:50051."));
+  EXPECT_THAT(page, HasSubstr("the environment KERF_SERVER); port 50051 unless given.\nDefault:"));
   EXPECT_THAT(page, Not(HasSubstr("__complete")));
+}
+
+TEST(Manual, HasTheHelpOptionOnce) {
+  Session session;
+  const std::string page = plain(manual_page(*make_app(session), kText, "1.2"));
+  const std::size_t first = page.find("--help");
+  ASSERT_NE(first, std::string::npos);
+  EXPECT_EQ(page.find("--help", first + 1), std::string::npos);
 }
 
 TEST(Manual, HasEveryOptionOfKerfd) {
@@ -68,7 +77,7 @@ TEST(Manual, TextsAreNotReadAsRequests) {
   double width = 0.0;
   app.add_option("--width-m", width, ".5 is half\n'and this' has an apostrophe, C:\\ a backslash");
   const std::string page = manual_page(app, kText, "1.2");
-  EXPECT_THAT(page, HasSubstr("\n\\&.5 is half\n\\&'and this' has an apostrophe, C:\\e a backslash\n"));
+  EXPECT_THAT(page, HasSubstr("\n\\&.5 is half\n\\&'and this' has an apostrophe, C:\\e a backslash.\n"));
   EXPECT_THAT(page, HasSubstr("\\fB\\-\\-width\\-m\\fR"));
   EXPECT_THAT(page, HasSubstr("One.\n.PP\nTwo.\n.PP\n.nf\n example\n.fi\n"));
   EXPECT_THAT(page, HasSubstr(".SH SEE ALSO\nkerfd(1)\n"));

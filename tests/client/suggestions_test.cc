@@ -60,9 +60,17 @@ TEST(Suggestions, WrongWordsAreNamedWithWhatWasNear) {
               HasSubstr("`kerf cut` has no option --bezeir; did you mean --bezier?\nRun `kerf cut --help`"));
   EXPECT_THAT(explained({"sheet", "list", "--jsno"}),
               HasSubstr("`kerf sheet list` has no option --jsno; did you mean --json?"));
-  EXPECT_THAT(explained({"undo", "a", "b"}), HasSubstr("`kerf undo` takes no argument more: \"b\""));
+  EXPECT_THAT(explained({"undo", "a", "b"}), HasSubstr("`kerf undo` takes no further argument: \"b\""));
   EXPECT_THAT(explained({"sheet", "create", "a", "--gird=4x4"}), HasSubstr("--gird; did you mean --grid?"));
   EXPECT_THAT(explained({"fly"}), Not(HasSubstr("did you mean")));
+}
+
+TEST(Suggestions, NamesThatOtherProgramsHaveAreKnown) {
+  EXPECT_THAT(explained({"snip", "a"}), HasSubstr("`kerf` has no command \"snip\"; did you mean cut?"));
+  EXPECT_THAT(explained({"sheet", "remove", "a"}), HasSubstr("did you mean delete?"));
+  EXPECT_THAT(explained({"remove", "a"}), Not(HasSubstr("did you mean")));  // `kerf` itself has no delete
+  EXPECT_EQ(explained({"sheet", "ls"}), "was understood");
+  EXPECT_EQ(explained({"sheet", "rm", "a"}), "was understood");
 }
 
 TEST(Suggestions, OtherMistakesKeepTheirSentence) {

@@ -71,7 +71,7 @@ export function accessSteps(steps, browser, { url }) {
     check((await viewer.read('k.pieces')) === 1, 'the first Enter at a new place cuts already');
     await keyboard.press('Enter');
     await viewer.until('k.pieces === 2');
-    await viewer.notice(/Cut at tick \d+: 2 pieces/);
+    await viewer.notice(/^Cut: 2 pieces/);
     await keyboard.press('Escape');
     check(await viewer.page.isHidden('.cross'), 'the cross stays after Escape');
   });
@@ -167,6 +167,8 @@ export function accessSteps(steps, browser, { url }) {
   steps.step('the Tab key goes through everything, and everything has a name', async () => {
     await viewer.page.keyboard.press('c');
     await viewer.page.focus('#canvas');
+    const ring = () => viewer.page.evaluate(() => getComputedStyle(document.getElementById('canvas')).outlineStyle);
+    check((await ring()) === 'none', 'there is a ring around the window though Tab was not pressed');
     const seen = [];
     for (;;) {
       await viewer.page.keyboard.press('Tab');
@@ -185,6 +187,9 @@ export function accessSteps(steps, browser, { url }) {
       seen.push(at.id);
       check(seen.length < 100, `Tab goes in circles: ${seen}`);
     }
+    await viewer.page.focus('#sheet-picker');
+    await viewer.page.keyboard.press('Shift+Tab');
+    check((await ring()) !== 'none', 'the focus on the sheet by Tab cannot be seen');
     const order = ['sheet-picker', 'cut', 'curve', 'pause', 'undo', 'wireframe', 'theme', 'help-open', 'sheets', 'physics'];
     const places = order.map((id) => seen.indexOf(id));
     check(!places.includes(-1) && places.every((place, i) => i === 0 || place > places[i - 1]), `the order is ${seen}`);

@@ -177,13 +177,13 @@ async function withoutWorkers(browser, server) {
   );
   await viewer.until('k.connection === "ended"');
   await viewer.shows('#connection b', 'Ended');
-  await viewer.notice(/What receives the sheet has failed: its program cannot be loaded/);
+  await viewer.notice(/The viewer can no longer receive the sheet: its program cannot be loaded/);
   const file = { name: 'any.kerfstream', mimeType: '', buffer: Buffer.from('any') };
   await viewer.page.setInputFiles('#replay-file', file);
-  await viewer.notice(/any.kerfstream cannot be played: what plays it has failed/);
+  await viewer.notice(/any.kerfstream cannot be played: the player failed/);
   check(await viewer.page.isHidden('#replay'), 'the progress of a file that nobody reads is still there');
   await viewer.page.keyboard.press('q');
-  await viewer.notice(/No pictures, so the mesh is shown: what decodes them has failed/);
+  await viewer.notice(/No pictures, so the mesh is shown: the decoder failed/);
   await viewer.page.close();
 }
 

@@ -145,7 +145,7 @@ export function physicsSteps(steps, browser, { url }) {
     check(await viewer.page.isVisible('#panel-physics'), 'Escape in a field that was typed in closes the panel');
     await field('thickness').fill('2 m');
     await field('thickness').press('Enter');
-    const refusal = viewer.page.locator('#material-thickness-error', { hasText: /^thickness_m is 2; choose a value from/ });
+    const refusal = viewer.page.locator('#material-thickness-error', { hasText: /^Thickness is 2; choose a value from/ });
     await refusal.waitFor();
     await fieldShows('thickness', '400 µm');
     await viewer.screenshot('material-refused');

@@ -147,20 +147,20 @@ async function playRun(viewer, url, { bytes, tick, hash }) {
   check(again.tick === tick && again.state_hash === hash, `it ends with ${again.tick} ${again.state_hash}, not ${tick} ${hash}`);
 }
 
-// What is no recording, and what is given up on the way.
+// What is no recording, and what is cancelled on the way.
 async function refuseRuns(viewer, { bytes }) {
   await viewer.drop('broken.rec', bytes.subarray(0, bytes.length - 3));
-  await viewer.notice(/^broken.rec is not played: .*INVALID_ARGUMENT/);
+  await viewer.notice(/^broken.rec is not played: [^()]*$/);
   await viewer.throttleUploads(200_000);
   await viewer.drop('long.rec', Buffer.concat([bytes, Buffer.alloc(4 << 20)]));
   await viewer.page.locator('#transfer', { hasText: 'Sending long.rec' }).waitFor();
   await viewer.page.waitForFunction(() => document.getElementById('transfer-progress').value > 0.05);
   await viewer.screenshot('transfer');
   await viewer.drop('other.rec', bytes);
-  await viewer.notice(/^other.rec is not played: another file is on its way/);
+  await viewer.notice(/^other.rec is not played: another file is being transferred/);
   await viewer.page.click('#transfer-cancel');
-  await viewer.notice(/^long.rec is not played: it was given up/);
-  check(await viewer.page.isHidden('#transfer'), 'what was given up is still shown');
+  await viewer.notice(/^long.rec is not played: it was cancelled/);
+  check(await viewer.page.isHidden('#transfer'), 'what was cancelled is still shown');
   await viewer.throttleUploads(-1);
   viewer.errors = viewer.errors.filter((error) => !/400/.test(error));
 }
@@ -264,7 +264,7 @@ async function leavesLiveSheet(viewer, { path }, url) {
   await release();
   const drawing = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 2 2"><circle cx="1" cy="1" r="1"/></svg>';
   await viewer.drop('sign.svg', Buffer.from(drawing));
-  await viewer.notice(/A recording can be looked at, not changed/);
+  await viewer.notice(/A recording cannot be changed/);
   const { pinnedVertices } = await viewer.read('({ pinnedVertices: k.pinnedVertices })');
   check(pinnedVertices.length === 2, `the live sheet's pins, ${pinnedVertices}, are shown in the recording`);
   await viewer.page.click('#replay-close');
@@ -275,7 +275,7 @@ async function leavesLiveSheet(viewer, { path }, url) {
 
 async function refusals(viewer) {
   await viewer.page.keyboard.press('c');
-  await viewer.notice(/A recording can be looked at, not changed/);
+  await viewer.notice(/A recording cannot be changed/);
   check((await viewer.read('k.tool')) === 'view', 'a tool is chosen that has nothing to work on');
   const isInert = (id) => viewer.page.evaluate((query) => document.querySelector(query).inert, id);
   check((await isInert('#pause')) && (await isInert('[data-tool=cut]')), 'the live controls are not switched off');

@@ -92,6 +92,7 @@ export function sheetSteps(steps, browser, { url }) {
     const made = await create('flag', 96);
     check(made.run_state === 'PAUSED' && made.pinned_vertices.length === 8, JSON.stringify(made));
     check(made.scene.material.density_kgpm3 === 420, `not silk: ${JSON.stringify(made.scene.material)}`);
+    check(await viewer.page.evaluate(() => document.activeElement.id === 'canvas'), 'the keyboard is not the sheet’s');
     await viewer.until('k.framesDrawn > 0 && k.numVertices === 96 && k.toWorld(0.6, 1)');
     const width = await viewer.read('k.toWorld(0.6, 1).x - k.toWorld(0, 1).x');
     check(Math.abs(width - 0.6) < 1e-3, `it is ${width} m wide`);
@@ -212,26 +213,30 @@ export function sheetSteps(steps, browser, { url }) {
       check((await viewer.page.getAttribute(`#new-${field}`, 'aria-invalid')) === 'true', `${field} is not marked`);
     };
     await shape('grid');
-    await viewer.page.fill('#new-columns', '1');
-    await refusal('columns', /columns.*2.*1000/);
+    await viewer.page.fill('#new-columns', '2000');
+    await viewer.page.fill('#new-width', '-1');
+    await refusal('columns', /^Columns: give a whole number from 2 to 1,000$/);
+    await refusal('width', /^Width: give a length above 0 m, at most 10,000 m$/);
     await viewer.screenshot('new-sheet-refused');
     await viewer.page.fill('#new-columns', '');
-    await refusal('columns', /Give a number/);
+    await refusal('columns', /^Columns: give a whole number/);
     await viewer.page.fill('#new-columns', '20');
     check(await viewer.page.isHidden('#new-columns-error'), 'a refusal stays though the field was changed');
+    await viewer.page.fill('#new-width', '1');
     await viewer.page.fill('#new-id', 'demo');
-    await viewer.page.click('#new-create');
-    await viewer.page.locator('#new-sheet .error', { hasText: /demo.*ALREADY_EXISTS/ }).waitFor();
+    await refusal('id', /^There is a sheet named demo already$/);
+    // A name is marked as it is typed.
     await viewer.page.fill('#new-id', 'Not An Id');
-    await refusal('id', /sheet_id/);
+    await viewer.page.locator('#new-id-error', { hasText: /^Name: use small letters, .*, such as not-an-id$/ }).waitFor();
     await shape('file');
     await refusal('file', /Choose an OBJ/);
     const file = async (name, buffer) => viewer.page.setInputFiles('#new-file', { name, mimeType: 'text/plain', buffer });
     await file('notes.txt', Buffer.from('x'));
     await viewer.page.locator('#new-file-error', { hasText: 'notes.txt is no OBJ, PLY or SVG file' }).waitFor();
+    check((await viewer.page.inputValue('#new-id')) === '', 'a bad name outlives a new file');
     await viewer.page.fill('#new-id', 'broken');
     await file('broken.obj', Buffer.from('v 0 0 nonsense\n'));
-    await refusal('file', /line 1/);
+    await refusal('file', /^Line 1/);
     await file('empty.obj', Buffer.alloc(0));
     await refusal('file', /empty.obj is empty/);
     // By its path: what is handed over as bytes may have 50 MB.
@@ -242,17 +247,19 @@ export function sheetSteps(steps, browser, { url }) {
     await refusal('file', /has 70 MiB.*at most 64 MiB/);
     await rm(huge);
     check((await viewer.page.inputValue('#new-id')) === 'broken', 'what was typed is gone');
-    const unsized = Buffer.from('<svg xmlns="http://www.w3.org/2000/svg"><circle r="4"/></svg>');
+    const outlineFile = (name, text) =>
+      viewer.page.setInputFiles('#new-outline', { name, mimeType: 'image/svg+xml', buffer: Buffer.from(text) });
     await shape('outline');
-    await viewer.page.setInputFiles('#new-outline', { name: 'unsized.svg', mimeType: 'image/svg+xml', buffer: unsized });
+    await outlineFile('unsized.svg', '<svg xmlns="http://www.w3.org/2000/svg"><circle r="4"/></svg>');
     await viewer.page.locator('#new-outline-error', { hasText: 'does not say how large its page is' }).waitFor();
     check(await viewer.page.evaluate(() => document.activeElement.id === 'new-outline'), 'the focus is not at the refused file');
-    const apart = Buffer.from(kPlate.replace('x="150"', 'x="250"'));
-    await viewer.page.setInputFiles('#new-outline', { name: 'apart.svg', mimeType: 'image/svg+xml', buffer: apart });
+    await outlineFile('apart.svg', kPlate.replace('x="150"', 'x="250"'));
     await viewer.page.locator('#new-outline-error', { hasText: /apart.svg has lines outside .* or take them out/ }).waitFor();
+    await outlineFile('torn.svg', '<svg viewBox="0 0 9 9"><circ');
+    await viewer.page.locator('#new-outline-error', { hasText: /^torn.svg is broken: .* in line 1$/ }).waitFor();
     await viewer.page.fill('#new-id', '');
-    await viewer.page.keyboard.type('typed on');
-    check((await viewer.page.inputValue('#new-id')) === 'typed on', 'a refused file takes the keyboard from who types');
+    await viewer.page.keyboard.type('typed-on');
+    check((await viewer.page.inputValue('#new-id')) === 'typed-on', 'a refused file takes the keyboard from who types');
     await viewer.page.click('#new-sheet [data-close]');
     // The browser writes refusals to the console.
     viewer.errors = viewer.errors.filter((error) => !/40[09]/.test(error));

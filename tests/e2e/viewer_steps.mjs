@@ -99,7 +99,15 @@ export function viewerSteps(steps, browser, server) {
     const before = await viewer.read('({ pieces: k.pieces, vertices: k.numVertices, tick: k.tick })');
     await viewer.page.keyboard.press('Enter');
     await viewer.until('k.pieces > given.pieces && k.numVertices > given.vertices', before);
-    await viewer.notice(/Cut at tick \d+: 2 pieces, \d+ new vertices, deviation/);
+    const notice = viewer.page.locator('.notice', { hasText: /^Cut: 2 pieces/ });
+    await notice.waitFor();
+    check(await notice.locator('details p').first().isHidden(), 'the details are open before anybody asks');
+    await notice.locator('summary').click();
+    await notice.locator('p', { hasText: /^The cut is at most [\d.]+ mm off the line\.$/ }).waitFor();
+    await notice.locator('p', { hasText: /^\d+ new vertices, at tick \d+\.$/ }).waitFor();
+    await viewer.screenshot('cut-details');
+    await notice.click({ position: { x: 5, y: 5 } });
+    await notice.waitFor({ state: 'detached' });
     const { cuts } = await post(url, 'CutService/ListCuts', { parent: kDemo.name });
     check(cuts.length === 1 && cuts[0].result.pieces === 2, `the server's journal: ${JSON.stringify(cuts)}`);
     check(cuts[0].cut.view?.layers === 'NEAREST', 'what is seen is not what was cut');

@@ -4,6 +4,7 @@ tree, compiled, and its example that needs no server run."""
 import argparse
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -61,9 +62,66 @@ class Install(unittest.TestCase):
         self.assertIn("no component viewer", " ".join(done.stderr.split()))
 
 
+class Programs(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.prefix = pathlib.Path(OPTIONS.work, "everything")
+        shutil.rmtree(cls.prefix, ignore_errors=True)
+        done = run("cmake", "--install", OPTIONS.build, "--prefix", cls.prefix)
+        assert done.returncode == 0, done.stderr
+
+    def ninja(self, *arguments):
+        done = run(OPTIONS.ninja, "-C", OPTIONS.build, "-t", *arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return done.stdout.splitlines()
+
+    def in_build(self, name):
+        return os.path.normpath(os.path.join(OPTIONS.build, name))
+
+    def test_what_deploy_run_builds_is_all_that_is_installed(self):
+        script = pathlib.Path(OPTIONS.source, "deploy/run").read_text()
+        targets = re.search(r"cmake --build --preset release --target (.*)", script).group(1).split()
+        commands = "\n".join(self.ninja("commands", *targets))
+        outputs = {self.in_build(line.rsplit(":", 1)[0]) for line in self.ninja("targets", "all")}
+        taken = set()
+        for file in pathlib.Path(OPTIONS.build).rglob("cmake_install.cmake"):
+            for call in re.findall(r"file\(INSTALL [^)]*\)", file.read_text()):
+                taken.update(self.in_build(name) for name in re.findall(r'"(/[^"]+)"', call))
+        self.assertIn(self.in_build("client/manual/kerf.1"), taken)
+        for file in sorted(taken & outputs):
+            self.assertIn(os.path.relpath(file, OPTIONS.build), commands)  # a command names what it makes
+
+    def test_programs_and_completion_are_there(self):
+        done = run(self.prefix / "bin/kerf", "--version")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue((self.prefix / "bin/kerfd").is_file())
+        for name in ("bash-completion/completions/kerf", "zsh/site-functions/_kerf", "fish/vendor_completions.d/kerf.fish"):
+            self.assertIn("kerf", (self.prefix / "share" / name).read_text())
+        done = run("bash", "-c", f"source {self.prefix}/share/bash-completion/completions/kerf && complete -p kerf")
+        self.assertIn("-F _kerf kerf", done.stdout)
+
+    def test_manual_pages_are_there(self):
+        for name in ("kerf", "kerfd"):
+            page = self.prefix / f"share/man/man1/{name}.1"
+            self.assertTrue(page.read_text().startswith(".TH"), page)
+            if shutil.which("man"):
+                done = run("man", "--local-file", page, env={**os.environ, "MANPAGER": "cat"})
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertIn("EXIT STATUS" if name == "kerf" else "kerfd", done.stdout)
+
+    def test_the_viewer_has_all_its_files_with_their_times(self):
+        """Tests a viewer that was built. kerfd ignores an encoding that is older than its file."""
+        built = pathlib.Path(OPTIONS.source, "web/dist")
+        for file in built.rglob("*"):
+            if file.is_file():
+                copy = self.prefix / "share/kerf/web" / file.relative_to(built)
+                self.assertEqual(copy.read_bytes(), file.read_bytes())
+                self.assertEqual(int(copy.stat().st_mtime), int(file.stat().st_mtime))
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    for option in ("--build", "--work", "--source", "--examples", "--embed-core"):
+    for option in ("--build", "--work", "--source", "--examples", "--embed-core", "--ninja"):
         parser.add_argument(option, required=True)
     OPTIONS, rest = parser.parse_known_args()
     unittest.main(argv=[sys.argv[0]] + rest)

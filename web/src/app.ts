@@ -144,7 +144,7 @@ export class App implements Viewer {
   choose(id: ToolId): void {
     this.keyboardPointer.hide();
     if (this.replayBar.isOpen && id !== 'view') {
-      this.notify('info', 'A recording can be looked at, not changed: close it to go back to the live sheet');
+      this.notify('info', 'A recording cannot be changed: close it to return to the live sheet');
       return;
     }
     if (id === 'cut' || id === 'grab') this.firstHint.close();
@@ -227,7 +227,7 @@ export class App implements Viewer {
 
   private startWorker(): Worker {
     return startWorker('watch', (why) => {
-      const told = `What receives the sheet has failed: ${why}. Open the sheet again, or reload the page`;
+      const told = `The viewer can no longer receive the sheet: ${why}. Open the sheet again, or reload the page`;
       this.worker = undefined;
       this.watch?.fail(told);
       this.notify('error', told);
@@ -278,8 +278,8 @@ export class App implements Viewer {
     if (surface) this.stage.lookAt(pieceCentre(surface.mirror, label));
   }
 
-  notify(kind: NoticeKind, text: string): void {
-    this.notices.add(kind, text);
+  notify(kind: NoticeKind, text: string, details?: readonly string[]): void {
+    this.notices.add(kind, text, details);
   }
 
   async attempt<T>(run: () => Promise<T>, what = ''): Promise<T | undefined> {
@@ -385,7 +385,7 @@ export class App implements Viewer {
     const mesh = this.surface?.mirror;
     const figures = mesh && imageMode.isShown ? imageMode.figures(mesh) : mesh;
     this.status.update(figures, this.ageMs, nowMs);
-    this.statistics.update(figures, imageMode.isShown ? imageMode.format : 'the mesh', nowMs);
+    this.statistics.update(figures, imageMode.isShown ? imageMode.format : 'mesh', nowMs);
   }
 
   private drawn(nowMs: number): void {

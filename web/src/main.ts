@@ -5,6 +5,7 @@ import { FileDrop } from './ui/file_drop';
 import { bindKeys } from './ui/keys';
 import { ServerRecordings } from './ui/server_recordings';
 import { SheetChoice } from './ui/sheets/sheet_choice';
+import { markTabbedFocus } from './ui/tabbed_focus';
 
 async function start(): Promise<void> {
   const app = new App();
@@ -19,6 +20,7 @@ async function start(): Promise<void> {
     drawing: (file) => void app.svgFiles.take(file),
   });
   bindKeys(app);
+  markTabbedFocus(element('canvas'));
   await sheets.start();
 }
 

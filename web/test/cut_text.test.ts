@@ -1,7 +1,7 @@
 import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
-import { CutResultSchema, CutResult_Status } from '../src/gen/kerf/v1/cuts_pb';
-import { areaText, cutText, lengthText, massText, warningText } from '../src/tools/cut_text';
+import { CutLayerSchema, CutResultSchema, CutResult_Status, RemovedSchema } from '../src/gen/kerf/v1/cuts_pb';
+import { areaText, cutDetails, cutText, lengthText, massText, warningText } from '../src/tools/cut_text';
 
 describe('lengthText', () => {
   it('has two digits and a fitting unit, never an exponent', () => {
@@ -40,51 +40,43 @@ describe('areaText and massText', () => {
 });
 
 describe('cutText', () => {
-  it('says what was cut; warnings are told apart', () => {
-    const result = create(CutResultSchema, {
-      status: CutResult_Status.APPLIED,
-      tick: 480n,
-      pieces: 2,
-      newVertices: 175,
-      deviationM: 3.9e-4,
-      warnings: ['1 gap closed'],
-    });
-    expect(cutText(result)).toBe('Cut at tick 480: 2 pieces, 175 new vertices, deviation 0.39 mm');
-    expect(warningText(result)).toBe('1 gap closed.');
-    result.warnings.push('segments merged: 2');
-    expect(warningText(result)).toBe('1 gap closed. Segments merged: 2.');
-    expect(warningText(create(CutResultSchema, {}))).toBe('');
+  const applied = create(CutResultSchema, {
+    status: CutResult_Status.APPLIED,
+    tick: 480n,
+    pieces: 2,
+    newVertices: 175,
+    deviationM: 3.9e-4,
   });
 
-  it('says how many stretches a cut on a picture has, when it is not one', () => {
-    const result = create(CutResultSchema, {
-      status: CutResult_Status.APPLIED,
-      tick: 7n,
-      pieces: 1,
-      newVertices: 1,
-      layers: [{ piece: 0 }, { piece: 0 }],
-    });
-    expect(cutText(result)).toBe('Cut at tick 7 in 2 stretches: 1 piece, 1 new vertex, deviation 0 mm');
+  it('says how many pieces there are, and the details the rest', () => {
+    expect(cutText(applied)).toBe('Cut: 2 pieces');
+    expect(cutDetails(applied)).toEqual(['The cut is at most 0.39 mm off the line', '175 new vertices, at tick 480']);
   });
 
-  it('says what a cut with a width took away', () => {
-    const result = create(CutResultSchema, {
-      status: CutResult_Status.APPLIED,
-      tick: 9n,
-      pieces: 3,
-      newVertices: 20,
-      deviationM: 1e-3,
-      removed: { areaM2: 0.0533, massKg: 0.0106 },
-    });
-    const cut = 'Cut at tick 9: 3 pieces, 20 new vertices, deviation 1 mm, 533 cm² (11 g) taken away';
-    expect(cutText(result, true)).toBe(cut);
-    result.removed!.pieces = 2;
-    expect(cutText(result, true)).toBe(`${cut}, 2 whole pieces among it`);
+  it('tells warnings apart', () => {
+    expect(warningText({ ...applied, warnings: ['1 x text: not cut'] })).toBe('1 x text: not cut.');
+    expect(warningText({ ...applied, warnings: ['1 x text: not cut', 'seen edge-on'] })).toBe('1 x text: not cut. Seen edge-on.');
+    expect(warningText(applied)).toBe('');
   });
 
-  it('says that a miss changed nothing', () => {
+  it('has how many stretches a cut on a picture has in the details, when it is not one', () => {
+    const layers = [0, 0].map((piece) => create(CutLayerSchema, { piece }));
+    expect(cutDetails({ ...applied, layers })).toContain('The line crosses the sheet in 2 stretches');
+    expect(cutDetails({ ...applied, layers: layers.slice(1) }).join()).not.toContain('stretches');
+  });
+
+  it('says what a cut with a width removed', () => {
+    const removed = create(RemovedSchema, { areaM2: 0.0533, massKg: 0.0106 });
+    expect(cutText({ ...applied, removed }, true)).toBe('Cut: 2 pieces, 533 cm² removed');
+    expect(cutDetails({ ...applied, removed })).toContain('Removed: 11 g');
+    expect(cutDetails({ ...applied, removed: { ...removed, pieces: 2 } })).toContain('Removed: 11 g, including 2 whole pieces');
+  });
+
+  it('says why a miss changed nothing', () => {
     const missed = create(CutResultSchema, { status: CutResult_Status.NO_INTERSECTION });
     expect(cutText(missed, true)).toBe('Nothing was cut: there is no material under the strip');
-    expect(cutText(create(CutResultSchema, { status: CutResult_Status.NO_INTERSECTION }))).toContain('Nothing was cut');
+    expect(cutText(missed)).toBe('Nothing was cut: the line misses the sheet, or is too small');
+    expect(cutText({ ...missed, closedGaps: 1 })).toBe('Nothing was cut: the line follows an older cut or the border');
+    expect(cutDetails(missed)).toEqual([]);
   });
 });

@@ -2,7 +2,7 @@ import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 import { MaterialSchema } from '../src/gen/kerf/v1/scene_pb';
 import { bendingStiffness } from '../src/ui/material_text';
-import { kMaterialQuantities } from '../src/ui/physics/material_quantities';
+import { kMaterialQuantities, materialRefusal } from '../src/ui/physics/material_quantities';
 import { linearScale, logScale } from '../src/ui/physics/slider_scale';
 
 const kCotton = create(MaterialSchema, {
@@ -20,6 +20,15 @@ const kCotton = create(MaterialSchema, {
 const kMeasured = { ...kCotton, bendingStiffness1Nm: 9e-6, bendingStiffness2Nm: 6e-6, bendingCouplingNm: -1e-6 };
 
 const quantity = (id: string) => kMaterialQuantities.find((each) => each.id === id)!;
+
+describe('refusals of a material', () => {
+  it('name its numbers as the panel does', () => {
+    expect(materialRefusal('set_material.material.thickness_m is 2; choose a value from 1e-6 to 0.1')).toBe(
+      'Thickness is 2; choose a value from 1e-6 to 0.1',
+    );
+    expect(materialRefusal('the law must be positive definite')).toBe('the law must be positive definite');
+  });
+});
 
 describe('scales of sliders', () => {
   it('go up in equal steps, to values that can be read', () => {

@@ -114,7 +114,7 @@ describe('ReplayBar', () => {
     const { file, read } = slowFile(10);
     await Promise.all([bar.open(file), read()]);
     FakeWorker.made[0].onerror!({ message: 'out of memory' });
-    expect(notices).toEqual(['error: 10.kerfstream cannot be played: what plays it has failed: out of memory']);
+    expect(notices).toEqual(['error: 10.kerfstream cannot be played: the player failed: out of memory']);
     expect(page.replay.hidden).toBe(true);
   });
 });

@@ -1,5 +1,5 @@
 import { describe, expect, it } from 'vitest';
-import { freeId, idFrom } from '../src/ui/sheets/sheet_ids';
+import { freeId, idFrom, isId, nearestId } from '../src/ui/sheets/sheet_ids';
 
 describe('idFrom', () => {
   it('makes an id of what is in a name', () => {
@@ -7,6 +7,17 @@ describe('idFrom', () => {
     expect(idFrom('42 flag.svg')).toBe('flag');
     expect(idFrom('布.ply')).toBe('');
     expect(idFrom(`${'a'.repeat(80)}.obj`)).toHaveLength(63);
+  });
+});
+
+describe('isId', () => {
+  it('is what the server takes', () => {
+    expect(['a', 'flag-2', 'a'.repeat(63)].every(isId)).toBe(true);
+    expect(['', '2a', '-a', 'A', 'a b', 'a_b', 'a'.repeat(64)].some(isId)).toBe(false);
+  });
+
+  it('is true of the nearest one to anything with a letter in it', () => {
+    for (const text of ['My Flag!', '  x', '7 seas', `${'a'.repeat(62)} b`]) expect([text, isId(nearestId(text))]).toEqual([text, true]);
   });
 });
 

@@ -76,16 +76,16 @@ describe('Transfer', () => {
     fail(new ApiError('INVALID_ARGUMENT', 'damaged at byte 12'));
     expect(await result).toBeUndefined();
     expect(notices).toEqual([
-      'error: a.rec is not played: another file is on its way. Wait for it, or give it up',
-      'error: a.rec is not played: damaged at byte 12 (INVALID_ARGUMENT)',
+      'error: a.rec is not played: another file is being transferred. Wait for it, or cancel it',
+      'error: a.rec is not played: damaged at byte 12',
     ]);
   });
 
-  it('is given up by its button', async () => {
+  it('is cancelled by its button', async () => {
     const { result } = start();
     page['transfer-cancel'].click();
     expect(await result).toBeUndefined();
-    expect([notices, transfer.isOn]).toEqual([['info: a.rec is not played: it was given up'], false]);
+    expect([notices, transfer.isOn]).toEqual([['info: a.rec is not played: it was cancelled'], false]);
   });
 });
 

@@ -118,7 +118,7 @@ class Analyses(Case):
         self.assertEqual(self.json_of("sheet", "get", "short")["flagged_ticks"]["substep_limit"], counted)
         listed = next(sheet for sheet in self.json_of("sheet", "list")["sheets"] if sheet["name"] == "sheets/short")
         self.assertEqual(listed["flagged_ticks"]["substep_limit"], counted)
-        self.assertIn("ticks flagged substep_limit " + counted, kerf("sheet", "list").stdout)
+        self.assertIn("ticks flagged substep_limit " + counted, kerf("sheet", "list", "--verbose").stdout)
         self.json_of("sheet", "reset", "short")
         self.assertEqual(self.json_of("sheet", "get", "short")["flagged_ticks"]["substep_limit"], counted)
         self.json_of("sheet", "delete", "short")

@@ -61,7 +61,7 @@ class Cuts(Case):
         self.assertEqual((reply["status"], reply["pieces"], len(reply["layers"])), ("APPLIED", 2, 1))
         self.assertAlmostEqual(reply["layers"][0]["length_m"], 1.0, 2)
         self.assertAlmostEqual(reply["layers"][0]["nearest_m"], 2.0, 2)
-        self.assertIn("layer: piece", kerf("cut", self.id, "--circle", "320,250,40", *view).stdout)
+        self.assertIn("layer: piece", kerf("cut", self.id, "--circle", "320,250,40", *view, "--verbose").stdout)
         behind = self.json_of("cut", self.id, "--polyline", "0,320 640,320", "--view", "0.5,-2,0.5 0.5,-4,0.5")
         self.assertEqual(behind["status"], "NO_INTERSECTION")
         self.assertIn("behind", behind["warnings"][0])
@@ -79,7 +79,7 @@ class Cuts(Case):
         undone = self.json_of("undo", self.id)
         self.assertEqual((undone["pieces"], undone["cuts"]), (1, [reply["name"]]))
         self.assertEqual(self.json_of("cuts", self.id)["cuts"], [])
-        self.assertIn("REDONE", kerf("redo", self.id).stdout)
+        self.assertIn("Redone", kerf("redo", self.id).stdout)
         self.assertEqual([piece["id"] for piece in self.json_of("pieces", self.id)["pieces"]],
                          [piece["id"] for piece in pieces])
         self.refused("redo", self.id, says="NOTHING_TO_REDO")
@@ -95,7 +95,7 @@ class Cuts(Case):
         left = sum(piece["area_m2"] for piece in self.json_of("pieces", self.id)["pieces"])
         self.assertAlmostEqual(left, 1 - reply["removed"]["area_m2"], places=12)
         told = kerf("cut", self.id, "--circle", "0.3,0.8,0.1", "--width", "0.02", "--dash", "0.05,0.05")
-        self.assertRegex(told.stdout, r"(?s)^APPLIED.*taken away: [0-9.e-]+ m\^2, [0-9.e-]+ kg, [0-9]+ vertices")
+        self.assertRegex(told.stdout, r"(?s)^Cut: .*removed: [0-9.e-]+ m\^2, [0-9.e-]+ kg, [0-9]+ vertices")
         self.assertEqual([cut["cut"]["width_m"] for cut in self.json_of("cuts", self.id)["cuts"]], [0.06, 0.02])
         self.assertEqual(self.json_of(*line, "--width", "0.06")["status"], "NO_INTERSECTION")
         self.assertNotIn("removed", self.json_of("cut", self.id, "--circle", "0.8,0.2,0.1"))
@@ -123,7 +123,7 @@ class Cuts(Case):
         reply = self.json_of("cuts", other, "--apply", file)
         self.assertEqual((reply["status"], reply["applied"], reply["pieces"]), ("APPLIED", 2, 2))
         self.json_of("undo", other)
-        self.assertIn("2 of 2 cuts APPLIED", kerf("cut", other, "--batch", file).stdout)
+        self.assertIn("2 of 2 cuts made", kerf("cut", other, "--batch", file).stdout)
         shapes = [self.json_of("sheet", "get", each) for each in (self.id, other)]
         self.assertEqual(shapes[0]["num_vertices"], shapes[1]["num_vertices"])
         self.assertEqual(shapes[0]["num_triangles"], shapes[1]["num_triangles"])
@@ -168,8 +168,8 @@ class Cuts(Case):
         self.assertEqual(reply["state_hash"], self.hash())
         self.assertEqual([self.json_of("undo", self.id)["pieces"] for _ in range(2)], [2, 1])
         told = kerf("cuts", self.id, "--apply", file).stdout
-        self.assertIn("2 of 4098 cuts APPLIED", told)
-        self.assertIn("in 2 calls, each whole or not at all; `kerf undo` takes them back in 2 steps", told)
+        self.assertIn("2 of 4098 cuts made", told)
+        self.assertIn("in 2 calls, each whole or not at all; `kerf undo` undoes them in 2 steps", told)
         before = self.hash()
         self.refused("cut", self.id, "--batch", file, "--at-tick", "1000000", says="split the file")
         self.assertEqual(self.hash(), before)
@@ -180,13 +180,13 @@ class Cuts(Case):
                                                    {"x": 1.1, "y": 0.05 * n}]}}} for n in range(1, 19)]
         file, exported = path("long.json"), path("long-exported.json")
         pathlib.Path(file).write_text(json.dumps({"cuts": cuts}))
-        self.assertIn("18 of 18 cuts APPLIED", kerf("cut", self.id, "--batch", file).stdout)
+        self.assertIn("18 of 18 cuts made", kerf("cut", self.id, "--batch", file).stdout)
         self.assertEqual(self.json_of("cuts", self.id, "--export", exported)["cuts"], 18)
         other = self.id[:50] + "-other"
         self.json_of("sheet", "create", other, "--grid", "20x20")
         self.json_of("sheet", "pause", other)
         told = kerf("cuts", other, "--apply", exported).stdout
-        self.assertIn("18 of 18 cuts APPLIED", told)
+        self.assertIn("18 of 18 cuts made", told)
         self.assertIn("in 2 calls", told)
         shapes = [self.json_of("sheet", "get", each) for each in (self.id, other)]
         for each in ("pieces", "num_vertices", "num_triangles"):
@@ -237,7 +237,7 @@ class Cuts(Case):
         self.assertLess(element["min_angle_deg"], 20)
         self.assertGreater(element["quality"]["below_contract"], 0)
         self.json_of("sheet", "reset", self.id)
-        text = kerf("cut", self.id, "--polyline", "0.2,0.45 0.7,0.5 0.2,0.5").stdout
+        text = kerf("cut", self.id, "--polyline", "0.2,0.45 0.7,0.5 0.2,0.5", "--verbose").stdout
         self.assertIn("0 below the contract", text)
         self.assertRegex(text, r"corner of \d+\.\d degrees at \(0\.7, 0\.5\) m: \d+ triangles below the angle")
         self.refused("cut", self.id, *curve, "--tolerance-m", "1e-9", says="TOLERANCE_TOO_SMALL")
@@ -271,7 +271,24 @@ class Cuts(Case):
         dust = self.json_of("cut", self.id, "--polyline", "0.25,0.17 0.250001,0.170001 0.65,0.24")
         self.assertEqual((dust["status"], dust["merged_segments"]), ("APPLIED", 1))
         text = kerf("cut", self.id, "--polyline", "0.2,0.43001 0.8,0.43001").stdout
-        self.assertRegex(text, r"note: gaps to older lips, the border or the path itself, closed: \d+, up to 1e-05 m wide")
+        self.assertRegex(text, r"^Nothing was cut: the curve follows an earlier cut or the border \(\d+ pieces?, tick \d+\)\n$")
+
+    def test_what_is_below_the_tolerance_is_no_warning(self):
+        self.json_of("cut", self.id, "--polyline", "0.2,0.43 0.8,0.43")
+        for line in ("0.45,0.81 0.46,0.43002", "0.25,0.17 0.250001,0.170001 0.65,0.24"):
+            reply = self.json_of("cut", self.id, "--polyline", line)
+            self.assertGreater(reply["closed_gaps"] + reply["merged_segments"], 0)
+            self.assertEqual(reply["warnings"], [])
+        edge_on = ("--view", "0.5,-0.0005,3 0.5,0,0.5 0,1,0", "--picture", "640x640", "--tolerance-m", "0.0001")
+        self.assertRegex(kerf("cut", self.id, "--polyline", "100,318 540,322", *edge_on).stdout,
+                         r"\n  note: seen nearly edge-on: the cut is up to [\d.]+ mm off the sight lines\n$")
+
+    def test_a_cut_is_told_in_a_line_and_more_on_request(self):
+        line = r"Cut: \d+ pieces?, \d+ new vertices, at most [\d.]+ mm off the curve \(tick \d+\)\n"
+        self.assertRegex(kerf("cut", self.id, "--circle", "0.3,0.3,0.05").stdout, f"^{line}$")
+        self.assertRegex(kerf("cut", self.id, "--circle", "0.3,0.7,0.05", "-v").stdout,
+                         f"^{line}(?s:.*)smallest angle(?s:.*)state hash(?s:.*)model update")
+        self.assertRegex(kerf("cut", self.id, "--circle", "8,8,0.05").stdout, "^Nothing was cut: the curve misses the sheet or is too small")
 
     def test_options_may_follow_the_command(self):
         done = kerf("cut", self.id, "--circle", "0.5,0.5,0.1", "--json", "--server", address(), server=False)

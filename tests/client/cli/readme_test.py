@@ -1,5 +1,5 @@
-"""The lines of README.md that call kerf, curl and grpcurl, run as they stand there, one after the other, against a server with the
-demo scene; the ports, and programs that lie elsewhere, are put in place of those of the text."""
+"""The lines of README.md and client/cli/README.md that call kerf, curl and grpcurl, run as they stand there, one after the other,
+against a server with the demo scene; the ports, and programs that lie elsewhere, are put in place of those of the text."""
 
 import json
 import os
@@ -12,13 +12,15 @@ import unittest
 import urllib.request
 
 import cli_case
-from cli_case import ROOT, Case, address, main, panel, path, tearDownModule
+from cli_case import ROOT, Case, address, main, path, tearDownModule
 from reflection import Reflection
 
+PAGES = ("README.md", "client/cli/README.md")
 PROGRAMS = ("kerf", "curl", "grpcurl")
+MOST_LETTERS = 140  # of a line in a block
 # Each of these lines begins a part, which needs nothing that lines before it made. Lines before the first are part 1; the
 # last part also has the tests that run no line.
-PARTS = ("kerf render demo --out frame", "kerf sheet material demo", "kerf sheet create flag", "curl ")
+PARTS = ("kerf cut demo --bezier", "kerf render demo --out frame.png --size", "kerf sheet material demo", "kerf sheet create flag")
 # Lines that need the cuts of lines before them. The others find the scene as it was, which costs less to step than a cut one.
 AFTER_CUTS = ("kerf cut", "kerf undo", "kerf pieces")
 
@@ -27,23 +29,23 @@ def setUpModule():
     cli_case.setUpModule("--scene", str(ROOT / "deploy/scenes/demo.json"))
     for folder in ("deploy", "tests", "proto"):
         os.symlink(ROOT / folder, path(folder))
-    # What the text takes from its reader.
-    pathlib.Path(path("drawing.svg")).write_text('<svg viewBox="0 0 9 9"><circle cx="4" cy="4" r="3"/></svg>')
-    pathlib.Path(path("panel.ply")).write_bytes(panel("ascii"))
-    pathlib.Path(path("probes.json")).write_text(json.dumps({"probes": [{"name": "all", "quantity": "ENERGY"}],
-                                                             "analysis": {"dynamic": {"ticks": 2}}}))
-    cli_case.scene_file("scene.json")
 
 
-def blocks():
-    """The commands of each fenced shell block, a line that goes on put together."""
-    texts = re.findall(r"```sh\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-    commands = [[line for line in text.replace("\\\n", " ").splitlines() if line.split(" ")[0] in PROGRAMS] for text in texts]
-    return [block for block in commands if block]
+def blocks(page):
+    """The lines of each fenced shell block, a line that continues put together."""
+    texts = re.findall(r"```sh\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
+    return [text.replace("\\\n", " ").splitlines() for text in texts]
 
 
 def lines():
-    return [line for block in blocks() for line in block]
+    """The commands of both pages."""
+    return [line for page in PAGES for block in blocks(page) for line in block if line.split(" ")[0] in PROGRAMS]
+
+
+def first_lines():
+    """The commands that README.md has a newcomer paste, each with what it prints."""
+    block = next(block for block in blocks("README.md") if block[0].startswith("export PATH"))
+    return [(command, output.removeprefix("# ")) for command, output in zip(block[1::2], block[2::2])]
 
 
 def part_lines():
@@ -80,7 +82,7 @@ class Readme(Case):
         return subprocess.run(["bash", "-c", shell], cwd=path("."), env=environment, capture_output=True, text=True, timeout=300)
 
     def test_every_line_does_what_it_says(self):
-        self.assertGreater(sum(line.startswith("kerf ") for line in lines()), 25)
+        self.assertGreater(sum(line.startswith("kerf ") for line in lines()), 40)
         self.assertGreaterEqual(sum(line.startswith("curl ") for line in lines()), 2)
         for line in part_lines():
             if line.startswith("grpcurl "):
@@ -94,6 +96,29 @@ class Readme(Case):
                     continue
                 self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
                 self.assertTrue(done.stdout + done.stderr)
+
+    def test_the_first_lines_print_what_the_page_says(self):
+        self.assertEqual(len(first_lines()), 6)
+        post("ResetSheet", name="sheets/demo")
+        let_run("demo")
+        for command, output in first_lines():
+            with self.subTest(command):
+                done = self.run_line(command)
+                if "RENDERER_UNAVAILABLE" in done.stderr:
+                    continue
+                self.assertEqual(done.returncode, 0, done.stderr)
+                # Numbers are those of another moment and another machine.
+                likeness = re.sub(r"\d[\d.]*", lambda _: r"\d[\d.e-]*", re.escape(output).replace(r"\.", "."))
+                self.assertRegex(done.stdout, f"(?m)^{likeness}$")
+
+    def test_lines_fit_the_page_and_files_are_there(self):
+        for page in PAGES:
+            text = (ROOT / page).read_text()
+            for block in re.findall(r"```\w*\n(.*?)```", text, re.DOTALL):
+                for line in block.splitlines():
+                    self.assertLessEqual(len(line), MOST_LETTERS, line)
+            for file in re.findall(r"\b(?:deploy|tests/data)/[\w/-]+\.\w+", text):
+                self.assertTrue((ROOT / file).is_file(), f"{page} names {file}")
 
     def test_curl_answers_are_json(self):
         for line in lines():

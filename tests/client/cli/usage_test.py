@@ -42,6 +42,26 @@ class Usage(Case):
             self.assertEqual(done.returncode, 1, command)
             self.assertIn("cannot write standard output: No space left on device", done.stderr)
 
+    def test_other_names_of_commands(self):
+        self.assertEqual(kerf("sheet", "create", "short-lived", "--grid", "4x4").returncode, 0)
+        self.assertIn("sheets/short-lived", kerf("sheet", "ls").stdout)
+        self.assertEqual(kerf("sheet", "rm", "short-lived").stdout, "sheets/short-lived deleted\n")
+        self.refused("snip", "demo", code=2, says='`kerf` has no command "snip"; did you mean cut?')
+
+    def test_a_server_without_a_port_has_the_usual_one(self):
+        done = kerf("--server", "127.255.255.254", "sheet", "list", server=False)
+        self.assertIn("no Kerf server answers at 127.255.255.254:50051", done.stderr)
+
+    def test_a_sheet_is_a_line_and_more_on_request(self):
+        made = kerf("sheet", "create", "concise", "--grid", "4x4")
+        self.assertRegex(made.stdout, r"^sheets/concise .* real time\n$")
+        self.assertIn("explicit", kerf("sheet", "get", "concise").stdout)
+        self.assertIn("explicit", kerf("sheet", "pause", "concise", "--verbose").stdout)
+        softened = kerf("sheet", "create", "soft", "--material", "wool", "--fidelity", "real-time").stdout
+        self.assertRegex(softened, r"\n  membrane \d+ times softer to keep up with real time; expected error \d[\d.]* mm\n$")
+        for name in ("concise", "soft"):
+            self.json_of("sheet", "delete", name)
+
     def test_no_server(self):
         done = kerf("--server", closed_port(), "sheet", "list", server=False)
         self.assertEqual(done.returncode, 1)

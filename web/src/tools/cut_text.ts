@@ -31,28 +31,31 @@ function inUnit(value: number, units: readonly [number, string][]): string {
   return value > 0 && digits < 0.01 ? `under 0.01 ${last[1]}` : `${digits.toLocaleString('en')} ${unit}`;
 }
 
-// What a cut with a width took away.
-function removedText({ removed }: CutResult): string {
-  if (!removed) return '';
-  const gone = removed.pieces > 0 ? `, ${countText(removed.pieces, 'whole piece')} among it` : '';
-  return `, ${areaText(removed.areaM2)} (${massText(removed.massKg)}) taken away${gone}`;
-}
-
 /**
- * The reply to a cut in a sentence; what the server warns of is not in it.
+ * The reply to a cut in a few words; what the server warns of is not in it.
  * @param hasWidth  whether a strip was to be taken away
  */
 export function cutText(result: CutResult, hasWidth = false): string {
   if (result.status === CutResult_Status.NO_INTERSECTION) {
-    return hasWidth
-      ? 'Nothing was cut: there is no material under the strip'
-      : 'Nothing was cut: the line misses the sheet, or follows an older cut';
+    if (hasWidth) return 'Nothing was cut: there is no material under the strip';
+    if (result.closedGaps > 0) return 'Nothing was cut: the line follows an older cut or the border';
+    return 'Nothing was cut: the line misses the sheet, or is too small';
   }
-  const pieces = countText(result.pieces, 'piece');
-  const through = result.layers.length > 1 ? ` in ${result.layers.length} stretches` : '';
-  const vertices = countText(result.newVertices, 'new vertex', 'new vertices');
-  const deviation = lengthText(result.deviationM);
-  return `Cut at tick ${result.tick}${through}: ${pieces}, ${vertices}, deviation ${deviation}${removedText(result)}`;
+  const { removed } = result;
+  return `Cut: ${countText(result.pieces, 'piece')}${removed ? `, ${areaText(removed.areaM2)} removed` : ''}`;
+}
+
+/** The rest of the reply to a cut, a sentence each; empty where nothing was cut. */
+export function cutDetails(result: CutResult): string[] {
+  if (result.status !== CutResult_Status.APPLIED) return [];
+  const { removed, layers, tick } = result;
+  const whole = removed && removed.pieces > 0 ? `, including ${countText(removed.pieces, 'whole piece')}` : '';
+  return [
+    `The cut is at most ${lengthText(result.deviationM)} off the line`,
+    ...(layers.length > 1 ? [`The line crosses the sheet in ${layers.length} stretches`] : []),
+    ...(removed ? [`Removed: ${massText(removed.massKg)}${whole}`] : []),
+    `${countText(result.newVertices, 'new vertex', 'new vertices')}, at tick ${tick}`,
+  ];
 }
 
 /** What the server warns of, in sentences; empty without any. */

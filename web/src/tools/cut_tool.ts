@@ -7,7 +7,7 @@ import type { Point2 } from '../geometry/locator';
 import { svgOutline } from '../geometry/svg_outline';
 import { CutHandles } from './cut_handles';
 import { CutPreview } from './cut_preview';
-import { cutText, warningText } from './cut_text';
+import { cutDetails, cutText, warningText } from './cut_text';
 import { MaterialPlane, PicturePlane, cutView, frontHalf } from './drawing_plane';
 import type { CutTarget, DepthRange, DrawingPlane } from './drawing_plane';
 import type { Drawing } from './drawings/drawing';
@@ -15,6 +15,7 @@ import { newDrawing } from './drawings/kinds';
 import type { CutMode } from './drawings/kinds';
 import { PictureDrawing } from './drawings/picture_drawing';
 import type { Picture } from './drawings/picture_drawing';
+import { pressVerb } from './press_verb';
 import { SheetPreview } from './sheet_preview';
 import { stripAlong } from './strip_preview';
 import type { Pointer, Tool, Viewer } from './tool';
@@ -150,7 +151,7 @@ export class CutTool implements Tool {
   }
 
   get prompt(): string {
-    return this.isChoosing ? 'Tap the piece that is to be cut' : this.drawing.prompt;
+    return this.isChoosing ? `${pressVerb()} the piece to cut` : this.drawing.prompt;
   }
 
   /** The chosen point that has a weight. */
@@ -281,7 +282,8 @@ export class CutTool implements Tool {
     );
     this.underWay.delete(drawing);
     if (result) {
-      this.viewer.notify(result.status === CutResult_Status.APPLIED ? 'success' : 'info', cutText(result, widthM > 0));
+      const kind = result.status === CutResult_Status.APPLIED ? 'success' : 'info';
+      this.viewer.notify(kind, cutText(result, widthM > 0), cutDetails(result));
       if (result.warnings.length > 0) this.viewer.notify('warning', warningText(result));
       if (drawing === this.drawing) {
         const { mode, target } = this;

@@ -44,7 +44,8 @@ export interface Viewer {
   readonly watch: RemoteWatch | undefined;
   /** As last told by the server. */
   readonly sheet: Sheet | undefined;
-  notify(kind: NoticeKind, text: string): void;
+  /** @param details  shown on request */
+  notify(kind: NoticeKind, text: string, details?: readonly string[]): void;
   /**
    * Runs a call; its failure becomes a notice. Undefined if it failed.
    * @param what  begins the notice: "Nothing was cut: "

@@ -9,7 +9,7 @@ const kStateText: Record<ShownState, string> = {
   live: 'Live',
   lost: 'Connection lost',
   ended: 'Ended',
-  replay: 'Recording',
+  replay: 'Playing a recording',
 };
 
 /** @param detail  see ConnectionEvents.onState() */

@@ -2,15 +2,14 @@ import { ApiError } from '../api';
 
 // What to do about a refusal that the server's own words do not already say.
 const kAdvice: Record<string, string> = {
-  UNAVAILABLE: 'Look whether kerfd runs; the viewer connects again by itself',
+  UNAVAILABLE: 'Check that kerfd is running; the viewer reconnects by itself',
   RESOURCE_EXHAUSTED: 'Try again in a moment, or ask for less',
   INTERNAL: 'The server’s log says more',
   UNIMPLEMENTED: 'This server is older than the viewer: reload the page',
 };
 
-/** An error in words: what went wrong, what to do, and in brackets the code. */
+/** An error in words: what went wrong, and what to do. */
 export function errorText(error: Error): string {
-  if (!(error instanceof ApiError)) return error.message;
-  const advice = kAdvice[error.code];
-  return `${error.message}${advice ? `. ${advice}` : ''} (${error.code})`;
+  const advice = error instanceof ApiError ? kAdvice[error.code] : undefined;
+  return advice ? `${error.message}. ${advice}` : error.message;
 }

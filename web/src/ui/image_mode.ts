@@ -209,7 +209,7 @@ export class ImageMode {
   private failed(why: string): void {
     this.worker = undefined;
     if (!this.isChosen) return;
-    this.giveUp(`what decodes them has failed: ${why}`);
+    this.giveUp(`the decoder failed: ${why}`);
   }
 
   private giveUp(why: string): void {

@@ -4,21 +4,28 @@ import { icon, make } from './dom';
 const kMaxShown = 4;
 const kShownMs: Record<NoticeKind, number> = { info: 4000, success: 6000, warning: 12000, error: 9000 };
 
-/** Short messages that go away by themselves, or when clicked, and offers that stay. */
+/** Short messages that go away by themselves, or when clicked, and offers that stay. One whose details are open stays, too. */
 export class Notices {
   constructor(private readonly container: HTMLElement) {}
 
-  add(kind: NoticeKind, text: string): void {
-    const notice = document.createElement('div');
-    notice.className = 'card notice';
+  /** @param details  lines that open on request; without any there is nothing to open */
+  add(kind: NoticeKind, text: string, details: readonly string[] = []): void {
+    const notice = make('div', { className: 'card notice' }, text);
     notice.dataset.kind = kind;
-    notice.textContent = text;
     if (kind === 'error') notice.setAttribute('role', 'alert');
-    notice.addEventListener('click', () => notice.remove());
+    const more = details.length > 0 ? detailsOf(details) : undefined;
+    if (more) notice.append(more);
+    notice.addEventListener('click', ({ target }) => {
+      if (!more?.contains(target as Node)) notice.remove();
+    });
     this.container.append(notice);
     const brief = this.container.querySelectorAll('.notice:not(.offer)');
     for (let i = 0; i + kMaxShown < brief.length; ++i) brief[i].remove();
-    setTimeout(() => notice.remove(), kShownMs[kind]);
+    let timer = setTimeout(() => notice.remove(), kShownMs[kind]);
+    more?.addEventListener('toggle', () => {
+      clearTimeout(timer);
+      if (!more.open) timer = setTimeout(() => notice.remove(), kShownMs[kind]);
+    });
   }
 
   /**
@@ -37,4 +44,8 @@ export class Notices {
     this.container.append(notice);
     return () => notice.remove();
   }
+}
+
+function detailsOf(lines: readonly string[]): HTMLDetailsElement {
+  return make('details', {}, make('summary', {}, 'Details'), ...lines.map((line) => make('p', {}, `${line}.`)));
 }

@@ -85,7 +85,7 @@ export class ReplayBar {
     const bytes = await file.arrayBuffer().catch(() => undefined);
     if (file !== this.file) return;
     if (!bytes) return fail('the browser cannot read it');
-    this.worker = startWorker('replay', (why) => fail(`what plays it has failed: ${why}`));
+    this.worker = startWorker('replay', (why) => fail(`the player failed: ${why}`));
     const events = {
       onProgress: (share: number) => (this.progress.value = share),
       onOpened: (replay: Replay) => this.opened(replay, file.name),
@@ -150,7 +150,7 @@ export class ReplayBar {
     replay.togglePlaying();
     if (replay.numTornBytes > 0) {
       const bytes = bytesText(replay.numTornBytes);
-      this.app.notify('warning', `${fileName} was not written to its end: ${bytes} after the last whole frame are left out`);
+      this.app.notify('warning', `${fileName} is incomplete: ${bytes} after the last whole frame were skipped`);
     }
   }
 

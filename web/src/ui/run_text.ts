@@ -6,11 +6,11 @@ import type { NoticeKind } from '../tools/tool';
 /** What to say of a sheet that has played a server's recording to where it goes no further. */
 export function runEndText({ state, endTick, divergedTick }: Replay): [kind: NoticeKind, text: string] | undefined {
   if (state === Replay_State.DONE) {
-    return ['success', `Played to its end at tick ${endTick}, bit for bit as recorded. Resume it, and the sheet goes on by itself`];
+    return ['success', `Played to its end at tick ${endTick}, bit for bit as recorded. Resume it to let the sheet run on its own`];
   }
   if (state !== Replay_State.DIVERGED) return undefined;
   const why = 'another build of the server recorded it, or the file was edited';
-  return ['warning', `Played as recorded to tick ${divergedTick} of ${endTick}, where it comes out otherwise: ${why}`];
+  return ['warning', `Played as recorded to tick ${divergedTick} of ${endTick}, and differently from there on: ${why}`];
 }
 
 /** The reason that the sheet does not move; undefined if it does, or nothing is known of it. */

@@ -2,6 +2,7 @@ import type { App } from '../app';
 import type { CutMode } from '../tools/drawings/kinds';
 import type { CutTarget } from '../tools/drawing_plane';
 import { kCrossFineStep, kCrossStep } from '../tools/keyboard_pointer';
+import { pressVerb } from '../tools/press_verb';
 import type { ToolId } from '../tools/tool';
 
 /** One thing that keys do. */
@@ -53,14 +54,15 @@ function chooseTool(app: App, chord: string, tool: ToolId, what: string): Shortc
 }
 
 function toolGroup(app: App): ShortcutGroup {
+  const press = pressVerb().toLowerCase();
   return {
     title: 'Tools',
-    intro: 'What a tool does not take moves the view.',
+    intro: 'A drag that the tool does not use moves the view.',
     shortcuts: [
       chooseTool(app, 'V', 'view', 'View: drag to orbit, right-drag or two fingers to move, wheel or pinch to zoom'),
-      chooseTool(app, 'C', 'cut', 'Cut: draw on the picture, adjust, and what is seen under the line is cut'),
+      chooseTool(app, 'C', 'cut', 'Cut: draw on the picture and adjust; what is seen under the line is cut'),
       chooseTool(app, 'G', 'grab', 'Grab: drag a vertex, and the sheet follows on a spring'),
-      chooseTool(app, 'P', 'pin', 'Pin: tap a vertex to hold it where it is, tap again to let go'),
+      chooseTool(app, 'P', 'pin', `Pin: ${press} a vertex to hold it where it is, ${press} again to let go`),
     ],
   };
 }
@@ -82,9 +84,9 @@ function cutGroups(app: App): ShortcutGroup[] {
       tools: ['cut'],
       shortcuts: [
         { chords: ['Enter'], what: 'Cut', button: '#cut-apply', run: () => cutTool.isReady && void cutTool.cut() },
-        { chords: ['Escape'], what: 'Give the drawing up', button: '#cut-cancel', run: () => cutTool.escape() },
-        { chords: ['Backspace'], what: 'Take the last point back', run: () => cutTool.removeLast() },
-        { chords: ['N'], what: 'The drawing that was cut last, once more', button: '#cut-again', run: () => cutTool.again() },
+        { chords: ['Escape'], what: 'Discard the drawing', button: '#cut-cancel', run: () => cutTool.escape() },
+        { chords: ['Backspace'], what: 'Remove the last point', run: () => cutTool.removeLast() },
+        { chords: ['N'], what: 'Draw the last cut again', button: '#cut-again', run: () => cutTool.again() },
         {
           chords: ['D'],
           what: 'Perforate instead of cutting through',
@@ -93,12 +95,12 @@ function cutGroups(app: App): ShortcutGroup[] {
         },
         {
           chords: ['T'],
-          what: 'Width taken away: a strip of so many millimetres goes with the cut, and whole pieces inside it',
+          what: 'Width to remove: the cut takes away a strip of so many millimetres, and whole pieces inside it',
           button: '#cut-width',
           run: () => app.cutPanel.askWidth(),
         },
         { chords: ['+'], what: 'More weight for the chosen point of a curve', run: () => cutTool.stepWeight(1) },
-        { chords: ['-'], what: 'Less weight for it', run: () => cutTool.stepWeight(-1) },
+        { chords: ['-'], what: 'Less weight for that point', run: () => cutTool.stepWeight(-1) },
       ],
     },
     {
@@ -125,7 +127,7 @@ function cutGroups(app: App): ShortcutGroup[] {
       shortcuts: [
         setTarget(app, '1', 'seen', 'What is seen under the line'),
         setTarget(app, '2', 'all', 'Every layer'),
-        setTarget(app, '3', 'piece', 'One piece: the one seen where the line first meets the sheet, or one that is tapped'),
+        setTarget(app, '3', 'piece', 'One piece: the one seen where the line first meets the sheet, or one that you choose'),
         setTarget(app, '4', 'depth', 'What lies between two distances from the camera'),
         setTarget(app, '5', 'material', 'The material: the line then moves with the sheet'),
       ],
@@ -141,7 +143,7 @@ function simulationGroup(app: App): ShortcutGroup {
       { chords: ['Space'], what: 'Pause or resume', button: '#pause', isClicked: true, run: () => controls.togglePause() },
       {
         chords: ['.'],
-        what: 'One tick; pauses first',
+        what: 'Pause and advance by one tick',
         button: '#step',
         isClicked: true,
         isRepeated: true,
@@ -155,11 +157,11 @@ function simulationGroup(app: App): ShortcutGroup {
         run: () => controls.speed.step(-1),
       },
       { chords: ['>'], what: 'Twice as fast', isRepeated: true, run: () => controls.speed.step(1) },
-      { chords: ['0'], what: 'As fast as it happens', run: () => controls.speed.set(1) },
+      { chords: ['0'], what: 'Real time: speed 1', run: () => controls.speed.set(1) },
       { chords: ['R'], what: 'Back to the start', button: '#reset', isClicked: true, run: () => void controls.reset() },
       {
         chords: ['Ctrl+Z'],
-        what: 'Undo the last cut; the sheet moves on',
+        what: 'Undo the last cut; the sheet keeps moving',
         button: '#undo',
         isClicked: true,
         isRepeated: true,
@@ -167,7 +169,7 @@ function simulationGroup(app: App): ShortcutGroup {
       },
       {
         chords: ['Ctrl+Shift+Z', 'Ctrl+Y'],
-        what: 'Make it again',
+        what: 'Redo the cut',
         button: '#redo',
         isClicked: true,
         isRepeated: true,
@@ -184,7 +186,7 @@ function viewGroup(app: App, openHelp: () => void): ShortcutGroup {
       { chords: ['W'], what: 'Wireframe', button: '#wireframe', isClicked: true, run: () => app.look.toggleWireframe() },
       {
         chords: ['K'],
-        what: 'A colour for each piece, which it keeps until it is cut itself',
+        what: 'A colour for each piece, kept until that piece is cut',
         button: '#by-piece',
         isClicked: true,
         run: () => app.look.toggleByPiece(),
@@ -192,7 +194,7 @@ function viewGroup(app: App, openHelp: () => void): ShortcutGroup {
       { chords: ['X'], what: 'Colours by strain', button: '#by-strain', isClicked: true, run: () => app.look.toggleByStrain() },
       {
         chords: ['Q'],
-        what: 'Pictures drawn by the server in place of the mesh, or the mesh again',
+        what: 'Show pictures drawn by the server instead of the mesh, or the mesh again',
         button: '#image-mode',
         isClicked: true,
         run: () => void app.imageMode.toggle(),
@@ -200,7 +202,7 @@ function viewGroup(app: App, openHelp: () => void): ShortcutGroup {
       { chords: ['F'], what: 'Show the whole sheet', button: '#fit', isClicked: true, run: () => app.fit() },
       {
         chords: ['H'],
-        what: 'Light, dark, or as the system is',
+        what: 'Light, dark, or the system’s theme',
         button: '#theme',
         isClicked: true,
         run: () => app.theme.next(),
@@ -213,7 +215,7 @@ function viewGroup(app: App, openHelp: () => void): ShortcutGroup {
 function streamGroup(app: App): ShortcutGroup {
   return {
     title: 'Stream and files',
-    intro: 'A recording that is played has Space to play or pause, . and , for a frame on or back, Escape to close it.',
+    intro: 'While a recording plays: Space plays or pauses, . and , go one frame forward or back, Escape closes it.',
     shortcuts: [
       {
         chords: ['U'],
@@ -283,7 +285,7 @@ function viewKeys(app: App): ShortcutGroup {
   }));
   const shift = kArrows.map(([key, word, right, up]) => ({
     chords: [`Shift+${key}`],
-    what: `Move it ${word}`,
+    what: `Move the view ${word}`,
     isRepeated: true,
     run: () => stage.pan(right * kShift, up * kShift),
   }));
@@ -293,8 +295,8 @@ function viewKeys(app: App): ShortcutGroup {
     shortcuts: [
       ...turn,
       ...shift,
-      { chords: ['+'], what: 'Nearer', isRepeated: true, run: () => stage.zoom(kNearer) },
-      { chords: ['-'], what: 'Farther', isRepeated: true, run: () => stage.zoom(1 / kNearer) },
+      { chords: ['+'], what: 'Zoom in', isRepeated: true, run: () => stage.zoom(kNearer) },
+      { chords: ['-'], what: 'Zoom out', isRepeated: true, run: () => stage.zoom(1 / kNearer) },
     ],
   };
 }
@@ -310,11 +312,11 @@ function crossKeys(app: App): ShortcutGroup {
     }));
   return {
     title: 'A cross in place of the mouse',
-    intro: 'What is pressed with Enter is dragged by arrows, until Enter lets go.',
+    intro: 'Enter presses; the arrows then drag, until Enter lets go.',
     tools: ['cut', 'grab', 'pin'],
     shortcuts: [
-      { chords: ['Enter'], what: 'Set a point, press, or let go where the cross is', run: () => keyboardPointer.press() },
-      { chords: ['Escape'], what: 'Take the cross away', run: () => keyboardPointer.hide() },
+      { chords: ['Enter'], what: 'Set a point, press, or let go at the cross', run: () => keyboardPointer.press() },
+      { chords: ['Escape'], what: 'Hide the cross', run: () => keyboardPointer.hide() },
       ...moves(['', kCrossStep, '']),
       ...moves(['Shift+', kCrossFineStep, ', a little']),
     ],

@@ -15,7 +15,7 @@ export class SpeedControl {
   constructor(private readonly viewer: Viewer) {
     this.newest = new Newest(
       (name, speed) =>
-        viewer.attempt(() => call(SheetService.method.setSheetSpeed, { name, speed }), 'The speed is as it was: '),
+        viewer.attempt(() => call(SheetService.method.setSheetSpeed, { name, speed }), 'The speed was not changed: '),
       () => viewer.refreshSheet(),
     );
     this.select.addEventListener('change', () => this.set(Number(this.select.value)));

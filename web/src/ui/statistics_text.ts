@@ -5,7 +5,7 @@ import { kCurrent, stillText } from './run_text';
 
 /** Labels of the overlay, and what they mean, in the order in which they are shown. */
 export const kStatistics = {
-  format: ['what comes', 'The mesh, or pictures that the server draws; what comes of the mesh beside pictures is not counted here'],
+  format: ['stream', 'The mesh, or pictures that the server draws; frames of the mesh beside pictures are not counted here'],
   fps: ['drawn', 'Pictures drawn a second'],
   age: ['frame age', 'Since the tick that is shown ended, as it was drawn: median and 95th percentile'],
   frames: ['frames', 'Frames of the mesh, or pictures, that came a second'],

@@ -1,4 +1,5 @@
 import type { App } from '../app';
+import { svgFault } from '../geometry/svg_fault';
 import { element } from './dom';
 
 // kerf.v1.Svg.
@@ -30,6 +31,8 @@ export class SvgFiles {
     }
     const text = await file.text().catch(() => undefined);
     if (text === undefined) return refuse('cannot be read');
+    const fault = svgFault(text);
+    if (fault) return refuse(fault);
     this.app.choose('cut');
     // Refused while a recording is shown.
     if (this.app.tool !== this.app.cutTool) return;

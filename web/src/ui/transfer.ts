@@ -6,7 +6,7 @@ import { errorText } from './error_text';
 // A shorter one is over before it could be read about.
 const kShownAfterMs = 200;
 
-/** A file on its way to or from the server: one at a time, told in the header while it takes long, given up there. */
+/** A file on its way to or from the server: one at a time, shown in the header while it takes long, cancelled there. */
 export class Transfer {
   private readonly chip = element('transfer');
   private readonly progress = element<HTMLProgressElement>('transfer-progress');
@@ -21,13 +21,13 @@ export class Transfer {
   }
 
   /**
-   * What `work` gives; undefined where it failed or was given up, which a notice tells.
+   * What `work` gives; undefined where it failed or was cancelled, which a notice tells.
    * @param text    "Sending fall.rec"
    * @param failed  begins the notice: "fall.rec is not played: "
    */
   async run<T>(text: string, failed: string, work: (options: TransferOptions) => Promise<T>): Promise<T | undefined> {
     if (this.running) {
-      this.notices.notify('error', `${failed}another file is on its way. Wait for it, or give it up`);
+      this.notices.notify('error', `${failed}another file is being transferred. Wait for it, or cancel it`);
       return undefined;
     }
     const running = new AbortController();
@@ -39,7 +39,7 @@ export class Transfer {
     try {
       return await work({ signal: running.signal, onProgress });
     } catch (error) {
-      if (running.signal.aborted) this.notices.notify('info', `${failed}it was given up`);
+      if (running.signal.aborted) this.notices.notify('info', `${failed}it was cancelled`);
       else this.notices.notify('error', `${failed}${errorText(error as Error)}`);
       return undefined;
     } finally {

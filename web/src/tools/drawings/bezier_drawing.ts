@@ -1,5 +1,6 @@
 import { bezierPoint, flattened } from '../../geometry/curve';
 import type { Point2 } from '../../geometry/locator';
+import { pressVerb } from '../press_verb';
 import { PointDrawing } from './drawing';
 import type { DrawnCut, PreviewLine } from './drawing';
 
@@ -20,11 +21,11 @@ export class BezierDrawing extends PointDrawing {
   get prompt(): string {
     switch (this.points.length) {
       case 0:
-        return 'Tap the points of a curve: three or four';
+        return `${pressVerb()} the points of a curve: three or four`;
       case 3:
-        return 'Cut this quadratic curve, or tap a fourth point for a cubic one';
+        return `Cut this quadratic curve, or ${pressVerb().toLowerCase()} a fourth point for a cubic one`;
       case 4:
-        return 'Drag the points, tap one to weight it, then cut';
+        return `Drag the points, ${pressVerb().toLowerCase()} one to weight it, then cut`;
       default:
         return `Point ${this.points.length + 1} of 3 or 4`;
     }

@@ -1,4 +1,5 @@
 import type { Point2 } from '../../geometry/locator';
+import { pressVerb } from '../press_verb';
 import { PointDrawing } from './drawing';
 import type { DrawnCut, PreviewLine } from './drawing';
 
@@ -12,8 +13,8 @@ export class LinesDrawing extends PointDrawing {
   }
 
   get prompt(): string {
-    if (!this.isStarted) return 'Tap the corners of a line of straight pieces';
-    return this.isReady ? 'Tap more corners, or cut' : 'Tap the next corner';
+    if (!this.isStarted) return `${pressVerb()} the corners of a line of straight pieces`;
+    return this.isReady ? `${pressVerb()} more corners, or cut` : `${pressVerb()} the next corner`;
   }
 
   override tap(point: Point2): void {

@@ -8,7 +8,7 @@ import type { Viewer } from '../../tools/tool';
 import { element, setText } from '../dom';
 import { errorText } from '../error_text';
 import { areaMassText, presetOf } from '../material_text';
-import { kBendingId, kMaterialQuantities } from './material_quantities';
+import { kBendingId, kMaterialQuantities, materialRefusal } from './material_quantities';
 import { QuantitySlider } from './quantity_slider';
 
 interface Change {
@@ -114,8 +114,7 @@ export class MaterialControl {
       await call(InteractionService.method.setSheetMaterial, { name, setMaterial: { material, part } });
     } catch (error) {
       if (name !== this.viewer.sheetName) return;
-      // Which field it is, the place where it is told says.
-      refused(errorText(error as Error).replaceAll('set_material.material.', ''));
+      refused(materialRefusal(errorText(error as Error)));
     }
   }
 
@@ -125,7 +124,7 @@ export class MaterialControl {
     if (!info || this.presets.length > 0) return;
     this.presets = info.materials;
     const names = this.presets.map(({ preset }) => new Option(preset, preset));
-    this.preset.replaceChildren(new Option('own numbers', kOwnNumbers), ...names);
+    this.preset.replaceChildren(new Option('custom', kOwnNumbers), ...names);
     this.showNumbers();
   }
 

@@ -68,7 +68,7 @@ export const kMaterialQuantities: readonly MaterialQuantity[] = [
   {
     id: 'stiffness',
     name: 'Stiffness',
-    tip: 'Young’s modulus along the fibres; across and shear change by the same factor',
+    tip: 'Young’s modulus along the fibres; transverse and shear change by the same factor',
     unit: 'Pa',
     isSi: true,
     scale: logScale(1e3, 1e11),
@@ -77,8 +77,8 @@ export const kMaterialQuantities: readonly MaterialQuantity[] = [
   },
   {
     id: 'across',
-    name: '… across',
-    tip: 'Young’s modulus across the fibres, alone',
+    name: 'Transverse',
+    tip: 'Young’s modulus across the fibres',
     unit: 'Pa',
     isSi: true,
     scale: logScale(1e3, 1e11),
@@ -87,16 +87,16 @@ export const kMaterialQuantities: readonly MaterialQuantity[] = [
   {
     id: 'shear',
     name: 'Shear',
-    tip: 'Shear modulus, alone',
+    tip: 'Shear modulus',
     unit: 'Pa',
     isSi: true,
     scale: logScale(1e3, 1e11),
     ...field('shearModulusPa'),
   },
   {
-    id: 'contraction',
-    name: 'Contraction',
-    tip: 'Poisson’s ratio: strain across from stress along',
+    id: 'poisson',
+    name: 'Poisson’s ratio',
+    tip: 'How much the sheet narrows as it is stretched along the fibres',
     unit: '',
     isSi: false,
     scale: linearScale(-0.5, 0.9, 0.01),
@@ -105,7 +105,7 @@ export const kMaterialQuantities: readonly MaterialQuantity[] = [
   {
     id: 'direction',
     name: 'Direction',
-    tip: 'Of the fibres, from the sheet’s x to its y axis; presets leave it',
+    tip: 'Direction of the fibres, from the sheet’s x to its y axis; presets keep it',
     unit: '°',
     isSi: false,
     scale: linearScale(-180, 180, 5),
@@ -115,7 +115,7 @@ export const kMaterialQuantities: readonly MaterialQuantity[] = [
   {
     id: kBendingId,
     name: 'Bending',
-    tip: 'Bending stiffness along the fibres; across and twisting change by the same factor. A plate’s goes with stiffness and thickness',
+    tip: 'Bending stiffness along the fibres; transverse and twisting change by the same factor. A plate’s follows from stiffness and thickness',
     unit: 'N m',
     isSi: true,
     scale: logScale(1e-8, 1e-1, true),
@@ -134,7 +134,7 @@ export const kMaterialQuantities: readonly MaterialQuantity[] = [
   {
     id: 'density',
     name: 'Density',
-    tip: 'Mass by volume',
+    tip: 'Mass per volume',
     unit: 'kg/m³',
     isSi: false,
     scale: logScale(10, 1e4),
@@ -151,11 +151,30 @@ export const kMaterialQuantities: readonly MaterialQuantity[] = [
   },
   {
     id: 'friction',
-    name: '… inside',
-    tip: 'Rayleigh’s beta: slows stretching, by damping that goes with stiffness',
+    name: 'Stretch damping',
+    tip: 'Rayleigh’s beta: slows stretching, in proportion to stiffness',
     unit: 's',
     isSi: true,
     scale: logScale(1e-7, 0.1, true),
     ...field('stiffnessDampingS'),
   },
 ];
+
+// Labels of the fields of kerf.v1.Material.
+const kFieldNames: Record<string, string> = {
+  youngs_modulus_pa: 'Stiffness',
+  youngs_modulus_2_pa: 'Transverse stiffness',
+  shear_modulus_pa: 'Shear stiffness',
+  poissons_ratio: 'Poisson’s ratio',
+  direction_rad: 'Direction',
+  thickness_m: 'Thickness',
+  density_kgpm3: 'Density',
+  bending_scale: 'Bending',
+  mass_damping_per_s: 'Damping',
+  stiffness_damping_s: 'Stretch damping',
+};
+
+/** The server's words about a material with the names that its numbers have here. */
+export function materialRefusal(text: string): string {
+  return text.replaceAll(/(?:set_material\.)?material\.(\w+)/g, (_, name: string) => kFieldNames[name] ?? name);
+}

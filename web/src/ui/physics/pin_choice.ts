@@ -22,7 +22,7 @@ export class PinChoice {
     const { viewer } = this;
     const done = await viewer.attempt(
       () => call(InteractionService.method.setSheetPins, { name: viewer.sheetName, setPins: { pins } }),
-      'The pins are as they were: ',
+      'The pins were not changed: ',
     );
     if (done) await viewer.refreshSheet();
   }

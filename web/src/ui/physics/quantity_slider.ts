@@ -72,7 +72,7 @@ export class QuantitySlider {
     const { name, unit, isSi, scale } = this.quantity;
     const value = parseQuantity(this.field.value, unit, isSi);
     if (value !== undefined) return this.set(value);
-    this.refuse(`Give ${name.replace('… ', '')} as a number, such as ${this.textOf(scale.valueAt(scale.end / 2))}`);
+    this.refuse(`Give ${name} as a number, such as ${this.textOf(scale.valueAt(scale.end / 2))}`);
   }
 
   // Escape takes back what was typed, before it closes the panel.

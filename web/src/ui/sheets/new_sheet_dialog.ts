@@ -1,13 +1,15 @@
-import { ApiError, call, requestBody, sendFile } from '../../api';
+import { call, requestBody, sendFile } from '../../api';
 import type { ServerInfo } from '../../gen/kerf/v1/server_pb';
 import { CreateSheetRequestSchema, SheetSchema, SheetService } from '../../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
+import { svgFault } from '../../geometry/svg_fault';
 import { serverInfo } from '../../server_info';
 import { countText, sizeText } from '../../tools/cut_text';
 import { element, make, setText } from '../dom';
 import { errorText } from '../error_text';
 import { materialFacts } from '../material_text';
-import { createRequest, formField, uploadPath } from './new_sheet';
+import { formErrors, nameError, refusal } from './form_checks';
+import { createRequest, uploadPath } from './new_sheet';
 import type { Hang, MeshFile, NewShape, NewSheet, Outline } from './new_sheet';
 import { outlineParts } from './outline_parts';
 import type { OutlineParts } from './outline_parts';
@@ -36,6 +38,7 @@ export class NewSheetDialog {
     });
     this.form.addEventListener('input', ({ target }) => {
       this.clearError((target as HTMLElement).id.replace('new-', ''));
+      if (target === fieldOf('id')) this.checkName();
       this.update();
     });
     this.dialog.querySelector('[data-close]')!.addEventListener('click', () => this.dialog.close());
@@ -87,6 +90,8 @@ export class NewSheetDialog {
     const ending = file.name.toLowerCase().split('.').at(-1);
     const name = ending === 'svg' ? 'outline' : 'file';
     this.choose(name === 'outline' ? 'outline' : 'file');
+    // A name that was refused is not the file's fault.
+    if (fieldOf('id').getAttribute('aria-invalid') === 'true') fieldOf('id').value = '';
     this.clearErrors();
     if (ending === 'svg') {
       const text = await file.text().catch(() => undefined);
@@ -104,11 +109,13 @@ export class NewSheetDialog {
 
   // Undefined where its lines make no sheet; the field then says why.
   private partsOf(name: string, text: string): typeof this.drawing {
+    const refuse = (why: string) => void this.showError('outline', `${name} ${why}`);
+    const fault = svgFault(text);
+    if (fault) return refuse(fault);
     try {
       return { name, parts: outlineParts(text) };
     } catch (error) {
-      this.showError('outline', `${name} ${(error as Error).message}`);
-      return undefined;
+      return refuse((error as Error).message);
     }
   }
 
@@ -174,7 +181,8 @@ export class NewSheetDialog {
   private async create(): Promise<void> {
     this.clearErrors();
     const form = this.read();
-    if (!this.check(form)) return this.focusError();
+    this.check(form);
+    if (this.form.querySelector('[aria-invalid=true]')) return this.focusError();
     const request = createRequest(form);
     if (!this.fits(form, requestBody(CreateSheetRequestSchema, request).length)) return this.focusError();
     const sending = new AbortController();
@@ -189,8 +197,7 @@ export class NewSheetDialog {
     } catch (error) {
       // Whoever closed the form knows.
       if (sending.signal.aborted) return;
-      const path = error instanceof ApiError ? error.field : '';
-      this.showError(formField(path) ?? '', errorText(error as Error));
+      this.showError(...refusal(error as Error, form));
       this.focusError();
     } finally {
       this.sending = undefined;
@@ -211,22 +218,15 @@ export class NewSheetDialog {
     this.drawing = undefined;
   }
 
-  // What the server would not even be asked: fields that are empty. Ranges are the server's to know.
-  private check({ shape, file, outline, columns, rows, widthM, heightM }: NewSheet): boolean {
-    if (shape === 'file' && !file) this.showError('file', 'Choose an OBJ or a PLY file');
-    if (shape === 'file' && file?.content.size === 0) this.showError('file', `${file.name} is empty: choose another one`);
-    if (shape === 'outline' && !this.drawing) this.showError('outline', 'Choose an SVG file with a closed line');
-    if (shape === 'outline' && !(fieldOf('outline-width').valueAsNumber > 0)) {
-      this.showError('outline-width', 'Give a width above 0 m');
-    }
-    if (shape === 'grid') {
-      const numbers = { columns, rows, width: widthM, height: heightM };
-      for (const [name, value] of Object.entries(numbers)) {
-        if (!Number.isFinite(value)) this.showError(name, 'Give a number');
-      }
-    }
-    const isDrawn = shape !== 'outline' || outline !== undefined;
-    return isDrawn && this.form.querySelector('[aria-invalid=true]') === null;
+  private check(form: NewSheet): void {
+    const mostVertices = this.info?.limits?.maxVerticesPerSheet ?? Infinity;
+    for (const [name, text] of formErrors(form, this.drawing !== undefined, mostVertices)) this.showError(name, text);
+  }
+
+  // Runs while the name is typed.
+  private checkName(): void {
+    const wrong = nameError(fieldOf('id').value.trim());
+    if (wrong) this.showError('id', wrong);
   }
 
   // What the server would refuse after all of it was sent. Requests are of ASCII but for names: as many bytes as letters, nearly.

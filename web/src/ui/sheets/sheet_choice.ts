@@ -19,7 +19,10 @@ const kListPeriodMs = 1500;
 
 /** Which sheet is watched: asked for in the address, picked, opened in the panel of all sheets, made or deleted. */
 export class SheetChoice implements Panel {
-  readonly dialog = new NewSheetDialog((name) => this.open(name));
+  readonly dialog = new NewSheetDialog((name) => {
+    this.open(name);
+    this.app.focusStage();
+  });
   private readonly picker: SheetPicker;
   private readonly list: SheetList;
   private readonly polling = new Polling(() => this.refresh(), kListPeriodMs);

@@ -1,0 +1,14 @@
+/** The fault of a text as an SVG drawing, to follow the file's name: "is broken: ..."; undefined without one. */
+export function svgFault(text: string): string | undefined {
+  const parsed = new DOMParser().parseFromString(text, 'image/svg+xml');
+  // Browsers report faults in a document of their own.
+  const fault = parsed.querySelector('parsererror');
+  if (fault) return faultText(fault.textContent ?? '');
+  return parsed.documentElement.localName === 'svg' ? undefined : 'is no SVG drawing';
+}
+
+/** @param report  a browser's: "... error on line 3 at column 7: ..." or "... Line Number 3, Column 7: ..." */
+export function faultText(report: string): string {
+  const line = /line (?:number )?(\d+)/i.exec(report)?.[1];
+  return `is broken: its text ${line ? `ends early or has an error in line ${line}` : 'ends early or has an error'}`;
+}
