@@ -199,20 +199,19 @@ CommandReply Sheet::Impl::plain_reply() const {
   return reply;
 }
 
-std::vector<fem::Pin> holds_at(const std::vector<mesh::VertexId>& vertices, fem::State& state) {
-  std::vector<fem::Pin> holds;
+void hold(const std::vector<mesh::VertexId>& vertices, fem::State& state, std::vector<fem::Pin>& holds) {
+  holds.clear();
   holds.reserve(vertices.size());
   for (const mesh::VertexId v : vertices) {
     state.v.col(v).setZero();
     holds.push_back({v, state.x.col(v), Eigen::Vector3d::Zero()});
   }
-  return holds;
 }
 
 // Holds `vertices` (sorted, unique) where they are now.
 void Sheet::Impl::pin(std::vector<mesh::VertexId> vertices) {
   pinned = std::move(vertices);
-  holds = holds_at(pinned, state);
+  hold(pinned, state, holds);
   conditions_changed = true;
   contact.set_vertices(mesh.num_vertices(), pinned, removed);
 }

@@ -91,8 +91,8 @@ std::optional<fem::Softening> choose_softening(const SheetConfig& config, const 
 fem::Model make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh,
                       const std::vector<fem::Material>& by_region, const std::optional<fem::Softening>& softening);
 
-// Holds the vertices where `state` has them; they stop.
-std::vector<fem::Pin> holds_at(const std::vector<mesh::VertexId>& vertices, fem::State& state);
+// Makes `holds` those of the vertices where `state` has them; they stop.
+void hold(const std::vector<mesh::VertexId>& vertices, fem::State& state, std::vector<fem::Pin>& holds);
 
 struct Sheet::Impl {
   Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,

@@ -41,7 +41,8 @@ Checkpoint Sheet::Impl::checkpoint() const {
 
 Checkpoint Sheet::Impl::initial_checkpoint() const {
   fem::State at_first{initial->built.positions, initial->velocities};
-  std::vector<fem::Pin> holds_at_first = holds_at(initial->pinned, at_first);
+  std::vector<fem::Pin> holds_at_first;
+  hold(initial->pinned, at_first, holds_at_first);
   return {.mesh = initial->built.mesh,
           .state = std::move(at_first),
           .pinned = initial->pinned,

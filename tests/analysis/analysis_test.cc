@@ -231,7 +231,7 @@ TEST(DynamicAnalysis, EndsWhereTheSheetFreezesAndCountsItsFlags) {
   ASSERT_TRUE(outcome.ok());
   EXPECT_EQ(outcome->dynamics->ticks, sheet::Sheet::kMaxFailedSteps);
   EXPECT_EQ(outcome->dynamics->simulated, 0.0);
-  EXPECT_EQ(outcome->dynamics->flagged_ticks[4], sheet::Sheet::kMaxFailedSteps) << fem::kStepFlagNames[4];
+  EXPECT_EQ(outcome->dynamics->flagged_ticks[3], sheet::Sheet::kMaxFailedSteps) << fem::kStepFlagNames[3];
   EXPECT_EQ(outcome->tables.at(0).rows.size(), 1U + sheet::Sheet::kMaxFailedSteps);
 }
 

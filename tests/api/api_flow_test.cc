@@ -76,6 +76,9 @@ TEST_F(FlowTest, StrainsOfAPausedSheetComeForWhoAsksLater) {
 
 TEST_F(FlowTest, PausedStreamStaysOpenAndOwesNothing) {
   ASSERT_TRUE(create_sheet("a", false).ok());
+  v1::CreateCutRequest to_come = cut_request("sheets/a", 0.5);
+  to_come.set_at_tick(1'000'000);  // so that the sheet does not sleep
+  ASSERT_TRUE(call(&Api::create_cut, to_come).ok());
   Viewer viewer(*api_);
   viewer.start("sheets/a", 1);
   run_for(3 * kTick);

@@ -95,6 +95,21 @@ TEST_F(ApiTest, JournalListsTheCutsSinceTheLastReset) {
   EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 0);
   ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.5)).ok());
   EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 1);
+
+  // The reset can be undone, and redone, and the journal follows.
+  list.set_page_size(0);
+  v1::UndoCutRequest undo;
+  undo.set_parent("sheets/a");
+  v1::RedoCutRequest redo;
+  redo.set_parent("sheets/a");
+  EXPECT_FALSE(call(&Api::undo_cut, undo).value().reset());
+  EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 0);
+  EXPECT_TRUE(call(&Api::undo_cut, undo).value().reset());
+  EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 5);
+  EXPECT_TRUE(call(&Api::redo_cut, redo).value().reset());
+  EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 0);
+  EXPECT_FALSE(call(&Api::redo_cut, redo).value().reset());
+  EXPECT_EQ(call(&Api::list_cuts, list).value().cuts_size(), 1);
 }
 
 TEST_F(ApiTest, ListedDrawingsCutTheSameAgain) {

@@ -156,6 +156,7 @@ async function restart(browser, server) {
   await viewer.until('k.connection === "lost"');
   await server.start();
   await viewer.until('k.connection === "live" && k.numVertices === 2500 && k.pieces === 1');
+  await viewer.notice(/The server was restarted, or the sheet made again/);
   const tick = await viewer.read('k.tick');
   await viewer.until('k.tick > given.tick', { tick });
   check(await viewer.page.evaluate(() => window.notReloaded), 'the page was loaded again');
@@ -187,7 +188,79 @@ async function withoutWorkers(browser, server) {
   await viewer.page.close();
 }
 
+/** A reset by one of two who watch. */
+async function resetBeforeOthers(browser, server) {
+  await post(server.url, 'SheetService/CreateSheet', { sheetId: 'shared', scene: kStill, paused: true });
+  const pages = [];
+  for (let i = 0; i < 2; ++i) {
+    pages.push(await ViewerPage.open(browser, `${server.url}/?sheet=shared`, kSmall));
+    await pages[i].untilDrawn('k.connection === "live" && k.framesDrawn > 0');
+  }
+  const [first, second] = pages;
+  const curve = { polyline: { points: [{ x: -0.1, y: 0.4 }, { x: 1.1, y: 0.6 }] } };
+  await post(server.url, 'CutService/CreateCut', { parent: 'sheets/shared', cut: { curve } });
+  for (const page of pages) await page.until('k.pieces === 2');
+  await first.page.click('#reset');
+  await first.shows('#confirmation-question', 'Somebody else watches this sheet. Reset it for everybody?');
+  await first.page.keyboard.press('Escape');
+  await first.page.waitForSelector('#confirmation', { state: 'hidden' });
+  check((await first.read('k.pieces')) === 2, 'a reset that was not confirmed was done');
+  await first.page.click('#reset');
+  await first.page.click('#confirmation-yes');
+  for (const page of pages) {
+    await page.until('k.pieces === 1');
+    await page.notice(/The sheet was reset; Undo brings back what was there/);
+  }
+  await second.page.keyboard.press('Control+z');
+  for (const page of pages) {
+    await page.until('k.pieces === 2');
+    await page.notice(/The reset was undone/);
+    await page.page.close();
+  }
+  await post(server.url, 'SheetService/DeleteSheet', { name: 'sheets/shared' });
+}
+
+/** A scene that plays again by itself while it is watched, until somebody changes it. */
+async function story(browser, server) {
+  const curve = { polyline: { points: [{ x: -0.1, y: 0.4 }, { x: 1.1, y: 0.6 }] } };
+  const scene = { ...kStill, commands: [{ tick: 60, command: { cut: { curve } } }], repeatAfterTicks: 100 };
+  await post(server.url, 'SheetService/CreateSheet', { sheetId: 'story', scene });
+  const viewer = await ViewerPage.open(browser, `${server.url}/?sheet=story`, kSmall);
+  for (let i = 0; i < 2; ++i) {
+    await viewer.until('k.pieces === 2');
+    await viewer.until('k.pieces === 1');
+  }
+  const second = { polyline: { points: [{ x: -0.1, y: 0.8 }, { x: 1.1, y: 0.9 }] } };
+  await post(server.url, 'CutService/CreateCut', { parent: 'sheets/story', cut: { curve: second } });
+  await viewer.until('k.pieces === 3');
+  const { tick } = await post(server.url, 'SheetService/GetSheet', { name: 'sheets/story' });
+  while ((await post(server.url, 'SheetService/GetSheet', { name: 'sheets/story' })).run_state !== 'SLEEPING');
+  const asleep = await post(server.url, 'SheetService/GetSheet', { name: 'sheets/story' });
+  check(Number(asleep.tick) > Number(tick) && asleep.pieces === 3, `what was changed was taken away: ${asleep.pieces} pieces`);
+  await viewer.page.close();
+  await post(server.url, 'SheetService/DeleteSheet', { name: 'sheets/story' });
+}
+
+async function firstVisit(browser, server) {
+  const viewer = await ViewerPage.open(browser, `${server.url}/?sheet=demo`, { ...kSmall, isFirstVisit: true });
+  await viewer.page.waitForSelector('#first-hint', { state: 'visible' });
+  await viewer.screenshot('first-hint');
+  await viewer.page.keyboard.press('c');
+  await viewer.page.waitForSelector('#first-hint', { state: 'hidden' });
+  await viewer.page.reload();
+  await viewer.until('k.connection === "live"');
+  check(await viewer.page.isHidden('#first-hint'), 'the hint is there again');
+  await viewer.page.close();
+}
+
 export function connectionSteps(steps, browser, server) {
+  steps.step('a first visit has a hint, a second one has not', () => firstVisit(browser, server));
+  steps.step('a reset is confirmed where others watch, told to everybody and undone', () =>
+    resetBeforeOthers(browser, server),
+  );
+  steps.step('a scene that repeats plays again while it is watched, until somebody changes it', () =>
+    story(browser, server),
+  );
   steps.step('on a slow network frames are skipped, and no more are on their way than a window has', () =>
     slowNetwork(browser, server),
   );

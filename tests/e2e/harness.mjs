@@ -12,7 +12,7 @@ const { chromium } = createRequire(`${root}/web/package.json`)('playwright-core'
 export const kPatienceMs = 90_000;
 
 async function launchKerfd(path, web, http, options) {
-  const scene = `${root}/deploy/scenes/demo.json`;
+  const scene = `${root}/tests/e2e/demo.json`;
   const usual = ['--listen', '127.0.0.1:0', '--http', http, '--max-load', '0', '--web', web, '--scene', scene];
   const child = spawn(path, [...usual, ...options], { stdio: ['ignore', 'pipe', 'inherit'] });
   const exited = new Promise((resolve) => child.once('exit', (code, signal) => resolve(signal ?? code)));

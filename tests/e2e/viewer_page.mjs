@@ -49,12 +49,14 @@ export class ViewerPage {
 
   /**
    * @param options  of the page; frameMs: least time between two drawings, 0 for as many as there can be; isAdaptive: the
-   *                 page chooses its resolution, which otherwise is full
+   *                 page chooses its resolution, which otherwise is full; isFirstVisit: with the hint of a first visit
    * @param prepare  called with the page before it loads anything
    */
-  static async open(browser, url, { frameMs = kFrameMs, isAdaptive = false, ...options }, prepare = async () => {}) {
+  static async open(browser, url, given, prepare = async () => {}) {
+    const { frameMs = kFrameMs, isAdaptive = false, isFirstVisit = false, ...options } = given;
     const viewer = new ViewerPage(await browser.newPage(options));
     await viewer.page.addInitScript(drawSeldom, frameMs);
+    if (!isFirstVisit) await viewer.page.addInitScript(() => localStorage.setItem('kerf-hint', 'seen'));
     await prepare(viewer.page);
     const address = new URL(url);
     if (!isAdaptive) address.searchParams.set('resolution', 'full');

@@ -7,7 +7,7 @@ const kWide = { viewport: { width: 1280, height: 720 }, colorScheme: 'light' };
 const kPhone = { viewport: { width: 390, height: 844 }, colorScheme: 'dark', hasTouch: true, isMobile: true };
 const kDemo = { name: 'sheets/demo' };
 const kDemoVertices = 2500;
-// The sheet of deploy/scenes/demo.json before it falls: uncut, level, 0.8 m up.
+// The sheet of demo.json before it falls: uncut, level, 0.8 m up.
 const kStartState = `k.numVertices === ${kDemoVertices} && k.pieces === 1
   && Math.abs(k.toWorld(0.5, 0).z - 0.8) < 1e-3`;
 
@@ -226,7 +226,7 @@ export function viewerSteps(steps, browser, server) {
   });
 
   steps.step('another sheet is chosen, and the first again', async () => {
-    const { sheet_id, commands, ...scene } = JSON.parse(await readFile(`${root}/deploy/scenes/demo.json`, 'utf8'));
+    const { sheet_id, commands, ...scene } = JSON.parse(await readFile(`${root}/tests/e2e/demo.json`, 'utf8'));
     const grid = { columns: 8, rows: 8, width_m: 0.5, height_m: 0.5 };
     await post(url, 'SheetService/CreateSheet', { sheetId: 'second', scene: { ...scene, grid } });
     for (let round = 0; round < 3; ++round) {
@@ -295,7 +295,7 @@ export function viewerSteps(steps, browser, server) {
 
   steps.step('the ball does not show through the cloth on it', async () => {
     await post(url, 'SheetService/PauseSheet', kDemo);
-    const scene = JSON.parse(await readFile(`${root}/deploy/scenes/demo.json`, 'utf8'));
+    const scene = JSON.parse(await readFile(`${root}/tests/e2e/demo.json`, 'utf8'));
     const { center, radius_m: radius } = scene.colliders[0].sphere;
     const open = async (prepare) => {
       const page = await ViewerPage.open(browser, `${url}/?sheet=demo`, kPhone, prepare);

@@ -135,7 +135,7 @@ TEST(Reset, LetsGoAndItsUndoDoesNotTakeHoldAgain) {
   ASSERT_TRUE(apply(sheet, Reset{}));
   EXPECT_TRUE(sheet.grabs().empty());
   ASSERT_TRUE(apply(sheet, UndoCut{}));
-  EXPECT_TRUE(sheet.grabs().empty()) << "whoever held it has been told that the grab is gone";
+  EXPECT_TRUE(sheet.grabs().empty()) << "whoever held it knows that the grab is gone";
 }
 
 TEST(Reset, ThatRepeatsTheSceneKeepsNothing) {

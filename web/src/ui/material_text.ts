@@ -38,7 +38,7 @@ export function presetOf(material: Material, presets: readonly Material[]): stri
     JSON.stringify([
       [of.youngsModulusPa, of.youngsModulus2Pa, of.poissonsRatio, of.shearModulusPa, of.thicknessM, of.densityKgpm3],
       [of.bendingScale, of.massDampingPerS, of.stiffnessDampingS, of.bendingStiffness1Nm, of.bendingStiffness2Nm],
-      [of.bendingCouplingNm, of.twistingStiffnessNm],
+      [of.bendingCouplingNm, of.twistingStiffnessNm, of.strainLimit],
     ]);
   return presets.find((preset) => numbers(preset) === numbers(material))?.preset ?? '';
 }

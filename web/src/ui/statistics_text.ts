@@ -20,6 +20,7 @@ export const kStatistics = {
   vertices: ['vertices', ''],
   triangles: ['triangles', ''],
   pieces: ['pieces', ''],
+  strained: ['overstrained', 'Share of the sheet’s area that is strained beyond its material’s limit: see Physics'],
 } as const;
 
 export type StatisticId = keyof typeof kStatistics;
@@ -49,6 +50,7 @@ function sheetTexts(sheet: SheetFigures, stats: FrameStats | undefined) {
     vertices: sheet.numVertices.toLocaleString('en'),
     triangles: stats ? stats.numTriangles.toLocaleString('en') : kNothing,
     pieces: sheet.numPieces.toLocaleString('en'),
+    strained: stats ? `${Number((100 * stats.strainedShare).toPrecision(2))} %` : kNothing,
   };
 }
 

@@ -158,6 +158,16 @@ export const kMaterialQuantities: readonly MaterialQuantity[] = [
     scale: logScale(1e-7, 0.1, true),
     ...field('stiffnessDampingS'),
   },
+  {
+    id: 'strain-limit',
+    name: 'Strain limit',
+    tip: 'Strain that the material bears; it changes no motion, Statistics shows the share of the sheet beyond it',
+    unit: '%',
+    isSi: false,
+    scale: logScale(0.1, 100),
+    read: ({ strainLimit = 0 }) => 100 * strainLimit,
+    write: (material, percent) => ({ ...material, strainLimit: percent / 100 }),
+  },
 ];
 
 // Labels of the fields of kerf.v1.Material.
