@@ -10,8 +10,11 @@ export class Notices {
 
   /** @param details  lines that open on request; without any there is nothing to open */
   add(kind: NoticeKind, text: string, details: readonly string[] = []): void {
+    // What is shown already is said once, and for longer.
+    this.container.querySelector(`.notice[data-text="${CSS.escape(text)}"]`)?.remove();
     const notice = make('div', { className: 'card notice' }, text);
     notice.dataset.kind = kind;
+    notice.dataset.text = text;
     if (kind === 'error') notice.setAttribute('role', 'alert');
     const more = details.length > 0 ? detailsOf(details) : undefined;
     if (more) notice.append(more);
