@@ -22,7 +22,7 @@ const kGroups = {
   streams: { saving: savingSteps, connection: connectionSteps, images: imageSteps, loading: loadingSteps },
 };
 // Groups that need the demo sheet from its beginning. For others it is paused, so that nobody computes or draws it.
-const kFresh = ['watching', 'sheets', 'saving', 'connection', 'images'];
+const kFresh = ['watching', 'sheets', 'saving', 'connection', 'images', 'loading'];
 
 const [kerfdPath, web, chromiumPath, again, ...args] = process.argv.slice(2);
 const names = [];
