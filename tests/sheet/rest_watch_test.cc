@@ -1,5 +1,8 @@
 #include "server/sheet/rest_watch.h"
 
+#include <algorithm>
+#include <vector>
+
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {

@@ -1,4 +1,7 @@
 // Reset, and what takes it back.
+#include <algorithm>
+#include <vector>
+
 #include "tests/sheet/sheet_calls.h"
 
 namespace kerf::sheet {
