@@ -158,10 +158,10 @@ function simulationGroup(app: App): ShortcutGroup {
       },
       { chords: ['>'], what: 'Twice as fast', isRepeated: true, run: () => controls.speed.step(1) },
       { chords: ['0'], what: 'Real time: speed 1', run: () => controls.speed.set(1) },
-      { chords: ['R'], what: 'Back to the start', button: '#reset', isClicked: true, run: () => void controls.reset() },
+      { chords: ['R'], what: 'Play the scene from its beginning', button: '#reset', isClicked: true, run: () => void controls.reset() },
       {
         chords: ['Ctrl+Z'],
-        what: 'Undo the last cut; the sheet keeps moving',
+        what: 'Undo the last cut or reset',
         button: '#undo',
         isClicked: true,
         isRepeated: true,
@@ -169,7 +169,7 @@ function simulationGroup(app: App): ShortcutGroup {
       },
       {
         chords: ['Ctrl+Shift+Z', 'Ctrl+Y'],
-        what: 'Redo the cut',
+        what: 'Redo what was undone last',
         button: '#redo',
         isClicked: true,
         isRepeated: true,

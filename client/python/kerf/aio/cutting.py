@@ -57,7 +57,7 @@ class Cutting(SheetPart):
         return await self._call(self._server.cut_service.CreateCuts, request)
 
     async def undo(self) -> cuts_pb2.UndoResult:
-        """Takes the last cut or batch back. FailedPrecondition: NOTHING_TO_UNDO, UNDO_FORGOTTEN.
+        """Undoes the last cut, batch or reset. FailedPrecondition: NOTHING_TO_UNDO, UNDO_FORGOTTEN.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
         >>> (await sheet.undo()).pieces
@@ -66,7 +66,7 @@ class Cutting(SheetPart):
         return await self._call(self._server.cut_service.UndoCut, cuts_pb2.UndoCutRequest(parent=self.name))
 
     async def redo(self) -> cuts_pb2.UndoResult:
-        """Makes what was undone last again. FailedPrecondition: NOTHING_TO_REDO.
+        """Redoes what was undone last. FailedPrecondition: NOTHING_TO_REDO.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
         >>> undone = await sheet.undo()

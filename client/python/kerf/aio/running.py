@@ -61,7 +61,7 @@ class Running(SheetPart):
         return await self._call(self._server.sheet_service.SetSheetSpeed, request)
 
     async def reset(self) -> sheets_pb2.Sheet:
-        """Back to the initial state, without cuts; the tick goes on counting.
+        """Plays the scene again from its beginning, without cuts; the tick keeps counting. undo() takes it back.
 
         >>> result = await sheet.cut(kerf.circle((0.5, 0.5), 0.2))
         >>> (await sheet.reset()).pieces
