@@ -85,8 +85,7 @@ Status check_sheet_id(const std::string& id);
 // kInvalidArgument REQUEST_ID_TOO_LONG.
 Status check_request_id(const std::string& request_id);
 
-// What the host tells of commands: the journal gets the cuts, resets, undos and redos that a sheet has done and the
-// scheduled cuts that it refused.
+// Gives the journal the cuts, resets, undos and redos that a sheet has done, and the scheduled cuts that it refused.
 void keep_in_journal(ApiCore& core, const std::string& sheet_id, const sheet::Command& command,
                      const Result<host::CommandResult>& result, const host::Appointment& appointment);
 

@@ -25,7 +25,7 @@ struct SchedulePlace {
   std::size_t next = 0;         // in their order
 };
 
-// All that decides how a sheet moves on, apart from grabs and the tick: a Reset goes back to one, and its undo to
+// Holds all that decides how a sheet moves on, apart from grabs and the tick. A Reset goes back to one, its undo to
 // another.
 struct Checkpoint {
   mesh::TriangleMesh mesh;
@@ -49,7 +49,7 @@ struct Checkpoint {
   std::int64_t beginning = 0;  // see CommandReply
 };
 
-// What it takes of memory, about.
+// Estimates its memory, bytes.
 std::size_t bytes_of(const Checkpoint& checkpoint);
 
 }  // namespace kerf::sheet

@@ -7,8 +7,8 @@
 
 namespace kerf::sheet {
 
-// What every vertex did over a stretch of time: how far it went from where it began, and how far its mean place moved
-// from the first half to the second, which trembling in place hardly does.
+// Measures how far every vertex goes in a stretch of time, and how far its mean place moves from the first half to the
+// second. What trembles in place hardly moves its mean.
 class MotionWindow {
  public:
   // `length`: s, > 0
@@ -29,7 +29,7 @@ class MotionWindow {
   int num_second_ = 0;             // ticks of the second half
   Eigen::Matrix3Xd start_;         // m
   Eigen::Matrix3Xd first_sum_;     // m, of places less start_
-  Eigen::Matrix3Xd second_sum_;    // m, likewise
+  Eigen::Matrix3Xd second_sum_;    // m, the same of the second half
   Eigen::VectorXd largest_;        // m^2, squared distances from start_
 };
 

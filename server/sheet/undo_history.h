@@ -23,8 +23,8 @@ struct DoneCut {
   std::int32_t pins_version = 0;    // Sheet::Impl::pins_version then: pins set since are not put back
 };
 
-// What one UndoCut takes back: the applied cuts of a Cut or CutBatch, in the order of their making, or a Reset. Never
-// changes.
+// Holds what one UndoCut takes back: the applied cuts of a Cut or CutBatch, in the order of their making, or a Reset.
+// Never changes.
 struct UndoStep {
   std::vector<DoneCut> cuts;
   std::shared_ptr<const Checkpoint> before_reset;  // null: a step of cuts
@@ -41,7 +41,7 @@ class UndoHistory {
   // A new cut: nothing can be made again from here on. A step that alone is beyond kMaxBytes is forgotten at once, and
   // with it all before it.
   void add(std::vector<DoneCut> cuts);
-  // A new Reset, likewise.
+  // A new Reset: the same holds.
   void add_reset(std::shared_ptr<const Checkpoint> before, std::int64_t beginning);
   // A Reset that was taken from those undone is done again from `before`.
   void redo_reset(std::shared_ptr<const Checkpoint> before);
