@@ -18,7 +18,8 @@ class MotionWindow {
   void begin(const Eigen::Matrix3Xd& x);
   // Takes positions (3 x V, m) `dt` (s) after those before. True: the window is complete; begin() another.
   bool add(const Eigen::Matrix3Xd& x, double dt);
-  // m, how far a vertex may be from the last place after `foresight` (s), if all goes on as in the window.
+  // Estimates, in m, how far a vertex may be from its last place after `foresight` (s) if it keeps moving as in the
+  // window.
   [[nodiscard]] double expected_motion(double foresight) const;
 
  private:

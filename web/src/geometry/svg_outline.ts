@@ -21,7 +21,7 @@ const kMaxDepth = 6;
 const kMaxSamples = 20_000;
 
 /**
- * What the browser makes of a drawing: its own SVG engine places the shapes. Undefined without a shape, or if the text is
+ * Reads a drawing by the browser's own SVG engine, which places the shapes. Undefined without a shape, or if the text is
  * no SVG.
  */
 export function svgOutline(text: string): SvgOutline | undefined {
@@ -41,7 +41,7 @@ export function shapeLines({ host, root }: BareDrawing): Point2[][][] {
     const matrix = shape.getScreenCTM();
     if (!fromScreen || !matrix) return [];
     const toHost = fromScreen.multiply(matrix);
-    // What it stretches most is stretched no more than by this.
+    // Bounds the largest stretch.
     const scale = Math.hypot(toHost.a, toHost.b, toHost.c, toHost.d) || 1;
     const lines = pathLines(data[i], { tolerance: tolerance / scale, depth });
     return lines.map((line) => line.map(({ x, y }) => new DOMPoint(x, y).matrixTransform(toHost)));

@@ -10,7 +10,7 @@ export class Notices {
 
   /** @param details  lines that open on request; without any there is nothing to open */
   add(kind: NoticeKind, text: string, details: readonly string[] = []): void {
-    // What is shown already is said once, and for longer.
+    // Says once, and for longer, a text that is shown already.
     this.container.querySelector(`.notice[data-text="${CSS.escape(text)}"]`)?.remove();
     const notice = make('div', { className: 'card notice' }, text);
     notice.dataset.kind = kind;
