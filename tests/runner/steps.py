@@ -36,7 +36,7 @@ STEPS = {step.name: step for step in (
     Step("format", "sources are formatted, and nothing else lies at the top level",
          ("tests/runner/check_format",), 6),
     Step("build", "everything compiles without a warning, as it ships (the build of deploy/run, with its tests)",
-         build("release", "-DKERF_TESTS=ON -DKERF_BENCH=OFF"), 500),
+         build("release", "-DKERF_TESTS=ON -DKERF_BENCH=OFF -DKERF_FAULTS=OFF"), 500),
     Step("tests", "units, accuracy against references, properties of random cuts, API, clients, the lines of the README",
          (ctest("release"),), 210, ("build",), "release"),
     Step("units", "all of that but what takes long: random trials, accuracy, programs run from outside",
@@ -51,8 +51,11 @@ STEPS = {step.name: step for step in (
          ("tests/e2e/run build/release/bin/kerfd",), 200, ("build", "viewer")),
     Step("core", "the simulation library builds without any network package",
          (*build("core"), ctest("core", "-R 'golden|include_table'")), 60, ("build",), "core"),
-    Step("each-file", "a second compiler (clang) takes each file by itself, as editors do",
-         (f"{RUNNER}/each_file.py",), 300),
+    Step("faults", "the audit of random cuts catches each of 60 faults that are built into a copy of the cutter",
+         (*build("release", "-DKERF_FAULTS=ON", "--target faults_tests"), ctest("release", "-R '^faults_tests_'")), 90,
+         ("build",), "release"),
+    Step("each-file", f"a second compiler (clang) takes a quarter of the sources ({SEED}) one by one, as editors do",
+         (f"{RUNNER}/each_file.py {SEED}",), 180),
     Step("asan", "no test makes the libraries touch memory that is not theirs, or do what C++ leaves undefined; every mesh "
          "invariant holds after every edit",
          (*build("asan"), ctest("asan")), 720, ("build",), "asan", "KERF_TRIALS=few"),
@@ -71,7 +74,7 @@ STEPS = {step.name: step for step in (
 SETS = {
     "": ("format", "build", "tests", "viewer", "browser"),
     "quick": ("format", "build", "units", "viewer"),
-    "deep": ("build", "benchmarks", "core", "each-file", "asan", "tsan", "fuzz", "trials", "matrix"),
+    "deep": ("build", "benchmarks", "core", "faults", "each-file", "asan", "tsan", "fuzz", "trials", "matrix"),
 }
 
 
@@ -112,6 +115,8 @@ LONG = {
         "cmake --preset release >/dev/null; cmake --build --preset release --target stability_cuts >/dev/null; "
         "build/release/bin/stability_cuts 10000 200 10",
         "2 minutes on one core"),
+    "each-file": Proof("a second compiler (clang) takes every source by itself, as editors do",
+                       f"{RUNNER}/each_file.py", "12 minutes on two cores"),
     "fuzz": Proof("an hour of each fuzzer, on top of what earlier runs found",
                   "tests/fuzz/run_fuzzers 0", "four hours"),
     "trials": Proof("random trials from a new seed, as in `deploy/test deep`, ten seeds long",
