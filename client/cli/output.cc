@@ -1,8 +1,12 @@
 #include "client/cli/output.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
@@ -79,9 +83,23 @@ std::string notes(const v1::CutResult& result) {
   return text;
 }
 
+// What a tick takes, and its parts from the largest on.
+std::string tick_parts(const v1::TickEstimate& estimate) {
+  std::vector<std::pair<double, std::string>> parts;
+  for (const auto& [part, us] : estimate.parts_us()) parts.emplace_back(us, part);
+  std::sort(parts.begin(), parts.end(), std::greater<>());
+  std::string text =
+      format("\n  a tick takes %.3g ms and has %.3g", 1e-3 * estimate.total_us(), 1e-3 * estimate.budget_us());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    text += format("%s %s %.0f %%", i == 0 ? ":" : ",", parts[i].second.c_str(),
+                   100.0 * parts[i].first / estimate.total_us());
+  }
+  return text;
+}
+
 // Measurements and counts of the server, each in a line.
 std::string measurements(const v1::Sheet& sheet) {
-  std::string text = "\n  " + sheet.integrator();
+  std::string text = tick_parts(sheet.tick_estimate()) + "\n  " + sheet.integrator();
   if (sheet.has_local_inertia()) {
     const v1::LocalInertia& inertia = sheet.local_inertia();
     text += format("\n  local inertia: %d %s of %d vertices, the largest of %d; %.0f substeps a tick in place of %.0f",
@@ -131,9 +149,9 @@ std::string shapes(const v1::CutResult& result) {
 std::string outcome(const v1::CutResult& result) {
   std::string text = format(
       "\n  %s, topology version %d, state hash %s\n"
-      "  queued %.0f us, cut %.0f us, model update %.0f us",
+      "  queued %.0f us, cut %.0f us, model update %.0f us; a tick takes %.3g ms, %.3g before",
       result.name().c_str(), result.topology_version(), result.state_hash().c_str(), result.queued_us(),
-      result.cut_us(), result.update_us());
+      result.cut_us(), result.update_us(), 1e-3 * result.tick_after_us(), 1e-3 * result.tick_before_us());
   for (const v1::CutLayer& layer : result.layers()) {
     text += format("\n  layer: piece %d, %.4g m long, %.4g to %.4g m from the camera, %s", layer.piece(),
                    layer.length_m(), layer.nearest_m(), layer.farthest_m(), layer.faces_camera() ? "front" : "back");
@@ -258,6 +276,8 @@ std::string describe(const v1::Sheet& sheet, bool verbose) {
     text += format("\n  membrane %d times softer to keep up with real time; expected error %s",
                    sheet.softening().factor(), millimetres(sheet.softening().expected_error_m()).c_str());
   }
+  const bool is_stepped = sheet.run_state() == v1::Sheet::RUNNING || sheet.run_state() == v1::Sheet::PAUSED;
+  if (is_stepped && !sheet.tick_estimate().advice().empty()) text += "\n  " + sheet.tick_estimate().advice();
   return verbose ? text + measurements(sheet) : text;
 }
 

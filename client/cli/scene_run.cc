@@ -1,11 +1,13 @@
 #include "client/cli/scene_run.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <ctime>
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "server/analysis/analysis.h"
 #include "server/sheet/recording.h"
@@ -25,36 +27,113 @@ double process_cpu_s() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-// Times the stages of a tick's commands.
+// Times the stages of each tick, and of its commands.
 class StageTimer : public sheet::StageObserver {
  public:
-  struct CutTime {
+  struct Times {
     double cut_us = 0.0;
     double update_us = 0.0;
+    double step_us = 0.0;
+
+    [[nodiscard]] double total_us() const { return cut_us + update_us + step_us; }
   };
 
   void begin(sheet::Stage /*stage*/, std::int32_t /*command*/) override { started_ = Clock::now(); }
   void end(sheet::Stage stage, std::int32_t command) override {
-    if (command < 0) return;
     const double elapsed = std::chrono::duration<double, std::micro>(Clock::now() - started_).count();
+    add(stage, elapsed, tick_);
+    if (command < 0) return;
     const auto index = static_cast<std::size_t>(command);
-    if (index >= times_.size()) times_.resize(index + 1);
-    if (stage == sheet::Stage::kCut) times_[index].cut_us += elapsed;
-    if (stage == sheet::Stage::kModelUpdate) times_[index].update_us += elapsed;
+    if (index >= commands_.size()) commands_.resize(index + 1);
+    add(stage, elapsed, commands_[index]);
   }
-  void clear() { times_.clear(); }
-  [[nodiscard]] CutTime time(std::size_t command) const {
-    return command < times_.size() ? times_[command] : CutTime{};
+  void clear() {
+    commands_.clear();
+    tick_ = {};
   }
+  [[nodiscard]] Times of_command(std::size_t command) const {
+    return command < commands_.size() ? commands_[command] : Times{};
+  }
+  [[nodiscard]] const Times& of_tick() const { return tick_; }
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  static void add(sheet::Stage stage, double elapsed, Times& times) {
+    switch (stage) {
+      case sheet::Stage::kCut:
+        times.cut_us += elapsed;
+        break;
+      case sheet::Stage::kModelUpdate:
+        times.update_us += elapsed;
+        break;
+      case sheet::Stage::kLoads:
+      case sheet::Stage::kIntegrate:
+        times.step_us += elapsed;
+        break;
+    }
+  }
+
   Clock::time_point started_;
-  std::vector<CutTime> times_;  // by command
+  Times tick_;
+  std::vector<Times> commands_;
+};
+
+// Gathers what RunResult.tick_times says.
+class TickTimes {
+ public:
+  void add(std::int64_t tick, const StageTimer::Times& times, const fem::TickCost& cost) {
+    ticks_.push_back({tick, times});
+    for (std::size_t i = 0; i < parts_.size() && cost.total() > 0.0; ++i) {
+      parts_[i] += times.step_us * cost.ns[i] / cost.total();
+    }
+  }
+
+  [[nodiscard]] v1::TickTimes summary() {
+    constexpr std::size_t kMostSlow = 10;
+    v1::TickTimes summary;
+    if (ticks_.empty()) return summary;
+    const auto count = static_cast<double>(ticks_.size());
+    StageTimer::Times mean;
+    for (const Tick& tick : ticks_) {
+      mean.cut_us += tick.times.cut_us / count;
+      mean.update_us += tick.times.update_us / count;
+      mean.step_us += tick.times.step_us / count;
+    }
+    *summary.mutable_mean() = encode({0, mean});
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      if (parts_[i] > 0.0) (*summary.mutable_parts_us())[std::string(fem::kTickPartNames[i])] = parts_[i] / count;
+    }
+    std::stable_sort(ticks_.begin(), ticks_.end(),
+                     [](const Tick& a, const Tick& b) { return a.times.total_us() > b.times.total_us(); });
+    summary.set_median_us(ticks_[ticks_.size() / 2].times.total_us());
+    summary.set_p99_us(ticks_[ticks_.size() / 100].times.total_us());
+    for (std::size_t i = 0; i < std::min(kMostSlow, ticks_.size()); ++i) *summary.add_slowest() = encode(ticks_[i]);
+    return summary;
+  }
+
+ private:
+  struct Tick {
+    std::int64_t tick = 0;
+    StageTimer::Times times;
+  };
+
+  static v1::TickTimes::Tick encode(const Tick& tick) {
+    v1::TickTimes::Tick message;
+    message.set_tick(tick.tick);
+    message.set_total_us(tick.times.total_us());
+    message.set_cut_us(tick.times.cut_us);
+    message.set_update_us(tick.times.update_us);
+    message.set_step_us(tick.times.step_us);
+    return message;
+  }
+
+  std::vector<Tick> ticks_;
+  std::array<double, fem::kTickPartNames.size()> parts_{};
 };
 
 // The outcomes of a Cut or CutBatch; the cuts of a batch share its time equally.
-void add_cuts(const sheet::CommandReply& reply, const StageTimer::CutTime& time, v1::RunResult& result) {
+void add_cuts(const sheet::CommandReply& reply, const StageTimer::Times& time, v1::RunResult& result) {
   std::vector<v1::CutResult> cuts = wire::encode_cut_results(reply);
   const auto count = static_cast<double>(cuts.size());
   for (v1::CutResult& cut : cuts) {
@@ -83,10 +162,12 @@ Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions&
   analysis.ticks = options.ticks > 0 ? options.ticks : scene_ticks;
   if (options.record) run.recording = wire::encode_recording_header(sheet.config(), options.build);
   StageTimer timer;
+  TickTimes times;
   const auto after = [&](const sheet::TickReport& report) {
     for (std::size_t i = 0; i < report.scheduled.size(); ++i) {
-      if (report.scheduled[i].reply) add_cuts(*report.scheduled[i].reply, timer.time(i), run.result);
+      if (report.scheduled[i].reply) add_cuts(*report.scheduled[i].reply, timer.of_command(i), run.result);
     }
+    times.add(report.tick, timer.of_tick(), sheet.expected_cost());
     timer.clear();
     run.result.set_linear_iterations(run.result.linear_iterations() + report.stats.linear_iterations);
     run.result.set_linear_residual(std::max(run.result.linear_residual(), report.stats.linear_residual));
@@ -95,7 +176,10 @@ Result<analysis::Outcome> step_scene(sheet::Sheet& sheet, const SceneRunOptions&
     run.result.set_mean_strained_share(run.result.mean_strained_share() + share / static_cast<double>(analysis.ticks));
     if (options.record) run.recording += wire::encode_recorded_tick({report.tick, {}, sheet.state_hash()});
   };
-  return analysis::run_dynamic(sheet, analysis, sheet.config().probes, options.watch, after, &timer);
+  Result<analysis::Outcome> outcome =
+      analysis::run_dynamic(sheet, analysis, sheet.config().probes, options.watch, after, &timer);
+  *run.result.mutable_tick_times() = times.summary();
+  return outcome;
 }
 
 }  // namespace

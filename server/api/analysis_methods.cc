@@ -103,36 +103,22 @@ void Api::analyze_sheet(const v1::AnalyzeSheetRequest& message, Reply<v1::Analyz
   if (!id.ok()) return reply(id.error());
   Result<Request> request = decode(message);
   if (!request.ok()) return reply(request.error());
-  // Empty: too large to be copied.
-  using Copy = std::unique_ptr<sheet::Sheet>;
-  const std::int32_t limit = core_->options.limits.max_analyzed_vertices;
-  look_at<Copy>(
-      core_, *id,
-      [limit](const sheet::Sheet& sheet) {
-        return sheet.mesh().num_vertices() <= limit ? std::make_unique<sheet::Sheet>(sheet) : nullptr;
-      },
-      "name",
-      [core = core_, limit, stop = std::move(stop), reply = std::move(reply),
-       request = std::make_shared<const Request>(std::move(*request))](Result<Copy> copy) {
-        if (!copy.ok()) return reply(copy.error());
-        if (*copy == nullptr) {
-          return reply(Error{ErrorCode::kResourceExhausted, "SHEET_TOO_LARGE",
-                             "the sheet has more than the " + std::to_string(limit) +
-                                 " vertices that are analysed here; "
-                                 "`kerf run` has no such limit",
-                             "name"});
-        }
-        const std::shared_ptr<sheet::Sheet> sheet = std::move(*copy);
-        const auto work = [core, stop, request, sheet]() -> Result<v1::AnalyzeSheetResponse> {
-          const analysis::Watch watch = [&](const analysis::Progress&) {
-            return !stop.stop_requested() && !core->stopping;
-          };
-          Result<v1::AnalyzeSheetResponse> response = analyze(*sheet, *request, watch);
-          if (core->stopping) return server_stopping();
-          return response;
-        };
-        in_background<v1::AnalyzeSheetResponse>(core->analyst, reply, work, too_many_analyses(*core));
-      });
+  copy_sheet(core_, *id, "name",
+             [core = core_, stop = std::move(stop), reply = std::move(reply),
+              request = std::make_shared<const Request>(std::move(*request))](
+                 const Result<std::shared_ptr<sheet::Sheet>>& copy) {
+               if (!copy.ok()) return reply(copy.error());
+               const std::shared_ptr<sheet::Sheet> sheet = *copy;
+               const auto work = [core, stop, request, sheet]() -> Result<v1::AnalyzeSheetResponse> {
+                 const analysis::Watch watch = [&](const analysis::Progress&) {
+                   return !stop.stop_requested() && !core->stopping;
+                 };
+                 Result<v1::AnalyzeSheetResponse> response = analyze(*sheet, *request, watch);
+                 if (core->stopping) return server_stopping();
+                 return response;
+               };
+               in_background<v1::AnalyzeSheetResponse>(core->analyst, reply, work, too_many_analyses(*core));
+             });
 }
 
 }  // namespace kerf::api

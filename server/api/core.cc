@@ -1,5 +1,6 @@
 #include "server/api/core.h"
 
+#include "server/api/tick_advice.h"
 #include "server/wire/reply_codec.h"
 #include "server/wire/scene_codec.h"
 
@@ -90,6 +91,25 @@ Error too_many_analyses(const ApiCore& core) {
           {}};
 }
 
+void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id, const char* field,
+                std::function<void(Result<std::shared_ptr<sheet::Sheet>>)> done) {
+  using Copy = std::shared_ptr<sheet::Sheet>;  // empty: too large to be copied
+  const std::int32_t limit = core->options.limits.max_analyzed_vertices;
+  look_at<Copy>(
+      core, sheet_id,
+      [limit](const sheet::Sheet& sheet) {
+        return sheet.mesh().num_vertices() <= limit ? std::make_shared<sheet::Sheet>(sheet) : nullptr;
+      },
+      field,
+      [limit, field, done = std::move(done)](Result<Copy> copy) {
+        if (!copy.ok() || *copy != nullptr) return done(std::move(copy));
+        done(Error{ErrorCode::kResourceExhausted, "SHEET_TOO_LARGE",
+                   "the sheet has more than the " + std::to_string(limit) +
+                       " vertices that are copied here; `kerf run` has no such limit",
+                   field});
+      });
+}
+
 Error server_stopping() {
   return {ErrorCode::kUnavailable, "SERVER_STOPPING", "the server is stopping; try again later", {}};
 }
@@ -138,6 +158,7 @@ v1::Sheet encode_sheet(const host::SheetStatus& status) {
   sheet.set_integrator(status.integrator);
   if (status.softening) *sheet.mutable_softening() = encode_softening(*status.softening);
   if (status.local_inertia) *sheet.mutable_local_inertia() = encode_local_inertia(*status.local_inertia);
+  *sheet.mutable_tick_estimate() = encode_tick_estimate(status);
   sheet.set_linear_iterations(status.linear_iterations);
   sheet.set_linear_residual(status.linear_residual);
   sheet.set_settings_version(status.stats.settings_version);

@@ -137,6 +137,10 @@ Error too_many_pictures(const ApiCore& core);
 Error too_many_files(const ApiCore& core);
 Error too_many_analyses(const ApiCore& core);
 
+// Copies a sheet between two ticks. RESOURCE_EXHAUSTED SHEET_TOO_LARGE beyond the vertices that are analysed.
+void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id, const char* field,
+                std::function<void(Result<std::shared_ptr<sheet::Sheet>>)> done);
+
 // Looks at a sheet between two ticks and hands on what `look` found, or what came out of it, see caught().
 template <typename Found>
 void look_at(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id,

@@ -7,6 +7,7 @@
 #include "kerf/v1/cuts.pb.h"
 #include "server/api/core.h"
 #include "server/api/paging.h"
+#include "server/api/tick_advice.h"
 #include "server/wire/command_codec.h"
 #include "server/wire/reply_codec.h"
 
@@ -26,6 +27,11 @@ std::vector<v1::CutResult> encode_results(const std::string& sheet_id, const hos
     message.set_queued_us(result.timings.queued_us);
     message.set_cut_us(result.timings.cut_us / count);
     message.set_update_us(result.timings.update_us / count);
+    message.set_tick_before_us(result.timings.tick_before_us);
+    message.set_tick_after_us(result.timings.tick_after_us);
+    message.set_tick_budget_us(result.timings.budget_us);
+    const std::string warning = warning_of_slower_ticks(result.timings);
+    if (!warning.empty() && message.status() == v1::CutResult::APPLIED) message.add_warnings(warning);
   }
   return messages;
 }
@@ -38,6 +44,8 @@ v1::CreateCutsResponse encode_batch(const std::string& sheet_id, const host::Com
   response.set_queued_us(result.timings.queued_us);
   response.set_cut_us(result.timings.cut_us);
   response.set_update_us(result.timings.update_us);
+  response.set_tick_before_us(result.timings.tick_before_us);
+  response.set_tick_after_us(result.timings.tick_after_us);
   for (v1::CutResult& message : encode_results(sheet_id, result)) {
     if (message.status() == v1::CutResult::APPLIED) response.set_applied(response.applied() + 1);
     response.set_pieces(message.pieces());
@@ -63,6 +71,8 @@ v1::UndoResult encode_undo(const std::string& sheet_id, const host::CommandResul
   message.set_queued_us(result.timings.queued_us);
   message.set_cut_us(result.timings.cut_us);
   message.set_update_us(result.timings.update_us);
+  message.set_tick_before_us(result.timings.tick_before_us);
+  message.set_tick_after_us(result.timings.tick_after_us);
   return message;
 }
 
@@ -116,6 +126,56 @@ void submit_cut(ApiCore& core, const std::string& id, sheet::Command command, st
   core.host.submit(id, std::move(command), [id, answer, encode](Result<host::CommandResult> result) {
     if (!result.ok()) return answer(in_request(result.error()));
     answer(encode(id, *result));
+  });
+}
+
+// Cuts a copy of the sheet. `estimate` is that of the sheet itself.
+Result<host::CommandResult> result_on(sheet::Sheet& copy, const sheet::Command& command,
+                                      const host::TickEstimate& estimate) {
+  const double before = copy.expected_cost().total();
+  const sheet::TickReport report = copy.apply({&command, 1});
+  const Result<sheet::CommandReply>& reply = report.replies.front();
+  if (!reply) return reply.error();
+  host::CommandResult result{*reply, {}};
+  result.timings.tick_before_us = estimate.total_us();
+  result.timings.tick_after_us =
+      before > 0.0 ? estimate.total_us() * copy.expected_cost().total() / before : estimate.total_us();
+  result.timings.budget_us = estimate.budget;
+  return result;
+}
+
+Status check_validate_only(std::int64_t at_tick) {
+  if (at_tick == 0) return Nothing{};
+  return invalid_argument("EXCLUSIVE", "validate_only says what a cut would be now; leave at_tick out", "at_tick");
+}
+
+v1::CutResult without_name(v1::CutResult result) {
+  result.clear_name();
+  return result;
+}
+v1::CreateCutsResponse without_name(v1::CreateCutsResponse response) {
+  for (v1::CutResult& result : *response.mutable_results()) result.clear_name();
+  return response;
+}
+
+// Answers what submit_cut() would, from a copy of the sheet.
+template <typename Response>
+void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet::Command command, Reply<Response> reply,
+             Response (*encode)(const std::string&, const host::CommandResult&)) {
+  core->host.status(id, [core, id, reply = std::move(reply), encode,
+                         command = std::move(command)](const Result<host::SheetStatus>& status) {
+    if (!status.ok()) return reply(in_request(status.error()));
+    copy_sheet(core, id, "parent",
+               [core, id, reply, encode, command,
+                estimate = status->tick_estimate](const Result<std::shared_ptr<sheet::Sheet>>& copy) {
+                 if (!copy.ok()) return reply(copy.error());
+                 const auto work = [id, encode, command, estimate, sheet = *copy]() -> Result<Response> {
+                   const Result<host::CommandResult> result = result_on(*sheet, command, estimate);
+                   if (!result) return in_request(result.error());
+                   return without_name(encode(id, *result));
+                 };
+                 in_background<Response>(core->analyst, reply, work, too_many_analyses(*core));
+               });
   });
 }
 
@@ -185,11 +245,15 @@ void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> r
   if (const Status status = check_tick(request.at_tick()); !status.ok()) return reply(status.error());
   Result<sheet::Command> command = wire::decode_cut(request.cut());
   if (!command.ok()) return reply(command.error());
+  const auto encode = [](const std::string& sheet_id, const host::CommandResult& result) {
+    return encode_results(sheet_id, result).front();
+  };
+  if (request.validate_only()) {
+    if (const Status status = check_validate_only(request.at_tick()); !status.ok()) return reply(status.error());
+    return try_cut<v1::CutResult>(core_, *id, std::move(*command), std::move(reply), encode);
+  }
   once<v1::CutResult>(core_, "CreateCut", request, std::move(reply), [&](Reply<v1::CutResult> answer) {
-    submit_cut<v1::CutResult>(*core_, *id, std::move(*command), request.at_tick(), {}, std::move(answer),
-                              [](const std::string& sheet_id, const host::CommandResult& result) {
-                                return encode_results(sheet_id, result).front();
-                              });
+    submit_cut<v1::CutResult>(*core_, *id, std::move(*command), request.at_tick(), {}, std::move(answer), encode);
   });
 }
 
@@ -199,6 +263,10 @@ void Api::create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCuts
   if (const Status status = check_tick(request.at_tick()); !status.ok()) return reply(status.error());
   Result<sheet::Command> command = wire::decode_cuts(request.cuts());
   if (!command.ok()) return reply(in_request(command.error()));
+  if (request.validate_only()) {
+    if (const Status status = check_validate_only(request.at_tick()); !status.ok()) return reply(status.error());
+    return try_cut<v1::CreateCutsResponse>(core_, *id, std::move(*command), std::move(reply), encode_batch);
+  }
   once<v1::CreateCutsResponse>(core_, "CreateCuts", request, std::move(reply),
                                [&](Reply<v1::CreateCutsResponse> answer) {
                                  submit_cut<v1::CreateCutsResponse>(*core_, *id, std::move(*command), request.at_tick(),

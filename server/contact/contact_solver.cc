@@ -125,6 +125,7 @@ std::span<const std::int32_t> ContactSolver::find_due_blocks(double dt, double t
     if (block_due_[b] < travel_) due_blocks_[found++] = static_cast<std::int32_t>(b);
   }
   if (found > 0) ++counters_.phases;
+  counters_.blocks += static_cast<std::int64_t>(found);
   return {due_blocks_.data(), found};
 }
 

@@ -17,6 +17,7 @@ namespace kerf::contact {
 // Counts since the solver was made; a scene without colliders leaves all of them at zero.
 struct ContactCounters {
   std::int64_t phases = 0;    // substeps in which vertices were looked at
+  std::int64_t blocks = 0;    // of vertices that were looked at, of all phases
   std::int64_t contacts = 0;  // times a vertex was pushed out of a collider
 };
 

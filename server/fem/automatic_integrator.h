@@ -9,7 +9,8 @@
 
 namespace kerf::fem {
 
-// Cost of a tick of IntegratorOptions::tick seconds, from counts alone, without contact.
+// Cost of a tick of IntegratorOptions::tick seconds, from counts alone, without contact and loads on vertices, for
+// which implicit steps pay as well.
 struct TickEstimate {
   double substeps = 0.0;     // explicit
   double explicit_ns = 0.0;  // ns on one core of 2024
@@ -21,9 +22,8 @@ TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options)
 
 // Chooses at each rebuild, from the model and IntegratorOptions::tick alone: estimates in nanoseconds, no clock, so the
 // choice is the same on every machine.
-//  - Explicit, unless TR-BDF2 is estimated at less than half its cost: at equal cost it is by far the more accurate.
-//  With
-//    clusters of local inertia, unless TR-BDF2 is estimated at less.
+//  - Explicit, unless TR-BDF2 is estimated at less than a quarter of its cost: at equal cost it is by far the more
+//    accurate. With clusters of local inertia, unless TR-BDF2 is estimated at less than 1/1.6 of it.
 //  - TR-BDF2: of the implicit schemes on the front of error against time (tests/accuracy/PLOTS.md).
 //  - Implicit Euler above a condition number of kSecondOrderCondition, where the forces at the start of a step, which
 //    the trapezoidal rule follows, are mostly rounding.
@@ -45,6 +45,9 @@ class AutomaticIntegrator final : public Integrator {
   [[nodiscard]] IntegratorKind kind() const override;
   [[nodiscard]] std::optional<LocalInertiaStats> local_inertia(double dt) const override {
     return implicit_ ? implicit_->local_inertia(dt) : explicit_.local_inertia(dt);
+  }
+  [[nodiscard]] TickCost expected_cost(const Model& model, double dt, const TickCounts& last) const override {
+    return implicit_ ? implicit_->expected_cost(model, dt, last) : explicit_.expected_cost(model, dt, last);
   }
 
  private:

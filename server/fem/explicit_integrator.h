@@ -48,6 +48,7 @@ class ExplicitIntegrator final : public Integrator {
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override { return IntegratorKind::kExplicit; }
   [[nodiscard]] std::optional<LocalInertiaStats> local_inertia(double dt) const override;
+  [[nodiscard]] TickCost expected_cost(const Model& model, double dt, const TickCounts& last) const override;
 
   // Substeps a step of dt takes at least.
   [[nodiscard]] double planned_substeps(double dt) const;
@@ -74,6 +75,7 @@ class ExplicitIntegrator final : public Integrator {
     int substeps = 0;
     double tension = 0.0;  // -, of Green's strain: see GreenStretch; else 0, what it is is seen as the step begins
     int load_phases = 0;   // see StepStats
+    int cluster_pushes = 0;
     bool touched = false;  // a body moved a vertex
 
     [[nodiscard]] double h() const { return duration / substeps; }  // s

@@ -198,6 +198,20 @@ std::optional<LocalInertiaStats> ExplicitIntegrator::local_inertia(double dt) co
   return stats;
 }
 
+TickCost ExplicitIntegrator::expected_cost(const Model& model, double dt, const TickCounts& last) const {
+  const double substeps = std::min(planned_substeps(dt), static_cast<double>(options_.max_substeps));
+  const bool is_mixed = options_.precision == Precision::kMixed && LeapfrogSweep<float>::may_hold(model);
+  return cost_of(ExplicitCounts{.substeps = substeps,
+                                .bending_interval = static_cast<double>(bending_interval(dt / substeps, 0.0)),
+                                .slots = static_cast<double>(model.num_slots()),
+                                .bending_entries = static_cast<double>(model.bending_rows().num_entries()),
+                                .vertices = static_cast<double>(model.num_vertices()),
+                                .clusters = static_cast<double>(inertia_.clusters().size()),
+                                .cluster_entries = static_cast<double>(inertia_.num_entries()),
+                                .is_double = !is_mixed || was_in_double_},
+                 last);
+}
+
 int ExplicitIntegrator::bending_interval(double h, double strain) const {
   constexpr double kLongestSwing = 2.2;  // rad: with kicks of 1.4, modes swung by tension are stable up to here
   constexpr double kPi = std::numbers::pi;

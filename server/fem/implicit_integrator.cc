@@ -31,7 +31,37 @@ std::string_view describe_scheme(IntegratorKind kind) {
   }
 }
 
+int num_solves(IntegratorKind kind) {
+  switch (kind) {
+    case IntegratorKind::kTrBdf2:
+      return 2;
+    case IntegratorKind::kBdf2:
+      return kBdf2Substeps;
+    default:
+      return 1;
+  }
+}
+
+SystemSolver kind_of(LinearSolverKind solver) {
+  switch (solver) {
+    case LinearSolverKind::kDirect:
+      return SystemSolver::kDirect;
+    case LinearSolverKind::kFactorCg:
+      return SystemSolver::kKeptFactor;
+    default:
+      return SystemSolver::kIterative;
+  }
+}
+
 }  // namespace
+
+TickCost implicit_cost(const Model& model, const IntegratorOptions& options, const TickCounts& last) {
+  return cost_of(ImplicitCounts{.most_newton_iterations = 1.0 * num_solves(options.kind) * options.newton_iterations,
+                                .vertices = static_cast<double>(model.num_vertices()),
+                                .slots = static_cast<double>(model.num_slots()),
+                                .solver = kind_of(options.linear_solver)},
+                 last);
+}
 
 ImplicitIntegrator::ImplicitIntegrator(const IntegratorOptions& options)
     : options_(options),

@@ -8,6 +8,9 @@
 
 namespace kerf::fem {
 
+// Counts a tick of steps by these options, whose kind is an implicit one, after a tick like `last`.
+TickCost implicit_cost(const Model& model, const IntegratorOptions& options, const TickCounts& last);
+
 // Implicit Euler, TR-BDF2 (Bank et al. 1985, gamma = 2 - sqrt 2: both stages share one d = gamma h / 2), the
 // trapezoidal rule, all of one substep a step, or BDF2 of kBdf2Substeps. A step that finds no finite solution, or ends
 // with too much energy (see EnergyGuard), is thrown away: one of second order, where its fast iteration failed too, is
@@ -26,6 +29,9 @@ class ImplicitIntegrator final : public Integrator {
   StepStats step(const Model& model, const Loads& loads, double dt, ContactConstraint* contact, State& state) override;
   [[nodiscard]] std::string_view explanation() const override { return explanation_; }
   [[nodiscard]] IntegratorKind kind() const override { return options_.kind; }
+  [[nodiscard]] TickCost expected_cost(const Model& model, double /*dt*/, const TickCounts& last) const override {
+    return implicit_cost(model, options_, last);
+  }
 
  private:
   struct Scratch {

@@ -12,6 +12,7 @@
 #include "server/fem/loads.h"
 #include "server/fem/model.h"
 #include "server/fem/state.h"
+#include "server/fem/tick_cost.h"
 
 namespace kerf::fem {
 
@@ -61,6 +62,7 @@ struct StepStats {
   // Times that forces on vertices were summed that are neither of the membrane nor linear in positions: external ones,
   // wind, follower loads, clamps, a curved rest shape. Of implicit integrators, of wind alone. 0 where there are none.
   int load_phases = 0;
+  int cluster_pushes = 0;    // times that bodies pushed a cluster of local inertia
   bool interrupted = false;  // ended early, see Integrator::heed: the state is as it was before, nothing else holds
 };
 
@@ -150,6 +152,10 @@ class Integrator {
   [[nodiscard]] virtual IntegratorKind kind() const = 0;
   // Clusters and substeps of steps of dt, s. Nothing where there are no clusters, as of implicit integrators.
   [[nodiscard]] virtual std::optional<LocalInertiaStats> local_inertia(double /*dt*/) const { return std::nullopt; }
+  // Counts what a step of dt, s, of the model of the last rebuild takes after one like `last`; 0 where unknown.
+  [[nodiscard]] virtual TickCost expected_cost(const Model& /*model*/, double /*dt*/, const TickCounts& /*last*/) const {
+    return {};
+  }
 
  protected:
   Heed heed_;

@@ -195,6 +195,7 @@ bool LeapfrogSweep<T>::push_clusters(double drift) {
   constexpr auto kLeft = static_cast<T>(0.25);  // -, of the largest wanted displacement, left to the next substep
   bool is_inside = true;
   double farthest = 0.0;  // m, that a vertex travels
+  num_cluster_pushes_ += static_cast<int>(contact_.slots.size());
   for (const std::int32_t slot : contact_.slots) {
     const InertiaCluster& cluster = inertia_->cluster_in(slot);
     const std::span<const VertexId> vertices = cluster.vertices();

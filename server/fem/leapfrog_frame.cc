@@ -49,6 +49,7 @@ bool LeapfrogSweep<T>::set_frame(const Model& model, const LeapfrogTerms& terms,
   speed_ = {};
   fastest_ = 0;
   touched_ = false;
+  num_cluster_pushes_ = 0;
   is_by_pieces_ = false;
   if constexpr (!std::is_same_v<T, float>) return true;
   Extent all;

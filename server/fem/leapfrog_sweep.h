@@ -93,6 +93,8 @@ class LeapfrogSweep {
   bool enforce_found(ContactConstraint& contact);
   // Returns whether a body has moved a vertex since begin().
   [[nodiscard]] bool touched() const { return touched_; }
+  // Times that bodies pushed a cluster since begin().
+  [[nodiscard]] int num_cluster_pushes() const { return num_cluster_pushes_; }
 
   // Of what has mass or is held. False: outside of what positions can hold.
   bool read(const State& state);
@@ -246,6 +248,7 @@ class LeapfrogSweep {
   std::vector<Lanes16<T>> cluster_values_;   // x 4, of one cluster, scratch
   Contact contact_;
   bool touched_ = false;
+  int num_cluster_pushes_ = 0;
   double displacement_speed_ = 0.0;  // m/s, see step_by_displacements()
   std::vector<StartLanes<T>> quad_start_, irregular_start_;
   bool is_by_pieces_ = false;                         // each piece counts from a place of its own in this step

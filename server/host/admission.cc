@@ -14,9 +14,13 @@ constexpr double kNewestWeight =
 
 }  // namespace
 
-WorkerNeed::WorkerNeed(Nanoseconds period, std::int64_t num_vertices)
+WorkerNeed::WorkerNeed(Nanoseconds period, Nanoseconds expected_tick)
     : period_ns_(static_cast<double>(period.count())),
-      share_(std::min(kGuessedTickPerVertex * static_cast<double>(num_vertices) / period_ns_, 1.0)) {}
+      share_(std::min(static_cast<double>(expected_tick.count()) / period_ns_, 1.0)) {}
+
+Nanoseconds WorkerNeed::guessed_tick(std::int64_t num_vertices) {
+  return Nanoseconds(300 * num_vertices);
+}
 
 void WorkerNeed::tick_done(Nanoseconds wall) {
   const double share = std::min(static_cast<double>(wall.count()) / period_ns_, 1.0);

@@ -8,17 +8,17 @@
 namespace kerf::host {
 
 // How much of a worker's time a running sheet needs: what its ticks take, on the wall clock, over its period, in a
-// running mean. At most all of it, as a strand is never on two workers. Begins as a guess by the sheet's size, so that
-// a burst of new sheets counts before any of them has ticked. A plain value.
+// running mean. At most all of it, as a strand is never on two workers. Begins as what a tick is expected to take, so
+// that a burst of new sheets counts before any of them has ticked. A plain value.
 class WorkerNeed {
  public:
   static constexpr std::int64_t kWhole =
       1'000'000;  // one worker; needs are whole numbers, so that sums of them are exact
-  // ns a vertex and tick: what an explicit step of cloth takes at 60 Hz on a core of 2 to 3 GHz.
-  static constexpr double kGuessedTickPerVertex = 300.0;
-
   // `period`: of a tick, > 0.
-  WorkerNeed(Nanoseconds period, std::int64_t num_vertices);
+  WorkerNeed(Nanoseconds period, Nanoseconds expected_tick);
+  // Guesses the tick of a sheet of which only the size is known: 300 ns a vertex, as explicit steps of cloth take at 60
+  // Hz on a core of 2 to 3 GHz.
+  static Nanoseconds guessed_tick(std::int64_t num_vertices);
 
   void tick_done(Nanoseconds wall);
   // Ticks are so far apart from now on, > 0.

@@ -53,6 +53,16 @@ enum class RunState {
   kFailed,    // frozen at its last good tick; still served, cuttable and resettable
 };
 
+// Time that a tick is expected to take: counted from the sheet as it is, and put right by what its ticks took.
+struct TickEstimate {
+  fem::TickCost cost;   // as counted, on one core of 2024
+  double scale = 1.0;   // -, > 0: what ticks of this sheet took over what was counted of them; 1 before there was one
+  double budget = 0.0;  // us, a tick's period on the wall clock
+
+  [[nodiscard]] double total_us() const { return 1e-3 * scale * cost.total(); }
+  [[nodiscard]] bool fits() const { return total_us() <= budget; }
+};
+
 // A sheet as it is between two ticks.
 struct SheetStatus {
   std::string id;
@@ -77,6 +87,7 @@ struct SheetStatus {
   double linear_residual = 0.0;                      // -, likewise
   fem::FlagCounts flagged_ticks{};                   // since the sheet was made, resets included
   std::optional<ReplayStatus> replay;                // of a sheet that plays, or played, a recording
+  TickEstimate tick_estimate;
   // Clusters that cuts made, and substeps of a tick.
   std::optional<fem::LocalInertiaStats> local_inertia;
 };
@@ -91,6 +102,10 @@ struct CommandTimings {
   double queued_us = 0.0;  // from submit() to the tick boundary; 0 for a scheduled command
   double cut_us = 0.0;     // plan, apply, remesh
   double update_us = 0.0;  // model and state
+  // What a tick was expected to take before the commands of its boundary, and what it is after them: see TickEstimate.
+  double tick_before_us = 0.0;
+  double tick_after_us = 0.0;
+  double budget_us = 0.0;  // a tick's period on the wall clock
 };
 
 struct CommandResult {

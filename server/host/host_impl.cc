@@ -117,7 +117,8 @@ void Host::Impl::stop() {
 std::shared_ptr<ExpectedNeed> Host::Impl::expected_need(const sheet::SheetConfig& config) {
   if (!(config.tick_rate_hz > 0.0)) return nullptr;  // will be refused
   const Nanoseconds period(std::llround(1.0e9 / config.tick_rate_hz));
-  return std::make_shared<ExpectedNeed>(board_, WorkerNeed(period, declared_vertices(config)).value());
+  const Nanoseconds tick = WorkerNeed::guessed_tick(declared_vertices(config));
+  return std::make_shared<ExpectedNeed>(board_, WorkerNeed(period, tick).value());
 }
 
 Result<std::shared_ptr<VertexShare>> Host::Impl::reserve(const std::string& id, const sheet::SheetConfig& config,

@@ -45,8 +45,10 @@ struct HostMetrics {
   std::int64_t sleeps = 0;             // times a sheet fell asleep
   std::int64_t overload_refusals = 0;  // sheets that were not made because of the load
   fem::FlagCounts flagged_ticks{};
-  double slipped_s = 0.0;              // s, simulated time given up
-  double tick_cpu_s = 0.0;             // s, thread CPU time of all ticks
+  double slipped_s = 0.0;   // s, simulated time given up
+  double tick_cpu_s = 0.0;  // s, thread CPU time of all ticks
+  // s, the same by part, in the shares that are counted: see fem::TickCost; of ticks without commands.
+  std::array<double, fem::kTickPartNames.size()> tick_part_cpu_s{};
   std::int64_t linear_iterations = 0;  // of implicit integrators
   ResidualHistogram linear_residual;   // largest of a tick, see fem::StepStats; of ticks of implicit integrators
   DurationHistogram tick_duration;     // wall time of a tick, publishing included

@@ -8,6 +8,11 @@ namespace kerf::host {
 
 namespace {
 
+Nanoseconds expected_tick(const sheet::Sheet& sheet) {
+  const double counted = sheet.expected_cost().total();
+  return counted > 0.0 ? Nanoseconds(std::llround(counted)) : WorkerNeed::guessed_tick(sheet.mesh().num_vertices());
+}
+
 Nanoseconds period_of(const sheet::Sheet& sheet) {
   return Nanoseconds(std::llround(1.0e9 * sheet.dt()));
 }
@@ -44,7 +49,7 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
       strand_(std::move(strand)),
       sheet_(std::move(sheet)),
       pace_(period_of(sheet_)),
-      need_(period_of(sheet_), sheet_.mesh().num_vertices()),
+      need_(period_of(sheet_), expected_tick(sheet_)),
       vertices_(std::move(vertices)),
       kept_(context_.options.encode_tick, context_.options.max_recording_bytes) {}
 
@@ -252,6 +257,7 @@ SheetStatus SheetRunner::unhashed_status() const {
   status.integrator = sheet_.integrator_description();
   status.softening = sheet_.softening();
   status.local_inertia = sheet_.local_inertia();
+  status.tick_estimate = tick_estimate();
   status.linear_iterations = last_step_.linear_iterations;
   status.linear_residual = last_step_.linear_residual;
   status.flagged_ticks = flagged_ticks_;

@@ -116,6 +116,9 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   bool run_once(bool advance);
   // False: the tick was interrupted.
   bool run_commands(bool advance, std::vector<Pending> pending);
+  [[nodiscard]] TickEstimate tick_estimate() const;
+  // Compares what a tick took, with no command in it, with what is counted of the sheet as it is.
+  void note_tick_cost(Nanoseconds cpu);
   [[nodiscard]] bool goes_on() const;  // the tick under way
   [[nodiscard]] bool is_tick_long() const;
   // One tick of the recording, with what was applied before and after it (sheet_runner_replay.cc). False: there is more
@@ -203,6 +206,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   bool sleeping_ = false;
   bool is_changed_ = false;  // by a client, since the scene began
   bool repeats_now_ = false;
+  double tick_scale_ = 0.0;  // -, see TickEstimate; 0: no tick was timed
   std::int32_t resets_ = 0;  // that clients asked for
   std::int32_t resets_undone_ = 0;
   std::optional<sheet::SinkEnd> closed_;

@@ -44,6 +44,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   StageTimer timer(context_.clock);
   const bool timed = advance && !paused_;
 
+  const double tick_before_us = pending.empty() ? 0.0 : tick_estimate().total_us();
   tick_began_ = begin;
   const fem::GoesOn goes_on = [this] { return this->goes_on(); };
   const sheet::TickReport report = advance ? sheet_.step(commands, &timer, &goes_on) : sheet_.apply(commands, &timer);
@@ -52,7 +53,16 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
 
   const auto is_reset = [](const sheet::Command& command) { return std::holds_alternative<sheet::Reset>(command); };
   if (step_call_ && std::any_of(commands.begin(), commands.end(), is_reset)) step_call_->remaining = 0;
-  const std::vector<Result<CommandResult>> results = results_of(report, pending, begin, timer);
+  std::vector<Result<CommandResult>> results = results_of(report, pending, begin, timer);
+  if (!pending.empty()) {
+    const TickEstimate after = tick_estimate();
+    for (Result<CommandResult>& result : results) {
+      if (!result) continue;
+      result->timings.tick_before_us = tick_before_us;
+      result->timings.tick_after_us = after.total_us();
+      result->timings.budget_us = after.budget;
+    }
+  }
   note_changes(pending, commands, report);
   tell(commands, pending, report, results);
   if (bare && (stands || report.stats.interrupted)) kept_.append(*bare);
@@ -65,6 +75,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
     pace_.add_cpu(cpu);
   }
   if (report.advanced) last_step_ = report.stats;
+  if (report.advanced && results.empty()) note_tick_cost(cpu);
   fem::count_flags(report.stats.flags, flagged_ticks_);
   note_status();
   publish();
@@ -84,6 +95,18 @@ void SheetRunner::note_changes(const std::vector<Pending>& pending, const std::v
     if (!reply->undone || !reply->undone->reset) continue;
     ++(std::holds_alternative<sheet::RedoCut>(commands[i]) ? resets_ : resets_undone_);
   }
+}
+
+TickEstimate SheetRunner::tick_estimate() const {
+  return {sheet_.expected_cost(), tick_scale_ > 0.0 ? tick_scale_ : 1.0, microseconds(pace_.period())};
+}
+
+void SheetRunner::note_tick_cost(Nanoseconds cpu) {
+  constexpr double kWeight = 0.1;  // -, of the newest tick
+  const double counted = sheet_.expected_cost().total();
+  if (!(counted > 0.0) || cpu.count() <= 0) return;
+  const double scale = static_cast<double>(cpu.count()) / counted;
+  tick_scale_ = tick_scale_ > 0.0 ? tick_scale_ + kWeight * (scale - tick_scale_) : scale;
 }
 
 bool SheetRunner::goes_on() const {
@@ -202,7 +225,11 @@ void SheetRunner::count(const sheet::TickReport& report, const std::vector<Resul
   const auto refused = [](const auto& result) { return !result.ok(); };
   const std::int64_t num_refused = std::count_if(results.begin(), results.end(), refused);
   const std::int64_t num_done = static_cast<std::int64_t>(results.size()) - num_refused;
+  const fem::TickCost cost = report.advanced && results.empty() ? sheet_.expected_cost() : fem::TickCost{};
   context_.board.update([&](HostMetrics& m) {
+    for (std::size_t i = 0; i < cost.ns.size() && cost.total() > 0.0; ++i) {
+      m.tick_part_cpu_s[i] += seconds(cpu) * cost.ns[i] / cost.total();
+    }
     if (report.advanced) {
       ++m.ticks;
       m.tick_cpu_s += seconds(cpu);

@@ -40,6 +40,7 @@ class ContactBridge : public fem::ContactConstraint {
 
   [[nodiscard]] bool empty() const { return solver_.empty(); }
   [[nodiscard]] std::int64_t phases() const { return solver_.counters().phases; }
+  [[nodiscard]] std::int64_t blocks() const { return solver_.counters().blocks; }
 
  private:
   contact::ContactSolver solver_;

@@ -170,9 +170,16 @@ void Sheet::Impl::integrate(const fem::GoesOn* goes_on, TickReport& report) {
   last_good = state;
   model.bend_by_matrix();
   integrator->heed(goes_on);
+  const std::int64_t blocks_before = contact.blocks();
   report.stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
   integrator->heed(nullptr);
   if (report.stats.interrupted) return;
+  const double substeps = std::max(report.stats.substeps, 1);
+  last_counts = {.contact_blocks = static_cast<double>(contact.blocks() - blocks_before) / substeps,
+                 .cluster_pushes = report.stats.cluster_pushes / substeps,
+                 .load_phases = report.stats.load_phases / substeps,
+                 .newton_iterations = static_cast<double>(report.stats.newton_iterations),
+                 .linear_iterations = static_cast<double>(report.stats.linear_iterations)};
   if (!state.x.allFinite() || !state.v.allFinite()) report.stats.flags |= fem::kFrozen;
   report.step_failed = (report.stats.flags & fem::kFrozen) != 0;
   if (report.step_failed) {
@@ -183,6 +190,14 @@ void Sheet::Impl::integrate(const fem::GoesOn* goes_on, TickReport& report) {
     failed_steps = 0;
   }
   for (GrabState& grab : grabs) grab.previous_target = grab.target;
+}
+
+fem::TickCounts Sheet::Impl::counts() const {
+  constexpr double kTouchingShare = 0.3;  // of a sheet that is to fall on bodies
+  if (last_counts) return *last_counts;
+  const double blocks = static_cast<double>(mesh.num_vertices()) / static_cast<double>(mesh::kVertexLanes);
+  const bool has_wind = wind.air_density > 0.0 && wind.drag_coefficient > 0.0;
+  return {.contact_blocks = contact.empty() ? 0.0 : kTouchingShare * blocks, .load_phases = has_wind ? 1.0 : 0.0};
 }
 
 bool Sheet::Impl::is_left_alone() const {
@@ -371,6 +386,9 @@ const std::string& Sheet::integrator_description() const {
 }
 std::optional<fem::LocalInertiaStats> Sheet::local_inertia() const {
   return impl_->integrator->local_inertia(impl_->dt);
+}
+fem::TickCost Sheet::expected_cost() const {
+  return impl_->integrator->expected_cost(impl_->model, impl_->dt, impl_->counts());
 }
 bool Sheet::frozen() const {
   return impl_->frozen;

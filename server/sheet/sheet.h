@@ -168,6 +168,8 @@ class Sheet {
   [[nodiscard]] const std::string& integrator_description() const;  // which one runs and why
   // Clusters that cuts made, and substeps of a tick; nothing where there are none.
   [[nodiscard]] std::optional<fem::LocalInertiaStats> local_inertia() const;
+  // Counts what a tick of the sheet as it is takes; see fem::TickCost. 0 ns of integrators that do not say.
+  [[nodiscard]] fem::TickCost expected_cost() const;
   [[nodiscard]] Energies energies() const;
 
   // Nothing changes what acts on the sheet (no grab, no change of loads, no command to come), and no vertex is expected

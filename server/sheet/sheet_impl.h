@@ -108,6 +108,8 @@ struct Sheet::Impl {
   void stamp(TickReport& report) const;
   void integrate(const fem::GoesOn* goes_on, TickReport& report);
   void watch_rest();
+  // Counts of the last tick since the scene began, or what is to be expected of the first.
+  [[nodiscard]] fem::TickCounts counts() const;
   // Nothing acts on it but what always does: no grab, no change of loads, no command to come.
   [[nodiscard]] bool is_left_alone() const;
 
@@ -202,6 +204,7 @@ struct Sheet::Impl {
   UndoHistory history;
   Lineage lineage;
   RestWatch rest;
+  std::optional<fem::TickCounts> last_counts;
 
   // Counters.
   std::int32_t topology_version = 1;

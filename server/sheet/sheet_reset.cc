@@ -81,6 +81,7 @@ void Sheet::Impl::restore(const Checkpoint& to) {
   contact.set_vertices(mesh.num_vertices(), pinned, removed);
   rebuild();
   lineage.restore(to.pieces);
+  last_counts.reset();
   failed_steps = to.failed_steps;
   frozen = to.frozen;
   beginning = to.beginning;

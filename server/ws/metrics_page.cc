@@ -89,6 +89,11 @@ void add_host(Page& page, const host::HostMetrics& host) {
   page.counter("kerf_slipped_seconds_total", "Simulated time given up because a sheet could not keep pace.",
                host.slipped_s);
   page.counter("kerf_tick_cpu_seconds_total", "CPU time of all ticks.", host.tick_cpu_s);
+  page.begin_counter("kerf_tick_part_cpu_seconds_total",
+                     "CPU time of ticks without commands, by part, in counted shares.");
+  for (std::size_t i = 0; i < host.tick_part_cpu_s.size(); ++i) {
+    page.counter_value({{"part", std::string(fem::kTickPartNames[i])}}, host.tick_part_cpu_s[i]);
+  }
   page.histogram("kerf_tick_duration_seconds", "Wall time of a tick, publishing included.", host.tick_duration);
   page.counter("kerf_linear_iterations_total", "Iterations of linear solvers.", host.linear_iterations);
   page.histogram("kerf_linear_residual", "Largest true relative residual of the linear solves of a tick.",

@@ -1,6 +1,10 @@
 // Batches, undo and redo, cuts with a tick of their own, pieces, and a sheet's cuts carried to another.
+#include <future>
+#include <memory>
+
 #include <gtest/gtest.h>
 
+#include "server/api/tick_advice.h"
 #include "server/wire/json.h"
 #include "tests/api/api_fixture.h"
 #include "tests/api/viewer.h"
@@ -326,6 +330,108 @@ TEST_F(ApiCutsTest, CutsOfOneSheetMakeTheSameMeshOfAnother) {
   host_->wait_idle();
   EXPECT_EQ(mesh_of_a, mesh_of_b);
   EXPECT_NE(mesh_of_a, 0U);
+}
+
+// Answers of validate_only come from a thread of their own.
+template <typename Request, typename Response>
+Result<Response> answer_of(Api& api, void (Api::*method)(const Request&, Reply<Response>), const Request& request) {
+  auto promise = std::make_shared<std::promise<Result<Response>>>();
+  (api.*method)(request, [promise](Result<Response> reply) { promise->set_value(std::move(reply)); });
+  return promise->get_future().get();
+}
+
+TEST_F(ApiCutsTest, ValidateOnlySaysWhatACutWouldBeAndCutsNothing) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  const std::string before = get_sheet("sheets/a").state_hash();
+  v1::CreateCutRequest request = cut_request("sheets/a", 0.59);
+  request.mutable_cut()->mutable_curve()->mutable_polyline()->mutable_points(1)->set_y(0.61);
+  request.set_validate_only(true);
+  const v1::CutResult tried = answer_of(*api_, &Api::create_cut, request).value();
+  EXPECT_EQ(tried.name(), "");
+  EXPECT_EQ(get_sheet("sheets/a").state_hash(), before);
+  EXPECT_TRUE(names().empty());
+  request.set_validate_only(false);
+  const v1::CutResult done = call(&Api::create_cut, request).value();
+  EXPECT_EQ(tried.status(), done.status());
+  EXPECT_EQ(tried.pieces(), done.pieces());
+  EXPECT_EQ(tried.state_hash(), done.state_hash());
+  EXPECT_EQ(tried.new_vertices(), done.new_vertices());
+  EXPECT_EQ(tried.tick_before_us(), done.tick_before_us());
+  EXPECT_EQ(tried.tick_after_us(), done.tick_after_us());
+  EXPECT_GT(done.tick_after_us(), done.tick_before_us());
+  EXPECT_EQ(done.tick_after_us(), get_sheet("sheets/a").tick_estimate().total_us());
+}
+
+TEST_F(ApiCutsTest, ValidateOnlyOfABatchIsOfAllItsCutsTogether) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  v1::CreateCutsRequest request = batch_request("sheets/a", {0.3, 7.0, 0.6});
+  request.set_validate_only(true);
+  const v1::CreateCutsResponse tried = answer_of(*api_, &Api::create_cuts, request).value();
+  EXPECT_EQ(tried.applied(), 2);
+  EXPECT_EQ(tried.pieces(), 3);
+  for (const v1::CutResult& result : tried.results()) EXPECT_EQ(result.name(), "");
+  EXPECT_TRUE(names().empty());
+  EXPECT_EQ(get_sheet("sheets/a").pieces(), 1);
+}
+
+TEST_F(ApiCutsTest, ValidateOnlyRefusesWhatACutWould) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  v1::CreateCutRequest fine = cut_request("sheets/a", 0.5);
+  fine.mutable_cut()->set_max_new_triangles(1);
+  fine.set_validate_only(true);
+  const Result<v1::CutResult> refused = answer_of(*api_, &Api::create_cut, fine);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(refused.error().field, "cut");
+  v1::CreateCutRequest later = cut_request("sheets/a", 0.5);
+  later.set_validate_only(true);
+  later.set_at_tick(5);
+  EXPECT_EQ(call(&Api::create_cut, later).error().field, "at_tick");
+  v1::CreateCutRequest nowhere = cut_request("sheets/none", 0.5);
+  nowhere.set_validate_only(true);
+  EXPECT_EQ(call(&Api::create_cut, nowhere).error().code, ErrorCode::kNotFound);
+}
+
+TEST_F(ApiCutsTest, ASheetWhoseTicksDoNotFitSaysWhyAndWhatHelps) {
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  const v1::TickEstimate fits = get_sheet("sheets/a").tick_estimate();
+  double sum = 0.0;
+  for (const auto& [part, us] : fits.parts_us()) sum += us;
+  EXPECT_NEAR(sum, fits.total_us(), 1e-9 * sum);
+  EXPECT_EQ(fits.total_us(), fits.counted_us()) << "no tick was timed";
+  EXPECT_EQ(fits.budget_us(), 20'000.0);
+  EXPECT_EQ(fits.advice(), "");
+
+  v1::CreateSheetRequest request;
+  request.set_sheet_id("stiff");
+  request.set_paused(true);
+  v1::GridMesh& grid = *request.mutable_scene()->mutable_grid();
+  grid.set_columns(40);
+  grid.set_rows(40);
+  grid.set_width_m(1.0);
+  grid.set_height_m(1.0);
+  request.mutable_scene()->mutable_material()->set_preset("wool");
+  request.mutable_scene()->mutable_integrator()->set_kind(v1::Integrator::EXPLICIT_LEAPFROG);
+  request.mutable_scene()->mutable_wind()->mutable_velocity_mps()->set_x(1.0);
+  const v1::TickEstimate slow = call(&Api::create_sheet, request).value().tick_estimate();
+  EXPECT_GT(slow.total_us(), slow.budget_us());
+  EXPECT_NE(slow.advice().find("wind and other loads"), std::string::npos) << slow.advice();
+  EXPECT_NE(slow.advice().find("What helps: no wind"), std::string::npos) << slow.advice();
+  EXPECT_NE(slow.advice().find("substeps"), std::string::npos) << slow.advice();
+}
+
+TEST_F(ApiCutsTest, ACutThatEndsRealTimeIsWarnedOf) {
+  host::CommandTimings timings;
+  timings.tick_before_us = 5'000.0;
+  timings.tick_after_us = 40'000.0;
+  timings.budget_us = 20'000.0;
+  EXPECT_EQ(warning_of_slower_ticks(timings),
+            "The sheet falls behind from here on: a tick takes 40 ms and has 20; before, it took 5 ms.");
+  timings.tick_after_us = 20'000.0;
+  EXPECT_EQ(warning_of_slower_ticks(timings), "");
+  timings.tick_before_us = 30'000.0;
+  timings.tick_after_us = 40'000.0;
+  EXPECT_EQ(warning_of_slower_ticks(timings), "") << "it was behind before";
 }
 
 }  // namespace

@@ -7,9 +7,10 @@
 namespace kerf::host {
 namespace {
 
-TEST(WorkerNeed, BeginsAsAGuessAndBecomesWhatTicksTake) {
-  WorkerNeed need(20ms, 1'000);
-  EXPECT_EQ(need.value(), 15'000);  // 1,000 * 300 ns of 20 ms
+TEST(WorkerNeed, BeginsAsWhatIsExpectedAndBecomesWhatTicksTake) {
+  EXPECT_EQ(WorkerNeed::guessed_tick(1'000), 300us);
+  WorkerNeed need(20ms, 300us);
+  EXPECT_EQ(need.value(), 15'000);
   for (int i = 0; i < 200; ++i) need.tick_done(5ms);
   EXPECT_NEAR(static_cast<double>(need.value()), 250'000.0, 10.0);
   need.tick_done(1s);  // one slow tick is one period at most
@@ -17,7 +18,7 @@ TEST(WorkerNeed, BeginsAsAGuessAndBecomesWhatTicksTake) {
   for (int i = 0; i < 200; ++i) need.tick_done(1s);
   EXPECT_NEAR(static_cast<double>(need.value()), 1'000'000.0, 10.0);
   EXPECT_LE(need.value(), WorkerNeed::kWhole);
-  EXPECT_EQ(WorkerNeed(20ms, 500'000).value(), WorkerNeed::kWhole);
+  EXPECT_EQ(WorkerNeed(20ms, 150ms).value(), WorkerNeed::kWhole);
 }
 
 TEST(Admission, ClosesAtTheLimitAndReopensWellBelowIt) {

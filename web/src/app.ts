@@ -40,6 +40,7 @@ import { isStill } from './ui/run_text';
 import { SaveMenu } from './ui/save_menu';
 import { SheetLook } from './ui/sheet_look';
 import { SheetNews } from './ui/sheet_news';
+import { SlowSheet } from './ui/slow_sheet';
 import { SimulationControls } from './ui/simulation_controls';
 import { StatisticsPanel } from './ui/statistics_panel';
 import { StatusLine } from './ui/status_line';
@@ -74,6 +75,10 @@ export class App implements Viewer {
   readonly look: SheetLook;
   readonly notices = new Notices(element('notices'));
   private readonly news = new SheetNews((kind, text) => this.notify(kind, text));
+  private readonly slowness = new SlowSheet(
+    (kind, text) => this.notify(kind, text),
+    async () => ((await this.fetchSheet()) && this.sheet?.tickEstimate?.advice) || '',
+  );
   private readonly firstHint = new FirstHint(element('first-hint'), element('first-hint-close'));
   private readonly status = new StatusLine();
   private readonly physics = new PhysicsPanel(this);
@@ -356,6 +361,7 @@ export class App implements Viewer {
       if (this.watch) {
         this.settings.saw(stats.settingsVersion);
         this.news.saw(this.sheetName, copy.epoch, stats);
+        void this.slowness.saw(this.sheetName, stats, arrivedMs);
       }
     }
     if (!this.imageMode.isOn) this.statistics.arrived(delivery, stats);

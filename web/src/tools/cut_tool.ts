@@ -5,6 +5,7 @@ import { CutResult_Status, CutService } from '../gen/kerf/v1/cuts_pb';
 import type { CutSchema } from '../gen/kerf/v1/scene_pb';
 import type { Point2 } from '../geometry/locator';
 import { svgOutline } from '../geometry/svg_outline';
+import { CutForecast } from './cut_forecast';
 import { CutHandles } from './cut_handles';
 import { CutPreview } from './cut_preview';
 import { cutDetails, cutText, warningText } from './cut_text';
@@ -54,6 +55,7 @@ export class CutTool implements Tool {
   private readonly material: MaterialPlane;
   private readonly preview: CutPreview;
   private readonly sheetPreview = new SheetPreview();
+  private readonly forecast: CutForecast;
   private readonly handles: CutHandles;
   private readonly marker = document.createElement('div');
   private readonly drawnSizePx = new Vector2();
@@ -69,6 +71,7 @@ export class CutTool implements Tool {
     viewer.overlay.append(this.marker);
     this.preview = new CutPreview(viewer.overlay);
     viewer.stage.scene.add(this.sheetPreview.object);
+    this.forecast = new CutForecast(changed);
     this.handles = new CutHandles(
       viewer.overlay,
       (index) => this.chooseHandle(index),
@@ -152,6 +155,11 @@ export class CutTool implements Tool {
 
   get prompt(): string {
     return this.isChoosing ? `${pressVerb()} the piece to cut` : this.drawing.prompt;
+  }
+
+  /** What the cut would cost, where that ends real time; else empty. */
+  get warning(): string {
+    return this.forecast.warning;
   }
 
   /** The chosen point that has a weight. */
@@ -275,7 +283,7 @@ export class CutTool implements Tool {
     this.underWay.add(drawing);
     this.refresh();
     const { widthM } = this;
-    const request = { parent: this.viewer.sheetName, cut: this.request() };
+    const request = this.request();
     const result = await this.viewer.attempt(
       () => call(CutService.method.createCut, request),
       'Nothing was cut: ',
@@ -313,7 +321,11 @@ export class CutTool implements Tool {
     return this.target === 'material' ? this.material : this.picture;
   }
 
-  private request(): MessageInitShape<typeof CutSchema> {
+  private request() {
+    return { parent: this.viewer.sheetName, cut: this.requested() };
+  }
+
+  private requested(): MessageInitShape<typeof CutSchema> {
     const { stage } = this.viewer;
     const { isOn, cutM, leftM } = this.dashes;
     const { target } = this;
@@ -403,6 +415,7 @@ export class CutTool implements Tool {
 
   private refresh(): void {
     this.sheetPreview.changed();
+    this.forecast.ask(this.isReady ? this.request() : undefined);
     this.viewer.stage.invalidate();
     this.changed();
   }

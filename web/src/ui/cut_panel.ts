@@ -10,6 +10,7 @@ const kMillimetre = 1e-3;
 export class CutPanel {
   private readonly panel = element('cut-panel');
   private readonly prompt = element('cut-prompt');
+  private readonly warning = element('cut-warning');
   private readonly apply = element<HTMLButtonElement>('cut-apply');
   private readonly again = element<HTMLButtonElement>('cut-again');
   private readonly cancel = element<HTMLButtonElement>('cut-cancel');
@@ -78,6 +79,8 @@ export class CutPanel {
     const { tool } = this;
     this.panel.hidden = !isShown;
     setText(this.prompt, tool.prompt);
+    setText(this.warning, tool.warning);
+    this.warning.hidden = tool.warning === '';
     this.apply.disabled = !tool.isReady;
     this.again.hidden = !tool.hasLast;
     this.cancel.disabled = !tool.isStarted;

@@ -2,6 +2,7 @@ import { Replay_State } from '../gen/kerf/v1/sheets_pb';
 import type { Replay } from '../gen/kerf/v1/sheets_pb';
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import type { NoticeKind } from '../tools/tool';
+import { speedOf } from './speeds';
 
 /** What to say of a sheet that has played a server's recording to where it goes no further. */
 export function runEndText({ state, endTick, divergedTick }: Replay): [kind: NoticeKind, text: string] | undefined {
@@ -14,13 +15,20 @@ export function runEndText({ state, endTick, divergedTick }: Replay): [kind: Not
 }
 
 /** The reason that the sheet does not move; undefined if it does, or nothing is known of it. */
-export function stillText(stats: FrameStats | undefined): string | undefined {
+export function stillText(stats: Pick<FrameStats, 'paused' | 'sleeping'> | undefined): string | undefined {
   if (stats?.paused) return 'paused';
   return stats?.sleeping ? 'at rest' : undefined;
 }
 
-export function isStill(stats: FrameStats | undefined): boolean {
+export function isStill(stats: Pick<FrameStats, 'paused' | 'sleeping'> | undefined): boolean {
   return stillText(stats) !== undefined;
+}
+
+/** The sheet does not keep its pace: in slow motion it is not real time that counts. */
+export function isBehind(
+  stats: Pick<FrameStats, 'paused' | 'sleeping' | 'realTimeFactor' | 'speed'> | undefined,
+): boolean {
+  return stats !== undefined && !isStill(stats) && stats.realTimeFactor < 0.95 * speedOf(stats);
 }
 
 /** The text for the age of a frame that shows the sheet as it is now. */

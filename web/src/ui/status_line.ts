@@ -2,8 +2,7 @@ import type { FrameStats } from '../gen/kerf/v1/stream_pb';
 import type { SheetFigures } from '../stream/sheet_copy';
 import { SampleWindow } from '../stream/sample_window';
 import { element, setText } from './dom';
-import { isStill, kCurrent, stillText } from './run_text';
-import { speedOf } from './speeds';
+import { isBehind, kCurrent, stillText } from './run_text';
 
 // A second of pictures, on the fastest of screens.
 const kFpsWindowMs = 1000;
@@ -51,9 +50,4 @@ function realTimeText(stats: FrameStats | undefined): string {
 function ageText(ageMs: number | undefined): string {
   if (ageMs === undefined) return kNothing;
   return ageMs < 1000 ? `${ageMs.toFixed(0)} ms` : `${(ageMs / 1000).toFixed(1)} s`;
-}
-
-// In slow motion a sheet that keeps its pace is not behind.
-function isBehind(stats: FrameStats | undefined): boolean {
-  return stats !== undefined && !isStill(stats) && stats.realTimeFactor < 0.95 * speedOf(stats);
 }

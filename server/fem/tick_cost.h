@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <numeric>
+#include <string_view>
+
+namespace kerf::fem {
+
+// Parts of a tick by which its time is counted.
+enum class TickPart {
+  kMembrane,  // stretching and shearing, with the motion of vertices
+  kBending,
+  kClusters,  // of local inertia, around the tiny triangles along cuts
+  kContact,   // keeping vertices out of bodies
+  kLoads,     // forces that are summed vertex by vertex: wind, follower loads, external forces
+  kSolve,     // linear systems of implicit steps
+};
+inline constexpr std::array<std::string_view, 6> kTickPartNames{"membrane", "bending", "clusters",
+                                                                "contact",  "loads",   "solve"};
+
+// Time of a tick from counts alone, the same on every machine: ns on one core of 2024, within 1.5 times of what ticks
+// take there (tests/bench/README.md, "The estimate of a tick").
+struct TickCost {
+  double substeps = 0.0;                           // of the tick; 0 of implicit steps
+  std::array<double, kTickPartNames.size()> ns{};  // by part, >= 0
+
+  [[nodiscard]] double& operator[](TickPart part) { return ns[static_cast<std::size_t>(part)]; }
+  [[nodiscard]] double operator[](TickPart part) const { return ns[static_cast<std::size_t>(part)]; }
+  [[nodiscard]] double total() const { return std::accumulate(ns.begin(), ns.end(), 0.0); }
+};
+
+// What the last tick went through, of which a model knows nothing; as expected before there was one.
+struct TickCounts {
+  double contact_blocks = 0.0;     // looked at in a substep, of kVertexLanes vertices each
+  double cluster_pushes = 0.0;     // in a substep
+  double load_phases = 0.0;        // of a substep, see StepStats::load_phases
+  double newton_iterations = 0.0;  // of the tick; 0: as many as may be
+  double linear_iterations = 0.0;  // likewise
+};
+
+// Counts of an explicit step.
+struct ExplicitCounts {
+  double substeps = 0.0;
+  double bending_interval = 1.0;  // substeps from one kick of bending to the next
+  double slots = 0.0;             // of triangles
+  double bending_entries = 0.0;   // of the bending matrix
+  double vertices = 0.0;
+  double clusters = 0.0;
+  double cluster_entries = 0.0;  // of the clusters' factors
+  bool is_double = false;
+};
+TickCost cost_of(const ExplicitCounts& counts, const TickCounts& last);
+
+enum class SystemSolver { kDirect, kKeptFactor, kIterative };
+// Counts of an implicit step.
+struct ImplicitCounts {
+  double most_newton_iterations = 0.0;  // of the tick
+  double vertices = 0.0;
+  double slots = 0.0;
+  SystemSolver solver = SystemSolver::kDirect;
+};
+TickCost cost_of(const ImplicitCounts& counts, const TickCounts& last);
+
+}  // namespace kerf::fem

@@ -1,0 +1,83 @@
+// The cost of a tick from counts: parts, what raises them, and what integrators count of a sheet.
+#include "server/fem/tick_cost.h"
+
+#include "server/fem/automatic_integrator.h"
+#include "tests/fem/cut_sheet.h"
+
+namespace kerf::fem {
+namespace {
+
+const ExplicitCounts kExplicit{
+    .substeps = 100.0, .bending_interval = 4.0, .slots = 5000.0, .bending_entries = 45'000.0, .vertices = 2500.0};
+
+TEST(TickCost, EachCountRaisesItsPartAlone) {
+  const TickCost base = cost_of(kExplicit, {});
+  EXPECT_EQ(base[TickPart::kClusters], 0.0);
+  EXPECT_EQ(base[TickPart::kContact], 0.0);
+  EXPECT_EQ(base[TickPart::kLoads], 0.0);
+  const auto expect_raised = [&](const ExplicitCounts& counts, const TickCounts& last, TickPart part) {
+    const TickCost cost = cost_of(counts, last);
+    for (std::size_t i = 0; i < cost.ns.size(); ++i) {
+      const bool is_raised = i == static_cast<std::size_t>(part);
+      EXPECT_EQ(cost.ns[i] > base.ns[i], is_raised) << kTickPartNames[i];
+    }
+    EXPECT_GT(cost.total(), base.total());
+  };
+  ExplicitCounts clustered = kExplicit;
+  clustered.clusters = 10.0;
+  expect_raised(clustered, {}, TickPart::kClusters);
+  expect_raised(kExplicit, {.contact_blocks = 20.0}, TickPart::kContact);
+  expect_raised(kExplicit, {.cluster_pushes = 2.0}, TickPart::kContact);
+  expect_raised(kExplicit, {.load_phases = 1.0}, TickPart::kLoads);
+}
+
+TEST(TickCost, ImplicitStepsCountTheIterationsOfTheLastTick) {
+  const ImplicitCounts counts{
+      .most_newton_iterations = 4.0, .vertices = 2500.0, .slots = 5000.0, .solver = SystemSolver::kKeptFactor};
+  const double most = cost_of(counts, {}).total();
+  EXPECT_EQ(cost_of(counts, {.newton_iterations = 4.0}).total(), most);
+  EXPECT_EQ(cost_of(counts, {.newton_iterations = 2.0}).total(), 0.5 * most);
+  ImplicitCounts iterative = counts;
+  iterative.solver = SystemSolver::kIterative;
+  const auto of_iterations = [&](double linear) {
+    return cost_of(iterative, {.newton_iterations = 2.0, .linear_iterations = linear})[TickPart::kSolve];
+  };
+  EXPECT_EQ(of_iterations(200.0), 2.0 * of_iterations(100.0));
+}
+
+TEST(TickCost, ExplicitStepsCountTheirPlan) {
+  const double tick = 1.0 / 60.0;
+  const CutSheet uncut(0);
+  const CutSheet cut(20);
+  ExplicitIntegrator integrator(explicit_options(Precision::kMixed));
+  integrator.rebuild(uncut.model);
+  const TickCost before = integrator.expected_cost(uncut.model, tick, {});
+  EXPECT_EQ(before.substeps, integrator.planned_substeps(tick));
+  EXPECT_EQ(before[TickPart::kClusters], 0.0);
+  integrator.rebuild(cut.model);
+  const TickCost after = integrator.expected_cost(cut.model, tick, {});
+  EXPECT_GT(after[TickPart::kClusters], 0.0);
+  EXPECT_GT(after.total(), 2.0 * before.total());
+}
+
+TEST(TickCost, AutomaticCountsTheIntegratorThatRuns) {
+  const Material wool = *find_preset("wool");
+  for (const int n : {13, 50}) {
+    for (const std::size_t num_cuts : {0U, 20U}) {
+      mesh::TriangleMesh mesh = square_grid(n);
+      Model model(mesh, wool);
+      test::RandomCuts cuts(1, mesh, model);
+      cuts.make(num_cuts);
+      IntegratorOptions options;
+      const std::unique_ptr<Integrator> integrator = make_integrator(options);
+      integrator->rebuild(model);
+      const TickEstimate estimate = estimate_tick(model, options);
+      const TickCost cost = integrator->expected_cost(model, options.tick, {});
+      EXPECT_EQ(estimate.is_explicit, integrator->kind() == IntegratorKind::kExplicit) << n;
+      EXPECT_EQ(cost.total(), estimate.is_explicit ? estimate.explicit_ns : estimate.implicit_ns) << n;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace kerf::fem

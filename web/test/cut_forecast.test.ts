@@ -1,0 +1,61 @@
+import { create } from '@bufbuild/protobuf';
+import { afterEach, beforeEach, expect, test, vi } from 'vitest';
+import { CutResultSchema } from '../src/gen/kerf/v1/cuts_pb';
+import { CutForecast, forecastText } from '../src/tools/cut_forecast';
+
+const kRequest = { parent: 'sheets/demo', cut: { widthM: 0.01 } };
+const kSlower = create(CutResultSchema, { tickBeforeUs: 3000, tickAfterUs: 52_000, tickBudgetUs: 16_667 });
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  vi.stubGlobal('window', globalThis);
+});
+afterEach(() => {
+  vi.useRealTimers();
+  vi.unstubAllGlobals();
+});
+
+test('a cut that ends real time is warned of, with what it costs', () => {
+  expect(forecastText(kSlower)).toBe('This cut slows the sheet to 0.3 × real time: a step takes 52 ms then and has 17');
+});
+
+test('nothing is said of a cut after which ticks fit, or of a sheet that was behind before', () => {
+  expect(forecastText(create(CutResultSchema, { ...kSlower, tickAfterUs: 16_000 }))).toBe('');
+  expect(forecastText(create(CutResultSchema, { ...kSlower, tickBeforeUs: 20_000 }))).toBe('');
+});
+
+test('the server is asked once the drawing has settled, and cuts nothing', async () => {
+  const changed = vi.fn();
+  const tryCut = vi.fn(async () => kSlower);
+  const forecast = new CutForecast(changed, tryCut);
+  for (let i = 0; i < 5; ++i) {
+    forecast.ask(kRequest);
+    await vi.advanceTimersByTimeAsync(300);
+  }
+  expect(tryCut).not.toHaveBeenCalled();
+  await vi.advanceTimersByTimeAsync(200);
+  expect(tryCut.mock.calls).toEqual([[{ ...kRequest, validateOnly: true }]]);
+  expect(forecast.warning).toContain('52 ms');
+  expect(changed).toHaveBeenCalledTimes(1);
+});
+
+test('a drawing that is given up, and an answer that comes late, say nothing', async () => {
+  let answer: (result: typeof kSlower) => void = () => undefined;
+  const forecast = new CutForecast(vi.fn(), () => new Promise((settle) => (answer = settle)));
+  forecast.ask(kRequest);
+  forecast.ask(undefined);
+  await vi.advanceTimersByTimeAsync(1000);
+  forecast.ask(kRequest);
+  await vi.advanceTimersByTimeAsync(500);
+  forecast.ask({ ...kRequest, parent: 'sheets/other' });
+  answer(kSlower);
+  await vi.advanceTimersByTimeAsync(0);
+  expect(forecast.warning).toBe('');
+});
+
+test('a cut that the server refuses is not warned of', async () => {
+  const forecast = new CutForecast(vi.fn(), () => Promise.reject(new Error('refused')));
+  forecast.ask(kRequest);
+  await vi.advanceTimersByTimeAsync(500);
+  expect(forecast.warning).toBe('');
+});
