@@ -13,7 +13,7 @@ namespace {
 
 // Explicit steps are by far the more accurate at equal cost. After cuts stiff sheets should not become slower by them.
 constexpr double kPreferenceForExplicit = 4.0;
-constexpr double kPreferenceWithClusters = 1.6;
+constexpr double kPreferenceWithClusters = 1.5;
 constexpr double kSecondOrderCondition = 1e9;  // 1 + dt^2 lambda_max
 constexpr int kLeastForFactorCg = 2000;        // vertices: below, a factor in double takes no longer
 

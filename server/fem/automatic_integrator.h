@@ -23,7 +23,7 @@ TickEstimate estimate_tick(const Model& model, const IntegratorOptions& options)
 // Chooses at each rebuild, from the model and IntegratorOptions::tick alone: estimates in nanoseconds, no clock, so the
 // choice is the same on every machine.
 //  - Explicit, unless TR-BDF2 is estimated at less than a quarter of its cost: at equal cost it is by far the more
-//    accurate. With clusters of local inertia, unless TR-BDF2 is estimated at less than 1/1.6 of it.
+//    accurate. With clusters of local inertia, unless TR-BDF2 is estimated at less than two thirds of it.
 //  - TR-BDF2: of the implicit schemes on the front of error against time (tests/accuracy/PLOTS.md).
 //  - Implicit Euler above a condition number of kSecondOrderCondition, where the forces at the start of a step, which
 //    the trapezoidal rule follows, are mostly rounding.

@@ -211,6 +211,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   stats.substeps = plan.substeps;
   stats.load_phases = plan.load_phases;
   stats.cluster_pushes = plan.cluster_pushes;
+  stats.bending_interval = plan.bending_interval;
   stats.simulated = plan.duration;
   if (contact != nullptr && contact->num_inside() > 0) stats.flags |= kInsideBody;
   return stats;
@@ -310,6 +311,7 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   if (!sweep.stayed_inside(duration)) return false;
   plan.touched = sweep.touched();
   plan.cluster_pushes = sweep.num_cluster_pushes();
+  plan.bending_interval = interval;
   sweep.write(state);
   if (flight && !plan.touched) flight->put_right(model, inertia_, state);
   set_pins(loads, 0.0, state);

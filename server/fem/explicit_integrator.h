@@ -76,6 +76,7 @@ class ExplicitIntegrator final : public Integrator {
     double tension = 0.0;  // -, of Green's strain: see GreenStretch; else 0, what it is is seen as the step begins
     int load_phases = 0;   // see StepStats
     int cluster_pushes = 0;
+    int bending_interval = 0;
     bool touched = false;  // a body moved a vertex
 
     [[nodiscard]] double h() const { return duration / substeps; }  // s

@@ -63,6 +63,7 @@ struct StepStats {
   // wind, follower loads, clamps, a curved rest shape. Of implicit integrators, of wind alone. 0 where there are none.
   int load_phases = 0;
   int cluster_pushes = 0;    // times that bodies pushed a cluster of local inertia
+  int bending_interval = 0;  // explicit: substeps from one kick of bending to the next
   bool interrupted = false;  // ended early, see Integrator::heed: the state is as it was before, nothing else holds
 };
 
@@ -153,7 +154,8 @@ class Integrator {
   // Clusters and substeps of steps of dt, s. Nothing where there are no clusters, as of implicit integrators.
   [[nodiscard]] virtual std::optional<LocalInertiaStats> local_inertia(double /*dt*/) const { return std::nullopt; }
   // Counts what a step of dt, s, of the model of the last rebuild takes after one like `last`; 0 where unknown.
-  [[nodiscard]] virtual TickCost expected_cost(const Model& /*model*/, double /*dt*/, const TickCounts& /*last*/) const {
+  [[nodiscard]] virtual TickCost expected_cost(const Model& /*model*/, double /*dt*/,
+                                               const TickCounts& /*last*/) const {
     return {};
   }
 

@@ -21,7 +21,7 @@ struct Softening {
   [[nodiscard]] bool fits() const { return cost <= budget; }
 };
 
-// Takes the least factor of which the counted cost fits 0.7 of options.tick, or 16 where none does. Counts are those
+// Takes the least factor of which the counted cost fits 0.8 of options.tick, or 16 where none does. Counts are those
 // of AutomaticIntegrator, nothing is timed: the same arguments give the same choice on every machine. The factor is 1
 // where even the softest sheet would be stepped implicitly, as such steps cost the same at any stiffness. `materials`:
 // one for each region of the mesh, 1..kMaxMaterials. gravity: m/s^2, >= 0, its magnitude. Builds up to five models.

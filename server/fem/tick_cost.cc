@@ -26,10 +26,15 @@ constexpr double kBytesPerBendingEntry = 8.0;
 constexpr double kCacheBytes = 15e6;  // going through so many costs as much again as working with them
 
 constexpr double kTangentNsPerSlot = 250.0;
-// Factorisation of a planar mesh of V vertices grows as V^1.5 (George 1973, nested dissection). A factor in float is
-// kept while it serves, which is for the longer the more it costs.
-constexpr double kDirectNsPerVertexToThreeHalves = 62.0;
-constexpr double kKeptNsPerVertexToThreeHalves = 28.0;
+// Factorisation of a planar mesh of V vertices grows as V^1.5 (George 1973, nested dissection), of which what cuts add
+// hardly makes the separators longer. A factor in float is kept while it serves, which is for the longer the more it
+// costs.
+struct SystemCost {
+  double per_vertex_to_three_halves;  // of the sheet as built
+  double per_new_vertex;
+};
+constexpr SystemCost kDirectNs{80.0, 800.0};
+constexpr SystemCost kKeptNs{40.0, 3200.0};
 constexpr double kMostToThreeHalves = 20'000.0;  // vertices: beyond, a factor in float that is kept grows as V
 constexpr double kNsPerSlotAndIteration = 20.0;  // of conjugate gradients
 constexpr double kExpectedIterations = 50.0;     // of a system, before there was a tick
@@ -38,31 +43,36 @@ constexpr double kExpectedIterations = 50.0;     // of a system, before there wa
 
 TickCost cost_of(const ExplicitCounts& counts, const TickCounts& last) {
   const ExplicitCost ns = counts.is_double ? kDoubleNs : kMixedNs;
-  const double entries = counts.bending_entries / counts.bending_interval;
+  const double interval =
+      last.bending_interval > 0.0 ? std::min(last.bending_interval, counts.bending_interval) : counts.bending_interval;
+  const double entries = counts.bending_entries / interval;
+  const double substeps = counts.substeps * std::max(last.more_substeps, 1.0);
   const double beyond_cache = 1.0 + (kBytesPerSlot * counts.slots + kBytesPerBendingEntry * entries) / kCacheBytes;
   TickCost cost;
-  cost.substeps = counts.substeps;
-  cost[TickPart::kMembrane] =
-      kNsPerVertex * counts.vertices + counts.substeps * beyond_cache * ns.per_slot * counts.slots;
-  cost[TickPart::kBending] = counts.substeps * beyond_cache * ns.per_bending_entry * entries;
+  cost.substeps = substeps;
+  cost[TickPart::kMembrane] = kNsPerVertex * counts.vertices + substeps * beyond_cache * ns.per_slot * counts.slots;
+  cost[TickPart::kBending] = substeps * beyond_cache * ns.per_bending_entry * entries;
   cost[TickPart::kClusters] =
-      counts.substeps * (kNsPerCluster * counts.clusters + kNsPerClusterEntry * counts.cluster_entries);
+      substeps * (kNsPerCluster * counts.clusters + kNsPerClusterEntry * counts.cluster_entries);
   cost[TickPart::kContact] =
-      counts.substeps * (kNsPerContactBlock * last.contact_blocks + kNsPerClusterPush * last.cluster_pushes);
-  cost[TickPart::kLoads] = counts.substeps * last.load_phases * kNsPerSlotOfLoads * counts.slots;
+      substeps * (kNsPerContactBlock * last.contact_blocks + kNsPerClusterPush * last.cluster_pushes);
+  cost[TickPart::kLoads] = substeps * last.load_phases * kNsPerSlotOfLoads * counts.slots;
   return cost;
 }
 
 TickCost cost_of(const ImplicitCounts& counts, const TickCounts& last) {
-  const double V = counts.vertices;
+  // A cut adds about as many slots as vertices; uncut meshes have twice as many.
+  const double built = std::clamp(counts.slots - counts.vertices, 1.0, counts.vertices);
+  const double added = counts.vertices - built;
   const double newton = last.newton_iterations > 0.0 ? last.newton_iterations : counts.most_newton_iterations;
   double per_system = 0.0;
   switch (counts.solver) {
     case SystemSolver::kDirect:
-      per_system = kDirectNsPerVertexToThreeHalves * V * std::sqrt(V);
+      per_system = kDirectNs.per_vertex_to_three_halves * built * std::sqrt(built) + kDirectNs.per_new_vertex * added;
       break;
     case SystemSolver::kKeptFactor:
-      per_system = kKeptNsPerVertexToThreeHalves * V * std::sqrt(std::min(V, kMostToThreeHalves));
+      per_system = kKeptNs.per_vertex_to_three_halves * built * std::sqrt(std::min(built, kMostToThreeHalves)) +
+                   kKeptNs.per_new_vertex * added;
       break;
     case SystemSolver::kIterative:
       per_system =

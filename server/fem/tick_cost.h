@@ -35,6 +35,8 @@ struct TickCounts {
   double contact_blocks = 0.0;     // looked at in a substep, of kVertexLanes vertices each
   double cluster_pushes = 0.0;     // in a substep
   double load_phases = 0.0;        // of a substep, see StepStats::load_phases
+  double more_substeps = 1.0;      // -, over what was planned of the sheet at rest, as a stretched one takes
+  double bending_interval = 0.0;   // substeps from one kick of bending to the next; 0: as planned
   double newton_iterations = 0.0;  // of the tick; 0: as many as may be
   double linear_iterations = 0.0;  // likewise
 };

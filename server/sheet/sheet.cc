@@ -175,9 +175,12 @@ void Sheet::Impl::integrate(const fem::GoesOn* goes_on, TickReport& report) {
   integrator->heed(nullptr);
   if (report.stats.interrupted) return;
   const double substeps = std::max(report.stats.substeps, 1);
+  const double planned = integrator->expected_cost(model, dt, {}).substeps;
   last_counts = {.contact_blocks = static_cast<double>(contact.blocks() - blocks_before) / substeps,
                  .cluster_pushes = report.stats.cluster_pushes / substeps,
                  .load_phases = report.stats.load_phases / substeps,
+                 .more_substeps = planned > 0.0 ? substeps / planned : 1.0,
+                 .bending_interval = static_cast<double>(report.stats.bending_interval),
                  .newton_iterations = static_cast<double>(report.stats.newton_iterations),
                  .linear_iterations = static_cast<double>(report.stats.linear_iterations)};
   if (!state.x.allFinite() || !state.v.allFinite()) report.stats.flags |= fem::kFrozen;

@@ -376,7 +376,7 @@ TEST_F(ApiCutsTest, ValidateOnlyOfABatchIsOfAllItsCutsTogether) {
 
 TEST_F(ApiCutsTest, ValidateOnlyRefusesWhatACutWould) {
   ASSERT_TRUE(create_sheet("a", true).ok());
-  v1::CreateCutRequest fine = cut_request("sheets/a", 0.5);
+  v1::CreateCutRequest fine = cut_request("sheets/a", 0.45);
   fine.mutable_cut()->set_max_new_triangles(1);
   fine.set_validate_only(true);
   const Result<v1::CutResult> refused = answer_of(*api_, &Api::create_cut, fine);
