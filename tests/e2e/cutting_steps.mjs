@@ -224,4 +224,32 @@ export function cuttingSteps(steps, browser, { url }) {
     check(flat.errors.length === 0, `console: ${flat.errors.join('; ')}`);
     await flat.page.close();
   });
+
+  steps.step('a cut that would end real time is warned of before it is made, and in its reply', async () => {
+    const scene = {
+      ...kFlatScene,
+      grid: { columns: 50, rows: 50, widthM: 1, heightM: 1 },
+      pins: [{ edge: 'TOP' }],
+      material: { preset: 'wool' },
+      fidelity: 'REAL_TIME',
+    };
+    await post(url, 'SheetService/CreateSheet', { sheetId: 'stiff', scene, paused: true });
+    const stiff = await ViewerPage.open(browser, `${url}/?sheet=stiff`, kTall);
+    await stiff.untilDrawn('k.connection === "live" && k.isPaused && k.framesDrawn > 0');
+    await stiff.choose('cut');
+    await stiff.page.keyboard.press('i');
+    for (const [x, y] of [[0.3, 0.45], [0.5, 0.55], [0.7, 0.45]]) await stiff.tap(x, y);
+    const warning = stiff.page.locator('#cut-warning', { hasText: /This cut slows the sheet to 0\.\d × real time/ });
+    await warning.waitFor();
+    await stiff.screenshot('cut-warning');
+    check((await stiff.read('({ version: k.topologyVersion })')).version === 1, 'the sheet was cut');
+    await stiff.page.keyboard.press('Enter');
+    await stiff.notice(/The sheet falls behind from here on/);
+    check(!(await warning.isVisible()), 'the warning of a cut that was made stays');
+    const { tick_estimate: tick } = await post(url, 'SheetService/GetSheet', { name: 'sheets/stiff' });
+    check(tick.total_us > tick.budget_us, `ticks fit: ${JSON.stringify(tick)}`);
+    check(/What helps/.test(tick.advice), `no advice: ${tick.advice}`);
+    await stiff.page.close();
+    await post(url, 'SheetService/DeleteSheet', { name: 'sheets/stiff' });
+  });
 }
