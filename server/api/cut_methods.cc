@@ -30,9 +30,12 @@ std::vector<v1::CutResult> encode_results(const std::string& sheet_id, const hos
     message.set_tick_before_us(result.timings.tick_before_us);
     message.set_tick_after_us(result.timings.tick_after_us);
     message.set_tick_budget_us(result.timings.budget_us);
-    const std::string warning = warning_of_slower_ticks(result.timings);
-    if (!warning.empty() && message.status() == v1::CutResult::APPLIED) message.add_warnings(warning);
   }
+  const std::string warning = warning_of_slower_ticks(result.timings);
+  const auto last = std::find_if(messages.rbegin(), messages.rend(), [](const v1::CutResult& message) {
+    return message.status() == v1::CutResult::APPLIED;
+  });
+  if (!warning.empty() && last != messages.rend()) last->add_warnings(warning);
   return messages;
 }
 
@@ -165,11 +168,18 @@ void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet:
   core->host.status(id, [core, id, reply = std::move(reply), encode,
                          command = std::move(command)](const Result<host::SheetStatus>& status) {
     if (!status.ok()) return reply(in_request(status.error()));
+    if (status->replay && status->replay->state == host::ReplayState::kPlaying) {
+      return reply(
+          Error{ErrorCode::kFailedPrecondition, "REPLAYING",
+                "the sheet plays a recording and takes no commands until that ends; delete the sheet to end it now",
+                "parent"});
+    }
     copy_sheet(core, id, "parent",
                [core, id, reply, encode, command,
                 estimate = status->tick_estimate](const Result<std::shared_ptr<sheet::Sheet>>& copy) {
                  if (!copy.ok()) return reply(copy.error());
-                 const auto work = [id, encode, command, estimate, sheet = *copy]() -> Result<Response> {
+                 const auto work = [core, id, encode, command, estimate, sheet = *copy]() -> Result<Response> {
+                   if (core->stopping) return server_stopping();
                    const Result<host::CommandResult> result = result_on(*sheet, command, estimate);
                    if (!result) return in_request(result.error());
                    return without_name(encode(id, *result));
@@ -250,6 +260,7 @@ void Api::create_cut(const v1::CreateCutRequest& request, Reply<v1::CutResult> r
   };
   if (request.validate_only()) {
     if (const Status status = check_validate_only(request.at_tick()); !status.ok()) return reply(status.error());
+    if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
     return try_cut<v1::CutResult>(core_, *id, std::move(*command), std::move(reply), encode);
   }
   once<v1::CutResult>(core_, "CreateCut", request, std::move(reply), [&](Reply<v1::CutResult> answer) {
@@ -265,6 +276,7 @@ void Api::create_cuts(const v1::CreateCutsRequest& request, Reply<v1::CreateCuts
   if (!command.ok()) return reply(in_request(command.error()));
   if (request.validate_only()) {
     if (const Status status = check_validate_only(request.at_tick()); !status.ok()) return reply(status.error());
+    if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
     return try_cut<v1::CreateCutsResponse>(core_, *id, std::move(*command), std::move(reply), encode_batch);
   }
   once<v1::CreateCutsResponse>(core_, "CreateCuts", request, std::move(reply),

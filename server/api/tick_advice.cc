@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <string_view>
 
@@ -63,7 +64,8 @@ std::string advice(const host::SheetStatus& status) {
   text.append(name_for_people(largest));
   if (estimate.cost.substeps > 0.0) text += format(", in %.0f substeps", estimate.cost.substeps);
   text.append(". What helps: ").append(remedy(largest, status));
-  return text + format("; or speed %.2g.", status.stats.speed * estimate.budget / estimate.total_us());
+  const double speed = std::floor(100.0 * status.stats.speed * estimate.budget / estimate.total_us()) / 100.0;
+  return speed > 0.0 ? text + format("; or speed %.2g.", speed) : text + ".";
 }
 
 }  // namespace

@@ -212,6 +212,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
   stats.load_phases = plan.load_phases;
   stats.cluster_pushes = plan.cluster_pushes;
   stats.bending_interval = plan.bending_interval;
+  stats.is_double = was_in_double_;
   stats.simulated = plan.duration;
   if (contact != nullptr && contact->num_inside() > 0) stats.flags |= kInsideBody;
   return stats;

@@ -208,7 +208,7 @@ TickCost ExplicitIntegrator::expected_cost(const Model& model, double dt, const 
                                 .vertices = static_cast<double>(model.num_vertices()),
                                 .clusters = static_cast<double>(inertia_.clusters().size()),
                                 .cluster_entries = static_cast<double>(inertia_.num_entries()),
-                                .is_double = !is_mixed || was_in_double_},
+                                .is_double = !is_mixed || last.is_double},
                  last);
 }
 

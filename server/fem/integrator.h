@@ -64,6 +64,7 @@ struct StepStats {
   int load_phases = 0;
   int cluster_pushes = 0;    // times that bodies pushed a cluster of local inertia
   int bending_interval = 0;  // explicit: substeps from one kick of bending to the next
+  bool is_double = false;    // explicit: made in double precision
   bool interrupted = false;  // ended early, see Integrator::heed: the state is as it was before, nothing else holds
 };
 

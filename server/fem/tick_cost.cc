@@ -43,26 +43,26 @@ constexpr double kExpectedIterations = 50.0;     // of a system, before there wa
 
 TickCost cost_of(const ExplicitCounts& counts, const TickCounts& last) {
   const ExplicitCost ns = counts.is_double ? kDoubleNs : kMixedNs;
-  const double interval =
-      last.bending_interval > 0.0 ? std::min(last.bending_interval, counts.bending_interval) : counts.bending_interval;
+  const double interval = std::max(counts.bending_interval / std::max(last.more_kicks, 1.0), 1.0);
   const double entries = counts.bending_entries / interval;
   const double substeps = counts.substeps * std::max(last.more_substeps, 1.0);
   const double beyond_cache = 1.0 + (kBytesPerSlot * counts.slots + kBytesPerBendingEntry * entries) / kCacheBytes;
   TickCost cost;
   cost.substeps = substeps;
+  cost.bending_interval = interval;
   cost[TickPart::kMembrane] = kNsPerVertex * counts.vertices + substeps * beyond_cache * ns.per_slot * counts.slots;
   cost[TickPart::kBending] = substeps * beyond_cache * ns.per_bending_entry * entries;
   cost[TickPart::kClusters] =
       substeps * (kNsPerCluster * counts.clusters + kNsPerClusterEntry * counts.cluster_entries);
-  cost[TickPart::kContact] =
-      substeps * (kNsPerContactBlock * last.contact_blocks + kNsPerClusterPush * last.cluster_pushes);
+  const double pushes = counts.clusters > 0.0 ? last.cluster_pushes : 0.0;
+  cost[TickPart::kContact] = substeps * (kNsPerContactBlock * last.contact_blocks + kNsPerClusterPush * pushes);
   cost[TickPart::kLoads] = substeps * last.load_phases * kNsPerSlotOfLoads * counts.slots;
   return cost;
 }
 
 TickCost cost_of(const ImplicitCounts& counts, const TickCounts& last) {
   // A cut adds about as many slots as vertices; uncut meshes have twice as many.
-  const double built = std::clamp(counts.slots - counts.vertices, 1.0, counts.vertices);
+  const double built = std::clamp(counts.slots - counts.vertices, 1.0, std::max(counts.vertices, 1.0));
   const double added = counts.vertices - built;
   const double newton = last.newton_iterations > 0.0 ? last.newton_iterations : counts.most_newton_iterations;
   double per_system = 0.0;

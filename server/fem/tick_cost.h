@@ -23,6 +23,7 @@ inline constexpr std::array<std::string_view, 6> kTickPartNames{"membrane", "ben
 // take there (tests/bench/README.md, "The estimate of a tick").
 struct TickCost {
   double substeps = 0.0;                           // of the tick; 0 of implicit steps
+  double bending_interval = 1.0;                   // substeps from one kick of bending to the next
   std::array<double, kTickPartNames.size()> ns{};  // by part, >= 0
 
   [[nodiscard]] double& operator[](TickPart part) { return ns[static_cast<std::size_t>(part)]; }
@@ -36,7 +37,8 @@ struct TickCounts {
   double cluster_pushes = 0.0;     // in a substep
   double load_phases = 0.0;        // of a substep, see StepStats::load_phases
   double more_substeps = 1.0;      // -, over what was planned of the sheet at rest, as a stretched one takes
-  double bending_interval = 0.0;   // substeps from one kick of bending to the next; 0: as planned
+  double more_kicks = 1.0;         // -, of bending, likewise
+  bool is_double = false;          // made in double precision
   double newton_iterations = 0.0;  // of the tick; 0: as many as may be
   double linear_iterations = 0.0;  // likewise
 };

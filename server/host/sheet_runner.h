@@ -206,8 +206,9 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   bool sleeping_ = false;
   bool is_changed_ = false;  // by a client, since the scene began
   bool repeats_now_ = false;
-  double tick_scale_ = 0.0;  // -, see TickEstimate; 0: no tick was timed
-  std::int32_t resets_ = 0;  // that clients asked for
+  std::int64_t num_timed_ticks_ = 0;  // that tick_scale_ is of
+  double tick_scale_ = 0.0;           // -, see TickEstimate; 0: no tick was timed
+  std::int32_t resets_ = 0;           // that clients asked for
   std::int32_t resets_undone_ = 0;
   std::optional<sheet::SinkEnd> closed_;
   std::optional<RunState> noted_state_;  // as counted on the board

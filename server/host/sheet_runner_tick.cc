@@ -75,7 +75,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
     pace_.add_cpu(cpu);
   }
   if (report.advanced) last_step_ = report.stats;
-  if (report.advanced && results.empty()) note_tick_cost(cpu);
+  if (report.advanced && results.empty() && !report.step_failed) note_tick_cost(cpu);
   fem::count_flags(report.stats.flags, flagged_ticks_);
   note_status();
   publish();
@@ -102,11 +102,11 @@ TickEstimate SheetRunner::tick_estimate() const {
 }
 
 void SheetRunner::note_tick_cost(Nanoseconds cpu) {
-  constexpr double kWeight = 0.1;  // -, of the newest tick
+  constexpr double kLeastWeight = 0.1;  // -, of the newest tick; a first one that is slow does not count for long
   const double counted = sheet_.expected_cost().total();
   if (!(counted > 0.0) || cpu.count() <= 0) return;
   const double scale = static_cast<double>(cpu.count()) / counted;
-  tick_scale_ = tick_scale_ > 0.0 ? tick_scale_ + kWeight * (scale - tick_scale_) : scale;
+  tick_scale_ += std::max(kLeastWeight, 1.0 / static_cast<double>(++num_timed_ticks_)) * (scale - tick_scale_);
 }
 
 bool SheetRunner::goes_on() const {
@@ -225,7 +225,8 @@ void SheetRunner::count(const sheet::TickReport& report, const std::vector<Resul
   const auto refused = [](const auto& result) { return !result.ok(); };
   const std::int64_t num_refused = std::count_if(results.begin(), results.end(), refused);
   const std::int64_t num_done = static_cast<std::int64_t>(results.size()) - num_refused;
-  const fem::TickCost cost = report.advanced && results.empty() ? sheet_.expected_cost() : fem::TickCost{};
+  const fem::TickCost cost =
+      report.advanced && results.empty() && !report.step_failed ? sheet_.expected_cost() : fem::TickCost{};
   context_.board.update([&](HostMetrics& m) {
     for (std::size_t i = 0; i < cost.ns.size() && cost.total() > 0.0; ++i) {
       m.tick_part_cpu_s[i] += seconds(cpu) * cost.ns[i] / cost.total();

@@ -174,15 +174,6 @@ void Sheet::Impl::integrate(const fem::GoesOn* goes_on, TickReport& report) {
   report.stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
   integrator->heed(nullptr);
   if (report.stats.interrupted) return;
-  const double substeps = std::max(report.stats.substeps, 1);
-  const double planned = integrator->expected_cost(model, dt, {}).substeps;
-  last_counts = {.contact_blocks = static_cast<double>(contact.blocks() - blocks_before) / substeps,
-                 .cluster_pushes = report.stats.cluster_pushes / substeps,
-                 .load_phases = report.stats.load_phases / substeps,
-                 .more_substeps = planned > 0.0 ? substeps / planned : 1.0,
-                 .bending_interval = static_cast<double>(report.stats.bending_interval),
-                 .newton_iterations = static_cast<double>(report.stats.newton_iterations),
-                 .linear_iterations = static_cast<double>(report.stats.linear_iterations)};
   if (!state.x.allFinite() || !state.v.allFinite()) report.stats.flags |= fem::kFrozen;
   report.step_failed = (report.stats.flags & fem::kFrozen) != 0;
   if (report.step_failed) {
@@ -191,8 +182,23 @@ void Sheet::Impl::integrate(const fem::GoesOn* goes_on, TickReport& report) {
     if (++failed_steps >= kMaxFailedSteps) frozen = true;
   } else {
     failed_steps = 0;
+    count_tick(report.stats, contact.blocks() - blocks_before);
   }
   for (GrabState& grab : grabs) grab.previous_target = grab.target;
+}
+
+void Sheet::Impl::count_tick(const fem::StepStats& stats, std::int64_t contact_blocks) {
+  const double substeps = std::max(stats.substeps, 1);
+  const fem::TickCost planned = integrator->expected_cost(model, dt, {});
+  last_counts = fem::TickCounts{
+      .contact_blocks = static_cast<double>(contact_blocks) / substeps,
+      .cluster_pushes = stats.cluster_pushes / substeps,
+      .load_phases = stats.load_phases / substeps,
+      .more_substeps = planned.substeps > 0.0 ? substeps / planned.substeps : 1.0,
+      .more_kicks = stats.bending_interval > 0 ? planned.bending_interval / stats.bending_interval : 1.0,
+      .is_double = stats.is_double,
+      .newton_iterations = static_cast<double>(stats.newton_iterations),
+      .linear_iterations = static_cast<double>(stats.linear_iterations)};
 }
 
 fem::TickCounts Sheet::Impl::counts() const {

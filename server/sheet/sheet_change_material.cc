@@ -47,6 +47,7 @@ Status Sheet::Impl::set_material(const SetMaterial& change) {
   materials = std::make_shared<const SheetMaterials>(std::move(changed).value());
   softening = chosen;
   model = std::move(made);
+  last_counts.reset();
   contact.set_half_thickness(0.5 * greatest_thickness(materials->by_region));
   for (GrabState& held : grabs) {
     if (held.is_default) held.stiffness = default_stiffness(held.vertices[0]);

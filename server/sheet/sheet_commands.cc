@@ -190,6 +190,7 @@ void Sheet::Impl::set_wind(const Wind& value) {
   loads.wind.air_density = value.air_density;
   loads.wind.normal_drag = value.drag_coefficient;
   loads.wind.tangential_drag = kTangentialShare * value.drag_coefficient;
+  last_counts.reset();
 }
 
 CommandReply Sheet::Impl::plain_reply() const {

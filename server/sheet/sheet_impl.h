@@ -108,6 +108,8 @@ struct Sheet::Impl {
   void stamp(TickReport& report) const;
   void integrate(const fem::GoesOn* goes_on, TickReport& report);
   void watch_rest();
+  // Keeps what a step that did not fail went through; contact_blocks: of all its substeps.
+  void count_tick(const fem::StepStats& stats, std::int64_t contact_blocks);
   // Counts of the last tick since the scene began, or what is to be expected of the first.
   [[nodiscard]] fem::TickCounts counts() const;
   // Nothing acts on it but what always does: no grab, no change of loads, no command to come.

@@ -16,7 +16,7 @@ afterEach(() => {
 });
 
 test('a cut that ends real time is warned of, with what it costs', () => {
-  expect(forecastText(kSlower)).toBe('This cut slows the sheet to 0.3 × real time: a step takes 52 ms then and has 17');
+  expect(forecastText(kSlower)).toBe('This cut slows the sheet to 32 % of its speed: a step takes 52 ms then and has 17');
 });
 
 test('nothing is said of a cut after which ticks fit, or of a sheet that was behind before', () => {
@@ -29,7 +29,7 @@ test('the server is asked once the drawing has settled, and cuts nothing', async
   const tryCut = vi.fn(async () => kSlower);
   const forecast = new CutForecast(changed, tryCut);
   for (let i = 0; i < 5; ++i) {
-    forecast.ask(kRequest);
+    forecast.ask(() => kRequest);
     await vi.advanceTimersByTimeAsync(300);
   }
   expect(tryCut).not.toHaveBeenCalled();
@@ -42,20 +42,38 @@ test('the server is asked once the drawing has settled, and cuts nothing', async
 test('a drawing that is given up, and an answer that comes late, say nothing', async () => {
   let answer: (result: typeof kSlower) => void = () => undefined;
   const forecast = new CutForecast(vi.fn(), () => new Promise((settle) => (answer = settle)));
-  forecast.ask(kRequest);
+  forecast.ask(() => kRequest);
   forecast.ask(undefined);
   await vi.advanceTimersByTimeAsync(1000);
-  forecast.ask(kRequest);
+  forecast.ask(() => kRequest);
   await vi.advanceTimersByTimeAsync(500);
-  forecast.ask({ ...kRequest, parent: 'sheets/other' });
+  forecast.ask(() => ({ ...kRequest, parent: 'sheets/other' }));
   answer(kSlower);
   await vi.advanceTimersByTimeAsync(0);
   expect(forecast.warning).toBe('');
 });
 
+test('one question is under way at a time, and the newest drawing is asked about after it', async () => {
+  const answers: ((result: typeof kSlower) => void)[] = [];
+  const tryCut = vi.fn((_: { parent?: string }) => new Promise<typeof kSlower>((settle) => answers.push(settle)));
+  const forecast = new CutForecast(vi.fn(), tryCut);
+  for (const parent of ['sheets/a', 'sheets/b', 'sheets/c']) {
+    forecast.ask(() => ({ ...kRequest, parent }));
+    await vi.advanceTimersByTimeAsync(1000);
+  }
+  expect(tryCut).toHaveBeenCalledTimes(1);
+  answers[0](kSlower);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(forecast.warning).toBe('');
+  expect(tryCut.mock.calls.map(([request]) => request.parent)).toEqual(['sheets/a', 'sheets/c']);
+  answers[1](kSlower);
+  await vi.advanceTimersByTimeAsync(0);
+  expect(forecast.warning).toContain('52 ms');
+});
+
 test('a cut that the server refuses is not warned of', async () => {
   const forecast = new CutForecast(vi.fn(), () => Promise.reject(new Error('refused')));
-  forecast.ask(kRequest);
+  forecast.ask(() => kRequest);
   await vi.advanceTimersByTimeAsync(500);
   expect(forecast.warning).toBe('');
 });

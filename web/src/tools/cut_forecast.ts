@@ -12,15 +12,16 @@ const kSettledMs = 400;
 export function forecastText({ tickBeforeUs, tickAfterUs, tickBudgetUs }: CutResult): string {
   if (!(tickBeforeUs <= tickBudgetUs && tickAfterUs > tickBudgetUs)) return '';
   const ms = (us: number) => Number((us / 1000).toPrecision(2));
-  const speed = Number((tickBudgetUs / tickAfterUs).toPrecision(1));
-  return `This cut slows the sheet to ${speed} × real time: a step takes ${ms(tickAfterUs)} ms then and has ${ms(tickBudgetUs)}`;
+  const percent = Math.floor((100 * tickBudgetUs) / tickAfterUs);
+  return `This cut slows the sheet to ${percent} % of its speed: a step takes ${ms(tickAfterUs)} ms then and has ${ms(tickBudgetUs)}`;
 }
 
-/** Asks the server what a drawn cut would cost, once the drawing has settled. */
+/** Asks the server what a drawn cut would cost, once the drawing has settled, and one question at a time. */
 export class CutForecast {
   warning = '';
   private timer = 0;
-  private asked = 0; // counts questions: answers to older ones are late
+  private drawn = 0; // counts drawings: answers about older ones are late
+  private isAsking = false;
 
   /** @param changed  called when the warning has changed */
   constructor(
@@ -28,19 +29,25 @@ export class CutForecast {
     private readonly tryCut = (request: Request) => call(CutService.method.createCut, request),
   ) {}
 
-  /** @param request  what would be cut; undefined while there is nothing to cut */
-  ask(request: Request | undefined): void {
+  /** @param request  says what would be cut, when it is asked; undefined while there is nothing to cut */
+  ask(request: (() => Request) | undefined): void {
     clearTimeout(this.timer);
-    const number = ++this.asked;
+    const number = ++this.drawn;
     this.warning = '';
-    if (!request) return;
+    if (request) this.wait(number, request);
+  }
+
+  private wait(number: number, request: () => Request): void {
     this.timer = window.setTimeout(() => void this.find(number, request), kSettledMs);
   }
 
   // A cut that the server would refuse is refused when it is made, with the reason.
-  private async find(number: number, request: Request): Promise<void> {
-    const result = await this.tryCut({ ...request, validateOnly: true }).catch(() => undefined);
-    if (!result || number !== this.asked) return;
+  private async find(number: number, request: () => Request): Promise<void> {
+    if (this.isAsking) return this.wait(number, request);
+    this.isAsking = true;
+    const result = await this.tryCut({ ...request(), validateOnly: true }).catch(() => undefined);
+    this.isAsking = false;
+    if (!result || number !== this.drawn) return;
     this.warning = forecastText(result);
     if (this.warning) this.changed();
   }

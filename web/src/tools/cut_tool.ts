@@ -415,7 +415,7 @@ export class CutTool implements Tool {
 
   private refresh(): void {
     this.sheetPreview.changed();
-    this.forecast.ask(this.isReady ? this.request() : undefined);
+    this.forecast.ask(this.isReady ? () => this.request() : undefined);
     this.viewer.stage.invalidate();
     this.changed();
   }
