@@ -4,6 +4,7 @@
 #include <future>
 
 #include <gmock/gmock.h>
+#include <google/protobuf/util/message_differencer.h>
 #include <gtest/gtest.h>
 
 #include "render/renderer.h"
@@ -143,7 +144,7 @@ TEST_F(ApiTest, ListingWaitsForNoSheet) {
   host_->wait_idle();
   v1::Sheet b = get_sheet("sheets/b");
   b.clear_state_hash();
-  EXPECT_EQ(list.sheets(1).SerializeAsString(), b.SerializeAsString());
+  EXPECT_TRUE(google::protobuf::util::MessageDifferencer::Equals(list.sheets(1), b));
 }
 
 TEST_F(ApiTest, PausesStepsAndResumes) {

@@ -27,8 +27,15 @@ TEST(TickCost, EachCountRaisesItsPartAlone) {
   clustered.clusters = 10.0;
   expect_raised(clustered, {}, TickPart::kClusters);
   expect_raised(kExplicit, {.contact_blocks = 20.0}, TickPart::kContact);
-  expect_raised(kExplicit, {.cluster_pushes = 2.0}, TickPart::kContact);
   expect_raised(kExplicit, {.load_phases = 1.0}, TickPart::kLoads);
+}
+
+TEST(TickCost, PushesCountWhereThereAreClusters) {
+  const TickCounts pushed{.cluster_pushes = 2.0};
+  EXPECT_EQ(cost_of(kExplicit, pushed)[TickPart::kContact], 0.0) << "they are of a sheet before an undo";
+  ExplicitCounts clustered = kExplicit;
+  clustered.clusters = 10.0;
+  EXPECT_GT(cost_of(clustered, pushed)[TickPart::kContact], 0.0);
 }
 
 TEST(TickCost, ImplicitStepsCountTheIterationsOfTheLastTick) {
