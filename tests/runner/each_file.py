@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Has clang read sources of the product one by one: no unity build, another compiler. Prints what it refuses.
 
-each_file.py [SEED]   reads a quarter of the sources, chosen by SEED, or all of them
+each_file.py [SEED]   reads an eighth of the sources, chosen by SEED, or all of them
 """
 
 import concurrent.futures
@@ -43,15 +43,15 @@ def refusal(entry):
     return "" if done.returncode == 0 else done.stderr or f"the compiler ended with {done.returncode}"
 
 
-def quarter(entries, seed):
+def share(entries, seed):
     """Chooses at random, so that runs with other seeds reach every source sooner or later."""
-    return random.Random(seed).sample(entries, -(-len(entries) // 4))
+    return random.Random(seed).sample(entries, -(-len(entries) // 8))
 
 
 def main():
     entries = [entry for entry in configure() if is_ours(entry)]
     if len(sys.argv) > 1:
-        entries = quarter(entries, int(sys.argv[1]))
+        entries = share(entries, int(sys.argv[1]))
     refused = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for number, (entry, words) in enumerate(zip(entries, pool.map(refusal, entries)), start=1):

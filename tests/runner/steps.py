@@ -54,8 +54,8 @@ STEPS = {step.name: step for step in (
     Step("faults", "the audit of random cuts catches each of 60 faults that are built into a copy of the cutter",
          (*build("release", "-DKERF_FAULTS=ON", "--target faults_tests"), ctest("release", "-R '^faults_tests_'")), 90,
          ("build",), "release"),
-    Step("each-file", f"a second compiler (clang) takes a quarter of the sources ({SEED}) one by one, as editors do",
-         (f"{RUNNER}/each_file.py {SEED}",), 180),
+    Step("each-file", f"a second compiler (clang) takes an eighth of the sources ({SEED}) one by one, as editors do",
+         (f"{RUNNER}/each_file.py {SEED}",), 100),
     Step("asan", "no test makes the libraries touch memory that is not theirs, or do what C++ leaves undefined; every mesh "
          "invariant holds after every edit",
          (*build("asan"), ctest("asan")), 720, ("build",), "asan", "KERF_TRIALS=few"),
