@@ -31,16 +31,16 @@ struct TickCost {
   [[nodiscard]] double total() const { return std::accumulate(ns.begin(), ns.end(), 0.0); }
 };
 
-// What the last tick went through, of which a model knows nothing; as expected before there was one.
+// Counts the work of the last tick that a model does not know. Before the first tick it holds what is expected.
 struct TickCounts {
   double contact_blocks = 0.0;     // looked at in a substep, of kVertexLanes vertices each
   double cluster_pushes = 0.0;     // in a substep
   double load_phases = 0.0;        // of a substep, see StepStats::load_phases
   double more_substeps = 1.0;      // -, over what was planned of the sheet at rest, as a stretched one takes
-  double more_kicks = 1.0;         // -, of bending, likewise
+  double more_kicks = 1.0;         // -, of bending, over what was planned of the sheet at rest
   bool is_double = false;          // made in double precision
   double newton_iterations = 0.0;  // of the tick; 0: as many as may be
-  double linear_iterations = 0.0;  // likewise
+  double linear_iterations = 0.0;  // of the tick; 0: as many as may be
 };
 
 // Counts of an explicit step.

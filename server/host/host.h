@@ -53,10 +53,10 @@ enum class RunState {
   kFailed,    // frozen at its last good tick; still served, cuttable and resettable
 };
 
-// Time that a tick is expected to take: counted from the sheet as it is, and put right by what its ticks took.
+// Estimates the time of a tick by counts of the sheet as it is, scaled by the time of its ticks so far.
 struct TickEstimate {
   fem::TickCost cost;   // as counted, on one core of 2024
-  double scale = 1.0;   // -, > 0: what ticks of this sheet took over what was counted of them; 1 before there was one
+  double scale = 1.0;   // -, > 0: time of this sheet's ticks over their counts; 1 before the first
   double budget = 0.0;  // us, a tick's period on the wall clock
 
   [[nodiscard]] double total_us() const { return 1e-3 * scale * cost.total(); }
@@ -102,7 +102,7 @@ struct CommandTimings {
   double queued_us = 0.0;  // from submit() to the tick boundary; 0 for a scheduled command
   double cut_us = 0.0;     // plan, apply, remesh
   double update_us = 0.0;  // model and state
-  // What a tick was expected to take before the commands of its boundary, and what it is after them: see TickEstimate.
+  // Expected time of a tick before the commands of this boundary, and after them; see TickEstimate.
   double tick_before_us = 0.0;
   double tick_after_us = 0.0;
   double budget_us = 0.0;  // a tick's period on the wall clock

@@ -1,4 +1,4 @@
-// What a tick is expected to take: counted, and put right by what ticks took.
+// Tests estimates of a tick: by counts, and scaled by the time that ticks took.
 #include "server/fem/explicit_integrator.h"
 #include "tests/host/host_fixture.h"
 

@@ -157,7 +157,7 @@ export class CutTool implements Tool {
     return this.isChoosing ? `${pressVerb()} the piece to cut` : this.drawing.prompt;
   }
 
-  /** What the cut would cost, where that ends real time; else empty. */
+  /** Says that the cut would end real time, and at what cost; else empty. */
   get warning(): string {
     return this.forecast.warning;
   }
