@@ -5,6 +5,7 @@ import { connectionSteps } from './connection_steps.mjs';
 import { cuttingSteps } from './cutting_steps.mjs';
 import { Server, check, kPatienceMs, launchChromium, post } from './harness.mjs';
 import { imageSteps } from './image_steps.mjs';
+import { layoutSteps } from './layout_steps.mjs';
 import { loadingSteps } from './loading_steps.mjs';
 import { lookSteps } from './look_steps.mjs';
 import { physicsSteps } from './physics_steps.mjs';
@@ -18,7 +19,7 @@ import { viewerSteps } from './viewer_steps.mjs';
 // Groups in their order; an outer name runs all groups in it.
 const kGroups = {
   viewer: { watching: viewerSteps, looks: lookSteps, cutting: cuttingSteps, strips: stripSteps },
-  controls: { sheets: sheetSteps, physics: physicsSteps, access: accessSteps },
+  controls: { sheets: sheetSteps, physics: physicsSteps, access: accessSteps, layout: layoutSteps },
   streams: { saving: savingSteps, connection: connectionSteps, images: imageSteps, loading: loadingSteps },
 };
 // Groups that need the demo sheet from its beginning. For others it is paused, so that nobody computes or draws it.

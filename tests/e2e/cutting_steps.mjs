@@ -243,6 +243,12 @@ export function cuttingSteps(steps, browser, { url }) {
     await warning.waitFor();
     await stiff.screenshot('cut-warning');
     check((await stiff.read('({ version: k.topologyVersion })')).version === 1, 'the sheet was cut');
+    // It is another cut, seen from nearer by.
+    const again = stiff.page.waitForRequest('**/kerf.v1.CutService/CreateCut');
+    await stiff.page.mouse.move(640, 5);
+    await stiff.page.mouse.wheel(0, -60);
+    check(JSON.parse((await again).postData()).validateOnly, 'the sheet is cut where the view changes');
+    await warning.waitFor();
     await stiff.page.keyboard.press('Enter');
     await stiff.notice(/The sheet falls behind from here on/);
     check(!(await warning.isVisible()), 'the warning of a cut that was made stays');

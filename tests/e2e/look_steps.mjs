@@ -162,7 +162,6 @@ export function lookSteps(steps, browser, { url }) {
     // Less than seven drawings a second.
     const viewer = await ViewerPage.open(browser, `${url}/?sheet=swinging`, { ...kWide, frameMs: 150, isAdaptive: true });
     const hasWidth = (px) => viewer.until('document.querySelector("#canvas").width === given.px', { px });
-    await hasWidth(kWide.viewport.width);
     await hasWidth(kWide.viewport.width / 2);
     const offer = viewer.page.locator('.notice.offer', { hasText: /^Drawing is slow (without a graphics card|in this browser)/ });
     await offer.waitFor();
@@ -194,12 +193,20 @@ export function lookSteps(steps, browser, { url }) {
     await viewer.tap(0.5, 0.15);
     await viewer.tap(0.5, 0.95);
     const along = (...ys) => ys.map((y) => [0.5, y]);
-    const seen = await sheetColours(viewer, along(0.25, 0.35, 0.45, 0.85), 'preview-seen');
-    for (const colour of seen) check(isNear(colour, [255, 210, 63], 30), `a part that is seen is ${colour}`);
-    const hidden = await sheetColours(viewer, along(0.6, 0.65, 0.7), 'preview-hidden');
-    for (const [red, green, blue] of hidden) {
-      check(red > 60 && red < 150 && green > 110 && blue > 100, `a part that is hidden is ${[red, green, blue]}`);
-    }
+    const isFaintBehind = async (where) => {
+      const seen = await sheetColours(viewer, along(0.25, 0.35, 0.45, 0.85), `preview-seen-${where}`);
+      for (const colour of seen) check(isNear(colour, [255, 210, 63], 30), `${where}: a part that is seen is ${colour}`);
+      const hidden = await sheetColours(viewer, along(0.6, 0.65, 0.7), `preview-hidden-${where}`);
+      for (const [red, green, blue] of hidden) {
+        const isFaint = red > 60 && red < 150 && green > 110 && blue > 100;
+        check(isFaint, `${where}: a part that is hidden is ${[red, green, blue]}`);
+      }
+    };
+    await isFaintBehind('mesh');
+    await viewer.page.keyboard.press('q');
+    await viewer.until('k.picture?.connection === "live" && k.picture.isOfView');
+    await isFaintBehind('picture');
+    await viewer.page.keyboard.press('q');
     await viewer.page.keyboard.press('Escape');
     await viewer.allDrawn();
     const left = await sheetColours(viewer, along(0.25, 0.35, 0.6, 0.65), 'preview-gone');

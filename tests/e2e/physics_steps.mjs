@@ -39,6 +39,22 @@ export function physicsSteps(steps, browser, { url }) {
     await viewer.shows('#gravity-value', '5.01 m/s²');
   });
 
+  steps.step('what was answered before a change is not shown after it', async () => {
+    const { answered, release } = await viewer.holdAnswer('SheetService/GetSheet');
+    const setGravity = { gravityMps2: { z: -3 } };
+    await post(url, 'InteractionService/SetSheetGravity', { ...kSheet, setGravity });
+    await answered;
+    const newest = viewer.page.waitForResponse('**/kerf.v1.SheetService/GetSheet');
+    await viewer.page.fill('#gravity', '7');
+    const texts = await viewer.textsOf('#gravity-value');
+    await (await newest).finished();
+    await gravityIs(-7);
+    await release();
+    await viewer.page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+    const shown = await texts.jsonValue();
+    check(shown.every((text) => text === '7.00 m/s²'), `after 7 was set, the page showed ${shown.join(', ')}`);
+  });
+
   steps.step('wind blows as strong and in the direction that is asked for, and stops', async () => {
     await viewer.page.fill('#wind-speed', '8');
     await viewer.page.fill('#wind-azimuth', '180');

@@ -126,6 +126,24 @@ export function stripSteps(steps, browser, { url }) {
     check((await strip.read('document.querySelectorAll(".handle:not([hidden])").length')) === 0, 'it stays on the canvas');
   });
 
+  steps.step('a drawing of thousands of shapes shows all of its strip', async () => {
+    const squares = Array.from({ length: 6000 }, (_, i) => `<path d="M${i % 80} ${Math.floor(i / 80)}h.5v.5h-.5z"/>`);
+    // 180 x 80 units are fitted to 0.9 m x 0.4 m.
+    const last = '<rect x="120" y="20" width="60" height="60"/>';
+    const text = `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 200 100">${squares.join('')}${last}</svg>`;
+    await strip.choose('cut');
+    await strip.page.setInputFiles('#svg-file', { name: 'many.svg', mimeType: 'image/svg+xml', buffer: Buffer.from(text) });
+    await strip.page.locator('#cut-prompt', { hasText: 'many.svg' }).waitFor();
+    await strip.page.fill('#cut-width', '40');
+    await strip.page.mouse.move(640, 5);
+    const sides = [[0.8, 0.6], [0.8, 0.315], [0.935, 0.45], [0.65, 0.45]];
+    const seen = await background(...sides, [0.2, 0.42], [0.8, 0.45]);
+    const middle = seen.pop();
+    check(seen.every(isRed) && !isRed(middle), `its sides are ${seen.join(' and ')}, within them is ${middle}`);
+    await strip.page.focus('#canvas');
+    await strip.page.keyboard.press('Escape');
+  });
+
   steps.step('a dashed strip on the picture is cut, and one that takes all is refused in words', async () => {
     await strip.choose('cut');
     await strip.page.keyboard.press('1');

@@ -184,6 +184,28 @@ export class ViewerPage {
     return { asked, release };
   }
 
+  /** Holds the answer to a method's next call: `answered` is over once the server has answered, release() lets it come. */
+  async holdAnswer(method) {
+    const url = `**/kerf.v1.${method}`;
+    let setAnswered;
+    let setReleased;
+    const answered = new Promise((resolve) => (setAnswered = resolve));
+    const released = new Promise((resolve) => (setReleased = resolve));
+    let fulfilled;
+    const hold = async (route) => {
+      const response = await route.fetch();
+      setAnswered();
+      await released;
+      await route.fulfill({ response });
+    };
+    await this.page.route(url, (route) => (fulfilled = hold(route)), { times: 1 });
+    const release = () => {
+      setReleased();
+      return fulfilled;
+    };
+    return { answered, release };
+  }
+
   /** The page is told that nobody sees it, and draws nothing, or that somebody does again. */
   setHidden(isHidden) {
     return this.page.evaluate((value) => {
@@ -204,6 +226,17 @@ export class ViewerPage {
       const shown = await this.page.textContent(selector).catch(() => 'nothing');
       throw new Error(`${selector} shows '${shown}', not '${text}': ${error.message}`);
     });
+  }
+
+  /** A handle of an array of all texts that an element has from now on. */
+  textsOf(selector) {
+    return this.page.evaluateHandle((query) => {
+      const element = document.querySelector(query);
+      const texts = [element.textContent];
+      const options = { childList: true, characterData: true, subtree: true };
+      new MutationObserver(() => texts.push(element.textContent)).observe(element, options);
+      return texts;
+    }, selector);
   }
 
   /** Colours of a screenshot of the page at points of it, CSS pixels: an array of [red, green, blue], 0..255. */

@@ -2,6 +2,7 @@ import { call } from './api';
 import { SheetService, Sheet_RunState } from './gen/kerf/v1/sheets_pb';
 import type { Sheet } from './gen/kerf/v1/sheets_pb';
 import { Surface } from './geometry/surface';
+import { NewestAnswer } from './newest_answer';
 import { pieceCentre } from './scene/piece_highlight';
 import { SheetScene } from './scene/sheet_scene';
 import { Stage } from './scene/stage';
@@ -77,7 +78,7 @@ export class App implements Viewer {
   private readonly news = new SheetNews((kind, text) => this.notify(kind, text));
   private readonly slowness = new SlowSheet(
     (kind, text) => this.notify(kind, text),
-    async () => ((await this.fetchSheet()) && this.sheet?.tickEstimate?.advice) || '',
+    async () => ((await this.answers.fetch()) && this.sheet?.tickEstimate?.advice) || '',
   );
   private readonly firstHint = new FirstHint(element('first-hint'), element('first-hint-close'));
   private readonly status = new StatusLine();
@@ -97,7 +98,12 @@ export class App implements Viewer {
   // What is drawn next came since the last drawing.
   private hasArrived = false;
   private isFitted = false;
-  private readonly settings = new SettingsFollower(() => this.fetchSheet());
+  // Ignores failures: the stream tells about a lost connection or a sheet that is gone.
+  private readonly answers = new NewestAnswer<Sheet>(
+    () => call(SheetService.method.getSheet, { name: this.sheetName }),
+    (sheet) => this.told(sheet),
+  );
+  private readonly settings = new SettingsFollower(() => this.answers.fetch());
 
   constructor() {
     this.stage = new Stage(this.canvas);
@@ -297,11 +303,16 @@ export class App implements Viewer {
   }
 
   async refreshSheet(): Promise<void> {
-    await this.fetchSheet();
+    await this.answers.refresh();
   }
 
-  /** What the server says of a live sheet; by now another one may be shown, or a recording. */
-  told(sheet: Sheet): void {
+  /** Runs a call that changes the sheet and is answered by it. */
+  command(run: () => Promise<Sheet>): Promise<void> {
+    return this.answers.command(() => this.attempt(run));
+  }
+
+  // Ignores an answer of a sheet that is no longer shown.
+  private told(sheet: Sheet): void {
     if (this.watch && sheet.name === this.sheetName) this.setSheet(sheet);
   }
 
@@ -340,13 +351,6 @@ export class App implements Viewer {
     this.stage.invalidate();
   }
 
-  // False if it failed: the stream tells about a lost connection or a sheet that is gone.
-  private async fetchSheet(): Promise<boolean> {
-    const sheet = await call(SheetService.method.getSheet, { name: this.sheetName }).catch(() => undefined);
-    if (sheet) this.told(sheet);
-    return sheet !== undefined;
-  }
-
   /** A frame of the live stream, or of a recording. */
   receive(copy: SheetCopy, { stats, arrivedMs, delivery }: FrameCopy): void {
     if (this.surface?.mirror !== copy) {
@@ -378,6 +382,8 @@ export class App implements Viewer {
     this.watch?.setPace(this.pace);
     if (this.watch?.copy?.advance(nowMs) || this.replayBar.advance(nowMs)) this.showAgain();
     const { imageMode } = this;
+    // A drawing on the sheet is faint where a fold hides it, in pictures of the server as well.
+    if (this.sheetScene.setHiding(imageMode.isShown && this.cutTool.isOnSheet)) this.showAgain();
     const isStale = this.drawing.begin(nowMs, this.stage.advance());
     if (isStale) {
       if (this.surface && this.hasNewFrame) this.takeFrame(this.surface);

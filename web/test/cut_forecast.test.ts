@@ -77,3 +77,48 @@ test('a cut that the server refuses is not warned of', async () => {
   await vi.advanceTimersByTimeAsync(500);
   expect(forecast.warning).toBe('');
 });
+
+test('the same drawing is asked about again once it cuts something else, and has settled there', async () => {
+  const changed = vi.fn();
+  const tryCut = vi.fn(async () => kSlower);
+  const forecast = new CutForecast(changed, tryCut);
+  let parent = 'seen from the front';
+  forecast.follow('front');
+  forecast.ask(() => ({ ...kRequest, parent }));
+  await vi.advanceTimersByTimeAsync(500);
+  forecast.follow('front');
+  await vi.advanceTimersByTimeAsync(500);
+  expect(tryCut).toHaveBeenCalledTimes(1);
+  expect([forecast.warning === '', changed.mock.calls.length]).toEqual([false, 1]);
+  // The camera turns, and comes to rest.
+  parent = 'seen from the side';
+  for (const place of ['turned', 'turned more', 'side']) {
+    forecast.follow(place);
+    await vi.advanceTimersByTimeAsync(300);
+  }
+  // The warning was about another cut.
+  expect([forecast.warning, changed.mock.calls.length]).toEqual(['', 2]);
+  expect(tryCut).toHaveBeenCalledTimes(1);
+  await vi.advanceTimersByTimeAsync(200);
+  expect(tryCut.mock.calls.at(-1)).toEqual([{ ...kRequest, parent: 'seen from the side', validateOnly: true }]);
+  expect([forecast.warning === '', changed.mock.calls.length]).toEqual([false, 3]);
+});
+
+test('a change while a question is under way is asked about after it, and where nothing is drawn not at all', async () => {
+  const answers: ((result: typeof kSlower) => void)[] = [];
+  const tryCut = vi.fn(() => new Promise<typeof kSlower>((settle) => answers.push(settle)));
+  const forecast = new CutForecast(vi.fn(), tryCut);
+  forecast.ask(() => kRequest);
+  await vi.advanceTimersByTimeAsync(500);
+  forecast.follow('cut by somebody else');
+  await vi.advanceTimersByTimeAsync(1000);
+  expect(tryCut).toHaveBeenCalledTimes(1);
+  answers[0](kSlower);
+  await vi.advanceTimersByTimeAsync(500);
+  expect([tryCut.mock.calls.length, forecast.warning]).toEqual([2, '']);
+  forecast.ask(undefined);
+  forecast.follow('cut once more');
+  answers[1](kSlower);
+  await vi.advanceTimersByTimeAsync(1000);
+  expect([tryCut.mock.calls.length, forecast.warning]).toEqual([2, '']);
+});

@@ -1,5 +1,6 @@
 import { describe, expect, it } from 'vitest';
-import type { Material, Mesh } from 'three';
+import { Mesh } from 'three';
+import type { Material } from 'three';
 import { create } from '@bufbuild/protobuf';
 import { ColliderSchema } from '../src/gen/kerf/v1/scene_pb';
 import { ClothMaterial } from '../src/scene/cloth_material';
@@ -16,9 +17,12 @@ describe('depth offsets', () => {
       create(ColliderSchema, { shape: { case: 'plane', value: { normal: { z: 1 } } } }),
     ]);
     const cloth = new ClothMaterial();
-    expect(view.object.children).toHaveLength(4);
-    for (const child of view.object.children) {
-      const material = (child as Mesh).material as Material;
+    const meshes: Mesh[] = [];
+    view.object.traverse((object) => void (object instanceof Mesh && meshes.push(object)));
+    // Each of the solids is there once more, to hide what is behind it.
+    expect(meshes).toHaveLength(4 + 3);
+    for (const mesh of meshes) {
+      const material = mesh.material as Material;
       expect(material.polygonOffset).toBe(true);
       expect(material.polygonOffsetFactor).toBeGreaterThan(2 * cloth.polygonOffsetFactor);
       expect(material.polygonOffsetUnits).toBeGreaterThan(2 * cloth.polygonOffsetUnits);

@@ -19,11 +19,11 @@ describe('HistoryControls', () => {
   const viewer = {
     sheetName: 'sheets/a',
     notify: (kind: string, text: string) => void notices.push(`${kind}: ${text}`),
-    attempt: async <T>(run: () => Promise<T>) => {
+    attempt: async <T>(run: () => Promise<T>, what: string) => {
       try {
         return await run();
       } catch (error) {
-        notices.push(`error: ${(error as Error).message}`);
+        notices.push(`error: ${what}${(error as Error).message}`);
         return undefined;
       }
     },
@@ -59,7 +59,10 @@ describe('HistoryControls', () => {
     refuse('the sheet has no cut to undo');
     await run;
     expect(sent.splice(0)).toEqual(['UndoCut sheets/a', 'UndoCut sheets/a']);
-    expect(notices.splice(0)).toEqual(['success: Cut undone: 1 piece', 'error: the sheet has no cut to undo']);
+    expect(notices.splice(0)).toEqual([
+      'success: Cut undone: 1 piece',
+      'error: Nothing was undone: the sheet has no cut to undo',
+    ]);
   });
 
   it('sends one call at a time and tells what came of it', async () => {
@@ -80,7 +83,7 @@ describe('HistoryControls', () => {
     expect(notices).toEqual([
       'success: Cut undone: 1 piece',
       'success: 3 cuts made again: 3 pieces',
-      'error: the sheet has no cut to undo',
+      'error: Nothing was undone: the sheet has no cut to undo',
       'success: Cut made again: 1 piece',
     ]);
   });

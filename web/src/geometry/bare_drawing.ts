@@ -1,6 +1,6 @@
 const kSvg = 'http://www.w3.org/2000/svg';
-// Beyond these a copy leaves out the rest; the server cuts it all.
-const kMaxElements = 5000;
+// The server refuses drawings with more elements, or with more of them in one another; a copy leaves out the rest.
+const kMaxElements = 50_000;
 const kMaxDepth = 64;
 // px, of the hidden element that the drawing is measured in: what percentages are of.
 const kHostSize = 1000;

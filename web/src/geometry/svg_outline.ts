@@ -21,11 +21,11 @@ const kMaxDepth = 6;
 const kMaxSamples = 20_000;
 
 /**
- * Reads a drawing by the browser's own SVG engine, which places the shapes. Undefined without a shape, or if the text is
- * no SVG.
+ * Reads a drawing by the browser's own SVG engine, which places the shapes. Undefined without a shape, if the text is no
+ * SVG, or if it is too large to be read whole.
  */
 export function svgOutline(text: string): SvgOutline | undefined {
-  return withBareDrawing(text, (drawing) => inUnitBox(shapeLines(drawing).flat()));
+  return withBareDrawing(text, (drawing) => (drawing.isWhole ? inUnitBox(shapeLines(drawing).flat()) : undefined));
 }
 
 /** The lines of each shape, in the pixels of the host; none where it shows nothing. */

@@ -9,11 +9,12 @@ import {
   SphereGeometry,
   Vector3,
 } from 'three';
-import type { BufferGeometry, Object3D } from 'three';
+import type { BufferGeometry } from 'three';
 import type { Vec3 } from '../gen/kerf/v1/geometry_pb';
 import type { Collider } from '../gen/kerf/v1/scene_pb';
 import { kSupportOffset } from './depth_offsets';
 import { GroundMaterial } from './ground_material';
+import { hidingMaterial, kHidingOrder } from './hiding_material';
 
 // Curved solids are drawn a little smaller: cloth between two vertices that rest on them does not sink into them.
 const kShrink = 0.985;
@@ -23,6 +24,8 @@ const kSolid = new MeshStandardMaterial({
   metalness: 0.05,
   ...kSupportOffset,
 });
+
+const kMask = hidingMaterial(kSupportOffset);
 
 function vector(v: Vec3 | undefined): Vector3 {
   return new Vector3(v?.x ?? 0, v?.y ?? 0, v?.z ?? 0);
@@ -36,7 +39,7 @@ function solid(geometry: BufferGeometry, position: Vector3): Mesh {
   return mesh;
 }
 
-function draw({ shape }: Collider, ground: GroundMaterial): Object3D | undefined {
+function draw({ shape }: Collider, ground: GroundMaterial): Mesh | undefined {
   switch (shape.case) {
     case 'sphere':
       return solid(new SphereGeometry(kShrink * shape.value.radiusM, 64, 40), vector(shape.value.center));
@@ -72,18 +75,43 @@ function draw({ shape }: Collider, ground: GroundMaterial): Object3D | undefined
   }
 }
 
+function mask(drawn: Mesh): Mesh {
+  const made = new Mesh(drawn.geometry, kMask);
+  made.position.copy(drawn.position);
+  made.quaternion.copy(drawn.quaternion);
+  made.renderOrder = kHidingOrder;
+  return made;
+}
+
 /** Draws the colliders of Sheet.scene. */
 export class ColliderView {
   readonly object = new Group();
+  private readonly drawn = new Group();
+  private readonly masks = new Group();
 
-  constructor(private readonly ground: GroundMaterial) {}
+  constructor(private readonly ground: GroundMaterial) {
+    this.object.add(this.drawn, this.masks);
+    this.masks.visible = false;
+  }
+
+  setDrawn(isDrawn: boolean): void {
+    this.drawn.visible = isDrawn;
+  }
+
+  /** Lets solids hide what is behind them while they are not drawn, or not. */
+  setHiding(isHiding: boolean): void {
+    this.masks.visible = isHiding;
+  }
 
   set(colliders: readonly Collider[]): void {
-    for (const child of this.object.children) (child as Mesh).geometry.dispose();
-    this.object.clear();
+    for (const child of this.drawn.children) (child as Mesh).geometry.dispose();
+    this.drawn.clear();
+    this.masks.clear();
     for (const collider of colliders) {
       const object = draw(collider, this.ground);
-      if (object) this.object.add(object);
+      if (!object) continue;
+      this.drawn.add(object);
+      if (object.material === kSolid) this.masks.add(mask(object));
     }
   }
 }

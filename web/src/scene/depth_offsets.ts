@@ -1,5 +1,5 @@
 /** A shift in depth, away from the viewer, with which a material is drawn. */
-interface DepthOffset {
+export interface DepthOffset {
   polygonOffset: true;
   polygonOffsetFactor: number;
   polygonOffsetUnits: number;

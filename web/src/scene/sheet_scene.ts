@@ -19,6 +19,8 @@ export class SheetScene {
   private readonly pins = new PinView();
   private readonly wind = new WindView();
   private readonly colliders: ColliderView;
+  private isDrawn = true;
+  private isHiding = false;
 
   constructor(private readonly stage: Stage) {
     this.colliders = new ColliderView(stage.ground);
@@ -44,8 +46,16 @@ export class SheetScene {
 
   /** Sheet and colliders are drawn here, or are in the picture that the server draws. */
   setDrawn(isDrawn: boolean): void {
-    this.view.setDrawn(isDrawn);
-    this.colliders.object.visible = isDrawn;
+    this.isDrawn = isDrawn;
+    this.show();
+  }
+
+  /** Lets sheet and solids hide what lies over a picture of the server, or not; false: it was so before. */
+  setHiding(isHiding: boolean): boolean {
+    if (isHiding === this.isHiding) return false;
+    this.isHiding = isHiding;
+    this.show();
+    return true;
   }
 
   /** Takes the newest frame. */
@@ -53,5 +63,12 @@ export class SheetScene {
     this.view.update(surface);
     const { min, max } = surface.locator;
     this.pins.update(surface, kPinRadius * Math.max(max.x - min.x, max.y - min.y));
+  }
+
+  private show(): void {
+    for (const part of [this.view, this.colliders]) {
+      part.setDrawn(this.isDrawn);
+      part.setHiding(this.isHiding && !this.isDrawn);
+    }
   }
 }

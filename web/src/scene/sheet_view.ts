@@ -2,7 +2,9 @@ import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Group, LineBasicMate
 import { vertexNormals } from '../geometry/normals';
 import type { Surface } from '../geometry/surface';
 import { ClothMaterial } from './cloth_material';
+import { kClothOffset } from './depth_offsets';
 import { FatLines } from './fat_lines';
+import { hidingMaterial, kHidingOrder } from './hiding_material';
 import { carriedColors, pieceColors } from './piece_colors';
 import { PieceHighlight } from './piece_highlight';
 import { strainColors, strainScaleEnd } from './strain_colors';
@@ -19,6 +21,7 @@ export class SheetView {
 
   private readonly cloth = new ClothMaterial();
   private readonly mesh = new Mesh(new BufferGeometry(), this.cloth);
+  private readonly mask = new Mesh(this.mesh.geometry, hidingMaterial(kClothOffset));
   private readonly wires = new LineSegments(
     new BufferGeometry(),
     new LineBasicMaterial({ color: 0x05070a, transparent: true, opacity: 0.42, depthWrite: false }),
@@ -40,9 +43,12 @@ export class SheetView {
     this.mesh.castShadow = true;
     this.mesh.receiveShadow = true;
     this.mesh.frustumCulled = false;
+    this.mask.frustumCulled = false;
+    this.mask.visible = false;
+    this.mask.renderOrder = kHidingOrder;
     this.wires.frustumCulled = false;
     this.wires.visible = false;
-    this.object.add(this.mesh, this.wires, this.lips.object, this.highlighted.object);
+    this.object.add(this.mesh, this.mask, this.wires, this.lips.object, this.highlighted.object);
   }
 
   get isWireframe(): boolean {
@@ -60,6 +66,11 @@ export class SheetView {
     this.isDrawn = isDrawn;
     this.mesh.visible = this.lips.object.visible = isDrawn;
     this.wires.visible = isDrawn && this.hasWires;
+  }
+
+  /** Lets it hide what is behind it while it is not drawn, or not; update() is due afterwards. */
+  setHiding(isHiding: boolean): void {
+    this.mask.visible = isHiding;
   }
 
   /** Lights one piece up, by its label in the frames, from the next update() on; undefined: none. */
@@ -111,7 +122,7 @@ export class SheetView {
     const { mirror } = surface;
     if (surface !== this.surface) this.shownVersion = -1;
     this.surface = surface;
-    if (!this.isDrawn && !this.highlighted.isOn) {
+    if (!this.isDrawn && !this.mask.visible && !this.highlighted.isOn) {
       this.highlighted.object.visible = false;
       return;
     }

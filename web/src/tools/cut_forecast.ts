@@ -22,6 +22,8 @@ export class CutForecast {
   private timer = 0;
   private drawn = 0; // counts drawings: answers about older ones are late
   private isAsking = false;
+  private request: (() => Request) | undefined;
+  private circumstances = '';
 
   /** @param changed  called when the warning has changed */
   constructor(
@@ -33,8 +35,18 @@ export class CutForecast {
   ask(request: (() => Request) | undefined): void {
     clearTimeout(this.timer);
     const number = ++this.drawn;
+    const { warning } = this;
+    this.request = request;
     this.warning = '';
+    if (warning) this.changed();
     if (request) this.wait(number, request);
+  }
+
+  /** Asks again where the same drawing no longer cuts the same. @param circumstances  name what that depends on */
+  follow(circumstances: string): void {
+    if (circumstances === this.circumstances) return;
+    this.circumstances = circumstances;
+    if (this.request) this.ask(this.request);
   }
 
   private wait(number: number, request: () => Request): void {

@@ -153,6 +153,11 @@ export class CutTool implements Tool {
     return this.drawing.isStarted;
   }
 
+  /** True while a drawing lies on the sheet as it hangs. */
+  get isOnSheet(): boolean {
+    return this.isStarted && this.target === 'material';
+  }
+
   get prompt(): string {
     return this.isChoosing ? `${pressVerb()} the piece to cut` : this.drawing.prompt;
   }
@@ -304,6 +309,7 @@ export class CutTool implements Tool {
 
   update(): void {
     this.followSize();
+    if (this.isReady) this.forecast.follow(this.circumstances);
     this.showMarker();
     if (this.plane === this.material) this.showOnSheet();
     else this.showOnPicture();
@@ -326,15 +332,18 @@ export class CutTool implements Tool {
   }
 
   private requested(): MessageInitShape<typeof CutSchema> {
+    return { ...this.drawing.cut(), dash: this.dashLengths, widthM: this.widthM, view: this.view };
+  }
+
+  private get view(): ReturnType<typeof cutView> | undefined {
     const { stage } = this.viewer;
-    const { isOn, cutM, leftM } = this.dashes;
     const { target } = this;
-    return {
-      ...this.drawing.cut(),
-      dash: isOn ? [cutM, leftM] : [],
-      widthM: this.widthM,
-      view: target === 'material' ? undefined : cutView(stage.camera, stage.sizePx, target, this.depth, this.piece),
-    };
+    return target === 'material' ? undefined : cutView(stage.camera, stage.sizePx, target, this.depth, this.piece);
+  }
+
+  // Names what a cut goes through beside the drawing: the triangles, and on the picture what is seen there.
+  private get circumstances(): string {
+    return `${this.viewer.surface?.mirror.topologyVersion} ${JSON.stringify(this.view)}`;
   }
 
   // Label of the chosen piece; undefined if none is, or it has no material at its mark any more.

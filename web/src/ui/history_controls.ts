@@ -55,7 +55,8 @@ export class HistoryControls {
       typeof UndoCutRequestSchema,
       typeof UndoResultSchema
     >;
-    const result = await this.viewer.attempt(() => this.send(method, { parent }));
+    const refused = step === 'undo' ? 'Nothing was undone: ' : 'Nothing was made again: ';
+    const result = await this.viewer.attempt(() => this.send(method, { parent }), refused);
     const text = result && told(step, result);
     if (text) this.viewer.notify('success', text);
     return result !== undefined;

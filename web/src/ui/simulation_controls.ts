@@ -14,6 +14,9 @@ interface PauseWish {
   isPaused: boolean;
 }
 
+/** Runs a call that changes the sheet and is answered by it. */
+type Command = (run: () => Promise<Sheet>) => Promise<void>;
+
 /** Pause, step, reset and how fast it runs. */
 export class SimulationControls {
   private readonly pauseButton = element<HTMLButtonElement>('pause');
@@ -26,12 +29,12 @@ export class SimulationControls {
   private readonly pauses = new Newest<boolean>(
     async (name, isPaused) => {
       const { pauseSheet, resumeSheet } = SheetService.method;
-      this.take(await this.viewer.attempt(() => (isPaused ? call(pauseSheet, { name }) : call(resumeSheet, { name }))));
+      await this.viewer.command(() => (isPaused ? call(pauseSheet, { name }) : call(resumeSheet, { name })));
     },
     async () => void (this.wish = undefined),
   );
 
-  constructor(private readonly viewer: Viewer & { readonly numStreams: number; told(sheet: Sheet): void }) {
+  constructor(private readonly viewer: Viewer & { readonly numStreams: number; command: Command }) {
     this.speed = new SpeedControl(viewer);
   }
 
@@ -69,12 +72,10 @@ export class SimulationControls {
   /** One tick; a running sheet is paused first. */
   async step(): Promise<void> {
     const { sheetName: name } = this.viewer;
-    this.take(
-      await this.viewer.attempt(async () => {
-        if (!this.isPaused) await call(SheetService.method.pauseSheet, { name });
-        return call(SheetService.method.stepSheet, { name, ticks: 1 });
-      }),
-    );
+    await this.viewer.command(async () => {
+      if (!this.isPaused) await call(SheetService.method.pauseSheet, { name });
+      return call(SheetService.method.stepSheet, { name, ticks: 1 });
+    });
   }
 
   /** Asks first where others watch the sheet. */
@@ -86,10 +87,6 @@ export class SimulationControls {
     const others = sheet.viewers - this.viewer.numStreams;
     const question = `${others === 1 ? 'Somebody else watches' : `${others} others watch`} this sheet. Reset it for everybody?`;
     if (others > 0 && !(await confirmed(question, 'Reset'))) return;
-    this.take(await this.viewer.attempt(() => call(resetSheet, { name })));
-  }
-
-  private take(sheet: Sheet | undefined): void {
-    if (sheet) this.viewer.told(sheet);
+    await this.viewer.command(() => call(resetSheet, { name }));
   }
 }

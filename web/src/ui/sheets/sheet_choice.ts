@@ -3,6 +3,7 @@ import type { ApiError } from '../../api';
 import type { App } from '../../app';
 import { SheetService } from '../../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
+import { NewestAnswer } from '../../newest_answer';
 import { listSheets, sheetId } from '../../sheets';
 import { confirmed } from '../confirmation';
 import { element } from '../dom';
@@ -25,12 +26,15 @@ export class SheetChoice implements Panel {
   });
   private readonly picker: SheetPicker;
   private readonly list: SheetList;
-  private readonly polling = new Polling(() => this.refresh(), kListPeriodMs);
+  private sheets: readonly Sheet[] = [];
+  // Keeps the list while the server cannot be reached, which the connection says.
+  private readonly answers = new NewestAnswer(listSheets, (sheets) => this.show(sheets));
+  private readonly polling = new Polling(() => this.answers.fetch(), kListPeriodMs);
 
   constructor(private readonly app: App) {
     this.picker = new SheetPicker(
       (name) => this.open(name),
-      () => void this.refresh(),
+      () => void this.answers.fetch(),
     );
     this.list = new SheetList(
       element('sheet-list'),
@@ -66,7 +70,7 @@ export class SheetChoice implements Panel {
     url.searchParams.set('sheet', sheetId(name));
     history.replaceState(null, '', url);
     this.app.open(name);
-    void this.refresh();
+    void this.answers.fetch();
   }
 
   private async remove(name: string): Promise<void> {
@@ -75,9 +79,9 @@ export class SheetChoice implements Panel {
     const done = await this.app.attempt(() => call(SheetService.method.deleteSheet, { name }), 'Nothing was deleted: ');
     if (!done) return;
     this.app.notify('info', `Deleted ${sheetId(name)}`);
-    const sheets = await this.refresh();
-    if (name !== this.app.sheetName || !sheets) return;
-    if (sheets.length > 0) this.open(sheets[0].name);
+    const isListed = await this.answers.refresh();
+    if (name !== this.app.sheetName || !isListed) return;
+    if (this.sheets.length > 0) this.open(this.sheets[0].name);
     else this.showNone();
   }
 
@@ -89,6 +93,7 @@ export class SheetChoice implements Panel {
   }
 
   private show(sheets: readonly Sheet[]): void {
+    this.sheets = sheets;
     const { sheetName } = this.app;
     this.picker.show(
       sheets.map((sheet) => sheet.name),
@@ -96,13 +101,6 @@ export class SheetChoice implements Panel {
     );
     this.list.show(sheets, sheetName);
     element('sheet-list-empty').hidden = sheets.length > 0;
-  }
-
-  // A server that cannot be reached is told about by the connection; the list stays as it was.
-  private async refresh(): Promise<Sheet[] | undefined> {
-    const sheets = await listSheets().catch(() => undefined);
-    if (sheets) this.show(sheets);
-    return sheets;
   }
 
   private async reachable(): Promise<Sheet[]> {

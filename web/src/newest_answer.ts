@@ -1,0 +1,54 @@
+/**
+ * Takes a server's answers in the order of asking. Drops one that comes after a later one, and one that was asked for
+ * before a change was answered.
+ */
+export class NewestAnswer<T> {
+  private numAsked = 0;
+  // Answers to this question and to earlier ones are old.
+  private oldUpTo = 0;
+  private last: { number: number; isTaken: Promise<boolean> } | undefined;
+
+  constructor(
+    private readonly get: () => Promise<T>,
+    private readonly take: (answer: T) => void,
+  ) {}
+
+  /** Asks. False if that failed; true once this answer, or one that is as new, has been taken. */
+  fetch(): Promise<boolean> {
+    const number = ++this.numAsked;
+    const isTaken = this.ask(number);
+    this.last = { number, isTaken };
+    return isTaken;
+  }
+
+  /** Asks after a change was answered: what was asked before need not have the change. */
+  refresh(): Promise<boolean> {
+    this.oldUpTo = this.numAsked;
+    return this.fetch();
+  }
+
+  /**
+   * Makes a change that is answered by what others ask for.
+   * @param change  undefined: it failed
+   */
+  async command(change: () => Promise<T | undefined>): Promise<void> {
+    const number = ++this.numAsked;
+    const answer = await change();
+    if (answer === undefined) return;
+    if (number <= this.oldUpTo) {
+      await this.refresh();
+      return;
+    }
+    this.oldUpTo = this.numAsked;
+    this.take(answer);
+  }
+
+  private async ask(number: number): Promise<boolean> {
+    const answer = await this.get().catch(() => undefined);
+    if (answer === undefined) return false;
+    if (number <= this.oldUpTo) return this.last!.number > number ? this.last!.isTaken : true;
+    this.oldUpTo = number;
+    this.take(answer);
+    return true;
+  }
+}
