@@ -44,6 +44,7 @@ struct CutArguments {
   double min_angle_deg = 0.0;
   std::string batch;  // a file
   std::int64_t at_tick = 0;
+  bool is_dry_run = false;
   std::string method = "neighbourhood";
   std::string quality = "default";
   double tip_size = 0.0;
@@ -127,7 +128,9 @@ void set_meshing(const CutArguments& arguments, v1::Cut& cut) {
 }
 
 int cut(const Session& session, const CutArguments& arguments) {
-  if (!arguments.batch.empty()) return cut_batch(session, arguments.id, arguments.batch, arguments.at_tick);
+  if (!arguments.batch.empty()) {
+    return cut_batch(session, arguments.id, arguments.batch, {arguments.at_tick, arguments.is_dry_run});
+  }
   v1::CreateCutRequest request;
   request.set_parent("sheets/" + arguments.id);
   v1::Curve& curve = *request.mutable_cut()->mutable_curve();
@@ -141,11 +144,13 @@ int cut(const Session& session, const CutArguments& arguments) {
   }
   if (const auto wrong = set_options(arguments, *request.mutable_cut())) return misuse(wrong->message);
   request.set_at_tick(arguments.at_tick);
+  request.set_validate_only(arguments.is_dry_run);
   set_meshing(arguments, *request.mutable_cut());
   client::Client client(session.server);
   v1::CutResult result;
   const grpc::Status status = client.call(&v1::CutService::Stub::CreateCut, client.cuts(), request, result);
   if (!status.ok()) return refuse(status, session.server);
+  if (arguments.is_dry_run && !session.json) std::printf("%s\n", kDryRun);
   print(session, result);
   return kDone;
 }
@@ -207,8 +212,13 @@ void add_cut_command(CLI::App& app, Session& session) {
                    "Which layers of a folded sheet: nearest (what is seen, the default), all, piece (all of the piece\n"
                    "seen first), piece:N, or depth:NEAREST,FARTHEST in metres from the camera")
       ->needs(view);
-  command->add_option("--at-tick", arguments->at_tick,
-                      "Cut at the start of this tick instead of at once; `kerf cuts ID` shows the outcome");
+  CLI::Option* at_tick =
+      command->add_option("--at-tick", arguments->at_tick,
+                          "Cut at the start of this tick instead of at once; `kerf cuts ID` shows the outcome");
+  command
+      ->add_flag("--dry-run", arguments->is_dry_run,
+                 "Say what the cut would be, and how long a tick would take after it, without cutting")
+      ->excludes(at_tick);
   CLI::Option* tolerance = command->add_option(
       "--tolerance", arguments->tolerance,
       "Largest distance between curve and cut, as a fraction of the edge length there (default 0.02)");

@@ -1,5 +1,6 @@
 // What there is to do with a sheet's cuts as a whole: list, export, apply, undo, redo; and its pieces.
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -100,7 +101,7 @@ int cancel_cuts(const Session& session, const CutsArguments& arguments) {
 
 int list_cuts(const Session& session, const CutsArguments& arguments) {
   if (arguments.cancel > 0) return cancel_cuts(session, arguments);
-  if (!arguments.apply.empty()) return cut_batch(session, arguments.id, arguments.apply, 0);
+  if (!arguments.apply.empty()) return cut_batch(session, arguments.id, arguments.apply, {});
   client::Client client(session.server);
   v1::ListCutsResponse all;
   const auto merge = [](const v1::ListCutsResponse& page, v1::ListCutsResponse& into) {
@@ -210,6 +211,9 @@ void add(const v1::CreateCutsResponse& response, int num_cuts, Made& made) {
   answer.set_cut_us(answer.cut_us() + response.cut_us());
   answer.set_update_us(answer.update_us() + response.update_us());
   answer.set_scheduled_name(response.scheduled_name());
+  if (made.num_calls == 1) answer.set_tick_before_us(response.tick_before_us());
+  answer.set_tick_after_us(response.tick_after_us());
+  answer.set_tick_budget_us(response.tick_budget_us());
 }
 
 // `failure`, of the call after those: its field counts the cuts of that call, and is to count those of the file.
@@ -228,6 +232,21 @@ client::Failure with_what_was_made(client::Failure failure, const Made& made, co
   return failure;
 }
 
+// Prints each warning once, and no more of them than fit on a screen.
+void print_notes(const v1::CreateCutsResponse& answer) {
+  constexpr std::size_t kMostNotes = 5;
+  std::vector<std::string> notes;
+  for (const v1::CutResult& result : answer.results()) {
+    for (const std::string& warning : result.warnings()) {
+      if (std::ranges::find(notes, warning) == notes.end()) notes.push_back(warning);
+    }
+  }
+  for (std::size_t i = 0; i < std::min(notes.size(), kMostNotes); ++i) std::printf("  note: %s\n", notes[i].c_str());
+  if (notes.size() > kMostNotes) {
+    std::printf("  and %zu more notes, which --json prints\n", notes.size() - kMostNotes);
+  }
+}
+
 void print_made(const Session& session, const Made& made, const std::string& id) {
   const v1::CreateCutsResponse& answer = made.answer;
   const auto tick = static_cast<long long>(answer.tick());
@@ -241,10 +260,11 @@ void print_made(const Session& session, const Made& made, const std::string& id)
   if (session.verbose) {
     std::printf(
         "  %d new triangles, topology version %d, state hash %s\n"
-        "  queued %.0f us, cuts %.0f us, model update %.0f us\n",
+        "  queued %.0f us, cuts %.0f us, model update %.0f us; a tick takes %.3g ms, %.3g before\n",
         answer.new_triangles(), answer.topology_version(), answer.state_hash().c_str(), answer.queued_us(),
-        answer.cut_us(), answer.update_us());
+        answer.cut_us(), answer.update_us(), 1e-3 * answer.tick_after_us(), 1e-3 * answer.tick_before_us());
   }
+  print_notes(answer);
   if (made.num_calls > 1) {
     std::printf("  in %d calls, each whole or not at all; `kerf undo` undoes them in %d %s\n", made.num_calls,
                 made.num_undo_steps, made.num_undo_steps == 1 ? "step" : "steps");
@@ -253,7 +273,7 @@ void print_made(const Session& session, const Made& made, const std::string& id)
 
 }  // namespace
 
-int cut_batch(const Session& session, const std::string& id, const std::string& file, std::int64_t at_tick) {
+int cut_batch(const Session& session, const std::string& id, const std::string& file, const BatchTiming& timing) {
   host::RealDisk disk;
   const Result<std::string> json = disk.read_file(file, kMaxBatchFileBytes);
   if (!json) return refuse(json.error());
@@ -265,14 +285,16 @@ int cut_batch(const Session& session, const std::string& id, const std::string& 
   }
   v1::CreateCutsRequest to_sheet;
   to_sheet.set_parent("sheets/" + id);
-  to_sheet.set_at_tick(at_tick);
+  to_sheet.set_at_tick(timing.at_tick);
+  to_sheet.set_validate_only(timing.is_dry_run);
   const std::vector<v1::CreateCutsRequest> calls = calls_of(batch, to_sheet);
-  if (at_tick != 0 && calls.size() > 1) {
+  if ((timing.at_tick != 0 || timing.is_dry_run) && calls.size() > 1) {
+    const std::string option = timing.is_dry_run ? "--dry-run" : "--at-tick";
     return refuse(Error{ErrorCode::kInvalidArgument, "TOO_MANY",
                         file + " takes " + std::to_string(calls.size()) +
-                            " calls, of 4096 cuts and 1 MiB at most, and only one can wait for a tick: leave "
-                            "--at-tick out, or split the file",
-                        "--at-tick"});
+                            " calls, of 4096 cuts and 1 MiB at most, and " + option +
+                            " works with one alone: leave it out, or split the file",
+                        option});
   }
   client::Client client(session.server);
   Made made;
@@ -285,6 +307,7 @@ int cut_batch(const Session& session, const std::string& id, const std::string& 
   if (session.json) {
     std::printf("%s\n", to_script_json(made.answer).c_str());
   } else {
+    if (timing.is_dry_run) std::printf("%s\n", kDryRun);
     print_made(session, made, id);
   }
   return kDone;

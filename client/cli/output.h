@@ -57,6 +57,9 @@ int refuse_ended(const v1::Ended& ended, std::int64_t count, const std::string& 
 // Protocol Buffers keep them in no order.
 std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks);
 
+// The first line of a dry run, above what the cut would be.
+inline constexpr const char* kDryRun = "Dry run, nothing is cut:";
+
 // For people, or with --json all of it; with --verbose more than a line or two.
 void print(const Session& session, const v1::Sheet& sheet);
 void print(const Session& session, const v1::CutResult& result);

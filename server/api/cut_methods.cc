@@ -8,6 +8,7 @@
 #include "server/api/core.h"
 #include "server/api/paging.h"
 #include "server/api/tick_advice.h"
+#include "server/host/playback.h"
 #include "server/wire/command_codec.h"
 #include "server/wire/reply_codec.h"
 
@@ -49,6 +50,7 @@ v1::CreateCutsResponse encode_batch(const std::string& sheet_id, const host::Com
   response.set_update_us(result.timings.update_us);
   response.set_tick_before_us(result.timings.tick_before_us);
   response.set_tick_after_us(result.timings.tick_after_us);
+  response.set_tick_budget_us(result.timings.budget_us);
   for (v1::CutResult& message : encode_results(sheet_id, result)) {
     if (message.status() == v1::CutResult::APPLIED) response.set_applied(response.applied() + 1);
     response.set_pieces(message.pieces());
@@ -76,6 +78,7 @@ v1::UndoResult encode_undo(const std::string& sheet_id, const host::CommandResul
   message.set_update_us(result.timings.update_us);
   message.set_tick_before_us(result.timings.tick_before_us);
   message.set_tick_after_us(result.timings.tick_after_us);
+  message.set_tick_budget_us(result.timings.budget_us);
   return message;
 }
 
@@ -169,10 +172,7 @@ void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet:
                          command = std::move(command)](const Result<host::SheetStatus>& status) {
     if (!status.ok()) return reply(in_request(status.error()));
     if (status->replay && status->replay->state == host::ReplayState::kPlaying) {
-      return reply(
-          Error{ErrorCode::kFailedPrecondition, "REPLAYING",
-                "the sheet plays a recording and takes no commands until that ends; delete the sheet to end it now",
-                "parent"});
+      return reply(in_request(host::replaying()));
     }
     copy_sheet(core, id, "parent",
                [core, id, reply, encode, command,

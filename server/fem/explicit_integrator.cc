@@ -154,7 +154,9 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     plan.duration = longest * plan.substeps;
     stats.flags |= kSubstepLimit;
   } else {
-    plan.substeps = static_cast<int>(planned);
+    plan.is_calm = contact != nullptr && contact->is_calm();
+    const double wanted = plan.is_calm ? std::ceil(kCalmSubsteps * planned) : planned;
+    plan.substeps = static_cast<int>(std::min<double>(wanted, options_.max_substeps));
   }
   bool is_mixed = options_.precision == Precision::kMixed;
   double quiet = is_mixed ? quiet_speed(model, loads, dt, state) : 0.0;

@@ -244,7 +244,7 @@ int ExplicitIntegrator::even_interval(int substeps, int longest) const {
 
 int ExplicitIntegrator::set_substeps(const Model& model, int least, double tension, Plan& plan) const {
   plan.substeps = least;
-  if (!model.has_bending()) return 1;
+  if (plan.is_calm || !model.has_bending()) return 1;
   const int interval = even_interval(least, bending_interval(plan.h(), tension));
   plan.substeps = (least + interval - 1) / interval * interval;
   return interval;

@@ -4,6 +4,11 @@
 
 namespace kerf::host {
 
+Error replaying() {
+  return {ErrorCode::kFailedPrecondition, "REPLAYING",
+          "the sheet plays a recording and takes no commands until that ends; delete the sheet to end it now", ""};
+}
+
 Playback::Playback(std::vector<sheet::RecordedTick> entries) : entries_(std::move(entries)) {
   if (entries_.empty()) {
     status_.state = ReplayState::kDone;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/base/result.h"
 #include "server/sheet/recording.h"
 
 namespace kerf::host {
@@ -21,6 +22,9 @@ struct ReplayStatus {
   std::int64_t end_tick = 0;  // of the recording
   std::optional<sheet::Divergence> divergence;
 };
+
+// FAILED_PRECONDITION REPLAYING: the answer to commands for a sheet that plays a recording.
+Error replaying();
 
 // A recording being played, entry by entry, by whoever steps the sheet.
 class Playback {

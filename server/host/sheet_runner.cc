@@ -21,11 +21,6 @@ Error host_stopping() {
   return {ErrorCode::kUnavailable, "HOST_STOPPING", "the server is stopping", ""};
 }
 
-Error replaying() {
-  return {ErrorCode::kFailedPrecondition, "REPLAYING",
-          "the sheet plays a recording and takes no commands until that ends; delete the sheet to end it now", ""};
-}
-
 std::int32_t& gauge(HostMetrics& metrics, RunState state) {
   switch (state) {
     case RunState::kRunning:

@@ -9,39 +9,46 @@ void MotionWindow::make_room(Eigen::Index num_vertices) {
   if (num_vertices <= start_.cols()) return;
   const Eigen::Index room = num_vertices + num_vertices / 4;  // so that cuts seldom allocate what grows with the sheet
   start_.resize(3, room);
-  first_sum_.resize(3, room);
-  second_sum_.resize(3, room);
+  for (Eigen::Matrix3Xd& sum : sums_) sum.resize(3, room);
   largest_.resize(room);
 }
 
 void MotionWindow::begin(const Eigen::Matrix3Xd& x) {
   time_ = 0.0;
-  num_first_ = num_second_ = 0;
+  num_ticks_.fill(0);
   num_vertices_ = x.cols();
   start_.leftCols(num_vertices_) = x;
-  first_sum_.setZero();
-  second_sum_.setZero();
+  for (Eigen::Matrix3Xd& sum : sums_) sum.setZero();
   largest_.setZero();
 }
 
 bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
   time_ += dt;
-  const bool is_first = time_ <= 0.5 * length_;
-  ++(is_first ? num_first_ : num_second_);
-  Eigen::Matrix3Xd& sum = is_first ? first_sum_ : second_sum_;
+  const auto third = static_cast<std::size_t>(std::clamp(3.0 * (time_ - 0.5 * dt) / length_, 0.0, 2.0));
+  ++num_ticks_[third];
+  Eigen::Matrix3Xd& sum = sums_[third];
   for (Eigen::Index v = 0; v < num_vertices_; ++v) {
     const Eigen::Vector3d moved = x.col(v) - start_.col(v);
     sum.col(v) += moved;
     largest_[v] = std::max(largest_[v], moved.squaredNorm());
   }
-  return time_ >= length_ * (1.0 - 1.0e-9) && num_first_ > 0 && num_second_ > 0;
+  const bool has_each = std::ranges::none_of(num_ticks_, [](int ticks) { return ticks == 0; });
+  return time_ >= length_ * (1.0 - 1.0e-9) && has_each;
 }
 
-double MotionWindow::expected_motion(double foresight) const {
+double MotionWindow::expected_motion(double foresight, bool slows) const {
+  constexpr double kSlowing = 0.95;  // -, what keeps more of its pace from third to third is not slowing down
+  constexpr double kSafety = 1.5;    // -, of what is to come
+  const double steps = foresight / (length_ / 3.0);
   double expected = 0.0;
   for (Eigen::Index v = 0; v < num_vertices_; ++v) {
-    const double drift = (second_sum_.col(v) / num_second_ - first_sum_.col(v) / num_first_).norm();
-    expected = std::max(expected, std::sqrt(largest_[v]) + drift * foresight / (0.5 * length_));
+    std::array<Eigen::Vector3d, 3> means;
+    for (std::size_t k = 0; k < 3; ++k) means[k] = sums_[k].col(v) / num_ticks_[k];
+    const double before = (means[1] - means[0]).norm();
+    const double drift = (means[2] - means[1]).norm();
+    const double kept = drift / before;
+    const double to_come = slows && kept < kSlowing ? std::min(kSafety / (1.0 - kept), steps) : steps;
+    expected = std::max(expected, std::sqrt(largest_[v]) + drift * to_come);
   }
   return expected;
 }
@@ -53,8 +60,7 @@ void RestWatch::make_room(Eigen::Index num_vertices) {
 
 void RestWatch::disturb() {
   calm_time_ = 0.0;
-  is_measuring_ = false;
-  is_at_rest_ = false;
+  is_calm_ = is_measuring_ = is_at_rest_ = false;
 }
 
 void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State& state) {
@@ -69,10 +75,12 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   // Without weight nothing says how fast is slow.
   const bool is_slow = tick.gravity == 0.0 || energy_ < calm_energy;
   if (!is_slow) {
-    is_measuring_ = is_at_rest_ = false;
+    is_calm_ = is_measuring_ = is_at_rest_ = false;
     return;
   }
-  if (tick.damps && tick.gravity > 0.0 && calm_time_ >= kCalmAfter) {
+  is_calm_ = tick.gravity > 0.0 && calm_time_ >= kCalmAfter;
+  const bool is_damped = tick.damps && is_calm_;
+  if (is_damped) {
     const double rate = kDampingRate * std::sqrt(tick.gravity / size_) * (1.0 - energy_ / calm_energy);
     state.v *= std::exp(-rate * tick.dt);
   }
@@ -84,7 +92,8 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   }
   for (MotionWindow* window : {&short_window_, &long_window_}) {
     if (!window->add(state.x, tick.dt)) continue;
-    is_at_rest_ = is_at_rest_ || window->expected_motion(kForesight) <= kTolerance;
+    const bool slows = is_damped && window->length() * std::sqrt(tick.gravity / size_) >= kSwing;
+    is_at_rest_ = is_at_rest_ || window->expected_motion(kForesight, slows) <= kTolerance;
     window->begin(state.x);
   }
 }

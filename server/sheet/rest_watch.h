@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include <Eigen/Core>
 
 #include "server/fem/model.h"
@@ -7,8 +9,8 @@
 
 namespace kerf::sheet {
 
-// Measures how far every vertex goes in a stretch of time, and how far its mean place moves from the first half to the
-// second. What trembles in place hardly moves its mean.
+// Measures how far every vertex goes in a stretch of time, and how far its mean place moves from each third of it to
+// the next. What trembles in place hardly moves its mean.
 class MotionWindow {
  public:
   // `length`: s, > 0
@@ -18,20 +20,19 @@ class MotionWindow {
   void begin(const Eigen::Matrix3Xd& x);
   // Takes positions (3 x V, m) `dt` (s) after those before. True: the window is complete; begin() another.
   bool add(const Eigen::Matrix3Xd& x, double dt);
-  // Estimates, in m, how far a vertex may be from its last place after `foresight` (s) if it keeps moving as in the
-  // window.
-  [[nodiscard]] double expected_motion(double foresight) const;
+  // Estimates, in m, how far a vertex may be from its last place within `foresight` (s) if it keeps its pace. With
+  // `slows`, one that slowed down from the first two thirds to the last two slows down further at that rate.
+  [[nodiscard]] double expected_motion(double foresight, bool slows) const;
+  [[nodiscard]] double length() const { return length_; }
 
  private:
   double length_;
-  double time_ = 0.0;              // s
-  Eigen::Index num_vertices_ = 0;  // arrays have room for more
-  int num_first_ = 0;              // ticks of the first half
-  int num_second_ = 0;             // ticks of the second half
-  Eigen::Matrix3Xd start_;         // m
-  Eigen::Matrix3Xd first_sum_;     // m, of places less start_
-  Eigen::Matrix3Xd second_sum_;    // m, the same of the second half
-  Eigen::VectorXd largest_;        // m^2, squared distances from start_
+  double time_ = 0.0;                     // s
+  Eigen::Index num_vertices_ = 0;         // arrays have room for more
+  Eigen::Matrix3Xd start_;                // m
+  std::array<int, 3> num_ticks_{};        // of each third
+  std::array<Eigen::Matrix3Xd, 3> sums_;  // m, of places less start_ in each third
+  Eigen::VectorXd largest_;               // m^2, squared distances from start_
 };
 
 // Brings a sheet that nothing disturbs any more to rest, and says when it is.
@@ -42,8 +43,9 @@ class MotionWindow {
 // kDampingRate times the rate of a pendulum of its size. Before that, and while it moves more, nothing is changed.
 //
 // At rest is a sheet no vertex of which would go further than kTolerance in the minute to come, going by one of two
-// windows: a short one, which a sheet that grows still passes soon, and a long one for what trembles. Speeds say less:
-// a vertex that a body holds has some within each substep, and stays where it is.
+// windows: a short one, which a sheet that grows still passes soon, and a long one for what trembles. A damped sheet
+// that creeps to its rest shape is taken to slow down as it did in the window, if that is longer than a swing. Speeds
+// say less: a vertex that a body holds has some within each substep, and stays where it is.
 class RestWatch {
  public:
   static constexpr double kCalmAfter = 5.0;      // s
@@ -52,6 +54,7 @@ class RestWatch {
   static constexpr double kShortWindow = 2.0;    // s
   static constexpr double kLongWindow = 8.0;     // s
   static constexpr double kForesight = 60.0;     // s
+  static constexpr double kSwing = 4.0;          // -, windows over sqrt(size / g) that tell slowing down from swinging
   static constexpr double kTolerance = 9.0e-5;   // m
 
   struct Tick {
@@ -70,12 +73,15 @@ class RestWatch {
   // To be called after each tick that made the state. Damps it.
   void after_tick(const fem::Model& model, const Tick& tick, fem::State& state);
 
+  // Nothing has disturbed it for kCalmAfter, and it is slow for its weight.
+  [[nodiscard]] bool is_calm() const { return is_calm_; }
   [[nodiscard]] bool is_at_rest() const { return is_at_rest_; }
 
  private:
   double size_;
   double calm_time_ = 0.0;  // s, since it was disturbed
   double energy_ = 0.0;     // J, kinetic, over about a second
+  bool is_calm_ = false;
   bool is_measuring_ = false;
   bool is_at_rest_ = false;
   MotionWindow short_window_{kShortWindow};

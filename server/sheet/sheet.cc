@@ -170,6 +170,7 @@ void Sheet::Impl::integrate(const fem::GoesOn* goes_on, TickReport& report) {
   last_good = state;
   model.bend_by_matrix();
   integrator->heed(goes_on);
+  contact.set_calm(rest.is_calm());
   const std::int64_t blocks_before = contact.blocks();
   report.stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
   integrator->heed(nullptr);

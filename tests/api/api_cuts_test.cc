@@ -360,6 +360,7 @@ TEST_F(ApiCutsTest, ValidateOnlySaysWhatACutWouldBeAndCutsNothing) {
   EXPECT_EQ(tried.tick_after_us(), done.tick_after_us());
   EXPECT_GT(done.tick_after_us(), done.tick_before_us());
   EXPECT_EQ(done.tick_after_us(), get_sheet("sheets/a").tick_estimate().total_us());
+  EXPECT_EQ(done.tick_budget_us(), get_sheet("sheets/a").tick_estimate().budget_us());
 }
 
 TEST_F(ApiCutsTest, ValidateOnlyOfABatchIsOfAllItsCutsTogether) {
@@ -369,6 +370,7 @@ TEST_F(ApiCutsTest, ValidateOnlyOfABatchIsOfAllItsCutsTogether) {
   const v1::CreateCutsResponse tried = answer_of(*api_, &Api::create_cuts, request).value();
   EXPECT_EQ(tried.applied(), 2);
   EXPECT_EQ(tried.pieces(), 3);
+  EXPECT_EQ(tried.tick_budget_us(), get_sheet("sheets/a").tick_estimate().budget_us());
   for (const v1::CutResult& result : tried.results()) EXPECT_EQ(result.name(), "");
   EXPECT_TRUE(names().empty());
   EXPECT_EQ(get_sheet("sheets/a").pieces(), 1);

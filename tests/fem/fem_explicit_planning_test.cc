@@ -71,6 +71,48 @@ TEST(ExplicitPlanning, FewCutsLeaveTheMembraneWithoutClusters) {
   EXPECT_EQ(integrator.planned_substeps(kTick), after_two);
 }
 
+// Touches nothing.
+class FarContact final : public ContactConstraint {
+ public:
+  explicit FarContact(bool is_calm) : is_calm_(is_calm) {}
+  void begin(const mesh::VertexField& /*x*/) override {}
+  [[nodiscard]] int num_inside() const override { return 0; }
+  [[nodiscard]] bool is_calm() const override { return is_calm_; }
+  void enforce(double /*dt*/, State& /*state*/) override {}
+  std::span<const std::int32_t> find_due_blocks(double /*dt*/, double /*travel*/) override { return {}; }
+  std::uint32_t enforce_block(std::int32_t /*block*/, mesh::VertexLanes& /*vertices*/) override { return 0; }
+  std::size_t find_gaps(int /*vertex*/, const Eigen::Vector3d& /*x*/, double /*reach*/,
+                        std::array<SurfaceGap, kMaxGaps>& /*gaps*/) const override {
+    return 0;
+  }
+
+ private:
+  bool is_calm_;
+};
+
+// Friction does not hold what bending or the fastest modes shake.
+TEST(ExplicitPlanning, ACalmSheetNearBodiesTakesMoreSubstepsAndBendsInEach) {
+  const mesh::TriangleMesh mesh = square_grid(20);
+  const Model model(mesh, *find_preset("demo"));
+  IntegratorOptions options = explicit_options(Precision::kMixed);
+  const auto stats_of = [&](bool is_calm) {
+    ExplicitIntegrator integrator(options);
+    integrator.rebuild(model);
+    FarContact contact(is_calm);
+    State state = rest_state(mesh);
+    return integrator.step(model, Loads(), kTick, &contact, state);
+  };
+  const StepStats plain = stats_of(false);
+  const StepStats calm = stats_of(true);
+  EXPECT_GT(plain.bending_interval, 1);
+  EXPECT_EQ(calm.bending_interval, 1);
+  EXPECT_GE(calm.substeps, 1.4 * plain.substeps);
+  // The limit of substeps holds, and being calm makes no step too long for it.
+  options.max_substeps = calm.substeps - 1;
+  EXPECT_EQ(stats_of(true).substeps, options.max_substeps);
+  EXPECT_EQ(stats_of(true).flags, 0U);
+}
+
 // Noise grew by decades a second where kicks were longer than what is stiff was chosen for.
 TEST(ExplicitPlanning, BendingKicksAreNoLongerThanClustersAreMadeFor) {
   int num_with_clusters = 0;

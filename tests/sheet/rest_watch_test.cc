@@ -1,6 +1,9 @@
 #include "server/sheet/rest_watch.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string_view>
 #include <vector>
 
 #include "tests/sheet/sheet_calls.h"
@@ -30,7 +33,7 @@ double motion_in_a_minute(Sheet sheet) {
 }
 
 struct Case {
-  const char* name;
+  std::string_view name;
   SheetConfig config;
 };
 
@@ -38,9 +41,58 @@ std::vector<Case> sheets_that_come_to_rest() {
   std::vector<Case> cases{{"pinned at its top", scenes::hanging(12)},
                           {"draped over a ball", scenes::draped_over_sphere(20)},
                           {"on the floor", scenes::lying_on_floor(10)},
-                          {"skin over a ball", scenes::draped_over_sphere(12)}};
-  cases.back().config.material = fem::find_preset("skin").value();
+                          {"a coarse one over a ball", scenes::draped_over_sphere(14)},
+                          {"skin over a ball", scenes::draped_over_sphere(12)},
+                          {"cotton over a ball", scenes::draped_over_sphere(12)},
+                          {"skin over a box", scenes::draped_over_sphere(20)}};
+  const auto find = [&](std::string_view name) -> SheetConfig& {
+    return std::ranges::find(cases, name, &Case::name)->config;
+  };
+  find("skin over a ball").material = find("skin over a box").material = fem::find_preset("skin").value();
+  find("cotton over a ball").material = fem::find_preset("cotton").value();
+  contact::OrientedBox box;
+  box.centre = {0.0, 0.0, 0.1};
+  box.half_extents = {0.25, 0.3, 0.2};
+  find("skin over a box").colliders = {{box, 0.4}};
   return cases;
+}
+
+// The window at whose end a vertex, which is at position(t) on a line (m), has moved for `length` (s).
+template <typename Position>
+MotionWindow watched(double length, const Position& position) {
+  constexpr double kTick = 1.0 / 60.0;
+  const auto at = [&](double t) { return Eigen::Matrix3Xd(Vector3d(position(t), 0.0, 0.0)); };
+  MotionWindow window(length);
+  window.make_room(1);
+  window.begin(at(0.0));
+  for (double t = kTick; !window.add(at(t), kTick); t += kTick) {
+  }
+  return window;
+}
+
+TEST(MotionWindow, WhatCreepsToItsRestMovesByNoMoreThanExpected) {
+  for (const double time : {0.5, 1.0, 2.0, 4.0, 8.0}) {
+    const MotionWindow window = watched(2.0, [&](double t) { return std::exp(-t / time); });
+    const double left = std::exp(-2.0 / time);
+    EXPECT_GT(window.expected_motion(60.0, true), left) << time;
+    EXPECT_LT(window.expected_motion(60.0, true), window.expected_motion(60.0, false)) << time;
+  }
+}
+
+TEST(MotionWindow, WhatSwingsMovesByNoMoreThanExpectedWhereverTheWindowBegins) {
+  constexpr double kLength = 2.0;                   // s
+  for (const double rate : {2.0, 3.0, 5.0, 9.0}) {  // rad/s; from RestWatch::kSwing on, over the window
+    for (int i = 0; i < 24; ++i) {
+      const auto position = [&](double t) { return std::sin(rate * t + i * std::numbers::pi / 12.0); };
+      EXPECT_GE(watched(kLength, position).expected_motion(60.0, true), 1.0) << rate << ", " << i;
+    }
+  }
+}
+
+TEST(MotionWindow, WhatKeepsItsPaceIsExpectedToKeepIt) {
+  const MotionWindow window = watched(2.0, [](double t) { return 1.0e-6 * t; });
+  EXPECT_NEAR(window.expected_motion(60.0, true), 6.2e-5, 1.0e-7);
+  EXPECT_NEAR(window.expected_motion(60.0, false), 6.2e-5, 1.0e-7);
 }
 
 TEST(RestWatch, NoSheetSleepsThatWouldMoveByATenthOfAMillimetreWithinAMinute) {

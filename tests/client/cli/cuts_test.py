@@ -172,6 +172,7 @@ class Cuts(Case):
         self.assertIn("in 2 calls, each whole or not at all; `kerf undo` undoes them in 2 steps", told)
         before = self.hash()
         self.refused("cut", self.id, "--batch", file, "--at-tick", "1000000", says="split the file")
+        self.refused("cut", self.id, "--batch", file, "--dry-run", says="split the file")
         self.assertEqual(self.hash(), before)
 
     def test_what_was_exported_can_be_applied_however_much_it_is(self):
@@ -192,6 +193,25 @@ class Cuts(Case):
         for each in ("pieces", "num_vertices", "num_triangles"):
             self.assertEqual(shapes[0][each], shapes[1][each])
         self.assertEqual(shapes[0]["pieces"], 19)
+
+    def test_a_dry_run_says_what_a_cut_would_be_and_cuts_nothing(self):
+        before = self.hash()
+        told = kerf("cut", self.id, "--circle", "0.5,0.5,0.2", "--dry-run").stdout
+        self.assertTrue(told.startswith("Dry run, nothing is cut:\nCut: 2 pieces"), told)
+        reply = self.json_of("cut", self.id, "--circle", "0.5,0.5,0.2", "--dry-run")
+        self.assertEqual((reply["status"], reply["pieces"]), ("APPLIED", 2))
+        self.assertGreater(reply["tick_after_us"], reply["tick_before_us"])
+        self.assertNotIn("name", {key for key, value in reply.items() if value})
+        def line(y):
+            return {"curve": {"polyline": {"points": [{"x": -0.1, "y": y}, {"x": 1.1, "y": y}]}}}
+
+        file = path("dry.json")
+        pathlib.Path(file).write_text(json.dumps({"cuts": [line(0.3), line(0.6)]}))
+        told = kerf("cut", self.id, "--batch", file, "--dry-run").stdout
+        self.assertTrue(told.startswith("Dry run, nothing is cut:\n2 of 2 cuts made: 3 pieces"), told)
+        self.refused("cut", self.id, "--circle", "0.5,0.5,0.2", "--dry-run", "--at-tick", "9", code=2, says="--at-tick")
+        self.assertEqual(self.hash(), before)
+        self.assertEqual(kerf("cuts", self.id, "--json").stdout.count("sheets/"), 0)
 
     def scheduled_and_cancelled(self, tick):
         reply = self.json_of("cut", self.id, "--circle", "0.5,0.5,0.3", "--at-tick", str(tick))
