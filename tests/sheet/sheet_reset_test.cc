@@ -55,6 +55,20 @@ TEST(Reset, InARunningTickBeginsWithTheFirstTickOfTheScene) {
   }
 }
 
+// How the last step was made says nothing of the sheet as it is now.
+TEST(Reset, ChoosesTheIntegratorOfAFreshSheetAfterAStepInDouble) {
+  SheetConfig config = scenes::hanging(24);
+  Sheet sheet = make(config);
+  ASSERT_TRUE(apply(sheet, across(0.5)));
+  run(sheet, 60);
+  const std::vector<Command> undo{UndoCut{}};
+  ASSERT_TRUE(sheet.step(undo).stats.is_double) << "the half that fell is put back, far away";
+  ASSERT_TRUE(apply(sheet, Reset{}));
+  Sheet fresh = make(config);
+  EXPECT_EQ(sheet.integrator_description(), fresh.integrator_description());
+  EXPECT_EQ(sheet.expected_cost().total(), fresh.expected_cost().total());
+}
+
 TEST(Reset, OfTheSceneItselfDoesNotRepeatItsSchedule) {
   SheetConfig config = scenes::hanging(6);
   config.commands = {{1, Reset{}}, {2, across(0.45)}, {5, Reset{}}};
