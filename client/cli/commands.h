@@ -29,11 +29,11 @@ void add_shell_commands(CLI::App& app, Session& session);  // completion
 // Answers a shell that asks how the last of `words` may go on; an exit code.
 int print_completion(const CLI::App& app, const std::vector<std::string>& words, const std::string& address);
 
-// Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet, all or none of what one call takes; an exit code.
 struct BatchTiming {
   std::int64_t at_tick = 0;  // 0: at once
   bool is_dry_run = false;   // asks what the cuts would be, and cuts nothing
 };
+// Applies the cuts of a file (JSON of kerf.v1.CutBatch) to a sheet, all or none of what one call takes; an exit code.
 int cut_batch(const Session& session, const std::string& id, const std::string& file, const BatchTiming& timing);
 
 }  // namespace kerf::cli

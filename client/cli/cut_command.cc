@@ -152,6 +152,7 @@ int cut(const Session& session, const CutArguments& arguments) {
   if (!status.ok()) return refuse(status, session.server);
   if (arguments.is_dry_run && !session.json) std::printf("%s\n", kDryRun);
   print(session, result);
+  if (arguments.is_dry_run && !session.json) print_tick_time(result);
   return kDone;
 }
 

@@ -309,6 +309,7 @@ int cut_batch(const Session& session, const std::string& id, const std::string& 
   } else {
     if (timing.is_dry_run) std::printf("%s\n", kDryRun);
     print_made(session, made, id);
+    if (timing.is_dry_run) print_tick_time(made.answer);
   }
   return kDone;
 }

@@ -147,11 +147,13 @@ std::string shapes(const v1::CutResult& result) {
 
 // Names, layers, gaps, pieces and times of an applied cut.
 std::string outcome(const v1::CutResult& result) {
+  // A dry run has no name.
   std::string text = format(
-      "\n  %s, topology version %d, state hash %s\n"
+      "\n  %s%stopology version %d, state hash %s\n"
       "  queued %.0f us, cut %.0f us, model update %.0f us; a tick takes %.3g ms, %.3g before",
-      result.name().c_str(), result.topology_version(), result.state_hash().c_str(), result.queued_us(),
-      result.cut_us(), result.update_us(), 1e-3 * result.tick_after_us(), 1e-3 * result.tick_before_us());
+      result.name().c_str(), result.name().empty() ? "" : ", ", result.topology_version(), result.state_hash().c_str(),
+      result.queued_us(), result.cut_us(), result.update_us(), 1e-3 * result.tick_after_us(),
+      1e-3 * result.tick_before_us());
   for (const v1::CutLayer& layer : result.layers()) {
     text += format("\n  layer: piece %d, %.4g m long, %.4g to %.4g m from the camera, %s", layer.piece(),
                    layer.length_m(), layer.nearest_m(), layer.farthest_m(), layer.faces_camera() ? "front" : "back");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <map>
 #include <string>
@@ -59,6 +60,12 @@ std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::str
 
 // The first line of a dry run, above what the cut would be.
 inline constexpr const char* kDryRun = "Dry run, nothing is cut:";
+// The last line of a dry run, of CutResult and CreateCutsResponse.
+template <typename Reply>
+void print_tick_time(const Reply& reply) {
+  std::printf("  a tick would take %.3g ms, after %.3g ms, and has %.3g ms\n", 1e-3 * reply.tick_after_us(),
+              1e-3 * reply.tick_before_us(), 1e-3 * reply.tick_budget_us());
+}
 
 // For people, or with --json all of it; with --verbose more than a line or two.
 void print(const Session& session, const v1::Sheet& sheet);

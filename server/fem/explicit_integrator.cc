@@ -155,8 +155,7 @@ StepStats ExplicitIntegrator::step(const Model& model, const Loads& loads, doubl
     stats.flags |= kSubstepLimit;
   } else {
     plan.is_calm = contact != nullptr && contact->is_calm();
-    const double wanted = plan.is_calm ? std::ceil(kCalmSubsteps * planned) : planned;
-    plan.substeps = static_cast<int>(std::min<double>(wanted, options_.max_substeps));
+    plan.substeps = with_calm_share(plan, static_cast<int>(planned));
   }
   bool is_mixed = options_.precision == Precision::kMixed;
   double quiet = is_mixed ? quiet_speed(model, loads, dt, state) : 0.0;
@@ -280,7 +279,8 @@ bool ExplicitIntegrator::advance(const Model& model, const Loads& loads, Plan& p
   if (!is_green) {
     const int expected = plan.substeps;
     interval =
-        set_substeps(model, std::max(least, substeps_stretched(duration, sweep.tension())), sweep.tension(), plan);
+        set_substeps(model, std::max(least, with_calm_share(plan, substeps_stretched(duration, sweep.tension()))),
+                     sweep.tension(), plan);
     terms.h = plan.h();
     if (plan.substeps != expected && !sweep.begin(model, loads, terms, duration, state)) return false;
   }

@@ -28,15 +28,15 @@ namespace kerf::fem {
 // stiffer, see GreenStretch: of that law a step begins with the substep of the sheet as it is, and is made again with
 // shorter ones where the sheet ends so stretched that they were too long. In mixed precision a step of a sheet that is
 // nearly at rest as it begins goes by displacements, or is made in double: else a stiff sheet would not come to rest.
-// A calm sheet near bodies takes kCalmSubsteps times as many substeps, and bending kicks in each: else it would creep.
+// A calm sheet on bodies takes kCalmSubsteps times as many substeps, and bending kicks in each: else it would creep.
 // Contact is enforced after each drift, in the last substep after the closing kick, so that what leaves the step
 // respects it.
 class ExplicitIntegrator final : public Integrator {
  public:
   // Damping ratio of the fastest mode, -, above which the stable step shrinks faster than damping is worth.
   static constexpr double kMaxModeDamping = 0.3;
-  // -, substeps of a calm sheet near bodies, over those of others. At the edge of stability the fastest modes swing at
-  // the pace of the substeps. Bodies, which push once in each, keep them going, and friction lets go. Measured: drapes
+  // -, substeps of a calm sheet on bodies, over those of others. The fastest modes swing at the pace of the substeps at
+  // the edge of stability. Bodies, which push once in each, keep them going, and friction lets go. Measured: drapes
   // that crept or trembled for good with 1 and 1.25 come to rest with 1.5.
   static constexpr double kCalmSubsteps = 1.5;
 
@@ -130,6 +130,8 @@ class ExplicitIntegrator final : public Integrator {
   // Of the co-rotational law: what the step takes of a sheet that is stretched, -, so much that irregular meshes are
   // stiffer than at rest; 0 where it is not.
   [[nodiscard]] int substeps_stretched(double duration, double strain) const;
+  // Substeps of the plan that would be `substeps` of a sheet that is not calm.
+  [[nodiscard]] int with_calm_share(const Plan& plan, int substeps) const;
   // The longest interval, no longer than `longest`, of which a step can have a whole number at the cost of a twentieth
   // more substeps: the last one of a step, if it were shorter, would beat with modes of the step's own pace.
   [[nodiscard]] int even_interval(int substeps, int longest) const;

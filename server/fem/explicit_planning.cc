@@ -234,6 +234,11 @@ int ExplicitIntegrator::substeps_stretched(double duration, double strain) const
   return static_cast<int>(std::min<double>(wanted, options_.max_substeps));
 }
 
+int ExplicitIntegrator::with_calm_share(const Plan& plan, int substeps) const {
+  if (!plan.is_calm) return substeps;
+  return static_cast<int>(std::min<double>(std::ceil(kCalmSubsteps * substeps), options_.max_substeps));
+}
+
 int ExplicitIntegrator::even_interval(int substeps, int longest) const {
   const int most = std::max(substeps, std::min(options_.max_substeps, substeps + substeps / 20));
   for (int interval = longest; interval > 1; --interval) {

@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace kerf::sheet {
 
 void MotionWindow::make_room(Eigen::Index num_vertices) {
   if (num_vertices <= start_.cols()) return;
   const Eigen::Index room = num_vertices + num_vertices / 4;  // so that cuts seldom allocate what grows with the sheet
-  start_.resize(3, room);
+  for (Eigen::Matrix3Xd* field : {&start_, &last_, &low_, &high_}) field->resize(3, room);
   for (Eigen::Matrix3Xd& sum : sums_) sum.resize(3, room);
-  largest_.resize(room);
 }
 
 void MotionWindow::begin(const Eigen::Matrix3Xd& x) {
@@ -19,21 +19,25 @@ void MotionWindow::begin(const Eigen::Matrix3Xd& x) {
   num_vertices_ = x.cols();
   start_.leftCols(num_vertices_) = x;
   for (Eigen::Matrix3Xd& sum : sums_) sum.setZero();
-  largest_.setZero();
+  for (Eigen::Matrix3Xd* field : {&last_, &low_, &high_}) field->setZero();
 }
 
 bool MotionWindow::add(const Eigen::Matrix3Xd& x, double dt) {
   time_ += dt;
-  const auto third = static_cast<std::size_t>(std::clamp(3.0 * (time_ - 0.5 * dt) / length_, 0.0, 2.0));
+  // Long ticks leave no third out.
+  const auto begun = static_cast<std::size_t>(std::ranges::find(num_ticks_, 0) - num_ticks_.begin());
+  const auto third =
+      std::min(static_cast<std::size_t>(std::clamp(3.0 * (time_ - 0.5 * dt) / length_, 0.0, 2.0)), begun);
   ++num_ticks_[third];
   Eigen::Matrix3Xd& sum = sums_[third];
   for (Eigen::Index v = 0; v < num_vertices_; ++v) {
     const Eigen::Vector3d moved = x.col(v) - start_.col(v);
     sum.col(v) += moved;
-    largest_[v] = std::max(largest_[v], moved.squaredNorm());
+    last_.col(v) = moved;
+    low_.col(v) = low_.col(v).cwiseMin(moved);
+    high_.col(v) = high_.col(v).cwiseMax(moved);
   }
-  const bool has_each = std::ranges::none_of(num_ticks_, [](int ticks) { return ticks == 0; });
-  return time_ >= length_ * (1.0 - 1.0e-9) && has_each;
+  return time_ >= length_ * (1.0 - 1.0e-9) && num_ticks_.back() > 0;
 }
 
 double MotionWindow::expected_motion(double foresight, bool slows) const {
@@ -46,21 +50,22 @@ double MotionWindow::expected_motion(double foresight, bool slows) const {
     for (std::size_t k = 0; k < 3; ++k) means[k] = sums_[k].col(v) / num_ticks_[k];
     const double before = (means[1] - means[0]).norm();
     const double drift = (means[2] - means[1]).norm();
-    const double kept = drift / before;
-    const double to_come = slows && kept < kSlowing ? std::min(kSafety / (1.0 - kept), steps) : steps;
-    expected = std::max(expected, std::sqrt(largest_[v]) + drift * to_come);
+    const bool is_slowing = slows && drift < kSlowing * before;
+    const double to_come = is_slowing ? std::min(kSafety / (1.0 - drift / before), steps) : steps;
+    const Eigen::Vector3d been = (high_.col(v) - last_.col(v)).cwiseMax(last_.col(v) - low_.col(v));
+    expected = std::max(expected, been.norm() + drift * to_come);
   }
   return expected;
 }
 
 void RestWatch::make_room(Eigen::Index num_vertices) {
-  short_window_.make_room(num_vertices);
-  long_window_.make_room(num_vertices);
+  for (MotionWindow& window : windows_) window.make_room(num_vertices);
 }
 
 void RestWatch::disturb() {
   calm_time_ = 0.0;
   is_calm_ = is_measuring_ = is_at_rest_ = false;
+  settles_.fill(false);
 }
 
 void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State& state) {
@@ -76,25 +81,28 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   const bool is_slow = tick.gravity == 0.0 || energy_ < calm_energy;
   if (!is_slow) {
     is_calm_ = is_measuring_ = is_at_rest_ = false;
+    settles_.fill(false);
     return;
   }
-  is_calm_ = tick.gravity > 0.0 && calm_time_ >= kCalmAfter;
-  const bool is_damped = tick.damps && is_calm_;
-  if (is_damped) {
+  is_calm_ = tick.damps && tick.gravity > 0.0 && calm_time_ >= kCalmAfter;
+  if (is_calm_) {
     const double rate = kDampingRate * std::sqrt(tick.gravity / size_) * (1.0 - energy_ / calm_energy);
     state.v *= std::exp(-rate * tick.dt);
   }
   if (!is_measuring_) {
     is_measuring_ = true;
-    short_window_.begin(state.x);
-    long_window_.begin(state.x);
+    for (MotionWindow& window : windows_) window.begin(state.x);
     return;
   }
-  for (MotionWindow* window : {&short_window_, &long_window_}) {
-    if (!window->add(state.x, tick.dt)) continue;
-    const bool slows = is_damped && window->length() * std::sqrt(tick.gravity / size_) >= kSwing;
-    is_at_rest_ = is_at_rest_ || window->expected_motion(kForesight, slows) <= kTolerance;
-    window->begin(state.x);
+  for (std::size_t k = 0; k < windows_.size(); ++k) {
+    MotionWindow& window = windows_[k];
+    if (!window.add(state.x, tick.dt)) continue;
+    // What one window takes for slowing down may be noise.
+    const bool settled =
+        std::exchange(settles_[k], is_calm_ && window.length() * std::sqrt(tick.gravity / size_) >= kSwing &&
+                                       window.expected_motion(kForesight, true) <= kTolerance);
+    is_at_rest_ = is_at_rest_ || (settled && settles_[k]) || window.expected_motion(kForesight, false) <= kTolerance;
+    window.begin(state.x);
   }
 }
 

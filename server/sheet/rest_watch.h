@@ -20,8 +20,9 @@ class MotionWindow {
   void begin(const Eigen::Matrix3Xd& x);
   // Takes positions (3 x V, m) `dt` (s) after those before. True: the window is complete; begin() another.
   bool add(const Eigen::Matrix3Xd& x, double dt);
-  // Estimates, in m, how far a vertex may be from its last place within `foresight` (s) if it keeps its pace. With
-  // `slows`, one that slowed down from the first two thirds to the last two slows down further at that rate.
+  // Estimates, in m, how far a vertex may be from its last place within `foresight` (s): as far as it has been from
+  // there, and what it goes further if it keeps its pace. One that slowed down from the first two thirds to the last
+  // two slows down further at that rate if `slows` is true.
   [[nodiscard]] double expected_motion(double foresight, bool slows) const;
   [[nodiscard]] double length() const { return length_; }
 
@@ -32,7 +33,7 @@ class MotionWindow {
   Eigen::Matrix3Xd start_;                // m
   std::array<int, 3> num_ticks_{};        // of each third
   std::array<Eigen::Matrix3Xd, 3> sums_;  // m, of places less start_ in each third
-  Eigen::VectorXd largest_;               // m^2, squared distances from start_
+  Eigen::Matrix3Xd last_, low_, high_;    // m, less start_: the last places, and the bounds of all
 };
 
 // Brings a sheet that nothing disturbs any more to rest, and says when it is.
@@ -44,8 +45,8 @@ class MotionWindow {
 //
 // At rest is a sheet no vertex of which would go further than kTolerance in the minute to come, going by one of two
 // windows: a short one, which a sheet that grows still passes soon, and a long one for what trembles. A damped sheet
-// that creeps to its rest shape is taken to slow down as it did in the window, if that is longer than a swing. Speeds
-// say less: a vertex that a body holds has some within each substep, and stays where it is.
+// that slows down in two windows, both longer than a swing, is taken to slow down further. Speeds say less: a vertex
+// that a body holds has some within each substep, and stays where it is.
 class RestWatch {
  public:
   static constexpr double kCalmAfter = 5.0;      // s
@@ -54,7 +55,7 @@ class RestWatch {
   static constexpr double kShortWindow = 2.0;    // s
   static constexpr double kLongWindow = 8.0;     // s
   static constexpr double kForesight = 60.0;     // s
-  static constexpr double kSwing = 4.0;          // -, windows over sqrt(size / g) that tell slowing down from swinging
+  static constexpr double kSwing = 6.0;          // -, windows over sqrt(size / g) that tell slowing down from swinging
   static constexpr double kTolerance = 9.0e-5;   // m
 
   struct Tick {
@@ -73,7 +74,7 @@ class RestWatch {
   // To be called after each tick that made the state. Damps it.
   void after_tick(const fem::Model& model, const Tick& tick, fem::State& state);
 
-  // Nothing has disturbed it for kCalmAfter, and it is slow for its weight.
+  // Nothing has disturbed it for kCalmAfter, it is slow for its weight, and it is damped.
   [[nodiscard]] bool is_calm() const { return is_calm_; }
   [[nodiscard]] bool is_at_rest() const { return is_at_rest_; }
 
@@ -84,8 +85,8 @@ class RestWatch {
   bool is_calm_ = false;
   bool is_measuring_ = false;
   bool is_at_rest_ = false;
-  MotionWindow short_window_{kShortWindow};
-  MotionWindow long_window_{kLongWindow};
+  std::array<MotionWindow, 2> windows_{MotionWindow(kShortWindow), MotionWindow(kLongWindow)};
+  std::array<bool, 2> settles_{};  // the last window of each length expected rest, of what slows down
 };
 
 }  // namespace kerf::sheet

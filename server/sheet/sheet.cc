@@ -170,7 +170,8 @@ void Sheet::Impl::integrate(const fem::GoesOn* goes_on, TickReport& report) {
   last_good = state;
   model.bend_by_matrix();
   integrator->heed(goes_on);
-  contact.set_calm(rest.is_calm());
+  const bool touches = last_counts && last_counts->contact_blocks > 0.0;
+  contact.set_calm(touches && rest.is_calm());
   const std::int64_t blocks_before = contact.blocks();
   report.stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
   integrator->heed(nullptr);
@@ -204,6 +205,11 @@ void Sheet::Impl::count_tick(const fem::StepStats& stats, std::int64_t contact_b
 
 fem::TickCounts Sheet::Impl::counts() const {
   constexpr double kTouchingShare = 0.3;  // of a sheet that is to fall on bodies
+  if (last_counts && contact.is_calm() && !rest.is_calm()) {
+    fem::TickCounts counts = *last_counts;
+    counts.more_substeps = counts.more_kicks = 1.0;  // as of a sheet that is not calm any more
+    return counts;
+  }
   if (last_counts) return *last_counts;
   const double blocks = static_cast<double>(mesh.num_vertices()) / static_cast<double>(mesh::kVertexLanes);
   const bool has_wind = wind.air_density > 0.0 && wind.drag_coefficient > 0.0;

@@ -112,6 +112,7 @@ TEST_F(ApiCutsTest, UndoAndRedoTakeCutsOffTheListAndPutThemBack) {
   EXPECT_EQ(undone->cuts(1), all[2]);
   EXPECT_EQ(undone->pieces(), 2);
   EXPECT_EQ(undone->topology_version(), 4);
+  EXPECT_EQ(undone->tick_budget_us(), get_sheet("sheets/a").tick_estimate().budget_us());
   EXPECT_EQ(undone->undo_steps(), 1);
   EXPECT_EQ(undone->redo_steps(), 1);
   EXPECT_EQ(undo("once")->SerializeAsString(), undone->SerializeAsString()) << "a repeat undoes nothing more";

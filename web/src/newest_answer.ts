@@ -35,12 +35,12 @@ export class NewestAnswer<T> {
     const number = ++this.numAsked;
     const answer = await change();
     if (answer === undefined) return;
-    if (number <= this.oldUpTo) {
-      await this.refresh();
-      return;
-    }
+    const isOld = number <= this.oldUpTo;
+    const isAskedMeanwhile = this.numAsked > number;
     this.oldUpTo = this.numAsked;
-    this.take(answer);
+    if (!isOld) this.take(answer);
+    // What was asked meanwhile may know of a later change than this answer, or of an earlier one.
+    if (isOld || isAskedMeanwhile) await this.fetch();
   }
 
   private async ask(number: number): Promise<boolean> {

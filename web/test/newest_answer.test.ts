@@ -61,13 +61,15 @@ describe('NewestAnswer', () => {
     expect([isTold, taken]).toEqual([true, ['both changes']]);
   });
 
-  it('takes what answers a command, and drops what was asked while it was under way', async () => {
+  it('takes what answers a command, and asks once more in place of what was asked while it was under way', async () => {
     const command = answers.command(held);
     const isTaken = answers.fetch();
     await asked[0].answer('paused');
     await asked[1].answer('running');
+    expect(taken).toEqual(['paused']);
+    await asked[2].answer('paused, with new pins');
     await command;
-    expect([taken, await isTaken]).toEqual([['paused'], true]);
+    expect([taken, await isTaken]).toEqual([['paused', 'paused, with new pins'], true]);
   });
 
   it('asks once more where a command is answered after a later change', async () => {

@@ -198,6 +198,7 @@ class Cuts(Case):
         before = self.hash()
         told = kerf("cut", self.id, "--circle", "0.5,0.5,0.2", "--dry-run").stdout
         self.assertTrue(told.startswith("Dry run, nothing is cut:\nCut: 2 pieces"), told)
+        self.assertRegex(told, r"\n  a tick would take [\d.]+ ms, after [\d.]+ ms, and has 16\.7 ms\n$")
         reply = self.json_of("cut", self.id, "--circle", "0.5,0.5,0.2", "--dry-run")
         self.assertEqual((reply["status"], reply["pieces"]), ("APPLIED", 2))
         self.assertGreater(reply["tick_after_us"], reply["tick_before_us"])
@@ -209,6 +210,7 @@ class Cuts(Case):
         pathlib.Path(file).write_text(json.dumps({"cuts": [line(0.3), line(0.6)]}))
         told = kerf("cut", self.id, "--batch", file, "--dry-run").stdout
         self.assertTrue(told.startswith("Dry run, nothing is cut:\n2 of 2 cuts made: 3 pieces"), told)
+        self.assertIn("\n  a tick would take ", told)
         self.refused("cut", self.id, "--circle", "0.5,0.5,0.2", "--dry-run", "--at-tick", "9", code=2, says="--at-tick")
         self.assertEqual(self.hash(), before)
         self.assertEqual(kerf("cuts", self.id, "--json").stdout.count("sheets/"), 0)
