@@ -6,6 +6,7 @@
 #include <iostream>
 #include <memory>
 #include <ratio>
+#include <semaphore>
 #include <string_view>
 #include <system_error>
 #include <thread>
@@ -38,9 +39,13 @@ sigset_t block_stop_signals() {
   return signals;
 }
 
+// Released by the first signal.
+std::binary_semaphore stop_has_begun{0};
+
 // Takes what comes within kEchoTime of the first signal: one wish to stop, told by the terminal and by a script around
 // kerfd that passes it on. The next signal then ends the process, wherever it is.
 void guard_the_stop(sigset_t signals) {
+  stop_has_begun.acquire();
   const auto end = std::chrono::steady_clock::now() + kEchoTime;
   for (auto left = kEchoTime; left.count() > 0;) {
     const timespec wait{left.count() / std::nano::den, left.count() % std::nano::den};
@@ -58,7 +63,7 @@ void wait_for_stop(const sigset_t& signals) {
   int signal = 0;
   sigwait(&signals, &signal);
   alarm(kStopLimitS);
-  std::thread(guard_the_stop, signals).detach();  // ends with the process
+  stop_has_begun.release();
 }
 
 }  // namespace
@@ -90,6 +95,7 @@ int main(int argc, char** argv) {
     note(server.error().message);
     return kExitRefused;
   }
+  std::thread(guard_the_stop, signals).detach();  // now, as the stop may find no memory for it; ends with the process
   std::cout << (*server)->ready_line() << std::endl;
   wait_for_stop(signals);
   note("stopping");

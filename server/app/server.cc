@@ -4,16 +4,20 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <limits>
 #include <optional>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <utility>
 
 #include "render/renderer.h"
 #include "server/api/api.h"
+#include "server/app/connection_limits.h"
 #include "server/app/file_recording.h"
 #include "server/app/scene_loading.h"
 #include "server/app/version.h"
+#include "server/base/descriptors.h"
 #include "server/host/clock.h"
 #include "server/host/disk.h"
 #include "server/host/entropy.h"
@@ -51,6 +55,7 @@ struct Server::Impl {
   host::HostOptions host_options();
   Status build_renderer();
   void tell_what_is_missing() const;
+  ConnectionLimits limit_connections() const;
   Status check_record_dir();
   Status listen(ws::AssetTable viewer);
   Status start();
@@ -96,18 +101,36 @@ void Server::Impl::tell_what_is_missing() const {
   if (renderer && !renderer->available()) note("no pictures are drawn: " + renderer->description());
 }
 
+ConnectionLimits Server::Impl::limit_connections() const {
+  const std::int64_t descriptors = raise_descriptor_limit();
+  const std::int64_t recordings = config.record_dir.empty() ? 0 : config.max_sheets;
+  const ConnectionLimits limits = connection_limits(descriptors, num_open_descriptors(), recordings);
+  const ConnectionLimits usual = connection_limits(std::numeric_limits<std::int32_t>::max(), 0, 0);
+  if (limits.grpc < usual.grpc) {
+    note("this process may open " + std::to_string(descriptors) + " files and connections: it takes " +
+         std::to_string(limits.grpc) + " connections for gRPC and " + std::to_string(limits.http) +
+         " for HTTP; raise the limit (ulimit -n) for more");
+  }
+  return limits;
+}
+
 Status Server::Impl::listen(ws::AssetTable viewer) {
-  rpc = std::make_unique<rpc::RpcServer>(*api, clock);
+  const ConnectionLimits connections = limit_connections();
+  rpc::RpcOptions rpc_options;
+  rpc_options.max_connections = connections.grpc;
+  rpc = std::make_unique<rpc::RpcServer>(*api, clock, rpc_options);
   const Result<int> grpc = rpc->start(ws::format_endpoint(config.grpc.host, config.grpc.port));
   if (!grpc) return grpc.error();
   grpc_port = *grpc;
   ws::HttpOptions options = config.http_options;
   options.access.allowed_origins = config.allowed_origins;
+  options.max_connections = std::min(options.max_connections, connections.http);
   http = std::make_unique<ws::HttpServer>(
       *api, std::move(viewer),
       [this](const ws::HttpCounts& counts) {
-        return ws::metrics_page(host->metrics(), counts, api->num_watchers(), api->frame_counts(),
-                                api->picture_counts(), kVersion);
+        const rpc::GateCounts gate = rpc->connections();
+        return ws::metrics_page(host->metrics(), counts, {gate.accepted, gate.open, gate.refused}, api->num_watchers(),
+                                api->frame_counts(), api->picture_counts(), kVersion);
       },
       options);
   const Result<int> bound = http->start(config.http);

@@ -29,14 +29,15 @@ struct RpcServer::Impl {
   RpcOptions options;
   int max_request_bytes = 0;
   std::vector<NamedService> services;
+  std::unique_ptr<grpc::experimental::ExternalConnectionAcceptor> acceptor;
   std::unique_ptr<grpc::Server> server;  // destroyed before its services
+  std::unique_ptr<ConnectionGate> gate;  // destroyed before the server
 };
 
 namespace {
 
 void set_limits(grpc::ServerBuilder& builder, const RpcOptions& options, int max_request_bytes) {
   builder.SetMaxReceiveMessageSize(max_request_bytes);
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);  // on by default: two servers would share a port unnoticed
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.max_streams_per_connection);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, static_cast<int>(options.keepalive_interval.count()));
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, static_cast<int>(options.keepalive_timeout.count()));
@@ -68,26 +69,28 @@ RpcServer::~RpcServer() {
 }
 
 Result<int> RpcServer::start(const std::string& address) {
+  impl_->gate = std::make_unique<ConnectionGate>(
+      impl_->options.max_connections, impl_->options.first_byte_timeout, [impl = impl_.get()](int descriptor) {
+        grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
+        connection.fd = descriptor;
+        impl->acceptor->HandleNewConnection(&connection);
+      });
+  const Result<int> port = impl_->gate->bind(address);
+  if (!port) return port.error();
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
   set_limits(builder, impl_->options, impl_->max_request_bytes);
-  int port = 0;
-  builder.AddListeningPort(address, grpc::InsecureServerCredentials(), &port);
+  using Builder = grpc::ServerBuilder::experimental_type;
+  impl_->acceptor = builder.experimental().AddExternalConnectionAcceptor(Builder::ExternalConnectionType::FROM_FD,
+                                                                         grpc::InsecureServerCredentials());
   for (const NamedService& named : impl_->services) builder.RegisterService(named.service.get());
   impl_->server = builder.BuildAndStart();
-  if (!impl_->server || port == 0) {
-    impl_->server.reset();
-    return Error{ErrorCode::kUnavailable,
-                 "ADDRESS_IN_USE",
-                 "cannot listen on " + address +
-                     " for gRPC: the port is taken or the address is not this machine's; stop the other program or "
-                     "choose another --listen port",
-                 {}};
-  }
+  if (!impl_->server) return Error{ErrorCode::kInternal, "INTERNAL", "gRPC does not start", {}};
   for (const NamedService& named : impl_->services) {
     impl_->server->GetHealthCheckService()->SetServingStatus(named.name, true);
   }
+  impl_->gate->open();
   return port;
 }
 
@@ -97,9 +100,14 @@ void RpcServer::drain() {
 
 void RpcServer::stop(std::chrono::milliseconds grace) {
   if (!impl_->server) return;
+  impl_->gate->stop();
   impl_->server->Shutdown(std::chrono::system_clock::now() + grace);
   impl_->server->Wait();
   impl_->server.reset();
+}
+
+GateCounts RpcServer::connections() const {
+  return impl_->gate ? impl_->gate->counts() : GateCounts();
 }
 
 }  // namespace kerf::rpc

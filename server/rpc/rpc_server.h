@@ -6,6 +6,7 @@
 
 #include "server/base/result.h"
 #include "server/host/clock.h"
+#include "server/rpc/connection_gate.h"
 
 namespace kerf::api {
 class Api;
@@ -14,6 +15,8 @@ class Api;
 namespace kerf::rpc {
 
 struct RpcOptions {
+  int max_connections = 10'000;                          // beyond it, new connections are closed at once
+  std::chrono::milliseconds first_byte_timeout{5'000};   // a connection that says nothing for so long is closed
   int max_streams_per_connection = 100;                  // HTTP/2 streams, 1..10000
   std::chrono::milliseconds keepalive_interval{20'000};  // a silent connection is pinged after this long ...
   std::chrono::milliseconds keepalive_timeout{10'000};   // ... and dropped when the answer takes longer than this
@@ -45,6 +48,8 @@ class RpcServer {
   // Accepts no more calls, waits up to `grace` for those under way, then cancels them; returns when none is left.
   // Idempotent. The replies that the Api owes for calls under way must have come or come by themselves.
   void stop(std::chrono::milliseconds grace);
+
+  [[nodiscard]] GateCounts connections() const;
 
  private:
   struct Impl;

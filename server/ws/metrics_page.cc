@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/descriptors.h"
 #include "server/base/process_usage.h"
 #include "server/host/admission.h"
 
@@ -122,11 +123,12 @@ void add_host(Page& page, const host::HostMetrics& host) {
 // Under the names that every Prometheus client library gives them.
 void add_process(Page& page) {
   const ProcessUsage usage = own_usage();
+  page.gauge("process_open_fds", "Files and connections that the server's process has open.", num_open_descriptors());
   page.counter("process_cpu_seconds_total", "CPU time of the server's process.", usage.cpu_s);
   page.gauge("process_resident_memory_bytes", "Memory of the server's process.", usage.resident_bytes);
 }
 
-void add_transports(Page& page, const HttpCounts& http, std::int32_t watchers) {
+void add_transports(Page& page, const HttpCounts& http, const GrpcCounts& grpc, std::int32_t watchers) {
   page.gauge("kerf_watch_streams", "Watch streams open now, of all transports.", watchers);
   page.counter("kerf_websocket_streams_total", "WebSocket handshakes done.", http.watch_streams);
   page.gauge("kerf_websocket_open_streams", "WebSocket streams open now.", http.open_watch_streams);
@@ -134,6 +136,10 @@ void add_transports(Page& page, const HttpCounts& http, std::int32_t watchers) {
   page.gauge("kerf_http_open_connections", "TCP connections open now.", http.open_connections);
   page.counter("kerf_http_refused_connections_total", "TCP connections closed at once, over the limit.",
                http.refused_connections);
+  page.counter("kerf_grpc_connections_total", "TCP connections accepted for gRPC.", grpc.connections);
+  page.gauge("kerf_grpc_open_connections", "TCP connections of gRPC open now.", grpc.open_connections);
+  page.counter("kerf_grpc_refused_connections_total", "TCP connections for gRPC closed at once, over the limit.",
+               grpc.refused_connections);
   page.counter("kerf_http_requests_total", "HTTP requests answered.", http.requests);
   page.counter("kerf_http_failed_requests_total", "HTTP requests answered with a status of 400 or above.",
                http.failed_requests);
@@ -157,15 +163,15 @@ void add_pictures(Page& page, const api::PictureCounts& pictures) {
 
 }  // namespace
 
-std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, std::int32_t watchers,
-                         const api::FrameCounts& frames, const api::PictureCounts& pictures,
+std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, const GrpcCounts& grpc,
+                         std::int32_t watchers, const api::FrameCounts& frames, const api::PictureCounts& pictures,
                          const std::string& version) {
   Page page;
   page.begin_gauge("kerf_build_info", "Always 1; the label is the version.");
   page.gauge_value({{"version", version}}, 1);
   add_process(page);
   add_host(page, host);
-  add_transports(page, http, watchers);
+  add_transports(page, http, grpc, watchers);
   add_frames(page, frames);
   add_pictures(page, pictures);
   return page.text();

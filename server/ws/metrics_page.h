@@ -9,10 +9,17 @@
 
 namespace kerf::ws {
 
+// Connections of the gRPC port.
+struct GrpcCounts {
+  std::int64_t connections = 0;          // accepted
+  std::int64_t open_connections = 0;     // now
+  std::int64_t refused_connections = 0;  // closed at once, over the limit
+};
+
 // The page of /metrics, Prometheus text format 0.0.4. Every name starts with kerf_, or with process_ where it is
 // one that all servers have, and ends in its unit, counters in _total. `watchers`: streams of both transports.
-std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, std::int32_t watchers,
-                         const api::FrameCounts& frames, const api::PictureCounts& pictures,
+std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, const GrpcCounts& grpc,
+                         std::int32_t watchers, const api::FrameCounts& frames, const api::PictureCounts& pictures,
                          const std::string& version);
 
 }  // namespace kerf::ws

@@ -1,12 +1,16 @@
+#include <sys/resource.h>
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <fstream>
 #include <span>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "server/base/descriptors.h"
 #include "server/base/process_usage.h"
 #include "server/base/random.h"
 #include "server/base/result.h"
@@ -95,6 +99,22 @@ TEST(SeededRandom, StaysInItsRange) {
     ASSERT_LT(random.below(7), 7U);
   }
   EXPECT_NEAR(sum / 10000.0, 0.5, 0.05);
+}
+
+TEST(Descriptors, AreCountedAndLimitedAsFarAsTheSystemLetsThem) {
+  const std::int64_t before = num_open_descriptors();
+  {
+    const std::ifstream file("/proc/self/stat");
+    EXPECT_EQ(num_open_descriptors(), before + 1);
+  }
+  EXPECT_EQ(num_open_descriptors(), before);
+  rlimit limit{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &limit), 0);
+  limit.rlim_cur = limit.rlim_max / 2;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &limit), 0);
+  EXPECT_GT(raise_descriptor_limit(), static_cast<std::int64_t>(limit.rlim_cur));
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &limit), 0);
+  EXPECT_EQ(limit.rlim_cur, limit.rlim_max);
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include <variant>
 #include <vector>
 
+#include "client/cpp/client.h"
 #include "kerf/v1/sheets.pb.h"
 #include "render/renderer.h"
 #include "server/app/config.h"
@@ -39,7 +40,8 @@ constexpr int kPatienceMs = 30'000;
 // A kerfd of its own, with pipes on its outputs. Killed at the end if it still runs.
 class Kerfd {
  public:
-  explicit Kerfd(std::vector<std::string> arguments) {
+  // `descriptors`: how many files and connections it may have open; 0: as many as this process.
+  explicit Kerfd(std::vector<std::string> arguments, int descriptors = 0) {
     std::array<int, 2> out{};
     std::array<int, 2> err{};
     EXPECT_EQ(::pipe2(out.data(), O_CLOEXEC), 0);
@@ -48,11 +50,17 @@ class Kerfd {
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, out[1], STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
-    arguments.insert(arguments.begin(), KERFD_PATH);
+    std::string program = KERFD_PATH;
+    arguments.insert(arguments.begin(), program);
+    if (descriptors > 0) {
+      program = "/bin/sh";
+      const std::string limited = "ulimit -n " + std::to_string(descriptors) + R"(; exec "$0" "$@")";
+      arguments.insert(arguments.begin(), {program, "-c", limited});
+    }
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
-    EXPECT_EQ(::posix_spawn(&pid_, KERFD_PATH, &actions, nullptr, argv.data(), environ), 0);
+    EXPECT_EQ(::posix_spawn(&pid_, program.c_str(), &actions, nullptr, argv.data(), environ), 0);
     posix_spawn_file_actions_destroy(&actions);
     ::close(out[1]);
     ::close(err[1]);
@@ -192,6 +200,34 @@ TEST_F(KerfdTest, ALaterSignalEndsItAtOnce) {
   std::this_thread::sleep_for(std::chrono::milliseconds(1200));
   kerfd.signal(SIGINT);
   EXPECT_EQ(kerfd.wait(), -SIGINT);
+}
+
+// gRPC's own listening ends for good where the process runs out of descriptors.
+TEST_F(KerfdTest, WithFewDescriptorsAFloodOfConnectionsLeavesBothPortsAnswering) {
+  Kerfd kerfd(free_ports(), 64);
+  const std::string line = kerfd.read_line();
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(line, match, std::regex(R"(127\.0\.0\.1:([0-9]+).*127\.0\.0\.1:([0-9]+))"))) << line;
+  const int grpc = std::stoi(match[1]);
+  const int http = std::stoi(match[2]);
+  for (int i = 0; i < 1000; ++i) ws_test::RawClient at_once(grpc);
+  std::vector<std::unique_ptr<ws_test::RawClient>> held;
+  for (int i = 0; i < 100; ++i) held.push_back(std::make_unique<ws_test::RawClient>(http));
+  client::Client client("127.0.0.1:" + std::to_string(grpc));
+  v1::ListSheetsResponse sheets;
+  const grpc::Status status =
+      client.call(&v1::SheetService::Stub::ListSheets, client.sheets(), v1::ListSheetsRequest(), sheets);
+  EXPECT_TRUE(status.ok()) << status.error_message();
+  held.clear();
+  int answer = 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::milliseconds(kPatienceMs);
+  while (answer != 200 && std::chrono::steady_clock::now() < end) {
+    answer = request(http, "GET", "/metrics", {}, "").status;
+  }
+  EXPECT_EQ(answer, 200);
+  kerfd.signal(SIGTERM);
+  EXPECT_EQ(kerfd.wait(), 0);
+  EXPECT_NE(kerfd.errors().find("this process may open 64 files and connections"), std::string::npos);
 }
 
 TEST_F(KerfdTest, RecordsWhatItRuns) {

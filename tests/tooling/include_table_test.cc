@@ -77,7 +77,7 @@ const std::vector<Row>& table() {
       {"server/rpc",
        {"server/api", "server/stream", "server/wire", "server/host", "server/sheet", "server/base", "render/renderer.h",
         "render/image.h", "render/video.h"},
-       {"asio", "proto", "grpc_stubs", "grpc"}},
+       {"asio", "proto", "grpc_stubs", "grpc", "posix"}},
       {"server/ws",
        {"server/api", "server/stream", "server/wire", "server/host", "server/sheet", "server/base", "render/renderer.h",
         "render/image.h", "render/video.h"},

@@ -171,7 +171,7 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   HttpCounts http;
   http.requests = 7;
   const api::PictureCounts pictures{11, 12, 13, 14, 15, 16};
-  const std::string page = metrics_page(host, http, 4, {17, 18}, pictures, "1.2.3");
+  const std::string page = metrics_page(host, http, {8, 3, 5}, 4, {17, 18}, pictures, "1.2.3");
   for (const char* line : {"# TYPE kerf_ticks_total counter\n",
                            "kerf_ticks_total 123456789\n",
                            "kerf_sheets{state=\"running\"} 3\n",
@@ -192,6 +192,10 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
                            "process_cpu_seconds_total ",
                            "process_resident_memory_bytes ",
                            "kerf_http_requests_total 7\n",
+                           "kerf_grpc_connections_total 8\n",
+                           "kerf_grpc_open_connections 3\n",
+                           "kerf_grpc_refused_connections_total 5\n",
+                           "process_open_fds ",
                            "kerf_watch_streams 4\n",
                            "kerf_frames_encoded_total 17\n",
                            "kerf_frames_sent_total 18\n",
