@@ -2,8 +2,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -12,6 +10,7 @@
 
 #include "render/renderer.h"
 #include "server/app/version.h"
+#include "server/base/memory_limit.h"
 #include "server/sheet/sheet_config.h"
 
 namespace kerf::app {
@@ -72,8 +71,8 @@ void declare(CLI::App& parser, Arguments& arguments) {
       .add_option(
           "--max-total-vertices", arguments.max_total_vertices,
           "Refuse new sheets with which all together would have more vertices; 0: never (default: as many as fit "
-          "in half of this machine's memory at 8 kB each, which is what the implicit integrator takes, but at "
-          "least 500000, one sheet of the largest size)")
+          "in half of the memory that it may have, the machine's or its container's, at 8 kB each, which is what the "
+          "implicit integrator takes)")
       ->type_name("N");
   parser.add_option("--web", arguments.web, "Folder of the built viewer (default: found beside the program)")
       ->type_name("DIR");
@@ -99,11 +98,6 @@ void declare(CLI::App& parser, Arguments& arguments) {
       ->take_all();
   parser.add_option("--record", arguments.record_dir, "Folder for a recording of every sheet, for `kerf replay`")
       ->type_name("DIR");
-}
-
-// In bytes; 0 where the system does not tell.
-std::int64_t physical_memory() {
-  return std::max<std::int64_t>(::sysconf(_SC_PHYS_PAGES), 0) * std::max<std::int64_t>(::sysconf(_SC_PAGESIZE), 0);
 }
 
 Result<ws::Endpoint> listening_address(const std::string& text, const std::string& option, bool allow_remote) {
@@ -145,7 +139,7 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
                             "--max-load");
   }
   config.max_load = arguments.max_load;
-  config.max_total_vertices = arguments.max_total_vertices.value_or(default_total_vertices(physical_memory()));
+  config.max_total_vertices = arguments.max_total_vertices.value_or(default_total_vertices(memory_limit()));
   if (config.max_total_vertices < 0 || config.max_total_vertices > kMostTotalVertices) {
     return invalid_argument("MAX_TOTAL_VERTICES_OUT_OF_RANGE",
                             "--max-total-vertices: " + std::to_string(config.max_total_vertices) + " is not in 0.." +
@@ -179,7 +173,7 @@ std::string render_device_table() {
 }  // namespace
 
 std::int64_t default_total_vertices(std::int64_t memory) {
-  return std::max<std::int64_t>(memory / 2 / kBytesPerVertex, sheet::kMaxVertices);
+  return memory > 0 ? std::max<std::int64_t>(memory / 2 / kBytesPerVertex, 1) : sheet::kMaxVertices;
 }
 
 std::shared_ptr<const CLI::App> command_line() {

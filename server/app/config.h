@@ -41,9 +41,9 @@ inline constexpr std::int64_t kMostTotalVertices = 1'000'000'000'000;
 // What a vertex takes, in bytes, with the implicit integrator; with the explicit one it is little more than half.
 inline constexpr std::int64_t kBytesPerVertex = 8'000;
 
-// How many vertices all sheets together may have on a machine with so much memory, in bytes, unless
+// How many vertices all sheets together may have where the process may have so much memory, in bytes, unless
 // --max-total-vertices says otherwise: as many as fit in half of it, the other half being for streams, pictures and the
-// rest of the machine; and at least one sheet of the largest size.
+// rest of the machine. One sheet of the largest size where nothing says how much: 0.
 std::int64_t default_total_vertices(std::int64_t memory);
 
 // What --help and --version print.

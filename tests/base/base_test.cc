@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <span>
 #include <string>
@@ -11,10 +12,12 @@
 #include <gtest/gtest.h>
 
 #include "server/base/descriptors.h"
+#include "server/base/memory_limit.h"
 #include "server/base/process_usage.h"
 #include "server/base/random.h"
 #include "server/base/result.h"
 #include "server/base/state_hash.h"
+#include "tests/support/temporary_folder.h"
 
 namespace kerf {
 namespace {
@@ -99,6 +102,37 @@ TEST(SeededRandom, StaysInItsRange) {
     ASSERT_LT(random.below(7), 7U);
   }
   EXPECT_NEAR(sum / 10000.0, 0.5, 0.05);
+}
+
+std::filesystem::path written(const test::TemporaryFolder& folder, const std::string& groups) {
+  folder.write("proc/self/cgroup", groups);
+  return folder.path();
+}
+
+TEST(MemoryLimit, IsThatOfTheMachineWhereNoGroupHasLess) {
+  const test::TemporaryFolder folder;
+  const std::int64_t machine = memory_limit(folder.path());
+  EXPECT_GT(machine, 0);
+  folder.write("sys/fs/cgroup/a/memory.max", "max\n");
+  folder.write("sys/fs/cgroup/memory/memory.limit_in_bytes", "9223372036854771712\n");
+  EXPECT_EQ(memory_limit(written(folder, "4:memory:/\n0::/a\n")), machine);
+}
+
+TEST(MemoryLimit, IsTheLeastOfTheGroupsAroundTheProcess) {
+  const test::TemporaryFolder folder;
+  folder.write("sys/fs/cgroup/a/memory.max", "4000000\n");
+  folder.write("sys/fs/cgroup/a/b/memory.max", "5000000\n");
+  EXPECT_EQ(memory_limit(written(folder, "0::/a/b\n")), 4'000'000);
+  folder.write("sys/fs/cgroup/memory/c/memory.limit_in_bytes", "3000000\n");
+  EXPECT_EQ(memory_limit(written(folder, "5:cpu,memory:/c/d\n0::/a/b\n")), 3'000'000);
+}
+
+// A container sees its own group as the top of the tree, whatever its name outside.
+TEST(MemoryLimit, IsThatOfTheContainer) {
+  const test::TemporaryFolder folder;
+  folder.write("sys/fs/cgroup/memory.max", "2000000\n");
+  EXPECT_EQ(memory_limit(written(folder, "0::/docker/1234\n")), 2'000'000);
+  EXPECT_EQ(memory_limit(written(folder, "0::/\n")), 2'000'000);
 }
 
 TEST(Descriptors, AreCountedAndLimitedAsFarAsTheSystemLetsThem) {

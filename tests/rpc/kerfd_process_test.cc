@@ -24,6 +24,7 @@
 #include "kerf/v1/sheets.pb.h"
 #include "render/renderer.h"
 #include "server/app/config.h"
+#include "server/base/memory_limit.h"
 #include "server/sheet/sheet_config.h"
 #include "server/wire/json.h"
 #include "tests/support/temporary_folder.h"
@@ -316,9 +317,10 @@ app::Config parsed(std::vector<const char*> arguments) {
 
 TEST(KerfdConfig, VerticesOfAllSheetsFitInHalfOfTheMemoryUnlessSaidOtherwise) {
   EXPECT_EQ(app::default_total_vertices(std::int64_t{16'000'000'000}), 1'000'000);
-  EXPECT_EQ(app::default_total_vertices(std::int64_t{1} << 30), sheet::kMaxVertices) << "one of the largest, at least";
+  EXPECT_EQ(app::default_total_vertices(std::int64_t{400'000'000}), 25'000) << "a small container";
+  EXPECT_EQ(app::default_total_vertices(1), 1) << "0 would be no limit";
   EXPECT_EQ(app::default_total_vertices(0), sheet::kMaxVertices) << "where the system does not tell";
-  EXPECT_GE(parsed({}).max_total_vertices, sheet::kMaxVertices);
+  EXPECT_EQ(parsed({}).max_total_vertices, app::default_total_vertices(memory_limit()));
   EXPECT_EQ(parsed({"--max-total-vertices", "0"}).max_total_vertices, 0);
   EXPECT_EQ(parsed({"--max-total-vertices", "1000000000000"}).max_total_vertices, app::kMostTotalVertices);
 }

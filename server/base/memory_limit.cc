@@ -1,0 +1,71 @@
+#include "server/base/memory_limit.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <string>
+
+namespace kerf {
+namespace {
+
+constexpr std::int64_t kNone = std::numeric_limits<std::int64_t>::max();
+
+// kNone where there is no such file, or it says "max".
+std::int64_t limit_in(const std::filesystem::path& file) {
+  std::int64_t bytes = 0;
+  return std::ifstream(file) >> bytes && bytes > 0 ? bytes : kNone;
+}
+
+// The least of a group and the groups around it. Where /sys has only the container's part of the tree, that is its top.
+std::int64_t limit_of_group(const std::filesystem::path& mount, std::string group, const char* file) {
+  std::int64_t least = limit_in(mount / file);
+  while (group.size() > 1) {
+    least = std::min(least, limit_in(mount / group.substr(1) / file));
+    group.erase(group.rfind('/'));
+  }
+  return least;
+}
+
+// Lines of cgroups(7): number, controllers and group, between colons. Version 2 has no controllers there.
+std::int64_t limit_of_groups(const std::filesystem::path& root) {
+  const std::filesystem::path mount = root / "sys/fs/cgroup";
+  std::int64_t least = kNone;
+  std::ifstream groups(root / "proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    const std::size_t first = line.find(':');
+    const std::size_t second = line.find(':', first + 1);
+    if (second == std::string::npos) continue;
+    const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
+    const std::string group = line.substr(second + 1);
+    if (controllers == ",,") {
+      least = std::min(least, limit_of_group(mount, group, "memory.max"));
+    } else if (controllers.find(",memory,") != std::string::npos) {
+      least = std::min(least, limit_of_group(mount / "memory", group, "memory.limit_in_bytes"));
+    }
+  }
+  return least;
+}
+
+std::int64_t limit_of_addresses() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur >= static_cast<rlim_t>(kNone)) return kNone;
+  return static_cast<std::int64_t>(limit.rlim_cur);
+}
+
+std::int64_t memory_of_the_machine() {
+  const std::int64_t pages = sysconf(_SC_PHYS_PAGES);
+  const std::int64_t page = sysconf(_SC_PAGESIZE);
+  return pages > 0 && page > 0 ? pages * page : kNone;
+}
+
+}  // namespace
+
+std::int64_t memory_limit(const std::filesystem::path& root) {
+  const std::int64_t least = std::min({memory_of_the_machine(), limit_of_groups(root), limit_of_addresses()});
+  return least == kNone ? 0 : least;
+}
+
+}  // namespace kerf
