@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <list>
 #include <mutex>
 #include <new>
 #include <set>
@@ -49,6 +50,11 @@ struct ConnectionGate::Impl {
     ino_t inode;
   };
 
+  struct Port {
+    explicit Port(asio::io_context& io) : acceptor(io), retry(io) {}
+    tcp::acceptor acceptor;
+    asio::steady_timer retry;
+  };
   // Says nothing yet.
   struct Silent {
     explicit Silent(tcp::socket connected) : socket(std::move(connected)), limit(socket.get_executor()) {}
@@ -62,7 +68,8 @@ struct ConnectionGate::Impl {
   Result<int> bind(const std::string& address);
   void open();
   void stop();
-  void accept_next();
+  bool listen_at(const tcp::endpoint& endpoint, boost::system::error_code& error);
+  void accept_next(Port& port);
   void admit_or_refuse(tcp::socket socket);
   void admit(tcp::socket socket);
   void hear(const std::shared_ptr<Silent>& silent);
@@ -73,8 +80,7 @@ struct ConnectionGate::Impl {
   const std::chrono::milliseconds silence;
   const Take take;
   asio::io_context io{1};
-  tcp::acceptor acceptor{io};
-  asio::steady_timer accept_retry{io};
+  std::list<Port> ports;  // the same number at each address of the host
   std::thread thread;
 
   mutable std::mutex mutex;  // of what follows
@@ -85,17 +91,32 @@ struct ConnectionGate::Impl {
   std::int64_t refused = 0;
 };
 
-Result<int> ConnectionGate::Impl::bind(const std::string& address) {
-  const auto [host, port] = split(address);
-  boost::system::error_code error;
-  const tcp::resolver::results_type found = tcp::resolver(io).resolve(host, port, tcp::resolver::passive, error);
-  if (!error && found.empty()) error = asio::error::host_not_found;
-  if (!error) acceptor.open(found.begin()->endpoint().protocol(), error);
+bool ConnectionGate::Impl::listen_at(const tcp::endpoint& endpoint, boost::system::error_code& error) {
+  Port port(io);
+  port.acceptor.open(endpoint.protocol(), error);
   // Lets a restarted server have its port back at once; a port that somebody listens on is still refused.
-  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) acceptor.bind(found.begin()->endpoint(), error);
-  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (!error) return acceptor.local_endpoint().port();
+  if (!error) port.acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) port.acceptor.bind(endpoint, error);
+  if (!error) port.acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) return false;
+  ports.emplace_back(io);
+  ports.back().acceptor = std::move(port.acceptor);
+  return true;
+}
+
+Result<int> ConnectionGate::Impl::bind(const std::string& address) {
+  const auto [host, number] = split(address);
+  boost::system::error_code error;
+  const tcp::resolver::results_type found = tcp::resolver(io).resolve(host, number, tcp::resolver::passive, error);
+  if (!error && found.empty()) error = asio::error::host_not_found;
+  for (const auto& entry : found) {
+    tcp::endpoint endpoint = entry.endpoint();
+    if (!ports.empty()) endpoint.port(ports.front().acceptor.local_endpoint().port());
+    // A name may have an address of a family that this machine does not speak.
+    if (!listen_at(endpoint, error) && error == asio::error::address_in_use) break;
+  }
+  if (!ports.empty() && error != asio::error::address_in_use) return ports.front().acceptor.local_endpoint().port();
+  ports.clear();
   return Error{ErrorCode::kUnavailable,
                "ADDRESS_IN_USE",
                "cannot listen on " + address +
@@ -105,22 +126,22 @@ Result<int> ConnectionGate::Impl::bind(const std::string& address) {
 }
 
 void ConnectionGate::Impl::open() {
-  accept_next();
+  for (Port& port : ports) accept_next(port);
   thread = std::thread([this] { io.run(); });
 }
 
-void ConnectionGate::Impl::accept_next() {
-  acceptor.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
-    if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
+void ConnectionGate::Impl::accept_next(Port& port) {
+  port.acceptor.async_accept([this, &port](const boost::system::error_code& error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted || !port.acceptor.is_open()) return;
     if (!error) {
       admit_or_refuse(std::move(socket));
-      accept_next();
+      accept_next(port);
       return;
     }
     // Out of descriptors, most likely: an accept at once would fail as well, and keep a processor busy.
-    accept_retry.expires_after(kAcceptRetry);
-    accept_retry.async_wait([this](const boost::system::error_code& cancelled) {
-      if (!cancelled) accept_next();
+    port.retry.expires_after(kAcceptRetry);
+    port.retry.async_wait([this, &port](const boost::system::error_code& cancelled) {
+      if (!cancelled) accept_next(port);
     });
   });
 }
@@ -195,8 +216,10 @@ void ConnectionGate::Impl::stop() {
   if (!thread.joinable()) return;
   asio::post(io, [this] {
     boost::system::error_code ignored;
-    acceptor.close(ignored);
-    accept_retry.cancel();
+    for (Port& port : ports) {
+      port.acceptor.close(ignored);
+      port.retry.cancel();
+    }
     const std::lock_guard lock(mutex);
     for (const std::shared_ptr<Silent>& silent : silents) silent->socket.close(ignored);
   });

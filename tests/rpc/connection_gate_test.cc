@@ -140,6 +140,28 @@ TEST_F(ConnectionGateTest, StopClosesThePortAndWhatHasSaidNothing) {
   EXPECT_ANY_THROW(connect());
 }
 
+TEST_F(ConnectionGateTest, ListensAtEachAddressOfAName) {
+  // A number that is free at one address may be taken at another.
+  std::unique_ptr<ConnectionGate> gate;
+  Result<int> port = Error{};
+  for (int i = 0; i < 20 && !port.ok(); ++i) {
+    gate = std::make_unique<ConnectionGate>(4, kLong, [](int) {});
+    port = gate->bind("localhost:0");
+  }
+  ASSERT_TRUE(port.ok());
+  const tcp::resolver::results_type addresses = tcp::resolver(io_).resolve("localhost", std::to_string(*port));
+  int connected = 0;
+  for (const auto& entry : addresses) {
+    boost::system::error_code error;
+    tcp::socket(io_).connect(entry.endpoint(), error);
+    if (!error) ++connected;
+    const bool is_spoken =
+        error != asio::error::address_family_not_supported && error != asio::error::network_unreachable;
+    EXPECT_TRUE(!error || !is_spoken || error == boost::system::errc::address_not_available) << entry.endpoint();
+  }
+  EXPECT_GT(connected, 0);
+}
+
 TEST_F(ConnectionGateTest, SharesItsPortWithNoOther) {
   open(4, kLong);
   ConnectionGate other(4, kLong, [](int) {});
