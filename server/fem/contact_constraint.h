@@ -32,8 +32,7 @@ class ContactConstraint {
   virtual void begin(const mesh::VertexField& x) = 0;
   // Vertices that were inside a body, deeper than the sheet is thick, in the last begin(). They are brought out slowly.
   [[nodiscard]] virtual int num_inside() const = 0;
-  // The sheet touches bodies, nothing has disturbed it for seconds, and it hardly moves: what friction holds is to
-  // stay.
+  // The sheet is on bodies, nothing has disturbed it for seconds, and it hardly moves: friction is to hold it.
   [[nodiscard]] virtual bool is_calm() const { return false; }
   // Moves all vertices, after a substep of `dt`, s.
   virtual void enforce(double dt, State& state) = 0;
