@@ -6,6 +6,7 @@
 
 #include "server/fem/explicit_integrator.h"
 #include "tests/fem/cut_sheet.h"
+#include "tests/fem/no_contact.h"
 
 namespace kerf::fem {
 namespace {
@@ -71,25 +72,6 @@ TEST(ExplicitPlanning, FewCutsLeaveTheMembraneWithoutClusters) {
   EXPECT_EQ(integrator.planned_substeps(kTick), after_two);
 }
 
-// Touches nothing.
-class FarContact final : public ContactConstraint {
- public:
-  explicit FarContact(bool is_calm) : is_calm_(is_calm) {}
-  void begin(const mesh::VertexField& /*x*/) override {}
-  [[nodiscard]] int num_inside() const override { return 0; }
-  [[nodiscard]] bool is_calm() const override { return is_calm_; }
-  void enforce(double /*dt*/, State& /*state*/) override {}
-  std::span<const std::int32_t> find_due_blocks(double /*dt*/, double /*travel*/) override { return {}; }
-  std::uint32_t enforce_block(std::int32_t /*block*/, mesh::VertexLanes& /*vertices*/) override { return 0; }
-  std::size_t find_gaps(int /*vertex*/, const Eigen::Vector3d& /*x*/, double /*reach*/,
-                        std::array<SurfaceGap, kMaxGaps>& /*gaps*/) const override {
-    return 0;
-  }
-
- private:
-  bool is_calm_;
-};
-
 // Friction does not hold what bending or the fastest modes shake.
 TEST(ExplicitPlanning, ACalmSheetNearBodiesTakesMoreSubstepsAndBendsInEach) {
   const mesh::TriangleMesh mesh = square_grid(20);
@@ -98,7 +80,7 @@ TEST(ExplicitPlanning, ACalmSheetNearBodiesTakesMoreSubstepsAndBendsInEach) {
   const auto stats_of = [&](bool is_calm) {
     ExplicitIntegrator integrator(options);
     integrator.rebuild(model);
-    FarContact contact(is_calm);
+    NoContact contact(is_calm);
     State state = rest_state(mesh);
     return integrator.step(model, Loads(), kTick, &contact, state);
   };

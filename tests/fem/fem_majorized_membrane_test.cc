@@ -12,6 +12,7 @@
 #include "server/fem/membrane.h"
 #include "server/fem/stage_solver.h"
 #include "tests/fem/integrator_cases.h"
+#include "tests/fem/no_contact.h"
 #include "tests/support/meshes.h"
 #include "tests/support/shells.h"
 
@@ -372,20 +373,6 @@ TEST(MajorizedStep, WhatItCannotStepEitherStaysAsItWas) {
   EXPECT_EQ(sheet.state.x, before.x);
   EXPECT_EQ(sheet.state.v, before.v);
 }
-
-// Touches nothing.
-class NoContact final : public ContactConstraint {
- public:
-  void begin(const mesh::VertexField& /*x*/) override {}
-  int num_inside() const override { return 0; }
-  void enforce(double /*dt*/, State& /*state*/) override {}
-  std::span<const std::int32_t> find_due_blocks(double /*dt*/, double /*travel*/) override { return {}; }
-  std::uint32_t enforce_block(std::int32_t /*block*/, mesh::VertexLanes& /*vertices*/) override { return 0; }
-  std::size_t find_gaps(int /*vertex*/, const Eigen::Vector3d& /*x*/, double /*reach*/,
-                        std::array<SurfaceGap, kMaxGaps>& /*gaps*/) const override {
-    return 0;
-  }
-};
 
 TEST(MajorizedStep, IsNotTakenWhereItHoldsNothing) {
   const auto majorized = [](Thrown sheet, const Loads& loads, ContactConstraint* contact) {
