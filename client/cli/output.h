@@ -63,7 +63,7 @@ inline constexpr const char* kDryRun = "Dry run, nothing is cut:";
 // The last line of a dry run, of CutResult and CreateCutsResponse.
 template <typename Reply>
 void print_tick_time(const Reply& reply) {
-  std::printf("  a tick would take %.3g ms, after %.3g ms, and has %.3g ms\n", 1e-3 * reply.tick_after_us(),
+  std::printf("  a tick would take %.3g ms, takes %.3g ms now, and has %.3g ms\n", 1e-3 * reply.tick_after_us(),
               1e-3 * reply.tick_before_us(), 1e-3 * reply.tick_budget_us());
 }
 

@@ -40,6 +40,7 @@ std::int64_t limit_of_groups(const std::filesystem::path& root) {
     if (second == std::string::npos) continue;
     const std::string controllers = "," + line.substr(first + 1, second - first - 1) + ",";
     const std::string group = line.substr(second + 1);
+    if (!group.starts_with('/')) continue;
     if (controllers == ",,") {
       least = std::min(least, limit_of_group(mount, group, "memory.max"));
     } else if (controllers.find(",memory,") != std::string::npos) {

@@ -63,7 +63,9 @@ struct ConnectionGate::Impl {
   };
 
   Impl(int most, std::chrono::milliseconds patience, Take taker)
-      : max_connections(static_cast<std::size_t>(most)), silence(patience), take(std::move(taker)) {}
+      : max_connections(static_cast<std::size_t>(most)), silence(patience), take(std::move(taker)) {
+    handed.reserve(max_connections);  // so that none is lost for want of memory
+  }
 
   Result<int> bind(const std::string& address);
   void open();
@@ -71,7 +73,7 @@ struct ConnectionGate::Impl {
   bool listen_at(const tcp::endpoint& endpoint, boost::system::error_code& error);
   void accept_next(Port& port);
   void admit_or_refuse(tcp::socket socket);
-  void admit(tcp::socket socket);
+  void admit(const std::shared_ptr<Silent>& silent);
   void hear(const std::shared_ptr<Silent>& silent);
   void forget_closed() const;
   GateCounts counts() const;
@@ -148,16 +150,18 @@ void ConnectionGate::Impl::accept_next(Port& port) {
 
 // Without memory a connection is refused, and the port stays open.
 void ConnectionGate::Impl::admit_or_refuse(tcp::socket socket) {
+  std::shared_ptr<Silent> silent;
   try {
-    admit(std::move(socket));
+    silent = std::make_shared<Silent>(std::move(socket));
+    admit(silent);
   } catch (const std::bad_alloc&) {
     const std::lock_guard lock(mutex);
     ++refused;
+    silents.erase(silent);
   }
 }
 
-void ConnectionGate::Impl::admit(tcp::socket socket) {
-  const auto silent = std::make_shared<Silent>(std::move(socket));
+void ConnectionGate::Impl::admit(const std::shared_ptr<Silent>& silent) {
   {
     const std::lock_guard lock(mutex);
     const auto is_full = [this] { return silents.size() + handed.size() >= max_connections; };

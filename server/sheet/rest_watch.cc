@@ -97,7 +97,7 @@ void RestWatch::after_tick(const fem::Model& model, const Tick& tick, fem::State
   for (std::size_t k = 0; k < windows_.size(); ++k) {
     MotionWindow& window = windows_[k];
     if (!window.add(state.x, tick.dt)) continue;
-    // What one window takes for slowing down may be noise.
+    // Noise may look like slowing down in one window.
     const bool settled =
         std::exchange(settles_[k], is_calm_ && window.length() * std::sqrt(tick.gravity / size_) >= kSwing &&
                                        window.expected_motion(kForesight, true) <= kTolerance);

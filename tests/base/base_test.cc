@@ -131,7 +131,7 @@ TEST(MemoryLimit, IsTheLeastOfTheGroupsAroundTheProcess) {
 TEST(MemoryLimit, IsThatOfTheContainer) {
   const test::TemporaryFolder folder;
   folder.write("sys/fs/cgroup/memory.max", "2000000\n");
-  EXPECT_EQ(memory_limit(written(folder, "0::/docker/1234\n")), 2'000'000);
+  EXPECT_EQ(memory_limit(written(folder, "0::/docker/1234\nnonsense\n9:memory:none\n")), 2'000'000);
   EXPECT_EQ(memory_limit(written(folder, "0::/\n")), 2'000'000);
 }
 

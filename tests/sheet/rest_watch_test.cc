@@ -150,7 +150,7 @@ TEST(RestWatch, StepsADrapeAsEverWhereTheSceneSaysSo) {
   EXPECT_LE(most_after, most_before);
 }
 
-// What a calm sheet takes says nothing of the sheet that a cut has woken.
+// Calm steps cost more than those of a sheet that a cut has woken.
 TEST(RestWatch, ACutIsNotExpectedToCostWhatACalmSheetDoes) {
   Sheet sheet = make(scenes::draped_over_sphere(20));
   run(sheet, 300);

@@ -39,7 +39,7 @@ export class NewestAnswer<T> {
     const isAskedMeanwhile = this.numAsked > number;
     this.oldUpTo = this.numAsked;
     if (!isOld) this.take(answer);
-    // What was asked meanwhile may know of a later change than this answer, or of an earlier one.
+    // Asks again, as a question asked meanwhile may know of a later change than this answer, or of an earlier one.
     if (isOld || isAskedMeanwhile) await this.fetch();
   }
 

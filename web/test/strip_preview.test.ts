@@ -15,7 +15,7 @@ function ring(numChords: number): Point2[] {
   });
 }
 
-/** Whether one of these convex polygons, which turn counter-clockwise, has the point in it. */
+/** True if one of these convex polygons, which turn counter-clockwise, has the point in it. */
 function covers(polygons: readonly (readonly Point2[])[], { x, y }: Point2): boolean {
   return polygons.some((polygon) =>
     polygon.every((a, i) => {
