@@ -22,6 +22,7 @@ constexpr const char* kDescription =
     "SIGTERM or SIGINT (Ctrl-C) stops it cleanly.";
 
 constexpr int kMostSheets = 100'000;
+constexpr int kMostConnections = 10'000;
 
 // As typed; checked after parsing, so that every refusal is ours and on one line.
 struct Arguments {
@@ -39,23 +40,10 @@ struct Arguments {
   bool allow_remote = false;
   std::vector<std::string> allowed_origins;
   std::string record_dir;
+  int max_connections_per_address = Config().max_connections_per_address;
 };
 
-void declare(CLI::App& parser, Arguments& arguments) {
-  parser.get_help_ptr()->description("Print this help and exit");
-  parser.set_version_flag("--version", std::string("kerfd ") + kVersion, "Print the version and exit");
-  parser.add_option("--listen", arguments.listen, "Address of the gRPC services; port 0 picks a free one")
-      ->type_name("HOST:PORT")
-      ->capture_default_str();
-  parser
-      .add_option("--http", arguments.http,
-                  "Address of the viewer, the WebSocket and JSON calls; port 0 picks a free one")
-      ->type_name("HOST:PORT")
-      ->capture_default_str();
-  parser
-      .add_option("--scene", arguments.scenes, "Scene file (JSON of kerf.v1.Scene) to start a sheet from; repeatable")
-      ->type_name("FILE")
-      ->take_all();
+void declare_limits(CLI::App& parser, Arguments& arguments) {
   parser.add_option("--workers", arguments.workers, "Threads that step sheets, 1..256; 0: one for each processor")
       ->type_name("N")
       ->capture_default_str();
@@ -74,6 +62,31 @@ void declare(CLI::App& parser, Arguments& arguments) {
           "in half of the memory that it may have, the machine's or its container's, at 8 kB each, which is what the "
           "implicit integrator takes)")
       ->type_name("N");
+  parser
+      .add_option(
+          "--max-connections-per-address", arguments.max_connections_per_address,
+          "Connections that one address (of IPv6 one /64) may have open, of gRPC and again of HTTP, 1..10000; 0: "
+          "as many as there are in all, as behind a proxy, whose users all come from its address")
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+void declare(CLI::App& parser, Arguments& arguments) {
+  parser.get_help_ptr()->description("Print this help and exit");
+  parser.set_version_flag("--version", std::string("kerfd ") + kVersion, "Print the version and exit");
+  parser.add_option("--listen", arguments.listen, "Address of the gRPC services; port 0 picks a free one")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  parser
+      .add_option("--http", arguments.http,
+                  "Address of the viewer, the WebSocket and JSON calls; port 0 picks a free one")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  parser
+      .add_option("--scene", arguments.scenes, "Scene file (JSON of kerf.v1.Scene) to start a sheet from; repeatable")
+      ->type_name("FILE")
+      ->take_all();
+  declare_limits(parser, arguments);
   parser.add_option("--web", arguments.web, "Folder of the built viewer (default: found beside the program)")
       ->type_name("DIR");
   CLI::Option* no_render =
@@ -146,6 +159,13 @@ Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
                                 std::to_string(kMostTotalVertices),
                             "--max-total-vertices");
   }
+  if (arguments.max_connections_per_address < 0 || arguments.max_connections_per_address > kMostConnections) {
+    return invalid_argument("MAX_CONNECTIONS_PER_ADDRESS_OUT_OF_RANGE",
+                            "--max-connections-per-address: " + std::to_string(arguments.max_connections_per_address) +
+                                " is not in 0.." + std::to_string(kMostConnections),
+                            "--max-connections-per-address");
+  }
+  config.max_connections_per_address = arguments.max_connections_per_address;
   config.scenes.assign(arguments.scenes.begin(), arguments.scenes.end());
   config.web = arguments.web;
   config.render = !arguments.no_render && arguments.render_device != render::kNoDevice;

@@ -118,6 +118,7 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
   const ConnectionLimits connections = limit_connections();
   rpc::RpcOptions rpc_options;
   rpc_options.max_connections = connections.grpc;
+  rpc_options.max_connections_per_address = config.max_connections_per_address;
   rpc = std::make_unique<rpc::RpcServer>(*api, clock, rpc_options);
   const Result<int> grpc = rpc->start(ws::format_endpoint(config.grpc.host, config.grpc.port));
   if (!grpc) return grpc.error();
@@ -125,11 +126,13 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
   ws::HttpOptions options = config.http_options;
   options.access.allowed_origins = config.allowed_origins;
   options.max_connections = std::min(options.max_connections, connections.http);
+  options.max_connections_per_address = config.max_connections_per_address;
   http = std::make_unique<ws::HttpServer>(
       *api, std::move(viewer),
       [this](const ws::HttpCounts& counts) {
         const rpc::GateCounts gate = rpc->connections();
-        return ws::metrics_page(host->metrics(), counts, {gate.accepted, gate.open, gate.refused}, api->num_watchers(),
+        return ws::metrics_page(host->metrics(), counts,
+                                {gate.accepted, gate.open, gate.refused, gate.refused_by_address}, api->num_watchers(),
                                 api->frame_counts(), api->picture_counts(), kVersion);
       },
       options);

@@ -4,9 +4,11 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <charconv>
 #include <list>
 #include <mutex>
 #include <new>
+#include <optional>
 #include <set>
 #include <thread>
 #include <utility>
@@ -17,6 +19,9 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "server/base/peer_places.h"
+#include "server/host/listening.h"
+
 namespace kerf::rpc {
 namespace {
 
@@ -26,6 +31,8 @@ using asio::ip::tcp;
 constexpr std::chrono::milliseconds kAcceptRetry{100};
 // Looking through all connections for closed ones is due no more often.
 constexpr std::chrono::milliseconds kLookInterval{20};
+// Looking through so many connections of one peer takes less than accepting one.
+constexpr int kCheapLook = 256;
 
 // 0 of what is closed.
 ino_t inode_of(int descriptor) {
@@ -33,12 +40,14 @@ ino_t inode_of(int descriptor) {
   return fstat(descriptor, &status) == 0 ? status.st_ino : 0;
 }
 
-// HOST and PORT of "HOST:PORT" and "[HOST]:PORT".
-std::pair<std::string, std::string> split(const std::string& address) {
+// Takes "HOST:PORT" and "[HOST]:PORT" apart. Port 0 stands for one that is missing.
+std::pair<std::string, int> split(const std::string& address) {
   const std::size_t colon = address.rfind(':');
   std::string host = address.substr(0, colon);
   if (host.size() > 1 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
-  return {host, colon == std::string::npos ? std::string() : address.substr(colon + 1)};
+  int port = 0;
+  if (colon != std::string::npos) std::from_chars(&address[colon + 1], address.data() + address.size(), port);
+  return {host, port};
 }
 
 }  // namespace
@@ -48,39 +57,48 @@ struct ConnectionGate::Impl {
   struct Handed {
     int descriptor;
     ino_t inode;
+    PeerPlaces::Place place;
   };
 
   struct Port {
-    explicit Port(asio::io_context& io) : acceptor(io), retry(io) {}
+    explicit Port(tcp::acceptor listening) : acceptor(std::move(listening)), retry(acceptor.get_executor()) {}
     tcp::acceptor acceptor;
     asio::steady_timer retry;
+    tcp::endpoint peer;  // of the connection accepted last
   };
   // Says nothing yet.
   struct Silent {
     explicit Silent(tcp::socket connected) : socket(std::move(connected)), limit(socket.get_executor()) {}
     tcp::socket socket;
     asio::steady_timer limit;
+    std::optional<PeerPlaces::Place> place;
   };
 
-  Impl(int most, std::chrono::milliseconds patience, Take taker)
-      : max_connections(static_cast<std::size_t>(most)), silence(patience), take(std::move(taker)) {
+  Impl(const GateLimits& limits, Take taker)
+      : max_connections(static_cast<std::size_t>(limits.max_connections)),
+        silence(limits.silence),
+        take(std::move(taker)),
+        places(limits.max_per_address) {
     handed.reserve(max_connections);  // so that none is lost for want of memory
   }
 
   Result<int> bind(const std::string& address);
   void open();
   void stop();
-  bool listen_at(const tcp::endpoint& endpoint, boost::system::error_code& error);
   void accept_next(Port& port);
-  void admit_or_refuse(tcp::socket socket);
-  void admit(const std::shared_ptr<Silent>& silent);
+  void admit_or_refuse(tcp::socket socket, const Peer& peer);
+  void admit(const std::shared_ptr<Silent>& silent, const Peer& peer);
+  bool has_room(Silent& silent, const Peer& peer);
   void hear(const std::shared_ptr<Silent>& silent);
+  void forget(const std::shared_ptr<Silent>& silent);
   void forget_closed() const;
+  void forget_closed_of(const Peer& peer) const;
   GateCounts counts() const;
 
   const std::size_t max_connections;
   const std::chrono::milliseconds silence;
   const Take take;
+  PeerPlaces places;  // outlives every connection
   asio::io_context io{1};
   std::list<Port> ports;  // the same number at each address of the host
   std::thread thread;
@@ -91,34 +109,16 @@ struct ConnectionGate::Impl {
   mutable std::chrono::steady_clock::time_point looked;
   std::int64_t accepted = 0;
   std::int64_t refused = 0;
+  std::int64_t refused_by_address = 0;
 };
 
-bool ConnectionGate::Impl::listen_at(const tcp::endpoint& endpoint, boost::system::error_code& error) {
-  Port port(io);
-  port.acceptor.open(endpoint.protocol(), error);
-  // Lets a restarted server have its port back at once; a port that somebody listens on is still refused.
-  if (!error) port.acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) port.acceptor.bind(endpoint, error);
-  if (!error) port.acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) return false;
-  ports.emplace_back(io);
-  ports.back().acceptor = std::move(port.acceptor);
-  return true;
-}
-
 Result<int> ConnectionGate::Impl::bind(const std::string& address) {
-  const auto [host, number] = split(address);
-  boost::system::error_code error;
-  const tcp::resolver::results_type found = tcp::resolver(io).resolve(host, number, tcp::resolver::passive, error);
-  if (!error && found.empty()) error = asio::error::host_not_found;
-  for (const auto& entry : found) {
-    tcp::endpoint endpoint = entry.endpoint();
-    if (!ports.empty()) endpoint.port(ports.front().acceptor.local_endpoint().port());
-    // A name may have an address of a family that this machine does not speak.
-    if (!listen_at(endpoint, error) && error == asio::error::address_in_use) break;
+  const auto [name, number] = split(address);
+  host::Listening listening = host::listen_at_each(name, number, [this] { return io.get_executor(); });
+  if (!listening.error) {
+    for (tcp::acceptor& acceptor : listening.acceptors) ports.emplace_back(std::move(acceptor));
+    return ports.front().acceptor.local_endpoint().port();
   }
-  if (!ports.empty() && error != asio::error::address_in_use) return ports.front().acceptor.local_endpoint().port();
-  ports.clear();
   return Error{ErrorCode::kUnavailable,
                "ADDRESS_IN_USE",
                "cannot listen on " + address +
@@ -133,10 +133,10 @@ void ConnectionGate::Impl::open() {
 }
 
 void ConnectionGate::Impl::accept_next(Port& port) {
-  port.acceptor.async_accept([this, &port](const boost::system::error_code& error, tcp::socket socket) {
+  port.acceptor.async_accept(port.peer, [this, &port](const boost::system::error_code& error, tcp::socket socket) {
     if (error == asio::error::operation_aborted || !port.acceptor.is_open()) return;
     if (!error) {
-      admit_or_refuse(std::move(socket));
+      admit_or_refuse(std::move(socket), peer_of(*port.peer.data()));
       accept_next(port);
       return;
     }
@@ -149,27 +149,40 @@ void ConnectionGate::Impl::accept_next(Port& port) {
 }
 
 // Without memory a connection is refused, and the port stays open.
-void ConnectionGate::Impl::admit_or_refuse(tcp::socket socket) {
+void ConnectionGate::Impl::admit_or_refuse(tcp::socket socket, const Peer& peer) {
   std::shared_ptr<Silent> silent;
   try {
     silent = std::make_shared<Silent>(std::move(socket));
-    admit(silent);
+    admit(silent, peer);
   } catch (const std::bad_alloc&) {
     const std::lock_guard lock(mutex);
     ++refused;
-    silents.erase(silent);
+    if (silent) forget(silent);
   }
 }
 
-void ConnectionGate::Impl::admit(const std::shared_ptr<Silent>& silent) {
+// With the mutex held. Gives the connection a place among those of its peer.
+bool ConnectionGate::Impl::has_room(Silent& silent, const Peer& peer) {
+  silent.place = places.take(peer);
+  if (!silent.place) {
+    forget_closed_of(peer);
+    silent.place = places.take(peer);
+  }
+  if (!silent.place) {
+    ++refused_by_address;
+    return false;
+  }
+  const auto is_full = [this] { return silents.size() + handed.size() >= max_connections; };
+  if (is_full()) forget_closed();
+  if (!is_full()) return true;
+  ++refused;
+  return false;
+}
+
+void ConnectionGate::Impl::admit(const std::shared_ptr<Silent>& silent, const Peer& peer) {
   {
     const std::lock_guard lock(mutex);
-    const auto is_full = [this] { return silents.size() + handed.size() >= max_connections; };
-    if (is_full()) forget_closed();
-    if (is_full()) {
-      ++refused;
-      return;
-    }
+    if (!has_room(*silent, peer)) return;
     ++accepted;
     silents.insert(silent);
   }
@@ -182,8 +195,14 @@ void ConnectionGate::Impl::admit(const std::shared_ptr<Silent>& silent) {
     silent->limit.cancel();
     if (!error) return hear(silent);
     const std::lock_guard lock(mutex);
-    silents.erase(silent);
+    forget(silent);
   });
+}
+
+// With the mutex held.
+void ConnectionGate::Impl::forget(const std::shared_ptr<Silent>& silent) {
+  silents.erase(silent);
+  silent->place.reset();
 }
 
 // A closed connection can be read, too: nothing is in it.
@@ -197,11 +216,10 @@ void ConnectionGate::Impl::hear(const std::shared_ptr<Silent>& silent) {
   int descriptor = -1;
   {
     const std::lock_guard lock(mutex);
-    silents.erase(silent);
+    if (speaks && !error) descriptor = socket.release(error);
+    if (speaks && !error) handed.push_back({descriptor, inode_of(descriptor), *std::move(silent->place)});
+    forget(silent);
     if (!speaks || error) return;
-    descriptor = socket.release(error);
-    if (error) return;
-    handed.push_back({descriptor, inode_of(descriptor)});
   }
   take(descriptor);
 }
@@ -211,9 +229,15 @@ void ConnectionGate::Impl::forget_closed() const {
   const auto now = std::chrono::steady_clock::now();
   if (now - looked < kLookInterval) return;
   looked = now;
-  handed.erase(std::remove_if(handed.begin(), handed.end(),
-                              [](const Handed& each) { return inode_of(each.descriptor) != each.inode; }),
-               handed.end());
+  std::erase_if(handed, [](const Handed& each) { return inode_of(each.descriptor) != each.inode; });
+}
+
+// With the mutex held.
+void ConnectionGate::Impl::forget_closed_of(const Peer& peer) const {
+  if (places.taken(peer) > kCheapLook) return forget_closed();
+  std::erase_if(handed, [&peer](const Handed& each) {
+    return each.place.peer() == peer && inode_of(each.descriptor) != each.inode;
+  });
 }
 
 void ConnectionGate::Impl::stop() {
@@ -233,11 +257,11 @@ void ConnectionGate::Impl::stop() {
 GateCounts ConnectionGate::Impl::counts() const {
   const std::lock_guard lock(mutex);
   forget_closed();
-  return {accepted, static_cast<std::int64_t>(silents.size() + handed.size()), refused};
+  return {accepted, static_cast<std::int64_t>(silents.size() + handed.size()), refused, refused_by_address};
 }
 
-ConnectionGate::ConnectionGate(int max_connections, std::chrono::milliseconds silence, Take take)
-    : impl_(std::make_unique<Impl>(max_connections, silence, std::move(take))) {}
+ConnectionGate::ConnectionGate(const GateLimits& limits, Take take)
+    : impl_(std::make_unique<Impl>(limits, std::move(take))) {}
 
 ConnectionGate::~ConnectionGate() {
   stop();

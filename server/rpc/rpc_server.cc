@@ -70,7 +70,9 @@ RpcServer::~RpcServer() {
 
 Result<int> RpcServer::start(const std::string& address) {
   impl_->gate = std::make_unique<ConnectionGate>(
-      impl_->options.max_connections, impl_->options.first_byte_timeout, [impl = impl_.get()](int descriptor) {
+      GateLimits{impl_->options.max_connections, impl_->options.max_connections_per_address,
+                 impl_->options.first_byte_timeout},
+      [impl = impl_.get()](int descriptor) {
         grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters connection;
         connection.fd = descriptor;
         impl->acceptor->HandleNewConnection(&connection);

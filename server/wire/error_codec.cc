@@ -65,10 +65,19 @@ google::rpc::Status to_status(const Error& error) {
 }  // namespace
 
 bool passes_by_itself(const Error& error) {
-  static const std::set<std::string_view> reasons = {
-      "OVERLOADED",        "QUEUE_FULL",           "TOO_MANY_ANALYSES",      "TOO_MANY_FILES",
-      "TOO_MANY_PICTURES", "TOO_MANY_RECORDINGS",  "TOO_MANY_SCHEDULED",     "TOO_MANY_SHEETS",
-      "TOO_MANY_UPLOADS",  "TOO_MANY_SUBSCRIBERS", "TOO_MANY_IMAGE_STREAMS", "TOO_MANY_VERTICES_IN_ALL"};
+  static const std::set<std::string_view> reasons = {"OVERLOADED",
+                                                     "QUEUE_FULL",
+                                                     "TOO_MANY_ANALYSES",
+                                                     "TOO_MANY_CONNECTIONS",
+                                                     "TOO_MANY_FILES",
+                                                     "TOO_MANY_PICTURES",
+                                                     "TOO_MANY_RECORDINGS",
+                                                     "TOO_MANY_SCHEDULED",
+                                                     "TOO_MANY_SHEETS",
+                                                     "TOO_MANY_UPLOADS",
+                                                     "TOO_MANY_SUBSCRIBERS",
+                                                     "TOO_MANY_IMAGE_STREAMS",
+                                                     "TOO_MANY_VERTICES_IN_ALL"};
   return error.code == ErrorCode::kResourceExhausted && reasons.contains(error.reason);
 }
 

@@ -79,6 +79,16 @@ std::optional<Origin> parse_origin(std::string_view text) {
   return std::nullopt;
 }
 
+// A page of this server itself, as `host`, the value of the Host header, has its address.
+bool is_own(const AccessPolicy& policy, const Origin& page, std::string_view host) {
+  if (page.scheme != "http") return false;
+  const std::optional<Endpoint> named = parse_authority(host, 80);
+  if (named && named->host == page.endpoint.host && named->port == page.endpoint.port) return true;
+  const std::string& name = page.endpoint.host;
+  return policy.bound_to_loopback && page.endpoint.port == policy.port &&
+         (name == "localhost" || name == "127.0.0.1" || name == "::1");
+}
+
 }  // namespace
 
 Result<Endpoint> parse_endpoint(std::string_view text) {
@@ -125,12 +135,7 @@ Status check_host(const AccessPolicy& policy, std::string_view host) {
 Status check_origin(const AccessPolicy& policy, std::string_view origin, std::string_view host) {
   if (origin.empty()) return Nothing{};
   if (std::ranges::find(policy.allowed_origins, origin) != policy.allowed_origins.end()) return Nothing{};
-  const std::optional<Origin> page = parse_origin(origin);
-  if (page) {
-    if (policy.bound_to_loopback && is_loopback(page->endpoint.host)) return Nothing{};
-    const std::optional<Endpoint> server = parse_authority(host, page->scheme == "http" ? 80 : 443);
-    if (server && server->host == page->endpoint.host && server->port == page->endpoint.port) return Nothing{};
-  }
+  if (const std::optional<Origin> page = parse_origin(origin); page && is_own(policy, *page, host)) return Nothing{};
   return Error{
       ErrorCode::kFailedPrecondition, "ORIGIN_NOT_ALLOWED",
       "pages from '" + std::string(origin.substr(0, 200)) + "' may not use this server; allow them with --allow-origin",

@@ -27,6 +27,7 @@ bool is_loopback(std::string_view host);
 struct AccessPolicy {
   bool bound_to_loopback = true;
   std::vector<std::string> allowed_origins;  // e.g. "https://viewer.example.org"; their hosts may also be named in Host
+  int port = 0;                              // that the server listens at
 };
 
 // The value of the Host header. On a loopback bind it has to name this machine: else a site whose DNS entry was pointed
@@ -34,9 +35,10 @@ struct AccessPolicy {
 // HOST_NOT_ALLOWED; an empty or malformed one is INVALID_ARGUMENT.
 Status check_host(const AccessPolicy& policy, std::string_view host);
 
-// The value of the Origin header, empty where there is none (a program that is no browser: allowed). Allowed are the
-// origin that Host names, any loopback origin on a loopback bind, and the policy's list. Else FAILED_PRECONDITION with
-// reason ORIGIN_NOT_ALLOWED.
+// Takes the value of the Origin header, empty where there is none (a program that is no browser: allowed). Allowed are
+// the policy's list and the server's own pages, which come over http: from the host and port that Host names, and on a
+// loopback bind also from localhost, 127.0.0.1 and ::1 at the server's port. Other web servers of this machine, and
+// https, are strangers. Else FAILED_PRECONDITION with reason ORIGIN_NOT_ALLOWED.
 Status check_origin(const AccessPolicy& policy, std::string_view origin, std::string_view host);
 
 }  // namespace kerf::ws

@@ -10,14 +10,19 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <list>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
 #include "server/api/api.h"
+#include "server/base/peer_places.h"
+#include "server/host/listening.h"
 #include "server/ws/connection.h"
 #include "server/ws/router.h"
+#include "server/ws/turned_away.h"
 
 namespace kerf::ws {
 namespace {
@@ -42,11 +47,25 @@ struct HttpServer::Impl {
   Impl(api::Api& api, AssetTable assets, std::function<std::string(const HttpCounts&)> metrics, HttpOptions chosen)
       : options(std::move(chosen)),
         router(api, std::move(assets), [this, metrics = std::move(metrics)] { return metrics(counts()); }),
-        context{api, router, options} {}
+        context{api, router, options},
+        places(options.max_connections_per_address),
+        turned_away(options.max_connections_per_address) {}
+
+  // One for each address that the server listens at.
+  struct Port {
+    explicit Port(tcp::acceptor listening) : acceptor(std::move(listening)), retry(acceptor.get_executor()) {}
+    tcp::acceptor acceptor;  // on a strand, as is the timer
+    asio::steady_timer retry;
+    tcp::endpoint peer;  // of the connection accepted last
+  };
+  struct Open {
+    std::shared_ptr<Connection> connection;
+    PeerPlaces::Place place;
+  };
 
   Result<int> start(const Endpoint& endpoint);
-  void accept_next();
-  void admit(tcp::socket socket);
+  void accept_next(Port& port);
+  void admit(tcp::socket socket, const Peer& peer);
   void drain();
   void stop(std::chrono::milliseconds grace);
   HttpCounts counts() const;
@@ -54,59 +73,58 @@ struct HttpServer::Impl {
   const HttpOptions options;
   Router router;
   ConnectionContext context;
+  PeerPlaces places;
+  TurnedAway turned_away;
   asio::io_context io;
-  tcp::acceptor acceptor{asio::make_strand(io)};
-  asio::steady_timer accept_retry{acceptor.get_executor()};
+  std::list<Port> ports;
   std::vector<std::thread> threads;
 
   mutable std::mutex mutex;  // of what follows
   std::condition_variable all_closed;
-  std::map<std::int64_t, std::shared_ptr<Connection>> connections;  // by order of arrival
+  std::map<std::int64_t, Open> connections;  // by order of arrival
   std::int64_t accepted = 0;
   std::int64_t refused = 0;
+  std::int64_t refused_by_address = 0;
   bool stopped = false;
 };
 
 Result<int> HttpServer::Impl::start(const Endpoint& endpoint) {
-  boost::system::error_code error;
-  const tcp::resolver::results_type addresses =
-      tcp::resolver(io).resolve(endpoint.host, std::to_string(endpoint.port), tcp::resolver::passive, error);
-  if (error || addresses.empty()) return cannot_listen(endpoint, error);
-  const tcp::endpoint address = *addresses.begin();
-  acceptor.open(address.protocol(), error);
-  // Lets a restarted server have its port back at once; a port that somebody listens on is still refused.
-  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
-  if (!error) acceptor.bind(address, error);
-  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) return cannot_listen(endpoint, error);
+  host::Listening listening =
+      host::listen_at_each(endpoint.host, endpoint.port, [this] { return asio::make_strand(io); });
+  if (listening.error) return cannot_listen(endpoint, listening.error);
   AccessPolicy access = options.access;
-  access.bound_to_loopback = address.address().is_loopback();
+  access.bound_to_loopback = std::ranges::all_of(
+      listening.acceptors, [](const tcp::acceptor& each) { return each.local_endpoint().address().is_loopback(); });
+  access.port = listening.acceptors.front().local_endpoint().port();
+  const int port = access.port;
   router.set_access(std::move(access));
-  const int port = acceptor.local_endpoint(error).port();
-  accept_next();
+  for (tcp::acceptor& acceptor : listening.acceptors) ports.emplace_back(std::move(acceptor));
+  for (Port& each : ports) accept_next(each);
   for (int i = 0; i < std::max(1, options.threads); ++i) threads.emplace_back([this] { io.run(); });
   return port;
 }
 
-void HttpServer::Impl::accept_next() {
-  acceptor.async_accept(asio::make_strand(io), [this](const boost::system::error_code& error, tcp::socket socket) {
-    if (error == asio::error::operation_aborted || !acceptor.is_open()) return;
+void HttpServer::Impl::accept_next(Port& port) {
+  const auto accepted_one = [this, &port](const boost::system::error_code& error, tcp::socket socket) {
+    if (error == asio::error::operation_aborted || !port.acceptor.is_open()) return;
     if (!error) {
-      admit(std::move(socket));
-      accept_next();
+      admit(std::move(socket), peer_of(*port.peer.data()));
+      accept_next(port);
       return;
     }
     // Out of file descriptors, most likely: at once it would fail again, and keep a processor busy with it.
-    accept_retry.expires_after(kAcceptRetry);
-    accept_retry.async_wait([this](const boost::system::error_code& cancelled) {
-      if (!cancelled) accept_next();
+    port.retry.expires_after(kAcceptRetry);
+    port.retry.async_wait([this, &port](const boost::system::error_code& cancelled) {
+      if (!cancelled) accept_next(port);
     });
-  });
+  };
+  port.acceptor.async_accept(asio::make_strand(io), port.peer, accepted_one);
 }
 
-void HttpServer::Impl::admit(tcp::socket socket) {
+void HttpServer::Impl::admit(tcp::socket socket, const Peer& peer) {
   boost::system::error_code ignored;
   socket.set_option(tcp::no_delay(true), ignored);
+  std::optional<PeerPlaces::Place> place = places.take(peer);
   std::shared_ptr<Connection> connection;
   std::int64_t id = 0;
   {
@@ -115,10 +133,15 @@ void HttpServer::Impl::admit(tcp::socket socket) {
       ++refused;
       return;
     }
-    id = ++accepted;
-    connection = make_connection(context, std::move(socket));
-    connections.emplace(id, connection);
+    if (place) {
+      id = ++accepted;
+      connection = make_connection(context, std::move(socket));
+      connections.emplace(id, Open{connection, *std::move(place)});
+    } else {
+      ++refused_by_address;
+    }
   }
+  if (!connection) return turned_away.answer(std::move(socket));
   connection->run([this, id] {
     const std::lock_guard closed(mutex);
     connections.erase(id);
@@ -136,14 +159,16 @@ void HttpServer::Impl::stop(std::chrono::milliseconds grace) {
     std::unique_lock lock(mutex);
     if (std::exchange(stopped, true)) return;
     drain();
-    asio::post(acceptor.get_executor(), [this] {
-      boost::system::error_code ignored;
-      acceptor.close(ignored);
-      accept_retry.cancel();
-    });
-    for (const auto& [id, connection] : connections) connection->finish();
+    for (Port& port : ports) {
+      asio::post(port.acceptor.get_executor(), [&port] {
+        boost::system::error_code ignored;
+        port.acceptor.close(ignored);
+        port.retry.cancel();
+      });
+    }
+    for (const auto& [id, open] : connections) open.connection->finish();
     if (!all_closed.wait_for(lock, grace, [this] { return connections.empty(); })) {
-      for (const auto& [id, connection] : connections) connection->abort();
+      for (const auto& [id, open] : connections) open.connection->abort();
     }
   }
   // The threads return when the last connection is gone: nothing is cut off in the middle of a reply's delivery.
@@ -155,6 +180,7 @@ HttpCounts HttpServer::Impl::counts() const {
   return {accepted,
           static_cast<std::int64_t>(connections.size()),
           refused,
+          refused_by_address,
           context.requests,
           context.failed_requests,
           context.watch_streams,

@@ -17,9 +17,10 @@ class Api;
 namespace kerf::ws {
 
 struct HttpOptions {
-  AccessPolicy access;                                  // bound_to_loopback is set by start()
+  AccessPolicy access;                                  // bound_to_loopback and port are set by start()
   int threads = 2;                                      // 1..64
   int max_connections = 1000;                           // beyond it, new connections are closed at once
+  int max_connections_per_address = 0;                  // beyond it, of one peer, they are answered 503; 0: no limit
   std::size_t max_header_bytes = 16 << 10;              // of a request
   std::size_t max_message_bytes = 64 << 10;             // of one WebSocket message from a client
   std::chrono::milliseconds request_timeout{5'000};     // from the first byte of a request to its last
@@ -37,6 +38,7 @@ struct HttpCounts {
   std::int64_t connections = 0;          // accepted
   std::int64_t open_connections = 0;     // now
   std::int64_t refused_connections = 0;  // closed at once, over max_connections
+  std::int64_t refused_by_address = 0;   // answered 503 or closed, over max_connections_per_address
   std::int64_t requests = 0;             // answered
   std::int64_t failed_requests = 0;      // answered with a status of 400 or above
   std::int64_t watch_streams = 0;        // WebSocket handshakes done
@@ -60,8 +62,8 @@ class HttpServer {
   HttpServer(const HttpServer&) = delete;
   HttpServer& operator=(const HttpServer&) = delete;
 
-  // Listens; port 0 picks a free one. The port it got, or UNAVAILABLE ADDRESS_IN_USE where it cannot be bound: two
-  // servers never share a port. Once.
+  // Listens at each address of the host; port 0 picks a free one. Returns the port it got, or UNAVAILABLE
+  // ADDRESS_IN_USE where it cannot be bound: two servers never share a port. To be called once.
   Result<int> start(const Endpoint& endpoint);
 
   // /readyz says 503 from now on; requests are still answered.

@@ -128,18 +128,22 @@ void add_process(Page& page) {
   page.gauge("process_resident_memory_bytes", "Memory of the server's process.", usage.resident_bytes);
 }
 
+void add_refusals(Page& page, const std::string& name, std::int64_t in_all, std::int64_t by_address) {
+  page.begin_counter(name, "TCP connections refused, by the limit: of all together, or of one address.");
+  page.counter_value({{"limit", "all"}}, in_all);
+  page.counter_value({{"limit", "address"}}, by_address);
+}
+
 void add_transports(Page& page, const HttpCounts& http, const GrpcCounts& grpc, std::int32_t watchers) {
   page.gauge("kerf_watch_streams", "Watch streams open now, of all transports.", watchers);
   page.counter("kerf_websocket_streams_total", "WebSocket handshakes done.", http.watch_streams);
   page.gauge("kerf_websocket_open_streams", "WebSocket streams open now.", http.open_watch_streams);
   page.counter("kerf_http_connections_total", "TCP connections accepted.", http.connections);
   page.gauge("kerf_http_open_connections", "TCP connections open now.", http.open_connections);
-  page.counter("kerf_http_refused_connections_total", "TCP connections closed at once, over the limit.",
-               http.refused_connections);
+  add_refusals(page, "kerf_http_refused_connections_total", http.refused_connections, http.refused_by_address);
   page.counter("kerf_grpc_connections_total", "TCP connections accepted for gRPC.", grpc.connections);
   page.gauge("kerf_grpc_open_connections", "TCP connections of gRPC open now.", grpc.open_connections);
-  page.counter("kerf_grpc_refused_connections_total", "TCP connections for gRPC closed at once, over the limit.",
-               grpc.refused_connections);
+  add_refusals(page, "kerf_grpc_refused_connections_total", grpc.refused_connections, grpc.refused_by_address);
   page.counter("kerf_http_requests_total", "HTTP requests answered.", http.requests);
   page.counter("kerf_http_failed_requests_total", "HTTP requests answered with a status of 400 or above.",
                http.failed_requests);

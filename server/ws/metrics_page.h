@@ -13,7 +13,8 @@ namespace kerf::ws {
 struct GrpcCounts {
   std::int64_t connections = 0;          // accepted
   std::int64_t open_connections = 0;     // now
-  std::int64_t refused_connections = 0;  // closed at once, over the limit
+  std::int64_t refused_connections = 0;  // closed at once, over the limit of all together
+  std::int64_t refused_by_address = 0;   // closed at once, over the limit of one address
 };
 
 // The page of /metrics, Prometheus text format 0.0.4. Every name starts with kerf_, or with process_ where it is

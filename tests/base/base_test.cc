@@ -1,10 +1,14 @@
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <sys/resource.h>
+#include <sys/un.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,6 +17,7 @@
 
 #include "server/base/descriptors.h"
 #include "server/base/memory_limit.h"
+#include "server/base/peer_places.h"
 #include "server/base/process_usage.h"
 #include "server/base/random.h"
 #include "server/base/result.h"
@@ -149,6 +154,62 @@ TEST(Descriptors, AreCountedAndLimitedAsFarAsTheSystemLetsThem) {
   EXPECT_GT(raise_descriptor_limit(), static_cast<std::int64_t>(limit.rlim_cur));
   ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &limit), 0);
   EXPECT_EQ(limit.rlim_cur, limit.rlim_max);
+}
+
+Peer v4_peer(const char* address) {
+  sockaddr_in v4{};
+  v4.sin_family = AF_INET;
+  EXPECT_EQ(inet_pton(AF_INET, address, &v4.sin_addr), 1) << address;
+  return peer_of(reinterpret_cast<const sockaddr&>(v4));
+}
+
+Peer v6_peer(const char* address) {
+  sockaddr_in6 v6{};
+  v6.sin6_family = AF_INET6;
+  EXPECT_EQ(inet_pton(AF_INET6, address, &v6.sin6_addr), 1) << address;
+  return peer_of(reinterpret_cast<const sockaddr&>(v6));
+}
+
+TEST(Peer, IsAnIpv4AddressOrTheFirstHalfOfAnIpv6One) {
+  EXPECT_EQ(v4_peer("127.0.0.1"), v4_peer("127.0.0.1"));
+  EXPECT_NE(v4_peer("127.0.0.1"), v4_peer("127.0.0.2"));
+  EXPECT_NE(v4_peer("10.0.0.1"), v4_peer("11.0.0.1"));
+  EXPECT_EQ(v6_peer("::ffff:10.1.2.3"), v4_peer("10.1.2.3"));
+  EXPECT_NE(v6_peer("::ffff:10.1.2.3"), v6_peer("::ffff:10.1.2.4"));
+  EXPECT_EQ(v6_peer("2001:db8:1:2::1"), v6_peer("2001:db8:1:2:ffff::9"));
+  EXPECT_NE(v6_peer("2001:db8:1:2::1"), v6_peer("2001:db8:1:3::1"));
+  EXPECT_NE(v6_peer("::1"), v4_peer("127.0.0.1"));
+  const sockaddr_un local{AF_UNIX, "x"};
+  EXPECT_EQ(peer_of(reinterpret_cast<const sockaddr&>(local)), Peer());
+}
+
+TEST(PeerPlaces, AreSoManyForEachPeerAndComeBack) {
+  const Peer one = v4_peer("10.0.0.1");
+  const Peer other = v4_peer("10.0.0.2");
+  PeerPlaces places(2);
+  std::optional<PeerPlaces::Place> first = places.take(one);
+  std::optional<PeerPlaces::Place> second = places.take(one);
+  ASSERT_TRUE(first && second);
+  EXPECT_FALSE(places.take(one));
+  EXPECT_TRUE(places.take(other)) << "and given back at once";
+  EXPECT_EQ(places.taken(one), 2);
+  EXPECT_EQ(places.taken(other), 0);
+  PeerPlaces::Place kept = *std::move(first);
+  EXPECT_EQ(kept.peer(), one);
+  first.reset();
+  EXPECT_EQ(places.taken(one), 2) << "it was moved";
+  second.reset();
+  EXPECT_TRUE(places.take(one));
+  EXPECT_EQ(places.taken(one), 1);
+}
+
+TEST(PeerPlaces, HaveNoLimitIfItIsZero) {
+  PeerPlaces places(0);
+  std::vector<PeerPlaces::Place> taken;
+  for (int i = 0; i < 1000; ++i) taken.push_back(*places.take(Peer()));
+  EXPECT_EQ(places.taken(Peer()), 1000);
+  taken.clear();
+  EXPECT_EQ(places.taken(Peer()), 0);
 }
 
 }  // namespace

@@ -43,8 +43,9 @@ class ConnectionGateTest : public ::testing::Test {
     if (gate_) gate_->stop();
     for (const int descriptor : taken()) ::close(descriptor);
   }
-  void open(int max_connections, std::chrono::milliseconds silence) {
-    gate_ = std::make_unique<ConnectionGate>(max_connections, silence, [this](int descriptor) {
+  void open(int max_connections, std::chrono::milliseconds silence, int max_per_address = 0) {
+    const GateLimits limits{max_connections, max_per_address, silence};
+    gate_ = std::make_unique<ConnectionGate>(limits, [this](int descriptor) {
       const std::lock_guard lock(mutex_);
       taken_.push_back(descriptor);
     });
@@ -53,13 +54,16 @@ class ConnectionGateTest : public ::testing::Test {
     port_ = *port;
     gate_->open();
   }
-  tcp::socket connect() {
+  // From another address of this machine, if one is given.
+  tcp::socket connect(const char* from = "127.0.0.1") {
     tcp::socket socket(io_);
+    socket.open(tcp::v4());
+    socket.bind({asio::ip::make_address(from), 0});
     socket.connect({asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(port_)});
     return socket;
   }
-  tcp::socket speak() {
-    tcp::socket socket = connect();
+  tcp::socket speak(const char* from = "127.0.0.1") {
+    tcp::socket socket = connect(from);
     asio::write(socket, asio::buffer("hello", 5));
     return socket;
   }
@@ -122,6 +126,37 @@ TEST_F(ConnectionGateTest, RefusesBeyondItsLimitAndTakesAgainWhatComesAfterAnoth
   EXPECT_EQ(gate_->counts().accepted, 3);
 }
 
+TEST_F(ConnectionGateTest, OneAddressHasSoManyPlacesAndAnotherItsOwn) {
+  constexpr int kPlaces = 5;
+  open(64, kLong, kPlaces);
+  std::vector<tcp::socket> peers;
+  for (int i = 0; i < kPlaces - 1; ++i) peers.push_back(speak());
+  peers.push_back(connect());  // says nothing yet, and counts
+  ASSERT_TRUE(becomes_true([&] { return taken().size() == kPlaces - 1 && gate_->counts().open == kPlaces; }));
+  tcp::socket one_more = connect();
+  EXPECT_TRUE(is_closed(one_more));
+  const tcp::socket elsewhere = speak("127.0.0.2");
+  EXPECT_TRUE(becomes_true([&] { return taken().size() == kPlaces; }));
+  EXPECT_EQ(gate_->counts().refused_by_address, 1);
+  EXPECT_EQ(gate_->counts().refused, 0);
+  peers.pop_back();  // one that was not handed over yet
+  EXPECT_TRUE(becomes_true([&] { return gate_->counts().open == kPlaces; }));
+  peers.push_back(speak());
+  EXPECT_TRUE(becomes_true([&] { return taken().size() == kPlaces + 1; }));
+  close_all();  // and those that were
+  for (int i = 0; i < kPlaces; ++i) peers.push_back(speak());
+  EXPECT_TRUE(becomes_true([&] { return taken().size() == kPlaces; }));
+  EXPECT_EQ(gate_->counts().refused_by_address, 1);
+}
+
+TEST_F(ConnectionGateTest, WithoutALimitOneAddressMayHaveAll) {
+  open(40, kLong, 0);
+  std::vector<tcp::socket> peers;
+  for (int i = 0; i < 40; ++i) peers.push_back(speak());
+  EXPECT_TRUE(becomes_true([&] { return taken().size() == 40; }));
+  EXPECT_EQ(gate_->counts().refused_by_address, 0);
+}
+
 TEST_F(ConnectionGateTest, AFloodThatHangsUpAtOnceLeavesNothing) {
   open(64, kLong);
   for (int i = 0; i < 3000; ++i) connect();
@@ -141,13 +176,8 @@ TEST_F(ConnectionGateTest, StopClosesThePortAndWhatHasSaidNothing) {
 }
 
 TEST_F(ConnectionGateTest, ListensAtEachAddressOfAName) {
-  // A number that is free at one address may be taken at another.
-  std::unique_ptr<ConnectionGate> gate;
-  Result<int> port = Error{};
-  for (int i = 0; i < 20 && !port.ok(); ++i) {
-    gate = std::make_unique<ConnectionGate>(4, kLong, [](int) {});
-    port = gate->bind("localhost:0");
-  }
+  ConnectionGate gate({4, 0, kLong}, [](int) {});
+  const Result<int> port = gate.bind("localhost:0");
   ASSERT_TRUE(port.ok());
   const tcp::resolver::results_type addresses = tcp::resolver(io_).resolve("localhost", std::to_string(*port));
   int connected = 0;
@@ -164,7 +194,7 @@ TEST_F(ConnectionGateTest, ListensAtEachAddressOfAName) {
 
 TEST_F(ConnectionGateTest, SharesItsPortWithNoOther) {
   open(4, kLong);
-  ConnectionGate other(4, kLong, [](int) {});
+  ConnectionGate other({4, 0, kLong}, [](int) {});
   const Result<int> bound = other.bind("127.0.0.1:" + std::to_string(port_));
   ASSERT_FALSE(bound.ok());
   EXPECT_EQ(bound.error().reason, "ADDRESS_IN_USE");

@@ -296,9 +296,10 @@ TEST_F(KerfdTest, ExplainsItself) {
   Kerfd help({"--help"});
   const std::string text = help.rest_of_output();
   EXPECT_EQ(help.wait(), 0);
-  for (const char* option : {"--listen", "--http", "--scene", "--workers", "--max-sheets", "--max-load",
-                             "--max-total-vertices", "--web", "--no-render", "--render-device", "--list-render-devices",
-                             "--record", "--allow-remote", "--allow-origin", "--version"}) {
+  for (const char* option :
+       {"--listen", "--http", "--scene", "--workers", "--max-sheets", "--max-load", "--max-total-vertices", "--web",
+        "--no-render", "--render-device", "--list-render-devices", "--record", "--max-connections-per-address",
+        "--allow-remote", "--allow-origin", "--version"}) {
     EXPECT_NE(text.find(option), std::string::npos) << option;
   }
   Kerfd devices({"--list-render-devices"});
@@ -323,6 +324,15 @@ TEST(KerfdConfig, VerticesOfAllSheetsFitInHalfOfTheMemoryUnlessSaidOtherwise) {
   EXPECT_EQ(parsed({}).max_total_vertices, app::default_total_vertices(memory_limit()));
   EXPECT_EQ(parsed({"--max-total-vertices", "0"}).max_total_vertices, 0);
   EXPECT_EQ(parsed({"--max-total-vertices", "1000000000000"}).max_total_vertices, app::kMostTotalVertices);
+}
+
+TEST_F(KerfdTest, ConnectionsOfOneAddressAreLimitedUnlessSaidOtherwise) {
+  EXPECT_EQ(parsed({}).max_connections_per_address, 128);
+  EXPECT_EQ(parsed({"--max-connections-per-address", "0"}).max_connections_per_address, 0);
+  EXPECT_EQ(parsed({"--max-connections-per-address", "10000"}).max_connections_per_address, 10'000);
+  for (const char* bad : {"-1", "10001", "1.5"}) {
+    EXPECT_NE(refusal({"--max-connections-per-address", bad}).find("--max-connections-per-address"), std::string::npos);
+  }
 }
 
 TEST_F(KerfdTest, FindsTheViewerBesideOrAboveTheProgram) {

@@ -24,12 +24,16 @@ std::string lower(std::string text) {
 
 }  // namespace
 
-RawClient::RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+RawClient::RawClient(int port) : RawClient(port, "0.0.0.0") {}
+
+RawClient::RawClient(int port, const char* from) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
   const timeval patience{kPatienceS, 0};
   ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
   ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof(patience));
   sockaddr_in address{};
   address.sin_family = AF_INET;
+  ::inet_pton(AF_INET, from, &address.sin_addr);
+  ::bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address));
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0) {
@@ -129,6 +133,11 @@ Response request(int port, std::string_view method, std::string_view target, std
   if (!body.empty()) text += "Content-Length: " + std::to_string(body.size()) + "\r\n";
   client.send(text + "\r\n" + std::string(body));
   return client.read_response(method == "HEAD");
+}
+
+Response get(RawClient& client, std::string_view target) {
+  client.send("GET " + std::string(target) + " HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  return client.read_response();
 }
 
 RawWebSocket::RawWebSocket(int port, std::string_view headers, std::string_view path) : connection_(port) {

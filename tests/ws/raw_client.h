@@ -20,6 +20,8 @@ struct Response {
 class RawClient {
  public:
   explicit RawClient(int port);  // of 127.0.0.1
+  // From another address of this machine, such as 127.0.0.2.
+  RawClient(int port, const char* from);
   ~RawClient();
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
@@ -50,6 +52,8 @@ class RawClient {
 // One request on a connection of its own. `headers`: whole lines, each ending in CRLF, beside Host and Content-Length.
 Response request(int port, std::string_view method, std::string_view target, std::string_view headers = {},
                  std::string_view body = {});
+// GET of `target` on `client`, which stays open.
+Response get(RawClient& client, std::string_view target);
 
 // RFC 6455.
 class RawWebSocket {

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "kerf/v1/sheets.pb.h"
 #include "server/wire/json.h"
@@ -126,7 +128,7 @@ TEST_F(HttpServerTest, TurnsAwayConnectionsBeyondTheLimit) {
     EXPECT_TRUE(third.closed_by_peer());
     second.send("GET /metrics HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
     const std::string page = second.read_response().body;
-    EXPECT_NE(page.find("\nkerf_http_refused_connections_total 1\n"), std::string::npos) << page;
+    EXPECT_NE(page.find("\nkerf_http_refused_connections_total{limit=\"all\"} 1\n"), std::string::npos) << page;
     EXPECT_NE(page.find("\nkerf_http_open_connections 2\n"), std::string::npos) << page;
     EXPECT_TRUE(second.closed_by_peer());
   }
@@ -137,6 +139,77 @@ TEST_F(HttpServerTest, TurnsAwayConnectionsBeyondTheLimit) {
     status = ask(next);
   }
   EXPECT_EQ(status, 200);
+}
+
+using Clients = std::vector<std::unique_ptr<RawClient>>;
+
+TEST_F(HttpServerTest, OneAddressHasSoManyConnectionsAndAnotherItsOwn) {
+  app::Config config = test_config();
+  config.max_connections_per_address = 8;
+  start(config);
+  Clients slow;  // each says one byte, and holds its place
+  for (int i = 0; i < 7; ++i) slow.emplace_back(std::make_unique<RawClient>(port_))->send("G");
+  RawClient last(port_);
+  EXPECT_EQ(ws_test::get(last, "/healthz").status, 200);
+  for (const bool speaks_first : {false, true}) {
+    RawClient refused(port_);
+    if (speaks_first) refused.send("GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n");
+    const Response response = refused.read_response();
+    EXPECT_EQ(response.status, 503);
+    EXPECT_EQ(response.headers.at("retry-after"), "1");
+    EXPECT_EQ(response.headers.at("content-type"), "application/json");
+    EXPECT_NE(response.body.find("TOO_MANY_CONNECTIONS"), std::string::npos) << response.body;
+    EXPECT_TRUE(refused.closed_by_peer());
+  }
+  RawClient elsewhere(port_, "127.0.0.2");
+  EXPECT_EQ(ws_test::get(elsewhere, "/healthz").status, 200);
+  const std::string page = ws_test::get(elsewhere, "/metrics").body;
+  EXPECT_NE(page.find("\nkerf_http_refused_connections_total{limit=\"address\"} 2\n"), std::string::npos) << page;
+  EXPECT_NE(page.find("\nkerf_http_refused_connections_total{limit=\"all\"} 0\n"), std::string::npos) << page;
+  EXPECT_NE(page.find("\nkerf_http_open_connections 9\n"), std::string::npos) << page;
+  slow.pop_back();
+  while (ws_test::get(elsewhere, "/metrics").body.find("\nkerf_http_open_connections 8\n") == std::string::npos) {
+  }
+  RawClient next(port_);
+  EXPECT_EQ(ws_test::get(next, "/healthz").status, 200);
+}
+
+TEST_F(HttpServerTest, AThousandSlowConnectionsOfOneAddressKeepNobodyElseOut) {
+  start();
+  Clients slow;
+  for (int i = 0; i < 1000; ++i) slow.emplace_back(std::make_unique<RawClient>(port_))->send("GET / HTTP/1.1\r\nX");
+  for (int i = 0; i < 5; ++i) {
+    RawClient elsewhere(port_, "127.0.0.2");
+    EXPECT_EQ(ws_test::get(elsewhere, "/healthz").status, 200);
+  }
+}
+
+TEST_F(HttpServerTest, WithoutALimitOneAddressMayHaveAllConnections) {
+  app::Config config = test_config();
+  config.max_connections_per_address = 0;
+  start(config);
+  Clients clients;
+  for (int i = 0; i < 200; ++i) clients.push_back(std::make_unique<RawClient>(port_));
+  EXPECT_EQ(ws_test::get(*clients.back(), "/healthz").status, 200);
+}
+
+TEST_F(HttpServerTest, WithoutRoomForAllOneAddressIsClosedAtOnce) {
+  app::Config config = test_config();
+  config.max_connections_per_address = 2;
+  config.http_options.max_connections = 1;
+  start(config);
+  RawClient first(port_);
+  EXPECT_EQ(ws_test::get(first, "/healthz").status, 200);
+  RawClient second(port_);
+  EXPECT_TRUE(second.closed_by_peer());
+}
+
+TEST_F(HttpServerTest, ListensAtEachAddressOfAName) {
+  app::Config config = test_config();
+  config.http.host = "localhost";
+  start(config);
+  EXPECT_EQ(get("/healthz").status, 200);
+  EXPECT_EQ(server_->http_url(), "http://localhost:" + std::to_string(port_));
 }
 
 // One call as it is sent.

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include "server/ws/asset_table.h"
 #include "server/ws/metrics_page.h"
 #include "server/ws/router.h"
+#include "server/ws/token_bucket.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf::ws {
@@ -59,15 +61,20 @@ TEST(Access, OnLoopbackAnswersOnlyForNamesOfThisMachine) {
   EXPECT_TRUE(check_host({false, {}}, "anything.example.org"));
 }
 
-TEST(Access, LetsInPagesOfTheSameOriginAndOfLoopback) {
-  const AccessPolicy loopback{true, {"https://viewer.example.org"}};
-  EXPECT_TRUE(check_origin(loopback, "", "127.0.0.1:8080"));
-  EXPECT_TRUE(check_origin(loopback, "http://127.0.0.1:8080", "127.0.0.1:8080"));
-  EXPECT_TRUE(check_origin(loopback, "http://localhost:5173", "127.0.0.1:8080"));
-  EXPECT_TRUE(check_origin(loopback, "https://viewer.example.org", "127.0.0.1:8080"));
-  for (const char* origin : {"null", "http://evil.example.org", "https://viewer.example.org.evil.org", "file://",
-                             "http://127.0.0.1.evil.org", "http://localhost@evil.org", "https://viewer.example.org:444",
-                             "http://viewer.example.org", "chrome-extension://abc"}) {
+TEST(Access, LetsInItsOwnPagesAndThoseThatAreAllowed) {
+  const AccessPolicy loopback{true, {"https://viewer.example.org"}, 8080};
+  for (const char* origin : {"", "http://127.0.0.1:8080", "http://localhost:8080", "http://LOCALHOST:8080",
+                             "http://[::1]:8080", "https://viewer.example.org"}) {
+    EXPECT_TRUE(check_origin(loopback, origin, "127.0.0.1:8080")) << origin;
+  }
+  EXPECT_TRUE(check_origin(loopback, "http://localhost:9000", "localhost:9000")) << "a port that is forwarded here";
+  EXPECT_FALSE(check_origin(loopback, "http://localhost:9000", "127.0.0.1:9000"));
+  for (const char* origin :
+       {"http://localhost:1", "http://localhost", "http://127.0.0.1:8081", "http://[::1]:80", "https://127.0.0.1:8080",
+        "https://localhost:8080", "http://127.0.0.2:8080", "http://user@127.0.0.1:8080", "http://127.0.0.1:8080/",
+        "ws://127.0.0.1:8080", "null", "http://evil.example.org", "https://viewer.example.org.evil.org", "file://",
+        "http://127.0.0.1.evil.org", "http://localhost@evil.org", "https://viewer.example.org:444",
+        "http://viewer.example.org", "chrome-extension://abc"}) {
     const Status refused = check_origin(loopback, origin, "127.0.0.1:8080");
     ASSERT_FALSE(refused) << origin;
     EXPECT_EQ(refused.error().reason, "ORIGIN_NOT_ALLOWED") << origin;
@@ -77,7 +84,8 @@ TEST(Access, LetsInPagesOfTheSameOriginAndOfLoopback) {
 TEST(Access, OnAPublicBindOnlyTheSameOriginIsLetIn) {
   const AccessPolicy open{false, {}};
   EXPECT_TRUE(check_origin(open, "http://kerf.example.org:8080", "kerf.example.org:8080"));
-  EXPECT_TRUE(check_origin(open, "https://kerf.example.org", "kerf.example.org"));
+  EXPECT_FALSE(check_origin(open, "https://kerf.example.org", "kerf.example.org")) << "behind TLS it is to be allowed";
+  EXPECT_FALSE(check_origin(open, "https://kerf.example.org:443", "kerf.example.org:443"));
   EXPECT_TRUE(check_origin(open, "http://kerf.example.org", "kerf.example.org:80"));
   EXPECT_FALSE(check_origin(open, "http://kerf.example.org", "kerf.example.org:8080"));
   EXPECT_FALSE(check_origin(open, "http://localhost:8080", "kerf.example.org:8080"));
@@ -153,6 +161,24 @@ TEST(MediaType, GoesByTheExtension) {
   EXPECT_EQ(media_type_of("/a.unknown"), "application/octet-stream");
 }
 
+TEST(TokenBucket, GivesItsBurstAtOnceAndThenItsRate) {
+  const TokenBucket::Time begin{};
+  const auto at = [&](double seconds) {
+    return begin + std::chrono::duration_cast<TokenBucket::Time::duration>(std::chrono::duration<double>(seconds));
+  };
+  TokenBucket bucket(10.0, 20.0, begin);
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(bucket.take(1.0, at(0.0))) << i;
+  EXPECT_FALSE(bucket.take(1.0, at(0.0)));
+  EXPECT_FALSE(bucket.take(1.0, at(0.0625))) << "not a whole one";
+  EXPECT_TRUE(bucket.take(5.0, at(0.5)));
+  EXPECT_FALSE(bucket.take(1.0, at(0.5)));
+  EXPECT_FALSE(bucket.take(20.5, at(100.0))) << "never more than the burst";
+  EXPECT_TRUE(bucket.take(20.0, at(100.0)));
+  bucket.give_back(30.0);
+  EXPECT_TRUE(bucket.take(20.0, at(100.0)));
+  EXPECT_FALSE(bucket.take(1.0, at(100.0)));
+}
+
 TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   host::HostMetrics host;
   host.ticks = 123456789;
@@ -171,7 +197,7 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   HttpCounts http;
   http.requests = 7;
   const api::PictureCounts pictures{11, 12, 13, 14, 15, 16};
-  const std::string page = metrics_page(host, http, {8, 3, 5}, 4, {17, 18}, pictures, "1.2.3");
+  const std::string page = metrics_page(host, http, {8, 3, 5, 2}, 4, {17, 18}, pictures, "1.2.3");
   for (const char* line : {"# TYPE kerf_ticks_total counter\n",
                            "kerf_ticks_total 123456789\n",
                            "kerf_sheets{state=\"running\"} 3\n",
@@ -194,7 +220,8 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
                            "kerf_http_requests_total 7\n",
                            "kerf_grpc_connections_total 8\n",
                            "kerf_grpc_open_connections 3\n",
-                           "kerf_grpc_refused_connections_total 5\n",
+                           "kerf_grpc_refused_connections_total{limit=\"all\"} 5\n",
+                           "kerf_grpc_refused_connections_total{limit=\"address\"} 2\n",
                            "process_open_fds ",
                            "kerf_watch_streams 4\n",
                            "kerf_frames_encoded_total 17\n",

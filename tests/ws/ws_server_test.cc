@@ -98,8 +98,11 @@ TEST_F(HttpServerTest, LetsNoForeignPageCall) {
   start();
   ASSERT_EQ(call("SheetService/CreateSheet", kSheet).status, 200);
   const std::string pause = R"({"name":"sheets/a"})";
-  for (const char* origin : {"http://evil.example.org", "null", "http://127.0.0.1.evil.org"}) {
-    const Response refused = call("SheetService/ResumeSheet", pause, "Origin: " + std::string(origin) + "\r\n");
+  const std::string port = std::to_string(port_);
+  for (const std::string& origin :
+       {std::string("http://evil.example.org"), std::string("null"), std::string("http://127.0.0.1.evil.org"),
+        std::string("http://localhost:1"), "https://127.0.0.1:" + port, "http://127.0.0.2:" + port}) {
+    const Response refused = call("SheetService/ResumeSheet", pause, "Origin: " + origin + "\r\n");
     EXPECT_EQ(refused.status, 403) << origin;
     EXPECT_NE(refused.body.find("ORIGIN_NOT_ALLOWED"), std::string::npos) << refused.body;
   }
@@ -107,7 +110,7 @@ TEST_F(HttpServerTest, LetsNoForeignPageCall) {
   v1::Sheet sheet;
   ASSERT_TRUE(wire::from_json(call("SheetService/GetSheet", pause).body, sheet));
   EXPECT_EQ(sheet.run_state(), v1::Sheet::PAUSED);
-  EXPECT_EQ(call("SheetService/GetSheet", pause, "Origin: http://localhost:5173\r\n").status, 200);
+  EXPECT_EQ(call("SheetService/GetSheet", pause, "Origin: http://localhost:" + port + "\r\n").status, 200);
   EXPECT_EQ(get("/", "Host: rebound.example.org\r\n").status, 403);
   RawClient nameless(port_);
   nameless.send("GET / HTTP/1.1\r\n\r\n");
