@@ -106,6 +106,10 @@ struct Limits {
   std::int64_t max_recorded_parts = std::int64_t{1} << 20;            // of that file, see wire::RecordingLimits
   std::int32_t max_recordings_sent = 16;                              // to clients at once, each a whole file in memory
   std::int64_t max_uploading_bytes = std::int64_t{256} << 20;         // of all uploads under way
+
+  // A stream is cut off once a message of it was not taken for so long. A reader that stalls and wakes up in the time
+  // beyond watch_ack_timeout still reads that it was too slow.
+  [[nodiscard]] std::chrono::milliseconds stream_write_timeout() const { return watch_ack_timeout * 13 / 10; }
 };
 
 struct ApiOptions {

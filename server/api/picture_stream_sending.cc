@@ -13,6 +13,7 @@ std::optional<stream::Message> PictureStream::next() {
   stream::Message message;
   if (outgoing.end) {
     message.parts.push_back(std::make_shared<const std::string>(wire::encode_images_ended(*outgoing.end)));
+    message.says_too_slow = outgoing.end == wire::EndReason::kTooSlow;
     return message;
   }
   if (!outgoing.data) return std::nullopt;

@@ -22,7 +22,7 @@ constexpr std::size_t kWriterThreads = 2;  // as many as serve HTTP
 
 struct RpcServer::Impl {
   Impl(api::Api& api, host::Clock& clock)
-      : writers(kWriterThreads), hosting{writers, clock, api.limits().watch_ack_timeout} {}
+      : writers(kWriterThreads), hosting{writers, clock, api.limits().stream_write_timeout()} {}
 
   boost::asio::thread_pool writers;
   StreamHosting hosting;

@@ -13,7 +13,8 @@ using Bytes = std::shared_ptr<const std::string>;
 // One serialised WatchResponse in parts, to be written in order without gaps: the few bytes of this stream's own, then
 // what it shares with others. A transport passes the parts on as they are (gRPC slices, a buffer sequence).
 struct Message {
-  std::vector<Bytes> parts;  // none null
+  std::vector<Bytes> parts;    // none null
+  bool says_too_slow = false;  // the stream's last, Ended TOO_SLOW
 
   [[nodiscard]] std::size_t size() const {
     std::size_t total = 0;

@@ -76,6 +76,7 @@ Subscriber::Next Subscriber::end_now(wire::EndReason reason) {
   ended_ = true;
   Message message;
   message.parts.push_back(std::make_shared<const std::string>(wire::encode_ended(reason)));
+  message.says_too_slow = reason == wire::EndReason::kTooSlow;
   return {std::move(message), std::nullopt};
 }
 

@@ -4,11 +4,13 @@
 
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/beast/core/basic_stream.hpp>
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/message.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/websocket/stream.hpp>
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,7 +18,9 @@
 
 #include "server/api/stream_session.h"
 #include "server/ws/connection.h"
+#include "server/ws/token_bucket.h"
 #include "server/ws/wake_signal.h"
+#include "server/ws/watched_reads.h"
 
 namespace kerf::ws {
 
@@ -35,21 +39,32 @@ class SocketStream : public std::enable_shared_from_this<SocketStream> {
   void abort();
 
  private:
+  using Transport =
+      boost::beast::basic_stream<boost::asio::ip::tcp, boost::beast::tcp_stream::executor_type, WatchedReads>;
+
   boost::asio::awaitable<bool> accept(const Request& request);
   boost::asio::awaitable<void> read_messages();
   boost::asio::awaitable<void> write_messages();
-  // A reader that does not take the message to come for long cannot be told, and is cut off.
-  void limit_write();
+  // Drops the connection then, unless write_limit_ is cancelled before.
+  void abort_after(std::chrono::milliseconds time);
+  void limit_frames();
+  // Stops reading from a peer that has sent too many frames, and begins to close.
+  void flooded(std::string_view with);
+  // Lets a peer that has begun its stream be silent until it has been told that it is too slow.
+  void allow_silence();
   [[nodiscard]] boost::beast::websocket::close_reason closing_reason() const;
 
   ConnectionContext& context_;
-  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  boost::beast::websocket::stream<Transport> socket_;
   const Router::OpenSession open_;
-  WakeSignal woken_;  // of the writer
+  TokenBucket control_frames_;
+  TokenBucket frame_bytes_;  // all that comes, less what messages hold
+  WakeSignal woken_;         // of the writer
   boost::asio::steady_timer write_limit_;
   std::shared_ptr<api::StreamSession> session_;
   std::optional<boost::beast::websocket::close_reason>
-      violation_;  // of the WebSocket rules of this server, by the peer
+      violation_;          // of the WebSocket rules of this server, by the peer
+  bool too_slow_ = false;  // the peer was told so, and nothing follows
   bool reading_ = false;
   bool peer_gone_ = false;
 };

@@ -7,8 +7,10 @@
 #include <grpcpp/security/credentials.h>
 #include <grpcpp/support/channel_arguments.h>
 
+#include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "client/cpp/server.h"
 #include "tests/ws/raw_client.h"
@@ -62,6 +64,30 @@ TEST_F(SlowWatchTest, AViewerThatDoesNotReadIsCutOff) {
   wait_for_streams(1);
   wait_for_streams(0);
   expect_cut_off(*stalled);
+}
+
+// The write of the first frame is given up 300 ms after the reader counts as too slow.
+TEST_F(SlowWatchTest, AViewerThatWakesUpInTimeIsTold) {
+  using Clock = std::chrono::steady_clock;
+  for (int i = 0; i < 5; ++i) {
+    grpc::ClientContext context;
+    const auto stalled = client_->stream().Watch(&context);
+    v1::WatchRequest start;
+    start.mutable_start()->set_name("sheets/a");
+    start.mutable_start()->set_encoding(v1::RAW);
+    stalled->Write(start);
+    wait_for_streams(1);
+    const Clock::time_point began = Clock::now();
+    while (Clock::now() < began + std::chrono::milliseconds(1100)) std::this_thread::yield();
+    v1::WatchResponse response;
+    while (stalled->Read(&response)) {
+    }
+    const bool is_in_time = Clock::now() < began + std::chrono::milliseconds(1250);
+    if (!is_in_time) continue;  // a machine that is busy with other things
+    EXPECT_EQ(response.ended().reason(), v1::Ended::TOO_SLOW);
+    EXPECT_TRUE(stalled->Finish().ok());
+    break;
+  }
 }
 
 TEST_F(SlowWatchTest, ASubscriberThatDoesNotReadIsCutOff) {

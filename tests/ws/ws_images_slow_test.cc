@@ -132,7 +132,7 @@ TEST_F(SlowImagesTest, AReaderThatTakesButDoesNotAcknowledgeIsTold) {
     pictures += response.has_image() ? 1 : 0;
   } while (!response.has_ended());
   EXPECT_EQ(response.ended().reason(), v1::Ended::TOO_SLOW);
-  EXPECT_EQ(stalled.read_close(), 1000);
+  EXPECT_EQ(stalled.read_close(), 1013);
   EXPECT_GE(pictures, 1);
   EXPECT_LE(pictures, 2) << "its window";
   wait_for_one_stream();

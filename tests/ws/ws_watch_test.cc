@@ -258,6 +258,45 @@ TEST_F(WatchTest, TakesFragmentsAndPings) {
   EXPECT_EQ(socket.read_close(), 1000);
 }
 
+TEST_F(WatchTest, FramesThatHoldNextToNothingAreBounded) {
+  start();
+  struct Flood {
+    const char* what;
+    int frames;  // many more than are taken in the time that sending them takes
+    std::function<void(Socket&)> begin;
+    std::function<void(Socket&)> send;
+  };
+  const auto begin = [](Socket& s) { send(s, start_of("sheets/a")); };
+  v1::WatchRequest pace;
+  pace.mutable_pace()->set_max_rate_hz(1.0);
+  for (const Flood& flood : {
+           Flood{"pings", 2'000, begin, [](Socket& s) { s.send(Socket::kPing, ""); }},
+           Flood{"pongs", 2'000, begin, [](Socket& s) { s.send(Socket::kPong, "unasked"); }},
+           Flood{"empty fragments", 40'000, [](Socket& s) { s.send(Socket::kBinary, "", true, 0); },
+                 [](Socket& s) { s.send(Socket::kContinuation, "", true, 0); }},
+           Flood{"tiny messages", 40'000, begin, [&](Socket& s) { send(s, pace); }},
+       }) {
+    Socket socket(port_);
+    flood.begin(socket);
+    for (int i = 0; i < flood.frames; ++i) flood.send(socket);
+    std::optional<Socket::Frame> frame = socket.read();
+    while (frame && frame->opcode != Socket::kClose) frame = socket.read();
+    EXPECT_EQ(close_code(frame), 1008) << flood.what;
+    EXPECT_NE(frame.value_or(Socket::Frame()).payload.find("TOO_MANY_FRAMES"), std::string::npos) << flood.what;
+  }
+}
+
+TEST_F(WatchTest, AsManyPingsAsAreTakenAtOnceAreAnswered) {
+  start();
+  Socket socket(port_);
+  for (int i = 0; i < 200; ++i) socket.send(Socket::kPing, std::to_string(i));
+  for (int i = 0; i < 200; ++i) {
+    const std::optional<Socket::Frame> pong = socket.read();
+    ASSERT_TRUE(pong && pong->opcode == Socket::kPong);
+    EXPECT_EQ(pong->payload, std::to_string(i));
+  }
+}
+
 TEST_F(WatchTest, ASlowReaderGetsNothingOlderThanItsWindow) {
   start();
   Socket socket(port_);
@@ -305,7 +344,9 @@ TEST_F(WatchTest, AReaderThatDoesNotAcknowledgeIsEnded) {
   response = read_message(socket);
   ASSERT_TRUE(response && response->has_ended());
   EXPECT_EQ(response->ended().reason(), v1::Ended::TOO_SLOW);
-  EXPECT_EQ(socket.read_close(), 1000);
+  const std::optional<Socket::Frame> close = socket.read();
+  EXPECT_EQ(close_code(close), 1013);
+  EXPECT_EQ(close->payload.substr(2, 8), "TOO_SLOW");
 }
 
 TEST_F(WatchTest, ASilentPeerIsCutOff) {
