@@ -12,6 +12,7 @@
 #include "server/api/core.h"
 #include "server/api/session.h"
 #include "server/base/caught.h"
+#include "server/wire/finite_check.h"
 #include "server/wire/json.h"
 #include "server/wire/material_codec.h"
 
@@ -24,7 +25,9 @@ Method json_method(std::string path, Api& api, void (Api::*method)(const Request
   return {std::move(path),
           [&api, method](std::string_view json, Reply<std::string> reply, const std::stop_token& stop) {
             Request request;
-            if (const Status status = wire::from_json(json, request); !status.ok()) return reply(status.error());
+            Status status = wire::from_json(json, request);
+            if (status.ok()) status = wire::check_finite(request);
+            if (!status.ok()) return reply(status.error());
             (api.*method)(
                 request,
                 [reply = std::move(reply)](Result<Response> response) {

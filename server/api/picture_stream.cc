@@ -5,6 +5,7 @@
 
 #include "kerf/v1/stream.pb.h"
 #include "server/api/flow_request.h"
+#include "server/wire/finite_check.h"
 
 // PictureStream: what clients ask, and how it begins and ends.
 namespace kerf::api {
@@ -14,6 +15,7 @@ void PictureStream::on_bytes(std::string_view bytes) {
   if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
     return fail(invalid_argument("MALFORMED_MESSAGE", "this is no serialised kerf.v1.WatchImagesRequest"));
   }
+  if (const Status finite = wire::check_finite(request); !finite.ok()) return fail(finite.error());
   const Status turn = check_turn(request.kind_case() != v1::WatchImagesRequest::KIND_NOT_SET, request.has_start(),
                                  started(), "start, ack, view or pace");
   if (!turn.ok()) return fail(turn.error());

@@ -61,10 +61,14 @@ Status validate(const View& view) {
   if (!(largest > 0.0) || !Eigen::FullPivLU<Eigen::Matrix4d>(view.projection / largest).isInvertible()) {
     return invalid_argument("VIEW_SINGULAR", "the projection matrix cannot be inverted", "cut.view.projection");
   }
-  if (view.layers == LayerRule::kDepthRange &&
-      !(view.nearest_m >= 0.0 && view.nearest_m <= view.farthest_m && std::isfinite(view.farthest_m))) {
-    return invalid_argument("DEPTH_RANGE", "a depth range needs 0 <= nearest_m <= farthest_m, both finite",
-                            "cut.view.nearest_m");
+  if (!std::isfinite(view.nearest_m)) {
+    return invalid_argument("VIEW_NOT_FINITE", "a number is not finite", "cut.view.nearest_m");
+  }
+  if (!std::isfinite(view.farthest_m)) {
+    return invalid_argument("VIEW_NOT_FINITE", "a number is not finite", "cut.view.farthest_m");
+  }
+  if (view.layers == LayerRule::kDepthRange && !(view.nearest_m >= 0.0 && view.nearest_m <= view.farthest_m)) {
+    return invalid_argument("DEPTH_RANGE", "a depth range needs 0 <= nearest_m <= farthest_m", "cut.view.nearest_m");
   }
   if (view.piece < mesh::kNone) {
     return invalid_argument("PIECE_UNKNOWN", "pieces are numbered from 0", "cut.view.piece");

@@ -8,18 +8,28 @@
 #include <string>
 
 #include "server/base/result.h"
+#include "server/wire/finite_check.h"
 
 // Messages as the bytes that gRPC moves.
 namespace kerf::rpc {
 
-// kInvalidArgument MALFORMED_MESSAGE.
+// kInvalidArgument MALFORMED_MESSAGE; MESSAGE_INCOMPLETE where the call has no whole message; NOT_FINITE where a number
+// in it is not. gRPC has refused what is longer than it takes.
 template <typename Message>
 Result<Message> parse_message(const grpc::ByteBuffer& bytes) {
+  const std::string name(Message::descriptor()->full_name());
+  if (!bytes.Valid()) {
+    return invalid_argument("MESSAGE_INCOMPLETE", "no whole " + name +
+                                                      " came: its bytes end before the length that they tell, or that "
+                                                      "is more than this server takes");
+  }
   Message message;
   grpc::ByteBuffer copy = bytes;  // shares the bytes; parsing takes them
-  if (grpc::SerializationTraits<Message>::Deserialize(&copy, &message).ok()) return message;
-  return invalid_argument("MALFORMED_MESSAGE",
-                          "this is no serialised " + std::string(Message::descriptor()->full_name()));
+  if (!grpc::SerializationTraits<Message>::Deserialize(&copy, &message).ok()) {
+    return invalid_argument("MALFORMED_MESSAGE", "this is no serialised " + name);
+  }
+  if (const Status finite = wire::check_finite(message); !finite.ok()) return finite.error();
+  return message;
 }
 
 // In place of whatever `bytes` hold.

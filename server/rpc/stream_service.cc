@@ -2,13 +2,13 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "kerf/v1/stream.grpc.pb.h"
 #include "server/api/api.h"
 #include "server/api/watch_session.h"
 #include "server/rpc/grpc_status.h"
+#include "server/rpc/messages.h"
 #include "server/rpc/services.h"
 #include "server/rpc/session_reactor.h"
 
@@ -42,13 +42,9 @@ class StreamService final : public RawStream {
   }
   grpc::ServerWriteReactor<grpc::ByteBuffer>* Subscribe(grpc::CallbackServerContext* context,
                                                         const grpc::ByteBuffer* request) override {
-    v1::SubscribeRequest message;
-    const std::optional<grpc::Slice> bytes = whole(*request);
-    if (!bytes || !message.ParseFromArray(bytes->begin(), static_cast<int>(bytes->size()))) {
-      return new RefusedReactor(
-          invalid_argument("MALFORMED_MESSAGE", "this is no serialised kerf.v1.SubscribeRequest"));
-    }
-    return new SubscribeReactor(api_.subscribe(message), *context, hosting_);
+    const Result<v1::SubscribeRequest> message = parse_message<v1::SubscribeRequest>(*request);
+    if (!message) return new RefusedReactor(message.error());
+    return new SubscribeReactor(api_.subscribe(*message), *context, hosting_);
   }
 
  private:

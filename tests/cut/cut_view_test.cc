@@ -392,6 +392,9 @@ TEST(ViewCut, RefusesWhatIsNoView) {
               v.farthest_m = 1.0;
             }),
             "DEPTH_RANGE cut.view.nearest_m");
+  // Layers that do not go by depth are no exception.
+  EXPECT_EQ(reason([](View& v) { v.nearest_m = NAN; }), "VIEW_NOT_FINITE cut.view.nearest_m");
+  EXPECT_EQ(reason([](View& v) { v.farthest_m = INFINITY; }), "VIEW_NOT_FINITE cut.view.farthest_m");
   EXPECT_EQ(reason([](View& v) { v.piece = -2; }), "PIECE_UNKNOWN cut.view.piece");
 }
 

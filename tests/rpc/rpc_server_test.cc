@@ -20,6 +20,7 @@
 #include "server/host/entropy.h"
 #include "server/host/host.h"
 #include "server/rpc/grpc_status.h"
+#include "server/rpc/messages.h"
 #include "server/rpc/rpc_server.h"
 #include "tests/rpc/rpc_fixture.h"
 
@@ -162,6 +163,44 @@ TEST_F(RpcServerTest, BytesThatAreNoMessageAreRefused) {
       EXPECT_EQ(client::failure_of(status).reason, "MALFORMED_MESSAGE") << method;
     }
   }
+}
+
+TEST_F(RpcServerTest, SizeIsJudgedBeforeContent) {
+  const auto channel = grpc::CreateChannel(server_->grpc_address(), grpc::InsecureChannelCredentials());
+  const std::size_t limit = std::size_t{1} << 20;
+  for (const char* method : {"CutService/CreateCut", "SheetService/StepSheet", "StreamService/Watch"}) {
+    std::string response;
+    const std::string path = std::string("/kerf.v1.") + method;
+    EXPECT_EQ(exchange(channel, path, std::string(limit, '\xff'), response).error_code(), StatusCode::INVALID_ARGUMENT);
+    for (const std::size_t bytes : {limit + 1, 2 * limit}) {
+      EXPECT_EQ(exchange(channel, path, std::string(bytes, '\xff'), response).error_code(),
+                StatusCode::RESOURCE_EXHAUSTED)
+          << method << ", " << bytes;
+    }
+  }
+  const Result<v1::GetSheetRequest> none = rpc::parse_message<v1::GetSheetRequest>(grpc::ByteBuffer());
+  ASSERT_FALSE(none.ok());
+  EXPECT_EQ(none.error().reason, "MESSAGE_INCOMPLETE");
+}
+
+TEST_F(RpcServerTest, NumbersThatAreNotFiniteAreRefusedWhereNothingReadsThem) {
+  create("a");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  v1::CreateCutRequest cut;
+  cut.set_parent("sheets/a");
+  cut.mutable_cut()->mutable_curve()->mutable_circle()->set_radius_m(0.1);
+  cut.mutable_cut()->mutable_view()->set_farthest_m(nan);
+  v1::CutResult result;
+  const grpc::Status refused = client_->call(&v1::CutService::Stub::CreateCut, client_->cuts(), cut, result);
+  EXPECT_EQ(refused.error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(client::failure_of(refused).field, "cut.view.farthest_m");
+  v1::CreateCutsRequest batch;
+  batch.set_parent("sheets/a");
+  *batch.add_cuts() = cut.cut();
+  v1::CreateCutsResponse results;
+  const grpc::Status refused_batch = client_->call(&v1::CutService::Stub::CreateCuts, client_->cuts(), batch, results);
+  EXPECT_EQ(refused_batch.error_code(), StatusCode::INVALID_ARGUMENT);
+  EXPECT_EQ(client::failure_of(refused_batch).field, "cuts[0].view.farthest_m");
 }
 
 TEST_F(RpcServerTest, RequestsEndAtTheLimit) {
