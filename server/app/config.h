@@ -32,7 +32,7 @@ struct Config {
   bool allow_remote = false;                  // may listen on other than loopback addresses
   std::vector<std::string> allowed_origins;   // web pages of other origins that may use this server
   std::filesystem::path record_dir;           // where recordings go; empty: none
-  int max_connections_per_address = 128;      // of gRPC and, apart from those, of HTTP, 1..10,000; 0: no limit
+  int max_connections_per_address = 128;      // 1..10,000, each of gRPC and HTTP; 0: no limit
   api::Limits limits;                         // of requests and streams
   ws::HttpOptions http_options;               // of HTTP connections; its access is replaced by allowed_origins
 };

@@ -54,7 +54,7 @@ class PeerPlaces {
 
   const int most_;
   mutable std::mutex mutex_;
-  std::map<Peer, int> taken_;  // of peers that have any; guarded by mutex_
+  std::map<Peer, int> taken_;  // only peers that have any; guarded by mutex_
 };
 
 }  // namespace kerf

@@ -64,7 +64,7 @@ struct ConnectionGate::Impl {
     explicit Port(tcp::acceptor listening) : acceptor(std::move(listening)), retry(acceptor.get_executor()) {}
     tcp::acceptor acceptor;
     asio::steady_timer retry;
-    tcp::endpoint peer;  // of the connection accepted last
+    tcp::endpoint peer;  // that connected last
   };
   // Says nothing yet.
   struct Silent {

@@ -12,7 +12,7 @@ namespace kerf::rpc {
 
 struct GateLimits {
   int max_connections = 1;              // open at a time, >= 1
-  int max_per_address = 0;              // of one peer (server/base/peer_places.h), >= 0; 0: no limit
+  int max_per_address = 0;              // for each peer (server/base/peer_places.h), >= 0; 0: no limit
   std::chrono::milliseconds silence{};  // a connection that says nothing for so long is closed
 };
 

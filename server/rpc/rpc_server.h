@@ -16,7 +16,7 @@ namespace kerf::rpc {
 
 struct RpcOptions {
   int max_connections = 10'000;                          // beyond it, new connections are closed at once
-  int max_connections_per_address = 0;                   // likewise, of one peer, >= 0; 0: no limit
+  int max_connections_per_address = 0;                   // the same for each peer, >= 0; 0: no limit
   std::chrono::milliseconds first_byte_timeout{5'000};   // a connection that says nothing for so long is closed
   int max_streams_per_connection = 100;                  // HTTP/2 streams, 1..10000
   std::chrono::milliseconds keepalive_interval{20'000};  // a silent connection is pinged after this long ...

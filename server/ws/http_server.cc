@@ -56,7 +56,7 @@ struct HttpServer::Impl {
     explicit Port(tcp::acceptor listening) : acceptor(std::move(listening)), retry(acceptor.get_executor()) {}
     tcp::acceptor acceptor;  // on a strand, as is the timer
     asio::steady_timer retry;
-    tcp::endpoint peer;  // of the connection accepted last
+    tcp::endpoint peer;  // that connected last
   };
   struct Open {
     std::shared_ptr<Connection> connection;

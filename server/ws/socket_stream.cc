@@ -176,7 +176,7 @@ void SocketStream::flooded(std::string_view with) {
   woken_.raise();
 }
 
-// A reader that stalls answers no ping. Its stream ends by what it does not acknowledge, which it then can be told.
+// A reader that stalls answers no ping. Its stream ends by what it does not acknowledge, and the peer hears why.
 void SocketStream::allow_silence() {
   const api::Limits& limits = context_.api.limits();
   websocket::stream_base::timeout timeout{};

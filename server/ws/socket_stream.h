@@ -50,7 +50,7 @@ class SocketStream : public std::enable_shared_from_this<SocketStream> {
   void limit_frames();
   // Stops reading from a peer that has sent too many frames, and begins to close.
   void flooded(std::string_view with);
-  // Lets a peer that has begun its stream be silent until it has been told that it is too slow.
+  // Lets a peer that has begun its stream be silent until it hears that it is too slow.
   void allow_silence();
   [[nodiscard]] boost::beast::websocket::close_reason closing_reason() const;
 
@@ -64,7 +64,7 @@ class SocketStream : public std::enable_shared_from_this<SocketStream> {
   std::shared_ptr<api::StreamSession> session_;
   std::optional<boost::beast::websocket::close_reason>
       violation_;          // of the WebSocket rules of this server, by the peer
-  bool too_slow_ = false;  // the peer was told so, and nothing follows
+  bool too_slow_ = false;  // the peer hears so, and nothing follows
   bool reading_ = false;
   bool peer_gone_ = false;
 };

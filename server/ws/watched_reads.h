@@ -14,7 +14,7 @@ class WatchedReads {
  public:
   // `on_read` is called with the number of bytes of each read, on the stream's executor.
   void watch(std::function<void(std::size_t)> on_read) { on_read_ = std::move(on_read); }
-  // Reads nothing more, but for a byte a second.
+  // Reads no more than a byte a second from now on.
   void stop() { stopped_ = true; }
 
  private:
