@@ -112,6 +112,13 @@ int run(const Session& session, const RunArguments& arguments) {
   return done->result.has_static_() ? check_converged(done->result.static_()) : kDone;
 }
 
+// Returns what to add to a line about the replay; nothing where the file is whole.
+std::string describe_tear(std::int64_t torn_bytes) {
+  if (torn_bytes == 0) return "";
+  return "; the last " + std::to_string(torn_bytes) + (torn_bytes == 1 ? " byte is" : " bytes are") +
+         " a torn entry and left out";
+}
+
 int replay(const Session& session, const std::string& path) {
   host::RealDisk disk;
   const Result<std::string> bytes = disk.read_file(path, kMaxRecordingBytes);
@@ -124,7 +131,9 @@ int replay(const Session& session, const std::string& path) {
   }();
   if (!report) return refuse(report.error());
 
-  nlohmann::ordered_json json{{"identical", !report->divergence.has_value()}, {"ticks", report->ticks}};
+  nlohmann::ordered_json json{{"identical", !report->divergence.has_value()},
+                              {"ticks", report->ticks},
+                              {"torn_bytes", file->recording.torn_bytes}};
   if (report->divergence) {
     json["first_diverging_tick"] = report->divergence->tick;
     json["recorded_hash"] = wire::encode_hash(report->divergence->recorded_hash);
@@ -133,16 +142,18 @@ int replay(const Session& session, const std::string& path) {
     json["state_hash"] = wire::encode_hash(file->recording.entries.back().state_hash);
   }
   if (session.json) std::printf("%s\n", json.dump(2).c_str());
+  const std::string tear = describe_tear(file->recording.torn_bytes);
   if (report->divergence) {
     std::fprintf(
-        stderr, "kerf: the replay differs from tick %lld on (recorded %s, replayed %s); recorded by: %s, here: %s\n",
+        stderr, "kerf: the replay differs from tick %lld on (recorded %s, replayed %s); recorded by: %s, here: %s%s\n",
         static_cast<long long>(report->divergence->tick), wire::encode_hash(report->divergence->recorded_hash).c_str(),
-        wire::encode_hash(report->divergence->replayed_hash).c_str(), file->build.c_str(), wire::build_name().c_str());
+        wire::encode_hash(report->divergence->replayed_hash).c_str(), file->build.c_str(), wire::build_name().c_str(),
+        tear.c_str());
     return kRefused;
   }
   if (!session.json) {
-    std::printf("identical, bit for bit: %lld ticks, state hash %s\n", static_cast<long long>(report->ticks),
-                json.value("state_hash", std::string("none")).c_str());
+    std::printf("identical, bit for bit: %lld ticks, state hash %s%s\n", static_cast<long long>(report->ticks),
+                json.value("state_hash", std::string("none")).c_str(), tear.c_str());
   }
   return kDone;
 }
@@ -180,8 +191,14 @@ void add_offline_commands(CLI::App& app, Session& session) {
       [&session, arguments] { session.action = [&session, arguments] { return run(session, *arguments); }; });
 
   const auto file = std::make_shared<std::string>();
-  CLI::App* replaying = app.add_subcommand("replay", "Run a recording again and compare every tick, bit for bit");
-  replaying->add_option("FILE", *file, "Recording made with `kerf run --record`")->required()->type_name(value::kFile);
+  CLI::App* replaying =
+      app.add_subcommand("replay",
+                         "Run a recording again and compare every tick, bit for bit.\n"
+                         "A file that ends within an entry is replayed up to the last whole one, says\n"
+                         "so and exits with 0. Changed bytes, or a tick that differs, exit with 1.");
+  replaying->add_option("FILE", *file, "Recording, by `kerf run --record`, `kerf sheet record` or `kerfd --record`")
+      ->required()
+      ->type_name(value::kFile);
   replaying->group(group::kPhysics);
   replaying->callback([&session, file] { session.action = [&session, file] { return replay(session, *file); }; });
 }

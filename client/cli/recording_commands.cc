@@ -50,6 +50,10 @@ int play(const Session& session, const PlayArguments& arguments) {
   const grpc::Status status = client::replay_recording(client, arguments.id, arguments.paused, *recording, sheet);
   if (!status.ok()) return refuse(status, session.server);
   print(session, sheet);
+  if (!session.json && sheet.replay().torn_bytes() > 0) {
+    std::printf("the last %lld bytes of %s are a torn entry and left out\n",
+                static_cast<long long>(sheet.replay().torn_bytes()), arguments.file.c_str());
+  }
   return kDone;
 }
 

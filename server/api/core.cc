@@ -26,6 +26,7 @@ v1::Sheet::RunState encode_run_state(host::RunState state) {
 v1::Replay encode_replay(const host::ReplayStatus& status) {
   v1::Replay replay;
   replay.set_end_tick(status.end_tick);
+  replay.set_torn_bytes(status.torn_bytes);
   switch (status.state) {
     case host::ReplayState::kPlaying:
       replay.set_state(v1::Replay::PLAYING);

@@ -15,13 +15,13 @@ Host::~Host() {
 }
 
 void Host::create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done) {
-  impl_->create_sheet(std::move(id), std::move(config), std::nullopt, paused, std::move(done));
+  impl_->create_sheet(std::move(id), std::move(config), nullptr, paused, std::move(done));
 }
 
 void Host::replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done) {
   if (const Status ordered = sheet::check_order(recording.entries); !ordered) return done(ordered.error());
-  impl_->create_sheet(std::move(id), std::move(recording.config), std::move(recording.entries), paused,
-                      std::move(done));
+  auto playback = std::make_unique<Playback>(std::move(recording.entries), recording.torn_bytes);
+  impl_->create_sheet(std::move(id), std::move(recording.config), std::move(playback), paused, std::move(done));
 }
 
 void Host::recording(const std::string& id, Callback<KeptRun> done) {

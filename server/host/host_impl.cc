@@ -39,9 +39,8 @@ std::string random_id(std::uint64_t bits) {
 
 }  // namespace
 
-void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config,
-                              std::optional<std::vector<sheet::RecordedTick>> entries, bool paused,
-                              Callback<SheetStatus> done) {
+void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config, std::unique_ptr<Playback> playback,
+                              bool paused, Callback<SheetStatus> done) {
   if (id.empty()) id = config.sheet_id;
   if (id.empty()) id = random_id(entropy_.next());
   const Result<std::shared_ptr<VertexShare>> reserved = reserve(id, config, paused);
@@ -50,9 +49,8 @@ void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config,
   const std::shared_ptr<ExpectedNeed> expected = paused ? nullptr : expected_need(config);
   auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
   // Shared, as what is posted must be copyable.
-  const auto playback =
-      std::make_shared<std::unique_ptr<Playback>>(entries ? std::make_unique<Playback>(std::move(*entries)) : nullptr);
-  const bool posted = strand.post([this, id, shared, playback, paused, strand, done, expected, share = *reserved] {
+  const auto played = std::make_shared<std::unique_ptr<Playback>>(std::move(playback));
+  const bool posted = strand.post([this, id, shared, played, paused, strand, done, expected, share = *reserved] {
     Result<sheet::Sheet> built = stopping_ ? stopping() : build(std::move(*shared), *share);
     if (!built) {
       share->set(0);  // before whoever hears of it tries again
@@ -61,7 +59,7 @@ void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config,
     }
     const auto runner = std::make_shared<SheetRunner>(id, std::move(built).value(), context(), strand, share);
     // Begun before it can be found: on this strand, ahead of whatever finds it.
-    runner->begin(paused, options_.make_recording ? options_.make_recording(id) : nullptr, std::move(*playback));
+    runner->begin(paused, options_.make_recording ? options_.make_recording(id) : nullptr, std::move(*played));
     if (!admit(id, runner)) {
       runner->close(sheet::SinkEnd::kHostStopping);
       return done(stopping());

@@ -6,7 +6,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,9 +30,9 @@ class Host::Impl {
         admission_(options_.max_load),
         workers_(options_.workers, options_.long_work) {}
 
-  // `entries`: of a recording that the sheet is to play.
-  void create_sheet(std::string id, sheet::SheetConfig config, std::optional<std::vector<sheet::RecordedTick>> entries,
-                    bool paused, Callback<SheetStatus> done);
+  // `playback`: of a recording that the sheet is to play; null: none.
+  void create_sheet(std::string id, sheet::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
+                    Callback<SheetStatus> done);
   void delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed);
   [[nodiscard]] std::vector<std::string> list() const;
   [[nodiscard]] std::vector<SheetStatus> statuses(const std::vector<std::string>& ids) const;

@@ -9,7 +9,8 @@ Error replaying() {
           "the sheet plays a recording and takes no commands until that ends; delete the sheet to end it now", ""};
 }
 
-Playback::Playback(std::vector<sheet::RecordedTick> entries) : entries_(std::move(entries)) {
+Playback::Playback(std::vector<sheet::RecordedTick> entries, std::int64_t torn_bytes) : entries_(std::move(entries)) {
+  status_.torn_bytes = torn_bytes;
   if (entries_.empty()) {
     status_.state = ReplayState::kDone;
   } else {

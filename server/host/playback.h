@@ -19,7 +19,8 @@ enum class ReplayState {
 // How far a sheet that plays a recording has come.
 struct ReplayStatus {
   ReplayState state = ReplayState::kPlaying;
-  std::int64_t end_tick = 0;  // of the recording
+  std::int64_t end_tick = 0;    // of the recording
+  std::int64_t torn_bytes = 0;  // see sheet::Recording
   std::optional<sheet::Divergence> divergence;
 };
 
@@ -29,8 +30,8 @@ Error replaying();
 // A recording being played, entry by entry, by whoever steps the sheet.
 class Playback {
  public:
-  // In order, see sheet::check_order.
-  explicit Playback(std::vector<sheet::RecordedTick> entries);
+  // Entries in order, see sheet::check_order. `torn_bytes`: see sheet::Recording.
+  explicit Playback(std::vector<sheet::RecordedTick> entries, std::int64_t torn_bytes = 0);
 
   [[nodiscard]] const ReplayStatus& status() const { return status_; }
   [[nodiscard]] bool is_playing() const { return status_.state == ReplayState::kPlaying; }

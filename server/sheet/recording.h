@@ -28,6 +28,7 @@ struct RecordedTick {
 struct Recording {
   SheetConfig config;
   std::vector<RecordedTick> entries;
+  std::int64_t torn_bytes = 0;  // at its file's end, of an entry that is not there as a whole and was left out
 };
 
 // Where a recording goes while it is made. Called from the sheet's strand, in order.

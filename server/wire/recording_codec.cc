@@ -11,80 +11,14 @@
 
 #include "kerf/v1/run.pb.h"
 #include "server/wire/command_codec.h"
+#include "server/wire/recording_frames.h"
 #include "server/wire/scene_codec.h"
 
 namespace kerf::wire {
 namespace {
 
 constexpr std::string_view kMagic = "kerf-recording";
-
-std::string delimited(const google::protobuf::MessageLite& message) {
-  std::string bytes;
-  std::uint64_t length = message.ByteSizeLong();
-  while (length >= 0x80) {
-    bytes.push_back(static_cast<char>((length & 0x7f) | 0x80));
-    length >>= 7;
-  }
-  bytes.push_back(static_cast<char>(length));
-  message.AppendToString(&bytes);
-  return bytes;
-}
-
-Error damage(const char* reason, std::size_t offset, const std::string& what) {
-  const std::string at = "offset " + std::to_string(offset);
-  return {ErrorCode::kDataLoss, reason, "recording, " + at + ": " + what, at};
-}
-
-Error too_large(std::size_t offset, const std::string& what, std::int64_t limit) {
-  return damage("RECORDING_TOO_LARGE", offset, what + "; the limit is " + std::to_string(limit));
-}
-
-// Takes the messages of a file apart.
-class Reader {
- public:
-  explicit Reader(std::string_view file) : file_(file) {}
-
-  [[nodiscard]] bool done() const { return at_ == file_.size(); }
-  // Where the message read last begins.
-  [[nodiscard]] std::size_t offset() const { return start_; }
-
-  // The bytes of the next message.
-  Result<std::string_view> next() {
-    start_ = at_;
-    std::uint64_t length = 0;
-    for (int shift = 0;; shift += 7) {
-      if (at_ == file_.size()) return damage("RECORDING_TRUNCATED", start_, "the file ends within a length");
-      if (shift > 28) return damage("RECORDING_DAMAGED", start_, "a length of more than five bytes");
-      const auto byte = static_cast<unsigned char>(file_[at_++]);
-      length |= std::uint64_t{byte & 0x7fU} << shift;
-      if (byte < 0x80) break;
-    }
-    if (length > file_.size() - at_) {
-      return damage("RECORDING_TRUNCATED", start_,
-                    "the file ends within a message of " + std::to_string(length) + " bytes");
-    }
-    const std::string_view message = file_.substr(at_, static_cast<std::size_t>(length));
-    at_ += message.size();
-    return message;
-  }
-
-  // `unfolding`: of the message's bytes, those that may take many times their number in memory.
-  Status parse(std::string_view bytes, std::size_t unfolding, google::protobuf::MessageLite& message) const {
-    if (unfolding > kMaxRecordedMessageBytes) {
-      return too_large(start_, "a message has " + std::to_string(unfolding) + " bytes",
-                       static_cast<std::int64_t>(kMaxRecordedMessageBytes));
-    }
-    const bool parsed = bytes.size() <= std::size_t{std::numeric_limits<int>::max()} &&
-                        message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()));
-    if (!parsed) return damage("RECORDING_DAMAGED", start_, "what is there is no message of a recording");
-    return Nothing{};
-  }
-
- private:
-  std::string_view file_;
-  std::size_t at_ = 0;
-  std::size_t start_ = 0;
-};
+constexpr std::int32_t kLastPlainFormat = 2;  // the last one without checksums
 
 using google::protobuf::internal::WireFormatLite;
 using google::protobuf::io::CodedInputStream;
@@ -148,13 +82,14 @@ Result<sheet::RecordedTick> decode_tick(const v1::RecordedTick& message, std::si
   tick.state_hash = message.state_hash();
   for (int i = 0; i < message.commands_size(); ++i) {
     if (has_drawing(message.commands(i))) {
-      return damage("RECORDING_DAMAGED", offset,
-                    "command " + std::to_string(i) + " has an SVG; a recording has the path that was made of it");
+      return recording_damage(
+          "RECORDING_DAMAGED", offset,
+          "command " + std::to_string(i) + " has an SVG; a recording has the path that was made of it");
     }
     Result<sheet::Command> command = decode_command(message.commands(i));
     if (!command.ok()) {
-      return damage("RECORDING_DAMAGED", offset,
-                    "command " + std::to_string(i) + " is refused: " + command.error().message);
+      return recording_damage("RECORDING_DAMAGED", offset,
+                              "command " + std::to_string(i) + " is refused: " + command.error().message);
     }
     tick.commands.push_back(std::move(*command));
   }
@@ -164,55 +99,73 @@ Result<sheet::RecordedTick> decode_tick(const v1::RecordedTick& message, std::si
 // Reads the ticks of a file, one after another.
 class TickReader {
  public:
-  TickReader(Reader& reader, const RecordingLimits& limits) : reader_(reader), limits_(limits) {}
+  TickReader(RecordingReader& reader, const RecordingLimits& limits) : reader_(reader), limits_(limits) {}
 
-  Status read_into(std::vector<sheet::RecordedTick>& entries) {
-    Result<sheet::RecordedTick> tick = next();
+  // Appends the next one. False: the file ends within it.
+  Result<bool> read_into(std::vector<sheet::RecordedTick>& entries) {
+    const Result<std::optional<std::string_view>> bytes = reader_.next();
+    if (!bytes.ok()) return bytes.error();
+    if (!*bytes) return false;
+    Result<sheet::RecordedTick> tick = decode(**bytes);
     if (!tick.ok()) return tick.error();
-    const std::int64_t before = entries.empty() ? 0 : entries.back().tick;
-    if (const Status s = sheet::check_next(*tick, entries.size(), before); !s.ok()) {
-      return damage(s.error().reason.c_str(), reader_.offset(), s.error().message);
-    }
-    if (static_cast<std::int64_t>(entries.size()) == limits_.max_entries) {
-      return too_large(reader_.offset(), "there are more ticks than may be", limits_.max_entries);
-    }
-    for (const sheet::Command& command : tick->commands) parts_ += parts_of(command);
-    if (parts_ > limits_.max_parts) {
-      return too_large(reader_.offset(), "there are more commands, or larger ones, than may be", limits_.max_parts);
-    }
+    if (const Status s = check(*tick, entries); !s.ok()) return s.error();
     entries.push_back(std::move(*tick));
-    return Nothing{};
+    return true;
   }
 
  private:
-  Result<sheet::RecordedTick> next() {
-    const Result<std::string_view> bytes = reader_.next();
-    if (!bytes.ok()) return bytes.error();
+  Result<sheet::RecordedTick> decode(std::string_view bytes) const {
     v1::RecordedTick message;
-    if (const Status parsed = reader_.parse(*bytes, bytes->size(), message); !parsed.ok()) return parsed.error();
+    if (const Status parsed = reader_.parse(bytes, bytes.size(), message); !parsed.ok()) return parsed.error();
     return decode_tick(message, reader_.offset());
   }
 
-  Reader& reader_;
+  Status check(const sheet::RecordedTick& tick, const std::vector<sheet::RecordedTick>& entries) {
+    const std::int64_t before = entries.empty() ? 0 : entries.back().tick;
+    if (const Status s = sheet::check_next(tick, entries.size(), before); !s.ok()) {
+      return recording_damage(s.error().reason.c_str(), reader_.offset(), s.error().message);
+    }
+    if (static_cast<std::int64_t>(entries.size()) == limits_.max_entries) {
+      return recording_too_large(reader_.offset(), "there are more ticks than may be", limits_.max_entries);
+    }
+    for (const sheet::Command& command : tick.commands) parts_ += parts_of(command);
+    if (parts_ > limits_.max_parts) {
+      return recording_too_large(reader_.offset(), "there are more commands, or larger ones, than may be",
+                                 limits_.max_parts);
+    }
+    return Nothing{};
+  }
+
+  RecordingReader& reader_;
   const RecordingLimits& limits_;
   std::int64_t parts_ = 0;
 };
 
-Result<v1::RecordingHeader> read_header(Reader& reader) {
-  const Result<std::string_view> bytes = reader.next();
-  if (!bytes.ok()) {
-    return bytes.error().reason == "RECORDING_TRUNCATED" ? bytes.error()
-                                                         : damage("RECORDING_FORMAT", 0, "this is no Kerf recording");
+Error no_recording() {
+  return recording_damage("RECORDING_FORMAT", 0, "this is no Kerf recording");
+}
+
+Status check_format(std::int32_t version, bool is_checked) {
+  if (version < 1 || version > kRecordingFormat) {
+    return recording_damage("RECORDING_FORMAT", 0,
+                            "format version " + std::to_string(version) + "; this program reads versions 1 to " +
+                                std::to_string(kRecordingFormat));
   }
+  if (is_checked == (version > kLastPlainFormat)) return Nothing{};
+  return recording_damage("RECORDING_FORMAT", 0,
+                          "a file of format version " + std::to_string(version) + " begins with other bytes");
+}
+
+Result<v1::RecordingHeader> read_header(RecordingReader& reader) {
+  const Result<std::optional<std::string_view>> bytes = reader.next();
+  if (!bytes.ok()) return reader.is_checked() ? bytes.error() : no_recording();
+  if (!*bytes) return recording_damage("RECORDING_TRUNCATED", reader.offset(), "the file ends within its header");
   v1::RecordingHeader header;
-  const Status parsed = reader.parse(*bytes, bytes_beside_mesh(*bytes), header);
+  const Status parsed = reader.parse(**bytes, bytes_beside_mesh(**bytes), header);
   if (!parsed.ok() && parsed.error().reason == "RECORDING_TOO_LARGE") return parsed.error();
-  if (!parsed.ok() || header.magic() != kMagic) return damage("RECORDING_FORMAT", 0, "this is no Kerf recording");
-  if (header.format_version() < 1 || header.format_version() > kRecordingFormat) {
-    return damage("RECORDING_FORMAT", 0,
-                  "format version " + std::to_string(header.format_version()) + "; this program reads versions 1 to " +
-                      std::to_string(kRecordingFormat));
-  }
+  if (!parsed.ok() || header.magic() != kMagic) return no_recording();
+  if (const Status known = check_format(header.format_version(), reader.is_checked()); !known.ok())
+    return known.error();
   return header;
 }
 
@@ -232,7 +185,7 @@ std::string encode_recording_header(const sheet::SheetConfig& config, std::strin
   header.set_format_version(kRecordingFormat);
   header.set_build(std::string(build));
   *header.mutable_scene() = encode_scene(config);
-  return delimited(header);
+  return std::string(kRecordingSignature) + recording_frame(header);
 }
 
 std::string encode_recorded_tick(const sheet::RecordedTick& tick) {
@@ -240,21 +193,25 @@ std::string encode_recorded_tick(const sheet::RecordedTick& tick) {
   message.set_tick(tick.tick);
   message.set_state_hash(tick.state_hash);
   for (const sheet::Command& command : tick.commands) *message.add_commands() = encode_command(command);
-  return delimited(message);
+  return recording_frame(message);
 }
 
 Result<RecordingFile> decode_recording(std::string_view file, const RecordingLimits& limits) {
-  Reader reader(file);
+  Result<RecordingReader> opened = RecordingReader::open(file);
+  if (!opened.ok()) return opened.error();
+  RecordingReader& reader = *opened;
   Result<v1::RecordingHeader> header = read_header(reader);
   if (!header.ok()) return header.error();
   RecordingFile decoded;
   decoded.build = header->build();
   Result<sheet::SheetConfig> config = decode_scene(std::move(*header->mutable_scene()));
-  if (!config.ok()) return damage("RECORDING_DAMAGED", 0, "the scene is refused: " + config.error().message);
+  if (!config.ok()) return recording_damage("RECORDING_DAMAGED", 0, "the scene is refused: " + config.error().message);
   decoded.recording.config = std::move(*config);
   TickReader ticks(reader, limits);
-  while (!reader.done()) {
-    if (const Status read = ticks.read_into(decoded.recording.entries); !read.ok()) return read.error();
+  while (!reader.done() && decoded.recording.torn_bytes == 0) {
+    const Result<bool> whole = ticks.read_into(decoded.recording.entries);
+    if (!whole.ok()) return whole.error();
+    if (!*whole) decoded.recording.torn_bytes = static_cast<std::int64_t>(reader.bytes_from_offset());
   }
   return decoded;
 }

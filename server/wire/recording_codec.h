@@ -9,10 +9,10 @@
 #include "server/base/result.h"
 #include "server/sheet/recording.h"
 
-// Recording files: a kerf.v1.RecordingHeader, then RecordedTicks, each preceded by its length as a varint.
+// Recording files: a kerf.v1.RecordingHeader, then RecordedTicks; recording_frames.h has the bytes around them.
 namespace kerf::wire {
 
-inline constexpr std::int32_t kRecordingFormat = 2;  // written; 1, in which no tick is left out, is read as well
+inline constexpr std::int32_t kRecordingFormat = 3;  // written; 1, in which no tick is left out, and 2 are read as well
 
 // The compiler of this build and whether it optimised.
 std::string build_name();
@@ -37,9 +37,10 @@ struct RecordingLimits {
   std::int64_t max_parts = std::numeric_limits<std::int64_t>::max();
 };
 
-// A whole file. kDataLoss, with the offset in bytes in the message and in `field` ("offset 1234"):
-//   RECORDING_TRUNCATED  the file ends within a message
-//   RECORDING_DAMAGED    a length or a message that cannot be, or a scene or command that is refused
+// Reads a file up to its last whole entry. A file that ends within an entry has Recording::torn_bytes.
+// kDataLoss, with the offset in bytes in the message and in `field` ("offset 1234"):
+//   RECORDING_TRUNCATED  the file ends within its header
+//   RECORDING_DAMAGED    a wrong checksum, a length or a message that cannot be, or a scene or command that is refused
 //   RECORDING_FORMAT     not a recording, or of another format version
 //   RECORDING_ORDER, RECORDING_TICK  see sheet::check_next
 //   RECORDING_TOO_LARGE  a message beyond kMaxRecordedMessageBytes, or more than `limits` allow

@@ -133,17 +133,39 @@ TEST_F(ApiFilesTest, ARecordingHasNoMoreTicksAndCommandsThanMayBe) {
   }
 }
 
+TEST_F(ApiFilesTest, ATornRecordingIsPlayedToItsLastWholeEntry) {
+  make_api({}, nullptr);
+  ASSERT_TRUE(create_sheet("a", true).ok());
+  ASSERT_TRUE(call(&Api::create_cut, cut_request("sheets/a", 0.45)).ok());
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/StepSheet", R"({"name":"sheets/a","ticks":64})").ok());
+  const std::string hash = get_sheet("sheets/a").state_hash();
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/StepSheet", R"({"name":"sheets/a","ticks":3})").ok());
+  const std::string file = **recording("sheets/a");
+  const std::string torn = file.substr(0, file.size() - 3);
+  const auto upload = api_->replay_recording(recording_upload("b", torn));
+  ASSERT_TRUE((*upload)->append(torn).ok());
+  const Result<v1::Sheet> made = finish(**upload);
+  ASSERT_TRUE(made.ok()) << made.error().message;
+  EXPECT_EQ(made->replay().end_tick(), 64);
+  ASSERT_TRUE(call_json("/kerf.v1.SheetService/StepSheet", R"({"name":"sheets/b","ticks":100})").ok());
+  const v1::Sheet played = get_sheet("sheets/b");
+  EXPECT_EQ(played.replay().state(), v1::Replay::DONE);
+  EXPECT_EQ(played.state_hash(), hash);
+  const std::int64_t entry_bytes = static_cast<std::int64_t>(wire::encode_recorded_tick({67, {}, 1}).size());
+  EXPECT_EQ(played.replay().torn_bytes(), entry_bytes - 3);
+}
+
 TEST_F(ApiFilesTest, ADamagedRecordingMakesNoSheet) {
   make_api({}, nullptr);
   ASSERT_TRUE(create_sheet("a", true).ok());
-  const std::string file = **recording("sheets/a");
-  const std::string damaged = file.substr(0, file.size() - 1);
+  std::string damaged = **recording("sheets/a");
+  damaged[damaged.size() / 2] ^= 1;
   const auto upload = api_->replay_recording(recording_upload("b", damaged));
   ASSERT_TRUE((*upload)->append(damaged).ok());
   const Result<v1::Sheet> made = finish(**upload);
   ASSERT_FALSE(made.ok());
   EXPECT_EQ(made.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_EQ(made.error().reason, "RECORDING_TRUNCATED");
+  EXPECT_EQ(made.error().reason, "RECORDING_DAMAGED");
   EXPECT_EQ(host_->list(), std::vector<std::string>{"a"});
   EXPECT_EQ(recording("sheets/nobody").error().field, "name");
   EXPECT_EQ(recording("nobody").error().code, ErrorCode::kInvalidArgument);

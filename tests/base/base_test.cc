@@ -15,6 +15,7 @@
 
 #include <gtest/gtest.h>
 
+#include "server/base/crc32c.h"
 #include "server/base/descriptors.h"
 #include "server/base/memory_limit.h"
 #include "server/base/peer_places.h"
@@ -43,6 +44,18 @@ TEST(Result, HoldsValueOrError) {
 
 TEST(ResultDeathTest, ValueOfAFailureIsABug) {
   EXPECT_DEATH(static_cast<void>(half_of(7).value()), "value\\(\\) of a failed Result");
+}
+
+// The values are those of RFC 3720, B.4, and the usual check of nine digits.
+TEST(Crc32c, HasThePublishedValues) {
+  EXPECT_EQ(crc32c(""), 0U);
+  EXPECT_EQ(crc32c("123456789"), 0xe3069283U);
+  EXPECT_EQ(crc32c(std::string(32, '\0')), 0x8a9136aaU);
+  EXPECT_EQ(crc32c(std::string(32, '\xff')), 0x62a8ab43U);
+  std::string rising(32, '\0');
+  for (std::size_t i = 0; i < rising.size(); ++i) rising[i] = static_cast<char>(i);
+  EXPECT_EQ(crc32c(rising), 0x46dd794eU);
+  EXPECT_EQ(crc32c(std::string(rising.rbegin(), rising.rend())), 0x113fdb5cU);
 }
 
 std::uint64_t hash_of(const std::vector<double>& values) {

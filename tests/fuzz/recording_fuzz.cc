@@ -1,5 +1,5 @@
 // Bytes -> a recording file -> scene and entries. Whatever the bytes, the answer is a value, no larger than it may be;
-// what was read is written as a file that reads the same.
+// what was read is written as a file that reads the same. Files of formats 1 and 2 get past the frames: no checksums.
 #include <cstddef>
 #include <cstdint>
 #include <string>

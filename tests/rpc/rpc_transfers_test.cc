@@ -122,9 +122,13 @@ TEST_F(RpcServerTest, ARecordingIsFetchedAndPlayed) {
   EXPECT_EQ(played.replay().state(), v1::Replay::DONE);
   EXPECT_EQ(played.state_hash(), live.state_hash());
 
-  const grpc::Status damaged = client::replay_recording(*client_, "bad", true, file.substr(0, file.size() - 1), played);
+  ASSERT_TRUE(client::replay_recording(*client_, "torn", true, file.substr(0, file.size() - 1), played).ok());
+  EXPECT_GT(played.replay().torn_bytes(), 0);
+  std::string flipped = file;
+  flipped[flipped.size() / 2] ^= 1;
+  const grpc::Status damaged = client::replay_recording(*client_, "bad", true, flipped, played);
   EXPECT_EQ(damaged.error_code(), StatusCode::INVALID_ARGUMENT);
-  EXPECT_EQ(client::failure_of(damaged).reason, "RECORDING_TRUNCATED");
+  EXPECT_EQ(client::failure_of(damaged).reason, "RECORDING_DAMAGED");
   EXPECT_EQ(client::fetch_recording(*client_, "sheets/nobody", file).error_code(), StatusCode::NOT_FOUND);
 }
 

@@ -10,6 +10,7 @@
 #include "server/base/random.h"
 #include "server/wire/protobuf_log.h"
 #include "server/wire/recording_codec.h"
+#include "server/wire/recording_frames.h"
 #include "tests/wire/codec_checks.h"
 #include "tests/wire/scene_samples.h"
 
@@ -49,46 +50,8 @@ TEST(RecordingCodec, ComesBackUnchanged) {
   EXPECT_EQ(encode(read->recording), file);
 }
 
-TEST(RecordingCodec, EveryTruncationIsRefusedWithItsOffset) {
-  const sheet::Recording recording = sample_recording();
-  const std::string file = encode(recording);
-  std::size_t boundary = encode_recording_header(recording.config, "0.1.0 g++").size();
-  std::vector<std::size_t> boundaries{boundary};
-  for (const sheet::RecordedTick& entry : recording.entries) {
-    boundaries.push_back(boundary += encode_recorded_tick(entry).size());
-  }
-  std::size_t start = 0;  // of the message that the cut goes through
-  for (std::size_t length = 0; length < file.size(); ++length) {
-    const Result<RecordingFile> read = decode_recording(std::string_view(file).substr(0, length));
-    if (std::find(boundaries.begin(), boundaries.end(), length) != boundaries.end()) {
-      ASSERT_TRUE(read.ok()) << length << ": a recording that was stopped between two ticks is whole";
-      start = length;
-      continue;
-    }
-    ASSERT_FALSE(read.ok()) << length;
-    EXPECT_EQ(read.error().code, ErrorCode::kDataLoss);
-    EXPECT_EQ(read.error().reason, "RECORDING_TRUNCATED");
-    EXPECT_EQ(read.error().field, "offset " + std::to_string(start)) << length;
-  }
-}
-
-TEST(RecordingCodec, DamageIsRefusedOrChangesOnlyWhatItHits) {
-  discard_protobuf_log();
-  const std::string file = encode(sample_recording());
-  int refused = 0;
-  for (std::size_t at = 0; at < file.size(); ++at) {
-    std::string damaged = file;
-    damaged[at] = static_cast<char>(damaged[at] ^ 0x80);
-    const Result<RecordingFile> read = decode_recording(damaged);
-    if (read.ok()) continue;  // a number or text that still is one: replay finds it by its hash
-    ++refused;
-    EXPECT_EQ(read.error().code, ErrorCode::kDataLoss);
-    EXPECT_THAT(read.error().field, HasSubstr("offset "));
-  }
-  EXPECT_GT(refused, 50);
-}
-
-std::string framed(const google::protobuf::MessageLite& message) {
+// Returns the message as formats 1 and 2 have it.
+std::string plain_frame(const google::protobuf::MessageLite& message) {
   std::string bytes;
   for (std::size_t length = message.ByteSizeLong(); true; length >>= 7) {
     bytes.push_back(static_cast<char>((length & 0x7f) | (length >= 0x80 ? 0x80 : 0)));
@@ -96,6 +59,123 @@ std::string framed(const google::protobuf::MessageLite& message) {
   }
   message.AppendToString(&bytes);
   return bytes;
+}
+
+v1::RecordingHeader small_header(std::int32_t format) {
+  v1::RecordingHeader header;
+  header.set_magic("kerf-recording");
+  header.set_format_version(format);
+  v1::GridMesh& grid = *header.mutable_scene()->mutable_grid();
+  grid.set_columns(2);
+  grid.set_rows(2);
+  grid.set_width_m(1.0);
+  grid.set_height_m(1.0);
+  return header;
+}
+
+// Returns the header and each entry of a short recording.
+std::vector<std::string> small_messages(std::int32_t format) {
+  const bool is_plain = format < 3;
+  const auto frame = [is_plain](const auto& message) {
+    return is_plain ? plain_frame(message) : recording_frame(message);
+  };
+  std::vector<std::string> messages{(is_plain ? "" : std::string(kRecordingSignature)) + frame(small_header(format))};
+  SeededRandom random(8);
+  for (std::int64_t tick = 1; tick <= 5; ++tick) {
+    v1::RecordedTick entry;
+    entry.set_tick(100 * tick);
+    entry.set_state_hash(random.next());
+    if (tick % 2 == 0) entry.add_commands()->mutable_undo_cut();
+    messages.push_back(frame(entry));
+  }
+  return messages;
+}
+
+std::string joined(const std::vector<std::string>& messages) {
+  std::string file;
+  for (const std::string& message : messages) file += message;
+  return file;
+}
+
+TEST(RecordingCodec, ATornEndIsLeftOutAtEveryLength) {
+  for (const std::int32_t format : {1, 2, 3}) {
+    const std::vector<std::string> messages = small_messages(format);
+    const std::string file = joined(messages);
+    std::size_t num_entries = 0;
+    std::size_t whole = messages[0].size();  // bytes of the header and the entries that are there
+    for (std::size_t length = 0; length <= file.size(); ++length) {
+      const Result<RecordingFile> read = decode_recording(std::string_view(file).substr(0, length));
+      if (length < messages[0].size()) {
+        ASSERT_FALSE(read.ok()) << length;
+        EXPECT_EQ(read.error().code, ErrorCode::kDataLoss);
+        EXPECT_EQ(read.error().reason, "RECORDING_TRUNCATED") << length;
+        EXPECT_THAT(read.error().field, HasSubstr("offset ")) << length;
+        continue;
+      }
+      if (num_entries + 1 < messages.size() && whole + messages[num_entries + 1].size() == length) {
+        whole += messages[++num_entries].size();
+      }
+      ASSERT_TRUE(read.ok()) << "format " << format << ", " << length << ": " << read.error().message;
+      EXPECT_EQ(read->recording.entries.size(), num_entries) << length;
+      EXPECT_EQ(read->recording.torn_bytes, static_cast<std::int64_t>(length - whole)) << length;
+    }
+    EXPECT_EQ(num_entries, 5U);
+  }
+}
+
+TEST(RecordingCodec, EveryFlippedBitIsDamage) {
+  discard_protobuf_log();
+  const std::vector<std::string> messages = small_messages(3);
+  const std::string file = joined(messages);
+  std::size_t start = 0;  // of the message that the bit is in
+  std::size_t end = messages[0].size();
+  std::size_t next = 1;
+  for (std::size_t at = 0; at < file.size(); ++at) {
+    if (at == kRecordingSignature.size()) start = at;
+    if (at == end) {
+      start = end;
+      end += messages[next++].size();
+    }
+    for (int bit = 0; bit < 8; ++bit) {
+      std::string flipped = file;
+      flipped[at] = static_cast<char>(flipped[at] ^ (1 << bit));
+      const Result<RecordingFile> read = decode_recording(flipped);
+      ASSERT_FALSE(read.ok()) << "byte " << at << ", bit " << bit;
+      EXPECT_EQ(read.error().code, ErrorCode::kDataLoss);
+      EXPECT_EQ(read.error().reason, "RECORDING_DAMAGED") << "byte " << at << ", bit " << bit;
+      EXPECT_EQ(read.error().field, "offset " + std::to_string(start)) << "byte " << at << ", bit " << bit;
+    }
+  }
+}
+
+TEST(RecordingCodec, ABitOfEachByteOfALargerFile) {
+  const std::string file = encode(sample_recording());
+  SeededRandom random(31);
+  for (std::size_t at = 0; at < file.size(); ++at) {
+    std::string flipped = file;
+    flipped[at] = static_cast<char>(flipped[at] ^ (1U << (random.next() % 8)));
+    const Result<RecordingFile> read = decode_recording(flipped);
+    ASSERT_FALSE(read.ok()) << "byte " << at;
+    EXPECT_EQ(read.error().reason, "RECORDING_DAMAGED") << "byte " << at;
+  }
+}
+
+TEST(RecordingCodec, OtherDamageIsFoundAsWell) {
+  const std::vector<std::string> messages = small_messages(3);
+  const std::string file = joined(messages);
+  std::string zeroed = file;  // from the last entry's head on
+  std::fill(zeroed.end() - static_cast<std::ptrdiff_t>(messages.back().size()), zeroed.end(), '\0');
+  EXPECT_EQ(decode_recording(zeroed).error().reason, "RECORDING_DAMAGED");
+  EXPECT_EQ(decode_recording(file + std::string(64, '\0')).error().reason, "RECORDING_DAMAGED");
+  EXPECT_EQ(decode_recording(file + std::string(64, '\xff')).error().reason, "RECORDING_DAMAGED");
+  for (std::size_t at = messages[0].size(); at < file.size(); ++at) {
+    std::string shorter = file;
+    shorter.erase(at, 1);
+    const Result<RecordingFile> read = decode_recording(shorter);
+    // A byte that is missing in the last entry's message looks like one that was never written.
+    const bool is_last = at >= file.size() - messages.back().size() + kFrameHeadBytes;
+    EXPECT_EQ(read.ok(), is_last) << at;
+  }
 }
 
 std::string refusal_of(const std::string& file, const RecordingLimits& limits = {}) {
@@ -113,7 +193,9 @@ sheet::Recording one_tick(std::vector<sheet::Command> commands) {
 
 TEST(RecordingCodec, EntriesThatTellNothingAreRefusedAtTheFirst) {
   const std::string header = encode_recording_header(sample_recording().config, "");
-  const Result<RecordingFile> read = decode_recording(header + std::string(1 << 20, '\0'));
+  std::string empty;
+  for (int i = 0; i < 1000; ++i) empty += recording_frame(v1::RecordedTick());
+  const Result<RecordingFile> read = decode_recording(header + empty);
   ASSERT_FALSE(read.ok()) << read->recording.entries.size() << " entries";
   EXPECT_EQ(read.error().reason, "RECORDING_ORDER");
   EXPECT_EQ(read.error().field, "offset " + std::to_string(header.size()));
@@ -148,7 +230,7 @@ TEST(RecordingCodec, ATickHasNoMoreCommandsThanALiveOne) {
 }
 
 TEST(RecordingCodec, WhatUnfoldsIsShort) {
-  const std::string header = encode_recording_header(sample_recording().config, "");
+  const std::string header = plain_frame(small_header(2));
   const std::string length("\x80\x80\x80\x04", 4);  // 8 MiB
   EXPECT_EQ(refusal_of(header + length + std::string(kMaxRecordedMessageBytes, '\0')), "RECORDING_DAMAGED");
   const std::string longer("\x81\x80\x80\x04", 4);
@@ -156,11 +238,12 @@ TEST(RecordingCodec, WhatUnfoldsIsShort) {
 
   v1::RecordingHeader with_mesh;
   with_mesh.set_magic("kerf-recording");
-  with_mesh.set_format_version(2);
+  with_mesh.set_format_version(3);
+  const auto file = [&with_mesh] { return std::string(kRecordingSignature) + recording_frame(with_mesh); };
   with_mesh.mutable_scene()->mutable_obj()->set_text(std::string(kMaxRecordedMessageBytes + 1, '#'));
-  EXPECT_EQ(refusal_of(framed(with_mesh)), "none") << "a mesh may be as long as an upload";
+  EXPECT_EQ(refusal_of(file()), "none") << "a mesh may be as long as an upload";
   with_mesh.mutable_scene()->set_description(std::string(kMaxRecordedMessageBytes, 'x'));
-  EXPECT_EQ(refusal_of(framed(with_mesh)), "RECORDING_TOO_LARGE");
+  EXPECT_EQ(refusal_of(file()), "RECORDING_TOO_LARGE");
 }
 
 TEST(RecordingCodec, ADrawingIsNoRecordedCommand) {
@@ -171,36 +254,33 @@ TEST(RecordingCodec, ADrawingIsNoRecordedCommand) {
   *alone.add_commands()->mutable_cut() = cut;
   *in_batch.add_commands()->mutable_cut_batch()->add_cuts() = cut;
   const std::string header = encode_recording_header(sample_recording().config, "");
-  EXPECT_EQ(refusal_of(header + framed(alone)), "RECORDING_DAMAGED");
-  EXPECT_EQ(refusal_of(header + framed(in_batch)), "RECORDING_DAMAGED");
+  EXPECT_EQ(refusal_of(header + recording_frame(alone)), "RECORDING_DAMAGED");
+  EXPECT_EQ(refusal_of(header + recording_frame(in_batch)), "RECORDING_DAMAGED");
 }
 
 TEST(RecordingCodec, OtherFilesAreNoRecordings) {
   EXPECT_EQ(decode_recording("").error().reason, "RECORDING_TRUNCATED");
   EXPECT_EQ(decode_recording(std::string("\x02\x7b\x7d", 3)).error().reason, "RECORDING_FORMAT");
-  v1::RecordingHeader header;
-  header.set_magic("kerf-recording");
-  header.set_format_version(3);
-  std::string file(1, static_cast<char>(header.ByteSizeLong()));
-  header.AppendToString(&file);
-  EXPECT_EQ(decode_recording(file).error().reason, "RECORDING_FORMAT");
-  EXPECT_THAT(decode_recording(file).error().message, HasSubstr("version 3"));
+  EXPECT_EQ(decode_recording(plain_frame(small_header(3))).error().reason, "RECORDING_FORMAT");
+  for (const std::int32_t other : {0, 2, 4}) {
+    const std::string file = std::string(kRecordingSignature) + recording_frame(small_header(other));
+    EXPECT_EQ(decode_recording(file).error().reason, "RECORDING_FORMAT");
+    EXPECT_THAT(decode_recording(file).error().message, HasSubstr("version " + std::to_string(other)));
+  }
 }
 
-TEST(RecordingCodec, FilesOfVersionOneAreReadAsWell) {
-  v1::RecordingHeader header;
-  header.set_magic("kerf-recording");
-  header.set_format_version(1);
-  header.mutable_scene()->mutable_grid()->set_columns(2);
-  header.mutable_scene()->mutable_grid()->set_rows(2);
-  header.mutable_scene()->mutable_grid()->set_width_m(1.0);
-  header.mutable_scene()->mutable_grid()->set_height_m(1.0);
-  ASSERT_LT(header.ByteSizeLong(), 128U);
-  std::string file(1, static_cast<char>(header.ByteSizeLong()));
-  header.AppendToString(&file);
-  const Result<RecordingFile> read = decode_recording(file);
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_TRUE(read->recording.entries.empty());
+TEST(RecordingCodec, FilesOfOlderFormatsAreReadAsWell) {
+  const std::vector<sheet::RecordedTick> newest = decode_recording(joined(small_messages(3)))->recording.entries;
+  for (const std::int32_t format : {1, 2}) {
+    const Result<RecordingFile> read = decode_recording(joined(small_messages(format)));
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    ASSERT_EQ(read->recording.entries.size(), newest.size());
+    for (std::size_t i = 0; i < newest.size(); ++i) {
+      EXPECT_EQ(read->recording.entries[i].tick, newest[i].tick);
+      EXPECT_EQ(read->recording.entries[i].state_hash, newest[i].state_hash);
+      EXPECT_EQ(read->recording.entries[i].commands.size(), newest[i].commands.size());
+    }
+  }
 }
 
 }  // namespace

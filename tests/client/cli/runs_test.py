@@ -3,8 +3,18 @@
 import base64
 import json
 import pathlib
+import struct
 
 from cli_case import ROOT, Case, below_a_file, kerf, main, panel, path, scene_file, setUpModule, tearDownModule
+
+
+def crc32c(content):
+    crc = 0xffffffff
+    for byte in content:
+        crc ^= byte
+        for _ in range(8):
+            crc = crc >> 1 ^ (0x82f63b78 if crc & 1 else 0)
+    return crc ^ 0xffffffff
 
 
 class Runs(Case):
@@ -118,15 +128,30 @@ class Runs(Case):
     def test_a_tampered_recording_names_the_tick(self):
         self.json_of("run", scene_file("tamper.json"), "--record", path("tamper.rec"))
         content = bytearray(pathlib.Path(path("tamper.rec")).read_bytes())
-        content[-1] ^= 1  # the last tick's hash
+        head = content.rindex(struct.pack("<I", 11))  # of the last entry: tick 20 and its hash
+        content[-1] ^= 1
+        pathlib.Path(path("flipped.rec")).write_bytes(content)
+        self.refused("replay", path("flipped.rec"), says=f"offset {head}")
+        # As a program would write it that had come to another hash.
+        content[head + 4:head + 8] = struct.pack("<I", crc32c(content[head + 10:]))
+        content[head + 8:head + 10] = struct.pack("<H", crc32c(content[head:head + 8]) & 0xffff)
         pathlib.Path(path("tamper.rec")).write_bytes(content)
         self.assertEqual(kerf("--json", "replay", path("tamper.rec")).returncode, 1)
         self.refused("replay", path("tamper.rec"), says="tick 20")
-        pathlib.Path(path("cut.rec")).write_bytes(content[:-3])
-        self.refused("replay", path("cut.rec"), says="offset")
         pathlib.Path(path("text.rec")).write_text("no recording at all")
         self.refused("replay", path("text.rec"))
 
+    def test_a_torn_recording_is_replayed_to_its_last_whole_entry(self):
+        self.json_of("run", scene_file("torn.json"), "--record", path("whole.rec"))
+        content = pathlib.Path(path("whole.rec")).read_bytes()
+        pathlib.Path(path("torn.rec")).write_bytes(content[:-3])
+        replayed = self.json_of("replay", path("torn.rec"))
+        self.assertEqual((replayed["identical"], replayed["ticks"], replayed["torn_bytes"]), (True, 19, 18))
+        self.assertIn("the last 18 bytes are a torn entry", kerf("replay", path("torn.rec")).stdout)
+        self.assertEqual(self.json_of("replay", path("whole.rec"))["torn_bytes"], 0)
+        pathlib.Path(path("headless.rec")).write_bytes(content[:30])
+        self.refused("replay", path("headless.rec"), says="within its header")
+        self.assertNotIn("torn", kerf("replay", path("whole.rec")).stdout)
     def test_refusals(self):
         self.refused("run", path("missing.json"), says="missing.json")
         self.refused("run", scene_file("bad.json", gravity_mps2={"x": "NaN"}), says="gravity_mps2")

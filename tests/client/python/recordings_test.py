@@ -27,6 +27,16 @@ class Recordings(Case):
         now = played.step(last.tick)
         self.assertEqual((now.tick, now.state_hash, now.pieces), (last.tick, last.state_hash, 2))
 
+    def test_a_torn_recording_is_played_to_its_last_whole_entry(self):
+        self.sheet.step(64)
+        self.sheet.step(5)
+        self.sheet.record(path("torn.rec"))
+        os.truncate(path("torn.rec"), os.path.getsize(path("torn.rec")) - 1)
+        played = self.server.replay(path("torn.rec"), "py-torn", paused=True)
+        self.addCleanup(played.delete)
+        replay = played.get().replay
+        self.assertEqual((replay.end_tick, replay.torn_bytes > 0), (64, True))
+
     def test_what_cannot_be_played_or_written(self):
         pathlib.Path(path("damaged.rec")).write_bytes(b"no recording at all")
         with self.assertRaises(kerf.InvalidArgument):

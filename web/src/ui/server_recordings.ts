@@ -45,7 +45,9 @@ export class ServerRecordings {
     if (!sheet) return;
     this.opened(sheet.name);
     const ticks = countText(Number(sheet.replay?.endTick ?? 0), 'tick');
-    app.notify('success', `${sheetId(sheet.name)} plays ${file.name}, ${ticks}: it takes no commands until the end`);
+    const torn = Number(sheet.replay?.tornBytes ?? 0);
+    const left = torn > 0 ? `; its last ${countText(torn, 'byte')}, a torn entry, left out` : '';
+    app.notify('success', `${sheetId(sheet.name)} plays ${file.name}, ${ticks}${left}: it takes no commands until the end`);
   }
 
   private async save(): Promise<void> {

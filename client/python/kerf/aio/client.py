@@ -146,7 +146,7 @@ class Server:
         no commands until the recording ends; (await sheet.get()).replay says how far it is. At most 128 MiB.
 
         sheet_id: empty: that of the recording, or one that the server chooses. InvalidArgument names the offset where the
-        file is damaged. OSError.
+        file is damaged. One that ends within an entry is played up to the last whole one: replay.torn_bytes. OSError.
         """
         content = pathlib.Path(path).read_bytes()
         start = sheets_pb2.RecordingUpload(sheet_id=sheet_id, paused=paused, num_bytes=len(content))
