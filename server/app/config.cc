@@ -109,7 +109,10 @@ void declare(CLI::App& parser, Arguments& arguments) {
                   "Web origin, such as https://viewer.example.org, whose pages may use this server; repeatable")
       ->type_name("ORIGIN")
       ->take_all();
-  parser.add_option("--record", arguments.record_dir, "Folder for a recording of every sheet, for `kerf replay`")
+  parser
+      .add_option(
+          "--record", arguments.record_dir,
+          "Folder for a recording of every sheet, for `kerf replay`; while its disk is full they wait in memory")
       ->type_name("DIR");
 }
 

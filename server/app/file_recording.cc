@@ -6,31 +6,112 @@
 
 namespace kerf::app {
 
-FileRecording::FileRecording(host::Disk& disk, std::string path, std::function<void(const std::string&)> note)
-    : disk_(disk), path_(std::move(path)), note_(std::move(note)) {}
+namespace {
+
+constexpr std::size_t kPieceBytes = 4096;  // of what waits, written at once
+
+}  // namespace
+
+FileRecording::FileRecording(host::Disk& disk, const host::Clock& clock, RecordingBoard& board, std::string path,
+                             std::function<void(const std::string&)> note)
+    : disk_(disk), clock_(clock), board_(board), path_(std::move(path)), note_(std::move(note)) {
+  ++board_.open;
+}
+
+FileRecording::~FileRecording() {
+  if (state_ == State::kPaused) {
+    const Status written = write_waiting();
+    if (written) {
+      resume();
+    } else {
+      ++board_.errors;
+      say("ends with its sheet, " + std::to_string(waiting_bytes_) +
+          " bytes before its end: " + written.error().message);
+    }
+  }
+  forget_waiting();
+  if (state_ != State::kWriting) --board_.stopped;
+  --board_.open;
+}
 
 void FileRecording::start(const sheet::SheetConfig& config) {
-  Result<std::unique_ptr<host::AppendFile>> file = disk_.create_file(path_);
-  if (!file) {
-    give_up(file.error());
-    return;
-  }
-  file_ = std::move(file).value();
-  write(wire::encode_recording_header(config, wire::build_name()));
+  std::string header = wire::encode_recording_header(config, wire::build_name());
+  header_bytes_ = static_cast<std::int64_t>(header.size());
+  write(std::move(header));
 }
 
 void FileRecording::append(const sheet::RecordedTick& entry) {
-  write(wire::encode_recorded_tick(entry));
+  if (state_ != State::kEnded) write(wire::encode_recorded_tick(entry));
 }
 
-void FileRecording::write(const std::string& bytes) {
-  if (!file_) return;
-  if (const Status written = file_->append(bytes); !written) give_up(written.error());
+void FileRecording::write(std::string bytes) {
+  const auto count = static_cast<std::int64_t>(bytes.size());
+  waiting_bytes_ += count;
+  board_.waiting_bytes += count;
+  if (!waiting_.empty() && waiting_.back().size() + bytes.size() <= kPieceBytes) {
+    waiting_.back() += bytes;
+  } else {
+    waiting_.push_back(std::move(bytes));
+  }
+  if (state_ == State::kWriting || clock_.now() >= next_try_ || waits_too_much()) try_to_write();
 }
 
-void FileRecording::give_up(const Error& error) {
+bool FileRecording::waits_too_much() const {
+  return waiting_bytes_ > header_bytes_ + kMaxWaitingBytes || board_.waiting_bytes > kMaxAllWaitingBytes;
+}
+
+void FileRecording::try_to_write() {
+  const Status written = write_waiting();
+  if (written) {
+    if (state_ == State::kPaused) resume();
+    return;
+  }
+  ++board_.errors;
+  next_try_ = clock_.now() + kRetryInterval;
+  if (state_ == State::kWriting) pause(written.error());
+  if (waits_too_much()) end();
+}
+
+Status FileRecording::write_waiting() {
+  if (!file_) {
+    Result<std::unique_ptr<host::AppendFile>> made = disk_.create_file(path_);
+    if (!made) return made.error();
+    file_ = std::move(made).value();
+  }
+  for (; !waiting_.empty(); waiting_.pop_front()) {
+    if (const Status written = file_->append(waiting_.front()); !written) return written;
+    const auto count = static_cast<std::int64_t>(waiting_.front().size());
+    header_bytes_ = 0;  // it is in the first piece
+    waiting_bytes_ -= count;
+    board_.waiting_bytes -= count;
+    board_.bytes += count;
+  }
+  return Nothing{};
+}
+
+void FileRecording::pause(const Error& error) {
+  state_ = State::kPaused;
+  ++board_.stopped;
+  say("pauses: " + error.message + "; it is tried again every second, and loses nothing meanwhile up to 1 MiB");
+}
+
+void FileRecording::resume() {
+  state_ = State::kWriting;
+  --board_.stopped;
+  say("resumes, and nothing is missing in it");
+}
+
+void FileRecording::end() {
+  state_ = State::kEnded;
   file_.reset();
-  note_("recording " + path_ + " stopped: " + error.message);
+  forget_waiting();
+  say("has ended: more waits than may; what was written replays up to its last entry");
+}
+
+void FileRecording::forget_waiting() {
+  board_.waiting_bytes -= waiting_bytes_;
+  waiting_bytes_ = 0;
+  std::deque<std::string>().swap(waiting_);
 }
 
 }  // namespace kerf::app

@@ -1,33 +1,79 @@
 #pragma once
 
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "server/host/clock.h"
 #include "server/host/disk.h"
 #include "server/sheet/recording.h"
+#include "server/ws/metrics_page.h"
 
 namespace kerf::app {
 
-// Writes a recording file while the sheet runs (form: kerf/v1/run.proto). What was appended is in the operating
-// system's hands: it survives the process, not the machine. After the first failure, told once to `note`, nothing more
-// is written and the sheet goes on.
+// The counts of all recordings of a server. Thread-safe.
+struct RecordingBoard {
+  std::atomic<std::int64_t> open{0};
+  std::atomic<std::int64_t> stopped{0};
+  std::atomic<std::int64_t> waiting_bytes{0};
+  std::atomic<std::int64_t> errors{0};
+  std::atomic<std::int64_t> bytes{0};
+
+  [[nodiscard]] ws::RecordingCounts read() const { return {open, stopped, waiting_bytes, errors, bytes}; }
+};
+
+// Writes a recording file while the sheet runs (form: kerf/v1/run.proto). The operating system has what was appended:
+// it survives the process, not the machine.
+//
+// After a write that fails the recording pauses: entries wait in memory, and an entry that comes kRetryInterval after a
+// failure tries again. A sheet that sleeps or is paused has no entries, so nothing is tried. Where more waits than may,
+// the recording ends for good. The file has whole entries only, without a gap. Each change is one line to `note`.
 class FileRecording : public sheet::RecordingSink {
  public:
-  // `disk` must outlive this; `note` is called from the sheet's strand.
-  FileRecording(host::Disk& disk, std::string path, std::function<void(const std::string&)> note);
+  static constexpr host::Nanoseconds kRetryInterval = std::chrono::seconds(1);
+  static constexpr std::int64_t kMaxWaitingBytes = std::int64_t{1} << 20;       // beside the header
+  static constexpr std::int64_t kMaxAllWaitingBytes = std::int64_t{256} << 20;  // of all recordings on one board
+
+  // `disk`, `clock` and `board` must outlive this; `note` is called from the sheet's strand and the destructor.
+  FileRecording(host::Disk& disk, const host::Clock& clock, RecordingBoard& board, std::string path,
+                std::function<void(const std::string&)> note);
+  // Tries a last time to write what waits.
+  ~FileRecording() override;
+  FileRecording(const FileRecording&) = delete;
+  FileRecording& operator=(const FileRecording&) = delete;
 
   void start(const sheet::SheetConfig& config) override;
   void append(const sheet::RecordedTick& entry) override;
 
  private:
-  void write(const std::string& bytes);
-  void give_up(const Error& error);
+  enum class State { kWriting, kPaused, kEnded };
+
+  void write(std::string bytes);
+  [[nodiscard]] bool waits_too_much() const;
+  void try_to_write();
+  Status write_waiting();
+  void pause(const Error& error);
+  void resume();
+  void end();
+  void forget_waiting();
+  void say(const std::string& what) const { note_("recording " + path_ + " " + what); }
 
   host::Disk& disk_;
+  const host::Clock& clock_;
+  RecordingBoard& board_;
   const std::string path_;
   const std::function<void(const std::string&)> note_;
-  std::unique_ptr<host::AppendFile> file_;
+  State state_ = State::kWriting;
+  std::unique_ptr<host::AppendFile> file_;  // null: not made yet, or the recording has ended
+  std::deque<std::string> waiting_;         // whole entries in order, several small ones in one string
+  std::int64_t waiting_bytes_ = 0;
+  std::int64_t header_bytes_ = 0;  // 0: written
+  host::Nanoseconds next_try_{0};  // kPaused
 };
 
 }  // namespace kerf::app

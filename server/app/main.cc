@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <mutex>
 #include <ratio>
 #include <semaphore>
 #include <string_view>
@@ -25,7 +26,11 @@ constexpr int kExitRefused = 2;
 constexpr unsigned kStopLimitS = 10;
 constexpr std::chrono::nanoseconds kEchoTime = std::chrono::seconds(1);
 
+// Prints a line on stderr, from any thread.
 void note(std::string_view line) {
+  static std::mutex mutex;
+  const std::lock_guard lock(mutex);
+  std::cerr.clear();  // a full disk behind a redirection may be one no longer
   std::cerr << "kerfd: " + std::string(line) + "\n" << std::flush;
 }
 
@@ -73,6 +78,7 @@ int main(int argc, char** argv) {
   setenv("GRPC_VERBOSITY", "NONE", 0);  // NOLINT(concurrency-mt-unsafe): before there is a second thread
   kerf::wire::discard_protobuf_log();   // what is wrong with a message is told to its sender
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file beyond `ulimit -f` is a write that fails
   const sigset_t signals = block_stop_signals();
 
   auto parsed = kerf::app::parse_command_line(argc, argv);

@@ -44,6 +44,7 @@ struct Server::Impl {
   host::RealClock clock;
   std::string instance_id = wire::encode_hash(entropy.next());
   std::atomic<int> num_recordings = 0;
+  RecordingBoard recording_board;
   std::unique_ptr<render::Renderer> renderer;  // null with --no-render
   std::unique_ptr<host::Host> host;
   std::unique_ptr<api::Api> api;
@@ -74,7 +75,7 @@ host::HostOptions Server::Impl::host_options() {
     options.make_recording = [this](const std::string& id) -> std::shared_ptr<sheet::RecordingSink> {
       // Two sheets may bear the same id, one after the other.
       const std::string name = id + "-" + instance_id + "-" + std::to_string(++num_recordings) + ".kerf";
-      return std::make_shared<FileRecording>(disk, (config.record_dir / name).string(), note);
+      return std::make_shared<FileRecording>(disk, clock, recording_board, (config.record_dir / name).string(), note);
     };
   }
   return options;
@@ -133,7 +134,7 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
         const rpc::GateCounts gate = rpc->connections();
         return ws::metrics_page(host->metrics(), counts,
                                 {gate.accepted, gate.open, gate.refused, gate.refused_by_address}, api->num_watchers(),
-                                api->frame_counts(), api->picture_counts(), kVersion);
+                                api->frame_counts(), api->picture_counts(), recording_board.read(), kVersion);
       },
       options);
   const Result<int> bound = http->start(config.http);

@@ -16,6 +16,7 @@ Error io_error(const std::string& action, const std::string& path, int code) {
   const std::string message = "cannot " + action + " \"" + path + "\": " + std::generic_category().message(code);
   if (code == ENOENT) return {ErrorCode::kNotFound, "FILE_NOT_FOUND", message, ""};
   if (code == ENOSPC || code == EDQUOT) return {ErrorCode::kResourceExhausted, "DISK_FULL", message, ""};
+  if (code == EFBIG) return {ErrorCode::kResourceExhausted, "FILE_TOO_LARGE", message, ""};  // ulimit -f, for one
   return {ErrorCode::kUnavailable, "FILE_IO", message, ""};
 }
 
@@ -62,15 +63,34 @@ Status sync_directory_of(const std::string& path) {
 class RealFile : public AppendFile {
  public:
   RealFile(int number, std::string path) : file_(number), path_(std::move(path)) {}
-  Status append(std::string_view bytes) override { return write_all(file_.number(), bytes, path_); }
+  Status append(std::string_view bytes) override {
+    if (const Status whole = drop_partial(); !whole) return whole;
+    const Status written = write_all(file_.number(), bytes, path_);
+    is_partial_ = !written;
+    if (written) {
+      size_ += static_cast<off_t>(bytes.size());
+    } else {
+      (void)drop_partial();  // what remains is dropped by the next append
+    }
+    return written;
+  }
   Status sync() override {
     if (::fdatasync(file_.number()) != 0) return io_error("sync", path_, errno);
     return Nothing{};
   }
 
  private:
+  // Takes away what a failed append wrote.
+  Status drop_partial() {
+    if (is_partial_ && ::ftruncate(file_.number(), size_) != 0) return io_error("shorten", path_, errno);
+    is_partial_ = false;
+    return Nothing{};
+  }
+
   Descriptor file_;
   std::string path_;
+  off_t size_ = 0;  // bytes, of the appends that succeeded
+  bool is_partial_ = false;
 };
 
 }  // namespace

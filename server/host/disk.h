@@ -15,7 +15,7 @@ namespace kerf::host {
 class AppendFile {
  public:
   virtual ~AppendFile() = default;
-  // All of `bytes` or an error, after which the end of the file is undefined.
+  // Appends all of `bytes` or none: after an error the file ends where it did, at the latest with the next append.
   virtual Status append(std::string_view bytes) = 0;
   // What was appended survives a loss of power.
   virtual Status sync() = 0;
@@ -46,6 +46,8 @@ class RealDisk : public Disk {
 class MemoryDisk : public Disk {
  public:
   explicit MemoryDisk(std::size_t capacity_bytes = std::size_t{1} << 30U);
+  // Sets the capacity. It may be below what is in use: nothing is written then.
+  void set_capacity(std::size_t bytes);
   Result<std::string> read_file(const std::string& path, std::size_t max_bytes) override;
   Status write_file(const std::string& path, std::string_view content) override;
   Result<std::unique_ptr<AppendFile>> create_file(const std::string& path) override;

@@ -35,6 +35,11 @@ MemoryDisk::MemoryDisk(std::size_t capacity_bytes) : content_(std::make_shared<C
   content_->capacity_bytes = capacity_bytes;
 }
 
+void MemoryDisk::set_capacity(std::size_t bytes) {
+  const std::lock_guard lock(content_->mutex);
+  content_->capacity_bytes = bytes;
+}
+
 Result<std::string> MemoryDisk::read_file(const std::string& path, std::size_t max_bytes) {
   const std::lock_guard lock(content_->mutex);
   const auto found = content_->files.find(path);

@@ -165,11 +165,21 @@ void add_pictures(Page& page, const api::PictureCounts& pictures) {
                pictures.skipped);
 }
 
+void add_recordings(Page& page, const RecordingCounts& recordings) {
+  page.gauge("kerf_recordings_open", "Recordings to disk of the sheets there are, stopped ones among them.",
+             recordings.open);
+  page.gauge("kerf_recordings_stopped", "Recordings that are not written now: the disk does not take them.",
+             recordings.stopped);
+  page.gauge("kerf_recording_waiting_bytes", "Bytes of recordings that wait for the disk.", recordings.waiting_bytes);
+  page.counter("kerf_recording_errors_total", "Writes of recordings that failed.", recordings.errors);
+  page.counter("kerf_recording_bytes_total", "Bytes of recordings written.", recordings.bytes);
+}
+
 }  // namespace
 
 std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, const GrpcCounts& grpc,
                          std::int32_t watchers, const api::FrameCounts& frames, const api::PictureCounts& pictures,
-                         const std::string& version) {
+                         const RecordingCounts& recordings, const std::string& version) {
   Page page;
   page.begin_gauge("kerf_build_info", "Always 1; the label is the version.");
   page.gauge_value({{"version", version}}, 1);
@@ -178,6 +188,7 @@ std::string metrics_page(const host::HostMetrics& host, const HttpCounts& http, 
   add_transports(page, http, grpc, watchers);
   add_frames(page, frames);
   add_pictures(page, pictures);
+  add_recordings(page, recordings);
   return page.text();
 }
 

@@ -1,4 +1,7 @@
+#include <sys/resource.h>
+
 #include <condition_variable>
+#include <csignal>
 #include <filesystem>
 #include <mutex>
 #include <set>
@@ -221,6 +224,48 @@ TEST(Disk, AMemoryDiskRunsFullWithoutLosingWhatWasThere) {
   ASSERT_TRUE(file);
   EXPECT_TRUE((*file)->append("12345"));
   EXPECT_EQ((*file)->append("1").error().reason, "DISK_FULL");
+  disk.set_capacity(11);
+  EXPECT_TRUE((*file)->append("6"));
+  EXPECT_EQ(disk.read_file("c", 10).value(), "123456");
+}
+
+// Limits how long files may become, in this process, for as long as it lives.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(rlim_t bytes) {
+    EXPECT_EQ(::getrlimit(RLIMIT_FSIZE, &before_), 0);
+    rlimit limit = before_;
+    limit.rlim_cur = bytes;
+    before_handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    EXPECT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  }
+  ~FileSizeLimit() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, before_handler_);
+  }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*before_handler_)(int) = nullptr;
+};
+
+TEST(Disk, AFailedAppendLeavesNoPart) {
+  const test::TemporaryFolder folder;
+  const std::string path = folder / "file";
+  RealDisk disk;
+  Result<std::unique_ptr<AppendFile>> file = disk.create_file(path);
+  ASSERT_TRUE(file);
+  ASSERT_TRUE((*file)->append("12345678"));
+  {
+    const FileSizeLimit limit(10);
+    EXPECT_EQ((*file)->append("abcd").error().reason, "FILE_TOO_LARGE");
+    EXPECT_EQ(disk.read_file(path, 100).value(), "12345678");
+    EXPECT_TRUE((*file)->append("9"));
+  }
+  EXPECT_TRUE((*file)->append("abcd"));
+  EXPECT_EQ(disk.read_file(path, 100).value(), "123456789abcd");
 }
 
 }  // namespace

@@ -41,8 +41,8 @@ constexpr int kPatienceMs = 30'000;
 // A kerfd of its own, with pipes on its outputs. Killed at the end if it still runs.
 class Kerfd {
  public:
-  // `descriptors`: how many files and connections it may have open; 0: as many as this process.
-  explicit Kerfd(std::vector<std::string> arguments, int descriptors = 0) {
+  // `limit`: arguments of the shell's ulimit, such as "-n 64"; empty: the limits of this process.
+  explicit Kerfd(std::vector<std::string> arguments, const std::string& limit = "") {
     std::array<int, 2> out{};
     std::array<int, 2> err{};
     EXPECT_EQ(::pipe2(out.data(), O_CLOEXEC), 0);
@@ -53,9 +53,9 @@ class Kerfd {
     posix_spawn_file_actions_adddup2(&actions, err[1], STDERR_FILENO);
     std::string program = KERFD_PATH;
     arguments.insert(arguments.begin(), program);
-    if (descriptors > 0) {
+    if (!limit.empty()) {
       program = "/bin/sh";
-      const std::string limited = "ulimit -n " + std::to_string(descriptors) + R"(; exec "$0" "$@")";
+      const std::string limited = "ulimit " + limit + R"(; exec "$0" "$@")";
       arguments.insert(arguments.begin(), {program, "-c", limited});
     }
     std::vector<char*> argv;
@@ -205,7 +205,7 @@ TEST_F(KerfdTest, ALaterSignalEndsItAtOnce) {
 
 // gRPC's own listening ends for good where the process runs out of descriptors.
 TEST_F(KerfdTest, WithFewDescriptorsAFloodOfConnectionsLeavesBothPortsAnswering) {
-  Kerfd kerfd(free_ports(), 64);
+  Kerfd kerfd(free_ports(), "-n 64");
   const std::string line = kerfd.read_line();
   std::smatch match;
   ASSERT_TRUE(std::regex_search(line, match, std::regex(R"(127\.0\.0\.1:([0-9]+).*127\.0\.0\.1:([0-9]+))"))) << line;
@@ -244,6 +244,25 @@ TEST_F(KerfdTest, RecordsWhatItRuns) {
     EXPECT_GT(file.file_size(), 20U);
   }
   EXPECT_EQ(recordings, 1);
+}
+
+// A limit of 512 or 1,024 bytes a file, by the shell, stands for a full disk; the scene alone is longer.
+TEST_F(KerfdTest, ADiskThatTakesNoMoreEndsNothing) {
+  const std::string scene = R"({"description": ")" + std::string(1000, 'x') + R"(", )" + (kScene + 1);
+  const std::string written = write("a.json", scene);
+  const std::string folder = folder_.path().string();
+  Kerfd kerfd(free_ports({"--scene", written, "--record", folder}), "-f 1");
+  const std::string line = kerfd.read_line();
+  ASSERT_NE(line, "");
+  const int port = std::stoi(line.substr(line.rfind(':') + 1));
+  const std::string page = request(port, "GET", "/metrics", {}, "").body;
+  EXPECT_NE(page.find("kerf_recordings_open 1\n"), std::string::npos) << page;
+  EXPECT_NE(page.find("kerf_recordings_stopped 1\n"), std::string::npos) << page;
+  kerfd.signal(SIGTERM);
+  EXPECT_EQ(kerfd.wait(), 0);
+  const std::string errors = kerfd.errors();
+  EXPECT_NE(errors.find(" pauses: cannot write "), std::string::npos) << errors;
+  EXPECT_NE(errors.find(" ends with its sheet, "), std::string::npos) << errors;
 }
 
 TEST_F(KerfdTest, RefusesOnOneLine) {

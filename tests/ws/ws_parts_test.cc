@@ -197,7 +197,8 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   HttpCounts http;
   http.requests = 7;
   const api::PictureCounts pictures{11, 12, 13, 14, 15, 16};
-  const std::string page = metrics_page(host, http, {8, 3, 5, 2}, 4, {17, 18}, pictures, "1.2.3");
+  const std::string page =
+      metrics_page(host, http, {8, 3, 5, 2}, 4, {17, 18}, pictures, {19, 20, 21, 22, 23}, "1.2.3");
   for (const char* line : {"# TYPE kerf_ticks_total counter\n",
                            "kerf_ticks_total 123456789\n",
                            "kerf_sheets{state=\"running\"} 3\n",
@@ -232,6 +233,11 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
                            "kerf_pictures_sent_total 14\n",
                            "kerf_pictures_skipped_total 15\n",
                            "kerf_image_streams 16\n",
+                           "kerf_recordings_open 19\n",
+                           "kerf_recordings_stopped 20\n",
+                           "kerf_recording_waiting_bytes 21\n",
+                           "kerf_recording_errors_total 22\n",
+                           "kerf_recording_bytes_total 23\n",
                            "kerf_build_info{version=\"1.2.3\"} 1\n"}) {
     EXPECT_NE(page.find(line), std::string::npos) << line << "is not in\n" << page;
   }
