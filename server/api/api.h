@@ -155,7 +155,8 @@ class Api {
   Api(const Api&) = delete;
   Api& operator=(const Api&) = delete;
 
-  void create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply);
+  // `stop`: requests one where the client leaves, and the sheet is not made then.
+  void create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop = {});
   void get_sheet(const v1::GetSheetRequest& request, Reply<v1::Sheet> reply);
   void list_sheets(const v1::ListSheetsRequest& request, Reply<v1::ListSheetsResponse> reply);
   void delete_sheet(const v1::DeleteSheetRequest& request, Reply<google::protobuf::Empty> reply);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -71,7 +72,8 @@ Error server_stopping();
 Status check_renderer(const ApiCore& core);
 
 // Api::create_sheet(), which takes the mesh out of the request.
-void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest request, Reply<v1::Sheet> reply);
+void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest request, Reply<v1::Sheet> reply,
+                const std::stop_token& stop);
 
 // The sheet id that a request names in `field`, or why it is not served.
 Result<std::string> addressed_sheet(const ApiCore& core, const std::string& name, const char* field);
@@ -95,25 +97,39 @@ v1::Sheet encode_sheet(const host::SheetStatus& status);
 // Answers with the sheet as it is then; errors are about `field`.
 host::Callback<host::SheetStatus> sheet_reply(Reply<v1::Sheet> reply, const char* field);
 
-// Does `perform` once for each request_id: see RequestLog. `method` keeps the ids of different methods apart.
+// Does `perform` once for each request_id: see RequestLog. `method` keeps the ids of different methods apart. `caller`:
+// requests a stop where the caller leaves; what `perform` is given does so where all have left who wait for it.
 template <typename Response, typename Request>
-void once(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request, Reply<Response> reply,
-          const std::function<void(Reply<Response>)>& perform) {
-  if (request.request_id().empty()) return perform(std::move(reply));
+void once_while_wanted(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request,
+                       Reply<Response> reply, const std::stop_token& caller,
+                       const std::function<void(Reply<Response>, const std::stop_token&)>& perform) {
+  if (request.request_id().empty()) return perform(std::move(reply), caller);
   if (const Status status = check_request_id(request.request_id()); !status.ok()) return reply(status.error());
   const std::string key = std::string(method) + ' ' + request.request_id();
-  const bool first = core->requests.begin(key, request.SerializeAsString(), [reply](const RequestLog::Outcome& known) {
+  const auto repeat = [reply](const RequestLog::Outcome& known) {
     if (!known.ok()) return reply(known.error());
     Response response;
     response.ParseFromString(*known);
     reply(std::move(response));
-  });
-  if (!first) return;
-  perform([core, key, reply](Result<Response> result) {
+  };
+  const std::optional<std::stop_token> all_left =
+      core->requests.begin(key, request.SerializeAsString(), repeat, caller);
+  if (!all_left) return;
+  const auto finish = [core, key, reply](Result<Response> result) {
     core->requests.finish(
         key, result.ok() ? RequestLog::Outcome(result->SerializeAsString()) : RequestLog::Outcome(result.error()));
     reply(std::move(result));
-  });
+  };
+  perform(finish, *all_left);
+}
+
+// The same of what is done whether or not somebody waits for it.
+template <typename Response, typename Request>
+void once(const std::shared_ptr<ApiCore>& core, const char* method, const Request& request, Reply<Response> reply,
+          const std::function<void(Reply<Response>)>& perform) {
+  once_while_wanted<Response>(
+      core, method, request, std::move(reply), {},
+      [&](Reply<Response> answer, const std::stop_token& /*never*/) { perform(std::move(answer)); });
 }
 
 // Runs `work` on a background worker and replies with what it makes, with what comes out of it (see caught()), or why

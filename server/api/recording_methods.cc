@@ -22,7 +22,7 @@ Result<std::unique_ptr<Upload>> begin_upload(Api& api, std::int64_t num_bytes, s
 }
 
 void play(const std::shared_ptr<ApiCore>& core, std::string content, const std::string& sheet_id, bool paused,
-          const Reply<v1::Sheet>& reply) {
+          const Reply<v1::Sheet>& reply, const std::stop_token& stop) {
   // What is wrong with a file that a client sent is the client's to mend: no data of this server's is lost.
   const auto answer = [reply](Result<v1::Sheet> sheet) {
     if (sheet.ok() || sheet.error().code != ErrorCode::kDataLoss) return reply(std::move(sheet));
@@ -33,9 +33,9 @@ void play(const std::shared_ptr<ApiCore>& core, std::string content, const std::
   using Decoded = wire::RecordingFile;
   in_background<Decoded>(
       core->filer,
-      [core, sheet_id, paused, answer](Result<Decoded> decoded) {
+      [core, sheet_id, paused, answer, stop](Result<Decoded> decoded) {
         if (!decoded.ok()) return answer(decoded.error());
-        core->host.replay(sheet_id, std::move(decoded->recording), paused, sheet_reply(answer, ""));
+        core->host.replay(sheet_id, std::move(decoded->recording), paused, sheet_reply(answer, ""), stop);
       },
       [core, file = std::make_shared<const std::string>(std::move(content))] {
         const Limits& limits = core->options.limits;
@@ -85,14 +85,14 @@ Result<std::unique_ptr<Upload>> Api::upload_sheet(const v1::SheetUpload& start) 
                             "chunks are",
                             "start.sheet.scene");
   }
-  Upload::Use use = [core = core_, request = start.sheet(), is_obj](std::string content,
-                                                                    Reply<v1::Sheet> reply) mutable {
+  Upload::Use use = [core = core_, request = start.sheet(), is_obj](std::string content, Reply<v1::Sheet> reply,
+                                                                    const std::stop_token& stop) mutable {
     if (is_obj) {
       request.mutable_scene()->mutable_obj()->set_text(wire::obj_text(std::move(content)));
     } else {
       request.mutable_scene()->mutable_ply()->set_data(std::move(content));
     }
-    make_sheet(core, std::move(request), std::move(reply));
+    make_sheet(core, std::move(request), std::move(reply), stop);
   };
   return begin_upload(*this, start.num_bytes(), core_->options.limits.max_mesh_upload_bytes, std::move(use));
 }
@@ -103,9 +103,9 @@ Result<std::unique_ptr<Upload>> Api::replay_recording(const v1::RecordingUpload&
     error.field = "start." + error.field;
     return error;
   }
-  Upload::Use use = [core = core_, id = start.sheet_id(), paused = start.paused()](std::string content,
-                                                                                   const Reply<v1::Sheet>& reply) {
-    play(core, std::move(content), id, paused, reply);
+  Upload::Use use = [core = core_, id = start.sheet_id(), paused = start.paused()](
+                        std::string content, const Reply<v1::Sheet>& reply, const std::stop_token& stop) {
+    play(core, std::move(content), id, paused, reply, stop);
   };
   return begin_upload(*this, start.num_bytes(), core_->options.limits.max_recording_upload_bytes, std::move(use));
 }

@@ -17,17 +17,20 @@ std::uint64_t hash_of(std::string_view body) {
 
 }  // namespace
 
-bool RequestLog::begin(const std::string& key, std::string_view body, Waiter waiter) {
+std::optional<std::stop_token> RequestLog::begin(const std::string& key, std::string_view body, Waiter waiter,
+                                                 const std::stop_token& caller) {
   const std::uint64_t body_hash = hash_of(body);
   Outcome known = std::string();
   {
     const std::lock_guard lock(mutex_);
     const auto found = by_key_.find(key);
     if (found == by_key_.end()) {
-      entries_.push_front({key, body_hash, false, {}, {}});
+      entries_.push_front({key, body_hash, false, {}, {}, std::make_unique<Callers>()});
       by_key_[key] = entries_.begin();
       bytes_ += key.size();
-      return true;
+      Callers& callers = *entries_.front().callers;
+      callers.join(caller);
+      return callers.all_left();
     }
     Entry& entry = *found->second;
     entries_.splice(entries_.begin(), entries_, found->second);
@@ -36,13 +39,14 @@ bool RequestLog::begin(const std::string& key, std::string_view body, Waiter wai
                     "another request was made under this request_id; choose a new one for each request", "request_id"};
     } else if (!entry.done) {
       entry.waiters.push_back(std::move(waiter));
-      return false;
+      entry.callers->join(caller);
+      return std::nullopt;
     } else {
       known = entry.response;
     }
   }
   waiter(known);
-  return false;
+  return std::nullopt;
 }
 
 void RequestLog::finish(const std::string& key, const Outcome& outcome) {
@@ -52,6 +56,7 @@ void RequestLog::finish(const std::string& key, const Outcome& outcome) {
     const auto found = by_key_.find(key);
     KERF_CHECK(found != by_key_.end() && !found->second->done, "a request is finished that was not begun");
     waiters.swap(found->second->waiters);
+    found->second->callers.reset();
     if (outcome.ok()) {
       found->second->done = true;
       found->second->response = outcome.value();

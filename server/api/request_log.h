@@ -4,12 +4,16 @@
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <memory>
 #include <mutex>
+#include <optional>
+#include <stop_token>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
+#include "server/api/callers.h"
 #include "server/base/result.h"
 
 namespace kerf::api {
@@ -27,10 +31,12 @@ class RequestLog {
   // `max_bytes`: of keys and responses.
   RequestLog(std::size_t capacity, std::size_t max_bytes) : capacity_(capacity), max_bytes_(max_bytes) {}
 
-  // True: the caller is the first with this key; it does the request and then calls finish(). False: `waiter` is called
+  // A token: the caller is the first with this key; it does the request and then calls finish(). The token asks for a
+  // stop once the first and all that wait for it have left, as `caller` says of each. Nothing: `waiter` is called
   // instead, with what the first got, at once or when that is known; or with kAlreadyExists REQUEST_ID_REUSED if the
   // bodies differ (compared by a 64-bit hash).
-  bool begin(const std::string& key, std::string_view body, Waiter waiter);
+  std::optional<std::stop_token> begin(const std::string& key, std::string_view body, Waiter waiter,
+                                       const std::stop_token& caller = {});
 
   void finish(const std::string& key, const Outcome& outcome);
 
@@ -41,6 +47,7 @@ class RequestLog {
     bool done = false;
     std::string response;         // once done
     std::vector<Waiter> waiters;  // until done
+    std::unique_ptr<Callers> callers;  // until done
 
     [[nodiscard]] std::size_t bytes() const { return key.size() + response.size(); }
   };

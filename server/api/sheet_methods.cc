@@ -11,7 +11,8 @@
 // SheetService.
 namespace kerf::api {
 
-void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest request, Reply<v1::Sheet> reply) {
+void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest request, Reply<v1::Sheet> reply,
+                const std::stop_token& stop) {
   if (core->stopping) return reply(server_stopping());
   const std::string& id = request.sheet_id();
   if (const Status valid = check_sheet_id(id); !valid.ok()) return reply(valid.error());
@@ -27,17 +28,20 @@ void make_sheet(const std::shared_ptr<ApiCore>& core, v1::CreateSheetRequest req
     return error;
   };
   if (!config.ok()) return reply(in_scene(config.error()));
-  once<v1::Sheet>(core, "CreateSheet", request, std::move(reply), [&](Reply<v1::Sheet> answer) {
-    core->host.create_sheet(id, std::move(*config), request.paused(),
-                            [answer = std::move(answer), in_scene](Result<host::SheetStatus> status) {
-                              if (!status.ok()) return answer(in_scene(status.error()));
-                              answer(encode_sheet(*status));
-                            });
-  });
+  const auto create = [&](Reply<v1::Sheet> answer, const std::stop_token& all_left) {
+    core->host.create_sheet(
+        id, std::move(*config), request.paused(),
+        [answer = std::move(answer), in_scene](Result<host::SheetStatus> status) {
+          if (!status.ok()) return answer(in_scene(status.error()));
+          answer(encode_sheet(*status));
+        },
+        all_left);
+  };
+  once_while_wanted<v1::Sheet>(core, "CreateSheet", request, std::move(reply), stop, create);
 }
 
-void Api::create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply) {
-  make_sheet(core_, request, std::move(reply));
+void Api::create_sheet(const v1::CreateSheetRequest& request, Reply<v1::Sheet> reply, std::stop_token stop) {
+  make_sheet(core_, request, std::move(reply), stop);
 }
 
 void Api::get_sheet(const v1::GetSheetRequest& request, Reply<v1::Sheet> reply) {

@@ -34,11 +34,12 @@ Status Upload::append(std::string part) {
   return Nothing{};
 }
 
-void Upload::finish(Reply<v1::Sheet> reply) {
+void Upload::finish(Reply<v1::Sheet> reply, const std::stop_token& stop) {
   const auto size = static_cast<std::int64_t>(content_.size());
   if (size < num_bytes_) return reply(wrong_length(num_bytes_, "only " + std::to_string(size) + " bytes"));
-  use_(std::move(content_),
-       [room = room_, reply = std::move(reply)](Result<v1::Sheet> sheet) { reply(std::move(sheet)); });
+  use_(
+      std::move(content_),
+      [room = room_, reply = std::move(reply)](Result<v1::Sheet> sheet) { reply(std::move(sheet)); }, stop);
 }
 
 }  // namespace kerf::api

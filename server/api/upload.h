@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -31,7 +32,7 @@ class UploadRoom {
 class Upload {
  public:
   // What is done with the whole file; see finish().
-  using Use = std::function<void(std::string content, Reply<v1::Sheet> reply)>;
+  using Use = std::function<void(std::string content, Reply<v1::Sheet> reply, const std::stop_token& stop)>;
 
   Upload(std::shared_ptr<const UploadRoom> room, std::int64_t num_bytes, Use use)
       : room_(std::move(room)), num_bytes_(num_bytes), use_(std::move(use)) {}
@@ -39,8 +40,8 @@ class Upload {
   // kInvalidArgument UPLOAD_LENGTH, where that is more than was told.
   Status append(std::string part);
   // Replies with the sheet that is made of the file, or why there is none: UPLOAD_LENGTH, where parts are missing. At
-  // most once, and nothing is appended after it.
-  void finish(Reply<v1::Sheet> reply);
+  // most once, and nothing is appended after it. `stop`: requests one where the client leaves.
+  void finish(Reply<v1::Sheet> reply, const std::stop_token& stop = {});
 
  private:
   std::shared_ptr<const UploadRoom> room_;

@@ -2,18 +2,22 @@
 #include <csignal>
 #include <cstdlib>
 #include <ctime>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <mutex>
 #include <ratio>
 #include <semaphore>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
 #include <variant>
 
+#include <malloc.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "server/app/config.h"
@@ -23,7 +27,7 @@
 namespace {
 
 constexpr int kExitRefused = 2;
-constexpr unsigned kStopLimitS = 10;
+constexpr std::chrono::nanoseconds kStopLimit = std::chrono::milliseconds(9500);  // from the signal
 constexpr std::chrono::nanoseconds kEchoTime = std::chrono::seconds(1);
 
 // Prints a line on stderr, from any thread.
@@ -48,10 +52,12 @@ sigset_t block_stop_signals() {
 std::binary_semaphore stop_has_begun{0};
 
 // Takes what comes within kEchoTime of the first signal: one wish to stop, told by the terminal and by a script around
-// kerfd that passes it on. The next signal then ends the process, wherever it is.
-void guard_the_stop(sigset_t signals) {
+// kerfd that passes it on. The next signal then ends the process, wherever it is. So does kStopLimit: in good order
+// where every sheet is closed, and only threads and connections do not end.
+void guard_the_stop(sigset_t signals, const std::shared_ptr<const kerf::app::Server>& server) {
   stop_has_begun.acquire();
-  const auto end = std::chrono::steady_clock::now() + kEchoTime;
+  const auto begin = std::chrono::steady_clock::now();
+  const auto end = begin + kEchoTime;
   for (auto left = kEchoTime; left.count() > 0;) {
     const timespec wait{left.count() / std::nano::den, left.count() % std::nano::den};
     sigtimedwait(&signals, nullptr, &wait);
@@ -60,20 +66,42 @@ void guard_the_stop(sigset_t signals) {
   std::signal(SIGTERM, SIG_DFL);
   std::signal(SIGINT, SIG_DFL);  // a shell has the programs that it starts in the background ignore it
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
-  while (true) pause();
+  std::this_thread::sleep_until(begin + kStopLimit);
+  note(server->has_closed_sheets() ? "stopped; connections that do not close are left to the system"
+                                   : "the sheets did not stop in time");
+  _exit(server->has_closed_sheets() ? EXIT_SUCCESS : EXIT_FAILURE);
 }
 
-// Until the first SIGTERM or SIGINT. A later one ends the process as usual, and so does a stop that takes too long.
+// Until the first SIGTERM or SIGINT.
 void wait_for_stop(const sigset_t& signals) {
   int signal = 0;
   sigwait(&signals, &signal);
-  alarm(kStopLimitS);
   stop_has_begun.release();
+}
+
+// Threads reserve addresses for memory of their own, which a limit of these (ulimit -v) has no room for.
+void share_memory_between_threads() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) mallopt(M_ARENA_MAX, 2);
+}
+
+// Nothing: the reason is noted.
+std::shared_ptr<kerf::app::Server> start(const kerf::app::Config& config) {
+  try {
+    auto started = kerf::app::Server::start(config, note);
+    if (started) return std::move(started).value();
+    note(started.error().message);
+  } catch (const std::exception& error) {  // no memory, or no thread
+    note("the system has too little for this server: " + std::string(error.what()));
+  }
+  return nullptr;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  share_memory_between_threads();
+
   // What matters is told by kerfd itself, on one line.
   setenv("GRPC_VERBOSITY", "NONE", 0);  // NOLINT(concurrency-mt-unsafe): before there is a second thread
   kerf::wire::discard_protobuf_log();   // what is wrong with a message is told to its sender
@@ -96,15 +124,13 @@ int main(int argc, char** argv) {
     config.web = kerf::app::default_web_directory(std::filesystem::read_symlink("/proc/self/exe", ignored));
   }
 
-  auto server = kerf::app::Server::start(config, note);
-  if (!server) {
-    note(server.error().message);
-    return kExitRefused;
-  }
-  std::thread(guard_the_stop, signals).detach();  // now, as the stop may find no memory for it; ends with the process
-  std::cout << (*server)->ready_line() << std::endl;
+  const std::shared_ptr<kerf::app::Server> server = start(config);
+  if (!server) return kExitRefused;
+  // Now, as the stop may find no memory for it.
+  std::thread(guard_the_stop, signals, server).detach();
+  std::cout << server->ready_line() << std::endl;
   wait_for_stop(signals);
   note("stopping");
-  (*server)->stop();
+  server->stop();
   return EXIT_SUCCESS;
 }

@@ -220,4 +220,8 @@ void Server::stop() {
   impl_->stop();
 }
 
+bool Server::has_closed_sheets() const {
+  return impl_->host && impl_->host->has_closed_sheets();
+}
+
 }  // namespace kerf::app

@@ -30,6 +30,8 @@ class Server {
   // In order: not ready any more, streams are ended with SERVER_STOPPING, commands accepted are answered, both
   // transports close. Takes at most 8 s. Idempotent.
   void stop();
+  // From any thread: stop() has closed every sheet and its recording. What is left to end keeps nothing.
+  [[nodiscard]] bool has_closed_sheets() const;
 
  private:
   struct Impl;

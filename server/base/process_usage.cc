@@ -15,6 +15,16 @@ std::string content_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+// Bytes; nothing where there is no such process.
+std::optional<std::int64_t> resident_bytes_of(const std::string& process) {
+  std::istringstream pages(content_of("/proc/" + process + "/statm"));
+  std::int64_t total = 0;
+  std::int64_t resident = 0;
+  pages >> total >> resident;
+  if (!pages) return std::nullopt;
+  return resident * sysconf(_SC_PAGESIZE);
+}
+
 }  // namespace
 
 std::optional<ProcessUsage> usage_of(std::int64_t pid) {
@@ -28,16 +38,17 @@ std::optional<ProcessUsage> usage_of(std::int64_t pid) {
   double user = 0.0;
   double system = 0.0;
   fields >> user >> system;
-  std::istringstream pages(content_of("/proc/" + std::to_string(pid) + "/statm"));
-  std::int64_t total = 0;
-  std::int64_t resident = 0;
-  pages >> total >> resident;
-  if (!fields || !pages) return std::nullopt;
-  return ProcessUsage{(user + system) / static_cast<double>(sysconf(_SC_CLK_TCK)), resident * sysconf(_SC_PAGESIZE)};
+  const std::optional<std::int64_t> resident = resident_bytes_of(std::to_string(pid));
+  if (!fields || !resident) return std::nullopt;
+  return ProcessUsage{(user + system) / static_cast<double>(sysconf(_SC_CLK_TCK)), *resident};
 }
 
 ProcessUsage own_usage() {
   return usage_of(getpid()).value_or(ProcessUsage{});
+}
+
+std::int64_t resident_bytes() {
+  return resident_bytes_of("self").value_or(0);
 }
 
 }  // namespace kerf

@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "server/base/interruption.h"
+
 namespace kerf::fem {
 
 using mesh::VertexId;
@@ -44,7 +46,10 @@ void LocalInertia::rebuild(const Model& model, const InertiaTerms& terms) {
   free_.clear();
   reserve(static_cast<std::size_t>(model.num_vertices()));
   begin_update(model);
-  for (VertexId v = 0; v < model.num_vertices(); ++v) find_wanted(model, v);
+  for (VertexId v = 0; v < model.num_vertices(); ++v) {
+    interruption_point();
+    find_wanted(model, v);
+  }
   end_update(model);
 }
 

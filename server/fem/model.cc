@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "server/base/check.h"
+#include "server/base/interruption.h"
 #include "server/base/state_hash.h"
 #include "server/mesh/triangle_mesh.h"
 
@@ -61,7 +62,10 @@ MassChange Model::follow(const mesh::TriangleMesh& mesh, const std::vector<Trian
   set_elements(mesh, rewritten, bereft);
   gradients_.update(rewritten);
   enter_phase(observer, "masses");
-  for (const VertexId v : touched_.members()) set_lumped_mass(mesh, v);
+  for (const VertexId v : touched_.members()) {
+    interruption_point();
+    set_lumped_mass(mesh, v);
+  }
   MassChange change = set_masses();
   change.dropped = dropped;
   changed_masses_ = change.vertices;

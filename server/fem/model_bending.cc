@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "server/base/check.h"
+#include "server/base/interruption.h"
 #include "server/fem/bending_lanes.h"
 #include "server/fem/model.h"
 #include "server/mesh/triangle_mesh.h"
@@ -74,7 +75,10 @@ void Model::make_patches(const mesh::TriangleMesh& mesh, std::span<const Triangl
   }
   fit_patches(mesh);
   if (!mesh.is_curved()) make_edges(mesh);
-  for (const VertexId v : rows_.members()) sum_bending_row(mesh, v);
+  for (const VertexId v : rows_.members()) {
+    interruption_point();
+    sum_bending_row(mesh, v);
+  }
   if (sides_.size() > kMostFitsKept) sides_ = {};
   if (!clamps_.empty() || !clamp_forces_.forces.empty()) sum_clamp_forces(mesh);
 }
@@ -98,6 +102,7 @@ void Model::fit_patches(const mesh::TriangleMesh& mesh) {
     count = 0;
   };
   for (const TriangleId slot : fitted_.members()) {
+    interruption_point();
     if (!has_material(slot) || !law(slot).has_bending()) continue;
     const PatchGeometry patch = mesh.is_curved() ? curved_patch(mesh, slot, surfaces[count]) : flat_patch(mesh, slot);
     lanes.set(count, patch, law(slot).bending, law(slot).inverse_bending);
@@ -123,6 +128,7 @@ void Model::make_edges(const mesh::TriangleMesh& mesh) {
     }
   }
   for (const TriangleId slot : edged_.members()) {
+    interruption_point();
     const std::span<const BendingEdge> before = bending_edges_.row(slot);
     edge_row_.clear();
     for (int k = 0; k < 3; ++k) {

@@ -6,6 +6,8 @@
 
 #include <Eigen/LU>
 
+#include "server/base/interruption.h"
+
 namespace kerf::fem {
 namespace {
 
@@ -107,6 +109,7 @@ void StiffnessBound::update_membrane(const StiffnessProblem& problem, std::span<
     set_row(problem, v);
   }
   for (const mesh::VertexId v : changed_.members()) {
+    interruption_point();
     const double inverse_mass = problem.inverse_mass[static_cast<std::size_t>(v)];
     const double scale = inverse_mass * std::sqrt(inverse_mass);
     Pair& first = z_.front()[static_cast<std::size_t>(v)];
@@ -200,6 +203,7 @@ void StiffnessBound::update_bending(const StiffnessProblem& problem, std::span<c
     for (const BendingEntry& entry : problem.bending_rows.row(v)) changed_rows_.insert(entry.column);
   }
   for (const mesh::VertexId row : changed_rows_.members()) {
+    interruption_point();
     bending_.set(static_cast<std::size_t>(row), bending_bound(problem, roots_, row));
   }
   bending_.update(changed_rows_.members());

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "server/base/as_index.h"
+#include "server/base/interruption.h"
 
 namespace kerf::fem {
 namespace {
@@ -132,6 +133,7 @@ bool SupernodalCholesky<T>::factorise(const BlockMatrix& A, std::span<const Eige
   panels_.assign(num_panels_, Lanes16<T>{});
   updates_.resize(num_updates_);
   for (int s = 0; s < supernodes_->size(); ++s) {
+    interruption_point();
     if (heed_.ends()) return false;
     assemble(A, frames, s);
     const PanelView<T> own = panel(s);

@@ -7,6 +7,7 @@
 #include <Eigen/SparseCore>
 
 #include "server/base/as_index.h"
+#include "server/base/interruption.h"
 
 namespace kerf::fem {
 namespace {
@@ -131,6 +132,7 @@ void Supernodes::count_entries(const BlockMatrix& A) {
   count_.assign(as_index(n), 1);
   std::vector<int> mark(as_index(n), -1);
   for (int i = 0; i < n; ++i) {
+    interruption_point();
     mark[as_index(i)] = i;
     const int row = old_from_new(i);
     for (int at = A.row_begin(row); at < A.row_end(row); ++at) {
@@ -203,6 +205,7 @@ void Supernodes::find_rows(const BlockMatrix& A) {
   rows_.clear();
   std::vector<int> mark(as_index(n), -1);
   for (int s = 0; s < size(); ++s) {
+    interruption_point();
     const auto add = [&](int i) {
       if (i < first(s) || mark[as_index(i)] == s) return;
       mark[as_index(i)] = s;

@@ -14,14 +14,16 @@ Host::~Host() {
   stop();
 }
 
-void Host::create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done) {
-  impl_->create_sheet(std::move(id), std::move(config), nullptr, paused, std::move(done));
+void Host::create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done,
+                        const std::stop_token& stop) {
+  impl_->create_sheet(std::move(id), std::move(config), nullptr, paused, std::move(done), stop);
 }
 
-void Host::replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done) {
+void Host::replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done,
+                  const std::stop_token& stop) {
   if (const Status ordered = sheet::check_order(recording.entries); !ordered) return done(ordered.error());
   auto playback = std::make_unique<Playback>(std::move(recording.entries), recording.torn_bytes);
-  impl_->create_sheet(std::move(id), std::move(recording.config), std::move(playback), paused, std::move(done));
+  impl_->create_sheet(std::move(id), std::move(recording.config), std::move(playback), paused, std::move(done), stop);
 }
 
 void Host::recording(const std::string& id, Callback<KeptRun> done) {
@@ -142,6 +144,9 @@ void Host::wait_idle() {
 }
 void Host::stop() {
   impl_->stop();
+}
+bool Host::has_closed_sheets() const {
+  return impl_->has_closed_sheets();
 }
 
 }  // namespace kerf::host

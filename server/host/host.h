@@ -159,16 +159,19 @@ class Host {
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  // Builds a sheet on a worker and starts its clock unless `paused`. `id`: [a-z][a-z0-9-]{0,62}; empty:
-  // config.sheet_id, and if that is empty too, a random one. kAlreadyExists SHEET_EXISTS, kResourceExhausted
-  // TOO_MANY_SHEETS, TOO_MANY_VERTICES, TOO_MANY_VERTICES_IN_ALL (of a mesh whose size is not declared only once it is
-  // built) or, unless `paused`, OVERLOADED where the sheets that run need max_load (see Admission), OUT_OF_MEMORY, and
-  // the errors of Sheet::create.
-  void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done);
+  // Builds a sheet, on a thread that gives way to the workers, and starts its clock unless `paused`. `id`:
+  // [a-z][a-z0-9-]{0,62}; empty: config.sheet_id, and if that is empty too, a random one. kAlreadyExists SHEET_EXISTS,
+  // kResourceExhausted TOO_MANY_SHEETS, TOO_MANY_VERTICES, TOO_MANY_VERTICES_IN_ALL (of a mesh whose size is not
+  // declared only once it is built) or, unless `paused`, OVERLOADED where the sheets that run need max_load (see
+  // Admission), OUT_OF_MEMORY, kAborted CREATION_ABANDONED where a stop is requested before it is built, and the errors
+  // of Sheet::create.
+  void create_sheet(std::string id, sheet::SheetConfig config, bool paused, Callback<SheetStatus> done,
+                    const std::stop_token& stop = {});
   // Builds the sheet of a recording, which then plays it: ticks at its pace, with the recorded commands in place of any
   // others (kFailedPrecondition REPLAYING), and is paused where it ends, see ReplayState. Errors of create_sheet() and
   // of sheet::check_order().
-  void replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done);
+  void replay(std::string id, sheet::Recording recording, bool paused, Callback<SheetStatus> done,
+              const std::stop_token& stop = {});
   // The run of a sheet up to now. kFailedPrecondition: see KeptRecording.
   void recording(const std::string& id, Callback<KeptRun> done);
   // Ends its sinks (kSheetDeleted) and what waits for it (kAborted). Then calls `closed`, from which on nothing more is
@@ -237,9 +240,11 @@ class Host {
   // Blocks until no work is queued or running (timers do not count). For tests and simulation on a ManualClock.
   void wait_idle();
 
-  // Refuses new calls, answers all that wait (kUnavailable), ends all sinks (kHostStopping), joins the workers.
-  // Idempotent. Not from a callback.
+  // Refuses new calls, answers all that wait (kUnavailable), ends all sinks (kHostStopping) and what is being built,
+  // joins the workers. Idempotent. Not from a callback.
   void stop();
+  // From any thread: stop() has closed every sheet, and with it what it records; only threads are left to end.
+  [[nodiscard]] bool has_closed_sheets() const;
 
  private:
   class Impl;

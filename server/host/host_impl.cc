@@ -5,10 +5,17 @@
 #include <utility>
 
 #include "server/base/caught.h"
+#include "server/base/interruption.h"
+#include "server/base/memory_headroom.h"
 
 namespace kerf::host {
 
 namespace {
+
+// What a sheet takes while it is built, at most 6,600 in what was measured; see tests/bench/README.md, "Footprint".
+constexpr std::int64_t kBytesPerVertex = 8000;
+// Of a creation whether it is wanted, to a look at the memory, which costs more.
+constexpr int kAskingsToALook = 32;
 
 Error not_found(const std::string& id) {
   return {ErrorCode::kNotFound, "SHEET_NOT_FOUND", "there is no sheet \"" + id + "\"", ""};
@@ -40,33 +47,49 @@ std::string random_id(std::uint64_t bits) {
 }  // namespace
 
 void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config, std::unique_ptr<Playback> playback,
-                              bool paused, Callback<SheetStatus> done) {
+                              bool paused, Callback<SheetStatus> done, const std::stop_token& stop) {
   if (id.empty()) id = config.sheet_id;
   if (id.empty()) id = random_id(entropy_.next());
   const Result<std::shared_ptr<VertexShare>> reserved = reserve(id, config, paused);
   if (!reserved) return done(reserved.error());
-  const Workers::Strand strand = workers_.make_strand();
-  const std::shared_ptr<ExpectedNeed> expected = paused ? nullptr : expected_need(config);
-  auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
   // Shared, as what is posted must be copyable.
-  const auto played = std::make_shared<std::unique_ptr<Playback>>(std::move(playback));
-  const bool posted = strand.post([this, id, shared, played, paused, strand, done, expected, share = *reserved] {
-    Result<sheet::Sheet> built = stopping_ ? stopping() : build(std::move(*shared), *share);
-    if (!built) {
-      share->set(0);  // before whoever hears of it tries again
-      release(id);
-      return done(built.error());
-    }
-    const auto runner = std::make_shared<SheetRunner>(id, std::move(built).value(), context(), strand, share);
-    // Begun before it can be found: on this strand, ahead of whatever finds it.
-    runner->begin(paused, options_.make_recording ? options_.make_recording(id) : nullptr, std::move(*played));
-    if (!admit(id, runner)) {
-      runner->close(sheet::SinkEnd::kHostStopping);
-      return done(stopping());
-    }
-    done(runner->status());
+  const auto creation = std::make_shared<Creation>(Creation{id, *reserved, paused ? nullptr : expected_need(config),
+                                                            std::move(playback), paused, std::move(done), stop});
+  const auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
+  const bool posted = builders_.make_strand().post([this, creation, shared] {
+    Result<sheet::Sheet> built = build(std::move(*shared), *creation);
+    if (!built) return refuse(*creation, built.error());
+    const auto sheet = std::make_shared<sheet::Sheet>(std::move(built).value());
+    const Workers::Strand strand = workers_.make_strand();
+    const bool handed_on = strand.post([this, creation, sheet, strand] {
+      const Status begun = begin(*creation, std::move(*sheet), strand);
+      if (!begun) refuse(*creation, begun.error());
+    });
+    if (!handed_on) refuse(*creation, stopping());
   });
-  if (!posted) done(stopping());
+  if (!posted) creation->done(stopping());
+}
+
+// On the sheet's strand, ahead of whatever finds it.
+Status Host::Impl::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand) {
+  const auto runner =
+      std::make_shared<SheetRunner>(creation.id, std::move(sheet), context(), strand, creation.vertices);
+  const Status begun = caught([&]() -> Status {
+    runner->begin(creation.paused, options_.make_recording ? options_.make_recording(creation.id) : nullptr,
+                  std::move(creation.playback));
+    if (!admit(creation.id, runner)) return stopping();
+    creation.need.reset();
+    creation.done(runner->status());
+    return Nothing{};
+  });
+  if (!begun) runner->close(stopping_ ? sheet::SinkEnd::kHostStopping : sheet::SinkEnd::kSheetLost);
+  return begun;
+}
+
+void Host::Impl::refuse(const Creation& creation, const Error& error) {
+  creation.vertices->set(0);  // before whoever hears of it tries again
+  release(creation.id);
+  creation.done(error);
 }
 
 void Host::Impl::delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed) {
@@ -106,9 +129,14 @@ void Host::Impl::stop() {
   }
   for (auto& [id, runner] : taken) {
     if (!runner) continue;  // admit() will turn it away, or its deletion is on its way
-    runner->post([](SheetRunner& r) { r.close(sheet::SinkEnd::kHostStopping); }, [](const Error&) {});
-    runner.reset();  // the workers take sheets down side by side
+    SheetRunner* const sheet = runner.get();
+    // Hands over what holds it, too: the workers take sheets down side by side.
+    sheet->post([held = std::move(runner)](SheetRunner& r) { r.close(sheet::SinkEnd::kHostStopping); },
+                [](const Error&) {});
   }
+  workers_.wait_idle();
+  has_closed_sheets_ = true;
+  builders_.join();  // first: they hand on to the workers
   workers_.join();
 }
 
@@ -152,14 +180,35 @@ Result<std::shared_ptr<VertexShare>> Host::Impl::reserve(const std::string& id, 
   return share;
 }
 
-Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, VertexShare& share) {
+Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, const Creation& creation) {
   // In the config, and so in a recording: a cut that is refused here is refused in a replay.
   config.max_vertices = std::min(config.max_vertices, options_.max_vertices_per_sheet);
+  const std::int64_t declared = declared_vertices(config);
+  const std::int64_t bytes = declared <= sheet::kMaxVertices ? declared * kBytesPerVertex : 0;
+  if (!has_memory_for(bytes)) return out_of_memory();
+  Status wanted = Nothing{};
+  const InterruptionScope scope([&, askings = 0]() mutable {
+    wanted = check_wanted(creation);
+    const bool looks = askings++ % kAskingsToALook == 0;
+    if (wanted && looks && !has_memory_for(0)) wanted = out_of_memory();
+    return wanted.ok();
+  });
   Result<sheet::Sheet> built =
       caught([&] { return sheet::Sheet::create(std::move(config), options_.make_integrator); });
+  if (!wanted) return wanted.error();
   if (!built) return built;
-  if (const Status fits = share.settle(built->mesh().num_vertices()); !fits) return fits.error();
+  if (const Status fits = creation.vertices->settle(built->mesh().num_vertices()); !fits) return fits.error();
+  if (!has_memory_for(0)) return out_of_memory();
   return built;
+}
+
+Status Host::Impl::check_wanted(const Creation& creation) const {
+  if (stopping_) return stopping();
+  if (creation.stop.stop_requested()) {
+    return Error{ErrorCode::kAborted, "CREATION_ABANDONED",
+                 "whoever asked for the sheet left before it was built; ask again", ""};
+  }
+  return Nothing{};
 }
 
 void Host::Impl::release(const std::string& id) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,11 +29,12 @@ class Host::Impl {
         entropy_(entropy),
         vertices_(options_.max_total_vertices),
         admission_(options_.max_load),
-        workers_(options_.workers, options_.long_work) {}
+        workers_({.num_threads = options_.workers, .patience = options_.long_work}),
+        builders_({.patience = options_.long_work, .max_taken_on = kMaxBuilders - 1, .is_background = true}) {}
 
   // `playback`: of a recording that the sheet is to play; null: none.
   void create_sheet(std::string id, sheet::SheetConfig config, std::unique_ptr<Playback> playback, bool paused,
-                    Callback<SheetStatus> done);
+                    Callback<SheetStatus> done, const std::stop_token& stop);
   void delete_sheet(const std::string& id, Callback<Nothing> done, std::function<void()> closed);
   [[nodiscard]] std::vector<std::string> list() const;
   [[nodiscard]] std::vector<SheetStatus> statuses(const std::vector<std::string>& ids) const;
@@ -60,16 +62,41 @@ class Host::Impl {
     return static_cast<double>(board_.worker_need()) / (static_cast<double>(WorkerNeed::kWhole) * options_.workers);
   }
   [[nodiscard]] const HostOptions& options() const { return options_; }
-  void wait_idle() { workers_.wait_idle(); }
+  // What is built is begun on the workers.
+  void wait_idle() {
+    builders_.wait_idle();
+    workers_.wait_idle();
+  }
   void stop();
+  [[nodiscard]] bool has_closed_sheets() const { return has_closed_sheets_; }
 
  private:
-  SheetRunner::Context context() { return {options_, clock_, board_, listener_, stopping_, ++num_made_}; }
+  // A sheet that is asked for, until it is among the others.
+  struct Creation {
+    std::string id;
+    std::shared_ptr<VertexShare> vertices;
+    std::shared_ptr<ExpectedNeed> need;
+    std::unique_ptr<Playback> playback;
+    bool paused = false;
+    Callback<SheetStatus> done;
+    std::stop_token stop;
+  };
+  // Sheets that are built at the same time; the others wait.
+  static constexpr std::size_t kMaxBuilders = 3;
+
+  SheetRunner::Context context() {
+    return {options_,   clock_, board_, listener_, stopping_, [this](const std::string& id) { release(id); },
+            ++num_made_};
+  }
 
   std::shared_ptr<ExpectedNeed> expected_need(const sheet::SheetConfig& config);
   // The name, and the vertices that are known of.
   Result<std::shared_ptr<VertexShare>> reserve(const std::string& id, const sheet::SheetConfig& config, bool paused);
-  Result<sheet::Sheet> build(sheet::SheetConfig config, VertexShare& share);
+  Result<sheet::Sheet> build(sheet::SheetConfig config, const Creation& creation);
+  // Says why what is built is not wanted any more.
+  Status check_wanted(const Creation& creation) const;
+  Status begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
+  void refuse(const Creation& creation, const Error& error);
   void release(const std::string& id);
   bool admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner);
   [[nodiscard]] std::shared_ptr<SheetRunner> find(const std::string& id) const;
@@ -85,8 +112,10 @@ class Host::Impl {
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
   std::atomic<std::uint64_t> num_made_{0};
   std::atomic<bool> stopping_{false};  // set under mutex_
-  Admission admission_;                // guarded by mutex_
-  Workers workers_;                    // last: its threads use everything above
+  std::atomic<bool> has_closed_sheets_{false};
+  Admission admission_;  // guarded by mutex_
+  Workers workers_;      // whose threads use everything above
+  Workers builders_;     // of sheets, for the workers
 };
 
 }  // namespace kerf::host

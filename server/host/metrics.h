@@ -44,6 +44,8 @@ struct HostMetrics {
   std::int64_t overruns = 0;           // ticks that ended after their deadline
   std::int64_t sleeps = 0;             // times a sheet fell asleep
   std::int64_t overload_refusals = 0;  // sheets that were not made because of the load
+  std::int64_t lost_sheets = 0;        // for want of memory
+  std::int64_t short_ticks = 0;        // that found too little memory, and froze their sheet
   fem::FlagCounts flagged_ticks{};
   double slipped_s = 0.0;   // s, simulated time given up
   double tick_cpu_s = 0.0;  // s, thread CPU time of all ticks

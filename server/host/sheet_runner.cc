@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <utility>
+
+#include "server/base/caught.h"
 
 namespace kerf::host {
 
@@ -50,11 +53,14 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
 
 void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse) {
   const bool posted = strand_.post([self = shared_from_this(), work = std::move(work), refuse] {
-    if (self->closed_) {
-      refuse(self->closed_error());
-    } else {
+    if (self->closed_) return refuse(self->closed_error());
+    const Status done = caught([&]() -> Status {
       work(*self);
-    }
+      return Nothing{};
+    });
+    if (done) return;
+    refuse(done.error());
+    if (self->changing_) self->lose();
   });
   if (!posted) refuse(host_stopping());
 }
@@ -92,8 +98,18 @@ void SheetRunner::push(sheet::Command command, Callback<CommandResult> done) {
 
 // Closed or not: close() empties the queue, and so must whoever comes after it.
 void SheetRunner::announce_commands() {
-  if (strand_.post([self = shared_from_this()] { self->commands_arrived(); })) return;
+  if (strand_.post([self = shared_from_this()] { self->keep_or_lose([&] { self->commands_arrived(); }); })) return;
   for (Pending& pending : take_queue()) pending.done(host_stopping());
+}
+
+void SheetRunner::lose() {
+  context_.board.update([](HostMetrics& m) { ++m.lost_sheets; });
+  try {
+    close(sheet::SinkEnd::kSheetLost);
+  } catch (const std::bad_alloc&) {  // whoever is not answered hears of it at his own deadline
+    closed_ = sheet::SinkEnd::kSheetLost;
+  }
+  context_.lost(id_);
 }
 
 void SheetRunner::begin(bool paused, std::shared_ptr<sheet::RecordingSink> recording,
@@ -113,6 +129,7 @@ void SheetRunner::close(sheet::SinkEnd reason) {
   for (Pending& pending : take_queue()) pending.done(closed_error());
   if (step_call_) finish_step(closed_error());
   context_.board.update([&](HostMetrics& m) {
+    if (!noted_state_) return;  // it was never begun
     --gauge(m, *noted_state_);
     --m.sheets;
     m.sinks -= static_cast<std::int32_t>(sinks_.size());
@@ -280,6 +297,10 @@ void SheetRunner::commands_arrived() {
 }
 
 void SheetRunner::on_deadline(std::uint64_t generation) {
+  keep_or_lose([&] { tick_at_deadline(generation); });
+}
+
+void SheetRunner::tick_at_deadline(std::uint64_t generation) {
   if (closed_ || context_.stopping || generation != generation_) return;
   timer_.reset();
   if (sleeping_) return repeat_if_over();
@@ -356,8 +377,10 @@ sheet::RunStats SheetRunner::run_stats() const {
 }
 
 Error SheetRunner::closed_error() const {
-  if (closed_ == sheet::SinkEnd::kHostStopping) {
-    return host_stopping();
+  if (closed_ == sheet::SinkEnd::kHostStopping) return host_stopping();
+  if (closed_ == sheet::SinkEnd::kSheetLost) {
+    return {ErrorCode::kDataLoss, "SHEET_LOST",
+            "the server had too little memory to keep the sheet \"" + id_ + "\"; a recording of it is whole", ""};
   }
   return {ErrorCode::kAborted, "SHEET_DELETED", "the sheet \"" + id_ + "\" was deleted meanwhile", ""};
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -50,14 +51,17 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     MetricsBoard& board;
     const ListenerSlot& listener;
     const std::atomic<bool>& stopping;  // close() is on its way: what is due is not done any more
-    std::uint64_t serial = 0;           // of all sheets that the host has made, which
+    // Forgets a sheet that close() has ended for want of memory, and its name.
+    std::function<void(const std::string& id)> lost;
+    std::uint64_t serial = 0;  // of all sheets that the host has made, which
   };
 
   // `vertices`: what the sheet has of the host's budget.
   SheetRunner(std::string id, sheet::Sheet sheet, Context context, Workers::Strand strand,
               std::shared_ptr<VertexShare> vertices);
 
-  // Runs `work` with this runner on its strand, if it is not closed by then; else `refuse` with the reason.
+  // Runs `work` with this runner on its strand, if it is not closed by then and memory does not run out; else `refuse`
+  // with the reason.
   void post(std::function<void(SheetRunner&)> work, std::function<void(Error)> refuse);
 
   // From any thread. kResourceExhausted QUEUE_FULL, and `done` is not taken.
@@ -100,6 +104,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     Appointment appointment{};
     bool is_repeat = false;  // the sheet's own Reset
   };
+  class Answering;
   struct StepCall {
     std::int64_t remaining = 0;
     Callback<SheetStatus> done;
@@ -110,7 +115,20 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void announce_commands();
   void commands_arrived();
   void on_deadline(std::uint64_t generation);
+  void tick_at_deadline(std::uint64_t generation);
   void take_turn();
+  // Does `work`, which changes the sheet; where memory runs out in it, nothing says what is left of the sheet: it ends.
+  template <typename Work>
+  void keep_or_lose(Work work) {
+    try {
+      work();
+    } catch (const std::bad_alloc&) {
+      lose();
+    }
+  }
+  void lose();
+  // False: commands might find no memory in the middle of what they do.
+  [[nodiscard]] bool has_room_for_commands() const;
   // One Sheet::step, or, where time stands still, Sheet::apply. False: there was nothing to apply, or a tick has not
   // come to its end, one that is played or one that was interrupted.
   bool run_once(bool advance);
@@ -119,7 +137,8 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   [[nodiscard]] TickEstimate tick_estimate() const;
   // Compares what a tick took, with no command in it, with what is counted of the sheet as it is.
   void note_tick_cost(Nanoseconds cpu);
-  [[nodiscard]] bool goes_on() const;  // the tick under way
+  [[nodiscard]] bool goes_on() const;             // the tick under way
+  [[nodiscard]] bool may_go_on(int asked) const;  // likewise, whatever comes of it
   [[nodiscard]] bool is_tick_long() const;
   // One tick of the recording, with what was applied before and after it (sheet_runner_replay.cc). False: there is more
   // of that than may be done in one turn.
@@ -200,6 +219,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   std::int64_t num_scheduled_ = 0;         // ever
   std::optional<StepCall> step_call_;
   bool turn_posted_ = false;  // a take_turn() is on its way
+  bool changing_ = false;     // a tick or commands are under way
   std::optional<TimerId> timer_;
   std::uint64_t generation_ = 0;  // of the clockwork: a deadline of an older one means nothing
   bool paused_ = false;

@@ -14,7 +14,8 @@ void SheetRunner::step(std::int64_t ticks, Callback<SheetStatus> done, std::stop
   if (step_call_) return refuse("STEPPING", "the sheet is being stepped already; wait for that call");
   if (sheet_.frozen()) return refuse("SHEET_FROZEN", "the sheet is frozen at its last good tick; reset it first");
   step_call_ = StepCall{ticks, std::move(done), std::move(stop)};
-  if (!turn_posted_) take_turn();  // else the turn that an ended call left behind serves this one
+  if (!turn_posted_)
+    keep_or_lose([this] { take_turn(); });  // else the turn that an ended call left behind serves this one
 }
 
 void SheetRunner::take_turn() {
@@ -35,7 +36,7 @@ void SheetRunner::take_turn() {
   if (step_call_->remaining > 0) {
     turn_posted_ = strand_.post([self = shared_from_this()] {
       self->turn_posted_ = false;
-      self->take_turn();
+      self->keep_or_lose([&] { self->take_turn(); });
     });
     return;
   }

@@ -3,6 +3,8 @@
 #include <utility>
 #include <variant>
 
+#include "server/base/caught.h"
+#include "server/base/memory_headroom.h"
 #include "server/host/sheet_runner.h"
 
 // The tick of a SheetRunner: drain, step, publish, answer, count.
@@ -25,12 +27,39 @@ bool SheetRunner::run_once(bool advance) {
   }
   repeats_now_ = false;
   std::vector<Pending> queued = take_queue();
+  if (!queued.empty() && !has_room_for_commands()) {
+    for (const Pending& refused : queued) refused.done(out_of_memory());
+    queued.clear();
+  }
   std::move(queued.begin(), queued.end(), std::back_inserter(pending));
   if (!advance && pending.empty()) return false;
   return run_commands(advance, std::move(pending));
 }
 
+// Answers commands that memory ran out for, as what comes next may find them done by halves.
+class SheetRunner::Answering {
+ public:
+  explicit Answering(std::vector<Pending>& pending) : pending_(pending) {}
+  ~Answering() {
+    for (; next_ < pending_.size(); ++next_) pending_[next_].done(out_of_memory());
+  }
+  Answering(const Answering&) = delete;
+  Answering& operator=(const Answering&) = delete;
+
+  void answer(const Result<CommandResult>& result) { pending_[next_++].done(result); }
+
+ private:
+  std::vector<Pending>& pending_;
+  std::size_t next_ = 0;
+};
+
+bool SheetRunner::has_room_for_commands() const {
+  constexpr std::int64_t kBytesPerVertex = 1000;  // what a cut may copy or add, at most
+  return has_memory_for(kBytesPerVertex * sheet_.mesh().num_vertices());
+}
+
 bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
+  Answering answering(pending);
   const Nanoseconds begin = context_.clock.now();
   const Nanoseconds cpu_begin = context_.clock.thread_cpu();
   const bool stands = !advance || sheet_.frozen();
@@ -44,10 +73,13 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   StageTimer timer(context_.clock);
   const bool timed = advance && !paused_;
 
+  changing_ = true;
   const double tick_before_us = pending.empty() ? 0.0 : tick_estimate().total_us();
   tick_began_ = begin;
   const fem::GoesOn goes_on = [this] { return this->goes_on(); };
-  const sheet::TickReport report = advance ? sheet_.step(commands, &timer, &goes_on) : sheet_.apply(commands, &timer);
+  const fem::GoesOn may_go_on = [this, asked = 0]() mutable { return this->may_go_on(++asked); };
+  const sheet::TickReport report =
+      advance ? sheet_.step(commands, &timer, &goes_on, &may_go_on) : sheet_.apply(commands, &timer);
   was_tick_long_ = is_tick_long();
   tick_began_ = kNoTick;
 
@@ -80,7 +112,8 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   note_status();
   publish();
   count(report, results, context_.clock.now() - begin, context_.clock.thread_cpu() - cpu_begin);
-  for (std::size_t i = 0; i < pending.size(); ++i) pending[i].done(results[report.scheduled.size() + i]);
+  changing_ = false;
+  for (std::size_t i = 0; i < pending.size(); ++i) answering.answer(results[report.scheduled.size() + i]);
   return !report.stats.interrupted;
 }
 
@@ -114,6 +147,11 @@ bool SheetRunner::goes_on() const {
   if (is_playing()) return true;  // a recording has no place for a tick that does not follow
   if (step_call_ && step_call_->stop.stop_requested()) return false;
   return !((pauses_waiting_ > 0 || takes_back_waiting_) && is_tick_long());
+}
+
+bool SheetRunner::may_go_on(int asked) const {
+  constexpr int kAskingsToALook = 32;  // at the memory, which costs more
+  return !context_.stopping && !closing_ && (asked % kAskingsToALook != 0 || has_memory_for(0));
 }
 
 bool SheetRunner::is_at_long_tick() const {
@@ -237,6 +275,7 @@ void SheetRunner::count(const sheet::TickReport& report, const std::vector<Resul
       m.tick_duration.add(seconds(wall));
     }
     if (report.step_failed) ++m.failed_ticks;
+    if (report.gave_up && !context_.stopping && !closing_) ++m.short_ticks;
     fem::count_flags(report.stats.flags, m.flagged_ticks);
     if (report.advanced && report.stats.newton_iterations > 0) {
       m.linear_iterations += report.stats.linear_iterations;

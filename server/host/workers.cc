@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "server/base/check.h"
+#include "server/base/thread_priority.h"
 
 namespace kerf::host {
 
@@ -34,7 +35,7 @@ struct Workers::Pool {
   };
   using Threads = std::list<Thread>;
 
-  explicit Pool(Nanoseconds wanted_patience) : patience(wanted_patience) {}
+  explicit Pool(const Options& wanted) : options(wanted) {}
 
   bool post(const std::shared_ptr<Order>& order, std::function<void()> work);
   void add_thread();
@@ -49,7 +50,7 @@ struct Workers::Pool {
   bool take_on(Thread& late);
 
   // An idle thread counts until it has taken what it was woken for.
-  [[nodiscard]] bool lacks_threads() const { return ready.size() > num_idle && num_replaced < kMaxTakenOn; }
+  [[nodiscard]] bool lacks_threads() const { return ready.size() > num_idle && num_replaced < options.max_taken_on; }
   struct Wakes {
     bool thread = false;
     bool supervisor = false;
@@ -58,7 +59,7 @@ struct Workers::Pool {
   Wakes wakes_for_ready();
   void wake(Wakes wakes);
 
-  const Nanoseconds patience;
+  const Options options;
   // Guards everything below, but for `supervisor`.
   mutable std::mutex mutex;
   std::condition_variable idle;              // nothing is outstanding
@@ -111,6 +112,7 @@ void Workers::Pool::add_thread() {
 }
 
 void Workers::Pool::run(Threads::iterator self) {
+  if (options.is_background) lower_thread_priority();
   Lock lock(mutex);
   while (true) {
     work_waits.wait(lock, [&] { return closed || !ready.empty(); });
@@ -151,6 +153,7 @@ void Workers::Pool::take_turn(const std::shared_ptr<Order>& order, Thread& self,
 // where all are busy with short ones, that is once a patience.
 void Workers::Pool::supervise() {
   constexpr Nanoseconds kLongestSleep = std::chrono::hours(1);  // so that no deadline overflows
+  const Nanoseconds patience = options.patience;
   Lock lock(mutex);
   while (!closed) {
     if (!retired.empty()) {
@@ -224,15 +227,15 @@ bool Workers::Strand::post(std::function<void()> work) const {
 Workers::Workers(std::shared_ptr<Pool> pool) : pool_(std::move(pool)) {}
 
 // After the constructor above an exception ends, by the destructor, the threads that there are.
-Workers::Workers(std::int32_t num_threads, Nanoseconds patience) : Workers(std::make_shared<Pool>(patience)) {
-  KERF_CHECK(num_threads >= 1, "a pool without threads never finishes anything");
-  KERF_CHECK(patience >= Nanoseconds(0), "nothing takes less than no time");
+Workers::Workers(const Options& options) : Workers(std::make_shared<Pool>(options)) {
+  KERF_CHECK(options.num_threads >= 1, "a pool without threads never finishes anything");
+  KERF_CHECK(options.patience >= Nanoseconds(0), "nothing takes less than no time");
   {
     const std::lock_guard lock(pool_->mutex);
-    for (std::int32_t i = 0; i < num_threads; ++i) pool_->add_thread();
+    for (std::int32_t i = 0; i < options.num_threads; ++i) pool_->add_thread();
   }
   // The pool outlives its threads: a raw pointer is enough, and a shared one could make the last owner a worker.
-  if (patience > Nanoseconds(0)) pool_->supervisor = std::thread([pool = pool_.get()] { pool->supervise(); });
+  if (options.patience > Nanoseconds(0)) pool_->supervisor = std::thread([pool = pool_.get()] { pool->supervise(); });
 }
 
 Workers::~Workers() {

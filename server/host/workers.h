@@ -33,12 +33,17 @@ class Workers {
     std::shared_ptr<Order> order_;
   };
 
-  // Beyond num_threads; with so many at long work, strands wait until a piece ends. A thread costs its stack, and each
-  // takes its share of the cores from all others.
-  static constexpr std::size_t kMaxTakenOn = 64;
-
-  // `num_threads` >= 1; `patience` >= 0, on the machine's steady clock; 0: no thread is ever taken on.
-  explicit Workers(std::int32_t num_threads, Nanoseconds patience);
+  struct Options {
+    std::int32_t num_threads = 1;  // >= 1
+    // On the machine's steady clock, >= 0; 0: no thread is ever taken on.
+    Nanoseconds patience{0};
+    // Beyond num_threads; with so many at long work, strands wait until a piece ends. A thread costs its stack, and
+    // each takes its share of the cores from all others.
+    std::size_t max_taken_on = 64;
+    // Gives way to all threads that have none: see lower_thread_priority().
+    bool is_background = false;
+  };
+  explicit Workers(const Options& options);
   ~Workers();  // join()
   Workers(const Workers&) = delete;
   Workers& operator=(const Workers&) = delete;

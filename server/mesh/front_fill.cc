@@ -7,6 +7,7 @@
 #include <queue>
 #include <vector>
 
+#include "server/base/interruption.h"
 #include "server/mesh/lattice_geometry.h"
 #include "server/mesh/straight_walk.h"
 #include "server/mesh/triangle_shape.h"
@@ -30,6 +31,7 @@ class FrontFill {
   bool run(std::int64_t max_points) {
     for (TriangleId t = 0; t < mesh_.num_triangle_slots(); ++t) consider(t);
     while (!front_.empty()) {
+      interruption_point();
       const Waiting next = front_.top();
       front_.pop();
       if (mesh_.points(next.triangle) != next.points || !advance(next.triangle)) continue;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "server/base/check.h"
+#include "server/base/interruption.h"
 
 namespace kerf::mesh {
 
@@ -89,6 +90,7 @@ VertexRecord& MeshEditor::touch_vertex(VertexId v) {
 }
 
 bool MeshEditor::take_slots(std::int32_t count) {
+  interruption_point();
   if (max_slots_ - count >= mesh_.num_triangle_slots()) return true;
   budget_exhausted_ = true;
   return false;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "server/base/check.h"
+#include "server/base/interruption.h"
 #include "server/mesh/facets.h"
 #include "server/mesh/flattening.h"
 #include "server/mesh/void_fill.h"
@@ -103,6 +104,7 @@ class SheetImport {
       }
     }
     for (std::int32_t v = 0; v < num_vertices(); ++v) {
+      interruption_point();
       if (!is_used[v]) return invalid_argument("MESH_UNUSED_VERTEX", "no triangle has vertex " + id(v), "rest");
     }
     return check_surface();
@@ -173,6 +175,7 @@ class SheetImport {
     std::vector<Side> sides;
     sides.reserve(3 * records_.triangles.size());
     for (TriangleId t = 0; t < num_triangles(); ++t) {
+      interruption_point();
       const TriangleRecord& r = records_.triangles[t];
       const std::array<std::int32_t, 3>& ends = by_point ? r.points : r.vertices;
       for (int k = 0; k < 3; ++k) sides.push_back({ends[next_corner(k)], ends[previous_corner(k)], t, k});
@@ -188,6 +191,7 @@ class SheetImport {
   Status orient() {
     std::vector<int> sign(static_cast<std::size_t>(num_triangles()));
     for (TriangleId t = 0; t < num_triangles(); ++t) {
+      interruption_point();
       TriangleRecord r;
       for (int k = 0; k < 3; ++k) {
         r.vertices[k] = input_.triangles(k, t);

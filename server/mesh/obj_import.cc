@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/interruption.h"
 #include "server/mesh/words.h"
 
 namespace kerf::mesh {
@@ -46,6 +47,7 @@ class ObjReader {
   [[nodiscard]] Status added(const Status& status) const { return status.ok() ? status : Status(here(status.error())); }
 
   Status read_line(std::string_view line) {
+    interruption_point();
     if (line.size() > kMaxObjLineBytes) {
       return refuse("LINE_TOO_LONG",
                     std::to_string(line.size()) + " bytes; the limit is " + std::to_string(kMaxObjLineBytes));

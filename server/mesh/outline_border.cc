@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "server/base/interruption.h"
 #include "server/mesh/contour_division.h"
 #include "server/mesh/lattice_geometry.h"
 
@@ -169,6 +170,7 @@ bool OutlineBorder::conflict(const Chord& a, const Chord& b) const {
 Status OutlineBorder::check_crossings() const {
   const std::vector<Eigen::AlignedBox2d> boxes = chord_boxes();
   for (std::size_t i = 0; i < chords_.size(); ++i) {
+    interruption_point();
     const Chord& a = chords_[i];
     std::size_t met = i;
     if (tree_.visit_meeting(boxes[i], [&](std::int32_t other) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "server/base/check.h"
+#include "server/base/interruption.h"
 #include "server/mesh/delaunay.h"
 #include "server/mesh/front_fill.h"
 #include "server/mesh/mesh_import.h"
@@ -49,6 +50,7 @@ class VertexEstimate {
   VertexEstimate(const SizeField& sizes, double limit) : sizes_(sizes), limit_(limit) {}
 
   void add(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+    interruption_point();
     if (total_ > limit_) return;
     const double doubled_area = std::abs((b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x()));
     const double ab = (b - a).norm(), bc = (c - b).norm(), ca = (a - c).norm();

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "server/base/interruption.h"
 #include "server/mesh/ply_header.h"
 #include "server/mesh/words.h"
 
@@ -63,6 +64,7 @@ class PlyReader {
       if (element.properties.empty()) continue;  // takes no room in the file, however many there are
       element_ = &element;
       for (row_ = 0; row_ < element.count; ++row_) {
+        interruption_point();
         if (const Status read = read_row(); !read.ok()) return read.error();
       }
     }

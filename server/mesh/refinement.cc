@@ -10,6 +10,7 @@
 
 #include <Eigen/LU>
 
+#include "server/base/interruption.h"
 #include "server/mesh/lattice_geometry.h"
 #include "server/mesh/lip_corner.h"
 #include "server/mesh/straight_walk.h"
@@ -69,7 +70,10 @@ class Refinement {
         strands_(editor.mesh(), config.strands, config.lengths) {}
 
   RefinementCounts run(std::span<const TriangleId> seeds) {
-    for (const TriangleId t : seeds) consider(t);
+    for (const TriangleId t : seeds) {
+      interruption_point();
+      consider(t);
+    }
     work_off_queue();
     refine_wedges();
     work_off_queue();
@@ -98,6 +102,7 @@ class Refinement {
 
   void work_off_queue() {
     while (!queue_.empty() && !editor_.budget_exhausted()) {
+      interruption_point();
       const Pending next = queue_.top();
       queue_.pop();
       if (mesh_.points(next.triangle) != next.points) continue;

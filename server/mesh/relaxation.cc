@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "server/base/interruption.h"
 #include "server/base/sort_unique.h"
 #include "server/mesh/lattice_geometry.h"
 #include "server/mesh/triangle_shape.h"
@@ -135,6 +136,7 @@ std::vector<PointId> relax(MeshEditor& editor, std::span<const PointId> candidat
   double reach = kFirstStep;
   for (int sweep = 0; sweep < kSweeps; ++sweep, reach *= 0.5) {
     for (const PointId p : candidates) {
+      interruption_point();
       if (relaxation.improve(p, reach)) changed.push_back(p);
     }
   }

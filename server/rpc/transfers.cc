@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <sstream>
+#include <stop_token>
 #include <string>
 #include <utility>
 
@@ -42,6 +43,7 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
     StartRead(&message_);
   }
 
+  void OnCancel() override { left_.request_stop(); }
   void OnDone() override { delete this; }
 
  private:
@@ -69,7 +71,8 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
     // The reply may end the call, and this object with it, before finish() returns.
     const std::unique_ptr<api::Upload> upload = std::move(upload_);
     upload->finish(
-        [this](Result<v1::Sheet> sheet) { Finish(sheet ? serialise(*sheet, response_) : to_status(sheet.error())); });
+        [this](Result<v1::Sheet> sheet) { Finish(sheet ? serialise(*sheet, response_) : to_status(sheet.error())); },
+        left_.get_token());
   }
 
   void refuse(const Error& error) {
@@ -95,6 +98,7 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
   ByteBuffer* response_;  // gRPC's, until the call is done
   ByteBuffer message_;
   std::unique_ptr<api::Upload> upload_;
+  std::stop_source left_;                     // the client
   const std::shared_ptr<Patience> patience_;  // whose timer may fire when this is gone
 };
 

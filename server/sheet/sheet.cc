@@ -1,9 +1,11 @@
 #include "server/sheet/sheet.h"
 
 #include <algorithm>
+#include <new>
 #include <numeric>
 #include <utility>
 
+#include "server/base/interruption.h"
 #include "server/fem/follower_loads.h"
 #include "server/sheet/material_point.h"
 #include "server/sheet/mesh_source.h"
@@ -70,7 +72,7 @@ Sheet::Impl::Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_p
 }
 
 TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* observer, bool advance,
-                            const fem::GoesOn* goes_on) {
+                            const fem::GoesOn* goes_on, const fem::GoesOn* may_go_on) {
   TickReport report;
   const std::int32_t version_before = topology_version;
   const bool advancing = advance && !frozen;
@@ -84,7 +86,7 @@ TickReport Sheet::Impl::run(std::span<const Command> commands, StageObserver* ob
     {
       const StageScope scope(observer, Stage::kIntegrate, -1);
       // A recording has no place for scheduled commands whose tick does not follow.
-      integrate(report.scheduled.empty() ? goes_on : nullptr, report);
+      integrate(report.scheduled.empty() ? goes_on : nullptr, may_go_on, report);
     }
     if (report.stats.interrupted) {
       conditions_changed = true;
@@ -166,15 +168,34 @@ void Sheet::Impl::set_loads() {
   }
 }
 
-void Sheet::Impl::integrate(const fem::GoesOn* goes_on, TickReport& report) {
+bool Sheet::Impl::step_in_time(const fem::GoesOn* may_go_on, fem::StepStats& stats) {
+  try {
+    std::optional<InterruptionScope> scope;
+    if (may_go_on != nullptr) scope.emplace(*may_go_on);
+    stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
+    return true;
+  } catch (const std::bad_alloc&) {
+    return false;
+  } catch (const Interrupted&) {
+    return false;
+  }
+}
+
+void Sheet::Impl::integrate(const fem::GoesOn* goes_on, const fem::GoesOn* may_go_on, TickReport& report) {
   last_good = state;
   model.bend_by_matrix();
   integrator->heed(goes_on);
   const bool touches = last_counts && last_counts->contact_blocks > 0.0;
   contact.set_calm(touches && rest.is_calm());
   const std::int64_t blocks_before = contact.blocks();
-  report.stats = integrator->step(model, loads, dt, contact.empty() ? nullptr : &contact, state);
+  report.gave_up = !step_in_time(may_go_on, report.stats);
   integrator->heed(nullptr);
+  if (report.gave_up) {
+    state = last_good;
+    frozen = true;
+    report.stats = {};
+    report.stats.interrupted = true;
+  }
   if (report.stats.interrupted) return;
   if (!state.x.allFinite() || !state.v.allFinite()) report.stats.flags |= fem::kFrozen;
   report.step_failed = (report.stats.flags & fem::kFrozen) != 0;
@@ -304,8 +325,9 @@ Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrato
   return sheet;
 }
 
-TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer, const fem::GoesOn* goes_on) {
-  return impl_->run(commands, observer, true, goes_on);
+TickReport Sheet::step(std::span<const Command> commands, StageObserver* observer, const fem::GoesOn* goes_on,
+                       const fem::GoesOn* may_go_on) {
+  return impl_->run(commands, observer, true, goes_on, may_go_on);
 }
 
 fem::EquilibriumStats Sheet::settle(double load, const fem::EquilibriumOptions& options,
@@ -327,7 +349,7 @@ TickReport Sheet::begin_load_step() {
 }
 
 TickReport Sheet::apply(std::span<const Command> commands, StageObserver* observer) {
-  return impl_->run(commands, observer, false, nullptr);
+  return impl_->run(commands, observer, false, nullptr, nullptr);
 }
 
 const SheetConfig& Sheet::config() const {

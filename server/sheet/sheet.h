@@ -63,6 +63,7 @@ struct TickReport {
   std::size_t num_scheduled_first = 0;        // of them, done before the given commands
   fem::StepStats stats;      // of the integrator; default where time did not advance, but for `interrupted`
   bool advanced = false;     // ++tick happened
+  bool gave_up = false;      // too little memory, or no leave to go on: frozen, nothing else holds
   bool step_failed = false;  // the integrator gave up: positions and velocities are those before the tick
   bool frozen = false;       // see Sheet::frozen()
   bool at_rest = false;      // see Sheet::at_rest()
@@ -120,9 +121,10 @@ class Sheet {
   // report and changes nothing. Allocates nothing where there is no command. A frozen sheet does its commands and does
   // not advance.
   // `goes_on`, where given, ends the integration early (see fem::Integrator::heed), but not in a tick with scheduled
-  // commands: then the report says so, and all is as after apply(commands).
+  // commands: then the report says so, and all is as after apply(commands). So does `may_go_on`, at any place of it,
+  // and so does memory that runs out; but these freeze the sheet, which is as it was before the tick.
   TickReport step(std::span<const Command> commands, StageObserver* observer = nullptr,
-                  const fem::GoesOn* goes_on = nullptr);
+                  const fem::GoesOn* goes_on = nullptr, const fem::GoesOn* may_go_on = nullptr);
 
   // Puts the sheet into equilibrium, at rest, under `load` (-, 0..1): what has no history follows the load, histories
   // are read at it. From where it is now; where none is found the state is left as it is. Time does not advance; wind,

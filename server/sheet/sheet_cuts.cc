@@ -279,8 +279,8 @@ void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<
     held.weights = point.weights;
   }
   enter_phase(observer, "integrator");
-  if (held_vertices.has_slopes()) {
-    set_slopes(now);
+  if (held_vertices.has_slopes()) set_slopes(now);
+  if (held_vertices.has_slopes() || frozen) {  // a step may have left it half-done
     integrator->rebuild(model);
   } else {
     integrator->follow(model);

@@ -98,7 +98,8 @@ struct Sheet::Impl {
   Impl(std::shared_ptr<const SheetConfig> sheet_config, std::shared_ptr<const InitialState> initial_state,
        IntegratorFactory make_integrator);
 
-  TickReport run(std::span<const Command> commands, StageObserver* observer, bool advance, const fem::GoesOn* goes_on);
+  TickReport run(std::span<const Command> commands, StageObserver* observer, bool advance, const fem::GoesOn* goes_on,
+                 const fem::GoesOn* may_go_on);
 
   // Stages of a tick (sheet.cc).
   void drain_commands(std::span<const Command> commands, StageObserver* observer, bool scheduled, TickReport& report);
@@ -106,7 +107,9 @@ struct Sheet::Impl {
   void drain_schedule(StageObserver* observer, std::int32_t& number, TickReport& report);
   void set_loads();
   void stamp(TickReport& report) const;
-  void integrate(const fem::GoesOn* goes_on, TickReport& report);
+  void integrate(const fem::GoesOn* goes_on, const fem::GoesOn* may_go_on, TickReport& report);
+  // False: it could not go on, and its own state is worth nothing any more.
+  bool step_in_time(const fem::GoesOn* may_go_on, fem::StepStats& stats);
   void watch_rest();
   // Keeps what a step that did not fail went through; contact_blocks: of all its substeps.
   void count_tick(const fem::StepStats& stats, std::int64_t contact_blocks);

@@ -54,7 +54,7 @@ struct Snapshot {
 };
 
 // Why a sink gets no more snapshots.
-enum class SinkEnd { kSheetDeleted, kHostStopping };
+enum class SinkEnd { kSheetDeleted, kSheetLost, kHostStopping };
 
 // Where snapshots go. The host calls all of these from the sheet's strand: never two at once for one sheet, and they
 // must not block.

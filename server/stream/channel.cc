@@ -14,6 +14,18 @@ bool looks_the_same(const sheet::Snapshot& a, const sheet::Snapshot& b) {
   return a.tick == b.tick && a.topology == b.topology && a.positions == b.positions;
 }
 
+wire::EndReason end_reason(sheet::SinkEnd end) {
+  switch (end) {
+    case sheet::SinkEnd::kSheetDeleted:
+      return wire::EndReason::kSheetDeleted;
+    case sheet::SinkEnd::kSheetLost:
+      return wire::EndReason::kSheetLost;
+    case sheet::SinkEnd::kHostStopping:
+      return wire::EndReason::kServerStopping;
+  }
+  check_failed("end", __FILE__, __LINE__, "unknown end of a sink");
+}
+
 }  // namespace
 
 Result<std::shared_ptr<Subscriber>> Channel::subscribe(const SubscriberOptions& options, std::function<void()> ready) {
@@ -93,8 +105,7 @@ void Channel::ended(sheet::SinkEnd reason) {
     end_ = reason;
     readers = readers_;
   }
-  const auto why =
-      reason == sheet::SinkEnd::kSheetDeleted ? wire::EndReason::kSheetDeleted : wire::EndReason::kServerStopping;
+  const auto why = end_reason(reason);
   for (const Entry& each : *readers) {
     if (const auto reader = each.handle.lock()) reader->end(why);
   }

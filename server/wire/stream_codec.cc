@@ -39,6 +39,10 @@ void encode_end(EndReason reason, v1::Ended& message) {
       message.set_reason(v1::Ended::SHEET_DELETED);
       message.set_message("the sheet was deleted");
       break;
+    case EndReason::kSheetLost:
+      message.set_reason(v1::Ended::SHEET_DELETED);
+      message.set_message("the server had too little memory to keep the sheet; other sheets are as they were");
+      break;
     case EndReason::kServerStopping:
       message.set_reason(v1::Ended::SERVER_STOPPING);
       message.set_message("the server is stopping; connect again later");

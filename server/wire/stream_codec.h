@@ -18,7 +18,7 @@ namespace kerf::wire {
 // All but `skipped`.
 void encode_stats(const sheet::RunStats& stats, const sheet::Topology& topology, v1::FrameStats& message);
 
-enum class EndReason { kSheetDeleted, kServerStopping, kTooSlow };
+enum class EndReason { kSheetDeleted, kSheetLost, kServerStopping, kTooSlow };
 void encode_end(EndReason reason, v1::Ended& message);
 
 // The start of a serialised message with nothing but the length-delimited field `number`, of which `bytes` bytes

@@ -124,7 +124,8 @@ void FileRoutes::download(std::string_view path, std::function<void(HttpResponse
   });
 }
 
-void FileRoutes::upload(HttpRequest request, std::function<void(HttpResponse)> done) const {
+void FileRoutes::upload(HttpRequest request, std::function<void(HttpResponse)> done,
+                        const std::stop_token& stop) const {
   const std::string_view path = std::string_view(request.target).substr(0, request.target.find('?'));
   const std::size_t size = request.body.size();
   Result<std::unique_ptr<api::Upload>> upload =
@@ -132,13 +133,14 @@ void FileRoutes::upload(HttpRequest request, std::function<void(HttpResponse)> d
                       : begin_upload(api_, read_recording_upload(request), size, &api::Api::replay_recording);
   if (!upload) return done(refusal(upload.error()));
   if (const Status taken = (*upload)->append(std::move(request.body)); !taken) return done(refusal(taken.error()));
-  (*upload)->finish([done = std::move(done)](Result<v1::Sheet> sheet) {
+  const auto answer = [done = std::move(done)](Result<v1::Sheet> sheet) {
     if (!sheet) return done(refusal(sheet.error()));
     done({200,
           "application/json",
           std::make_shared<const std::string>(wire::to_json(*sheet)),
           {{"Cache-Control", "no-store"}}});
-  });
+  };
+  (*upload)->finish(answer, stop);
 }
 
 }  // namespace kerf::ws

@@ -29,7 +29,7 @@ class FileRoutes {
 
   // `done` as in Router::respond.
   void download(std::string_view path, std::function<void(HttpResponse)> done) const;
-  void upload(HttpRequest request, std::function<void(HttpResponse)> done) const;
+  void upload(HttpRequest request, std::function<void(HttpResponse)> done, const std::stop_token& stop) const;
 
  private:
   api::Api& api_;

@@ -110,6 +110,9 @@ void add_host(Page& page, const host::HostMetrics& host) {
   page.counter("kerf_sheet_sleeps_total", "Times a sheet fell asleep.", host.sleeps);
   page.counter("kerf_overload_refusals_total", "Sheets that were not made because of the load.",
                host.overload_refusals);
+  page.counter("kerf_lost_sheets_total", "Sheets that ended for want of memory.", host.lost_sheets);
+  page.counter("kerf_short_ticks_total", "Ticks that found too little memory; their sheet is frozen.",
+               host.short_ticks);
   page.gauge("kerf_needed_workers", "Workers that running sheets need; more than there are: they cannot all keep pace.",
              static_cast<double>(host.worker_need) / static_cast<double>(host::WorkerNeed::kWhole));
   page.begin_gauge("kerf_sheets", "Sheets, by run state.");

@@ -176,7 +176,7 @@ void Router::call(HttpRequest request, std::string_view path, std::function<void
   if (const Status origin = check_origin(access_, request.origin, request.host); !origin) {
     return done(refusal_with_status(403, origin.error()));
   }
-  if (is_upload) return files_.upload(std::move(request), std::move(done));
+  if (is_upload) return files_.upload(std::move(request), std::move(done), stop);
   // An empty body is the message with nothing set, so that `curl -X POST` works for List and Get*Info.
   method->second->call(
       request.body.empty() ? std::string_view("{}") : std::string_view(request.body),

@@ -38,7 +38,7 @@ std::vector<int> count_to(int end) {
 
 // For what must not happen: as long as others that are as impatient take to take on ten threads, one after another.
 void let_others_take_on_threads() {
-  Workers workers(1, kSoon);
+  Workers workers({.num_threads = 1, .patience = kSoon});
   const Workers::Strand late = workers.make_strand();
   const Workers::Strand strand = workers.make_strand();
   for (int i = 0; i < 10; ++i) {
@@ -50,7 +50,7 @@ void let_others_take_on_threads() {
 }
 
 TEST(Workers, AStrandKeepsItsOrderAndRunsOneAtATime) {
-  Workers workers(4, kNever);
+  Workers workers({.num_threads = 4, .patience = kNever});
   const std::vector<Workers::Strand> strands = strands_of(workers, 3);
   std::vector<std::vector<int>> seen(3);
   for (int i = 0; i < 300; ++i) {
@@ -64,7 +64,7 @@ TEST(Workers, AStrandKeepsItsOrderAndRunsOneAtATime) {
 }
 
 TEST(Workers, JoinWaitsForWhatWorkPosts) {
-  Workers workers(2, kNever);
+  Workers workers({.num_threads = 2, .patience = kNever});
   const Workers::Strand strand = workers.make_strand();
   int depth = 0;
   std::function<void()> deeper = [&] {
@@ -78,14 +78,14 @@ TEST(Workers, JoinWaitsForWhatWorkPosts) {
 }
 
 TEST(Workers, AStrandOutlivesThem) {
-  auto workers = std::make_unique<Workers>(1, kSoon);
+  auto workers = std::make_unique<Workers>(Workers::Options{.num_threads = 1, .patience = kSoon});
   const Workers::Strand strand = workers->make_strand();
   workers.reset();
   EXPECT_FALSE(strand.post([] {}));
 }
 
 TEST(Workers, ATurnIsWhatWaitedWhenItBegan) {
-  Workers workers(1, kNever);
+  Workers workers({.num_threads = 1, .patience = kNever});
   const std::vector<Workers::Strand> strands = strands_of(workers, 2);
   std::vector<int> seen;
   std::promise<void> all_posted;
@@ -102,7 +102,7 @@ TEST(Workers, ATurnIsWhatWaitedWhenItBegan) {
 }
 
 TEST(Workers, WhatWorkHoldsGoesBeforeTheyAreIdle) {
-  Workers workers(1, kSoon);
+  Workers workers({.num_threads = 1, .patience = kSoon});
   const Workers::Strand late = workers.make_strand();
   const Workers::Strand strand = workers.make_strand();
   for (int round = 0; round < 20; ++round) {
@@ -117,7 +117,7 @@ TEST(Workers, WhatWorkHoldsGoesBeforeTheyAreIdle) {
 }
 
 TEST(Workers, LongWorkKeepsNobodyWaiting) {
-  Workers workers(1, kSoon);
+  Workers workers({.num_threads = 1, .patience = kSoon});
   const Workers::Strand late = workers.make_strand();
   const Workers::Strand strand = workers.make_strand();
   for (int round = 0; round < 20; ++round) {
@@ -135,7 +135,7 @@ TEST(Workers, LongWorkKeepsNobodyWaiting) {
 }
 
 TEST(Workers, AThreadIsTakenOnForEachThatIsLate) {
-  Workers workers(2, kSoon);
+  Workers workers({.num_threads = 2, .patience = kSoon});
   const std::vector<Workers::Strand> strands = strands_of(workers, 12);
   for (int round = 0; round < 3; ++round) {
     std::latch all_at_once(12);
@@ -157,7 +157,7 @@ TEST(Workers, AThreadIsTakenOnForEachThatIsLate) {
 
 // The rest of the turn of a thread that was replaced, and that ends, is done by another, which has to be found.
 TEST(Workers, WhatLongWorkLeavesIsTakenOver) {
-  Workers workers(1, kSoon);
+  Workers workers({.num_threads = 1, .patience = kSoon});
   const Workers::Strand first = workers.make_strand();
   const Workers::Strand second = workers.make_strand();
   std::promise<void> both_posted;
@@ -178,7 +178,7 @@ TEST(Workers, WhatLongWorkLeavesIsTakenOver) {
 TEST(Workers, OrderIsKeptWhereverThreadsComeAndGo) {
   constexpr int kStrands = 5;
   constexpr int kPieces = 60;
-  Workers workers(2, kSoon);
+  Workers workers({.num_threads = 2, .patience = kSoon});
   const std::vector<Workers::Strand> strands = strands_of(workers, kStrands);
   const Workers::Strand liberator = workers.make_strand();
   std::vector<std::vector<int>> seen(kStrands);
@@ -203,7 +203,7 @@ TEST(Workers, OrderIsKeptWhereverThreadsComeAndGo) {
 }
 
 TEST(Workers, JoinWaitsForLongWorkAndForWhatItPosts) {
-  Workers workers(1, kSoon);
+  Workers workers({.num_threads = 1, .patience = kSoon});
   const Workers::Strand late = workers.make_strand();
   const Workers::Strand strand = workers.make_strand();
   std::promise<void> release;
@@ -220,9 +220,9 @@ TEST(Workers, JoinWaitsForLongWorkAndForWhatItPosts) {
 }
 
 TEST(Workers, NoMoreAreTakenOnThanTheBound) {
-  constexpr std::size_t kMost = 1 + Workers::kMaxTakenOn;
+  constexpr std::size_t kMost = 1 + Workers::Options().max_taken_on;
   constexpr std::size_t kPieces = kMost + 15;
-  Workers workers(1, kSoon);
+  Workers workers({.num_threads = 1, .patience = kSoon});
   std::mutex mutex;
   std::condition_variable changed;
   std::size_t begun = 0;
@@ -258,7 +258,7 @@ TEST(Workers, NoMoreAreTakenOnThanTheBound) {
 }
 
 TEST(Workers, NoneAreTakenOnWithoutAPatience) {
-  Workers workers(1, kNever);
+  Workers workers({.num_threads = 1, .patience = kNever});
   std::promise<void> release;
   std::atomic<bool> is_released = false;
   bool waited = false;
@@ -274,7 +274,7 @@ TEST(Workers, NoneAreTakenOnWithoutAPatience) {
 
 TEST(Workers, HoweverMuchShortWorkWaitsNoneAreTakenOn) {
   for (const Nanoseconds patience : {Nanoseconds(1h), Nanoseconds::max()}) {
-    Workers workers(2, patience);
+    Workers workers({.num_threads = 2, .patience = patience});
     const std::vector<Workers::Strand> strands = strands_of(workers, 8);
     std::mutex mutex;
     std::set<std::thread::id> threads;
