@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <memory>
+#include <new>
 #include <utility>
 
 #include "server/fem/integrator.h"
@@ -9,6 +10,7 @@
 namespace kerf::scenes {
 
 inline constexpr double kGivesUp = 66.0;         // m/s^2: with this gravity along z it reports kFrozen
+inline constexpr double kRunsShort = 88.0;       // m/s^2: with this one memory runs out in it
 inline constexpr double kWritesNonsense = 77.0;  // m/s^2: with this one it writes NaN and reports success
 
 // A real integrator that fails on request, the request being the gravity: so a step still depends on its arguments
@@ -26,6 +28,10 @@ class FailingIntegrator : public fem::Integrator {
       return stats;
     }
     inner_->heed(heed_.get());
+    if (loads.gravity.z() == kRunsShort) {
+      state.x.setZero();
+      throw std::bad_alloc();
+    }
     fem::StepStats stats = inner_->step(model, loads, dt, contact, state);
     if (loads.gravity.z() == kWritesNonsense) state.v(1, 0) = std::numeric_limits<double>::quiet_NaN();
     return stats;
