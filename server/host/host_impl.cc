@@ -199,6 +199,7 @@ Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, const Creation
   if (!built) return built;
   if (const Status fits = creation.vertices->settle(built->mesh().num_vertices()); !fits) return fits.error();
   if (!has_memory_for(0)) return out_of_memory();
+  if (wanted = check_wanted(creation); !wanted) return wanted.error();
   return built;
 }
 

@@ -17,7 +17,10 @@ FlowControl::Permit FlowControl::permit(Nanoseconds now) const {
   if (!in_flight_.empty() && now >= ack_deadline()) return {false, true, std::nullopt};
   const std::optional<Nanoseconds> deadline =
       in_flight_.empty() ? std::nullopt : std::optional<Nanoseconds>(ack_deadline());
-  if (!window_open()) return {false, false, deadline};
+  if (!window_open(now)) {
+    const bool opens_soon = now < new_place_from_ && window_open(new_place_from_);
+    return {false, false, opens_soon ? std::min(deadline.value_or(new_place_from_), new_place_from_) : deadline};
+  }
   if (now < next_allowed_) return {false, false, deadline ? std::min(*deadline, next_allowed_) : next_allowed_};
   return {true, false, deadline};
 }
@@ -58,8 +61,12 @@ void FlowControl::set_pace(double max_rate_hz, bool paused, Nanoseconds now) {
   for (InFlight& frame : in_flight_) frame.sent_at = now;
 }
 
-bool FlowControl::window_open() const {
-  return std::ssize(in_flight_) < window_.window() &&
+std::int32_t FlowControl::window_at(Nanoseconds now) const {
+  return now < new_place_from_ ? std::max(window_.window() - 1, 1) : window_.window();
+}
+
+bool FlowControl::window_open(Nanoseconds now) const {
+  return std::ssize(in_flight_) < window_at(now) &&
          (in_flight_.empty() || bytes_in_flight_ < max_unacknowledged_bytes_);
 }
 
@@ -88,17 +95,17 @@ Result<bool> FlowControl::acknowledge(std::int64_t sequence, Nanoseconds now, Na
     return invalid_argument("ACK_OUT_OF_RANGE", "ack.held_us is below 0; it is a time, or 0 where it is not known",
                             "ack.held_us");
   }
-  const bool was_open = window_open();
+  const bool was_open = window_open(now);
   const std::optional<InFlight> last = settle(sequence);
   const Nanoseconds total = last ? now - last->sent_at : Nanoseconds(0);
   if (held > Nanoseconds(0) && total > Nanoseconds(0)) {
     const double slowest_s = max_rate_hz_ > 0.0 ? 1.0 / max_rate_hz_ : 0.0;
     const auto interval = std::chrono::duration<double>(std::max(slowest_s, interval_s_));
+    const std::int32_t before = window_.window();
     window_.acknowledged(total, std::min(held, total), last->alone, std::chrono::duration_cast<Nanoseconds>(interval));
-  } else if (last && held == Nanoseconds(0)) {
-    window_.acknowledged_untold();
+    if (window_.window() > before) new_place_from_ = now + window_.pause_before_new();
   }
-  return !was_open && window_open();
+  return !was_open && window_open(now);
 }
 
 }  // namespace kerf::stream

@@ -54,7 +54,9 @@ class FlowControl {
     bool alone = false;  // nothing else was under way
   };
 
-  [[nodiscard]] bool window_open() const;
+  // Frames that may be under way at this time.
+  [[nodiscard]] std::int32_t window_at(Nanoseconds now) const;
+  [[nodiscard]] bool window_open(Nanoseconds now) const;
   [[nodiscard]] Nanoseconds ack_deadline() const;  // only with a frame in flight
   // Ones of equal rates end at the same times, so that all viewers of a rate are at the same frame and share what is
   // encoded for it.
@@ -70,6 +72,7 @@ class FlowControl {
   std::size_t bytes_in_flight_ = 0;
   std::int64_t last_sequence_ = 0;
   WindowControl window_;
+  Nanoseconds new_place_from_ = Nanoseconds::min();  // the last of the window's is to be taken
   double max_rate_hz_;
   bool paused_ = false;
   Nanoseconds next_allowed_ = Nanoseconds::min();  // by max_rate_hz_

@@ -7,7 +7,6 @@
 namespace kerf::stream {
 namespace {
 
-constexpr std::int32_t kUntoldWindow = 2;
 constexpr std::int32_t kMeasuredAlone = 2;
 constexpr double kSmoothing = 0.25;    // -; weight of the newest measurement
 constexpr std::size_t kEmptyWays = 4;  // so many of the newest say how long the empty way takes
@@ -38,7 +37,6 @@ void WindowControl::acknowledged(Nanoseconds total, Nanoseconds held, bool alone
   if (!adapts_) return;
   if (!std::exchange(is_told_, true)) {
     // A joiner's frame is larger than all that follow. Those are measured one by one before the window grows.
-    window_ = 1;  // from kUntoldWindow, where a first acknowledgement did not tell
     since_change_ = -kMeasuredAlone;
     return;
   }
@@ -68,8 +66,9 @@ void WindowControl::acknowledged(Nanoseconds total, Nanoseconds held, bool alone
   since_change_ = 0;
 }
 
-void WindowControl::acknowledged_untold() {
-  if (adapts_ && !is_told_) window_ = kUntoldWindow;
+Nanoseconds WindowControl::pause_before_new() const {
+  const double between_s = (way_s_ + held_s_) / std::max(window_ - 1, 1);
+  return std::chrono::duration_cast<Nanoseconds>(std::chrono::duration<double>(0.5 * between_s));
 }
 
 }  // namespace kerf::stream

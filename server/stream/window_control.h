@@ -25,16 +25,17 @@ inline constexpr std::int32_t kMaxWindow = 8;
 class WindowControl {
  public:
   // fixed 1..kMaxWindow: the window, whatever is acknowledged; 0: from 1 what is wanted, as soon as acknowledgements
-  // tell how long a frame was held, and 2 where they do not.
+  // tell how long a frame was held, and 1 where they do not.
   explicit WindowControl(std::int32_t fixed);
 
   [[nodiscard]] std::int32_t window() const { return window_; }
+  // After a window has grown: from the acknowledgement so long until its new place is taken. That puts the new frame
+  // halfway between two others; right behind one of them it would wait at the reader.
+  [[nodiscard]] Nanoseconds pause_before_new() const;
 
   // A frame was acknowledged. `total`: since it was sent, > 0; `held`: of that, by the reader, in 0..total; `alone`:
   // nothing else was under way when it was sent; `interval`: between the frames that the reader could have at most.
   void acknowledged(Nanoseconds total, Nanoseconds held, bool alone, Nanoseconds interval);
-  // Likewise, by a reader that does not tell how long it held the frame.
-  void acknowledged_untold();
 
  private:
   [[nodiscard]] double wanted(double interval_s) const;

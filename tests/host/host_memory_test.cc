@@ -136,7 +136,12 @@ TEST_F(CreationTest, ASheetThatNobodyWaitsForAnyMoreIsNotMade) {
   EXPECT_EQ(answers.reason(0), "CREATION_ABANDONED");
   EXPECT_EQ(host_->metrics().sheets, 0);
   EXPECT_EQ(host_->metrics().worker_need, 0);
-  *meanwhile_ = [] {};
+  bool got_far = false;
+  *meanwhile_ = [&] { got_far = true; };
+  host_->create_sheet("a", large_sheet(), false, answers.callback(), left.get_token());
+  host_->wait_idle();
+  EXPECT_EQ(answers.reason(1), "CREATION_ABANDONED");
+  EXPECT_FALSE(got_far) << "its mesh was not made whole";
   EXPECT_EQ(create("a", large_sheet()).num_vertices, 1600) << "its name is free";
 }
 
