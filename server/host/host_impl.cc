@@ -7,6 +7,7 @@
 #include "server/base/caught.h"
 #include "server/base/interruption.h"
 #include "server/base/memory_headroom.h"
+#include "server/base/memory_release.h"
 
 namespace kerf::host {
 
@@ -125,6 +126,7 @@ void Host::Impl::stop() {
   {
     const std::lock_guard lock(mutex_);
     stopping_ = true;
+    if (release_timer_) clock_.cancel(*release_timer_);
     taken.swap(sheets_);
   }
   for (auto& [id, runner] : taken) {
@@ -213,8 +215,25 @@ Status Host::Impl::check_wanted(const Creation& creation) const {
 }
 
 void Host::Impl::release(const std::string& id) {
+  {
+    const std::lock_guard lock(mutex_);
+    sheets_.erase(id);
+  }
+  plan_to_release_memory();
+}
+
+void Host::Impl::plan_to_release_memory() {
   const std::lock_guard lock(mutex_);
-  sheets_.erase(id);
+  if (stopping_ || release_timer_) return;
+  release_timer_ = clock_.schedule(clock_.now() + kReleaseDelay, [this, strand = builders_.make_strand()] {
+    strand.post([this] {
+      {
+        const std::lock_guard again(mutex_);
+        release_timer_.reset();
+      }
+      release_free_memory();
+    });
+  });
 }
 
 bool Host::Impl::admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -81,11 +82,12 @@ class Host::Impl {
     Callback<SheetStatus> done;
     std::stop_token stop;
   };
+  static constexpr Nanoseconds kReleaseDelay = std::chrono::seconds(2);
   // Sheets that are built at the same time; the others wait.
   static constexpr std::size_t kMaxBuilders = 3;
 
   SheetRunner::Context context() {
-    return {options_,   clock_, board_, listener_, stopping_, [this](const std::string& id) { release(id); },
+    return {options_,   clock_, board_, listener_, slip_, stopping_, [this](const std::string& id) { release(id); },
             ++num_made_};
   }
 
@@ -98,6 +100,8 @@ class Host::Impl {
   Status begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
   void refuse(const Creation& creation, const Error& error);
   void release(const std::string& id);
+  // Some time from now, once for all sheets that end until then.
+  void plan_to_release_memory();
   bool admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner);
   [[nodiscard]] std::shared_ptr<SheetRunner> find(const std::string& id) const;
   [[nodiscard]] Error missing(const std::string& id) const;
@@ -108,14 +112,16 @@ class Host::Impl {
   MetricsBoard board_;
   VertexBudget vertices_;
   ListenerSlot listener_;
+  SharedSlip slip_;
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
   std::atomic<std::uint64_t> num_made_{0};
   std::atomic<bool> stopping_{false};  // set under mutex_
   std::atomic<bool> has_closed_sheets_{false};
-  Admission admission_;  // guarded by mutex_
-  Workers workers_;      // whose threads use everything above
-  Workers builders_;     // of sheets, for the workers
+  Admission admission_;                   // guarded by mutex_
+  std::optional<TimerId> release_timer_;  // guarded by mutex_
+  Workers workers_;                       // whose threads use everything above
+  Workers builders_;                      // of sheets, for the workers
 };
 
 }  // namespace kerf::host

@@ -16,6 +16,9 @@ constexpr double kCpuWeight = 1.0 / 16.0;  // -, of the newest tick in the runni
 
 void Pace::start(Nanoseconds now) {
   deadline_ = now;
+  joined_slip_ = shared_->total();
+  waited_ = Nanoseconds(0);
+  last_end_ = now;
   window_begin_ = now;
   window_ticks_ = 0.0;
 }
@@ -31,15 +34,21 @@ void Pace::set_speed(double speed, Nanoseconds now) {
 }
 
 void Pace::tick_done(Nanoseconds end, Nanoseconds cpu, double share) {
+  waited_ += std::max(end - std::max(deadline_, last_end_) - cpu, Nanoseconds(0));
+  last_end_ = end;
   deadline_ += period_;
   if (end > deadline_) ++overruns_;
+  Nanoseconds given_up_time{0};
   if (end >= deadline_) {
     const std::int64_t due = (end - deadline_) / period_ + 1;  // ticks that should have begun by now
     if (due > Host::kMaxCatchUpTicks) {
       const std::int64_t given_up = due - Host::kMaxCatchUpTicks;
-      deadline_ += given_up * period_;
+      given_up_time = given_up * period_;
+      deadline_ += given_up_time;
       slipped_ += given_up * tick_;
     }
+  } else {
+    waited_ = Nanoseconds(0);
   }
   slipped_ += Nanoseconds(std::llround((1.0 - share) * static_cast<double>(tick_.count())));
   window_ticks_ += share;
@@ -49,6 +58,20 @@ void Pace::tick_done(Nanoseconds end, Nanoseconds cpu, double share) {
     window_ticks_ = 0.0;
   }
   add_cpu(cpu);
+  share_slip(given_up_time);
+}
+
+void Pace::share_slip(Nanoseconds given_up) {
+  const Nanoseconds lost = std::min(given_up, waited_);
+  waited_ -= lost;
+  if (lost.count() > 0 && 1.0e3 * tick_cpu_us_ <= kLightShare * static_cast<double>(period_.count())) {
+    joined_slip_ += lost;
+    shared_->raise(joined_slip_);
+  }
+  const Nanoseconds others = shared_->total() - joined_slip_;
+  joined_slip_ += others;
+  deadline_ += others;
+  slipped_ += Nanoseconds(std::llround(static_cast<double>(others.count()) * speed_));
 }
 
 void Pace::add_cpu(Nanoseconds cpu) {

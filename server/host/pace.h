@@ -1,18 +1,35 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 
 #include "server/host/clock.h"
 
 namespace kerf::host {
 
+// Time of the wall that sheets have lost to a machine that was busy with something else. What one of them loses all
+// lose, so that their time slips alike, whatever a tick of each takes. Thread-safe.
+class SharedSlip {
+ public:
+  [[nodiscard]] Nanoseconds total() const { return Nanoseconds(total_ns_.load()); }
+  // Some sheet has lost so much of it.
+  void raise(Nanoseconds total) {
+    std::int64_t before = total_ns_.load();
+    while (before < total.count() && !total_ns_.compare_exchange_weak(before, total.count())) {
+    }
+  }
+
+ private:
+  std::atomic<std::int64_t> total_ns_{0};
+};
+
 // When a sheet's next tick is due, and how it keeps up: absolute deadlines a period apart, which is what a tick
 // simulates over the speed, at most kMaxCatchUpTicks late, the rest of the time given up. A plain value, driven by the
 // times it is told.
 class Pace {
  public:
-  // `tick`: what one simulates, > 0; at first it takes as long.
-  explicit Pace(Nanoseconds tick) : tick_(tick), period_(tick) {}
+  // `tick`: what one simulates, > 0; at first it takes as long. `shared` must outlive this.
+  Pace(Nanoseconds tick, SharedSlip& shared) : tick_(tick), period_(tick), shared_(&shared) {}
 
   // From `now` on, simulated time goes at `speed` (-, > 0) of the wall's. The tick to come is due as long after the one
   // before it as it would have been at this speed, but not before `now`.
@@ -36,8 +53,18 @@ class Pace {
   void add_cpu(Nanoseconds cpu);
 
  private:
+  // At most this share of its time a sheet computes whose losses count for all: a heavier one is late by itself.
+  static constexpr double kLightShare = 0.5;
+
+  // Adds what was lost to waiting of `given_up` to what all lose, and gives up what others have lost since.
+  void share_slip(Nanoseconds given_up);
+
   Nanoseconds tick_;
   Nanoseconds period_;
+  SharedSlip* shared_;
+  Nanoseconds joined_slip_{0};  // as much of the shared one as this has given up
+  Nanoseconds waited_{0};       // wall time that the ticks since the last deadline that was met did not compute in
+  Nanoseconds last_end_{0};     // of a tick
   double speed_ = 1.0;
   Nanoseconds deadline_{0};
   Nanoseconds slipped_{0};

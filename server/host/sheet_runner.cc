@@ -46,7 +46,7 @@ SheetRunner::SheetRunner(std::string id, sheet::Sheet sheet, Context context, Wo
       context_(context),
       strand_(std::move(strand)),
       sheet_(std::move(sheet)),
-      pace_(period_of(sheet_)),
+      pace_(period_of(sheet_), context_.slip),
       need_(period_of(sheet_), expected_tick(sheet_)),
       vertices_(std::move(vertices)),
       kept_(context_.options.encode_tick, context_.options.max_recording_bytes) {}

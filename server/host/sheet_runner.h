@@ -50,6 +50,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
     Clock& clock;
     MetricsBoard& board;
     const ListenerSlot& listener;
+    SharedSlip& slip;
     const std::atomic<bool>& stopping;  // close() is on its way: what is due is not done any more
     // Forgets a sheet that close() has ended for want of memory, and its name.
     std::function<void(const std::string& id)> lost;

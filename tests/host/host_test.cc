@@ -278,6 +278,8 @@ TEST_F(HostTest, DeleteEndsSinksAndAnswersWhatWaits) {
   EXPECT_EQ(waiting.reason(0), "SHEET_DELETED");
   EXPECT_EQ(waiting.at(0).error().code, ErrorCode::kAborted);
   EXPECT_TRUE(host_->list().empty());
+  EXPECT_EQ(clock_.num_timers(), 1U) << "that which gives memory back";
+  run_for(3s);
   EXPECT_EQ(clock_.num_timers(), 0U);
   const HostMetrics metrics = host_->metrics();
   EXPECT_EQ(metrics.sheets + metrics.running_sheets + metrics.sinks + metrics.queued_commands, 0);
