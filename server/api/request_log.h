@@ -45,8 +45,8 @@ class RequestLog {
     std::string key;
     std::uint64_t body_hash = 0;
     bool done = false;
-    std::string response;         // once done
-    std::vector<Waiter> waiters;  // until done
+    std::string response;              // once done
+    std::vector<Waiter> waiters;       // until done
     std::unique_ptr<Callers> callers;  // until done
 
     [[nodiscard]] std::size_t bytes() const { return key.size() + response.size(); }

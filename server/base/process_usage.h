@@ -14,7 +14,7 @@ struct ProcessUsage {
 [[nodiscard]] std::optional<ProcessUsage> usage_of(std::int64_t pid);
 // Of this process.
 [[nodiscard]] ProcessUsage own_usage();
-// Of this process, bytes of memory; 0 where /proc does not say.
+// Bytes of memory that this process has; 0 where /proc does not say.
 [[nodiscard]] std::int64_t resident_bytes();
 
 }  // namespace kerf

@@ -63,7 +63,7 @@ class Host::Impl {
     return static_cast<double>(board_.worker_need()) / (static_cast<double>(WorkerNeed::kWhole) * options_.workers);
   }
   [[nodiscard]] const HostOptions& options() const { return options_; }
-  // What is built is begun on the workers.
+  // The workers begin what the builders have built.
   void wait_idle() {
     builders_.wait_idle();
     workers_.wait_idle();

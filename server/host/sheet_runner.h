@@ -139,7 +139,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   // Compares what a tick took, with no command in it, with what is counted of the sheet as it is.
   void note_tick_cost(Nanoseconds cpu);
   [[nodiscard]] bool goes_on() const;             // the tick under way
-  [[nodiscard]] bool may_go_on(int asked) const;  // likewise, whatever comes of it
+  [[nodiscard]] bool may_go_on(int asked) const;  // the same, whatever comes of it
   [[nodiscard]] bool is_tick_long() const;
   // One tick of the recording, with what was applied before and after it (sheet_runner_replay.cc). False: there is more
   // of that than may be done in one turn.

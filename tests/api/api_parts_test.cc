@@ -4,10 +4,13 @@
 #include <atomic>
 #include <future>
 #include <new>
+#include <optional>
 #include <semaphore>
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <stop_token>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -351,6 +354,25 @@ TEST(RequestLog, ServesWaitersAndForgetsFailures) {
   log.finish("k", std::string("answer"));
   EXPECT_FALSE(log.begin("k", "other", note));
   EXPECT_EQ(seen.back(), "answer");
+}
+
+TEST(RequestLog, SaysWhenAllHaveLeftWhoWait) {
+  RequestLog log(8, 1024);
+  const auto ignore = [](const RequestLog::Outcome&) {};
+  std::stop_source first;
+  std::stop_source second;
+  const std::optional<std::stop_token> all_left = log.begin("k", "body", ignore, first.get_token());
+  ASSERT_TRUE(all_left);
+  EXPECT_FALSE(log.begin("k", "body", ignore, second.get_token()));
+  first.request_stop();
+  EXPECT_FALSE(all_left->stop_requested()) << "the second waits";
+  second.request_stop();
+  EXPECT_TRUE(all_left->stop_requested());
+  log.finish("k", Error{ErrorCode::kAborted, "CREATION_ABANDONED", "", {}});
+  const std::optional<std::stop_token> again = log.begin("k", "body", ignore);
+  ASSERT_TRUE(again);
+  EXPECT_FALSE(again->stop_requested()) << "a caller without a token stays";
+  log.finish("k", std::string("answer"));
 }
 
 TEST(RequestLog, KeepsItsLimitOnBytes) {

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,9 +17,13 @@
 
 #include <gtest/gtest.h>
 
+#include "server/base/caught.h"
 #include "server/base/crc32c.h"
 #include "server/base/descriptors.h"
+#include "server/base/interruption.h"
+#include "server/base/memory_headroom.h"
 #include "server/base/memory_limit.h"
+#include "server/base/memory_release.h"
 #include "server/base/peer_places.h"
 #include "server/base/process_usage.h"
 #include "server/base/random.h"
@@ -223,6 +229,51 @@ TEST(PeerPlaces, HaveNoLimitIfItIsZero) {
   EXPECT_EQ(places.taken(Peer()), 1000);
   taken.clear();
   EXPECT_EQ(places.taken(Peer()), 0);
+}
+
+// Counts to `end`, unless it is interrupted.
+int count_to(int end) {
+  int i = 0;
+  for (; i < end; ++i) interruption_point();
+  return i;
+}
+
+TEST(Interruption, EndsWorkThatIsNotWantedAnyMore) {
+  constexpr int kMany = 100 * kPointsToAnAsking;
+  EXPECT_EQ(count_to(kMany), kMany) << "without a scope nothing asks";
+  int asked = 0;
+  {
+    const InterruptionScope scope([&] { return ++asked < 5; });
+    EXPECT_THROW(count_to(kMany), Interrupted);
+    EXPECT_EQ(asked, 5);
+    EXPECT_THROW(count_to(1), Interrupted) << "at once, where it was caught by mistake";
+    const InterruptionScope inner([] { return true; });
+    EXPECT_EQ(count_to(kMany), kMany) << "the innermost is asked";
+  }
+  EXPECT_EQ(count_to(kMany), kMany);
+  const InterruptionScope never([] { return false; });
+  EXPECT_EQ(caught([]() -> Result<int> { return count_to(1); }).error().reason, "INTERRUPTED");
+}
+
+TEST(MemoryHeadroom, IsMoreThanNothingAndLessThanEverything) {
+  EXPECT_TRUE(has_memory_for(0));
+  EXPECT_FALSE(has_memory_for(std::int64_t{1} << 50)) << "a petabyte";
+  EXPECT_FALSE(has_memory_for(std::numeric_limits<std::int64_t>::max()));
+  EXPECT_GT(resident_bytes(), 0);
+}
+
+TEST(MemoryRelease, GivesBackWhatWasFreed) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "the sanitizer has its own malloc";
+#endif
+  constexpr std::size_t kBytes = 64 << 10;  // below what malloc maps by itself
+  std::vector<std::unique_ptr<std::vector<char>>> blocks;
+  for (int i = 0; i < 1000; ++i) blocks.push_back(std::make_unique<std::vector<char>>(kBytes, 'x'));
+  const auto last = std::make_unique<std::vector<char>>(kBytes, 'x');  // keeps the top of the heap
+  const std::int64_t full = resident_bytes();
+  blocks.clear();
+  release_free_memory();
+  EXPECT_LT(resident_bytes(), full - 50'000'000);
 }
 
 }  // namespace

@@ -197,8 +197,7 @@ TEST(MetricsPage, ShowsEveryCountUnderItsName) {
   HttpCounts http;
   http.requests = 7;
   const api::PictureCounts pictures{11, 12, 13, 14, 15, 16};
-  const std::string page =
-      metrics_page(host, http, {8, 3, 5, 2}, 4, {17, 18}, pictures, {19, 20, 21, 22, 23}, "1.2.3");
+  const std::string page = metrics_page(host, http, {8, 3, 5, 2}, 4, {17, 18}, pictures, {19, 20, 21, 22, 23}, "1.2.3");
   for (const char* line : {"# TYPE kerf_ticks_total counter\n",
                            "kerf_ticks_total 123456789\n",
                            "kerf_sheets{state=\"running\"} 3\n",
