@@ -8,7 +8,7 @@ void Callers::join(const std::stop_token& caller) {
   leavings_.emplace_back(caller, [this] { leave(); });  // calls it here where the caller has left already
 }
 
-// Without the mutex: join() may be under way on this thread.
+// Takes no mutex, as join() may be under way on this thread.
 void Callers::leave() {
   if (--num_present_ == 0) all_left_.request_stop();
 }

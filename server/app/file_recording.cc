@@ -1,5 +1,6 @@
 #include "server/app/file_recording.h"
 
+#include <new>
 #include <utility>
 
 #include "server/wire/recording_codec.h"
@@ -19,19 +20,21 @@ FileRecording::FileRecording(host::Disk& disk, const host::Clock& clock, Recordi
 }
 
 FileRecording::~FileRecording() {
-  if (state_ == State::kPaused) {
-    const Status written = write_waiting();
-    if (written) {
-      resume();
-    } else {
-      ++board_.errors;
-      say("ends with its sheet, " + std::to_string(waiting_bytes_) +
-          " bytes before its end: " + written.error().message);
-    }
+  try {
+    if (state_ == State::kPaused) try_a_last_time();
+  } catch (const std::bad_alloc&) {
+    ++board_.errors;  // the file is whole up to what was written
   }
   forget_waiting();
   if (state_ != State::kWriting) --board_.stopped;
   --board_.open;
+}
+
+void FileRecording::try_a_last_time() {
+  const Status written = write_waiting();
+  if (written) return resume();
+  ++board_.errors;
+  say("ends with its sheet, " + std::to_string(waiting_bytes_) + " bytes before its end: " + written.error().message);
 }
 
 void FileRecording::start(const sheet::SheetConfig& config) {

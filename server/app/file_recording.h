@@ -56,6 +56,7 @@ class FileRecording : public sheet::RecordingSink {
   void write(std::string bytes);
   [[nodiscard]] bool waits_too_much() const;
   void try_to_write();
+  void try_a_last_time();
   Status write_waiting();
   void pause(const Error& error);
   void resume();

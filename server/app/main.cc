@@ -54,7 +54,7 @@ std::binary_semaphore stop_has_begun{0};
 // Takes what comes within kEchoTime of the first signal: one wish to stop, told by the terminal and by a script around
 // kerfd that passes it on. The next signal then ends the process, wherever it is. So does kStopLimit: in good order
 // where every sheet is closed, and only threads and connections do not end.
-void guard_the_stop(sigset_t signals, const std::shared_ptr<const kerf::app::Server>& server) {
+void guard_the_stop(sigset_t signals, const std::weak_ptr<const kerf::app::Server>& running) {
   stop_has_begun.acquire();
   const auto begin = std::chrono::steady_clock::now();
   const auto end = begin + kEchoTime;
@@ -67,9 +67,10 @@ void guard_the_stop(sigset_t signals, const std::shared_ptr<const kerf::app::Ser
   std::signal(SIGINT, SIG_DFL);  // a shell has the programs that it starts in the background ignore it
   pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   std::this_thread::sleep_until(begin + kStopLimit);
-  note(server->has_closed_sheets() ? "stopped; connections that do not close are left to the system"
-                                   : "the sheets did not stop in time");
-  _exit(server->has_closed_sheets() ? EXIT_SUCCESS : EXIT_FAILURE);
+  const std::shared_ptr<const kerf::app::Server> server = running.lock();
+  const bool is_done = !server || server->has_closed_sheets();
+  note(is_done ? "stopped; connections that do not close are left to the system" : "the sheets did not stop in time");
+  _exit(is_done ? EXIT_SUCCESS : EXIT_FAILURE);
 }
 
 // Until the first SIGTERM or SIGINT.
@@ -85,7 +86,7 @@ void share_memory_between_threads() {
   if (getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) mallopt(M_ARENA_MAX, 2);
 }
 
-// Nothing: the reason is noted.
+// Returns nothing where it does not start, and has noted why.
 std::shared_ptr<kerf::app::Server> start(const kerf::app::Config& config) {
   try {
     auto started = kerf::app::Server::start(config, note);
@@ -126,8 +127,8 @@ int main(int argc, char** argv) {
 
   const std::shared_ptr<kerf::app::Server> server = start(config);
   if (!server) return kExitRefused;
-  // Now, as the stop may find no memory for it.
-  std::thread(guard_the_stop, signals, server).detach();
+  // Made now, as the stop may find no memory for it.
+  std::thread(guard_the_stop, signals, std::weak_ptr<const kerf::app::Server>(server)).detach();
   std::cout << server->ready_line() << std::endl;
   wait_for_stop(signals);
   note("stopping");

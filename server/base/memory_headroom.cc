@@ -36,14 +36,21 @@ std::int64_t available_memory() {
   return std::numeric_limits<std::int64_t>::max();
 }
 
+bool is_within_limit(std::int64_t needed) {
+  static const std::int64_t limit = memory_limit();
+  return (limit == 0 || needed <= limit - resident_bytes()) && has_addresses_for(needed);
+}
+
 }  // namespace
 
 bool has_memory_for(std::int64_t bytes) {
-  static const std::int64_t limit = memory_limit();
   if (bytes > std::numeric_limits<std::int64_t>::max() - kMemoryHeadroom) return false;
   const std::int64_t needed = bytes + kMemoryHeadroom;
-  if (limit > 0 && needed > limit - resident_bytes()) return false;
-  return needed <= available_memory() && has_addresses_for(needed);
+  return is_within_limit(needed) && needed <= available_memory();
+}
+
+bool is_within_memory_limit() {
+  return is_within_limit(kMemoryHeadroom);
 }
 
 }  // namespace kerf

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <utility>
 
 #include "server/base/caught.h"
@@ -58,37 +59,44 @@ void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config, std::un
                                                             std::move(playback), paused, std::move(done), stop});
   const auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
   const bool posted = builders_.make_strand().post([this, creation, shared] {
-    Result<sheet::Sheet> built = build(std::move(*shared), *creation);
-    if (!built) return refuse(*creation, built.error());
-    const auto sheet = std::make_shared<sheet::Sheet>(std::move(built).value());
-    const Workers::Strand strand = workers_.make_strand();
-    const bool handed_on = strand.post([this, creation, sheet, strand] {
-      const Status begun = begin(*creation, std::move(*sheet), strand);
-      if (!begun) refuse(*creation, begun.error());
-    });
-    if (!handed_on) refuse(*creation, stopping());
+    const Status handed_on = caught([&] { return build_and_hand_on(creation, std::move(*shared)); });
+    if (!handed_on) refuse(*creation, handed_on.error());
   });
-  if (!posted) creation->done(stopping());
+  if (!posted) refuse(*creation, stopping());
+}
+
+Status Host::Impl::build_and_hand_on(const std::shared_ptr<Creation>& creation, sheet::SheetConfig config) {
+  Result<sheet::Sheet> built = build(std::move(config), *creation);
+  if (!built) return built.error();
+  const auto sheet = std::make_shared<sheet::Sheet>(std::move(built).value());
+  const Workers::Strand strand = workers_.make_strand();
+  const bool posted = strand.post([this, creation, sheet, strand] {
+    const Result<SheetStatus> begun = begin(*creation, std::move(*sheet), strand);
+    if (!begun) return refuse(*creation, begun.error());
+    creation->done(*begun);
+  });
+  return posted ? Status(Nothing{}) : Status(stopping());
 }
 
 // On the sheet's strand, ahead of whatever finds it.
-Status Host::Impl::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand) {
+Result<SheetStatus> Host::Impl::begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand) {
   const auto runner =
       std::make_shared<SheetRunner>(creation.id, std::move(sheet), context(), strand, creation.vertices);
-  const Status begun = caught([&]() -> Status {
+  const Result<SheetStatus> begun = caught([&]() -> Result<SheetStatus> {
+    if (stopping_) return stopping();
     runner->begin(creation.paused, options_.make_recording ? options_.make_recording(creation.id) : nullptr,
                   std::move(creation.playback));
     if (!admit(creation.id, runner)) return stopping();
     creation.need.reset();
-    creation.done(runner->status());
-    return Nothing{};
+    return runner->status();
   });
   if (!begun) runner->close(stopping_ ? sheet::SinkEnd::kHostStopping : sheet::SinkEnd::kSheetLost);
   return begun;
 }
 
-void Host::Impl::refuse(const Creation& creation, const Error& error) {
+void Host::Impl::refuse(Creation& creation, const Error& error) {
   creation.vertices->set(0);  // before whoever hears of it tries again
+  creation.need.reset();
   release(creation.id);
   creation.done(error);
 }
@@ -187,8 +195,9 @@ Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, const Creation
   config.max_vertices = std::min(config.max_vertices, options_.max_vertices_per_sheet);
   const std::int64_t declared = declared_vertices(config);
   const std::int64_t bytes = declared <= sheet::kMaxVertices ? declared * kBytesPerVertex : 0;
+  Status wanted = check_wanted(creation);
+  if (!wanted) return wanted.error();
   if (!has_memory_for(bytes)) return out_of_memory();
-  Status wanted = Nothing{};
   const InterruptionScope scope([&, askings = 0]() mutable {
     wanted = check_wanted(creation);
     const bool looks = askings++ % kAskingsToALook == 0;
@@ -219,21 +228,25 @@ void Host::Impl::release(const std::string& id) {
     const std::lock_guard lock(mutex_);
     sheets_.erase(id);
   }
-  plan_to_release_memory();
+  try {
+    plan_to_release_memory();
+  } catch (const std::bad_alloc&) {  // the next sheet that ends plans it
+  }
 }
 
 void Host::Impl::plan_to_release_memory() {
-  const std::lock_guard lock(mutex_);
-  if (stopping_ || release_timer_) return;
-  release_timer_ = clock_.schedule(clock_.now() + kReleaseDelay, [this, strand = builders_.make_strand()] {
+  const auto give_back = [this, strand = workers_.make_strand()] {
     strand.post([this] {
       {
-        const std::lock_guard again(mutex_);
+        const std::lock_guard lock(mutex_);
         release_timer_.reset();
       }
       release_free_memory();
     });
-  });
+  };
+  const std::lock_guard lock(mutex_);
+  if (stopping_ || release_timer_) return;
+  release_timer_ = clock_.schedule(clock_.now() + kReleaseDelay, give_back);
 }
 
 bool Host::Impl::admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner) {

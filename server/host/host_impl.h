@@ -97,10 +97,12 @@ class Host::Impl {
   Result<sheet::Sheet> build(sheet::SheetConfig config, const Creation& creation);
   // Says why what is built is not wanted any more.
   Status check_wanted(const Creation& creation) const;
-  Status begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
-  void refuse(const Creation& creation, const Error& error);
+  // On a builder: the worker that comes next begins the sheet.
+  Status build_and_hand_on(const std::shared_ptr<Creation>& creation, sheet::SheetConfig config);
+  Result<SheetStatus> begin(Creation& creation, sheet::Sheet sheet, const Workers::Strand& strand);
+  void refuse(Creation& creation, const Error& error);
   void release(const std::string& id);
-  // Some time from now, once for all sheets that end until then.
+  // Gives memory back some time from now, once for all sheets that end until then.
   void plan_to_release_memory();
   bool admit(const std::string& id, const std::shared_ptr<SheetRunner>& runner);
   [[nodiscard]] std::shared_ptr<SheetRunner> find(const std::string& id) const;

@@ -33,8 +33,8 @@ void Pace::set_speed(double speed, Nanoseconds now) {
   window_ticks_ = 0.0;
 }
 
-void Pace::tick_done(Nanoseconds end, Nanoseconds cpu, double share) {
-  waited_ += std::max(end - std::max(deadline_, last_end_) - cpu, Nanoseconds(0));
+void Pace::tick_done(Nanoseconds end, Nanoseconds cpu, double share, Nanoseconds blocked) {
+  waited_ += std::max(end - std::max(deadline_, last_end_) - cpu - blocked, Nanoseconds(0));
   last_end_ = end;
   deadline_ += period_;
   if (end > deadline_) ++overruns_;
@@ -64,11 +64,10 @@ void Pace::tick_done(Nanoseconds end, Nanoseconds cpu, double share) {
 void Pace::share_slip(Nanoseconds given_up) {
   const Nanoseconds lost = std::min(given_up, waited_);
   waited_ -= lost;
-  if (lost.count() > 0 && 1.0e3 * tick_cpu_us_ <= kLightShare * static_cast<double>(period_.count())) {
-    joined_slip_ += lost;
-    shared_->raise(joined_slip_);
-  }
-  const Nanoseconds others = shared_->total() - joined_slip_;
+  joined_slip_ += lost;
+  const bool is_light = 1.0e3 * tick_cpu_us_ <= kLightShare * static_cast<double>(period_.count());
+  if (lost.count() > 0 && is_light && period_ >= kShortestShared) shared_->raise(joined_slip_);
+  const Nanoseconds others = std::max(shared_->total() - joined_slip_, Nanoseconds(0));
   joined_slip_ += others;
   deadline_ += others;
   slipped_ += Nanoseconds(std::llround(static_cast<double>(others.count()) * speed_));

@@ -38,8 +38,9 @@ class Pace {
   // The next tick is due at `now`; time before is forgotten.
   void start(Nanoseconds now);
   // A tick that was due ended at `end`, having used `cpu` and simulated `share` of a tick, 0..1: less than all of it
-  // where the integrator had to stop short, and what is missing is slipped time like any other.
-  void tick_done(Nanoseconds end, Nanoseconds cpu, double share);
+  // where the integrator had to stop short, and what is missing is slipped time like any other. `blocked`: of the time
+  // that it did not compute, what it waited for its own files.
+  void tick_done(Nanoseconds end, Nanoseconds cpu, double share, Nanoseconds blocked = Nanoseconds(0));
 
   [[nodiscard]] Nanoseconds deadline() const { return deadline_; }
   [[nodiscard]] std::int64_t overruns() const { return overruns_; }
@@ -55,6 +56,8 @@ class Pace {
  private:
   // At most this share of its time a sheet computes whose losses count for all: a heavier one is late by itself.
   static constexpr double kLightShare = 0.5;
+  // So is one whose period is shorter: a wake-up that is a millisecond late is no loss to others.
+  static constexpr Nanoseconds kShortestShared = std::chrono::milliseconds(8);
 
   // Adds what was lost to waiting of `given_up` to what all lose, and gives up what others have lost since.
   void share_slip(Nanoseconds given_up);

@@ -103,6 +103,7 @@ void SheetRunner::announce_commands() {
 }
 
 void SheetRunner::lose() {
+  if (closed_) return;
   context_.board.update([](HostMetrics& m) { ++m.lost_sheets; });
   try {
     close(sheet::SinkEnd::kSheetLost);
@@ -379,8 +380,10 @@ sheet::RunStats SheetRunner::run_stats() const {
 Error SheetRunner::closed_error() const {
   if (closed_ == sheet::SinkEnd::kHostStopping) return host_stopping();
   if (closed_ == sheet::SinkEnd::kSheetLost) {
-    return {ErrorCode::kDataLoss, "SHEET_LOST",
-            "the server had too little memory to keep the sheet \"" + id_ + "\"; a recording of it is whole", ""};
+    return {
+        ErrorCode::kDataLoss, "SHEET_LOST",
+        "the server had too little memory to keep the sheet \"" + id_ + "\"; what --record has written of it is whole",
+        ""};
   }
   return {ErrorCode::kAborted, "SHEET_DELETED", "the sheet \"" + id_ + "\" was deleted meanwhile", ""};
 }

@@ -130,6 +130,7 @@ class SheetRunner : public std::enable_shared_from_this<SheetRunner> {
   void lose();
   // False: commands might find no memory in the middle of what they do.
   [[nodiscard]] bool has_room_for_commands() const;
+  void refuse_for_want_of_memory(std::vector<Pending>& queued);
   // One Sheet::step, or, where time stands still, Sheet::apply. False: there was nothing to apply, or a tick has not
   // come to its end, one that is played or one that was interrupted.
   bool run_once(bool advance);

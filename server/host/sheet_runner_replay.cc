@@ -35,7 +35,10 @@ bool SheetRunner::play_entry(bool advance) {
   for (const sheet::Command& command : entry.commands) {
     pending.push_back({command, [](const auto&) {}, context_.clock.now()});
   }
-  if (!run_commands(advance, std::move(pending))) return false;
+  if (!run_commands(advance, std::move(pending))) {
+    if (sheet_.frozen()) playback_->stuck(sheet_.tick(), sheet_.state_hash());
+    return false;
+  }
   playback_->passed(sheet_.tick(), sheet_.state_hash());
   return true;
 }

@@ -27,10 +27,10 @@ void SheetRunner::take_turn() {
     if (!run_once(true)) break;
     --step_call_->remaining;  // below 0 where the tick has ended the call
     if (!sheet_.frozen()) continue;
-    finish_step(Error{
-        ErrorCode::kFailedPrecondition, "SHEET_FROZEN",
-        "no finite step was found at tick " + std::to_string(sheet_.tick()) + "; the sheet is frozen there, reset it",
-        ""});
+    finish_step(Error{ErrorCode::kFailedPrecondition, "SHEET_FROZEN",
+                      "no finite step, or no memory for one, was found at tick " + std::to_string(sheet_.tick()) +
+                          "; the sheet is frozen there, reset it",
+                      ""});
     return;
   }
   if (step_call_->remaining > 0) {

@@ -27,10 +27,7 @@ bool SheetRunner::run_once(bool advance) {
   }
   repeats_now_ = false;
   std::vector<Pending> queued = take_queue();
-  if (!queued.empty() && !has_room_for_commands()) {
-    for (const Pending& refused : queued) refused.done(out_of_memory());
-    queued.clear();
-  }
+  if (!queued.empty() && !has_room_for_commands()) refuse_for_want_of_memory(queued);
   std::move(queued.begin(), queued.end(), std::back_inserter(pending));
   if (!advance && pending.empty()) return false;
   return run_commands(advance, std::move(pending));
@@ -52,6 +49,16 @@ class SheetRunner::Answering {
   std::vector<Pending>& pending_;
   std::size_t next_ = 0;
 };
+
+// Leaves those that let go of the sheet, which take no memory.
+void SheetRunner::refuse_for_want_of_memory(std::vector<Pending>& queued) {
+  const auto lets_go = [](const Pending& pending) { return std::holds_alternative<sheet::Release>(pending.command); };
+  const auto refused = std::stable_partition(queued.begin(), queued.end(), lets_go);
+  const std::int64_t count = queued.end() - refused;
+  context_.board.update([&](HostMetrics& m) { m.commands_refused += count; });
+  for (auto pending = refused; pending != queued.end(); ++pending) pending->done(out_of_memory());
+  queued.erase(refused, queued.end());
+}
 
 bool SheetRunner::has_room_for_commands() const {
   constexpr std::int64_t kBytesPerVertex = 1000;  // what a cut may copy or add, at most
@@ -98,11 +105,15 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   note_changes(pending, commands, report);
   tell(commands, pending, report, results);
   if (bare && (stands || report.stats.interrupted)) kept_.append(*bare);
-  if (!(report.stats.interrupted && commands.empty())) record(report.tick, std::move(commands));
+  // A recording has no place for commands of the scene without their tick.
+  const bool is_torn = report.gave_up && !report.scheduled.empty();
+  const Nanoseconds before_record = context_.clock.now() - context_.clock.thread_cpu();
+  if (!is_torn && !(report.stats.interrupted && commands.empty())) record(report.tick, std::move(commands));
+  const Nanoseconds blocked = context_.clock.now() - context_.clock.thread_cpu() - before_record;
   const Nanoseconds cpu = context_.clock.thread_cpu() - cpu_begin;
   const Nanoseconds end = context_.clock.now();
   if (timed && !report.stats.interrupted) {
-    pace_.tick_done(end, cpu, std::min(report.stats.simulated / sheet_.dt(), 1.0));
+    pace_.tick_done(end, cpu, std::min(report.stats.simulated / sheet_.dt(), 1.0), blocked);
   } else if (report.advanced || report.stats.interrupted) {
     pace_.add_cpu(cpu);
   }
@@ -151,7 +162,7 @@ bool SheetRunner::goes_on() const {
 
 bool SheetRunner::may_go_on(int asked) const {
   constexpr int kAskingsToALook = 32;  // at the memory, which costs more
-  return !context_.stopping && !closing_ && (asked % kAskingsToALook != 0 || has_memory_for(0));
+  return !context_.stopping && !closing_ && (asked % kAskingsToALook != 0 || is_within_memory_limit());
 }
 
 bool SheetRunner::is_at_long_tick() const {

@@ -80,23 +80,41 @@ std::optional<std::string> bad_number(const Message& message, const FieldDescrip
   return field.name();
 }
 
-// The path of the first number that is not finite.
-std::optional<std::string> first_bad(const Message& message, const NumericFields& fields) {
+struct BadNumber {
+  std::string path;
+  std::string reason;
+};
+
+// The reason of a number that is not finite anywhere in a message of such a type; empty: that of what it is in.
+std::string own_reason(const Descriptor& type) {
+  if (type.name() == "Curve") return "CURVE_NOT_FINITE";
+  if (type.name() == "InlineMesh") return "MESH_NOT_FINITE";
+  return {};
+}
+
+// Puts the name of a field, with its index, before a path within its message.
+BadNumber bad_within(const FieldDescriptor& field, const std::string& name, BadNumber inner) {
+  const std::string reason = own_reason(*field.message_type());
+  return {name + "." + inner.path, reason.empty() ? std::move(inner.reason) : reason};
+}
+
+// The first number that is not finite.
+std::optional<BadNumber> first_bad(const Message& message, const NumericFields& fields) {
   for (const FieldDescriptor* field : fields.numbers) {
-    if (std::optional<std::string> path = bad_number(message, *field)) return path;
+    if (std::optional<std::string> path = bad_number(message, *field)) return BadNumber{*path, "NOT_FINITE"};
   }
   const Reflection& reflection = *message.GetReflection();
   for (const NumericFields::Nested& nested : fields.messages) {
     if (!nested.field->is_repeated()) {
       if (!reflection.HasField(message, nested.field)) continue;
-      const auto path = first_bad(reflection.GetMessage(message, nested.field), *nested.fields);
-      if (path) return nested.field->name() + "." + *path;
+      const auto bad = first_bad(reflection.GetMessage(message, nested.field), *nested.fields);
+      if (bad) return bad_within(*nested.field, nested.field->name(), *bad);
       continue;
     }
     const int count = reflection.FieldSize(message, nested.field);
     for (int i = 0; i < count; ++i) {
-      const auto path = first_bad(reflection.GetRepeatedMessage(message, nested.field, i), *nested.fields);
-      if (path) return indexed(*nested.field, i) + "." + *path;
+      const auto bad = first_bad(reflection.GetRepeatedMessage(message, nested.field, i), *nested.fields);
+      if (bad) return bad_within(*nested.field, indexed(*nested.field, i), *bad);
     }
   }
   return std::nullopt;
@@ -105,9 +123,9 @@ std::optional<std::string> first_bad(const Message& message, const NumericFields
 }  // namespace
 
 Status check_finite(const Message& request) {
-  const std::optional<std::string> path = first_bad(request, kept_fields(*request.GetDescriptor()));
-  if (!path) return Nothing{};
-  return invalid_argument("NOT_FINITE", *path + " must be a finite number", *path);
+  const std::optional<BadNumber> bad = first_bad(request, kept_fields(*request.GetDescriptor()));
+  if (!bad) return Nothing{};
+  return invalid_argument(bad->reason, bad->path + " must be a finite number", bad->path);
 }
 
 }  // namespace kerf::wire

@@ -48,8 +48,8 @@ const std::vector<Group>& groups() {
       {"gl", {"EGL/", "GL/", "GLES", "KHR/"}},
       {"images", {"png.h", "turbojpeg.h", "jpeglib.h", "vpx/", "libyuv/"}},
       {"posix",
-       {"arpa/", "dirent.h", "fcntl.h", "netdb.h", "netinet/", "poll.h", "pthread.h", "signal.h", "sys/", "termios.h",
-        "time.h", "unistd.h"}},
+       {"arpa/", "dirent.h", "fcntl.h", "malloc.h", "netdb.h", "netinet/", "poll.h", "pthread.h", "signal.h", "sys/",
+        "termios.h", "time.h", "unistd.h"}},
   };
   return all;
 }

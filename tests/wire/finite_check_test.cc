@@ -1,9 +1,11 @@
 #include "server/wire/finite_check.h"
 
+#include <gmock/gmock.h>
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -84,7 +86,7 @@ class FiniteCheckTest : public ::testing::Test {
         EXPECT_FALSE(refused.ok()) << path;
         if (refused.ok()) continue;
         EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
-        EXPECT_EQ(refused.error().reason, "NOT_FINITE");
+        EXPECT_THAT(refused.error().reason, ::testing::AnyOf("NOT_FINITE", "CURVE_NOT_FINITE", "MESH_NOT_FINITE"));
         EXPECT_EQ(refused.error().field, path);
         EXPECT_NE(refused.error().message.find(path), std::string::npos);
       }
@@ -117,6 +119,19 @@ TEST_F(FiniteCheckTest, NamesEachNumberOfEachRequestThatIsNotFinite) {
 TEST_F(FiniteCheckTest, TakesRequestsWithoutNumbers) {
   EXPECT_TRUE(check_finite(v1::ListSheetsRequest()).ok());
   EXPECT_TRUE(check_finite(v1::CreateSheetRequest()).ok());
+}
+
+TEST(FiniteCheck, KeepsTheReasonsOfCurvesAndMeshes) {
+  v1::CreateCutRequest cut;
+  cut.mutable_cut()->mutable_curve()->mutable_circle()->set_radius_m(std::nan(""));
+  EXPECT_EQ(check_finite(cut).error().reason, "CURVE_NOT_FINITE");
+  EXPECT_EQ(check_finite(cut).error().field, "cut.curve.circle.radius_m");
+  v1::CreateSheetRequest sheet;
+  sheet.mutable_scene()->mutable_inline_()->add_material_positions(std::nan(""));
+  EXPECT_EQ(check_finite(sheet).error().reason, "MESH_NOT_FINITE");
+  v1::CreateSheetRequest rate;
+  rate.mutable_scene()->set_tick_rate_hz(std::nan(""));
+  EXPECT_EQ(check_finite(rate).error().reason, "NOT_FINITE");
 }
 
 }  // namespace
