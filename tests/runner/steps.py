@@ -117,6 +117,10 @@ LONG = {
         "2 minutes on one core"),
     "each-file": Proof("a second compiler (clang) takes every source by itself, as editors do",
                        f"{RUNNER}/each_file.py", "12 minutes on two cores"),
+    "attacks": Proof("seventeen kinds of attack change no tick of nine sheets beside them, nor their pace; kerfd keeps its memory, "
+                     "answers and ends in order",
+                     "cmake --preset release >/dev/null; cmake --build --preset release --target kerfd kerf >/dev/null; "
+                     "tests/abuse/attacks.py build/release/bin/kerfd build/release/bin/kerf", "8 minutes on two cores"),
     "fuzz": Proof("an hour of each fuzzer, on top of what earlier runs found",
                   "tests/fuzz/run_fuzzers 0", "four hours"),
     "trials": Proof("random trials from a new seed, as in `deploy/test deep`, ten seeds long",
