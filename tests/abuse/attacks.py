@@ -3,7 +3,8 @@
 
   tests/abuse/attacks.py KERFD KERF [--seconds 12] [--only NAME]
 
-Ends with status 1 where a row does not hold. `--only soak --seconds 1200` looks for growing memory, and runs by name alone.
+Ends with status 1 where a row does not hold. Attacks that are left to a proxy may take memory and the port of gRPC.
+`--only soak --seconds 1200` looks for growing memory, and runs by name alone.
 """
 
 import argparse
@@ -17,7 +18,7 @@ from kinds import ATTACKS
 from soak import soak
 from victims import INFO_PATIENCE_S, Server, attacked
 
-LEAST_PACE = 90.0  # per cent of the controls' ticks
+LEAST_PACE = 95.0  # per cent of the controls' ticks; 99.5 and more where nothing else runs
 MOST_STOP_S = 10.0
 HEAD = ("attack", "did", "ticks least / mean %", "identical", "info ms", "SIGTERM", "VmHWM MB", "")
 
@@ -32,18 +33,32 @@ class Row:
     stopped: tuple = (None, 0.0)
     high_mb: float = 0.0
     most_mb: int = 600
+    left_to_proxy: bool = False
     fault: str = ""
 
     def paces(self, rate):
         return [100 * each / rate for each in self.rates] or [0.0]
 
     def faults(self, rate):
-        """Says what does not hold; empty where all does."""
+        """Says what does not hold; empty where all does. Sheets must hold in any case."""
+        return [text for broken, text in (
+            (self.fault, self.fault), (min(self.paces(rate)) < LEAST_PACE, "slow"), (self.identical < 9, "replays")) if broken]
+
+    def transport_faults(self):
+        """Says what does not hold of the process and its port; a proxy is to keep some attacks from both."""
         status, stop_s = self.stopped
-        return "; ".join(text for broken, text in (
-            (self.fault, self.fault), (min(self.paces(rate)) < LEAST_PACE, "slow"), (self.identical < 9, "replays"),
+        return [text for broken, text in (
             (not self.infos or None in self.infos, f"no info in {INFO_PATIENCE_S} s"), (status != 0, "exit status"),
-            (stop_s > MOST_STOP_S, "stops late"), (self.high_mb > self.most_mb, "memory")) if broken)
+            (stop_s > MOST_STOP_S, "stops late"), (self.high_mb > self.most_mb, "memory")) if broken]
+
+    def breaks(self, rate):
+        return bool(self.faults(rate) or (self.transport_faults() and not self.left_to_proxy))
+
+    def verdict(self, rate):
+        found = "; ".join(self.faults(rate) + self.transport_faults())
+        if found and not self.breaks(rate):
+            return "left to a proxy: " + found
+        return found or "holds"
 
     def cells(self, rate):
         status, stop_s = self.stopped
@@ -51,7 +66,7 @@ class Row:
         did = ", ".join(f"{number:,} {what}" for what, number in sorted(self.did.items()))
         infos = " ".join("none" if each is None else str(each) for each in self.infos)
         return (self.name, did or "nothing", f"{min(paces):.1f} / {statistics.mean(paces):.1f}", f"{self.identical}/9", infos,
-                f"{status}, {stop_s:.1f} s", f"{self.high_mb:.0f}", self.faults(rate) or "holds")
+                f"{status}, {stop_s:.1f} s", f"{self.high_mb:.0f}", self.verdict(rate))
 
 
 def measure(server, attack, seconds, row):
@@ -76,6 +91,7 @@ def run(options, name):
     attack = ATTACKS.get(name)
     if attack:
         row.most_mb = attack.most_mb
+        row.left_to_proxy = attack.left_to_proxy
     with Server(options.kerfd, options.kerf, attack.limit if attack else "") as server:
         try:
             measure(server, attack, options.seconds, row)
@@ -104,7 +120,7 @@ def main():
     print("\n| " + " | ".join(HEAD) + " |\n|" + "---|" * len(HEAD))
     for row in rows:
         print("| " + " | ".join(row.cells(rate)) + " |")
-    broken = [row.name for row in rows if row.faults(rate)]
+    broken = [row.name for row in rows if row.breaks(rate)]
     print(f"\n{len(rows) - len(broken)} hold, {len(broken)} do not{': ' if broken else ''}{', '.join(broken)}")
     return 1 if broken else 0
 
