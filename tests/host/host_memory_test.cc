@@ -10,7 +10,7 @@
 #include "tests/host/host_fixture.h"
 #include "tests/support/failing_integrator.h"
 
-// Sheets that find no memory, or that nobody waits for any more, and what is left of the others.
+// Sheets that find no memory, or whose clients have left, and the sheets beside them.
 namespace kerf::host {
 namespace {
 
@@ -80,7 +80,7 @@ TEST_F(HostMemoryTest, AChangeThatFindsNoneEndsItsSheetAlone) {
   host_->submit("a", sheet::Reset{}, done.callback());
   host_->submit("a", scenes::line_cut({-0.1, 0.4}, {1.1, 0.4}), done.callback());
   run_for(5 * kTick);
-  ASSERT_EQ(done.count(), 2U) << "nobody is left waiting";
+  ASSERT_EQ(done.count(), 2U) << "both are answered";
   EXPECT_EQ(done.reason(0), "OUT_OF_MEMORY");
   EXPECT_EQ(done.reason(1), "OUT_OF_MEMORY");
   EXPECT_EQ(sink->ends(), std::vector<sheet::SinkEnd>{sheet::SinkEnd::kSheetLost});

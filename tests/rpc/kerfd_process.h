@@ -125,7 +125,7 @@ class KerfdTest : public ::testing::Test {
     client->send("POST /kerf.v1.SheetService/ListSheets HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\n{");
     return client;
   }
-  // Of gRPC and of HTTP, by the line that says that kerfd is ready.
+  // Reads the ports of gRPC and HTTP from the line that says that kerfd is ready.
   static std::pair<int, int> ports(const Kerfd& kerfd) {
     const std::string line = kerfd.read_line();
     std::smatch match;
