@@ -149,7 +149,9 @@ async function playRun(viewer, url, { bytes, tick, hash }) {
 
 // What is no recording, and what is cancelled on the way.
 async function refuseRuns(viewer, { bytes }) {
-  await viewer.drop('broken.rec', bytes.subarray(0, bytes.length - 3));
+  const changed = Buffer.from(bytes);
+  changed[changed.length >> 1] ^= 1;
+  await viewer.drop('broken.rec', changed);
   await viewer.notice(/^broken.rec is not played: [^()]*$/);
   await viewer.throttleUploads(200_000);
   await viewer.drop('long.rec', Buffer.concat([bytes, Buffer.alloc(4 << 20)]));
