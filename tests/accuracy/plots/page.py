@@ -223,7 +223,7 @@ def threads_table(rows):
 
 
 def section(title, name, words, table=()):
-    return [f"## {title}", "", f"![{title}](plots/{name}.svg)", "", *words[name], "", *table, *([""] if table else [])]
+    return [f"## {title}", "", f"![{title}](plots/{name}.png)", "", *words[name], "", *table, *([""] if table else [])]
 
 
 def text():

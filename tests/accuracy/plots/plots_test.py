@@ -155,11 +155,11 @@ class Page(unittest.TestCase):
     def test_pictures_are_made_of_the_tables(self):
         pictures = page.digests()
         for name, digest in pictures.items():
-            said = re.search(r"made of ([0-9a-f]{16})", (studies.HERE / f"{name}.svg").read_text())
-            self.assertEqual(said[1], digest, f"{name}.svg: draw.py was not run after a change")
-        self.assertEqual(set(pictures), {file.stem for file in studies.HERE.glob("*.svg")})
+            said = re.search(rb"made of ([0-9a-f]{16})", (studies.HERE / f"{name}.png").read_bytes())
+            self.assertEqual(said[1].decode(), digest, f"{name}.png: draw.py was not run after a change")
+        self.assertEqual(set(pictures), {file.stem for file in studies.HERE.glob("*.png")})
         for name in pictures:
-            self.assertIn(f"](plots/{name}.svg)", page.text())
+            self.assertIn(f"](plots/{name}.png)", page.text())
 
 
 class Measured(unittest.TestCase):
