@@ -27,7 +27,7 @@
 namespace {
 
 constexpr int kExitRefused = 2;
-constexpr std::chrono::nanoseconds kStopLimit = std::chrono::milliseconds(9500);  // from the signal
+constexpr std::chrono::nanoseconds kStopLimit = std::chrono::milliseconds(9000);  // from the signal
 constexpr std::chrono::nanoseconds kEchoTime = std::chrono::seconds(1);
 
 // Prints a line on stderr, from any thread.

@@ -39,6 +39,24 @@ std::int64_t declared_vertices(const sheet::SheetConfig& config) {
   return 0;
 }
 
+// Counts what one builder may take while it builds, so that another one does not count on the same memory.
+class PromisedBytes {
+ public:
+  PromisedBytes(std::atomic<std::int64_t>& sum, std::int64_t bytes)
+      : sum_(sum), bytes_(bytes), in_all_(sum.fetch_add(bytes) + bytes) {}
+  ~PromisedBytes() { sum_ -= bytes_; }
+  PromisedBytes(const PromisedBytes&) = delete;
+  PromisedBytes& operator=(const PromisedBytes&) = delete;
+
+  // This promise and those before it.
+  [[nodiscard]] std::int64_t in_all() const { return in_all_; }
+
+ private:
+  std::atomic<std::int64_t>& sum_;
+  const std::int64_t bytes_;
+  const std::int64_t in_all_;
+};
+
 std::string random_id(std::uint64_t bits) {
   constexpr char kDigits[] = "0123456789abcdef";
   std::string id = "sheet-";
@@ -52,17 +70,26 @@ void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config, std::un
                               bool paused, Callback<SheetStatus> done, const std::stop_token& stop) {
   if (id.empty()) id = config.sheet_id;
   if (id.empty()) id = random_id(entropy_.next());
-  const Result<std::shared_ptr<VertexShare>> reserved = reserve(id, config, paused);
-  if (!reserved) return done(reserved.error());
-  // Shared, as what is posted must be copyable.
-  const auto creation = std::make_shared<Creation>(Creation{id, *reserved, paused ? nullptr : expected_need(config),
-                                                            std::move(playback), paused, std::move(done), stop});
-  const auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
-  const bool posted = builders_.make_strand().post([this, creation, shared] {
-    const Status handed_on = caught([&] { return build_and_hand_on(creation, std::move(*shared)); });
-    if (!handed_on) refuse(*creation, handed_on.error());
+  // Shared, as what is posted must be copyable. Made first: from here on every failure is answered.
+  const auto creation = std::make_shared<Creation>();
+  creation->playback = std::move(playback);
+  creation->paused = paused;
+  creation->done = std::move(done);
+  creation->stop = stop;
+  const Status queued = caught([&]() -> Status {
+    Result<std::shared_ptr<VertexShare>> reserved = reserve(id, config, paused);
+    if (!reserved) return reserved.error();
+    creation->vertices = std::move(reserved).value();
+    creation->id = std::move(id);
+    if (!paused) creation->need = expected_need(config);
+    const auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
+    const bool posted = builders_.make_strand().post([this, creation, shared] {
+      const Status handed_on = caught([&] { return build_and_hand_on(creation, std::move(*shared)); });
+      if (!handed_on) refuse(*creation, handed_on.error());
+    });
+    return posted ? Status(Nothing{}) : Status(stopping());
   });
-  if (!posted) refuse(*creation, stopping());
+  if (!queued) refuse(*creation, queued.error());
 }
 
 Status Host::Impl::build_and_hand_on(const std::shared_ptr<Creation>& creation, sheet::SheetConfig config) {
@@ -95,9 +122,11 @@ Result<SheetStatus> Host::Impl::begin(Creation& creation, sheet::Sheet sheet, co
 }
 
 void Host::Impl::refuse(Creation& creation, const Error& error) {
-  creation.vertices->set(0);  // before whoever hears of it tries again
   creation.need.reset();
-  release(creation.id);
+  if (creation.vertices) {  // the name and the vertices are free before whoever hears of it tries again
+    creation.vertices->set(0);
+    release(creation.id);
+  }
   creation.done(error);
 }
 
@@ -113,9 +142,12 @@ void Host::Impl::delete_sheet(const std::string& id, Callback<Nothing> done, std
   runner->post(
       [this, id, done, closed = std::move(closed)](SheetRunner& r) {
         r.close(sheet::SinkEnd::kSheetDeleted);
-        if (closed) closed();
+        const Status ended = caught([&]() -> Status {
+          if (closed) closed();
+          return Nothing{};
+        });
         release(id);
-        done(Nothing{});
+        done(ended);
       },
       done);
 }
@@ -197,7 +229,8 @@ Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, const Creation
   const std::int64_t bytes = declared <= sheet::kMaxVertices ? declared * kBytesPerVertex : 0;
   Status wanted = check_wanted(creation);
   if (!wanted) return wanted.error();
-  if (!has_memory_for(bytes)) return out_of_memory();
+  const PromisedBytes promised(promised_bytes_, bytes);
+  if (!has_memory_for(promised.in_all())) return out_of_memory();
   const InterruptionScope scope([&, askings = 0]() mutable {
     wanted = check_wanted(creation);
     const bool looks = askings++ % kAskingsToALook == 0;

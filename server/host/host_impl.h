@@ -75,7 +75,7 @@ class Host::Impl {
   // A sheet that is asked for, until it is among the others.
   struct Creation {
     std::string id;
-    std::shared_ptr<VertexShare> vertices;
+    std::shared_ptr<VertexShare> vertices;  // null: nothing is reserved, the name neither
     std::shared_ptr<ExpectedNeed> need;
     std::unique_ptr<Playback> playback;
     bool paused = false;
@@ -118,7 +118,8 @@ class Host::Impl {
   mutable std::mutex mutex_;
   std::map<std::string, std::shared_ptr<SheetRunner>> sheets_;  // null: being built or deleted. Guarded by mutex_
   std::atomic<std::uint64_t> num_made_{0};
-  std::atomic<bool> stopping_{false};  // set under mutex_
+  std::atomic<std::int64_t> promised_bytes_{0};  // to sheets that are being built
+  std::atomic<bool> stopping_{false};            // set under mutex_
   std::atomic<bool> has_closed_sheets_{false};
   Admission admission_;                   // guarded by mutex_
   std::optional<TimerId> release_timer_;  // guarded by mutex_

@@ -105,11 +105,7 @@ void SheetRunner::announce_commands() {
 void SheetRunner::lose() {
   if (closed_) return;
   context_.board.update([](HostMetrics& m) { ++m.lost_sheets; });
-  try {
-    close(sheet::SinkEnd::kSheetLost);
-  } catch (const std::bad_alloc&) {  // whoever is not answered hears of it at his own deadline
-    closed_ = sheet::SinkEnd::kSheetLost;
-  }
+  close(sheet::SinkEnd::kSheetLost);
   context_.lost(id_);
 }
 
@@ -126,16 +122,23 @@ void SheetRunner::begin(bool paused, std::shared_ptr<sheet::RecordingSink> recor
 void SheetRunner::close(sheet::SinkEnd reason) {
   if (closed_) return;
   closed_ = reason;
+  // Keeps one for whom no memory is left from hiding the end from the others; he hears of it at his own deadline.
+  const auto attempt = [](const auto& part) {
+    try {
+      part();
+    } catch (const std::bad_alloc&) {
+    }
+  };
   stop_clock();
-  for (Pending& pending : take_queue()) pending.done(closed_error());
-  if (step_call_) finish_step(closed_error());
+  for (Pending& pending : take_queue()) attempt([&] { pending.done(closed_error()); });
+  if (step_call_) attempt([&] { finish_step(closed_error()); });
   context_.board.update([&](HostMetrics& m) {
     if (!noted_state_) return;  // it was never begun
     --gauge(m, *noted_state_);
     --m.sheets;
     m.sinks -= static_cast<std::int32_t>(sinks_.size());
   });
-  for (const auto& sink : sinks_) sink->ended(reason);
+  for (const auto& sink : sinks_) attempt([&] { sink->ended(reason); });
   sinks_.clear();
   recording_.reset();
   vertices_->set(0);

@@ -173,6 +173,7 @@ void SocketStream::flooded(std::string_view with) {
   violation_.emplace(websocket::close_code::policy_error,
                      "TOO_MANY_FRAMES: more " + std::string(with) + " than are taken in a second");
   beast::get_lowest_layer(socket_).rate_policy().stop();
+  abort_after(kFloodFarewell);  // a message that the peer does not read, too
   woken_.raise();
 }
 

@@ -29,6 +29,7 @@
 #include "server/base/random.h"
 #include "server/base/result.h"
 #include "server/base/state_hash.h"
+#include "tests/support/sanitizer.h"
 #include "tests/support/temporary_folder.h"
 
 namespace kerf {
@@ -263,9 +264,7 @@ TEST(MemoryHeadroom, IsMoreThanNothingAndLessThanEverything) {
 }
 
 TEST(MemoryRelease, GivesBackWhatWasFreed) {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-  GTEST_SKIP() << "the sanitizer has its own malloc";
-#endif
+  if (test::runs_with_sanitizer()) GTEST_SKIP() << "the sanitizer has its own malloc";
   constexpr std::size_t kBytes = 64 << 10;  // below what malloc maps by itself
   std::vector<std::unique_ptr<std::vector<char>>> blocks;
   for (int i = 0; i < 1000; ++i) blocks.push_back(std::make_unique<std::vector<char>>(kBytes, 'x'));

@@ -105,6 +105,26 @@ TEST_F(HostMemoryTest, WorkOnAPausedSheetThatFindsNoneIsAnsweredToo) {
   EXPECT_EQ(asked.reason(0), "SHEET_NOT_FOUND");
 }
 
+class PoorSink : public RecordingSnapshots {
+ public:
+  void ended(sheet::SinkEnd /*reason*/) override { throw std::bad_alloc(); }
+};
+
+TEST_F(HostMemoryTest, ADeletionThatFindsNoneForOneTellsTheOthersAndFreesTheName) {
+  create("a", small_sheet());
+  const auto sink = std::make_shared<RecordingSnapshots>();
+  Answers<Nothing> added;
+  host_->add_sink("a", std::make_shared<PoorSink>(), added.callback());
+  host_->add_sink("a", sink, added.callback());
+  Answers<Nothing> deleted;
+  host_->delete_sheet("a", deleted.callback(), [] { throw std::bad_alloc(); });
+  host_->wait_idle();
+  EXPECT_EQ(deleted.reason(0), "OUT_OF_MEMORY");
+  EXPECT_EQ(sink->ends(), std::vector<sheet::SinkEnd>{sheet::SinkEnd::kSheetDeleted});
+  EXPECT_EQ(host_->metrics().sheets, 0);
+  EXPECT_EQ(create("a", small_sheet()).id, "a");
+}
+
 // A host whose sheets call this while they are built.
 class CreationTest : public HostTest {
  protected:

@@ -9,6 +9,7 @@
 #include "kerf/v1/sheets.pb.h"
 #include "server/wire/json.h"
 #include "tests/rpc/kerfd_process.h"
+#include "tests/support/sanitizer.h"
 
 // Sheets that take long to build, or for which there is no memory.
 namespace kerf::rpc_test {
@@ -59,9 +60,7 @@ TEST_F(KerfdCreationTest, WhatIsBuiltEndsWithTheClientAndWithTheServer) {
 }
 
 TEST_F(KerfdCreationTest, WithoutMemoryForMoreItRefusesThemAndStaysUp) {
-#if defined(__SANITIZE_ADDRESS__)
-  GTEST_SKIP() << "the sanitizer reserves more addresses than these";
-#endif
+  if (test::runs_with_sanitizer()) GTEST_SKIP() << "the sanitizer reserves more addresses than these";
   Kerfd kerfd(free_ports({"--max-total-vertices", "0"}), "-v 700000");
   const auto [grpc, http] = ports(kerfd);
   client::Client client("127.0.0.1:" + std::to_string(grpc));

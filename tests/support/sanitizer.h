@@ -1,0 +1,16 @@
+#pragma once
+
+extern "C" {
+void __asan_init() __attribute__((weak));  // NOLINT: the sanitizers' own names
+void __tsan_init() __attribute__((weak));  // NOLINT
+}
+
+namespace kerf::test {
+
+// True in a program with a sanitizer, which has its own malloc and reserves addresses of its own. Tests are compiled
+// without it, so that no macro says so.
+inline bool runs_with_sanitizer() {
+  return __asan_init != nullptr || __tsan_init != nullptr;
+}
+
+}  // namespace kerf::test
