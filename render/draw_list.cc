@@ -85,10 +85,18 @@ void add_ground(const Plane& plane, const Bounds& lit, Bounds& seen, DrawList& l
   }
 }
 
-void add_solid(const Collider& collider, DrawList& list) {
-  if (const auto* sphere = std::get_if<Sphere>(&collider)) append_sphere(*sphere, list.solids);
-  if (const auto* box = std::get_if<Box>(&collider)) append_box(*box, list.solids);
-  if (const auto* capsule = std::get_if<Capsule>(&collider)) append_capsule(*capsule, list.solids);
+void add_solid(const Sphere& sphere, DrawList& list) {
+  append_sphere(sphere, list.solids);
+}
+
+void add_solid(const Plane& /*ground*/, DrawList& /*list*/) {}
+
+void add_solid(const Box& box, DrawList& list) {
+  append_box(box, list.solids);
+}
+
+void add_solid(const Capsule& capsule, DrawList& list) {
+  append_capsule(capsule, list.solids);
 }
 
 }  // namespace
@@ -112,7 +120,7 @@ DrawList make_draw_list(const Scene& scene, const Camera& camera, int width, int
 
   for (const Collider& collider : scene.colliders) {
     extend(lit, collider);
-    add_solid(collider, list);
+    std::visit([&list](const auto& shape) { add_solid(shape, list); }, collider);
   }
   if (is_empty(lit)) extend(lit, camera.target);
   Bounds seen = lit;

@@ -53,6 +53,26 @@ void extend_by_ball(Bounds& bounds, Vec3 centre, double radius) {
   extend(bounds, centre + reach);
 }
 
+void extend_by(Bounds& bounds, const Sphere& sphere) {
+  extend_by_ball(bounds, sphere.centre, sphere.radius);
+}
+
+void extend_by(Bounds& /*bounds*/, const Plane& /*endless*/) {}
+
+void extend_by(Bounds& bounds, const Box& box) {
+  const std::array<Vec3, 3> axes = scaled_axes(box);
+  const Vec3 reach{std::abs(axes[0].x) + std::abs(axes[1].x) + std::abs(axes[2].x),
+                   std::abs(axes[0].y) + std::abs(axes[1].y) + std::abs(axes[2].y),
+                   std::abs(axes[0].z) + std::abs(axes[1].z) + std::abs(axes[2].z)};
+  extend(bounds, box.centre - reach);
+  extend(bounds, box.centre + reach);
+}
+
+void extend_by(Bounds& bounds, const Capsule& capsule) {
+  extend_by_ball(bounds, capsule.start, capsule.radius);
+  extend_by_ball(bounds, capsule.end, capsule.radius);
+}
+
 }  // namespace
 
 void append_sphere(const Sphere& sphere, std::vector<SurfaceVertex>& out) {
@@ -93,19 +113,7 @@ void append_box(const Box& box, std::vector<SurfaceVertex>& out) {
 }
 
 void extend(Bounds& bounds, const Collider& collider) {
-  if (const auto* sphere = std::get_if<Sphere>(&collider)) {
-    extend_by_ball(bounds, sphere->centre, sphere->radius);
-  } else if (const auto* box = std::get_if<Box>(&collider)) {
-    const std::array<Vec3, 3> axes = scaled_axes(*box);
-    const Vec3 reach{std::abs(axes[0].x) + std::abs(axes[1].x) + std::abs(axes[2].x),
-                     std::abs(axes[0].y) + std::abs(axes[1].y) + std::abs(axes[2].y),
-                     std::abs(axes[0].z) + std::abs(axes[1].z) + std::abs(axes[2].z)};
-    extend(bounds, box->centre - reach);
-    extend(bounds, box->centre + reach);
-  } else if (const auto* capsule = std::get_if<Capsule>(&collider)) {
-    extend_by_ball(bounds, capsule->start, capsule->radius);
-    extend_by_ball(bounds, capsule->end, capsule->radius);
-  }
+  std::visit([&bounds](const auto& shape) { extend_by(bounds, shape); }, collider);
 }
 
 }  // namespace kerf::render

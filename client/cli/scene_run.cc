@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/analysis/analysis.h"
+#include "server/base/overloaded.h"
 #include "server/sheet/recording.h"
 #include "server/sheet/sheet.h"
 #include "server/wire/analysis_codec.h"
@@ -195,15 +196,17 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
 
   SceneRun run;
   const double cpu_before = process_cpu_s();
-  Result<analysis::Outcome> outcome = [&]() -> Result<analysis::Outcome> {
-    if (const auto* of_loads = std::get_if<sheet::StaticAnalysis>(&config.analysis)) {
-      return analysis::run_static(sheet, *of_loads, config.probes, options.watch);
-    }
-    if (const auto* modes = std::get_if<sheet::ModalAnalysis>(&config.analysis)) {
-      return analysis::run_modes(sheet, *modes, config.probes, options.watch);
-    }
-    return step_scene(sheet, options, run);
-  }();
+  Result<analysis::Outcome> outcome =
+      std::visit(Overloaded{
+                     [&](const sheet::DynamicAnalysis& /*in_time*/) { return step_scene(sheet, options, run); },
+                     [&](const sheet::StaticAnalysis& of_loads) {
+                       return analysis::run_static(sheet, of_loads, config.probes, options.watch);
+                     },
+                     [&](const sheet::ModalAnalysis& modes) {
+                       return analysis::run_modes(sheet, modes, config.probes, options.watch);
+                     },
+                 },
+                 config.analysis);
   if (!outcome) return outcome.error();
   run.result.set_cpu_s(process_cpu_s() - cpu_before);
   for (const sheet::ScheduledReply& scheduled : outcome->scheduled) {

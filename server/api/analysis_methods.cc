@@ -6,6 +6,7 @@
 #include "server/analysis/analysis.h"
 #include "server/analysis/probe.h"
 #include "server/api/core.h"
+#include "server/base/overloaded.h"
 #include "server/wire/analysis_codec.h"
 #include "server/wire/reply_codec.h"
 
@@ -63,14 +64,16 @@ Status check(const sheet::Sheet& sheet, const sheet::DynamicAnalysis& analysis,
 
 Result<analysis::Outcome> run(sheet::Sheet& sheet, const Request& request, const analysis::Watch& watch) {
   const std::vector<sheet::Probe> probes = request.wants_scene_probes ? sheet.config().probes : request.probes;
-  if (const auto* in_time = std::get_if<sheet::DynamicAnalysis>(&request.analysis)) {
-    if (Status status = check(sheet, *in_time, probes); !status) return status.error();
-    return analysis::run_dynamic(sheet, *in_time, probes, watch, {}, nullptr);
-  }
-  if (const auto* of_loads = std::get_if<sheet::StaticAnalysis>(&request.analysis)) {
-    return analysis::run_static(sheet, *of_loads, probes, watch);
-  }
-  return analysis::run_modes(sheet, std::get<sheet::ModalAnalysis>(request.analysis), probes, watch);
+  return std::visit(
+      Overloaded{
+          [&](const sheet::DynamicAnalysis& in_time) -> Result<analysis::Outcome> {
+            if (Status status = check(sheet, in_time, probes); !status) return status.error();
+            return analysis::run_dynamic(sheet, in_time, probes, watch, {}, nullptr);
+          },
+          [&](const sheet::StaticAnalysis& of_loads) { return analysis::run_static(sheet, of_loads, probes, watch); },
+          [&](const sheet::ModalAnalysis& modes) { return analysis::run_modes(sheet, modes, probes, watch); },
+      },
+      request.analysis);
 }
 
 Result<v1::AnalyzeSheetResponse> analyze(sheet::Sheet& sheet, const Request& request, const analysis::Watch& watch) {

@@ -99,28 +99,36 @@ Status validate(const Collider& collider, const std::string& path) {
 }
 
 PreparedCollider::PreparedCollider(const Collider& collider) : friction_(collider.friction) {
-  if (const auto* plane = std::get_if<Plane>(&collider.shape)) {
-    kind_ = Kind::kPlane;
-    origin_ = plane->point;
-    vector_ = plane->normal.stableNormalized();
-  } else if (const auto* sphere = std::get_if<Sphere>(&collider.shape)) {
-    kind_ = Kind::kSphere;
-    origin_ = sphere->centre;
-    radius_ = sphere->radius;
-  } else if (const auto* box = std::get_if<OrientedBox>(&collider.shape)) {
-    kind_ = Kind::kBox;
-    origin_ = box->centre;
-    vector_ = box->half_extents;
-    if (box->axis.stableNorm() > 0.0) {
-      rotation_ = Eigen::AngleAxisd(box->angle, box->axis.stableNormalized()).toRotationMatrix();
-    }
-  } else if (const auto* capsule = std::get_if<Capsule>(&collider.shape)) {
-    kind_ = Kind::kCapsule;
-    origin_ = capsule->a;
-    vector_ = capsule->b - capsule->a;
-    if (!vector_.isZero(0.0)) across_ = perpendicular(vector_);
-    radius_ = capsule->radius;
+  std::visit([this](const auto& shape) { take(shape); }, collider.shape);
+}
+
+void PreparedCollider::take(const Plane& plane) {
+  kind_ = Kind::kPlane;
+  origin_ = plane.point;
+  vector_ = plane.normal.stableNormalized();
+}
+
+void PreparedCollider::take(const Sphere& sphere) {
+  kind_ = Kind::kSphere;
+  origin_ = sphere.centre;
+  radius_ = sphere.radius;
+}
+
+void PreparedCollider::take(const OrientedBox& box) {
+  kind_ = Kind::kBox;
+  origin_ = box.centre;
+  vector_ = box.half_extents;
+  if (box.axis.stableNorm() > 0.0) {
+    rotation_ = Eigen::AngleAxisd(box.angle, box.axis.stableNormalized()).toRotationMatrix();
   }
+}
+
+void PreparedCollider::take(const Capsule& capsule) {
+  kind_ = Kind::kCapsule;
+  origin_ = capsule.a;
+  vector_ = capsule.b - capsule.a;
+  if (!vector_.isZero(0.0)) across_ = perpendicular(vector_);
+  radius_ = capsule.radius;
 }
 
 Proximity PreparedCollider::query(const Eigen::Vector3d& point) const {

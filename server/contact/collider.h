@@ -77,6 +77,10 @@ class PreparedCollider {
   [[nodiscard]] const Eigen::Vector3d& across() const { return across_; }
 
  private:
+  void take(const Plane& plane);
+  void take(const Sphere& sphere);
+  void take(const OrientedBox& box);
+  void take(const Capsule& capsule);
   [[nodiscard]] Proximity query_box(const Eigen::Vector3d& point) const;
   [[nodiscard]] Proximity query_capsule(const Eigen::Vector3d& point) const;
 

@@ -9,6 +9,7 @@
 #include "server/base/interruption.h"
 #include "server/base/memory_headroom.h"
 #include "server/base/memory_release.h"
+#include "server/base/overloaded.h"
 
 namespace kerf::host {
 
@@ -34,9 +35,15 @@ Error too_many_vertices(std::int64_t count, std::int32_t limit) {
 
 // Vertices that a config asks for, as far as that can be told without building it.
 std::int64_t declared_vertices(const sheet::SheetConfig& config) {
-  if (const auto* grid = std::get_if<sheet::GridSource>(&config.mesh)) return std::int64_t{grid->columns} * grid->rows;
-  if (const auto* arrays = std::get_if<sheet::ArraySource>(&config.mesh)) return arrays->num_vertices();
-  return 0;
+  using Count = std::int64_t;
+  return std::visit(Overloaded{
+                        [](const sheet::GridSource& grid) { return Count{grid.columns} * grid.rows; },
+                        [](const sheet::ObjSource& /*text*/) { return Count{0}; },
+                        [](const sheet::PlySource& /*bytes*/) { return Count{0}; },
+                        [](const sheet::ArraySource& arrays) { return Count{arrays.num_vertices()}; },
+                        [](const sheet::OutlineSource& /*outline*/) { return Count{0}; },
+                    },
+                    config.mesh);
 }
 
 // Counts what one builder may take while it builds, so that another one does not count on the same memory.

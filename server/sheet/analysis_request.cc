@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "server/base/overloaded.h"
 #include "server/sheet/field_checks.h"
 
 namespace kerf::sheet {
@@ -106,6 +107,11 @@ Status validate(const DynamicAnalysis& analysis) {
   return check_integer(analysis.measure_every, 1, kMaxMeasureEvery, "analysis.dynamic.measure_every");
 }
 
+Status validate(const ModalAnalysis& modes) {
+  if (Status s = check_integer(modes.count, 1, kMaxModes, "analysis.modes.count"); !s) return s;
+  return modes.about ? validate(*modes.about, "analysis.modes.about") : Nothing{};
+}
+
 }  // namespace
 
 bool is_in_plane(Quantity quantity) {
@@ -113,11 +119,12 @@ bool is_in_plane(Quantity quantity) {
 }
 
 Status validate(const Analysis& analysis) {
-  if (const auto* in_time = std::get_if<DynamicAnalysis>(&analysis)) return validate(*in_time);
-  if (const auto* of_loads = std::get_if<StaticAnalysis>(&analysis)) return validate(*of_loads, "analysis.static");
-  const auto& modes = std::get<ModalAnalysis>(analysis);
-  if (Status s = check_integer(modes.count, 1, kMaxModes, "analysis.modes.count"); !s) return s;
-  return modes.about ? validate(*modes.about, "analysis.modes.about") : Nothing{};
+  return std::visit(Overloaded{
+                        [](const DynamicAnalysis& in_time) { return validate(in_time); },
+                        [](const StaticAnalysis& of_loads) { return validate(of_loads, "analysis.static"); },
+                        [](const ModalAnalysis& modes) { return validate(modes); },
+                    },
+                    analysis);
 }
 
 Status validate(const std::vector<Probe>& probes) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "server/base/overloaded.h"
 #include "server/base/sort_unique.h"
 #include "server/sheet/curve_region.h"
 #include "server/sheet/field_checks.h"
@@ -33,6 +34,14 @@ Status validate_line(const MaterialLine& line, const std::string& field) {
 Status validate_curve(const MaterialCurve& curve, const std::string& field) {
   if (Status s = check_curve(curve.curve, field + ".curve"); !s) return s;
   return check_number(curve.within, 0.0, kMaxMaterialCoordinate, field + ".within_m");
+}
+
+Status validate_ids(const std::vector<mesh::VertexId>& ids, const std::string& field) {
+  if (Status s = check_count(ids.size(), kMaxListedVertices, "vertex ids", field); !s) return s;
+  for (std::size_t k = 0; k < ids.size(); ++k) {
+    if (ids[k] < 0) return check_vertex_id(ids[k], field + "[" + std::to_string(k) + "]");
+  }
+  return Nothing{};
 }
 
 double size_of(const mesh::TriangleMesh& mesh) {
@@ -156,54 +165,57 @@ Eigen::Vector2d centroid(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) 
   return (mesh.rest_position(corner[0]) + mesh.rest_position(corner[1]) + mesh.rest_position(corner[2])) / 3.0;
 }
 
-// Whether a place is in a box, on or along a line, or in the whole sheet, of `size`, m.
-bool holds(const Region& region, const Eigen::Vector2d& at, double size) {
-  if (const auto* box = std::get_if<MaterialBox>(&region)) return Eigen::AlignedBox2d(box->min, box->max).contains(at);
-  const auto* line = std::get_if<MaterialLine>(&region);
-  if (line == nullptr) return true;
-  if (distance_to(*line, at) > reach_of(*line, size)) return false;
-  const Eigen::Vector2d along = line->b - line->a;
-  const double left = Eigen::Vector2d(-along.y(), along.x()).dot(at - line->a);
-  return line->side == MaterialLine::Side::kBoth || (line->side == MaterialLine::Side::kLeft) == (left > 0.0);
+// Whether a place is on or along a line, in a sheet of `size`, m.
+bool holds(const MaterialLine& line, const Eigen::Vector2d& at, double size) {
+  if (distance_to(line, at) > reach_of(line, size)) return false;
+  const Eigen::Vector2d along = line.b - line.a;
+  const double left = Eigen::Vector2d(-along.y(), along.x()).dot(at - line.a);
+  return line.side == MaterialLine::Side::kBoth || (line.side == MaterialLine::Side::kLeft) == (left > 0.0);
+}
+
+// The triangles whose centroid `holds` has.
+template <typename Holds>
+std::vector<mesh::TriangleId> triangles_where(const mesh::TriangleMesh& mesh, const Holds& holds) {
+  std::vector<mesh::TriangleId> found;
+  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
+    if (mesh.is_solid(t) && holds(centroid(mesh, t))) found.push_back(t);
+  }
+  return found;
 }
 
 std::vector<mesh::TriangleId> triangles_along(const mesh::TriangleMesh& mesh, const MaterialCurve& curve) {
   const CurveRegion region(curve, mesh);
   const bool wants_left = curve.side == MaterialLine::Side::kLeft;
-  std::vector<mesh::TriangleId> found;
-  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (!mesh.is_solid(t)) continue;
-    const Eigen::Vector2d at = centroid(mesh, t);
-    if (!region.reaches(at)) continue;
-    if (curve.side == MaterialLine::Side::kBoth || (region.offset(at) > 0.0) == wants_left) found.push_back(t);
-  }
-  return found;
+  return triangles_where(mesh, [&](const Eigen::Vector2d& at) {
+    if (!region.reaches(at)) return false;
+    return curve.side == MaterialLine::Side::kBoth || (region.offset(at) > 0.0) == wants_left;
+  });
 }
 
 // `path`: of the region.
 Status add_region(const mesh::TriangleMesh& mesh, const Region& region, const std::string& path,
                   std::vector<mesh::VertexId>& found) {
-  if (const auto* edge = std::get_if<RegionEdge>(&region)) {
-    add_edge(mesh, *edge, found);
-  } else if (const auto* box = std::get_if<MaterialBox>(&region)) {
-    add_in_box(mesh, Eigen::AlignedBox2d(box->min, box->max), found);
-  } else if (const auto* line = std::get_if<MaterialLine>(&region)) {
-    add_along(mesh, *line, found);
-  } else if (const auto* nearest = std::get_if<NearestVertex>(&region)) {
-    found.push_back(nearest_vertex(mesh, nearest->point));
-  } else if (const auto* curve = std::get_if<MaterialCurve>(&region)) {
-    add_along(mesh, *curve, found);
-  } else if (const auto* border = std::get_if<NearestBorder>(&region)) {
-    const std::vector<mesh::VertexId> vertices = border_vertices(mesh, border->point);
+  const auto add_all = [&found](const std::vector<mesh::VertexId>& vertices) {
     found.insert(found.end(), vertices.begin(), vertices.end());
-  } else if (const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&region)) {
-    return add_listed(mesh, *ids, path, found);
-  } else {
+  };
+  const auto add_whole = [&] {
     for (mesh::VertexId v = 0; v < mesh.num_vertices(); ++v) {
       if (mesh.has_material(v)) found.push_back(v);
     }
-  }
-  return Nothing{};
+  };
+  Status done = Nothing{};
+  std::visit(Overloaded{
+                 [&](RegionEdge edge) { add_edge(mesh, edge, found); },
+                 [&](const MaterialBox& box) { add_in_box(mesh, Eigen::AlignedBox2d(box.min, box.max), found); },
+                 [&](const MaterialLine& line) { add_along(mesh, line, found); },
+                 [&](const NearestVertex& nearest) { found.push_back(nearest_vertex(mesh, nearest.point)); },
+                 [&](const MaterialCurve& curve) { add_along(mesh, curve, found); },
+                 [&](const NearestBorder& border) { add_all(border_vertices(mesh, border.point)); },
+                 [&](const std::vector<mesh::VertexId>& ids) { done = add_listed(mesh, ids, path, found); },
+                 [&](const WholeSheet& /*whole*/) { add_whole(); },
+             },
+             region);
+  return done;
 }
 
 bool has(const std::vector<mesh::VertexId>& sorted, mesh::VertexId v) {
@@ -213,24 +225,21 @@ bool has(const std::vector<mesh::VertexId>& sorted, mesh::VertexId v) {
 }  // namespace
 
 Status validate(const Region& region, const std::string& field) {
-  if (const auto* box = std::get_if<MaterialBox>(&region)) return validate_box(*box, field + ".box");
-  if (const auto* line = std::get_if<MaterialLine>(&region)) return validate_line(*line, field + ".line");
-  if (const auto* nearest = std::get_if<NearestVertex>(&region)) {
-    return check_vector(nearest->point, kMaxMaterialCoordinate, field + ".nearest");
-  }
-  if (const auto* curve = std::get_if<MaterialCurve>(&region)) return validate_curve(*curve, field + ".curve");
-  if (const auto* border = std::get_if<NearestBorder>(&region)) {
-    return check_vector(border->point, kMaxMaterialCoordinate, field + ".border");
-  }
-  const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&region);
-  if (ids == nullptr) return Nothing{};
-  const std::string path = field + ".vertices.vertices";
-  if (Status s = check_count(ids->size(), kMaxListedVertices, "vertex ids", path); !s) return s;
-  for (std::size_t k = 0; k < ids->size(); ++k) {
-    const mesh::VertexId id = (*ids)[k];
-    if (id < 0) return check_vertex_id(id, path + "[" + std::to_string(k) + "]");
-  }
-  return Nothing{};
+  const auto check_point = [](const Eigen::Vector2d& point, const std::string& path) {
+    return check_vector(point, kMaxMaterialCoordinate, path);
+  };
+  return std::visit(
+      Overloaded{
+          [](RegionEdge /*edge*/) -> Status { return Nothing{}; },
+          [&](const MaterialBox& box) { return validate_box(box, field + ".box"); },
+          [&](const std::vector<mesh::VertexId>& ids) { return validate_ids(ids, field + ".vertices.vertices"); },
+          [&](const MaterialLine& line) { return validate_line(line, field + ".line"); },
+          [&](const NearestVertex& nearest) { return check_point(nearest.point, field + ".nearest"); },
+          [](const WholeSheet& /*whole*/) -> Status { return Nothing{}; },
+          [&](const MaterialCurve& curve) { return validate_curve(curve, field + ".curve"); },
+          [&](const NearestBorder& border) { return check_point(border.point, field + ".border"); },
+      },
+      region);
 }
 
 Status validate(const std::vector<Region>& regions, const std::string& field) {
@@ -301,23 +310,36 @@ std::vector<mesh::TriangleId> triangles_in(const mesh::TriangleMesh& mesh, const
 
 Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& mesh, const Region& region,
                                                      const std::string& field) {
-  if (std::holds_alternative<RegionEdge>(region) || std::holds_alternative<NearestVertex>(region) ||
-      std::holds_alternative<NearestBorder>(region)) {
+  using Triangles = Result<std::vector<mesh::TriangleId>>;
+  const auto refuse = [&field]() -> Triangles {
     return invalid_argument("REGION_WITHOUT_TRIANGLES",
                             field + " names vertices, no triangles; give a box, a line, a curve, vertices or all",
                             field);
-  }
-  if (const auto* curve = std::get_if<MaterialCurve>(&region)) return triangles_along(mesh, *curve);
-  if (std::holds_alternative<std::vector<mesh::VertexId>>(region)) {
+  };
+  const auto within = [&mesh](const auto& holds) -> Triangles { return triangles_where(mesh, holds); };
+  const auto listed = [&]() -> Triangles {
     Result<std::vector<mesh::VertexId>> vertices = find_vertices(mesh, region, field);
     if (!vertices) return vertices.error();
     return triangles_in(mesh, *vertices);
-  }
-  std::vector<mesh::TriangleId> found;
-  for (mesh::TriangleId t = 0; t < mesh.num_triangle_slots(); ++t) {
-    if (mesh.is_solid(t) && holds(region, centroid(mesh, t), size_of(mesh))) found.push_back(t);
-  }
-  return found;
+  };
+  return std::visit(
+      Overloaded{
+          [&](RegionEdge /*edge*/) { return refuse(); },
+          [&](const MaterialBox& box) {
+            return within([closed = Eigen::AlignedBox2d(box.min, box.max)](const Eigen::Vector2d& at) {
+              return closed.contains(at);
+            });
+          },
+          [&](const std::vector<mesh::VertexId>& /*ids*/) { return listed(); },
+          [&](const MaterialLine& line) {
+            return within([&, size = size_of(mesh)](const Eigen::Vector2d& at) { return holds(line, at, size); });
+          },
+          [&](const NearestVertex& /*nearest*/) { return refuse(); },
+          [&](const WholeSheet& /*whole*/) { return within([](const Eigen::Vector2d& /*at*/) { return true; }); },
+          [&](const MaterialCurve& curve) -> Triangles { return triangles_along(mesh, curve); },
+          [&](const NearestBorder& /*border*/) { return refuse(); },
+      },
+      region);
 }
 
 double rest_area(const mesh::TriangleMesh& mesh, mesh::TriangleId slot) {

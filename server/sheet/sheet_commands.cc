@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "server/base/overloaded.h"
 #include "server/cut/cut.h"
 #include "server/fem/condition.h"
 #include "server/sheet/material_point.h"
@@ -47,33 +48,35 @@ std::vector<std::string> warnings_of(const cut::CutReport& report, const std::ve
 Result<CommandReply> Sheet::Impl::do_command(const Command& command, const CommandContext& context) {
   rest.disturb();
   if (Status s = validate(command); !s) return s.error();
-  if (const auto* c = std::get_if<Cut>(&command)) return cut(*c, context);
-  if (const auto* b = std::get_if<CutBatch>(&command)) return cut_batch(*b, context);
-  if (std::holds_alternative<UndoCut>(command)) return undo_cut(context);
-  if (std::holds_alternative<RedoCut>(command)) return redo_cut(context);
-  Status done = Nothing{};
-  if (const auto* g = std::get_if<Grab>(&command)) {
-    done = grab(*g);
-  } else if (const auto* d = std::get_if<Drag>(&command)) {
-    done = drag(*d);
-  } else if (const auto* r = std::get_if<Release>(&command)) {
-    done = release(*r);
-  } else if (const auto* p = std::get_if<SetPins>(&command)) {
-    done = set_pins(*p);
-  } else if (const auto* gravity = std::get_if<SetGravity>(&command)) {
-    full_gravity = gravity->gravity;
-    conditions_changed = true;
-    ++settings_version;
-  } else if (const auto* w = std::get_if<SetWind>(&command)) {
-    set_wind(w->wind);
-    ++settings_version;
-  } else if (const auto* m = std::get_if<SetMaterial>(&command)) {
-    done = set_material(*m);
-  } else {
-    reset(std::get<Reset>(command));
-  }
-  if (!done) return done.error();
-  return plain_reply();
+  const auto plain = [this](const Status& done) -> Result<CommandReply> {
+    if (!done) return done.error();
+    return plain_reply();
+  };
+  return std::visit(Overloaded{
+                        [&](const Cut& asked) { return cut(asked, context); },
+                        [&](const CutBatch& asked) { return cut_batch(asked, context); },
+                        [&](const UndoCut& /*asked*/) { return undo_cut(context); },
+                        [&](const RedoCut& /*asked*/) { return redo_cut(context); },
+                        [&](const Grab& asked) { return plain(grab(asked)); },
+                        [&](const Drag& asked) { return plain(drag(asked)); },
+                        [&](const Release& asked) { return plain(release(asked)); },
+                        [&](const SetPins& asked) { return plain(set_pins(asked)); },
+                        [&](const SetGravity& asked) {
+                          set_gravity(asked.gravity);
+                          return plain(Nothing{});
+                        },
+                        [&](const SetWind& asked) {
+                          set_wind(asked.wind);
+                          ++settings_version;
+                          return plain(Nothing{});
+                        },
+                        [&](const SetMaterial& asked) { return plain(set_material(asked)); },
+                        [&](const Reset& asked) {
+                          reset(asked);
+                          return plain(Nothing{});
+                        },
+                    },
+                    command);
 }
 
 cut::CutRequest Sheet::Impl::request_of(const Cut& cut) const {
@@ -182,6 +185,12 @@ Status Sheet::Impl::set_pins(const SetPins& pins) {
   pins_version = ++last_pins_version;
   ++settings_version;
   return Nothing{};
+}
+
+void Sheet::Impl::set_gravity(const Eigen::Vector3d& value) {
+  full_gravity = value;
+  conditions_changed = true;
+  ++settings_version;
 }
 
 void Sheet::Impl::set_wind(const Wind& value) {

@@ -135,6 +135,7 @@ struct Sheet::Impl {
   Status drag(const Drag& drag);
   Status release(const Release& release);
   Status set_pins(const SetPins& pins);
+  void set_gravity(const Eigen::Vector3d& value);
   void set_wind(const Wind& value);
   Status set_material(const SetMaterial& change);  // sheet_change_material.cc
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <variant>
 
+#include "server/base/overloaded.h"
 #include "server/wire/choices.h"
 #include "server/wire/geometry_codec.h"
 #include "server/wire/region_codec.h"
@@ -219,16 +220,19 @@ Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config) {
 }
 
 void encode_analysis(const sheet::SheetConfig& config, v1::Scene& scene) {
-  if (const auto* of_loads = std::get_if<sheet::StaticAnalysis>(&config.analysis)) {
-    encode_static(*of_loads, *scene.mutable_analysis()->mutable_static_());
-  } else if (const auto* modes = std::get_if<sheet::ModalAnalysis>(&config.analysis)) {
-    v1::ModalAnalysis& message = *scene.mutable_analysis()->mutable_modes();
-    message.set_count(modes->count);
-    if (modes->about) encode_static(*modes->about, *message.mutable_about());
-  } else {
-    const auto& in_time = std::get<sheet::DynamicAnalysis>(config.analysis);
-    scene.mutable_analysis()->mutable_dynamic()->set_measure_every(in_time.measure_every);
-  }
+  v1::Analysis& message = *scene.mutable_analysis();
+  std::visit(
+      Overloaded{
+          [&message](const sheet::DynamicAnalysis& in_time) {
+            message.mutable_dynamic()->set_measure_every(in_time.measure_every);
+          },
+          [&message](const sheet::StaticAnalysis& of_loads) { encode_static(of_loads, *message.mutable_static_()); },
+          [&message](const sheet::ModalAnalysis& modes) {
+            message.mutable_modes()->set_count(modes.count);
+            if (modes.about) encode_static(*modes.about, *message.mutable_modes()->mutable_about());
+          },
+      },
+      config.analysis);
   for (const sheet::Probe& probe : config.probes) encode_probe(probe, *scene.add_probes());
 }
 

@@ -152,34 +152,43 @@ Result<sheet::Load> decode_load(const v1::Load& message, const std::string& path
   return choice_missing(path + ".kind", "point, edge, area, pressure or moment");
 }
 
+void encode(const sheet::PointForce& point, v1::Load& message) {
+  if (const auto* vertex = std::get_if<mesh::VertexId>(&point.point)) {
+    message.mutable_point()->set_vertex(*vertex);
+  } else {
+    encode_vector(std::get<Eigen::Vector2d>(point.point), *message.mutable_point()->mutable_material());
+  }
+  encode_vector(point.force, *message.mutable_point()->mutable_force_n());
+}
+
+void encode(const sheet::EdgeForce& edge, v1::Load& message) {
+  encode_edge_force(edge, *message.mutable_edge());
+}
+
+void encode(const sheet::AreaForce& area, v1::Load& message) {
+  v1::AreaForce& to = *message.mutable_area();
+  encode_region(area.region, *to.mutable_region());
+  encode_vector(area.force, area.is_total ? *to.mutable_force_n() : *to.mutable_traction_pa());
+}
+
+void encode(const sheet::Pressure& pressure, v1::Load& message) {
+  encode_region(pressure.region, *message.mutable_pressure()->mutable_region());
+  message.mutable_pressure()->set_pressure_pa(pressure.pressure);
+}
+
+void encode(const sheet::EdgeMoment& moment, v1::Load& message) {
+  v1::EdgeMoment& to = *message.mutable_moment();
+  encode_region(moment.region, *to.mutable_region());
+  if (moment.is_total) {
+    to.set_moment_nm(moment.moment);
+  } else {
+    to.set_moment_nm_per_m(moment.moment);
+  }
+}
+
 void encode_load(const sheet::Load& load, v1::Load& message) {
   if (!load.history.times.empty()) encode_history(load.history, *message.mutable_history());
-  if (const auto* point = std::get_if<sheet::PointForce>(&load.kind)) {
-    if (const auto* vertex = std::get_if<mesh::VertexId>(&point->point)) {
-      message.mutable_point()->set_vertex(*vertex);
-    } else {
-      encode_vector(std::get<Eigen::Vector2d>(point->point), *message.mutable_point()->mutable_material());
-    }
-    encode_vector(point->force, *message.mutable_point()->mutable_force_n());
-  } else if (const auto* edge = std::get_if<sheet::EdgeForce>(&load.kind)) {
-    encode_edge_force(*edge, *message.mutable_edge());
-  } else if (const auto* area = std::get_if<sheet::AreaForce>(&load.kind)) {
-    v1::AreaForce& to = *message.mutable_area();
-    encode_region(area->region, *to.mutable_region());
-    encode_vector(area->force, area->is_total ? *to.mutable_force_n() : *to.mutable_traction_pa());
-  } else if (const auto* pressure = std::get_if<sheet::Pressure>(&load.kind)) {
-    encode_region(pressure->region, *message.mutable_pressure()->mutable_region());
-    message.mutable_pressure()->set_pressure_pa(pressure->pressure);
-  } else {
-    const auto& moment = std::get<sheet::EdgeMoment>(load.kind);
-    v1::EdgeMoment& to = *message.mutable_moment();
-    encode_region(moment.region, *to.mutable_region());
-    if (moment.is_total) {
-      to.set_moment_nm(moment.moment);
-    } else {
-      to.set_moment_nm_per_m(moment.moment);
-    }
-  }
+  std::visit([&message](const auto& kind) { encode(kind, message); }, load.kind);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <utility>
 #include <variant>
 
+#include "server/base/overloaded.h"
 #include "server/wire/geometry_codec.h"
 
 namespace kerf::wire {
@@ -128,26 +129,27 @@ Result<std::vector<sheet::Region>> decode_pins(const RegionMessages& pins, const
 }
 
 void encode_region(const sheet::Region& region, v1::Region& message) {
-  if (const auto* edge = std::get_if<sheet::RegionEdge>(&region)) {
-    message.set_edge(encode_edge(*edge));
-  } else if (const auto* box = std::get_if<sheet::MaterialBox>(&region)) {
-    encode_vector(box->min, *message.mutable_box()->mutable_min());
-    encode_vector(box->max, *message.mutable_box()->mutable_max());
-  } else if (const auto* line = std::get_if<sheet::MaterialLine>(&region)) {
-    encode_line(*line, *message.mutable_line());
-  } else if (const auto* nearest = std::get_if<sheet::NearestVertex>(&region)) {
-    encode_vector(nearest->point, *message.mutable_nearest());
-  } else if (const auto* curve = std::get_if<sheet::MaterialCurve>(&region)) {
-    encode_curve(curve->curve, *message.mutable_curve()->mutable_curve());
-    message.mutable_curve()->set_within_m(curve->within);
-    message.mutable_curve()->set_side(encode_side(curve->side));
-  } else if (const auto* border = std::get_if<sheet::NearestBorder>(&region)) {
-    encode_vector(border->point, *message.mutable_border());
-  } else if (const auto* vertices = std::get_if<std::vector<mesh::VertexId>>(&region)) {
-    message.mutable_vertices()->mutable_vertices()->Assign(vertices->begin(), vertices->end());
-  } else {
-    message.set_all(true);
-  }
+  std::visit(
+      Overloaded{
+          [&message](sheet::RegionEdge edge) { message.set_edge(encode_edge(edge)); },
+          [&message](const sheet::MaterialBox& box) {
+            encode_vector(box.min, *message.mutable_box()->mutable_min());
+            encode_vector(box.max, *message.mutable_box()->mutable_max());
+          },
+          [&message](const std::vector<mesh::VertexId>& ids) {
+            message.mutable_vertices()->mutable_vertices()->Assign(ids.begin(), ids.end());
+          },
+          [&message](const sheet::MaterialLine& line) { encode_line(line, *message.mutable_line()); },
+          [&message](const sheet::NearestVertex& nearest) { encode_vector(nearest.point, *message.mutable_nearest()); },
+          [&message](const sheet::WholeSheet& /*whole*/) { message.set_all(true); },
+          [&message](const sheet::MaterialCurve& curve) {
+            encode_curve(curve.curve, *message.mutable_curve()->mutable_curve());
+            message.mutable_curve()->set_within_m(curve.within);
+            message.mutable_curve()->set_side(encode_side(curve.side));
+          },
+          [&message](const sheet::NearestBorder& border) { encode_vector(border.point, *message.mutable_border()); },
+      },
+      region);
 }
 
 void encode_pins(const std::vector<sheet::Region>& pins, RegionMessages& messages) {

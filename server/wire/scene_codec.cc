@@ -5,6 +5,7 @@
 #include <utility>
 #include <variant>
 
+#include "server/base/overloaded.h"
 #include "server/wire/analysis_codec.h"
 #include "server/wire/choices.h"
 #include "server/wire/command_codec.h"
@@ -121,23 +122,28 @@ Result<sheet::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_
 v1::Collider encode_collider(const contact::Collider& collider) {
   v1::Collider message;
   message.set_friction(collider.friction);
-  if (const auto* plane = std::get_if<contact::Plane>(&collider.shape)) {
-    encode_vector(plane->point, *message.mutable_plane()->mutable_point());
-    encode_vector(plane->normal, *message.mutable_plane()->mutable_normal());
-  } else if (const auto* sphere = std::get_if<contact::Sphere>(&collider.shape)) {
-    encode_vector(sphere->centre, *message.mutable_sphere()->mutable_center());
-    message.mutable_sphere()->set_radius_m(sphere->radius);
-  } else if (const auto* box = std::get_if<contact::OrientedBox>(&collider.shape)) {
-    encode_vector(box->centre, *message.mutable_box()->mutable_center());
-    encode_vector(box->half_extents, *message.mutable_box()->mutable_half_extents_m());
-    encode_vector(box->axis, *message.mutable_box()->mutable_axis());
-    message.mutable_box()->set_angle_rad(box->angle);
-  } else {
-    const auto& capsule = std::get<contact::Capsule>(collider.shape);
-    encode_vector(capsule.a, *message.mutable_capsule()->mutable_a());
-    encode_vector(capsule.b, *message.mutable_capsule()->mutable_b());
-    message.mutable_capsule()->set_radius_m(capsule.radius);
-  }
+  std::visit(Overloaded{
+                 [&message](const contact::Plane& plane) {
+                   encode_vector(plane.point, *message.mutable_plane()->mutable_point());
+                   encode_vector(plane.normal, *message.mutable_plane()->mutable_normal());
+                 },
+                 [&message](const contact::Sphere& sphere) {
+                   encode_vector(sphere.centre, *message.mutable_sphere()->mutable_center());
+                   message.mutable_sphere()->set_radius_m(sphere.radius);
+                 },
+                 [&message](const contact::OrientedBox& box) {
+                   encode_vector(box.centre, *message.mutable_box()->mutable_center());
+                   encode_vector(box.half_extents, *message.mutable_box()->mutable_half_extents_m());
+                   encode_vector(box.axis, *message.mutable_box()->mutable_axis());
+                   message.mutable_box()->set_angle_rad(box.angle);
+                 },
+                 [&message](const contact::Capsule& capsule) {
+                   encode_vector(capsule.a, *message.mutable_capsule()->mutable_a());
+                   encode_vector(capsule.b, *message.mutable_capsule()->mutable_b());
+                   message.mutable_capsule()->set_radius_m(capsule.radius);
+                 },
+             },
+             collider.shape);
   return message;
 }
 
