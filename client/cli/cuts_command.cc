@@ -290,11 +290,11 @@ int cut_batch(const Session& session, const std::string& id, const std::string& 
   const std::vector<v1::CreateCutsRequest> calls = calls_of(batch, to_sheet);
   if ((timing.at_tick != 0 || timing.is_dry_run) && calls.size() > 1) {
     const std::string option = timing.is_dry_run ? "--dry-run" : "--at-tick";
-    return refuse(Error{ErrorCode::kInvalidArgument, "TOO_MANY",
-                        file + " takes " + std::to_string(calls.size()) +
-                            " calls, of 4096 cuts and 1 MiB at most, and " + option +
-                            " works with one alone: leave it out, or split the file",
-                        option});
+    return refuse(invalid_argument("TOO_MANY",
+                                   file + " takes " + std::to_string(calls.size()) +
+                                       " calls, of 4096 cuts and 1 MiB at most, and " + option +
+                                       " works with one alone: leave it out, or split the file",
+                                   option));
   }
   client::Client client(session.server);
   Made made;

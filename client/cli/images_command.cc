@@ -58,7 +58,7 @@ std::string file_name(std::int64_t number, const std::string& format) {
 }
 
 Error no_folder(const std::string& what) {
-  return {ErrorCode::kInvalidArgument, "CANNOT_WRITE", what + "; give --out another folder", "--out"};
+  return invalid_argument("CANNOT_WRITE", what + "; give --out another folder", "--out");
 }
 
 // The folder is there, without pictures of an earlier stream, which would be overwritten or go on behind these. The one

@@ -36,7 +36,7 @@ struct LoadArguments {
 Status check_writable(const std::string& path) {
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   const auto refused = [&](const std::string& why) {
-    return Error{ErrorCode::kUnavailable, "FILE_IO", "cannot write " + path + ": " + why, "--html"};
+    return unavailable("FILE_IO", "cannot write " + path + ": " + why, "--html");
   };
   if (access(folder.c_str(), W_OK) != 0) return refused(std::generic_category().message(errno));
   if (!std::filesystem::is_directory(folder)) return refused(folder.string() + " is no folder");
@@ -89,7 +89,7 @@ int run_load(const Session& session, LoadArguments& arguments) {
     }
   }
   if (load::nobody_joined(*report) && !report->interrupted) {
-    return refuse(Error{ErrorCode::kUnavailable, "NO_READER", "not one reader had a frame: see the report", ""});
+    return refuse(unavailable("NO_READER", "not one reader had a frame: see the report"));
   }
   return kDone;
 }

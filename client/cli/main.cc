@@ -42,9 +42,9 @@ int run(int argc, char** argv) {
 int flushed(int code) {
   errno = 0;
   if ((std::fflush(stdout) == 0 && std::ferror(stdout) == 0) || code != kerf::cli::kDone) return code;
-  return kerf::cli::refuse(
-      kerf::Error{kerf::ErrorCode::kResourceExhausted, "OUTPUT_NOT_WRITTEN",
-                  "cannot write standard output: " + std::generic_category().message(errno == 0 ? EIO : errno), ""});
+  return kerf::cli::refuse(kerf::resource_exhausted(
+      "OUTPUT_NOT_WRITTEN",
+      "cannot write standard output: " + std::generic_category().message(errno == 0 ? EIO : errno)));
 }
 
 }  // namespace
@@ -54,6 +54,6 @@ int main(int argc, char** argv) {
   try {
     return flushed(run(argc, argv));
   } catch (const std::exception& error) {
-    return kerf::cli::refuse(kerf::Error{kerf::ErrorCode::kInternal, "EXCEPTION", error.what(), ""});
+    return kerf::cli::refuse(kerf::internal_error("EXCEPTION", error.what()));
   }
 }

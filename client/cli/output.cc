@@ -225,7 +225,7 @@ int refuse(client::Failure failure, const std::string& server) {
     failure.message += near;
     line += near;
   }
-  complain(line, client::name_of(failure.code), {ErrorCode::kInternal, failure.reason, failure.message, failure.field});
+  complain(line, client::name_of(failure.code), internal_error(failure.reason, failure.message, failure.field));
   return kRefused;
 }
 
@@ -236,14 +236,14 @@ int refuse(const Error& error) {
 }
 
 int misuse(const std::string& message) {
-  complain(message, "INVALID_ARGUMENT", {ErrorCode::kInvalidArgument, "WRONG_USAGE", message, ""});
+  complain(message, "INVALID_ARGUMENT", invalid_argument("WRONG_USAGE", message));
   return kWrongUsage;
 }
 
 int refuse_ended(const v1::Ended& ended, std::int64_t count, const std::string& of_what) {
-  return refuse(
-      Error{ErrorCode::kUnavailable, v1::Ended::Reason_Name(ended.reason()),
-            "the server ended the stream after " + std::to_string(count) + " " + of_what + ": " + ended.message(), ""});
+  return refuse(unavailable(
+      v1::Ended::Reason_Name(ended.reason()),
+      "the server ended the stream after " + std::to_string(count) + " " + of_what + ": " + ended.message()));
 }
 
 std::map<std::string, std::int64_t> by_name(const google::protobuf::Map<std::string, std::int64_t>& flagged_ticks) {

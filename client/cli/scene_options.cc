@@ -20,10 +20,9 @@ std::vector<std::string> solver_options() {
 }  // namespace
 
 Result<sheet::SheetConfig> read_scene(host::Disk& disk, const std::string& path) {
-  const Result<std::string> json = disk.read_file(path, wire::kMaxSceneFileBytes);
-  if (!json) return json.error();
+  KERF_TRY_ASSIGN(const std::string json, disk.read_file(path, wire::kMaxSceneFileBytes));
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  return wire::decode_scene_file(*json, [&disk, &folder](const std::string& file) {
+  return wire::decode_scene_file(json, [&disk, &folder](const std::string& file) {
     return disk.read_file((folder / file).string(), sheet::kMaxMeshFileBytes);
   });
 }

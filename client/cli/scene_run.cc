@@ -190,13 +190,12 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
   if (options.record && !is_dynamic) {
     return invalid_argument("RECORDING_DYNAMIC_ONLY", "a recording can be made of a dynamic analysis only", "analysis");
   }
-  Result<sheet::Sheet> created = sheet::Sheet::create(config);
-  if (!created) return created.error();
-  sheet::Sheet& sheet = *created;
+  KERF_TRY_ASSIGN(sheet::Sheet sheet, sheet::Sheet::create(config));
 
   SceneRun run;
   const double cpu_before = process_cpu_s();
-  Result<analysis::Outcome> outcome =
+  KERF_TRY_ASSIGN(
+      analysis::Outcome outcome,
       std::visit(Overloaded{
                      [&](const sheet::DynamicAnalysis& /*in_time*/) { return step_scene(sheet, options, run); },
                      [&](const sheet::StaticAnalysis& of_loads) {
@@ -206,17 +205,16 @@ Result<SceneRun> run_scene(const sheet::SheetConfig& config, const SceneRunOptio
                        return analysis::run_modes(sheet, modes, config.probes, options.watch);
                      },
                  },
-                 config.analysis);
-  if (!outcome) return outcome.error();
+                 config.analysis));
   run.result.set_cpu_s(process_cpu_s() - cpu_before);
-  for (const sheet::ScheduledReply& scheduled : outcome->scheduled) {
+  for (const sheet::ScheduledReply& scheduled : outcome.scheduled) {
     if (!is_dynamic) add_cuts(*scheduled.reply, {}, run.result);
   }
-  for (const analysis::Table& table : outcome->tables) *run.result.add_tables() = wire::encode_table(table);
-  if (outcome->statics) *run.result.mutable_static_() = wire::encode_statics(*outcome->statics);
-  if (outcome->dynamics) {
-    run.result.set_simulated_s(outcome->dynamics->simulated);
-    wire::encode_flags(outcome->dynamics->flagged_ticks, *run.result.mutable_flagged_ticks());
+  for (const analysis::Table& table : outcome.tables) *run.result.add_tables() = wire::encode_table(table);
+  if (outcome.statics) *run.result.mutable_static_() = wire::encode_statics(*outcome.statics);
+  if (outcome.dynamics) {
+    run.result.set_simulated_s(outcome.dynamics->simulated);
+    wire::encode_flags(outcome.dynamics->flagged_ticks, *run.result.mutable_flagged_ticks());
   }
   describe_end(sheet, run.result);
   return run;

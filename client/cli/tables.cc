@@ -69,7 +69,7 @@ Status write_csv(host::Disk& disk, const std::string& folder,
   if (folder.empty()) return Nothing{};
   for (const v1::Table& table : tables) {
     const std::string file = (std::filesystem::path(folder) / (table.name() + ".csv")).string();
-    if (Status written = disk.write_file(file, to_csv(table)); !written) return written;
+    KERF_TRY(disk.write_file(file, to_csv(table)));
   }
   return Nothing{};
 }
@@ -114,8 +114,8 @@ int check_converged(const v1::StaticResult& statics) {
           ? "; what was found up to there is in the results. More steps, more max_iterations, or an imperfection where "
             "a sheet buckles may help"
           : ": " + statics.reason();
-  return refuse(Error{ErrorCode::kFailedPrecondition, "NO_EQUILIBRIUM",
-                      std::string("no equilibrium was found beyond load ") + load.data() + why, ""});
+  return refuse(
+      failed_precondition("NO_EQUILIBRIUM", std::string("no equilibrium was found beyond load ") + load.data() + why));
 }
 
 }  // namespace kerf::cli

@@ -171,19 +171,19 @@ struct DelayingProxy::Impl {
 Result<std::unique_ptr<DelayingProxy>> DelayingProxy::start(const std::string& server, const Way& way) {
   auto impl = std::make_unique<Impl>();
   impl->way = way;
-  const auto unavailable = [&](const std::string& why) {
-    return Error{ErrorCode::kUnavailable, "NO_PROXY", "no proxy to " + server + ": " + why, ""};
+  const auto no_proxy = [&](const std::string& why) {
+    return unavailable("NO_PROXY", "no proxy to " + server + ": " + why);
   };
   const std::optional<Endpoint> endpoint = parse_endpoint(server);
-  if (!endpoint) return unavailable("write HOST:PORT");
+  if (!endpoint) return no_proxy("write HOST:PORT");
   NetError error;
   impl->server = Tcp::resolver(impl->context).resolve(endpoint->host, endpoint->port, error);
-  if (error) return unavailable(error.message());
+  if (error) return no_proxy(error.message());
   const Tcp::endpoint here(asio::ip::address_v4::loopback(), 0);
   if (!error) impl->acceptor.open(here.protocol(), error);
   if (!error) impl->acceptor.bind(here, error);
   if (!error) impl->acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) return unavailable(error.message());
+  if (error) return no_proxy(error.message());
   impl->accept();
   impl->thread = std::thread([raw = impl.get()] { raw->context.run(); });
   return std::unique_ptr<DelayingProxy>(new DelayingProxy(std::move(impl)));

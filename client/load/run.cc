@@ -62,7 +62,7 @@ class Run {
   }
 
   Result<Report> all() {
-    if (const Status reached = greet(); !reached) return reached.error();
+    KERF_TRY(greet());
     const Nanoseconds begin = now();
     SheetSet sheets(report_.plan, client_, stopper_, [this](const char* stage, double share) {
       progress_({stage, share, 0, 0, 0});
@@ -73,10 +73,10 @@ class Run {
     report_.first_refusal = sheets.first_refusal();
     report_.integrator = sheets.integrator();
     if (sheets.names().empty()) {
-      return Error{ErrorCode::kResourceExhausted, "NO_SHEETS",
-                   "no sheet was made: " + (report_.first_refusal.empty() ? "interrupted" : report_.first_refusal), ""};
+      return resource_exhausted(
+          "NO_SHEETS", "no sheet was made: " + (report_.first_refusal.empty() ? "interrupted" : report_.first_refusal));
     }
-    if (const Status measured = measure(sheets.names()); !measured) return measured.error();
+    KERF_TRY(measure(sheets.names()));
     return std::move(report_);
   }
 
@@ -96,9 +96,8 @@ class Run {
   Status measure(const std::vector<std::string>& names) {
     const Plan& plan = report_.plan;
     if (plan.way_ms > 0.0 || plan.way_kib_per_s > 0.0) {
-      auto proxy = DelayingProxy::start(frames_at(), {nanoseconds(1e-3 * plan.way_ms), 1024.0 * plan.way_kib_per_s});
-      if (!proxy) return proxy.error();
-      proxy_ = std::move(proxy).value();
+      KERF_TRY_ASSIGN(
+          proxy_, DelayingProxy::start(frames_at(), {nanoseconds(1e-3 * plan.way_ms), 1024.0 * plan.way_kib_per_s}));
     }
     Recorder recorder;
     CutTracker tracker(recorder);
@@ -254,7 +253,7 @@ class Run {
 }  // namespace
 
 Result<Report> run(const Plan& plan, const std::function<void(const Progress&)>& progress, Stopper& stopper) {
-  if (const Status valid = check(plan); !valid) return valid.error();
+  KERF_TRY(check(plan));
   return Run(plan, progress, stopper).all();
 }
 

@@ -128,15 +128,14 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
                             const std::vector<sheet::Probe>& requests, const Watch& watch,
                             const std::function<void(const sheet::TickReport&)>& after,
                             sheet::StageObserver* observer) {
-  Result<Probes> probes = Probes::create(requests, sheet);
-  if (!probes) return probes.error();
-  const bool measures = !probes->columns().empty();
+  KERF_TRY_ASSIGN(Probes probes, Probes::create(requests, sheet));
+  const bool measures = !probes.columns().empty();
   Outcome outcome;
   DynamicStats stats;
-  Table table = table_of(*probes, "time_s");
+  Table table = table_of(probes, "time_s");
   const auto measure = [&](const mesh::VertexField& v_before, double dt) {
     std::vector<double> row{stats.simulated};
-    probes->measure(sheet, v_before, dt, row);
+    probes.measure(sheet, v_before, dt, row);
     table.rows.push_back(std::move(row));
   };
   if (measures) measure({}, 0.0);
@@ -153,7 +152,7 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
     sheet::TickReport report = sheet.step({}, observer, &goes_on);
     if (report.stats.interrupted) break;
     if (after) after(report);
-    if (Status s = keep(std::move(report.scheduled), outcome.scheduled); !s) return s.error();
+    KERF_TRY(keep(std::move(report.scheduled), outcome.scheduled));
     ++stats.ticks;
     stats.simulated += report.stats.simulated;
     fem::count_flags(report.stats.flags, stats.flagged_ticks);
@@ -171,28 +170,27 @@ Result<Outcome> run_dynamic(sheet::Sheet& sheet, const sheet::DynamicAnalysis& a
 
 Result<Outcome> run_static(sheet::Sheet& sheet, const sheet::StaticAnalysis& analysis,
                            const std::vector<sheet::Probe>& requests, const Watch& watch) {
-  Result<Probes> probes = Probes::create(requests, sheet);
-  if (!probes) return probes.error();
+  KERF_TRY_ASSIGN(Probes probes, Probes::create(requests, sheet));
   Outcome outcome;
   StaticStats stats;
-  Table table = table_of(*probes, "load");
+  Table table = table_of(probes, "load");
   LoadPath path(sheet, analysis, watch, stats);
   for (const double load : analysis.loads) {
     sheet::TickReport report = sheet.begin_load_step();
-    if (Status s = keep(std::move(report.scheduled), outcome.scheduled); !s) return s.error();
+    KERF_TRY(keep(std::move(report.scheduled), outcome.scheduled));
     if (!path.advance(load)) {
       stats.converged = false;
       break;
     }
     std::vector<double> row{load};
-    probes->measure(sheet, {}, 0.0, row);
+    probes.measure(sheet, {}, 0.0, row);
     table.rows.push_back(std::move(row));
   }
   outcome.stopped = path.stopped();
   if (stats.converged) stats.reason.clear();
   stats.left_out = left_out_of(sheet);
   outcome.statics = stats;
-  if (!probes->columns().empty()) outcome.tables.push_back(std::move(table));
+  if (!probes.columns().empty()) outcome.tables.push_back(std::move(table));
   return outcome;
 }
 
@@ -201,14 +199,12 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
   Outcome outcome;
   const bool is_live = !analysis.about && sheet.tick() > 0;
   if (analysis.about) {
-    Result<Outcome> about = run_static(sheet, *analysis.about, probes, watch);
-    if (!about) return about.error();
-    outcome = std::move(about).value();
+    KERF_TRY_ASSIGN(outcome, run_static(sheet, *analysis.about, probes, watch));
     if (outcome.stopped || !outcome.statics->converged) return outcome;
   } else if (!is_live) {
     // A live sheet is taken as it is; a scene's cuts are its shape.
     sheet::TickReport report = sheet.begin_load_step();
-    if (Status s = keep(std::move(report.scheduled), outcome.scheduled); !s) return s.error();
+    KERF_TRY(keep(std::move(report.scheduled), outcome.scheduled));
   }
   if (watch && !watch({0.5, "factorising"})) {
     outcome.stopped = true;
@@ -231,9 +227,10 @@ Result<Outcome> run_modes(sheet::Sheet& sheet, const sheet::ModalAnalysis& analy
     return outcome;
   }
   if (!modes.converged) {
-    return Error{ErrorCode::kInternal, "MODES_NOT_CONVERGED",
-                 "the lowest vibrations did not converge; ask for fewer, or for a finer state to find them about",
-                 "analysis.modes"};
+    return internal_error(
+        "MODES_NOT_CONVERGED",
+        "the lowest vibrations did not converge; ask for fewer, or for a finer state to find them about",
+        "analysis.modes");
   }
   Table table{"modes", {"mode", "eigenvalue_per_s2", "frequency_hz"}, {}};
   for (Eigen::Index i = 0; i < modes.eigenvalues.size(); ++i) {

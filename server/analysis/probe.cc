@@ -249,9 +249,8 @@ Status Probes::check(const sheet::Sheet& sheet, const Probe& probe, const std::s
   }
   if (!probe.region) return Nothing{};
   const std::string field = path + ".region";
-  const Result<std::vector<mesh::VertexId>> found = find_vertices(sheet.mesh(), *probe.region, field);
-  if (!found) return found.error();
-  const bool may_fill = found->empty() && sheet::schedules_cuts(sheet.config());
+  KERF_TRY_ASSIGN(const std::vector<mesh::VertexId> found, find_vertices(sheet.mesh(), *probe.region, field));
+  const bool may_fill = found.empty() && sheet::schedules_cuts(sheet.config());
   if (may_fill || !members_of(sheet, probe).empty()) return Nothing{};
   return invalid_argument("REGION_EMPTY", field + " has nothing of the sheet in it", field);
 }
@@ -275,7 +274,7 @@ Result<Probes> Probes::create(std::vector<Probe> requests, const sheet::Sheet& s
   probes.requests_ = std::move(requests);
   for (std::size_t i = 0; i < probes.requests_.size(); ++i) {
     const Probe& probe = probes.requests_[i];
-    if (Status s = check(sheet, probe, "probes[" + std::to_string(i) + "]"); !s) return s.error();
+    KERF_TRY(check(sheet, probe, "probes[" + std::to_string(i) + "]"));
   }
   probes.columns_ = columns_of(probes.requests_);
   probes.locate(sheet);

@@ -27,17 +27,13 @@ struct Request {
 Result<Request> decode(const v1::AnalyzeSheetRequest& message) {
   Request request;
   request.name = message.name();
-  Result<sheet::Analysis> analysis = wire::decode_analysis(message.analysis());
-  if (!analysis) return analysis.error();
-  request.analysis = std::move(analysis).value();
+  KERF_TRY_ASSIGN(request.analysis, wire::decode_analysis(message.analysis()));
   if (message.analysis().kind_case() == v1::Analysis::KIND_NOT_SET) {
     return invalid_argument("CHOICE_MISSING", "analysis must be dynamic, static or modes", "analysis.kind");
   }
-  if (const Status status = sheet::validate(request.analysis); !status.ok()) return status.error();
-  Result<std::vector<sheet::Probe>> probes = wire::decode_probes(message.probes());
-  if (!probes) return probes.error();
-  request.probes = std::move(probes).value();
-  if (const Status status = sheet::validate(request.probes); !status.ok()) return status.error();
+  KERF_TRY(sheet::validate(request.analysis));
+  KERF_TRY_ASSIGN(request.probes, wire::decode_probes(message.probes()));
+  KERF_TRY(sheet::validate(request.probes));
   request.wants_scene_probes = request.probes.empty();
   request.wants_positions = message.positions();
   return request;
@@ -47,19 +43,19 @@ Result<Request> decode(const v1::AnalyzeSheetRequest& message) {
 Status check(const sheet::Sheet& sheet, const sheet::DynamicAnalysis& analysis,
              const std::vector<sheet::Probe>& probes) {
   if (sheet.frozen() && analysis.ticks > 0) {
-    return Error{ErrorCode::kFailedPrecondition, "SHEET_FROZEN",
-                 "the sheet is frozen at tick " + std::to_string(sheet.tick()) +
-                     ", where no finite step was found: reset it, or ask for 0 ticks",
-                 "name"};
+    return failed_precondition("SHEET_FROZEN",
+                               "the sheet is frozen at tick " + std::to_string(sheet.tick()) +
+                                   ", where no finite step was found: reset it, or ask for 0 ticks",
+                               "name");
   }
   const auto columns = static_cast<std::int64_t>(analysis::Probes::columns_of(probes).size()) + 1;
   const std::int64_t rows = analysis.ticks / analysis.measure_every + 2;
   if (columns == 1 || rows * columns <= kMaxMeasuredNumbers) return Nothing{};
-  return Error{ErrorCode::kResourceExhausted, "TABLE_TOO_LARGE",
-               std::to_string(rows) + " rows of " + std::to_string(columns) + " columns are more than the " +
-                   std::to_string(kMaxMeasuredNumbers) + " numbers that one answer may have; measure less often, " +
-                   "or at fewer points",
-               "analysis.dynamic.measure_every"};
+  return resource_exhausted("TABLE_TOO_LARGE",
+                            std::to_string(rows) + " rows of " + std::to_string(columns) +
+                                " columns are more than the " + std::to_string(kMaxMeasuredNumbers) +
+                                " numbers that one answer may have; measure less often, " + "or at fewer points",
+                            "analysis.dynamic.measure_every");
 }
 
 Result<analysis::Outcome> run(sheet::Sheet& sheet, const Request& request, const analysis::Watch& watch) {
@@ -67,7 +63,7 @@ Result<analysis::Outcome> run(sheet::Sheet& sheet, const Request& request, const
   return std::visit(
       Overloaded{
           [&](const sheet::DynamicAnalysis& in_time) -> Result<analysis::Outcome> {
-            if (Status status = check(sheet, in_time, probes); !status) return status.error();
+            KERF_TRY(check(sheet, in_time, probes));
             return analysis::run_dynamic(sheet, in_time, probes, watch, {}, nullptr);
           },
           [&](const sheet::StaticAnalysis& of_loads) { return analysis::run_static(sheet, of_loads, probes, watch); },
@@ -81,13 +77,12 @@ Result<v1::AnalyzeSheetResponse> analyze(sheet::Sheet& sheet, const Request& req
   response.set_name(request.name);
   response.set_tick(sheet.tick());
   response.set_topology_version(sheet.topology_version());
-  const Result<analysis::Outcome> outcome = run(sheet, request, watch);
-  if (!outcome) return outcome.error();
-  for (const analysis::Table& table : outcome->tables) *response.add_tables() = wire::encode_table(table);
-  if (outcome->statics) *response.mutable_static_() = wire::encode_statics(*outcome->statics);
-  if (outcome->dynamics) {
+  KERF_TRY_ASSIGN(const analysis::Outcome outcome, run(sheet, request, watch));
+  for (const analysis::Table& table : outcome.tables) *response.add_tables() = wire::encode_table(table);
+  if (outcome.statics) *response.mutable_static_() = wire::encode_statics(*outcome.statics);
+  if (outcome.dynamics) {
     v1::DynamicResult& dynamic = *response.mutable_dynamic();
-    dynamic = wire::encode_dynamics(*outcome->dynamics);
+    dynamic = wire::encode_dynamics(*outcome.dynamics);
     *dynamic.mutable_energies() = wire::encode_energies(sheet.energies());
     dynamic.set_state_hash(wire::encode_hash(sheet.state_hash()));
   }

@@ -69,27 +69,19 @@ v1::LocalInertia encode_local_inertia(const fem::LocalInertiaStats& stats) {
 }  // namespace
 
 Error too_many_pictures(const ApiCore& core) {
-  return {ErrorCode::kResourceExhausted,
-          "TOO_MANY_PICTURES",
-          std::to_string(core.options.limits.max_waiting_pictures) +
-              " pictures are waiting, as many as may; try again later",
-          {}};
+  return resource_exhausted("TOO_MANY_PICTURES", std::to_string(core.options.limits.max_waiting_pictures) +
+                                                     " pictures are waiting, as many as may; try again later");
 }
 
 Error too_many_files(const ApiCore& core) {
-  return {ErrorCode::kResourceExhausted,
-          "TOO_MANY_FILES",
-          std::to_string(core.options.limits.max_waiting_files) +
-              " exports and recordings are waiting, as many as may; try again later",
-          {}};
+  return resource_exhausted("TOO_MANY_FILES",
+                            std::to_string(core.options.limits.max_waiting_files) +
+                                " exports and recordings are waiting, as many as may; try again later");
 }
 
 Error too_many_analyses(const ApiCore& core) {
-  return {ErrorCode::kResourceExhausted,
-          "TOO_MANY_ANALYSES",
-          std::to_string(core.options.limits.max_waiting_analyses) +
-              " analyses are waiting, as many as may; try again later",
-          {}};
+  return resource_exhausted("TOO_MANY_ANALYSES", std::to_string(core.options.limits.max_waiting_analyses) +
+                                                     " analyses are waiting, as many as may; try again later");
 }
 
 void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_id, const char* field,
@@ -104,15 +96,15 @@ void copy_sheet(const std::shared_ptr<ApiCore>& core, const std::string& sheet_i
       field,
       [limit, field, done = std::move(done)](Result<Copy> copy) {
         if (!copy.ok() || *copy != nullptr) return done(std::move(copy));
-        done(Error{ErrorCode::kResourceExhausted, "SHEET_TOO_LARGE",
-                   "the sheet has more than the " + std::to_string(limit) +
-                       " vertices that are copied here; `kerf run` has no such limit",
-                   field});
+        done(resource_exhausted("SHEET_TOO_LARGE",
+                                "the sheet has more than the " + std::to_string(limit) +
+                                    " vertices that are copied here; `kerf run` has no such limit",
+                                field));
       });
 }
 
 Error server_stopping() {
-  return {ErrorCode::kUnavailable, "SERVER_STOPPING", "the server is stopping; try again later", {}};
+  return unavailable("SERVER_STOPPING", "the server is stopping; try again later");
 }
 
 Result<std::string> addressed_sheet(const ApiCore& core, const std::string& name, const char* field) {

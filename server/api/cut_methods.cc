@@ -141,7 +141,7 @@ Result<host::CommandResult> result_on(sheet::Sheet& copy, const sheet::Command& 
   const double before = copy.expected_cost().total();
   const sheet::TickReport report = copy.apply({&command, 1});
   const Result<sheet::CommandReply>& reply = report.replies.front();
-  if (!reply) return reply.error();
+  KERF_TRY(reply);
   host::CommandResult result{*reply, {}};
   result.timings.tick_before_us = estimate.total_us();
   result.timings.tick_after_us =

@@ -35,9 +35,7 @@ Result<stream::FlowOptions> decode_flow(std::int32_t window, double max_rate_hz,
                             "start.window");
   }
   flow.window = window;
-  const Result<double> rate = decode_rate(max_rate_hz, kMaxRateHz, "every tick", "start.max_rate_hz");
-  if (!rate.ok()) return rate.error();
-  flow.max_rate_hz = *rate;
+  KERF_TRY_ASSIGN(flow.max_rate_hz, decode_rate(max_rate_hz, kMaxRateHz, "every tick", "start.max_rate_hz"));
   return flow;
 }
 

@@ -28,8 +28,7 @@ Result<v1::ImageCodec> decode_codec(v1::ImageCodec codec) {
       return codec;
     case v1::IMAGE_VP8:
       if (render::video_available()) return codec;
-      return Error{ErrorCode::kUnavailable, "NO_VIDEO_CODEC",
-                   "this server was built without VP8; ask for IMAGE_JPEG (1)", "start.codec"};
+      return unavailable("NO_VIDEO_CODEC", "this server was built without VP8; ask for IMAGE_JPEG (1)", "start.codec");
     default:
       return invalid_argument("UNKNOWN_ENUM_VALUE",
                               "start.codec is " + std::to_string(codec) +
@@ -50,28 +49,24 @@ Status check_video_size(const PictureView& view, const std::string& prefix) {
 }  // namespace
 
 Result<ImageLook> decode_look(const v1::ImageView& message, v1::ImageCodec codec, const std::string& prefix) {
-  const Result<PictureView> view = decode_view(message, prefix);
-  if (!view.ok()) return view.error();
+  KERF_TRY_ASSIGN(const PictureView view, decode_view(message, prefix));
   const int quality = message.jpeg_quality() != 0 ? message.jpeg_quality() : kStreamJpegQuality;
   Status status = check_range(quality, 1, 100, prefix + "jpeg_quality");
-  const int kbps = message.bitrate_kbps() != 0 ? message.bitrate_kbps() : bitrate_for(*view);
+  const int kbps = message.bitrate_kbps() != 0 ? message.bitrate_kbps() : bitrate_for(view);
   if (status.ok()) status = check_range(kbps, kMinBitrateKbps, kMaxBitrateKbps, prefix + "bitrate_kbps");
-  if (status.ok() && codec == v1::IMAGE_VP8) status = check_video_size(*view, prefix);
-  if (!status.ok()) return status.error();
-  ImageLook look{*view, {}, {}};
-  if (codec == v1::IMAGE_VP8) look.video = {view->width, view->height, 1000.0 * kbps};
+  if (status.ok() && codec == v1::IMAGE_VP8) status = check_video_size(view, prefix);
+  KERF_TRY(status);
+  ImageLook look{view, {}, {}};
+  if (codec == v1::IMAGE_VP8) look.video = {view.width, view.height, 1000.0 * kbps};
   if (codec == v1::IMAGE_JPEG) look.still = {true, quality};
   return look;
 }
 
 Result<ImageRequest> decode_image_request(const v1::WatchImagesStart& start, const Limits& limits) {
-  const Result<stream::FlowOptions> flow = decode_flow(start.window(), start.max_rate_hz(), limits);
-  if (!flow.ok()) return flow.error();
-  const Result<v1::ImageCodec> codec = decode_codec(start.codec());
-  if (!codec.ok()) return codec.error();
-  const Result<ImageLook> look = decode_look(start.view(), *codec, "start.view.");
-  if (!look.ok()) return look.error();
-  return ImageRequest{*flow, *codec, *look};
+  KERF_TRY_ASSIGN(const stream::FlowOptions flow, decode_flow(start.window(), start.max_rate_hz(), limits));
+  KERF_TRY_ASSIGN(const v1::ImageCodec codec, decode_codec(start.codec()));
+  KERF_TRY_ASSIGN(const ImageLook look, decode_look(start.view(), codec, "start.view."));
+  return ImageRequest{flow, codec, look};
 }
 
 }  // namespace kerf::api

@@ -99,7 +99,7 @@ Error out_of_reach(const Eigen::Matrix3Xd& positions) {
       "the sheet reaches to %.3g m from the origin; pictures are drawn within %.3g m of it: reset the sheet, and "
       "pin it or put something under it",
       positions.cwiseAbs().maxCoeff(), render::kMaxCoordinate);
-  return {ErrorCode::kFailedPrecondition, "SHEET_OUT_OF_REACH", text.data(), {}};
+  return failed_precondition("SHEET_OUT_OF_REACH", text.data());
 }
 
 // In the world, or laid out flat.

@@ -13,28 +13,24 @@ struct PictureRequest {
 };
 
 Result<PictureRequest> decode_request(const v1::RenderImageRequest& message) {
-  const Result<PictureView> view = decode_view(message);
-  if (!view.ok()) return view.error();
-  const Result<StillFormat> format = decode_format(message);
-  if (!format.ok()) return format.error();
-  return PictureRequest{*view, *format};
+  KERF_TRY_ASSIGN(const PictureView view, decode_view(message));
+  KERF_TRY_ASSIGN(const StillFormat format, decode_format(message));
+  return PictureRequest{view, format};
 }
 
 Result<v1::RenderImageResponse> make_picture(ApiCore& core, const PictureSubject& subject,
                                              const PictureRequest& request) {
-  const Result<DrawnPicture> picture = draw_picture(*core.renderer, subject, request.view);
-  if (!picture.ok()) return picture.error();
+  KERF_TRY_ASSIGN(const DrawnPicture picture, draw_picture(*core.renderer, subject, request.view));
   ++core.pictures.rendered;
-  Result<std::string> image = encode_still(picture->pixels, request.format);
-  if (!image.ok()) return image.error();
+  KERF_TRY_ASSIGN(std::string image, encode_still(picture.pixels, request.format));
   ++core.pictures.encoded;
   v1::RenderImageResponse response;
-  response.set_image(std::move(*image));
+  response.set_image(std::move(image));
   response.set_media_type(request.format.jpeg ? "image/jpeg" : "image/png");
   response.set_tick(subject.snapshot->tick);
   response.set_width_px(request.view.width);
   response.set_height_px(request.view.height);
-  response.set_strain_end(picture->strain_end);
+  response.set_strain_end(picture.strain_end);
   return response;
 }
 
@@ -43,7 +39,7 @@ Result<v1::RenderImageResponse> make_picture(ApiCore& core, const PictureSubject
 Status check_renderer(const ApiCore& core) {
   if (core.renderer != nullptr && core.renderer->available()) return Nothing{};
   const std::string why = core.renderer != nullptr ? core.renderer->description() : "none: none was started";
-  return Error{ErrorCode::kUnavailable, "RENDERER_UNAVAILABLE", "this server draws no pictures (" + why + ")", {}};
+  return unavailable("RENDERER_UNAVAILABLE", "this server draws no pictures (" + why + ")");
 }
 
 void Api::render_image(const v1::RenderImageRequest& request, Reply<v1::RenderImageResponse> reply) {

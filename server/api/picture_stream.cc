@@ -54,10 +54,8 @@ void PictureStream::start(const v1::WatchImagesStart& request, bool acknowledges
     take_look(wanted->look);
   }
   if (admitted) return join();
-  fail({ErrorCode::kResourceExhausted,
-        "TOO_MANY_IMAGE_STREAMS",
-        "this server has " + std::to_string(limit) + " image streams, as many as it serves; try again later",
-        {}});
+  fail(resource_exhausted("TOO_MANY_IMAGE_STREAMS", "this server has " + std::to_string(limit) +
+                                                        " image streams, as many as it serves; try again later"));
 }
 
 void PictureStream::join() {
@@ -66,7 +64,7 @@ void PictureStream::join() {
       sheet_id_,
       [self](const std::shared_ptr<stream::Channel>& channel) -> Result<std::shared_ptr<stream::Reader>> {
         const std::lock_guard lock(self->mutex_);
-        if (const Status status = channel->admit(self, self->wants_strains()); !status.ok()) return status.error();
+        KERF_TRY(channel->admit(self, self->wants_strains()));
         if (self->paused_) channel->want_snapshots(*self, false);
         self->channel_ = channel;
         return std::shared_ptr<stream::Reader>(self);

@@ -86,12 +86,12 @@ void PictureFeed::fill(const std::vector<PictureOrder>& orders, const stream::Ch
 
 Status PictureFeed::draw(const stream::Channel::Newest& newest) {
   if (drawn_) return Nothing{};
-  Result<DrawnPicture> picture = draw_picture(*studio_.renderer_, {newest.snapshot, backdrop_}, view_, strain_end_);
-  if (!picture.ok()) return picture.error();
+  KERF_TRY_ASSIGN(DrawnPicture picture,
+                  draw_picture(*studio_.renderer_, {newest.snapshot, backdrop_}, view_, strain_end_));
   ++studio_.counters_.rendered;
-  camera_ = picture->camera;
-  strain_end_ = picture->strain_end;
-  drawn_ = std::make_shared<const DrawnPicture>(std::move(*picture));
+  camera_ = picture.camera;
+  strain_end_ = picture.strain_end;
+  drawn_ = std::make_shared<const DrawnPicture>(std::move(picture));
   return Nothing{};
 }
 
@@ -102,11 +102,10 @@ Result<stream::Bytes> PictureFeed::still(const StillFormat& format, const stream
     ++studio_.counters_.shared;
     return made->second;
   }
-  if (const Status status = draw(newest); !status.ok()) return status.error();
-  Result<std::string> encoded = encode_still(drawn_->pixels, format);
-  if (!encoded.ok()) return encoded.error();
+  KERF_TRY(draw(newest));
+  KERF_TRY_ASSIGN(std::string encoded, encode_still(drawn_->pixels, format));
   ++studio_.counters_.encoded;
-  auto data = std::make_shared<const std::string>(std::move(*encoded));
+  auto data = std::make_shared<const std::string>(std::move(encoded));
   if (stills_.size() == kMaxKeptStills) stills_.pop_front();
   stills_.emplace_back(format, data);
   return stream::Bytes(std::move(data));

@@ -56,14 +56,10 @@ Result<PictureView> decode_common(const Message& message, const std::string& pre
   view.dark = message.dark();
   Status size = check_range(view.width, render::kMinImageSize, render::kMaxImageSize, prefix + "width_px");
   if (size.ok()) size = check_range(view.height, render::kMinImageSize, render::kMaxImageSize, prefix + "height_px");
-  if (!size.ok()) return size.error();
-  const Result<v1::ColorBy> color_by = decode_color_by(message.color_by(), prefix + "color_by");
-  if (!color_by.ok()) return color_by.error();
-  view.color_by = *color_by;
+  KERF_TRY(size);
+  KERF_TRY_ASSIGN(view.color_by, decode_color_by(message.color_by(), prefix + "color_by"));
   if (message.has_camera()) {
-    const Result<render::Camera> camera = decode_camera(message.camera(), prefix);
-    if (!camera.ok()) return camera.error();
-    view.camera = *camera;
+    KERF_TRY_ASSIGN(view.camera, decode_camera(message.camera(), prefix));
   }
   return view;
 }
@@ -81,7 +77,7 @@ Result<PictureView> decode_view(const v1::ImageView& message, const std::string&
 Result<StillFormat> decode_format(const v1::RenderImageRequest& message) {
   StillFormat format;
   format.quality = message.jpeg_quality() != 0 ? message.jpeg_quality() : kDefaultJpegQuality;
-  if (Status status = check_range(format.quality, 1, 100, "jpeg_quality"); !status.ok()) return status.error();
+  KERF_TRY(check_range(format.quality, 1, 100, "jpeg_quality"));
   switch (message.format()) {
     case v1::RenderImageRequest::FORMAT_UNSPECIFIED:
     case v1::RenderImageRequest::PNG:

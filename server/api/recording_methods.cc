@@ -16,9 +16,8 @@ Result<std::unique_ptr<Upload>> begin_upload(Api& api, std::int64_t num_bytes, s
         "OUT_OF_RANGE", "start.num_bytes is " + std::to_string(num_bytes) + "; must be in 1.." + std::to_string(limit),
         "start.num_bytes");
   }
-  Result<std::shared_ptr<const UploadRoom>> room = api.reserve_upload(num_bytes);
-  if (!room.ok()) return room.error();
-  return std::make_unique<Upload>(std::move(*room), num_bytes, std::move(use));
+  KERF_TRY_ASSIGN(std::shared_ptr<const UploadRoom> room, api.reserve_upload(num_bytes));
+  return std::make_unique<Upload>(std::move(room), num_bytes, std::move(use));
 }
 
 void play(const std::shared_ptr<ApiCore>& core, std::string content, const std::string& sheet_id, bool paused,
@@ -68,9 +67,8 @@ Result<std::shared_ptr<const UploadRoom>> Api::reserve_upload(std::int64_t num_b
   auto room = std::make_shared<const UploadRoom>(core_, num_bytes);
   const std::int64_t all = core_->options.limits.max_uploading_bytes;
   if (room->taken_together() > all) {
-    return Error{ErrorCode::kResourceExhausted, "TOO_MANY_UPLOADS",
-                 "uploads under way may have " + std::to_string(all) + " bytes together; try again when one has ended",
-                 ""};
+    return resource_exhausted("TOO_MANY_UPLOADS", "uploads under way may have " + std::to_string(all) +
+                                                      " bytes together; try again when one has ended");
   }
   return room;
 }
@@ -117,10 +115,10 @@ void Api::get_sheet_recording(const v1::GetSheetRecordingRequest& request,
   const auto file = std::make_shared<SentRecording>(core_);
   const std::int32_t most = core_->options.limits.max_recordings_sent;
   if (file->counted_together() > most) {
-    return reply(Error{ErrorCode::kResourceExhausted, "TOO_MANY_RECORDINGS",
-                       std::to_string(most) + " recordings are being sent, as many as may be; try again when one has "
-                                              "arrived",
-                       ""});
+    return reply(resource_exhausted("TOO_MANY_RECORDINGS",
+                                    std::to_string(most) +
+                                        " recordings are being sent, as many as may be; try again when one has "
+                                        "arrived"));
   }
   core_->host.recording(*id, [core = core_, file, reply = std::move(reply)](Result<host::KeptRun> run) {
     if (!run.ok()) return reply(at_field(run.error(), "name"));

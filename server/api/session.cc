@@ -40,13 +40,10 @@ Result<wire::Encoding> decode_encoding(const v1::WatchStart& start) {
 }
 
 Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, const Limits& limits) {
-  const Result<stream::FlowOptions> flow = decode_flow(start.window(), start.max_rate_hz(), limits);
-  if (!flow.ok()) return flow.error();
+  KERF_TRY_ASSIGN(const stream::FlowOptions flow, decode_flow(start.window(), start.max_rate_hz(), limits));
   stream::SubscriberOptions options;
-  options.flow = *flow;
-  const Result<wire::Encoding> encoding = decode_encoding(start);
-  if (!encoding.ok()) return encoding.error();
-  options.encoding = *encoding;
+  options.flow = flow;
+  KERF_TRY_ASSIGN(options.encoding, decode_encoding(start));
   if (start.epoch().size() > kMaxEpochBytes) {
     return invalid_argument("OUT_OF_RANGE",
                             "start.epoch has " + std::to_string(start.epoch().size()) +
@@ -62,9 +59,9 @@ Result<stream::SubscriberOptions> decode_options(const v1::WatchStart& start, co
 Result<stream::SubscriberOptions> decode_options(const v1::SubscribeRequest& request, const Limits& limits) {
   stream::SubscriberOptions options;
   options.flow = flow_within(limits);
-  const Result<double> rate = decode_rate(request.max_rate_hz(), kMaxSubscriptionRateHz, "one a second", "max_rate_hz");
-  if (!rate.ok()) return rate.error();
-  options.flow.max_rate_hz = *rate == 0.0 ? kSubscriptionRateHz : *rate;
+  KERF_TRY_ASSIGN(const double rate,
+                  decode_rate(request.max_rate_hz(), kMaxSubscriptionRateHz, "one a second", "max_rate_hz"));
+  options.flow.max_rate_hz = rate == 0.0 ? kSubscriptionRateHz : rate;
   options.encoding = wire::Encoding::kRaw;
   options.flow.acknowledges = false;
   if (request.max_frames() < 0) {
@@ -195,9 +192,8 @@ void Session::join(const std::string& sheet_id, const stream::SubscriberOptions&
   core_->hub.join(
       sheet_id,
       [options, ready](const std::shared_ptr<stream::Channel>& channel) -> Result<std::shared_ptr<stream::Reader>> {
-        Result<std::shared_ptr<stream::Subscriber>> subscriber = channel->subscribe(options, ready);
-        if (!subscriber.ok()) return subscriber.error();
-        return std::shared_ptr<stream::Reader>(std::move(*subscriber));
+        KERF_TRY_ASSIGN(std::shared_ptr<stream::Subscriber> subscriber, channel->subscribe(options, ready));
+        return std::shared_ptr<stream::Reader>(std::move(subscriber));
       },
       [self](const Result<std::shared_ptr<stream::Reader>>& reader) { self->joined(reader); });
 }
@@ -285,10 +281,8 @@ void Session::reject(const std::string& grab_id, const Error& error) {
     }
   }
   if (flooded) {
-    return fail({ErrorCode::kResourceExhausted,
-                 "TOO_MANY_REJECTIONS",
-                 std::to_string(kMaxUnreadRejections) + " rejections wait to be read; read the stream",
-                 {}});
+    return fail(resource_exhausted(
+        "TOO_MANY_REJECTIONS", std::to_string(kMaxUnreadRejections) + " rejections wait to be read; read the stream"));
   }
   ready_.raise();
 }

@@ -8,7 +8,7 @@ void StreamHub::join(const std::string& sheet_id, const Subscribe& subscribe, Jo
   std::shared_ptr<stream::Channel> fresh;
   std::shared_ptr<stream::Channel> poorer;  // its newest snapshot has no strains, which are wanted now
   Result<std::shared_ptr<stream::Reader>> reader =
-      Error{ErrorCode::kUnavailable, "SERVER_STOPPING", "the server is stopping; try again later", {}};
+      unavailable("SERVER_STOPPING", "the server is stopping; try again later");
   {
     const std::lock_guard lock(mutex_);
     if (!stopped_) {

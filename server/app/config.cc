@@ -131,12 +131,8 @@ Result<ws::Endpoint> listening_address(const std::string& text, const std::strin
 
 Result<std::variant<Config, Notice>> to_config(const Arguments& arguments) {
   Config config;
-  const Result<ws::Endpoint> grpc = listening_address(arguments.listen, "--listen", arguments.allow_remote);
-  if (!grpc) return grpc.error();
-  config.grpc = *grpc;
-  const Result<ws::Endpoint> http = listening_address(arguments.http, "--http", arguments.allow_remote);
-  if (!http) return http.error();
-  config.http = *http;
+  KERF_TRY_ASSIGN(config.grpc, listening_address(arguments.listen, "--listen", arguments.allow_remote));
+  KERF_TRY_ASSIGN(config.http, listening_address(arguments.http, "--http", arguments.allow_remote));
   if (arguments.workers < 0 || arguments.workers > 256) {
     return invalid_argument("WORKERS_OUT_OF_RANGE",
                             "--workers: " + std::to_string(arguments.workers) + " is not in 0..256", "--workers");

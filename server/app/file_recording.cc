@@ -77,12 +77,10 @@ void FileRecording::try_to_write() {
 
 Status FileRecording::write_waiting() {
   if (!file_) {
-    Result<std::unique_ptr<host::AppendFile>> made = disk_.create_file(path_);
-    if (!made) return made.error();
-    file_ = std::move(made).value();
+    KERF_TRY_ASSIGN(file_, disk_.create_file(path_));
   }
   for (; !waiting_.empty(); waiting_.pop_front()) {
-    if (const Status written = file_->append(waiting_.front()); !written) return written;
+    KERF_TRY(file_->append(waiting_.front()));
     const auto count = static_cast<std::int64_t>(waiting_.front().size());
     header_bytes_ = 0;  // it is in the first piece
     waiting_bytes_ -= count;

@@ -49,9 +49,8 @@ Result<std::vector<std::string>> load_scenes(const std::vector<std::filesystem::
                                              host::Host& host) {
   std::vector<std::string> ids;
   for (const std::filesystem::path& file : files) {
-    Result<std::string> id = load(file, disk, host);
-    if (!id) return id.error();
-    ids.push_back(std::move(id).value());
+    KERF_TRY_ASSIGN(std::string id, load(file, disk, host));
+    ids.push_back(std::move(id));
   }
   return ids;
 }

@@ -121,9 +121,7 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
   rpc_options.max_connections = connections.grpc;
   rpc_options.max_connections_per_address = config.max_connections_per_address;
   rpc = std::make_unique<rpc::RpcServer>(*api, clock, rpc_options);
-  const Result<int> grpc = rpc->start(ws::format_endpoint(config.grpc.host, config.grpc.port));
-  if (!grpc) return grpc.error();
-  grpc_port = *grpc;
+  KERF_TRY_ASSIGN(grpc_port, rpc->start(ws::format_endpoint(config.grpc.host, config.grpc.port)));
   ws::HttpOptions options = config.http_options;
   options.access.allowed_origins = config.allowed_origins;
   options.max_connections = std::min(options.max_connections, connections.http);
@@ -137,9 +135,7 @@ Status Server::Impl::listen(ws::AssetTable viewer) {
                                 api->frame_counts(), api->picture_counts(), recording_board.read(), kVersion);
       },
       options);
-  const Result<int> bound = http->start(config.http);
-  if (!bound) return bound.error();
-  http_port = *bound;
+  KERF_TRY_ASSIGN(http_port, http->start(config.http));
   return Nothing{};
 }
 
@@ -161,20 +157,18 @@ Status Server::Impl::check_record_dir() {
 }
 
 Status Server::Impl::start() {
-  if (const Status recordable = check_record_dir(); !recordable) return recordable.error();
-  Result<ws::AssetTable> viewer = config.web.empty() ? ws::AssetTable() : ws::AssetTable::read(config.web);
-  if (!viewer) return viewer.error();
+  KERF_TRY(check_record_dir());
+  KERF_TRY_ASSIGN(ws::AssetTable viewer, config.web.empty() ? ws::AssetTable() : ws::AssetTable::read(config.web));
   host = std::make_unique<host::Host>(host_options(), clock, entropy);
-  const Result<std::vector<std::string>> sheets = load_scenes(config.scenes, disk, *host);
-  if (!sheets) return sheets.error();
-  if (const Status drawing = build_renderer(); !drawing) return drawing.error();
+  KERF_TRY_ASSIGN(const std::vector<std::string> sheets, load_scenes(config.scenes, disk, *host));
+  KERF_TRY(build_renderer());
   api::ApiOptions options;
   options.version = kVersion;
   options.instance_id = instance_id;
   options.limits = config.limits;
   api = std::make_unique<api::Api>(*host, renderer.get(), options, clock);
-  if (const Status listening = listen(std::move(viewer).value()); !listening) return listening.error();
-  if (const Status resumed = resume_sheets(*sheets, *host); !resumed) return resumed.error();
+  KERF_TRY(listen(std::move(viewer)));
+  KERF_TRY(resume_sheets(sheets, *host));
   tell_what_is_missing();
   return Nothing{};
 }
@@ -200,7 +194,7 @@ Result<std::unique_ptr<Server>> Server::start(const Config& config,
   impl->config = config;
   impl->note = note;
   std::unique_ptr<Server> server(new Server(std::move(impl)));  // stops what was started, also when the rest fails
-  if (const Status started = server->impl_->start(); !started) return started.error();
+  KERF_TRY(server->impl_->start());
   return server;
 }
 

@@ -11,8 +11,8 @@
 namespace kerf {
 
 inline Error out_of_memory() {
-  return {ErrorCode::kResourceExhausted, "OUT_OF_MEMORY",
-          "the server has too little memory left for this; delete sheets, or try a smaller one", ""};
+  return resource_exhausted("OUT_OF_MEMORY",
+                            "the server has too little memory left for this; delete sheets, or try a smaller one");
 }
 
 // What `work`, which makes a Result, returns; or the error that tells of an exception that comes out of it:
@@ -25,9 +25,9 @@ std::invoke_result_t<Work> caught(Work&& work) {
   } catch (const std::bad_alloc&) {
     return out_of_memory();
   } catch (const Interrupted&) {
-    return Error{ErrorCode::kAborted, "INTERRUPTED", "the work was ended before it was done", ""};
+    return aborted("INTERRUPTED", "the work was ended before it was done");
   } catch (const std::exception& error) {
-    return Error{ErrorCode::kInternal, "INTERNAL", error.what(), ""};
+    return internal_error("INTERNAL", error.what());
   }
 }
 

@@ -29,8 +29,33 @@ struct Error {
   std::string field;    // e.g. "cut.bezier.points[2].x"
 };
 
+// One for each code: reason, message and field are those of Error.
 inline Error invalid_argument(std::string reason, std::string message, std::string field = {}) {
   return {ErrorCode::kInvalidArgument, std::move(reason), std::move(message), std::move(field)};
+}
+inline Error not_found(std::string reason, std::string message, std::string field = {}) {
+  return {ErrorCode::kNotFound, std::move(reason), std::move(message), std::move(field)};
+}
+inline Error already_exists(std::string reason, std::string message, std::string field = {}) {
+  return {ErrorCode::kAlreadyExists, std::move(reason), std::move(message), std::move(field)};
+}
+inline Error resource_exhausted(std::string reason, std::string message, std::string field = {}) {
+  return {ErrorCode::kResourceExhausted, std::move(reason), std::move(message), std::move(field)};
+}
+inline Error failed_precondition(std::string reason, std::string message, std::string field = {}) {
+  return {ErrorCode::kFailedPrecondition, std::move(reason), std::move(message), std::move(field)};
+}
+inline Error aborted(std::string reason, std::string message, std::string field = {}) {
+  return {ErrorCode::kAborted, std::move(reason), std::move(message), std::move(field)};
+}
+inline Error unavailable(std::string reason, std::string message, std::string field = {}) {
+  return {ErrorCode::kUnavailable, std::move(reason), std::move(message), std::move(field)};
+}
+inline Error data_loss(std::string reason, std::string message, std::string field = {}) {
+  return {ErrorCode::kDataLoss, std::move(reason), std::move(message), std::move(field)};
+}
+inline Error internal_error(std::string reason, std::string message, std::string field = {}) {
+  return {ErrorCode::kInternal, std::move(reason), std::move(message), std::move(field)};
 }
 
 // A value or an Error. No exception crosses a module boundary; this does.
@@ -73,3 +98,19 @@ struct Nothing {};
 using Status = Result<Nothing>;
 
 }  // namespace kerf
+
+// Returns the error of `expression`, a Result of any kind, from the function around it; continues if there is none.
+#define KERF_TRY(...)                                                                        \
+  do {                                                                                       \
+    if (const auto& kerf_tried = (__VA_ARGS__); !kerf_tried.ok()) return kerf_tried.error(); \
+  } while (false)
+
+// The same, and otherwise moves the value into what is declared or named first:
+//   KERF_TRY_ASSIGN(const mesh::TriangleMesh mesh, make_mesh(config));
+#define KERF_TRY_ASSIGN(target, ...) KERF_TRY_ASSIGN_AS(KERF_JOINED(kerf_tried_, __LINE__), target, __VA_ARGS__)
+#define KERF_TRY_ASSIGN_AS(result, target, ...) \
+  auto result = (__VA_ARGS__);                  \
+  if (!result.ok()) return result.error();      \
+  target = std::move(result).value()  // NOLINT(bugprone-macro-parentheses): may be a declaration
+#define KERF_JOINED(first, second) KERF_JOINED_AS_THEY_ARE(first, second)
+#define KERF_JOINED_AS_THEY_ARE(first, second) first##second

@@ -35,8 +35,8 @@ Status check_extent(double value, const std::string& path) {
 }
 
 Status validate_shape(const Plane& plane, const std::string& path) {
-  if (Status s = check_vector(plane.point, path + ".plane.point"); !s) return s;
-  if (Status s = check_vector(plane.normal, path + ".plane.normal"); !s) return s;
+  KERF_TRY(check_vector(plane.point, path + ".plane.point"));
+  KERF_TRY(check_vector(plane.normal, path + ".plane.normal"));
   if (!(plane.normal.stableNorm() > 0.0)) {
     return refuse("NORMAL_ZERO", "must not be the zero vector", path + ".plane.normal");
   }
@@ -44,24 +44,24 @@ Status validate_shape(const Plane& plane, const std::string& path) {
 }
 
 Status validate_shape(const Sphere& sphere, const std::string& path) {
-  if (Status s = check_vector(sphere.centre, path + ".sphere.center"); !s) return s;
+  KERF_TRY(check_vector(sphere.centre, path + ".sphere.center"));
   return check_extent(sphere.radius, path + ".sphere.radius_m");
 }
 
 Status validate_shape(const OrientedBox& box, const std::string& path) {
-  if (Status s = check_vector(box.centre, path + ".box.center"); !s) return s;
+  KERF_TRY(check_vector(box.centre, path + ".box.center"));
   constexpr const char* kComponents[] = {".x", ".y", ".z"};
   for (int k = 0; k < 3; ++k) {
-    if (Status s = check_extent(box.half_extents[k], path + ".box.half_extents_m" + kComponents[k]); !s) return s;
+    KERF_TRY(check_extent(box.half_extents[k], path + ".box.half_extents_m" + kComponents[k]));
   }
-  if (Status s = check_vector(box.axis, path + ".box.axis"); !s) return s;
+  KERF_TRY(check_vector(box.axis, path + ".box.axis"));
   if (!std::isfinite(box.angle)) return refuse("NOT_FINITE", "must be finite", path + ".box.angle_rad");
   return Nothing{};
 }
 
 Status validate_shape(const Capsule& capsule, const std::string& path) {
-  if (Status s = check_vector(capsule.a, path + ".capsule.a"); !s) return s;
-  if (Status s = check_vector(capsule.b, path + ".capsule.b"); !s) return s;
+  KERF_TRY(check_vector(capsule.a, path + ".capsule.a"));
+  KERF_TRY(check_vector(capsule.b, path + ".capsule.b"));
   return check_extent(capsule.radius, path + ".capsule.radius_m");
 }
 
@@ -89,8 +89,7 @@ Proximity round_proximity(const Eigen::Vector3d& offset, double radius, const Ei
 }  // namespace
 
 Status validate(const Collider& collider, const std::string& path) {
-  Status shape = std::visit([&](const auto& s) { return validate_shape(s, path); }, collider.shape);
-  if (!shape) return shape;
+  KERF_TRY(std::visit([&](const auto& s) { return validate_shape(s, path); }, collider.shape));
   if (!std::isfinite(collider.friction)) return refuse("NOT_FINITE", "must be finite", path + ".friction");
   if (collider.friction < 0.0 || collider.friction > kMaxFriction) {
     return refuse("OUT_OF_RANGE", "must be in 0..10, is " + std::to_string(collider.friction), path + ".friction");

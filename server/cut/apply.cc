@@ -80,13 +80,11 @@ class Cutter {
     outcome.report.crossed_triangles = static_cast<std::int32_t>(crossed.size());
     if (is_by_element()) lock_elements(editor_, crossed);
     for (const Stroke& stroke : plan_.strokes) {
-      if (Status status = insertion_.insert(stroke); !status.ok()) return status.error();
+      KERF_TRY(insertion_.insert(stroke));
     }
-    if (Status status = insertion_.split_lone_edges(); !status.ok()) return status.error();
+    KERF_TRY(insertion_.split_lone_edges());
     if (has_width()) {
-      Result<std::vector<TriangleId>> strip = strip_triangles(mesh_, laid_, plan_.outline, max_strip_area());
-      if (!strip.ok()) return strip.error();
-      strip_ = std::move(*strip);
+      KERF_TRY_ASSIGN(strip_, strip_triangles(mesh_, laid_, plan_.outline, max_strip_area()));
     }
     if (has_width() ? strip_.empty() : insertion_.counts().new_lip_edges == 0) {
       editor_.rollback();
@@ -98,9 +96,8 @@ class Cutter {
     if (has_width()) remove_strip(outcome.report);
     path_ = insertion_.path_points();
     corridor_ = insertion_.corridor_points();
-    const Result<mesh::RefinementCounts> refined = is_by_element() ? bisect() : relax_and_refine();
-    if (!refined.ok()) return refined.error();
-    outcome.report.refinement_stopped = refined->stopped;
+    KERF_TRY_ASSIGN(const mesh::RefinementCounts refined, is_by_element() ? bisect() : relax_and_refine());
+    outcome.report.refinement_stopped = refined.stopped;
     enter_phase(observer_, "open lips");
     editor_.open();
     if (mesh_.num_vertices() > plan_.options.max_vertices) return too_many_vertices();
@@ -152,18 +149,19 @@ class Cutter {
   }
 
   [[nodiscard]] Error tolerance_not_kept() const {
-    return {ErrorCode::kFailedPrecondition, "TOLERANCE_NOT_KEPT",
-            "older lips near the path would lead it away by " +
-                std::to_string(std::max(deviation_of_tolerance(), deviation_of_width())) +
-                " times the tolerance; shift the curve slightly, or ask for a larger tolerance",
-            "cut.curve"};
+    return failed_precondition("TOLERANCE_NOT_KEPT",
+                               "older lips near the path would lead it away by " +
+                                   std::to_string(std::max(deviation_of_tolerance(), deviation_of_width())) +
+                                   " times the tolerance; shift the curve slightly, or ask for a larger tolerance",
+                               "cut.curve");
   }
 
   [[nodiscard]] Error too_many_vertices() const {
-    return {ErrorCode::kResourceExhausted, "TOO_MANY_VERTICES",
-            "the cut would leave the sheet with " + std::to_string(mesh_.num_vertices()) + " vertices; its limit is " +
-                std::to_string(plan_.options.max_vertices) + "; shorten the cut, or start from a coarser mesh",
-            "cut"};
+    return resource_exhausted("TOO_MANY_VERTICES",
+                              "the cut would leave the sheet with " + std::to_string(mesh_.num_vertices()) +
+                                  " vertices; its limit is " + std::to_string(plan_.options.max_vertices) +
+                                  "; shorten the cut, or start from a coarser mesh",
+                              "cut");
   }
 
   [[nodiscard]] bool on_path(PointId p) const { return std::binary_search(path_.begin(), path_.end(), p); }
@@ -241,9 +239,10 @@ class Cutter {
     config.max_insertions = max_insertions() + insertions_around(config.grading);
     const mesh::RefinementCounts counts = refine(editor_, seeds.ids(), config);
     if (editor_.budget_exhausted()) {
-      return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
-                   "refining the cut needs more new triangles than allowed; shorten it, or raise max_new_triangles",
-                   "cut.max_new_triangles"};
+      return resource_exhausted(
+          "CUT_ELEMENT_BUDGET",
+          "refining the cut needs more new triangles than allowed; shorten it, or raise max_new_triangles",
+          "cut.max_new_triangles");
     }
     return counts;
   }

@@ -48,10 +48,11 @@ class Bisection {
       }
       bisect(next.triangle);
       if (editor_.budget_exhausted()) {
-        return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
-                     "bisecting ill-shaped triangles needs more new triangles than allowed; shorten the cut, or raise "
-                     "max_new_triangles",
-                     "cut.max_new_triangles"};
+        return resource_exhausted(
+            "CUT_ELEMENT_BUDGET",
+            "bisecting ill-shaped triangles needs more new triangles than allowed; shorten the cut, or raise "
+            "max_new_triangles",
+            "cut.max_new_triangles");
       }
     }
     return counts_;

@@ -23,7 +23,7 @@ Status check_scalar(double value, const std::string& field) {
 
 Status check_point(const Vector2d& point, const std::string& field) {
   if (std::abs(point.x()) <= kMaxCoordinateM && std::abs(point.y()) <= kMaxCoordinateM) return Nothing{};
-  if (Status status = check_scalar(point.x(), field + ".x"); !status.ok()) return status;
+  KERF_TRY(check_scalar(point.x(), field + ".x"));
   return check_scalar(point.y(), field + ".y");
 }
 
@@ -33,7 +33,7 @@ std::string indexed(const std::string& path, std::size_t index) {
 
 Status check_points(const std::vector<Vector2d>& points, const std::string& path) {
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (Status status = check_point(points[i], indexed(path, i)); !status.ok()) return status;
+    KERF_TRY(check_point(points[i], indexed(path, i)));
   }
   const bool distinct =
       std::any_of(points.begin(), points.end(), [&](const Vector2d& point) { return point != points.front(); });
@@ -67,7 +67,7 @@ Status check(const Polyline& polyline) {
 }
 
 Status check_positive(double length, const char* name, const std::string& field) {
-  if (Status status = check_scalar(length, field); !status.ok()) return status;
+  KERF_TRY(check_scalar(length, field));
   if (length > 0.0) return Nothing{};
   return invalid_argument("RADIUS_NOT_POSITIVE",
                           std::string(name) + " is " + std::to_string(length) + " m; it must be above zero", field);
@@ -81,19 +81,19 @@ Status check_rotation(double rotation, const std::string& field) {
 }
 
 Status check(const Circle& circle) {
-  if (Status status = check_point(circle.centre, "cut.curve.circle.center"); !status.ok()) return status;
+  KERF_TRY(check_point(circle.centre, "cut.curve.circle.center"));
   return check_positive(circle.radius, "the radius", "cut.curve.circle.radius_m");
 }
 
 Status check_semi_axes(const Vector2d& semi_axes, const std::string& path) {
-  if (Status s = check_positive(semi_axes.x(), "the first semi-axis", path + ".semi_axis_x_m"); !s.ok()) return s;
+  KERF_TRY(check_positive(semi_axes.x(), "the first semi-axis", path + ".semi_axis_x_m"));
   return check_positive(semi_axes.y(), "the second semi-axis", path + ".semi_axis_y_m");
 }
 
 Status check(const Ellipse& ellipse) {
   const std::string path = "cut.curve.ellipse";
-  if (Status status = check_point(ellipse.centre, path + ".center"); !status.ok()) return status;
-  if (Status status = check_semi_axes(ellipse.semi_axes, path); !status.ok()) return status;
+  KERF_TRY(check_point(ellipse.centre, path + ".center"));
+  KERF_TRY(check_semi_axes(ellipse.semi_axes, path));
   return check_rotation(ellipse.rotation, path + ".rotation_rad");
 }
 
@@ -119,23 +119,23 @@ Status check(const LineTo& line, const std::string& path) {
 
 Status check(const QuadraticTo& quadratic, const std::string& path) {
   const std::string field = path + ".quadratic";
-  if (Status status = check_point(quadratic.control, field + ".control"); !status.ok()) return status;
-  if (Status status = check_point(quadratic.end, field + ".end"); !status.ok()) return status;
+  KERF_TRY(check_point(quadratic.control, field + ".control"));
+  KERF_TRY(check_point(quadratic.end, field + ".end"));
   return check_weights(quadratic.weights, field + ".weights");
 }
 
 Status check(const CubicTo& cubic, const std::string& path) {
   const std::string field = path + ".cubic";
-  if (Status status = check_point(cubic.controls[0], field + ".control_1"); !status.ok()) return status;
-  if (Status status = check_point(cubic.controls[1], field + ".control_2"); !status.ok()) return status;
-  if (Status status = check_point(cubic.end, field + ".end"); !status.ok()) return status;
+  KERF_TRY(check_point(cubic.controls[0], field + ".control_1"));
+  KERF_TRY(check_point(cubic.controls[1], field + ".control_2"));
+  KERF_TRY(check_point(cubic.end, field + ".end"));
   return check_weights(cubic.weights, field + ".weights");
 }
 
 Status check(const ArcTo& arc, const std::string& path) {
   const std::string field = path + ".arc";
-  if (Status status = check_point(arc.end, field + ".end"); !status.ok()) return status;
-  if (Status status = check_semi_axes(arc.semi_axes, field); !status.ok()) return status;
+  KERF_TRY(check_point(arc.end, field + ".end"));
+  KERF_TRY(check_semi_axes(arc.semi_axes, field));
   return check_rotation(arc.rotation, field + ".rotation_rad");
 }
 
@@ -155,7 +155,7 @@ bool moves(const Vector2d& from, const Segment& segment) {
 
 // `moving`: set where the subpath has two distinct points.
 Status check(const Subpath& subpath, const std::string& path, bool& moving) {
-  if (Status status = check_point(subpath.start, path + ".start"); !status.ok()) return status;
+  KERF_TRY(check_point(subpath.start, path + ".start"));
   if (subpath.segments.empty()) {
     return invalid_argument("CURVE_TOO_SHORT", "a subpath has at least one segment", path + ".segments");
   }
@@ -184,7 +184,7 @@ Status check(const Path& curve) {
   }
   bool moving = false;
   for (std::size_t i = 0; i < curve.subpaths.size(); ++i) {
-    if (Status status = check(curve.subpaths[i], indexed(path, i), moving); !status.ok()) return status;
+    KERF_TRY(check(curve.subpaths[i], indexed(path, i), moving));
   }
   if (moving) return Nothing{};
   return invalid_argument("CURVE_DEGENERATE", "no subpath has two distinct points", path);

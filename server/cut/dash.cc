@@ -114,11 +114,11 @@ Result<FlatCurve> dashed(const FlatCurve& curve, const DashPattern& pattern) {
     dashes += std::ceil(length_of(stroke) / period + 1.0) * static_cast<double>(cycle.size()) / 2.0;
   }
   if (dashes > kMaxDashes) {
-    return Error{ErrorCode::kResourceExhausted, "TOO_MANY_DASHES",
-                 "the pattern divides the curve into up to " +
-                     std::to_string(static_cast<std::int64_t>(std::min(dashes, 1.0e15))) +
-                     " dashes; the limit is 10000: lengthen the pattern or split the cut",
-                 "cut.dash"};
+    return resource_exhausted("TOO_MANY_DASHES",
+                              "the pattern divides the curve into up to " +
+                                  std::to_string(static_cast<std::int64_t>(std::min(dashes, 1.0e15))) +
+                                  " dashes; the limit is 10000: lengthen the pattern or split the cut",
+                              "cut.dash");
   }
   Dasher dasher(cycle, period, pattern.offset);
   for (const Stroke& stroke : curve.strokes) dasher.add(stroke);

@@ -125,8 +125,8 @@ Status validate(const Fit& fit) {
   for (int axis = 0; fit.box && axis < 2; ++axis) {
     const std::string low = axis == 0 ? "cut.fit.min.x" : "cut.fit.min.y";
     const std::string high = axis == 0 ? "cut.fit.max.x" : "cut.fit.max.y";
-    if (Status s = check_coordinate(fit.box->low[axis], low); !s.ok()) return s;
-    if (Status s = check_coordinate(fit.box->high[axis], high); !s.ok()) return s;
+    KERF_TRY(check_coordinate(fit.box->low[axis], low));
+    KERF_TRY(check_coordinate(fit.box->high[axis], high));
     if (fit.box->high[axis] - fit.box->low[axis] >= kMinFitExtentM) continue;
     return invalid_argument("FIT_EMPTY", high + " must be above " + low, high);
   }

@@ -184,11 +184,12 @@ Result<Outline> outline(const FlatCurve& curve, double width, double tolerance) 
   ChordsOnGrid laid(grid);
   for (const Stroke& stroke : curve.strokes) laid.add(stroke);
   if (exceeds_work_budget(strips_of_chords(laid.chains(), grid, radius, arc_tolerance))) {
-    return Error{ErrorCode::kResourceExhausted, "WIDTH_WORK_BUDGET",
-                 "too much of the curve lies within the width of itself: more than " + std::to_string(kMaxStripPairs) +
-                     " pairs of chords, or " + std::to_string(kMaxStripPoints) +
-                     " points of their outlines; make it narrower, the tolerance larger, or split the cut into several",
-                 "cut.width_m"};
+    return resource_exhausted(
+        "WIDTH_WORK_BUDGET",
+        "too much of the curve lies within the width of itself: more than " + std::to_string(kMaxStripPairs) +
+            " pairs of chords, or " + std::to_string(kMaxStripPoints) +
+            " points of their outlines; make it narrower, the tolerance larger, or split the cut into several",
+        "cut.width_m");
   }
   const double rounded = arc_tolerance + 2.0 * kGridRounding * grid.spacing();  // of chords, and of what Clipper makes
   double moved = 0.0;

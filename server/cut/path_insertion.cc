@@ -29,13 +29,15 @@ constexpr std::array<std::array<std::int64_t, 2>, 9> kRoundings{
     {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
 
 Error budget_error() {
-  return {ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
-          "the cut needs more new triangles than allowed; shorten it, or raise max_new_triangles", "cut"};
+  return resource_exhausted("CUT_ELEMENT_BUDGET",
+                            "the cut needs more new triangles than allowed; shorten it, or raise max_new_triangles",
+                            "cut");
 }
 
 Error rounding_error() {
-  return {ErrorCode::kFailedPrecondition, "CUT_NOT_REPRESENTABLE",
-          "a point of the cut could not be rounded to a valid position; shift the curve slightly", "cut.curve"};
+  return failed_precondition("CUT_NOT_REPRESENTABLE",
+                             "a point of the cut could not be rounded to a valid position; shift the curve slightly",
+                             "cut.curve");
 }
 
 }  // namespace
@@ -74,15 +76,14 @@ std::vector<PointId> PathInsertion::corridor_points() const {
 Status PathInsertion::insert(const Stroke& stroke) {
   last_point_ = kNone;
   segment_start_ = segment_end_ = mesh_.lattice().nearest(stroke.points.front());
-  Result<PathPosition> position = place(segment_start_);
-  if (!position.ok()) return position.error();
+  KERF_TRY_ASSIGN(PathPosition position, place(segment_start_));
   for (std::size_t i = 1; i < stroke.points.size(); ++i) {
     const LatticePoint end = mesh_.lattice().nearest(stroke.points[i]);
     if (end == segment_end_) continue;
     segment_start_ = segment_end_;
     segment_end_ = end;
     walk_.set_line(segment_start_, segment_end_);
-    if (Status status = insert_segment(*position); !status.ok()) return status;
+    KERF_TRY(insert_segment(position));
   }
   return Nothing{};
 }
@@ -94,9 +95,8 @@ Status PathInsertion::split_lone_edges() {
     if (t == kNone || !is_tip(p) || !is_tip(q)) continue;
     const LatticePoint& a = mesh_.at(p);
     const LatticePoint& b = mesh_.at(q);
-    const Result<PointId> middle = split_near(t, corner, {(a.x + b.x) / 2, (a.y + b.y) / 2});
-    if (!middle.ok()) return middle.error();
-    path_points_.push_back(*middle);
+    KERF_TRY_ASSIGN(const PointId middle, split_near(t, corner, {(a.x + b.x) / 2, (a.y + b.y) / 2}));
+    path_points_.push_back(middle);
     ++counts_.new_lip_edges;
   }
   return Nothing{};
@@ -122,7 +122,7 @@ Status PathInsertion::insert_segment(PathPosition& position) {
     if (retrace(position, at) || runs_along_edge(at)) continue;
     was_left_out = !was_left_out && is_near_older_lip(at);
     if (was_left_out) continue;
-    if (Status status = advance(position, at); !status.ok()) return status;
+    KERF_TRY(advance(position, at));
   }
   if (retrace(position, segment_end_)) return Nothing{};
   return advance(position, segment_end_);
@@ -130,14 +130,13 @@ Status PathInsertion::insert_segment(PathPosition& position) {
 
 Status PathInsertion::advance(PathPosition& position, const LatticePoint& at) {
   last_point_ = position.point;
-  const Result<PathPosition> target = place(at);
-  if (!target.ok()) return target.error();
-  if (target->point != kNone && target->point == position.point) {
+  KERF_TRY_ASSIGN(const PathPosition target, place(at));
+  if (target.point != kNone && target.point == position.point) {
     note_dust();
-  } else if (Status status = run_segment(position, *target); !status.ok()) {
-    return status;
+  } else {
+    KERF_TRY(run_segment(position, target));
   }
-  position = *target;
+  position = target;
   return Nothing{};
 }
 
@@ -254,17 +253,13 @@ Result<PathPosition> PathInsertion::place(const LatticePoint& at) {
     const LatticePoint foot = rounded_projection(a, b, at);
     const bool is_element_edge = mesh_.locks(snap.triangle, snap.corner) == mesh::kLockOriginal;
     const double gap = orient2d(a, b, at) == 0 ? 0.0 : distance_to_segment(at, a, b);
-    const Result<PointId> split = split_near(snap.triangle, snap.corner, foot);
-    if (!split.ok()) return split.error();
-    point = *split;
+    KERF_TRY_ASSIGN(point, split_near(snap.triangle, snap.corner, foot));
     if (foot != at) ++counts_.snapped_points;
     if (!is_element_edge) note_gap(gap);
   } else if (!mesh_.is_solid(location.triangle)) {
     return PathPosition{at, kNone, location.triangle};
   } else {
-    const Result<PointId> inserted = insert_here(at, location);
-    if (!inserted.ok()) return inserted.error();
-    point = *inserted;
+    KERF_TRY_ASSIGN(point, insert_here(at, location));
   }
   note_deviation(point, difference(at, mesh_.at(point)).norm());
   note_point(point);
@@ -317,7 +312,7 @@ Status PathInsertion::run_segment(PathPosition from, const PathPosition& to) {
     switch (met.kind) {
       case Encounter::Kind::kArrived: {
         if (from.point != kNone && target.point != kNone && runs_through_sheet(met)) {
-          if (Status status = secure_edge(from.point, target.point); !status.ok()) return status;
+          KERF_TRY(secure_edge(from.point, target.point));
         }
         from = target;
         if (from.point == kNone) from.triangle = met.triangle;
@@ -333,10 +328,9 @@ Status PathInsertion::run_segment(PathPosition from, const PathPosition& to) {
         const LatticePoint& a = mesh_.at(mesh_.points(met.triangle)[next_corner(met.corner)]);
         const LatticePoint& b = mesh_.at(mesh_.points(met.triangle)[previous_corner(met.corner)]);
         const LatticePoint crossing = rounded_crossing(from.at, target.at, a, b);
-        const Result<PointId> split = split_near(met.triangle, met.corner, crossing);
-        if (!split.ok()) return split.error();
-        note_point(*split);
-        const PathPosition position{mesh_.at(*split), *split, kNone};
+        KERF_TRY_ASSIGN(const PointId split, split_near(met.triangle, met.corner, crossing));
+        note_point(split);
+        const PathPosition position{mesh_.at(split), split, kNone};
         if (met.solid) {
           targets.push_back(position);
         } else {

@@ -42,26 +42,18 @@ Status place(const mesh::TriangleMesh& mesh, const Fit& fit, Curve& curve) {
 }
 
 Status check_options(const CutOptions& options) {
-  if (Status s = check_range(options.tolerance, kMinTolerance, kMaxTolerance, "cut.tolerance"); !s.ok()) return s;
-  if (Status s = check_range(options.tolerance_m.value_or(1.0), kMinLength, kMaxLength, "cut.tolerance_m"); !s.ok())
-    return s;
-  if (Status s = check_range(options.snap, 1e-6, 0.1, "cut.snap"); !s.ok()) return s;
-  if (Status s = check_range(options.min_angle_deg, 0.0, kMaxMinAngle, "cut.min_angle_deg"); !s.ok()) return s;
-  if (Status s =
-          check_range(static_cast<double>(options.max_new_triangles), 1.0, kMaxNewTriangles, "cut.max_new_triangles");
-      !s.ok()) {
-    return s;
-  }
-  if (Status s = validate(options.dash); !s.ok()) return s;
-  if (Status s = check_range(options.width_m.value_or(1.0), kMinWidth, kMaxWidth, "cut.width_m"); !s.ok()) return s;
+  KERF_TRY(check_range(options.tolerance, kMinTolerance, kMaxTolerance, "cut.tolerance"));
+  KERF_TRY(check_range(options.tolerance_m.value_or(1.0), kMinLength, kMaxLength, "cut.tolerance_m"));
+  KERF_TRY(check_range(options.snap, 1e-6, 0.1, "cut.snap"));
+  KERF_TRY(check_range(options.min_angle_deg, 0.0, kMaxMinAngle, "cut.min_angle_deg"));
+  KERF_TRY(check_range(static_cast<double>(options.max_new_triangles), 1.0, kMaxNewTriangles, "cut.max_new_triangles"));
+  KERF_TRY(validate(options.dash));
+  KERF_TRY(check_range(options.width_m.value_or(1.0), kMinWidth, kMaxWidth, "cut.width_m"));
   if (options.fit) {
-    if (Status s = validate(*options.fit); !s.ok()) return s;
+    KERF_TRY(validate(*options.fit));
   }
-  if (Status s = check_range(options.tip_edge_length_m.value_or(1.0), kMinLength, kMaxLength, "cut.tip_edge_length_m");
-      !s.ok()) {
-    return s;
-  }
-  if (Status s = check_range(options.tip_grading, kMinTipGrading, kMaxTipGrading, "cut.tip_grading"); !s.ok()) return s;
+  KERF_TRY(check_range(options.tip_edge_length_m.value_or(1.0), kMinLength, kMaxLength, "cut.tip_edge_length_m"));
+  KERF_TRY(check_range(options.tip_grading, kMinTipGrading, kMaxTipGrading, "cut.tip_grading"));
   if (options.method == Method::kElement && options.tip_edge_length_m) {
     return invalid_argument("OPTIONS_CONFLICT",
                             "cut.tip_edge_length_m needs method neighbourhood; leave one of them out",
@@ -103,10 +95,10 @@ Status check_tolerance(const PathScale& scale) {
 }
 
 Error curve_too_long(double achieved) {
-  return {ErrorCode::kInvalidArgument, "TOLERANCE_TOO_SMALL",
-          "4096 chords a piece of the curve come within " + metres(achieved) +
-              " of it; ask for a larger tolerance, or split the curve into more pieces",
-          "cut.curve"};
+  return invalid_argument("TOLERANCE_TOO_SMALL",
+                          "4096 chords a piece of the curve come within " + metres(achieved) +
+                              " of it; ask for a larger tolerance, or split the curve into more pieces",
+                          "cut.curve");
 }
 
 // What a camera saw of the sheet has a point on every edge that the curve crosses: those that the tolerance does not
@@ -153,11 +145,11 @@ Result<Outline> outline_near(const FlatCurve& curve, double width, const PathSca
 }  // namespace
 
 Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) {
-  if (Status s = validate(request.curve); !s.ok()) return s.error();
-  if (Status s = check_options(request.options); !s.ok()) return s.error();
-  if (Status s = check_vertices(mesh, request.fixed_vertices); !s.ok()) return s.error();
+  KERF_TRY(validate(request.curve));
+  KERF_TRY(check_options(request.options));
+  KERF_TRY(check_vertices(mesh, request.fixed_vertices));
   if (request.view) {
-    if (Status s = validate(*request.view); !s.ok()) return s.error();
+    KERF_TRY(validate(*request.view));
     KERF_CHECK(request.positions != nullptr && request.positions->cols() == mesh.num_vertices(),
                "a cut on a picture comes with the positions of the sheet");
   }
@@ -171,28 +163,26 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   plan.edge_length_m = mesh.base_edge_length();
   const PathScale scale(mesh, plan.options);
   plan.snap_m = scale.mean_snap();
-  if (Status s = check_tolerance(scale); !s.ok()) return s.error();
+  KERF_TRY(check_tolerance(scale));
 
   const bool is_by_element = plan.options.method == Method::kElement;
   const double share = is_by_element ? kElementFlattening : plan.options.width_m ? kWidthFlattening : 1.0;
   const double flatness = share * scale.least_flattening();
   FlatCurve whole;
   if (request.view) {
-    Result<ViewPath> path = lay_on_sheet(mesh, *request.positions, request.curve, *request.view, flatness);
-    if (!path.ok()) return path.error();
-    plan.layers = std::move(path->layers);
-    plan.triangles_behind = path->behind;
+    KERF_TRY_ASSIGN(ViewPath path, lay_on_sheet(mesh, *request.positions, request.curve, *request.view, flatness));
+    plan.layers = std::move(path.layers);
+    plan.triangles_behind = path.behind;
     const auto most = plan.options.width_m ? std::optional(flatness) : std::nullopt;
-    whole = leave_out_points(std::move(path->flat), scale, most, plan.view_deviation_m);
+    whole = leave_out_points(std::move(path.flat), scale, most, plan.view_deviation_m);
   } else {
     Curve curve = request.curve;
     if (request.options.fit) {
-      if (Status s = place(mesh, *request.options.fit, curve); !s.ok()) return s.error();
+      KERF_TRY(place(mesh, *request.options.fit, curve));
     }
     whole = flatten(curve, flatness);
   }
-  const Result<FlatCurve> flat = dashed(whole, plan.options.dash);
-  if (!flat.ok()) return flat.error();
+  KERF_TRY_ASSIGN(const FlatCurve flat, dashed(whole, plan.options.dash));
   const Eigen::AlignedBox2d& bounds = mesh.bounding_box();
   // An edge length keeps ends outside clear of the border, but on a sheet of few triangles that leads out of the
   // domain.
@@ -201,20 +191,19 @@ Result<CutPlan> plan(const mesh::TriangleMesh& mesh, const CutRequest& request) 
   const Box room{bounds.min() - margin, bounds.max() + margin};
   ScaledCurve simplified;
   if (plan.options.width_m) {
-    Result<Outline> strip = outline_near(*flat, *plan.options.width_m, scale, room);
-    if (!strip.ok()) return strip.error();
-    simplified.curve = clip(strip->curve, room);
+    KERF_TRY_ASSIGN(Outline strip, outline_near(flat, *plan.options.width_m, scale, room));
+    simplified.curve = clip(strip.curve, room);
     simplified.deviation_of_tolerance = simplified.curve.deviation_m / scale.least_tolerance();
-    plan.outline = std::move(strip->curve.strokes);
-    plan.strip_area_m2 = strip->area_m2;
+    plan.outline = std::move(strip.curve.strokes);
+    plan.strip_area_m2 = strip.area_m2;
   } else {
-    const FlatCurve clipped = clip(*flat, room);
+    const FlatCurve clipped = clip(flat, room);
     if (clipped.deviation_m > scale.least_tolerance()) return curve_too_long(clipped.deviation_m);
     simplified = is_by_element ? element_path(mesh, clipped, scale) : simplify(clipped, scale);
   }
   if (spaced_size(simplified.curve, plan.edge_length_m) > kMaxPathPoints) {
-    return Error{ErrorCode::kResourceExhausted, "CUT_ELEMENT_BUDGET",
-                 "the cut is longer than 1 million edge lengths; split it into several", "cut.curve"};
+    return resource_exhausted("CUT_ELEMENT_BUDGET",
+                              "the cut is longer than 1 million edge lengths; split it into several", "cut.curve");
   }
   plan.strokes = std::move(simplified.curve.strokes);
   plan.curve_deviation_m = simplified.curve.deviation_m;

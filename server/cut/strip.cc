@@ -136,14 +136,15 @@ Result<std::vector<TriangleId>> strip_triangles(const TriangleMesh& mesh, const 
   }
   fits = fits && growth.grow(max_area_m2);
   if (!fits) {
-    return Error{ErrorCode::kFailedPrecondition, "CUT_NOT_REPRESENTABLE",
-                 "the two sides of the strip could not be told apart between older lips; shift the curve slightly",
-                 "cut.curve"};
+    return failed_precondition(
+        "CUT_NOT_REPRESENTABLE",
+        "the two sides of the strip could not be told apart between older lips; shift the curve slightly", "cut.curve");
   }
   std::vector<TriangleId> strip = growth.triangles();
   if (static_cast<std::int32_t>(strip.size()) == mesh.num_solid_triangles()) {
-    return Error{ErrorCode::kFailedPrecondition, "STRIP_COVERS_SHEET",
-                 "the strip would take the whole sheet away; make it narrower, or the curve shorter", "cut.width_m"};
+    return failed_precondition("STRIP_COVERS_SHEET",
+                               "the strip would take the whole sheet away; make it narrower, or the curve shorter",
+                               "cut.width_m");
   }
   return strip;
 }

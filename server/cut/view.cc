@@ -90,9 +90,7 @@ Result<ViewPath> lay_on_sheet(const mesh::TriangleMesh& mesh, const mesh::Vertex
   ViewCrossings crossings;
   for (int attempt = 0; attempt < kMaxFlattenings; ++attempt) {
     on_screen = flatten(curve, flatness);
-    Result<ViewCrossings> found = find_crossings(mesh, screen, on_screen.strokes);
-    if (!found.ok()) return found.error();
-    crossings = std::move(found).value();
+    KERF_TRY_ASSIGN(crossings, find_crossings(mesh, screen, on_screen.strokes));
     const double wanted = kFlatnessShare * tolerance;
     const double reached = bound_on_sheet(crossings.stretches, on_screen.deviation_m);
     if (reached <= wanted || flatness <= kLeastFlatnessPx) break;

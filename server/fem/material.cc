@@ -69,7 +69,7 @@ Status check_bending(const Material& m, const std::string& prefix) {
     if (!value && field.member != &Material::bending_coupling) absent = &field;
     if (!value) continue;
     has_given = true;
-    if (Status s = check_range(*value, field.range, prefix + "." + std::string(field.name)); !s) return s;
+    KERF_TRY(check_range(*value, field.range, prefix + "." + std::string(field.name)));
   }
   if (!has_given) return Nothing{};
   if (absent != nullptr && m.bending_scale == 0.0) {
@@ -107,7 +107,7 @@ Material isotropic(double youngs_modulus, double poissons_ratio, double thicknes
 Status validate(const Material& material, std::string_view prefix) {
   const auto path = [prefix](std::string_view field) { return std::string(prefix) + "." + std::string(field); };
   for (const auto& [name, member, range] : kFields) {
-    if (Status s = check_range(material.*member, range, path(name)); !s) return s;
+    KERF_TRY(check_range(material.*member, range, path(name)));
   }
   const double product = poisson_product(material);
   if (!(product < 1.0)) {

@@ -78,8 +78,8 @@ Result<Material> find_preset(std::string_view name) {
     if (!known.empty()) known += ", ";
     known += known_name;
   }
-  return Error{ErrorCode::kNotFound, "MATERIAL_UNKNOWN",
-               "no material \"" + std::string(name) + "\"; there are " + known, "material.preset"};
+  return not_found("MATERIAL_UNKNOWN", "no material \"" + std::string(name) + "\"; there are " + known,
+                   "material.preset");
 }
 
 std::span<const std::string_view> preset_names() {

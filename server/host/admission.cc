@@ -47,7 +47,7 @@ Status Admission::admit(double load, std::int32_t workers) {
           << " workers; from " << max_load_ * workers << " on no more are taken, until it is less than "
           << reopens_below * workers
           << ": pause or delete sheets, give them fewer vertices or a lower tick_rate_hz, or create this one paused";
-  return Error{ErrorCode::kResourceExhausted, "OVERLOADED", message.str(), ""};
+  return resource_exhausted("OVERLOADED", message.str());
 }
 
 }  // namespace kerf::host

@@ -14,10 +14,10 @@ namespace {
 
 Error io_error(const std::string& action, const std::string& path, int code) {
   const std::string message = "cannot " + action + " \"" + path + "\": " + std::generic_category().message(code);
-  if (code == ENOENT) return {ErrorCode::kNotFound, "FILE_NOT_FOUND", message, ""};
-  if (code == ENOSPC || code == EDQUOT) return {ErrorCode::kResourceExhausted, "DISK_FULL", message, ""};
-  if (code == EFBIG) return {ErrorCode::kResourceExhausted, "FILE_TOO_LARGE", message, ""};  // ulimit -f, for one
-  return {ErrorCode::kUnavailable, "FILE_IO", message, ""};
+  if (code == ENOENT) return not_found("FILE_NOT_FOUND", message);
+  if (code == ENOSPC || code == EDQUOT) return resource_exhausted("DISK_FULL", message);
+  if (code == EFBIG) return resource_exhausted("FILE_TOO_LARGE", message);  // ulimit -f, for one
+  return unavailable("FILE_IO", message);
 }
 
 // Owns a file descriptor.
@@ -64,7 +64,7 @@ class RealFile : public AppendFile {
  public:
   RealFile(int number, std::string path) : file_(number), path_(std::move(path)) {}
   Status append(std::string_view bytes) override {
-    if (const Status whole = drop_partial(); !whole) return whole;
+    KERF_TRY(drop_partial());
     const Status written = write_all(file_.number(), bytes, path_);
     is_partial_ = !written;
     if (written) {
@@ -106,8 +106,8 @@ Result<std::string> RealDisk::read_file(const std::string& path, std::size_t max
     if (count < 0) return io_error("read", path, errno);
     if (count == 0) return content;
     if (content.size() + static_cast<std::size_t>(count) > max_bytes) {
-      return Error{ErrorCode::kResourceExhausted, "FILE_TOO_LARGE",
-                   "\"" + path + "\" has more than " + std::to_string(max_bytes) + " bytes, the limit", ""};
+      return resource_exhausted("FILE_TOO_LARGE",
+                                "\"" + path + "\" has more than " + std::to_string(max_bytes) + " bytes, the limit");
     }
     content.append(buffer, static_cast<std::size_t>(count));
   }

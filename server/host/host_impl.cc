@@ -20,17 +20,17 @@ constexpr std::int64_t kBytesPerVertex = 8000;
 // Askings whether a creation is wanted to one look at the memory, which costs more.
 constexpr int kAskingsToALook = 32;
 
-Error not_found(const std::string& id) {
-  return {ErrorCode::kNotFound, "SHEET_NOT_FOUND", "there is no sheet \"" + id + "\"", ""};
+Error no_sheet(const std::string& id) {
+  return not_found("SHEET_NOT_FOUND", "there is no sheet \"" + id + "\"");
 }
 
 Error stopping() {
-  return {ErrorCode::kUnavailable, "HOST_STOPPING", "the server is stopping", ""};
+  return unavailable("HOST_STOPPING", "the server is stopping");
 }
 
 Error too_many_vertices(std::int64_t count, std::int32_t limit) {
-  return {ErrorCode::kResourceExhausted, "TOO_MANY_VERTICES",
-          "the sheet has " + std::to_string(count) + " vertices; this server's limit is " + std::to_string(limit), ""};
+  return resource_exhausted("TOO_MANY_VERTICES", "the sheet has " + std::to_string(count) +
+                                                     " vertices; this server's limit is " + std::to_string(limit));
 }
 
 // Vertices that a config asks for, as far as that can be told without building it.
@@ -100,9 +100,8 @@ void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config, std::un
 }
 
 Status Host::Impl::build_and_hand_on(const std::shared_ptr<Creation>& creation, sheet::SheetConfig config) {
-  Result<sheet::Sheet> built = build(std::move(config), *creation);
-  if (!built) return built.error();
-  const auto sheet = std::make_shared<sheet::Sheet>(std::move(built).value());
+  KERF_TRY_ASSIGN(sheet::Sheet built, build(std::move(config), *creation));
+  const auto sheet = std::make_shared<sheet::Sheet>(std::move(built));
   const Workers::Strand strand = workers_.make_strand();
   const bool posted = strand.post([this, creation, sheet, strand] {
     const Result<SheetStatus> begun = begin(*creation, std::move(*sheet), strand);
@@ -208,16 +207,15 @@ Result<std::shared_ptr<VertexShare>> Host::Impl::reserve(const std::string& id, 
   const std::lock_guard lock(mutex_);
   if (stopping_) return stopping();
   if (sheets_.contains(id)) {
-    return Error{ErrorCode::kAlreadyExists, "SHEET_EXISTS", "there is a sheet \"" + id + "\" already", "sheet_id"};
+    return already_exists("SHEET_EXISTS", "there is a sheet \"" + id + "\" already", "sheet_id");
   }
   if (sheets_.size() >= static_cast<std::size_t>(options_.max_sheets)) {
-    return Error{ErrorCode::kResourceExhausted, "TOO_MANY_SHEETS",
-                 "this server's limit of " + std::to_string(options_.max_sheets) + " sheets is reached; delete one",
-                 ""};
+    return resource_exhausted("TOO_MANY_SHEETS", "this server's limit of " + std::to_string(options_.max_sheets) +
+                                                     " sheets is reached; delete one");
   }
   // More than any sheet may have will be refused as such. What says nothing of its size needs some room at least.
   const std::int64_t taken = declared <= sheet::kMaxVertices ? std::max<std::int64_t>(declared, 1) : 0;
-  if (Status s = vertices_.take(taken); !s) return s.error();
+  KERF_TRY(vertices_.take(taken));
   auto share = std::make_shared<VertexShare>(vertices_, taken);
   if (!paused) {
     if (Status s = admission_.admit(load(), options_.workers); !s) {
@@ -235,7 +233,7 @@ Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, const Creation
   const std::int64_t declared = declared_vertices(config);
   const std::int64_t bytes = declared <= sheet::kMaxVertices ? declared * kBytesPerVertex : 0;
   Status wanted = check_wanted(creation);
-  if (!wanted) return wanted.error();
+  KERF_TRY(wanted);
   const PromisedBytes promised(promised_bytes_, bytes);
   if (!has_memory_for(promised.in_all())) return out_of_memory();
   const InterruptionScope scope([&, askings = 0]() mutable {
@@ -246,19 +244,18 @@ Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, const Creation
   });
   Result<sheet::Sheet> built =
       caught([&] { return sheet::Sheet::create(std::move(config), options_.make_integrator); });
-  if (!wanted) return wanted.error();
-  if (!built) return built;
-  if (const Status fits = creation.vertices->settle(built->mesh().num_vertices()); !fits) return fits.error();
+  KERF_TRY(wanted);
+  KERF_TRY(built);
+  KERF_TRY(creation.vertices->settle(built->mesh().num_vertices()));
   if (!has_memory_for(0)) return out_of_memory();
-  if (wanted = check_wanted(creation); !wanted) return wanted.error();
+  KERF_TRY(check_wanted(creation));
   return built;
 }
 
 Status Host::Impl::check_wanted(const Creation& creation) const {
   if (stopping_) return stopping();
   if (creation.stop.stop_requested()) {
-    return Error{ErrorCode::kAborted, "CREATION_ABANDONED",
-                 "whoever asked for the sheet left before it was built; ask again", ""};
+    return aborted("CREATION_ABANDONED", "whoever asked for the sheet left before it was built; ask again");
   }
   return Nothing{};
 }
@@ -304,7 +301,7 @@ std::shared_ptr<SheetRunner> Host::Impl::find(const std::string& id) const {
 
 Error Host::Impl::missing(const std::string& id) const {
   const std::lock_guard lock(mutex_);
-  return stopping_ ? stopping() : not_found(id);
+  return stopping_ ? stopping() : no_sheet(id);
 }
 
 void Host::Impl::status(const std::string& id, const Callback<SheetStatus>& done) {

@@ -16,15 +16,14 @@ void KeptRecording::append(const sheet::RecordedTick& entry) {
 
 Result<std::string> KeptRecording::until(std::int64_t tick, std::uint64_t state_hash) const {
   if (!encode_) {
-    return Error{ErrorCode::kFailedPrecondition, "RECORDING_NOT_KEPT", "this server keeps no recordings of its sheets",
-                 ""};
+    return failed_precondition("RECORDING_NOT_KEPT", "this server keeps no recordings of its sheets");
   }
   if (given_up_at_ >= 0) {
-    return Error{ErrorCode::kFailedPrecondition, "RECORDING_TOO_LONG",
-                 "the recording of this sheet was given up at tick " + std::to_string(given_up_at_) +
-                     ", where it outgrew " + std::to_string(max_bytes_) +
-                     " bytes; make the sheet anew, or start kerfd with --record, which writes recordings to disk",
-                 ""};
+    return failed_precondition(
+        "RECORDING_TOO_LONG",
+        "the recording of this sheet was given up at tick " + std::to_string(given_up_at_) + ", where it outgrew " +
+            std::to_string(max_bytes_) +
+            " bytes; make the sheet anew, or start kerfd with --record, which writes recordings to disk");
   }
   return tick > last_tick_ ? bytes_ + encode_({tick, {}, state_hash}) : bytes_;
 }

@@ -7,7 +7,7 @@ namespace kerf::host {
 namespace {
 
 Error disk_full(const std::string& path) {
-  return {ErrorCode::kResourceExhausted, "DISK_FULL", "no room left for \"" + path + "\"", ""};
+  return resource_exhausted("DISK_FULL", "no room left for \"" + path + "\"");
 }
 
 }  // namespace
@@ -44,11 +44,11 @@ Result<std::string> MemoryDisk::read_file(const std::string& path, std::size_t m
   const std::lock_guard lock(content_->mutex);
   const auto found = content_->files.find(path);
   if (found == content_->files.end()) {
-    return Error{ErrorCode::kNotFound, "FILE_NOT_FOUND", "there is no file \"" + path + "\"", ""};
+    return not_found("FILE_NOT_FOUND", "there is no file \"" + path + "\"");
   }
   if (found->second.size() > max_bytes) {
-    return Error{ErrorCode::kResourceExhausted, "FILE_TOO_LARGE",
-                 "\"" + path + "\" has more than " + std::to_string(max_bytes) + " bytes, the limit", ""};
+    return resource_exhausted("FILE_TOO_LARGE",
+                              "\"" + path + "\" has more than " + std::to_string(max_bytes) + " bytes, the limit");
   }
   return found->second;
 }

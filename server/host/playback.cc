@@ -5,8 +5,8 @@
 namespace kerf::host {
 
 Error replaying() {
-  return {ErrorCode::kFailedPrecondition, "REPLAYING",
-          "the sheet plays a recording and takes no commands until that ends; delete the sheet to end it now", ""};
+  return failed_precondition(
+      "REPLAYING", "the sheet plays a recording and takes no commands until that ends; delete the sheet to end it now");
 }
 
 Playback::Playback(std::vector<sheet::RecordedTick> entries, std::int64_t torn_bytes) : entries_(std::move(entries)) {

@@ -21,7 +21,7 @@ Nanoseconds period_of(const sheet::Sheet& sheet) {
 }
 
 Error host_stopping() {
-  return {ErrorCode::kUnavailable, "HOST_STOPPING", "the server is stopping", ""};
+  return unavailable("HOST_STOPPING", "the server is stopping");
 }
 
 std::int32_t& gauge(HostMetrics& metrics, RunState state) {
@@ -70,9 +70,8 @@ Status SheetRunner::enqueue(sheet::Command command, Callback<CommandResult>& don
     const std::lock_guard lock(queue_mutex_);
     const auto limit = static_cast<std::size_t>(context_.options.max_queued_commands);
     if (queue_.size() >= limit) {
-      return Error{ErrorCode::kResourceExhausted, "QUEUE_FULL",
-                   "the sheet has " + std::to_string(limit) + " commands waiting, its limit; try again after a tick",
-                   ""};
+      return resource_exhausted("QUEUE_FULL", "the sheet has " + std::to_string(limit) +
+                                                  " commands waiting, its limit; try again after a tick");
     }
     push(std::move(command), std::move(done));
   }
@@ -169,8 +168,7 @@ void SheetRunner::pause() {
 
 Status SheetRunner::resume() {
   if (step_call_) {
-    return Error{ErrorCode::kFailedPrecondition, "STEPPING", "the sheet is being stepped; resume it when that is done",
-                 ""};
+    return failed_precondition("STEPPING", "the sheet is being stepped; resume it when that is done");
   }
   if (!paused_) return Nothing{};
   paused_ = false;
@@ -183,17 +181,17 @@ Status SheetRunner::resume() {
 Result<std::int64_t> SheetRunner::schedule(sheet::Command command, std::int64_t at_tick) {
   if (is_playing()) return replaying();
   if (at_tick <= sheet_.tick()) {
-    return Error{ErrorCode::kFailedPrecondition, "TICK_PAST",
-                 "at_tick is " + std::to_string(at_tick) + "; the sheet has done tick " +
-                     std::to_string(sheet_.tick()) + " already: name a later one",
-                 "at_tick"};
+    return failed_precondition("TICK_PAST",
+                               "at_tick is " + std::to_string(at_tick) + "; the sheet has done tick " +
+                                   std::to_string(sheet_.tick()) + " already: name a later one",
+                               "at_tick");
   }
   const auto limit = static_cast<std::size_t>(context_.options.max_scheduled_commands);
   if (scheduled_.size() >= limit) {
-    return Error{ErrorCode::kResourceExhausted, "TOO_MANY_SCHEDULED",
-                 "the sheet has " + std::to_string(limit) +
-                     " commands waiting for their tick, its limit; try again when one is done",
-                 "at_tick"};
+    return resource_exhausted("TOO_MANY_SCHEDULED",
+                              "the sheet has " + std::to_string(limit) +
+                                  " commands waiting for their tick, its limit; try again when one is done",
+                              "at_tick");
   }
   const auto after = std::upper_bound(
       scheduled_.begin(), scheduled_.end(), at_tick,
@@ -205,17 +203,16 @@ Result<std::int64_t> SheetRunner::schedule(sheet::Command command, std::int64_t 
 
 Result<WaitingCommand> SheetRunner::cancel(std::int64_t number) {
   if (number < 1 || number > num_scheduled_) {
-    return Error{ErrorCode::kNotFound, "SCHEDULED_CUTS_NOT_FOUND",
-                 "no call of this sheet has the number " + std::to_string(number), ""};
+    return not_found("SCHEDULED_CUTS_NOT_FOUND", "no call of this sheet has the number " + std::to_string(number));
   }
   const auto found = std::find_if(scheduled_.begin(), scheduled_.end(), [number](const WaitingCommand& waiting) {
     return waiting.appointment.number == number;
   });
   if (found == scheduled_.end()) {
-    return Error{ErrorCode::kFailedPrecondition, "SCHEDULED_CUTS_SETTLED",
-                 "call " + std::to_string(number) +
-                     " does not wait any more: it was done, refused or cancelled; an undo takes back what was cut",
-                 ""};
+    return failed_precondition(
+        "SCHEDULED_CUTS_SETTLED",
+        "call " + std::to_string(number) +
+            " does not wait any more: it was done, refused or cancelled; an undo takes back what was cut");
   }
   WaitingCommand cancelled = std::move(*found);
   scheduled_.erase(found);
@@ -383,12 +380,10 @@ sheet::RunStats SheetRunner::run_stats() const {
 Error SheetRunner::closed_error() const {
   if (closed_ == sheet::SinkEnd::kHostStopping) return host_stopping();
   if (closed_ == sheet::SinkEnd::kSheetLost) {
-    return {
-        ErrorCode::kDataLoss, "SHEET_LOST",
-        "the server had too little memory to keep the sheet \"" + id_ + "\"; what --record has written of it is whole",
-        ""};
+    return data_loss("SHEET_LOST", "the server had too little memory to keep the sheet \"" + id_ +
+                                       "\"; what --record has written of it is whole");
   }
-  return {ErrorCode::kAborted, "SHEET_DELETED", "the sheet \"" + id_ + "\" was deleted meanwhile", ""};
+  return aborted("SHEET_DELETED", "the sheet \"" + id_ + "\" was deleted meanwhile");
 }
 
 }  // namespace kerf::host

@@ -183,9 +183,8 @@ void SheetRunner::record(std::int64_t tick, std::vector<sheet::Command> commands
 }
 
 Result<KeptRun> SheetRunner::kept_run() const {
-  Result<std::string> entries = kept_.until(sheet_.tick(), sheet_.state_hash());
-  if (!entries) return entries.error();
-  return KeptRun{sheet_.shared_config(), std::move(entries).value()};
+  KERF_TRY_ASSIGN(std::string entries, kept_.until(sheet_.tick(), sheet_.state_hash()));
+  return KeptRun{sheet_.shared_config(), std::move(entries)};
 }
 
 std::vector<SheetRunner::Pending> SheetRunner::take_queue() {

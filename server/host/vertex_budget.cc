@@ -8,13 +8,12 @@ namespace kerf::host {
 Status VertexBudget::take(std::int64_t more) {
   const std::lock_guard lock(mutex_);
   if (limit_ != 0 && in_use_ + more > limit_) {
-    return Error{ErrorCode::kResourceExhausted, "TOO_MANY_VERTICES_IN_ALL",
-                 "all sheets of this server together may have " + std::to_string(limit_) + " vertices and have " +
-                     std::to_string(in_use_) + ": this one has more than the " +
-                     std::to_string(std::max<std::int64_t>(limit_ - in_use_, 0)) +
-                     " that are left; delete a sheet, make this one coarser, or give kerfd a larger "
-                     "--max-total-vertices",
-                 ""};
+    return resource_exhausted("TOO_MANY_VERTICES_IN_ALL",
+                              "all sheets of this server together may have " + std::to_string(limit_) +
+                                  " vertices and have " + std::to_string(in_use_) + ": this one has more than the " +
+                                  std::to_string(std::max<std::int64_t>(limit_ - in_use_, 0)) +
+                                  " that are left; delete a sheet, make this one coarser, or give kerfd a larger "
+                                  "--max-total-vertices");
   }
   in_use_ += more;
   return Nothing{};
@@ -27,7 +26,7 @@ void VertexBudget::change(std::int64_t by) {
 
 Status VertexShare::settle(std::int64_t count) {
   if (count > count_) {
-    if (Status s = budget_.take(count - count_); !s) return s;
+    KERF_TRY(budget_.take(count - count_));
     count_ = count;
   }
   set(count);

@@ -331,12 +331,12 @@ Result<Eigen::Matrix2Xd> flatten(const Eigen::Matrix3Xd& surface, const Eigen::M
   Eigen::Matrix2Xd material(2, surface.cols());
   double right = 0.0;
   for (Component& part : components) {
-    if (const Status found = find_borders(part); !found.ok()) return found.error();
+    KERF_TRY(find_borders(part));
     if (!has_area(part)) return refuse("MESH_DEGENERATE_TRIANGLE", "a triangle of the surface has no area");
     std::vector<Complex> mapped = method == Flattening::kConformal ? map_conformally(part) : map_into_circle(part);
     if (mapped.empty())
       return refuse("MESH_NOT_FLATTENABLE", "no map to the plane was found; give texture coordinates");
-    if (const Status aligned = align(part, mapped); !aligned.ok()) return aligned.error();
+    KERF_TRY(align(part, mapped));
     Complex shift(0.0, 0.0);
     if (components.size() > 1) {
       Eigen::AlignedBox2d box;

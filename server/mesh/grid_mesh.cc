@@ -84,7 +84,7 @@ std::vector<std::array<VertexId, 3>> triangulate_rectangle(const GridConfig& con
 }  // namespace
 
 Result<TriangleMesh> make_grid(const GridConfig& config) {
-  if (const Status checked = check_config(config); !checked.ok()) return checked.error();
+  KERF_TRY(check_config(config));
   IndexedMesh sheet;
   sheet.rest = grid_positions(config);
   sheet.triangles.resize(3, 2 * (config.num_x - 1) * (config.num_y - 1));
@@ -101,7 +101,7 @@ Result<TriangleMesh> make_grid(const GridConfig& config) {
 }
 
 Result<TriangleMesh> make_jittered_grid(const GridConfig& config, std::uint64_t seed) {
-  if (const Status checked = check_config(config); !checked.ok()) return checked.error();
+  KERF_TRY(check_config(config));
   IndexedMesh sheet;
   sheet.rest = grid_positions(config);
   const Eigen::Vector2d cell(config.width / (config.num_x - 1), config.height / (config.num_y - 1));

@@ -45,10 +45,10 @@ class SheetImport {
     using Step = Status (SheetImport::*)();
     for (const Step step : {&SheetImport::check_arrays, &SheetImport::quantise, &SheetImport::orient,
                             &SheetImport::join_triangles, &SheetImport::check_vertices, &SheetImport::curve}) {
-      if (const Status done = (this->*step)(); !done.ok()) return done.error();
+      KERF_TRY((this->*step)());
     }
     records_.num_solid_triangles = num_triangles();
-    if (const Status filled = fill_void(records_, border_); !filled.ok()) return filled.error();
+    KERF_TRY(fill_void(records_, border_));
     label_pieces();
     anchor();
     measure();
@@ -335,11 +335,9 @@ class SheetImport {
 Result<TriangleMesh> import_surface(const IndexedMesh& input) {
   IndexedMesh with_rest = input;
   with_rest.rest = Eigen::Matrix2Xd::Zero(2, input.surface.cols());  // for the checks of what does not depend on it
-  if (const Status valid = SheetImport(with_rest).check(); !valid.ok()) return valid.error();
+  KERF_TRY(SheetImport(with_rest).check());
   const auto import_flattened = [&](Flattening method) -> Result<TriangleMesh> {
-    Result<Eigen::Matrix2Xd> rest = flatten(input.surface, input.triangles, method);
-    if (!rest) return rest.error();
-    with_rest.rest = std::move(rest).value();
+    KERF_TRY_ASSIGN(with_rest.rest, flatten(input.surface, input.triangles, method));
     return SheetImport(with_rest).run();
   };
   Result<TriangleMesh> conformal = import_flattened(Flattening::kConformal);

@@ -22,7 +22,7 @@ class ObjReader {
     }
     while (!text_.empty()) {
       ++line_number_;
-      if (const Status read = read_line(next_line(text_, '\n')); !read.ok()) return read.error();
+      KERF_TRY(read_line(next_line(text_, '\n')));
     }
     line_number_ = 0;
     Result<ImportedSheet> assembled = faces_.assemble(rest_shape);

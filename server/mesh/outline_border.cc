@@ -147,7 +147,7 @@ Result<OutlineBorder> OutlineBorder::make(const std::vector<OutlineContour>& con
     fields.push_back(contour.field);
   }
   OutlineBorder border(std::move(kept), std::move(fields), lattice);
-  if (const Status checked = border.check_crossings(); !checked.ok()) return checked.error();
+  KERF_TRY(border.check_crossings());
   return border;
 }
 

@@ -38,10 +38,11 @@ double size_of(const Eigen::AlignedBox2d& box) {
 }
 
 Error too_fine(std::int32_t max_vertices) {
-  return {ErrorCode::kResourceExhausted, "OUTLINE_TOO_FINE",
-          "the outline would need more than " + std::to_string(max_vertices) +
-              " vertices; ask for longer edges, let them grow faster, or widen what is narrow between its curves",
-          "edge_length"};
+  return resource_exhausted(
+      "OUTLINE_TOO_FINE",
+      "the outline would need more than " + std::to_string(max_vertices) +
+          " vertices; ask for longer edges, let them grow faster, or widen what is narrow between its curves",
+      "edge_length");
 }
 
 // Adds up the vertices that triangles of the sizes wanted take, until there are more than `limit`.
@@ -84,35 +85,33 @@ class OutlineMesher {
   }
 
   Result<TriangleMesh> run() {
-    if (const Status checked = check_lengths(); !checked.ok()) return checked.error();
+    KERF_TRY(check_lengths());
     // What the longest edges would take, before any vertex is made.
     const double area = border_.area();
     if (area / (kAreaOfVertex * edge_length_ * edge_length_) > kEstimateMargin * config_.max_vertices ||
         !border_.divide(sizes(), config_.max_vertices)) {
       return too_fine(config_.max_vertices);
     }
-    Result<TriangleMesh> coarse = triangulate();
-    if (!coarse.ok()) return coarse.error();
+    KERF_TRY_ASSIGN(TriangleMesh coarse, triangulate());
     {
-      MeshEditor editor(*coarse);
-      border_.follow(coarse->lattice());
+      MeshEditor editor(coarse);
+      border_.follow(coarse.lattice());
       if (!refine_angles(editor)) return too_fine(config_.max_vertices);
     }
     for (int round = 1;; ++round) {
       if (!border_.renew(config_.max_vertices)) return too_fine(config_.max_vertices);
-      Result<TriangleMesh> mesh = triangulate();
-      if (!mesh.ok()) return mesh.error();
-      MeshEditor editor(*mesh);
+      KERF_TRY_ASSIGN(TriangleMesh mesh, triangulate());
+      MeshEditor editor(mesh);
       if (!fill(editor)) return too_fine(config_.max_vertices);
-      if (!border_.has_missed() || round == kMaxRounds) return collect(*mesh);
+      if (!border_.has_missed() || round == kMaxRounds) return collect(mesh);
     }
   }
 
  private:
   [[nodiscard]] Status check_lengths() const {
-    if (Status s = check_length(edge_length_, "edge_length"); !s.ok()) return s;
+    KERF_TRY(check_length(edge_length_, "edge_length"));
     for (const OutlineSize& size : config_.sizes) {
-      if (Status s = check_length(size.length, size.field); !s.ok()) return s;
+      KERF_TRY(check_length(size.length, size.field));
     }
     return Nothing{};
   }
@@ -168,16 +167,15 @@ class OutlineMesher {
       const std::string& field = border_.field(border_.vertices()[v].contour);
       return invalid_argument("OUTLINE_CROSSES", field + " comes too close to itself or to another", field);
     }
-    const Result<std::vector<TriangleId>> inside = find_inside(domain);
-    if (!inside.ok()) return inside.error();
+    KERF_TRY_ASSIGN(const std::vector<TriangleId> inside, find_inside(domain));
     IndexedMesh indexed;
     indexed.rest.resize(2, static_cast<Eigen::Index>(points.size()));
     for (std::size_t v = 0; v < points.size(); ++v) {
       indexed.rest.col(static_cast<Eigen::Index>(v)) = border_.lattice().position(points[v]);
     }
-    indexed.triangles.resize(3, static_cast<Eigen::Index>(inside->size()));
-    for (std::size_t i = 0; i < inside->size(); ++i) {
-      const std::array<PointId, 3>& corners = domain.points((*inside)[i]);
+    indexed.triangles.resize(3, static_cast<Eigen::Index>(inside.size()));
+    for (std::size_t i = 0; i < inside.size(); ++i) {
+      const std::array<PointId, 3>& corners = domain.points(inside[i]);
       indexed.triangles.col(static_cast<Eigen::Index>(i)) =
           Eigen::Vector3i(vertex_at_[corners[0]], vertex_at_[corners[1]], vertex_at_[corners[2]]);
     }
@@ -204,7 +202,7 @@ class OutlineMesher {
             continue;
           }
           const std::int32_t contour = border_.vertices()[vertex_at_[domain.points(t)[next_corner(k)]]].contour;
-          if (const Status nested = check_nesting(contour, depth); !nested.ok()) return nested.error();
+          KERF_TRY(check_nesting(contour, depth));
           beyond.push_back(u);
         }
       }
@@ -312,9 +310,8 @@ class OutlineMesher {
 
 Result<TriangleMesh> mesh_outline(const OutlineConfig& config) {
   KERF_CHECK(!config.contours.empty(), "an outline has a border");
-  Result<OutlineBorder> border = OutlineBorder::make(config.contours);
-  if (!border.ok()) return border.error();
-  return OutlineMesher(config, std::move(border).value()).run();
+  KERF_TRY_ASSIGN(OutlineBorder border, OutlineBorder::make(config.contours));
+  return OutlineMesher(config, std::move(border)).run();
 }
 
 }  // namespace kerf::mesh

@@ -67,12 +67,10 @@ class HeaderReader {
         return refuse("HEADER", "the header's limits are " + std::to_string(kMaxPlyHeaderLines) + " lines of " +
                                     std::to_string(kMaxPlyHeaderLineBytes) + " bytes");
       }
-      Result<bool> read = read_line(line);
-      if (!read.ok()) return read.error();
-      at_end = *read;
+      KERF_TRY_ASSIGN(at_end, read_line(line));
     }
     header_.num_lines = line_;
-    if (const Status named = assign_roles(); !named.ok()) return named.error();
+    KERF_TRY(assign_roles());
     return std::move(header_);
   }
 
@@ -95,7 +93,7 @@ class HeaderReader {
     } else if (keyword != "end_header") {
       return refuse("HEADER", quoted(keyword) + " is none of format, element, property, comment, end_header");
     }
-    if (!read.ok()) return read.error();
+    KERF_TRY(read);
     if (const std::string_view extra = next_word(line); !extra.empty()) {
       return refuse("HEADER", quoted(extra) + " is too much in this line");
     }
@@ -155,11 +153,11 @@ class HeaderReader {
     PlyProperty property;
     std::string_view word = next_word(line);
     if (word == "list") {
-      if (const Status read = read_type(next_word(line), property.count_type.emplace()); !read.ok()) return read;
+      KERF_TRY(read_type(next_word(line), property.count_type.emplace()));
       if (!is_integer(*property.count_type)) return refuse("HEADER", "the length of a list must be of an integer type");
       word = next_word(line);
     }
-    if (const Status read = read_type(word, property.type); !read.ok()) return read;
+    KERF_TRY(read_type(word, property.type));
     property.name = next_word(line);
     if (property.name.empty()) return refuse("HEADER", "a property has a name");
     std::vector<PlyProperty>& properties = header_.elements.back().properties;

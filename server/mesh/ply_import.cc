@@ -56,16 +56,14 @@ class PlyReader {
           "PLY_TOO_LARGE", std::to_string(file_.size()) + " bytes; the limit is " + std::to_string(kMaxMeshFileBytes),
           "ply");
     }
-    Result<PlyHeader> header = read_ply_header(file_);
-    if (!header.ok()) return header.error();
-    header_ = std::move(header).value();
+    KERF_TRY_ASSIGN(header_, read_ply_header(file_));
     line_ = header_.num_lines;
     for (const PlyElement& element : header_.elements) {
       if (element.properties.empty()) continue;  // takes no room in the file, however many there are
       element_ = &element;
       for (row_ = 0; row_ < element.count; ++row_) {
         interruption_point();
-        if (const Status read = read_row(); !read.ok()) return read.error();
+        KERF_TRY(read_row());
       }
     }
     element_ = nullptr;
@@ -108,13 +106,12 @@ class PlyReader {
   // One vertex, face or other element.
   Status read_row() {
     if (is_text()) {
-      if (const Status found = find_line(); !found.ok()) return found;
+      KERF_TRY(find_line());
     }
     Eigen::Vector3d position = Eigen::Vector3d::Zero();
     Eigen::Vector2d texture = Eigen::Vector2d::Zero();
     for (const PlyProperty& property : element_->properties) {
-      const Status read = property.count_type ? read_list(property) : read_scalar(property, position, texture);
-      if (!read.ok()) return read;
+      KERF_TRY(property.count_type ? read_list(property) : read_scalar(property, position, texture));
     }
     if (is_text() && !next_word(row_text_).empty()) {
       return refuse("VALUES", "the line has more values than the header gives this element");
@@ -122,7 +119,7 @@ class PlyReader {
     if (element_->name == "face") return added(faces_.add_face(corners_));
     if (element_->name != "vertex") return Nothing{};
     if (header_.has_texture) {
-      if (const Status taken = added(faces_.add_texture(texture)); !taken.ok()) return taken;
+      KERF_TRY(added(faces_.add_texture(texture)));
     }
     return added(faces_.add_position(position));
   }
@@ -160,7 +157,7 @@ class PlyReader {
 
   Status read_list(const PlyProperty& property) {
     double count = 0.0;
-    if (const Status read = read_number(*property.count_type, count); !read.ok()) return read;
+    KERF_TRY(read_number(*property.count_type, count));
     if (!(count >= 0.0 && count <= 4294967295.0 && count == std::floor(count))) {
       return refuse("VALUES", "the length of a list must be a whole number, 0 or more");
     }
@@ -170,7 +167,7 @@ class PlyReader {
     if (length > kMaxFaceCorners) return refuse("FACE", "more than " + std::to_string(kMaxFaceCorners) + " corners");
     for (std::uint64_t i = 0; i < length; ++i) {
       double index = 0.0;
-      if (const Status read = read_number(property.type, index); !read.ok()) return read;
+      KERF_TRY(read_number(property.type, index));
       if (!(index >= 0.0 && index < static_cast<double>(header_.num_vertices) && index == std::floor(index))) {
         return refuse("INDEX", "a corner names none of " + std::to_string(header_.num_vertices) + " vertices");
       }

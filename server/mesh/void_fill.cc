@@ -24,8 +24,8 @@ class VoidFill {
   }
 
   Status run() {
-    if (const Status triangulated = triangulate_border(); !triangulated.ok()) return triangulated.error();
-    if (const Status wound = compute_winding(); !wound.ok()) return wound.error();
+    KERF_TRY(triangulate_border());
+    KERF_TRY(compute_winding());
     append_void();
     return Nothing{};
   }

@@ -119,12 +119,10 @@ Result<int> ConnectionGate::Impl::bind(const std::string& address) {
     for (tcp::acceptor& acceptor : listening.acceptors) ports.emplace_back(std::move(acceptor));
     return ports.front().acceptor.local_endpoint().port();
   }
-  return Error{ErrorCode::kUnavailable,
-               "ADDRESS_IN_USE",
-               "cannot listen on " + address +
-                   " for gRPC: the port is taken or the address is not this machine's; stop the other program or "
-                   "choose another --listen port",
-               {}};
+  return unavailable("ADDRESS_IN_USE",
+                     "cannot listen on " + address +
+                         " for gRPC: the port is taken or the address is not this machine's; stop the other program or "
+                         "choose another --listen port");
 }
 
 void ConnectionGate::Impl::open() {

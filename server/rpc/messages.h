@@ -28,7 +28,7 @@ Result<Message> parse_message(const grpc::ByteBuffer& bytes) {
   if (!grpc::SerializationTraits<Message>::Deserialize(&copy, &message).ok()) {
     return invalid_argument("MALFORMED_MESSAGE", "this is no serialised " + name);
   }
-  if (const Status finite = wire::check_finite(message); !finite.ok()) return finite.error();
+  KERF_TRY(wire::check_finite(message));
   return message;
 }
 

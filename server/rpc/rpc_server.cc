@@ -77,8 +77,7 @@ Result<int> RpcServer::start(const std::string& address) {
         connection.fd = descriptor;
         impl->acceptor->HandleNewConnection(&connection);
       });
-  const Result<int> port = impl_->gate->bind(address);
-  if (!port) return port.error();
+  KERF_TRY_ASSIGN(const int port, impl_->gate->bind(address));
   grpc::EnableDefaultHealthCheckService(true);
   grpc::reflection::InitProtoReflectionServerBuilderPlugin();
   grpc::ServerBuilder builder;
@@ -88,7 +87,7 @@ Result<int> RpcServer::start(const std::string& address) {
                                                                          grpc::InsecureServerCredentials());
   for (const NamedService& named : impl_->services) builder.RegisterService(named.service.get());
   impl_->server = builder.BuildAndStart();
-  if (!impl_->server) return Error{ErrorCode::kInternal, "INTERNAL", "gRPC does not start", {}};
+  if (!impl_->server) return internal_error("INTERNAL", "gRPC does not start");
   for (const NamedService& named : impl_->services) {
     impl_->server->GetHealthCheckService()->SetServingStatus(named.name, true);
   }

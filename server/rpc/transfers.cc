@@ -54,9 +54,7 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
     }
     if (request.has_start()) {
       if (upload_) return invalid_argument("UPLOAD_ORDER", "start must come once, as the first message", "start");
-      Result<std::unique_ptr<api::Upload>> begun = start_(request.start());
-      if (!begun) return begun.error();
-      upload_ = std::move(begun).value();
+      KERF_TRY_ASSIGN(upload_, start_(request.start()));
       return Nothing{};
     }
     if (!upload_) return missing_start();
@@ -84,10 +82,10 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
     if (lapse == Patience::Lapse::kSilence) {
       message << "nothing of the upload came for " << host::seconds(limits.silence)
               << " s: send all of it again, without a pause";
-      return {ErrorCode::kAborted, "UPLOAD_STALLED", message.str(), ""};
+      return aborted("UPLOAD_STALLED", message.str());
     }
     message << "the upload took longer than " << host::seconds(limits.whole) << " s: send all of it again, faster";
-    return {ErrorCode::kAborted, "UPLOAD_TOO_SLOW", message.str(), ""};
+    return aborted("UPLOAD_TOO_SLOW", message.str());
   }
 
   static Error missing_start() {

@@ -17,19 +17,16 @@ bool is_valid_name(const std::string& name) {
 }
 
 Status validate(const StaticAnalysis& analysis, const std::string& path) {
-  if (Status s = check_integer(static_cast<std::int64_t>(analysis.loads.size()), 1,
-                               static_cast<std::int64_t>(kMaxLoadSteps), path + ".loads");
-      !s) {
-    return s;
-  }
+  KERF_TRY(check_integer(static_cast<std::int64_t>(analysis.loads.size()), 1, static_cast<std::int64_t>(kMaxLoadSteps),
+                         path + ".loads"));
   for (std::size_t i = 0; i < analysis.loads.size(); ++i) {
     const std::string field = path + ".loads[" + std::to_string(i) + "]";
-    if (Status s = check_number(analysis.loads[i], 0.0, 1.0, field); !s) return s;
+    KERF_TRY(check_number(analysis.loads[i], 0.0, 1.0, field));
     if (analysis.loads[i] <= (i > 0 ? analysis.loads[i - 1] : 0.0)) {
       return invalid_argument("NOT_ASCENDING", field + " must be greater than the load before it, and than 0", field);
     }
   }
-  if (Status s = check_number(analysis.tolerance, kMinResidual, kMaxResidual, path + ".tolerance"); !s) return s;
+  KERF_TRY(check_number(analysis.tolerance, kMinResidual, kMaxResidual, path + ".tolerance"));
   return check_integer(analysis.max_iterations, 1, kMaxStaticIterations, path + ".max_iterations");
 }
 
@@ -87,28 +84,28 @@ Status validate(const Probe& probe, const std::string& path) {
   if (!is_valid_name(probe.name)) {
     return invalid_argument("PROBE_NAME", path + ".name must match [a-z][a-z0-9_]{0,62}", path + ".name");
   }
-  if (Status s = check_count(probe.points.size(), kMaxProbePoints, "points", path + ".points"); !s) return s;
+  KERF_TRY(check_count(probe.points.size(), kMaxProbePoints, "points", path + ".points"));
   for (std::size_t i = 0; i < probe.points.size(); ++i) {
     const std::string field = path + ".points[" + std::to_string(i) + "]";
-    if (Status s = check_vector(probe.points[i], kMaxMaterialCoordinate, field); !s) return s;
+    KERF_TRY(check_vector(probe.points[i], kMaxMaterialCoordinate, field));
   }
   if (probe.region) {
-    if (Status s = validate(*probe.region, path + ".region"); !s) return s;
+    KERF_TRY(validate(*probe.region, path + ".region"));
   }
   if (probe.side) {
-    if (Status s = check_vector(*probe.side, kMaxMaterialCoordinate, path + ".side"); !s) return s;
+    KERF_TRY(check_vector(*probe.side, kMaxMaterialCoordinate, path + ".side"));
   }
-  if (Status s = validate_field(probe, path); !s) return s;
+  KERF_TRY(validate_field(probe, path));
   return validate_place(probe, path);
 }
 
 Status validate(const DynamicAnalysis& analysis) {
-  if (Status s = check_integer(analysis.ticks, 0, kMaxAnalyzedTicks, "analysis.dynamic.ticks"); !s) return s;
+  KERF_TRY(check_integer(analysis.ticks, 0, kMaxAnalyzedTicks, "analysis.dynamic.ticks"));
   return check_integer(analysis.measure_every, 1, kMaxMeasureEvery, "analysis.dynamic.measure_every");
 }
 
 Status validate(const ModalAnalysis& modes) {
-  if (Status s = check_integer(modes.count, 1, kMaxModes, "analysis.modes.count"); !s) return s;
+  KERF_TRY(check_integer(modes.count, 1, kMaxModes, "analysis.modes.count"));
   return modes.about ? validate(*modes.about, "analysis.modes.about") : Nothing{};
 }
 
@@ -128,11 +125,11 @@ Status validate(const Analysis& analysis) {
 }
 
 Status validate(const std::vector<Probe>& probes) {
-  if (Status s = check_count(probes.size(), kMaxProbes, "probes", "probes"); !s) return s;
+  KERF_TRY(check_count(probes.size(), kMaxProbes, "probes", "probes"));
   std::set<std::string> names;
   for (std::size_t i = 0; i < probes.size(); ++i) {
     const std::string path = "probes[" + std::to_string(i) + "]";
-    if (Status s = validate(probes[i], path); !s) return s;
+    KERF_TRY(validate(probes[i], path));
     if (!names.insert(probes[i].name).second) {
       return invalid_argument("PROBE_TWICE", path + ".name is that of a probe before it", path + ".name");
     }

@@ -79,7 +79,7 @@ Result<AppliedForces> AppliedForces::create(std::shared_ptr<const SheetConfig> c
   for (std::size_t i = 0; i < loads.size(); ++i) {
     const std::string path = "loads[" + std::to_string(i) + "]";
     if (const auto* point = std::get_if<PointForce>(&loads[i].kind)) {
-      if (Status s = check_point(*point, mesh, path); !s) return s.error();
+      KERF_TRY(check_point(*point, mesh, path));
       const auto* vertex = std::get_if<VertexId>(&point->point);
       forces.shares_[i].place =
           vertex != nullptr ? mesh.rest_position(*vertex) : std::get<Eigen::Vector2d>(point->point);
@@ -87,10 +87,9 @@ Result<AppliedForces> AppliedForces::create(std::shared_ptr<const SheetConfig> c
     }
     const Place place = std::visit(FindPlace{}, loads[i].kind);
     const std::string field = path + "." + place.name + ".region";
-    const Result<std::vector<VertexId>> region = find_vertices(mesh, *place.region, field);
-    if (!region) return region.error();
+    KERF_TRY_ASSIGN(const std::vector<VertexId> region, find_vertices(mesh, *place.region, field));
     if (place.is_border && schedules_cuts(*forces.config_)) continue;
-    if (!(place.is_border ? edges_in(mesh, *region).empty() : triangles_in(mesh, *region).empty())) continue;
+    if (!(place.is_border ? edges_in(mesh, region).empty() : triangles_in(mesh, region).empty())) continue;
     const char* const what = place.is_border ? " has no border edge of the sheet, both ends of which are in it"
                                              : " has no triangle of the sheet, all corners of which are in it";
     return invalid_argument("NOTHING_LOADED", field + what, field);

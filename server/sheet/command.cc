@@ -17,30 +17,22 @@ Status check_grab_id(const std::string& grab_id, const std::string& field) {
 }
 
 Status validate_command(const Cut& cut) {
-  if (Status s = cut::validate(cut.curve); !s) return s;
-  if (Status s = check_number(cut.tolerance, cut::kMinTolerance, cut::kMaxTolerance, "cut.tolerance"); !s) return s;
-  if (Status s = check_number(cut.min_angle_deg, kMinCutAngle, cut::kMaxMinAngle, "cut.min_angle_deg"); !s) return s;
-  if (Status s = check_number(cut.tolerance_m.value_or(1.0), cut::kMinLength, cut::kMaxLength, "cut.tolerance_m"); !s) {
-    return s;
-  }
-  if (Status s =
-          check_number(cut.tip_edge_length.value_or(1.0), cut::kMinLength, cut::kMaxLength, "cut.tip_edge_length_m");
-      !s) {
-    return s;
-  }
-  if (Status s = check_number(cut.width.value_or(1.0), cut::kMinWidth, cut::kMaxWidth, "cut.width_m"); !s) return s;
+  KERF_TRY(cut::validate(cut.curve));
+  KERF_TRY(check_number(cut.tolerance, cut::kMinTolerance, cut::kMaxTolerance, "cut.tolerance"));
+  KERF_TRY(check_number(cut.min_angle_deg, kMinCutAngle, cut::kMaxMinAngle, "cut.min_angle_deg"));
+  KERF_TRY(check_number(cut.tolerance_m.value_or(1.0), cut::kMinLength, cut::kMaxLength, "cut.tolerance_m"));
+  KERF_TRY(check_number(cut.tip_edge_length.value_or(1.0), cut::kMinLength, cut::kMaxLength, "cut.tip_edge_length_m"));
+  KERF_TRY(check_number(cut.width.value_or(1.0), cut::kMinWidth, cut::kMaxWidth, "cut.width_m"));
   if (cut.method == cut::Method::kElement && (cut.tip_edge_length || cut.width)) {
     const std::string field = cut.width ? "cut.width_m" : "cut.tip_edge_length_m";
     return invalid_argument("OPTIONS_CONFLICT", field + " needs method NEIGHBOURHOOD; leave one of them out", field);
   }
-  if (Status s = check_number(cut.tip_grading, cut::kMinTipGrading, cut::kMaxTipGrading, "cut.tip_grading"); !s) {
-    return s;
-  }
+  KERF_TRY(check_number(cut.tip_grading, cut::kMinTipGrading, cut::kMaxTipGrading, "cut.tip_grading"));
   if (cut.fit) {
-    if (Status s = cut::validate(*cut.fit); !s) return s;
+    KERF_TRY(cut::validate(*cut.fit));
   }
-  if (Status s = cut::validate(cut.dash); !s) return s;
-  if (Status s = check_integer(cut.max_new_triangles, 1, cut::kMaxNewTriangles, "cut.max_new_triangles"); !s) return s;
+  KERF_TRY(cut::validate(cut.dash));
+  KERF_TRY(check_integer(cut.max_new_triangles, 1, cut::kMaxNewTriangles, "cut.max_new_triangles"));
   if (!cut.view) return Nothing{};
   if (cut.fit) {
     return invalid_argument(
@@ -56,7 +48,7 @@ Status validate_command(const CutBatch& batch) {
   if (batch.cuts.empty()) {
     return invalid_argument("EMPTY", "cut_batch.cuts must hold at least one cut", "cut_batch.cuts");
   }
-  if (Status s = check_count(batch.cuts.size(), kMaxBatchCuts, "cuts", "cut_batch.cuts"); !s) return s;
+  KERF_TRY(check_count(batch.cuts.size(), kMaxBatchCuts, "cuts", "cut_batch.cuts"));
   for (std::size_t i = 0; i < batch.cuts.size(); ++i) {
     if (Status s = validate_command(batch.cuts[i]); !s) return in_batch(s.error(), i);
   }
@@ -72,21 +64,20 @@ Status validate_command(const RedoCut& /*redo*/) {
 }
 
 Status validate_command(const Grab& grab) {
-  if (Status s = check_grab_id(grab.grab_id, "grab.grab_id"); !s) return s;
+  KERF_TRY(check_grab_id(grab.grab_id, "grab.grab_id"));
   if (const auto* vertex = std::get_if<mesh::VertexId>(&grab.point)) {
-    if (Status s = check_vertex_id(*vertex, "grab.vertex"); !s) return s;
-  } else if (Status s = check_vector(std::get<Eigen::Vector2d>(grab.point), kMaxMaterialCoordinate, "grab.material");
-             !s) {
-    return s;
+    KERF_TRY(check_vertex_id(*vertex, "grab.vertex"));
+  } else {
+    KERF_TRY(check_vector(std::get<Eigen::Vector2d>(grab.point), kMaxMaterialCoordinate, "grab.material"));
   }
   if (grab.target) {
-    if (Status s = check_vector(*grab.target, kMaxWorldCoordinate, "grab.target"); !s) return s;
+    KERF_TRY(check_vector(*grab.target, kMaxWorldCoordinate, "grab.target"));
   }
   return check_number(grab.stiffness, 0.0, kMaxGrabStiffness, "grab.stiffness_npm");
 }
 
 Status validate_command(const Drag& drag) {
-  if (Status s = check_grab_id(drag.grab_id, "drag.grab_id"); !s) return s;
+  KERF_TRY(check_grab_id(drag.grab_id, "drag.grab_id"));
   return check_vector(drag.target, kMaxWorldCoordinate, "drag.target");
 }
 
@@ -107,7 +98,7 @@ Status validate_command(const SetWind& set_wind) {
 }
 
 Status validate_command(const SetMaterial& set_material) {
-  if (Status s = fem::validate(set_material.material, "set_material.material"); !s) return s;
+  KERF_TRY(fem::validate(set_material.material, "set_material.material"));
   const std::int32_t part = set_material.part.value_or(SetMaterial::kOwn);
   return check_integer(part, SetMaterial::kOwn, static_cast<std::int32_t>(kMaxRegions) - 1, "set_material.part");
 }
@@ -128,8 +119,8 @@ Error in_batch(Error error, std::size_t index) {
 }
 
 Status validate(const Wind& wind, const std::string& field) {
-  if (Status s = check_length(wind.velocity, kMaxWindSpeed, field + ".velocity_mps"); !s) return s;
-  if (Status s = check_number(wind.air_density, 0.0, kMaxAirDensity, field + ".air_density_kgpm3"); !s) return s;
+  KERF_TRY(check_length(wind.velocity, kMaxWindSpeed, field + ".velocity_mps"));
+  KERF_TRY(check_number(wind.air_density, 0.0, kMaxAirDensity, field + ".air_density_kgpm3"));
   return check_number(wind.drag_coefficient, 0.0, kMaxDragCoefficient, field + ".drag_coefficient");
 }
 

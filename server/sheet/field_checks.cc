@@ -55,20 +55,20 @@ Status check_count(std::size_t count, std::size_t limit, const std::string& unit
 
 Status check_vector(const Eigen::Vector3d& value, double limit, const std::string& field) {
   for (int k = 0; k < 3; ++k) {
-    if (Status s = check_number(value[k], -limit, limit, field + kComponents[k]); !s) return s;
+    KERF_TRY(check_number(value[k], -limit, limit, field + kComponents[k]));
   }
   return Nothing{};
 }
 
 Status check_vector(const Eigen::Vector2d& value, double limit, const std::string& field) {
   for (int k = 0; k < 2; ++k) {
-    if (Status s = check_number(value[k], -limit, limit, field + kComponents[k]); !s) return s;
+    KERF_TRY(check_number(value[k], -limit, limit, field + kComponents[k]));
   }
   return Nothing{};
 }
 
 Status check_length(const Eigen::Vector3d& value, double limit, const std::string& field) {
-  if (Status s = check_vector(value, limit, field); !s) return s;
+  KERF_TRY(check_vector(value, limit, field));
   if (value.norm() <= limit) return Nothing{};
   return invalid_argument("OUT_OF_RANGE", field + " has length " + text(value.norm()) + "; the limit is " + text(limit),
                           field);

@@ -43,13 +43,12 @@ Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> con
   for (std::size_t c = 0; c < held.constraints().size(); ++c) {
     const Constraint& constraint = held.constraints()[c];
     const std::string field = "constraints[" + std::to_string(c) + "].region";
-    const Result<std::vector<VertexId>> found = find_vertices(initial.mesh, constraint.region, field);
-    if (!found) return found.error();
+    KERF_TRY_ASSIGN(const std::vector<VertexId> found, find_vertices(initial.mesh, constraint.region, field));
     const bool is_listed = std::holds_alternative<std::vector<VertexId>>(constraint.region);
-    if (found->empty() && (is_listed || !schedules_cuts(*held.config_))) return no_vertex_in(field);
-    Group group(found->size());
+    if (found.empty() && (is_listed || !schedules_cuts(*held.config_))) return no_vertex_in(field);
+    Group group(found.size());
     for (std::size_t i = 0; i < group.size(); ++i) {
-      group[i].vertex = (*found)[i];
+      group[i].vertex = found[i];
       group[i].material = initial.mesh.rest_position(group[i].vertex);
       group[i].displacement = constraint.displacement;
       place(constraint, initial, group[i]);
@@ -58,7 +57,7 @@ Result<HeldVertices> HeldVertices::create(std::shared_ptr<const SheetConfig> con
     if (constraint.displacements.cols() > 0) {
       const auto& listed = std::get<std::vector<VertexId>>(constraint.region);
       for (std::size_t k = 0; k < listed.size(); ++k) {
-        const auto at = std::lower_bound(found->begin(), found->end(), listed[k]) - found->begin();
+        const auto at = std::lower_bound(found.begin(), found.end(), listed[k]) - found.begin();
         group[static_cast<std::size_t>(at)].displacement = constraint.displacements.col(static_cast<Eigen::Index>(k));
       }
     }

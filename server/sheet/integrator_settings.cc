@@ -9,19 +9,13 @@
 namespace kerf::sheet {
 
 Status validate(const IntegratorSettings& settings) {
-  if (Status s = check_integer(settings.max_substeps, 1, 100'000, "integrator.max_substeps"); !s) return s;
-  if (Status s = check_integer(settings.newton_iterations, 1, 100, "integrator.newton_iterations"); !s) return s;
-  if (Status s = check_number(settings.solver_tolerance, 1.0e-14, 0.1, "integrator.solver_tolerance"); !s) return s;
-  if (Status s = check_integer(settings.max_linear_iterations, 1, 100'000, "integrator.max_linear_iterations"); !s) {
-    return s;
-  }
+  KERF_TRY(check_integer(settings.max_substeps, 1, 100'000, "integrator.max_substeps"));
+  KERF_TRY(check_integer(settings.newton_iterations, 1, 100, "integrator.newton_iterations"));
+  KERF_TRY(check_number(settings.solver_tolerance, 1.0e-14, 0.1, "integrator.solver_tolerance"));
+  KERF_TRY(check_integer(settings.max_linear_iterations, 1, 100'000, "integrator.max_linear_iterations"));
   const fem::CovarianceRootOptions& root = settings.covariance_root;
-  if (Status s = check_number(root.power, 0.01, 2.0, "integrator.covariance_root.p"); !s) return s;
-  if (Status s =
-          check_integer(root.newton_schulz_iterations, 1, 50, "integrator.covariance_root.newton_schulz_iterations");
-      !s) {
-    return s;
-  }
+  KERF_TRY(check_number(root.power, 0.01, 2.0, "integrator.covariance_root.p"));
+  KERF_TRY(check_integer(root.newton_schulz_iterations, 1, 50, "integrator.covariance_root.newton_schulz_iterations"));
   return check_number(settings.highest_mode_damping, 0.0, 0.5, "integrator.highest_mode_damping");
 }
 
@@ -35,11 +29,11 @@ std::int32_t vertex_limit(const IntegratorSettings& settings) {
 Status check_vertex_limit(const IntegratorSettings& settings, std::int32_t num_vertices) {
   const std::int32_t limit = vertex_limit(settings);
   if (num_vertices <= limit) return Nothing{};
-  return Error{ErrorCode::kResourceExhausted, "SOLVER_TOO_DENSE",
-               "the sheet has " + std::to_string(num_vertices) +
-                   " vertices; ES_CGM and AS_CGM make dense matrices, of " + std::to_string(limit) +
-                   " at most: take another integrator.solver or a coarser mesh",
-               "integrator.solver"};
+  return resource_exhausted("SOLVER_TOO_DENSE",
+                            "the sheet has " + std::to_string(num_vertices) +
+                                " vertices; ES_CGM and AS_CGM make dense matrices, of " + std::to_string(limit) +
+                                " at most: take another integrator.solver or a coarser mesh",
+                            "integrator.solver");
 }
 
 fem::IntegratorOptions integrator_options(const IntegratorSettings& settings, double tick) {

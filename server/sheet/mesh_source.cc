@@ -75,10 +75,9 @@ Result<BuiltMesh> build(const ArraySource& arrays, const Placement& placement, s
 }
 
 Result<BuiltMesh> build(const OutlineSource& outline, const Placement& placement, std::int32_t max_vertices) {
-  Result<mesh::TriangleMesh> built = mesh_outline(outline, max_vertices);
-  if (!built) return built.error();
-  Eigen::Matrix3Xd positions = place(*built, placement);
-  return BuiltMesh{std::move(built).value(), std::move(positions)};
+  KERF_TRY_ASSIGN(mesh::TriangleMesh built, mesh_outline(outline, max_vertices));
+  Eigen::Matrix3Xd positions = place(built, placement);
+  return BuiltMesh{std::move(built), std::move(positions)};
 }
 
 }  // namespace

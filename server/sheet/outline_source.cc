@@ -30,14 +30,11 @@ constexpr double kFlatnessOfSizes = 0.05;
 
 Status check_sizing(const OutlineSizing& sizing, const std::string& field) {
   if (const auto* point = std::get_if<Vector2d>(&sizing.place)) {
-    if (Status s = check_vector(*point, kMaxMaterialCoordinate, field + ".point"); !s) return s;
-  } else if (Status s = check_curve(std::get<cut::Curve>(sizing.place), field + ".curve"); !s) {
-    return s;
+    KERF_TRY(check_vector(*point, kMaxMaterialCoordinate, field + ".point"));
+  } else {
+    KERF_TRY(check_curve(std::get<cut::Curve>(sizing.place), field + ".curve"));
   }
-  if (Status s = check_number(sizing.edge_length, kMinEdgeLength, kMaxMaterialCoordinate, field + ".edge_length_m");
-      !s) {
-    return s;
-  }
+  KERF_TRY(check_number(sizing.edge_length, kMinEdgeLength, kMaxMaterialCoordinate, field + ".edge_length_m"));
   return check_number(sizing.growth, kMinGrowth, kMaxGrowth, field + ".growth");
 }
 
@@ -88,7 +85,7 @@ class OutlineFlattening {
   }
 
   Result<mesh::OutlineConfig> run() {
-    if (Status s = add_contours(source_.boundary, "outline.boundary"); !s) return s.error();
+    KERF_TRY(add_contours(source_.boundary, "outline.boundary"));
     if (config_.contours.size() != 1) {
       return invalid_argument("OUTLINE_BORDER",
                               "the border is one closed line, not " + std::to_string(config_.contours.size()) +
@@ -96,10 +93,10 @@ class OutlineFlattening {
                               "outline.boundary");
     }
     for (std::size_t i = 0; i < source_.holes.size(); ++i) {
-      if (Status s = add_contours(source_.holes[i], indexed("outline.holes", i)); !s) return s.error();
+      KERF_TRY(add_contours(source_.holes[i], indexed("outline.holes", i)));
     }
     for (std::size_t i = 0; i < source_.sizes.size(); ++i) {
-      if (Status s = add_size(source_.sizes[i], indexed("outline.sizes", i)); !s) return s.error();
+      KERF_TRY(add_size(source_.sizes[i], indexed("outline.sizes", i)));
     }
     return std::move(config_);
   }
@@ -108,10 +105,10 @@ class OutlineFlattening {
   Status count(const cut::FlatCurve& flat, const std::string& field) {
     for (const cut::Stroke& stroke : flat.strokes) num_chords_ += stroke.points.size() - 1;
     if (num_chords_ <= kMaxOutlineChords) return Nothing{};
-    return Error{ErrorCode::kResourceExhausted, "OUTLINE_CURVES",
-                 "the curves of the outline become more than " + std::to_string(kMaxOutlineChords) +
-                     " chords; give it fewer curves, or ask for longer edges",
-                 field};
+    return resource_exhausted("OUTLINE_CURVES",
+                              "the curves of the outline become more than " + std::to_string(kMaxOutlineChords) +
+                                  " chords; give it fewer curves, or ask for longer edges",
+                              field);
   }
 
   Status add_contours(const cut::Curve& curve, const std::string& field) {
@@ -120,10 +117,10 @@ class OutlineFlattening {
       const double size = std::min(shortest_, kShareOfCurve * (box.high - box.low).maxCoeff());
       const double tolerance = std::max({kFlatness * size, kLeastFlatness * side_, kLeastFlatness * kMinEdgeLength});
       const cut::FlatCurve flat = cut::flatten(line, tolerance);
-      if (Status s = count(flat, field); !s) return s;
+      KERF_TRY(count(flat, field));
       const std::vector<Vector2d> joints = std::visit([](const auto& each) { return joints_of(each); }, line);
       for (const cut::Stroke& stroke : flat.strokes) {
-        if (Status s = add_contour(stroke, joints, field); !s) return s;
+        KERF_TRY(add_contour(stroke, joints, field));
       }
     }
     return Nothing{};
@@ -169,7 +166,7 @@ class OutlineFlattening {
     const auto& curve = std::get<cut::Curve>(sizing.place);
     const double tolerance = kFlatnessOfSizes * std::max(sizing.edge_length, kLeastFlatness * side_);
     const cut::FlatCurve flat = cut::flatten(curve, tolerance);
-    if (Status s = count(flat, field + ".curve"); !s) return s;
+    KERF_TRY(count(flat, field + ".curve"));
     for (const cut::Stroke& stroke : flat.strokes) {
       size.points = stroke.points;
       config_.sizes.push_back(size);
@@ -187,29 +184,25 @@ class OutlineFlattening {
 }  // namespace
 
 Status validate(const OutlineSource& outline) {
-  if (Status s = check_curve(outline.boundary, "outline.boundary"); !s) return s;
-  if (Status s = check_count(outline.holes.size(), kMaxOutlineHoles, "curves", "outline.holes"); !s) return s;
+  KERF_TRY(check_curve(outline.boundary, "outline.boundary"));
+  KERF_TRY(check_count(outline.holes.size(), kMaxOutlineHoles, "curves", "outline.holes"));
   for (std::size_t i = 0; i < outline.holes.size(); ++i) {
-    if (Status s = check_curve(outline.holes[i], indexed("outline.holes", i)); !s) return s;
+    KERF_TRY(check_curve(outline.holes[i], indexed("outline.holes", i)));
   }
   if (outline.edge_length != 0.0) {
-    if (Status s = check_number(outline.edge_length, kMinEdgeLength, kMaxMaterialCoordinate, "outline.edge_length_m");
-        !s) {
-      return s;
-    }
+    KERF_TRY(check_number(outline.edge_length, kMinEdgeLength, kMaxMaterialCoordinate, "outline.edge_length_m"));
   }
-  if (Status s = check_count(outline.sizes.size(), kMaxOutlineSizes, "sizes", "outline.sizes"); !s) return s;
+  KERF_TRY(check_count(outline.sizes.size(), kMaxOutlineSizes, "sizes", "outline.sizes"));
   for (std::size_t i = 0; i < outline.sizes.size(); ++i) {
-    if (Status s = check_sizing(outline.sizes[i], indexed("outline.sizes", i)); !s) return s;
+    KERF_TRY(check_sizing(outline.sizes[i], indexed("outline.sizes", i)));
   }
   return check_number(outline.min_angle_deg, kMinOutlineAngle, mesh::kMaxOutlineAngle, "outline.min_angle_deg");
 }
 
 Result<mesh::TriangleMesh> mesh_outline(const OutlineSource& outline, std::int32_t max_vertices) {
-  Result<mesh::OutlineConfig> config = OutlineFlattening(outline).run();
-  if (!config) return config.error();
-  config->max_vertices = max_vertices;
-  Result<mesh::TriangleMesh> built = mesh::mesh_outline(*config);
+  KERF_TRY_ASSIGN(mesh::OutlineConfig config, OutlineFlattening(outline).run());
+  config.max_vertices = max_vertices;
+  Result<mesh::TriangleMesh> built = mesh::mesh_outline(config);
   if (built) return built;
   Error error = built.error();
   if (error.field == "edge_length") error.field = "outline.edge_length_m";

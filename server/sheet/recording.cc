@@ -14,16 +14,14 @@ void Recorder::append(const RecordedTick& entry) {
 Status check_next(const RecordedTick& entry, std::size_t index, std::int64_t before) {
   const std::int64_t earliest = entry.commands.empty() ? before + 1 : before;
   if (entry.tick < earliest || entry.tick - before > kMaxRecordedGap) {
-    return Error{ErrorCode::kDataLoss, "RECORDING_ORDER",
-                 "entry " + std::to_string(index) + " is of tick " + std::to_string(entry.tick) + "; expected " +
-                     std::to_string(earliest) + " to " + std::to_string(before + kMaxRecordedGap),
-                 ""};
+    return data_loss("RECORDING_ORDER", "entry " + std::to_string(index) + " is of tick " + std::to_string(entry.tick) +
+                                            "; expected " + std::to_string(earliest) + " to " +
+                                            std::to_string(before + kMaxRecordedGap));
   }
   if (entry.commands.size() > kMaxTickCommands) {
-    return Error{ErrorCode::kDataLoss, "RECORDING_TICK",
-                 "entry " + std::to_string(index) + " has " + std::to_string(entry.commands.size()) +
-                     " commands; at most " + std::to_string(kMaxTickCommands) + " are done at once",
-                 ""};
+    return data_loss("RECORDING_TICK", "entry " + std::to_string(index) + " has " +
+                                           std::to_string(entry.commands.size()) + " commands; at most " +
+                                           std::to_string(kMaxTickCommands) + " are done at once");
   }
   return Nothing{};
 }
@@ -31,17 +29,15 @@ Status check_next(const RecordedTick& entry, std::size_t index, std::int64_t bef
 Status check_order(std::span<const RecordedTick> entries) {
   std::int64_t before = 0;
   for (std::size_t i = 0; i < entries.size(); ++i) {
-    if (Status s = check_next(entries[i], i, before); !s) return s;
+    KERF_TRY(check_next(entries[i], i, before));
     before = entries[i].tick;
   }
   return Nothing{};
 }
 
 Result<ReplayReport> replay(const Recording& recording) {
-  if (Status s = check_order(recording.entries); !s) return s.error();
-  Result<Sheet> created = Sheet::create(recording.config);
-  if (!created) return created.error();
-  Sheet& sheet = *created;
+  KERF_TRY(check_order(recording.entries));
+  KERF_TRY_ASSIGN(Sheet sheet, Sheet::create(recording.config));
   ReplayReport report;
   for (std::size_t i = 0; i < recording.entries.size(); ++i) {
     const RecordedTick& entry = recording.entries[i];

@@ -16,15 +16,15 @@ namespace kerf::sheet {
 namespace {
 
 Status validate_box(const MaterialBox& box, const std::string& field) {
-  if (Status s = check_vector(box.min, kMaxMaterialCoordinate, field + ".min"); !s) return s;
-  if (Status s = check_vector(box.max, kMaxMaterialCoordinate, field + ".max"); !s) return s;
+  KERF_TRY(check_vector(box.min, kMaxMaterialCoordinate, field + ".min"));
+  KERF_TRY(check_vector(box.max, kMaxMaterialCoordinate, field + ".max"));
   if (box.min.x() <= box.max.x() && box.min.y() <= box.max.y()) return Nothing{};
   return invalid_argument("BOX_INVERTED", field + ".max must not be less than min", field + ".max");
 }
 
 Status validate_line(const MaterialLine& line, const std::string& field) {
-  if (Status s = check_vector(line.a, kMaxMaterialCoordinate, field + ".a"); !s) return s;
-  if (Status s = check_vector(line.b, kMaxMaterialCoordinate, field + ".b"); !s) return s;
+  KERF_TRY(check_vector(line.a, kMaxMaterialCoordinate, field + ".a"));
+  KERF_TRY(check_vector(line.b, kMaxMaterialCoordinate, field + ".b"));
   if (line.side != MaterialLine::Side::kBoth && line.a == line.b) {
     return invalid_argument("LINE_EMPTY", field + ".b must not be a: a point has no sides", field + ".b");
   }
@@ -32,12 +32,12 @@ Status validate_line(const MaterialLine& line, const std::string& field) {
 }
 
 Status validate_curve(const MaterialCurve& curve, const std::string& field) {
-  if (Status s = check_curve(curve.curve, field + ".curve"); !s) return s;
+  KERF_TRY(check_curve(curve.curve, field + ".curve"));
   return check_number(curve.within, 0.0, kMaxMaterialCoordinate, field + ".within_m");
 }
 
 Status validate_ids(const std::vector<mesh::VertexId>& ids, const std::string& field) {
-  if (Status s = check_count(ids.size(), kMaxListedVertices, "vertex ids", field); !s) return s;
+  KERF_TRY(check_count(ids.size(), kMaxListedVertices, "vertex ids", field));
   for (std::size_t k = 0; k < ids.size(); ++k) {
     if (ids[k] < 0) return check_vertex_id(ids[k], field + "[" + std::to_string(k) + "]");
   }
@@ -243,10 +243,10 @@ Status validate(const Region& region, const std::string& field) {
 }
 
 Status validate(const std::vector<Region>& regions, const std::string& field) {
-  if (Status s = check_count(regions.size(), kMaxRegions, "regions", field); !s) return s;
+  KERF_TRY(check_count(regions.size(), kMaxRegions, "regions", field));
   std::size_t num_ids = 0;
   for (std::size_t i = 0; i < regions.size(); ++i) {
-    if (Status s = validate(regions[i], field + "[" + std::to_string(i) + "]"); !s) return s;
+    KERF_TRY(validate(regions[i], field + "[" + std::to_string(i) + "]"));
     const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&regions[i]);
     if (ids != nullptr) num_ids += ids->size();
   }
@@ -256,7 +256,7 @@ Status validate(const std::vector<Region>& regions, const std::string& field) {
 Result<std::vector<mesh::VertexId>> find_vertices(const mesh::TriangleMesh& mesh, const Region& region,
                                                   const std::string& field) {
   std::vector<mesh::VertexId> found;
-  if (Status s = add_region(mesh, region, field, found); !s) return s.error();
+  KERF_TRY(add_region(mesh, region, field, found));
   sort_unique(found);
   return found;
 }
@@ -275,7 +275,7 @@ Result<std::vector<mesh::VertexId>> find_pins(const mesh::TriangleMesh& mesh, co
   for (std::size_t i = 0; i < regions.size(); ++i) {
     const std::string path = field + "[" + std::to_string(i) + "]";
     const std::size_t before = found.size();
-    if (Status s = add_region(mesh, regions[i], path, found); !s) return s.error();
+    KERF_TRY(add_region(mesh, regions[i], path, found));
     if (found.size() == before) return no_vertex_in(path);
   }
   sort_unique(found);
@@ -318,9 +318,8 @@ Result<std::vector<mesh::TriangleId>> find_triangles(const mesh::TriangleMesh& m
   };
   const auto within = [&mesh](const auto& holds) -> Triangles { return triangles_where(mesh, holds); };
   const auto listed = [&]() -> Triangles {
-    Result<std::vector<mesh::VertexId>> vertices = find_vertices(mesh, region, field);
-    if (!vertices) return vertices.error();
-    return triangles_in(mesh, *vertices);
+    KERF_TRY_ASSIGN(std::vector<mesh::VertexId> vertices, find_vertices(mesh, region, field));
+    return triangles_in(mesh, vertices);
   };
   return std::visit(
       Overloaded{

@@ -295,33 +295,27 @@ Sheet& Sheet::operator=(Sheet&&) noexcept = default;
 Sheet::~Sheet() = default;
 
 Result<Sheet> Sheet::create(SheetConfig config, IntegratorFactory make_integrator) {
-  if (Status s = validate(config); !s) return s.error();
-  Result<BuiltMesh> built = build_mesh(config.mesh, config.placement, config.max_vertices);
-  if (!built) return built.error();
-  if (built->mesh.num_vertices() > config.max_vertices) {
-    return Error{ErrorCode::kResourceExhausted, "TOO_MANY_VERTICES",
-                 "the sheet has " + std::to_string(built->mesh.num_vertices()) + " vertices; its limit is " +
-                     std::to_string(config.max_vertices),
-                 ""};
+  KERF_TRY(validate(config));
+  KERF_TRY_ASSIGN(BuiltMesh built, build_mesh(config.mesh, config.placement, config.max_vertices));
+  if (built.mesh.num_vertices() > config.max_vertices) {
+    return resource_exhausted("TOO_MANY_VERTICES", "the sheet has " + std::to_string(built.mesh.num_vertices()) +
+                                                       " vertices; its limit is " +
+                                                       std::to_string(config.max_vertices));
   }
-  if (Status s = check_vertex_limit(config.integrator, built->mesh.num_vertices()); !s) return s.error();
-  Result<std::vector<mesh::VertexId>> pinned = find_pins(built->mesh, config.pins, "pins");
-  if (!pinned) return pinned.error();
-  Result<SheetMaterials> assigned = assign_materials(config, built->mesh);
-  if (!assigned) return assigned.error();
-  const auto materials = std::make_shared<const SheetMaterials>(std::move(assigned).value());
+  KERF_TRY(check_vertex_limit(config.integrator, built.mesh.num_vertices()));
+  KERF_TRY_ASSIGN(std::vector<mesh::VertexId> pinned, find_pins(built.mesh, config.pins, "pins"));
+  KERF_TRY_ASSIGN(SheetMaterials assigned, assign_materials(config, built.mesh));
+  const auto materials = std::make_shared<const SheetMaterials>(std::move(assigned));
   auto shared = std::make_shared<const SheetConfig>(std::move(config));
-  Result<HeldVertices> held = HeldVertices::create(shared, *built);
-  if (!held) return held.error();
-  Result<AppliedForces> applied = AppliedForces::create(shared, *built);
-  if (!applied) return applied.error();
-  Eigen::Matrix3Xd velocities = initial_velocities(*shared, *built, materials->by_region);
-  const std::optional<fem::Softening> softening = choose_softening(*shared, built->mesh, materials->by_region);
-  auto initial = std::make_shared<const InitialState>(
-      InitialState{std::move(built).value(), materials, softening, std::move(velocities), std::move(pinned).value(),
-                   std::move(held).value(), std::move(applied).value()});
+  KERF_TRY_ASSIGN(HeldVertices held, HeldVertices::create(shared, built));
+  KERF_TRY_ASSIGN(AppliedForces applied, AppliedForces::create(shared, built));
+  Eigen::Matrix3Xd velocities = initial_velocities(*shared, built, materials->by_region);
+  const std::optional<fem::Softening> softening = choose_softening(*shared, built.mesh, materials->by_region);
+  auto initial =
+      std::make_shared<const InitialState>(InitialState{std::move(built), materials, softening, std::move(velocities),
+                                                        std::move(pinned), std::move(held), std::move(applied)});
   Sheet sheet(std::make_unique<Impl>(std::move(shared), std::move(initial), std::move(make_integrator)));
-  if (Status s = check_condition(*sheet.impl_->config, sheet.model(), "material"); !s) return s.error();
+  KERF_TRY(check_condition(*sheet.impl_->config, sheet.model(), "material"));
   return sheet;
 }
 

@@ -38,13 +38,12 @@ fem::Model make_model(const SheetConfig& config, const mesh::TriangleMesh& mesh,
 Status Sheet::Impl::set_material(const SetMaterial& change) {
   SetMaterial wanted = change;
   if (config->planar) wanted.material = fem::without_bending(wanted.material);
-  Result<SheetMaterials> changed = with_material(*materials, wanted);
-  if (!changed) return changed.error();
-  const std::optional<fem::Softening> chosen = choose_softening(*config, initial->built.mesh, changed->by_region);
-  fem::Model made = make_model(*config, mesh, changed->by_region, chosen);
+  KERF_TRY_ASSIGN(SheetMaterials changed, with_material(*materials, wanted));
+  const std::optional<fem::Softening> chosen = choose_softening(*config, initial->built.mesh, changed.by_region);
+  fem::Model made = make_model(*config, mesh, changed.by_region, chosen);
   if (held_vertices.has_slopes()) made.set_clamps(mesh, held_vertices.clamps(now));
-  if (Status s = check_condition(*config, made, "set_material.material"); !s) return s;
-  materials = std::make_shared<const SheetMaterials>(std::move(changed).value());
+  KERF_TRY(check_condition(*config, made, "set_material.material"));
+  materials = std::make_shared<const SheetMaterials>(std::move(changed));
   softening = chosen;
   model = std::move(made);
   last_counts.reset();

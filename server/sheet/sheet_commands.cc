@@ -18,7 +18,7 @@ namespace {
 constexpr double kTangentialShare = 1.0 / 60.0;
 
 Error unknown_grab(const std::string& grab_id, const std::string& field) {
-  return {ErrorCode::kNotFound, "GRAB_NOT_FOUND", "the sheet has no grab \"" + grab_id + "\"", field};
+  return not_found("GRAB_NOT_FOUND", "the sheet has no grab \"" + grab_id + "\"", field);
 }
 
 std::string millimetres(double metres) {
@@ -47,9 +47,9 @@ std::vector<std::string> warnings_of(const cut::CutReport& report, const std::ve
 
 Result<CommandReply> Sheet::Impl::do_command(const Command& command, const CommandContext& context) {
   rest.disturb();
-  if (Status s = validate(command); !s) return s.error();
+  KERF_TRY(validate(command));
   const auto plain = [this](const Status& done) -> Result<CommandReply> {
-    if (!done) return done.error();
+    KERF_TRY(done);
     return plain_reply();
   };
   return std::visit(Overloaded{
@@ -122,12 +122,10 @@ double Sheet::Impl::rest_mass() const {
 
 Status Sheet::Impl::grab(const Grab& grab) {
   if (find_grab(grab.grab_id) != grabs.end()) {
-    return Error{ErrorCode::kAlreadyExists, "GRAB_EXISTS", "the sheet already has a grab \"" + grab.grab_id + "\"",
-                 "grab.grab_id"};
+    return already_exists("GRAB_EXISTS", "the sheet already has a grab \"" + grab.grab_id + "\"", "grab.grab_id");
   }
   if (grabs.size() >= kMaxGrabs) {
-    return Error{ErrorCode::kResourceExhausted, "TOO_MANY_GRABS", "a sheet has at most 64 grabs; release one first",
-                 "grab.grab_id"};
+    return resource_exhausted("TOO_MANY_GRABS", "a sheet has at most 64 grabs; release one first", "grab.grab_id");
   }
   GrabState held;
   held.grab_id = grab.grab_id;
@@ -179,9 +177,8 @@ Status Sheet::Impl::release(const Release& release) {
 }
 
 Status Sheet::Impl::set_pins(const SetPins& pins) {
-  Result<std::vector<mesh::VertexId>> found = find_pins(mesh, pins.pins, "set_pins.pins");
-  if (!found) return found.error();
-  pin(std::move(found).value());
+  KERF_TRY_ASSIGN(std::vector<mesh::VertexId> found, find_pins(mesh, pins.pins, "set_pins.pins"));
+  pin(std::move(found));
   pins_version = ++last_pins_version;
   ++settings_version;
   return Nothing{};

@@ -17,8 +17,8 @@ constexpr std::size_t kMaxDescriptionBytes = 1000;
 constexpr std::int64_t kMaxTicks = 10'000'000;
 
 Status validate_source(const GridSource& grid) {
-  if (Status s = check_integer(grid.columns, 2, kMaxGridSide, "grid.columns"); !s) return s;
-  if (Status s = check_integer(grid.rows, 2, kMaxGridSide, "grid.rows"); !s) return s;
+  KERF_TRY(check_integer(grid.columns, 2, kMaxGridSide, "grid.columns"));
+  KERF_TRY(check_integer(grid.rows, 2, kMaxGridSide, "grid.rows"));
   const std::int64_t num_vertices = std::int64_t{grid.columns} * grid.rows;
   if (num_vertices > kMaxVertices) {
     return invalid_argument(
@@ -26,7 +26,7 @@ Status validate_source(const GridSource& grid) {
         "grid has " + std::to_string(num_vertices) + " vertices; the limit is " + std::to_string(kMaxVertices),
         "grid.rows");
   }
-  if (Status s = check_number(grid.width, kMinExtent, kMaxMaterialCoordinate, "grid.width_m"); !s) return s;
+  KERF_TRY(check_number(grid.width, kMinExtent, kMaxMaterialCoordinate, "grid.width_m"));
   return check_number(grid.height, kMinExtent, kMaxMaterialCoordinate, "grid.height_m");
 }
 
@@ -44,7 +44,7 @@ Status validate_source(const ArraySource& arrays) {
   const Eigen::Index num_vertices = arrays.num_vertices();
   const bool is_curved = arrays.rest_positions.cols() > 0;
   const std::string field = is_curved ? "inline.rest_positions" : "inline.material_positions";
-  if (Status s = check_integer(num_vertices, 3, kMaxVertices, field); !s) return s;
+  KERF_TRY(check_integer(num_vertices, 3, kMaxVertices, field));
   if (const Eigen::Index given = arrays.material_positions.cols(); given != num_vertices && given != 0) {
     return invalid_argument("LENGTH_MISMATCH",
                             "inline.material_positions has " + std::to_string(given) + " points; must have none or " +
@@ -54,9 +54,7 @@ Status validate_source(const ArraySource& arrays) {
   if (arrays.triangles.cols() == 0) {
     return invalid_argument("EMPTY", "inline.triangles must not be empty", "inline.triangles");
   }
-  if (Status s = check_integer(arrays.triangles.cols(), 1, 2 * std::int64_t{kMaxVertices}, "inline.triangles"); !s) {
-    return s;
-  }
+  KERF_TRY(check_integer(arrays.triangles.cols(), 1, 2 * std::int64_t{kMaxVertices}, "inline.triangles"));
   const Eigen::Index num_positions = arrays.positions.cols();
   if (num_positions != 0 && num_positions != num_vertices) {
     return invalid_argument("LENGTH_MISMATCH",
@@ -80,23 +78,23 @@ Status validate_source(const OutlineSource& outline) {
 }
 
 Status check_unit(const Eigen::Vector3d& axis, const std::string& field) {
-  if (Status s = check_vector(axis, kMaxWorldCoordinate, field); !s) return s;
+  KERF_TRY(check_vector(axis, kMaxWorldCoordinate, field));
   if (std::abs(axis.norm() - 1.0) <= kAxisTolerance) return Nothing{};
   return invalid_argument(
       "NOT_UNIT", field + " has length " + std::to_string(axis.norm()) + "; must have length 1 (to 1e-6)", field);
 }
 
 Status validate_placement(const Placement& placement) {
-  if (Status s = check_vector(placement.origin, kMaxWorldCoordinate, "placement.origin"); !s) return s;
-  if (Status s = check_unit(placement.x_axis, "placement.x_axis"); !s) return s;
-  if (Status s = check_unit(placement.y_axis, "placement.y_axis"); !s) return s;
+  KERF_TRY(check_vector(placement.origin, kMaxWorldCoordinate, "placement.origin"));
+  KERF_TRY(check_unit(placement.x_axis, "placement.x_axis"));
+  KERF_TRY(check_unit(placement.y_axis, "placement.y_axis"));
   if (std::abs(placement.x_axis.dot(placement.y_axis)) <= kAxisTolerance) return Nothing{};
   return invalid_argument("NOT_PERPENDICULAR", "placement.y_axis must be perpendicular to x_axis (to 1e-6)",
                           "placement.y_axis");
 }
 
 Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
-  if (Status s = check_count(commands.size(), kMaxScheduledCommands, "commands", "commands"); !s) return s;
+  KERF_TRY(check_count(commands.size(), kMaxScheduledCommands, "commands", "commands"));
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const std::string field = indexed("commands", i);
     if (commands[i].tick < 1) {
@@ -139,31 +137,31 @@ Status validate(const SheetConfig& config) {
   if (!config.sheet_id.empty() && !is_valid_sheet_id(config.sheet_id)) {
     return invalid_argument("SHEET_ID", "sheet_id must match [a-z][a-z0-9-]{0,62}", "sheet_id");
   }
-  if (Status s = std::visit([](const auto& source) { return validate_source(source); }, config.mesh); !s) return s;
-  if (Status s = fem::validate(config.material); !s) return s;
-  if (Status s = validate(config.materials, config.material); !s) return s;
-  if (Status s = validate_placement(config.placement); !s) return s;
-  if (Status s = validate(config.pins, "pins"); !s) return s;
-  if (Status s = check_length(config.gravity, kMaxGravity, "gravity_mps2"); !s) return s;
-  if (Status s = validate(config.wind, "wind"); !s) return s;
-  if (Status s = check_count(config.colliders.size(), kMaxColliders, "colliders", "colliders"); !s) return s;
+  KERF_TRY(std::visit([](const auto& source) { return validate_source(source); }, config.mesh));
+  KERF_TRY(fem::validate(config.material));
+  KERF_TRY(validate(config.materials, config.material));
+  KERF_TRY(validate_placement(config.placement));
+  KERF_TRY(validate(config.pins, "pins"));
+  KERF_TRY(check_length(config.gravity, kMaxGravity, "gravity_mps2"));
+  KERF_TRY(validate(config.wind, "wind"));
+  KERF_TRY(check_count(config.colliders.size(), kMaxColliders, "colliders", "colliders"));
   for (std::size_t i = 0; i < config.colliders.size(); ++i) {
-    if (Status s = contact::validate(config.colliders[i], indexed("colliders", i)); !s) return s;
+    KERF_TRY(contact::validate(config.colliders[i], indexed("colliders", i)));
   }
-  if (Status s = validate(config.constraints); !s) return s;
-  if (Status s = validate(config.loads); !s) return s;
-  if (Status s = validate(config.gravity_history, "gravity_history"); !s) return s;
+  KERF_TRY(validate(config.constraints));
+  KERF_TRY(validate(config.loads));
+  KERF_TRY(validate(config.gravity_history, "gravity_history"));
   if (config.initial_velocity) {
-    if (Status s = validate(*config.initial_velocity); !s) return s;
+    KERF_TRY(validate(*config.initial_velocity));
   }
-  if (Status s = validate(config.analysis); !s) return s;
-  if (Status s = validate(config.probes); !s) return s;
-  if (Status s = check_number(config.tick_rate_hz, 1.0, 1000.0, "tick_rate_hz"); !s) return s;
-  if (Status s = validate(config.integrator); !s) return s;
-  if (Status s = check_integer(config.max_vertices, 3, kMaxVertices, "max_vertices"); !s) return s;
-  if (Status s = validate_schedule(config.commands); !s) return s;
-  if (Status s = check_integer(config.ticks, 0, kMaxTicks, "ticks"); !s) return s;
-  if (Status s = check_integer(config.repeat_after, 0, kMaxTicks, "repeat_after_ticks"); !s) return s;
+  KERF_TRY(validate(config.analysis));
+  KERF_TRY(validate(config.probes));
+  KERF_TRY(check_number(config.tick_rate_hz, 1.0, 1000.0, "tick_rate_hz"));
+  KERF_TRY(validate(config.integrator));
+  KERF_TRY(check_integer(config.max_vertices, 3, kMaxVertices, "max_vertices"));
+  KERF_TRY(validate_schedule(config.commands));
+  KERF_TRY(check_integer(config.ticks, 0, kMaxTicks, "ticks"));
+  KERF_TRY(check_integer(config.repeat_after, 0, kMaxTicks, "repeat_after_ticks"));
   return check_count(config.description.size(), kMaxDescriptionBytes, "bytes", "description");
 }
 

@@ -67,18 +67,16 @@ class Origins {
 }  // namespace
 
 Result<CommandReply> Sheet::Impl::cut(const Cut& cut, const CommandContext& context) {
-  Result<std::vector<CutReply>> replies = do_cuts({&cut, 1}, false, context);
-  if (!replies) return replies.error();
+  KERF_TRY_ASSIGN(std::vector<CutReply> replies, do_cuts({&cut, 1}, false, context));
   CommandReply reply = plain_reply();
-  reply.cut = std::move(replies->front());
+  reply.cut = std::move(replies.front());
   return reply;
 }
 
 Result<CommandReply> Sheet::Impl::cut_batch(const CutBatch& batch, const CommandContext& context) {
-  Result<std::vector<CutReply>> replies = do_cuts(batch.cuts, true, context);
-  if (!replies) return replies.error();
+  KERF_TRY_ASSIGN(std::vector<CutReply> replies, do_cuts(batch.cuts, true, context));
   CommandReply reply = plain_reply();
-  reply.batch = std::move(*replies);
+  reply.batch = std::move(replies);
   return reply;
 }
 
@@ -179,24 +177,22 @@ void Sheet::Impl::follow(const std::vector<DoneCut>& cuts, PhaseObserver* observ
 }
 
 Result<CommandReply> Sheet::Impl::undo_cut(const CommandContext& context) {
-  const Result<std::shared_ptr<const UndoStep>> step = history.take_done();
-  if (!step) return step.error();
-  if ((*step)->before_reset) {
-    restore(*(*step)->before_reset);
+  KERF_TRY_ASSIGN(const std::shared_ptr<const UndoStep> step, history.take_done());
+  if (step->before_reset) {
+    restore(*step->before_reset);
   } else {
-    take_back((*step)->cuts, context);
+    take_back(step->cuts, context);
   }
-  return undo_reply(**step);
+  return undo_reply(*step);
 }
 
 Result<CommandReply> Sheet::Impl::redo_cut(const CommandContext& context) {
-  const Result<std::shared_ptr<const UndoStep>> step = history.take_undone();
-  if (!step) return step.error();
-  if ((*step)->before_reset) {
-    redo_reset(**step);
-    return undo_reply(**step);
+  KERF_TRY_ASSIGN(const std::shared_ptr<const UndoStep> step, history.take_undone());
+  if (step->before_reset) {
+    redo_reset(*step);
+    return undo_reply(*step);
   }
-  const std::vector<DoneCut>& cuts = (*step)->cuts;
+  const std::vector<DoneCut>& cuts = step->cuts;
   {
     const StageScope scope(context.observer, Stage::kCut, context.index);
     for (const DoneCut& cut : cuts) {
@@ -207,7 +203,7 @@ Result<CommandReply> Sheet::Impl::redo_cut(const CommandContext& context) {
   const StageScope scope(context.observer, Stage::kModelUpdate, context.index);
   follow(cuts, context.observer);
   num_cuts += static_cast<std::int64_t>(cuts.size());
-  return undo_reply(**step);
+  return undo_reply(*step);
 }
 
 void Sheet::Impl::take_back(const std::vector<DoneCut>& cuts, const CommandContext& context) {
@@ -291,8 +287,8 @@ void Sheet::Impl::finish_edit(std::vector<mesh::VertexId> now_pinned, std::span<
 
 CommandReply Sheet::Impl::undo_reply(const UndoStep& step) const {
   UndoReply undone;
-  for (const DoneCut& cut : step.cuts) undone.cuts.push_back(cut.number);
-  undone.reset = step.before_reset != nullptr;
+  for (const DoneCut& cut : step->cuts) undone.cuts.push_back(cut.number);
+  undone.reset = step->before_reset != nullptr;
   undone.pieces = mesh.num_pieces();
   undone.undo_steps = static_cast<std::int32_t>(history.num_done());
   undone.redo_steps = static_cast<std::int32_t>(history.num_undone());

@@ -34,17 +34,17 @@ std::int32_t number_of(const fem::Material& material, std::vector<fem::Material>
 }  // namespace
 
 Status validate(const std::vector<RegionMaterial>& materials, const fem::Material& own) {
-  if (Status s = check_count(materials.size(), kMaxRegions, "regions", "materials"); !s) return s;
+  KERF_TRY(check_count(materials.size(), kMaxRegions, "regions", "materials"));
   std::vector<fem::Material> different{own};
   std::size_t num_ids = 0;
   for (std::size_t i = 0; i < materials.size(); ++i) {
-    if (Status s = validate(materials[i].region, path_of(i) + ".region"); !s) return s;
-    if (Status s = fem::validate(materials[i].material, path_of(i) + ".material"); !s) return s;
+    KERF_TRY(validate(materials[i].region, path_of(i) + ".region"));
+    KERF_TRY(fem::validate(materials[i].material, path_of(i) + ".material"));
     number_of(materials[i].material, different);
     const auto* ids = std::get_if<std::vector<mesh::VertexId>>(&materials[i].region);
     if (ids != nullptr) num_ids += ids->size();
   }
-  if (Status s = check_count(num_ids, kMaxListedVertices, "vertex ids", "materials"); !s) return s;
+  KERF_TRY(check_count(num_ids, kMaxListedVertices, "vertex ids", "materials"));
   if (different.size() <= kMaxMaterials) return Nothing{};
   return invalid_argument("TOO_MANY_MATERIALS",
                           "the sheet has " + std::to_string(different.size()) +
@@ -70,13 +70,12 @@ Result<SheetMaterials> assign_materials(SheetConfig& config, mesh::TriangleMesh&
   std::vector<std::int32_t> numbers(static_cast<std::size_t>(mesh.num_triangle_slots()), 0);
   for (std::size_t i = 0; i < config.materials.size(); ++i) {
     const std::string field = path_of(i) + ".region";
-    const Result<std::vector<mesh::TriangleId>> found = find_triangles(mesh, config.materials[i].region, field);
-    if (!found) return found.error();
-    if (found->empty()) {
+    KERF_TRY_ASSIGN(const std::vector<mesh::TriangleId> found, find_triangles(mesh, config.materials[i].region, field));
+    if (found.empty()) {
       return invalid_argument("REGION_EMPTY", field + " has no triangle of the sheet in it", field);
     }
     const std::int32_t number = number_of(config.materials[i].material, given);
-    for (const mesh::TriangleId t : *found) numbers[static_cast<std::size_t>(t)] = number;
+    for (const mesh::TriangleId t : found) numbers[static_cast<std::size_t>(t)] = number;
     assigned.region_of.push_back(number);
   }
   std::vector<fem::Material>& used = assigned.by_region;
@@ -113,11 +112,12 @@ Result<SheetMaterials> with_material(const SheetMaterials& materials, const SetM
   if (region == SheetMaterials::kNowhere) return changed;
   for (std::size_t other = 0; other < changed.entries.size(); ++other) {
     if (other == entry || changed.region_of[other] != region) continue;
-    return Error{ErrorCode::kFailedPrecondition, "MATERIAL_SHARED",
-                 part_name(entry) + " and " + part_name(other) +
-                     " had the same material when the sheet was made and are one since; leave out the part to set all "
-                     "of the sheet, or make the sheet with different ones",
-                 "set_material.part"};
+    return failed_precondition(
+        "MATERIAL_SHARED",
+        part_name(entry) + " and " + part_name(other) +
+            " had the same material when the sheet was made and are one since; leave out the part to set all "
+            "of the sheet, or make the sheet with different ones",
+        "set_material.part");
   }
   changed.by_region[static_cast<std::size_t>(region)] = change.material;
   return changed;

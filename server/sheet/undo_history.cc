@@ -25,7 +25,7 @@ std::size_t bytes_of(const DoneCut& cut) {
 }
 
 Error nothing(const char* reason, const char* message) {
-  return {ErrorCode::kFailedPrecondition, reason, message, ""};
+  return failed_precondition(reason, message);
 }
 
 }  // namespace

@@ -30,18 +30,16 @@ wire::EndReason end_reason(sheet::SinkEnd end) {
 
 Result<std::shared_ptr<Subscriber>> Channel::subscribe(const SubscriberOptions& options, std::function<void()> ready) {
   auto subscriber = std::make_shared<Subscriber>(shared_from_this(), options, std::move(ready));
-  if (const Status status = admit(subscriber, options.strains); !status.ok()) return status.error();
+  KERF_TRY(admit(subscriber, options.strains));
   return subscriber;
 }
 
 Status Channel::admit(const std::shared_ptr<Reader>& reader, bool wants_strains) {
   const std::lock_guard lock(mutex_);
-  if (end_) return Error{ErrorCode::kUnavailable, "CHANNEL_ENDED", "the sheet is gone or the server is stopping", {}};
+  if (end_) return unavailable("CHANNEL_ENDED", "the sheet is gone or the server is stopping");
   if (num_subscribers_ >= max_subscribers_) {
-    return Error{ErrorCode::kResourceExhausted,
-                 "TOO_MANY_SUBSCRIBERS",
-                 "this sheet has " + std::to_string(max_subscribers_) + " viewers, as many as it may have",
-                 {}};
+    return resource_exhausted("TOO_MANY_SUBSCRIBERS", "this sheet has " + std::to_string(max_subscribers_) +
+                                                          " viewers, as many as it may have");
   }
   auto readers = std::make_shared<Readers>(*readers_);
   readers->push_back({reader.get(), reader, true, wants_strains});

@@ -83,9 +83,8 @@ Subscriber::Next Subscriber::end_now(wire::EndReason reason) {
 Status Subscriber::acknowledge(std::int64_t sequence, Nanoseconds now, Nanoseconds held) {
   {
     const std::lock_guard lock(mutex_);
-    const Result<bool> opened = flow_.acknowledge(sequence, now, held);
-    if (!opened.ok()) return opened.error();
-    if (!*opened || ended_ || left_) return Nothing{};
+    KERF_TRY_ASSIGN(const bool opened, flow_.acknowledge(sequence, now, held));
+    if (!opened || ended_ || left_) return Nothing{};
   }
   ready_();
   return Nothing{};

@@ -38,7 +38,7 @@ Result<Drawing> read(std::string_view text) {
   Affine to_sheet;
   to_sheet.linear = Eigen::Vector2d(kPixelM, -kPixelM).asDiagonal();
   Walk walk(root, to_sheet);
-  if (const Status status = walk.run(); !status.ok()) return status.error();
+  KERF_TRY(walk.run());
   Drawing drawing{walk.take_path(), walk.not_cut()};
   if (drawing.path.subpaths.empty()) {
     std::string why = "there is no outline to cut in the drawing";

@@ -35,8 +35,7 @@ constexpr std::array<std::string_view, 7> kReferences{
 };
 
 Error too_complex(const std::string& what) {
-  return {ErrorCode::kResourceExhausted, "SVG_TOO_COMPLEX", "the drawing has " + what + "; simplify it",
-          "cut.curve.svg"};
+  return resource_exhausted("SVG_TOO_COMPLEX", "the drawing has " + what + "; simplify it", "cut.curve.svg");
 }
 
 Error too_deep() {
@@ -62,7 +61,7 @@ Walk::Walk(const pugi::xml_node& root, const Affine& to_sheet) : root_(root), to
 }
 
 Status Walk::run() {
-  if (Status s = index_ids(); !s) return s;
+  KERF_TRY(index_ids());
   Context context;
   context.to_sheet = to_sheet_;
   // The outermost viewport: as large as the view box where width and height say nothing else, or 300 x 150 as in HTML.
@@ -126,7 +125,7 @@ Status Walk::count_visit(const pugi::xml_node& node) {
 }
 
 Status Walk::visit(const pugi::xml_node& node, const Context& inherited) {
-  if (Status s = count_visit(node); !s) return s;
+  KERF_TRY(count_visit(node));
   if (inherited.depth > kMaxDepth) return too_deep();
   const std::string_view name = name_of(node);
   if (name.empty() || contains(kSilent, name)) return Nothing{};
@@ -179,7 +178,7 @@ Status Walk::visit_shown(const pugi::xml_node& node, std::string_view name, cons
 Status Walk::visit_children(const pugi::xml_node& node, const Context& context) {
   for (const pugi::xml_node& child : node.children()) {
     if (child.type() != pugi::node_element) continue;
-    if (Status s = visit(child, context); !s) return s;
+    KERF_TRY(visit(child, context));
   }
   return Nothing{};
 }
@@ -187,7 +186,7 @@ Status Walk::visit_children(const pugi::xml_node& node, const Context& context) 
 // The first child that asks for nothing special.
 Status Walk::visit_switch(const pugi::xml_node& node, const Context& context) {
   for (const pugi::xml_node& child : node.children()) {
-    if (Status s = count_visit(child); !s) return s;
+    KERF_TRY(count_visit(child));
     if (child.type() != pugi::node_element || name_of(child).empty()) continue;
     const std::string_view language = child.attribute("systemLanguage").value();
     const bool english = language.empty() || language.substr(0, 2) == "en";

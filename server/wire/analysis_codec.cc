@@ -110,9 +110,7 @@ Result<sheet::Probe> decode_probe(const v1::Probe& message, const std::string& p
   probe.quantity = *quantity;
   for (const v1::Vec2& point : message.points()) probe.points.push_back(decode_vector(point));
   if (message.has_region()) {
-    Result<sheet::Region> region = decode_region(message.region(), path + ".region");
-    if (!region) return region.error();
-    probe.region = std::move(region).value();
+    KERF_TRY_ASSIGN(probe.region, decode_region(message.region(), path + ".region"));
   }
   if (message.reduce() == v1::Probe::REDUCE_UNSPECIFIED) {
     const Reduce of_region = *quantity == Quantity::kReaction ? Reduce::kSum : Reduce::kMean;
@@ -123,13 +121,8 @@ Result<sheet::Probe> decode_probe(const v1::Probe& message, const std::string& p
     probe.reduce = *reduce;
   }
   if (message.has_side()) probe.side = decode_vector(message.side());
-  if (Status s = decode_choice(kRecoveries, message.recovery(), path + ".recovery", probe.recovery); !s) {
-    return s.error();
-  }
-  if (Status s = decode_choice(kStressMeasures, message.stress_measure(), path + ".stress_measure", probe.measure);
-      !s) {
-    return s.error();
-  }
+  KERF_TRY(decode_choice(kRecoveries, message.recovery(), path + ".recovery", probe.recovery));
+  KERF_TRY(decode_choice(kStressMeasures, message.stress_measure(), path + ".stress_measure", probe.measure));
   return probe;
 }
 
@@ -148,17 +141,14 @@ void encode_probe(const sheet::Probe& probe, v1::Probe& message) {
 
 Result<sheet::Analysis> decode_analysis(const v1::Analysis& message) {
   if (message.has_static_()) {
-    Result<sheet::StaticAnalysis> analysis = decode_static(message.static_(), "analysis.static");
-    if (!analysis) return analysis.error();
-    return sheet::Analysis(std::move(analysis).value());
+    KERF_TRY_ASSIGN(sheet::StaticAnalysis analysis, decode_static(message.static_(), "analysis.static"));
+    return sheet::Analysis(std::move(analysis));
   }
   if (!message.has_modes()) return sheet::Analysis(decode_dynamic(message.dynamic()));
   sheet::ModalAnalysis modes;
   if (message.modes().count() != 0) modes.count = message.modes().count();
   if (message.modes().has_about()) {
-    Result<sheet::StaticAnalysis> about = decode_static(message.modes().about(), "analysis.modes.about");
-    if (!about) return about.error();
-    modes.about = std::move(about).value();
+    KERF_TRY_ASSIGN(modes.about, decode_static(message.modes().about(), "analysis.modes.about"));
   }
   return sheet::Analysis(std::move(modes));
 }
@@ -166,9 +156,8 @@ Result<sheet::Analysis> decode_analysis(const v1::Analysis& message) {
 Result<std::vector<sheet::Probe>> decode_probes(const google::protobuf::RepeatedPtrField<v1::Probe>& messages) {
   std::vector<sheet::Probe> probes;
   for (int i = 0; i < messages.size(); ++i) {
-    Result<sheet::Probe> probe = decode_probe(messages[i], "probes[" + std::to_string(i) + "]");
-    if (!probe) return probe.error();
-    probes.push_back(std::move(probe).value());
+    KERF_TRY_ASSIGN(sheet::Probe probe, decode_probe(messages[i], "probes[" + std::to_string(i) + "]"));
+    probes.push_back(std::move(probe));
   }
   return probes;
 }
@@ -205,17 +194,14 @@ v1::DynamicResult encode_dynamics(const analysis::DynamicStats& stats) {
 }
 
 Status decode_analysis(const v1::Scene& scene, sheet::SheetConfig& config) {
-  Result<sheet::Analysis> analysis = decode_analysis(scene.analysis());
-  if (!analysis) return analysis.error();
+  KERF_TRY_ASSIGN(sheet::Analysis analysis, decode_analysis(scene.analysis()));
   if (scene.analysis().dynamic().ticks() != 0) {
     return invalid_argument("TICKS_TWICE",
                             "analysis.dynamic.ticks is of AnalyzeSheet; a scene says it by its own ticks",
                             "analysis.dynamic.ticks");
   }
-  config.analysis = std::move(analysis).value();
-  Result<std::vector<sheet::Probe>> probes = decode_probes(scene.probes());
-  if (!probes) return probes.error();
-  config.probes = std::move(probes).value();
+  config.analysis = std::move(analysis);
+  KERF_TRY_ASSIGN(config.probes, decode_probes(scene.probes()));
   return Nothing{};
 }
 

@@ -14,7 +14,7 @@ namespace kerf::wire {
 namespace {
 
 Result<sheet::Command> checked(sheet::Command command) {
-  if (const Status status = sheet::validate(command); !status.ok()) return status.error();
+  KERF_TRY(sheet::validate(command));
   return command;
 }
 
@@ -174,29 +174,24 @@ Result<sheet::Command> decode_cuts(const google::protobuf::RepeatedPtrField<v1::
 }
 
 Result<sheet::Command> decode_cut(const v1::Cut& message, const FileReader& read_file) {
-  Result<DecodedCurve> decoded = decode_curve(message.curve(), "cut.curve", read_file);
-  if (!decoded.ok()) return decoded.error();
+  KERF_TRY_ASSIGN(DecodedCurve decoded, decode_curve(message.curve(), "cut.curve", read_file));
   sheet::Cut cut;
-  cut.curve = std::move(decoded->curve);
-  cut.remarks = std::move(decoded->remarks);
+  cut.curve = std::move(decoded.curve);
+  cut.remarks = std::move(decoded.remarks);
   if (message.tolerance() != 0.0) cut.tolerance = message.tolerance();
   if (message.min_angle_deg() != 0.0) cut.min_angle_deg = message.min_angle_deg();
   if (message.max_new_triangles() != 0) cut.max_new_triangles = message.max_new_triangles();
   if (message.has_fit()) {
-    const Result<cut::Fit> fit = decode_fit(message.fit());
-    if (!fit.ok()) return fit.error();
-    cut.fit = *fit;
-  } else if (decoded->is_drawing) {
+    KERF_TRY_ASSIGN(cut.fit, decode_fit(message.fit()));
+  } else if (decoded.is_drawing) {
     cut.fit = cut::Fit{};
   }
   cut.dash = {{message.dash().begin(), message.dash().end()}, message.dash_offset()};
   if (message.has_view()) {
-    const Result<cut::View> view = decode_view(message.view(), "cut.view");
-    if (!view.ok()) return view.error();
-    cut.view = *view;
+    KERF_TRY_ASSIGN(cut.view, decode_view(message.view(), "cut.view"));
   }
-  if (Status s = decode_method(message, cut); !s.ok()) return s.error();
-  if (Status s = decode_quality(message, cut); !s.ok()) return s.error();
+  KERF_TRY(decode_method(message, cut));
+  KERF_TRY(decode_quality(message, cut));
   if (message.tolerance_m() != 0.0) cut.tolerance_m = message.tolerance_m();
   if (message.tip_edge_length_m() != 0.0) cut.tip_edge_length = message.tip_edge_length_m();
   if (message.tip_grading() != 0.0) cut.tip_grading = message.tip_grading();
@@ -233,9 +228,8 @@ Result<sheet::Command> decode_release(const v1::Release& message) {
 }
 
 Result<sheet::Command> decode_set_pins(const v1::SetPins& message) {
-  Result<std::vector<sheet::Region>> pins = decode_pins(message.pins(), "set_pins.pins");
-  if (!pins.ok()) return pins.error();
-  return checked(sheet::SetPins{std::move(*pins)});
+  KERF_TRY_ASSIGN(std::vector<sheet::Region> pins, decode_pins(message.pins(), "set_pins.pins"));
+  return checked(sheet::SetPins{std::move(pins)});
 }
 
 Result<sheet::Command> decode_set_gravity(const v1::SetGravity& message) {
@@ -251,10 +245,9 @@ Result<sheet::Command> decode_set_wind(const v1::SetWind& message) {
 
 Result<sheet::Command> decode_set_material(const v1::SetMaterial& message) {
   if (!message.has_material()) return missing("set_material.material");
-  const Result<fem::Material> material = decode_material(message.material(), "set_material.material");
-  if (!material.ok()) return material.error();
+  KERF_TRY_ASSIGN(const fem::Material material, decode_material(message.material(), "set_material.material"));
   sheet::SetMaterial set_material;
-  set_material.material = *material;
+  set_material.material = material;
   if (message.has_part()) set_material.part = message.part();
   return checked(set_material);
 }

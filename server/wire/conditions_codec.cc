@@ -20,9 +20,7 @@ void encode_history(const sheet::History& history, v1::History& message) {
 
 Result<sheet::Constraint> decode_constraint(const v1::Constraint& message, const std::string& path) {
   sheet::Constraint constraint;
-  Result<sheet::Region> region = decode_region(message.region(), path + ".region");
-  if (!region) return region.error();
-  constraint.region = std::move(region).value();
+  KERF_TRY_ASSIGN(constraint.region, decode_region(message.region(), path + ".region"));
   if (message.x() || message.y() || message.z()) constraint.held = {message.x(), message.y(), message.z()};
   constraint.displacement = decode_vector(message.displacement_m());
   constraint.stretch.col(0) = decode_vector(message.stretch_x());
@@ -108,42 +106,37 @@ Result<sheet::Load> decode_load(const v1::Load& message, const std::string& path
       return load;
     }
     case v1::Load::kEdge: {
-      Result<sheet::Region> region = decode_region(message.edge().region(), path + ".edge.region");
-      if (!region) return region.error();
+      KERF_TRY_ASSIGN(sheet::Region region, decode_region(message.edge().region(), path + ".edge.region"));
       if (message.edge().amount_case() == v1::EdgeForce::AMOUNT_NOT_SET) {
         return choice_missing(path + ".edge.amount", "force_n, force_npm or normal_npm");
       }
-      load.kind = decode_edge_force(message.edge(), std::move(region).value());
+      load.kind = decode_edge_force(message.edge(), std::move(region));
       return load;
     }
     case v1::Load::kArea: {
-      Result<sheet::Region> region = decode_region(message.area().region(), path + ".area.region");
-      if (!region) return region.error();
+      KERF_TRY_ASSIGN(sheet::Region region, decode_region(message.area().region(), path + ".area.region"));
       if (message.area().amount_case() == v1::AreaForce::AMOUNT_NOT_SET) {
         return choice_missing(path + ".area.amount", "force_n or traction_pa");
       }
       const bool is_total = !message.area().has_traction_pa();
       load.kind =
-          sheet::AreaForce{std::move(region).value(),
+          sheet::AreaForce{std::move(region),
                            decode_vector(is_total ? message.area().force_n() : message.area().traction_pa()), is_total};
       return load;
     }
     case v1::Load::kPressure: {
-      Result<sheet::Region> region = decode_region(message.pressure().region(), path + ".pressure.region");
-      if (!region) return region.error();
-      load.kind = sheet::Pressure{std::move(region).value(), message.pressure().pressure_pa()};
+      KERF_TRY_ASSIGN(sheet::Region region, decode_region(message.pressure().region(), path + ".pressure.region"));
+      load.kind = sheet::Pressure{std::move(region), message.pressure().pressure_pa()};
       return load;
     }
     case v1::Load::kMoment: {
-      Result<sheet::Region> region = decode_region(message.moment().region(), path + ".moment.region");
-      if (!region) return region.error();
+      KERF_TRY_ASSIGN(sheet::Region region, decode_region(message.moment().region(), path + ".moment.region"));
       if (message.moment().amount_case() == v1::EdgeMoment::AMOUNT_NOT_SET) {
         return choice_missing(path + ".moment.amount", "moment_nm or moment_nm_per_m");
       }
       const bool is_total = !message.moment().has_moment_nm_per_m();
-      load.kind =
-          sheet::EdgeMoment{std::move(region).value(),
-                            is_total ? message.moment().moment_nm() : message.moment().moment_nm_per_m(), is_total};
+      load.kind = sheet::EdgeMoment{
+          std::move(region), is_total ? message.moment().moment_nm() : message.moment().moment_nm_per_m(), is_total};
       return load;
     }
     case v1::Load::KIND_NOT_SET:
@@ -195,15 +188,13 @@ void encode_load(const sheet::Load& load, v1::Load& message) {
 
 Status decode_conditions(const v1::Scene& scene, sheet::SheetConfig& config) {
   for (int i = 0; i < scene.constraints_size(); ++i) {
-    Result<sheet::Constraint> constraint =
-        decode_constraint(scene.constraints(i), "constraints[" + std::to_string(i) + "]");
-    if (!constraint) return constraint.error();
-    config.constraints.push_back(std::move(constraint).value());
+    KERF_TRY_ASSIGN(sheet::Constraint constraint,
+                    decode_constraint(scene.constraints(i), "constraints[" + std::to_string(i) + "]"));
+    config.constraints.push_back(std::move(constraint));
   }
   for (int i = 0; i < scene.loads_size(); ++i) {
-    Result<sheet::Load> load = decode_load(scene.loads(i), "loads[" + std::to_string(i) + "]");
-    if (!load) return load.error();
-    config.loads.push_back(std::move(load).value());
+    KERF_TRY_ASSIGN(sheet::Load load, decode_load(scene.loads(i), "loads[" + std::to_string(i) + "]"));
+    config.loads.push_back(std::move(load));
   }
   config.gravity_history = decode_history(scene.gravity_history());
   config.planar = scene.planar();

@@ -39,15 +39,13 @@ Result<cut::Segment> decode_segment(const v1::Path::Segment& message, const std:
     case v1::Path::Segment::kQuadratic: {
       const v1::Path::Quadratic& from = message.quadratic();
       cut::QuadraticTo quadratic{decode_vector(from.control()), decode_vector(from.end())};
-      const Status status = decode_weights(from.weights(), quadratic.weights, path + ".quadratic.weights");
-      if (!status.ok()) return status.error();
+      KERF_TRY(decode_weights(from.weights(), quadratic.weights, path + ".quadratic.weights"));
       return cut::Segment(quadratic);
     }
     case v1::Path::Segment::kCubic: {
       const v1::Path::Cubic& from = message.cubic();
       cut::CubicTo cubic{{decode_vector(from.control_1()), decode_vector(from.control_2())}, decode_vector(from.end())};
-      const Status status = decode_weights(from.weights(), cubic.weights, path + ".cubic.weights");
-      if (!status.ok()) return status.error();
+      KERF_TRY(decode_weights(from.weights(), cubic.weights, path + ".cubic.weights"));
       return cut::Segment(cubic);
     }
     case v1::Path::Segment::kArc: {
@@ -72,21 +70,19 @@ Result<cut::Path> decode_path(const v1::Path& message, const std::string& path) 
     subpath.start = decode_vector(from.start());
     subpath.closed = from.closed();
     for (int k = 0; k < from.segments_size(); ++k) {
-      Result<cut::Segment> segment = decode_segment(
-          from.segments(k), path + ".subpaths[" + std::to_string(i) + "].segments[" + std::to_string(k) + "]");
-      if (!segment.ok()) return segment.error();
-      subpath.segments.push_back(*segment);
+      KERF_TRY_ASSIGN(cut::Segment segment,
+                      decode_segment(from.segments(k), path + ".subpaths[" + std::to_string(i) + "].segments[" +
+                                                           std::to_string(k) + "]"));
+      subpath.segments.push_back(segment);
     }
   }
   return result;
 }
 
 Result<DecodedCurve> decode_svg(const v1::Svg& message, const std::string& path, const FileReader& read_file) {
-  const Result<std::string> text = read_content({message.text(), message.file()}, read_file, "SVG", path);
-  if (!text.ok()) return text.error();
-  Result<svg::Drawing> drawing = svg::read(*text);
-  if (!drawing.ok()) return drawing.error();
-  return DecodedCurve{std::move(drawing->path), std::move(drawing->not_cut), true};
+  KERF_TRY_ASSIGN(const std::string text, read_content({message.text(), message.file()}, read_file, "SVG", path));
+  KERF_TRY_ASSIGN(svg::Drawing drawing, svg::read(text));
+  return DecodedCurve{std::move(drawing.path), std::move(drawing.not_cut), true};
 }
 
 template <std::size_t count, typename Message>
@@ -173,9 +169,8 @@ Result<DecodedCurve> decode_curve(const v1::Curve& curve, const std::string& pat
                           {},
                           false};
     case v1::Curve::kPath: {
-      Result<cut::Path> decoded = decode_path(curve.path(), path + ".path");
-      if (!decoded.ok()) return decoded.error();
-      return DecodedCurve{std::move(*decoded), {}, false};
+      KERF_TRY_ASSIGN(cut::Path decoded, decode_path(curve.path(), path + ".path"));
+      return DecodedCurve{std::move(decoded), {}, false};
     }
     case v1::Curve::kSvg:
       return decode_svg(curve.svg(), path + ".svg", read_file);

@@ -41,18 +41,16 @@ constexpr std::array<std::pair<v1::Integrator::Precision, sheet::Precision>, 2> 
 }  // namespace
 
 Status decode_integrator(const v1::Integrator& message, sheet::IntegratorSettings& settings) {
-  if (Status s = decode_choice(kKinds, message.kind(), "integrator.kind", settings.kind); !s) return s;
-  if (Status s = decode_choice(kSolvers, message.solver(), "integrator.solver", settings.solver); !s) return s;
-  if (Status s = decode_choice(kPrecisions, message.precision(), "integrator.precision", settings.precision); !s) {
-    return s;
-  }
+  KERF_TRY(decode_choice(kKinds, message.kind(), "integrator.kind", settings.kind));
+  KERF_TRY(decode_choice(kSolvers, message.solver(), "integrator.solver", settings.solver));
+  KERF_TRY(decode_choice(kPrecisions, message.precision(), "integrator.precision", settings.precision));
   if (message.max_substeps() != 0) settings.max_substeps = message.max_substeps();
   if (message.newton_iterations() != 0) settings.newton_iterations = message.newton_iterations();
   if (message.solver_tolerance() != 0.0) settings.solver_tolerance = message.solver_tolerance();
   if (message.max_linear_iterations() != 0) settings.max_linear_iterations = message.max_linear_iterations();
   const v1::CovarianceRoot& root = message.covariance_root();
   const char* const norm_field = "integrator.covariance_root.norm";
-  if (Status s = decode_choice(kNorms, root.norm(), norm_field, settings.covariance_root.norm); !s) return s;
+  KERF_TRY(decode_choice(kNorms, root.norm(), norm_field, settings.covariance_root.norm));
   if (root.p() != 0.0) settings.covariance_root.power = root.p();
   if (root.newton_schulz_iterations() != 0) {
     settings.covariance_root.newton_schulz_iterations = root.newton_schulz_iterations();

@@ -19,7 +19,7 @@ std::string to_json(const google::protobuf::Message& message) {
 }
 
 Status from_json(std::string_view json, google::protobuf::Message& message) {
-  if (const Status checked = check_json(json, *message.GetDescriptor()); !checked.ok()) return checked.error();
+  KERF_TRY(check_json(json, *message.GetDescriptor()));
   message.Clear();
   const auto status =
       google::protobuf::util::JsonStringToMessage(google::protobuf::StringPiece(json.data(), json.size()), &message);

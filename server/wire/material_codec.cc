@@ -105,11 +105,11 @@ Result<fem::Material> decode_material(const v1::Material& given, const std::stri
   const Result<fem::Material> preset = fem::find_preset(given.preset().empty() ? "demo" : given.preset());
   if (!preset.ok()) return invalid_argument("UNKNOWN_PRESET", preset.error().message, path + ".preset");
   for (const Field& field : kFields) {
-    if (const Status status = check(field, given, path); !status.ok()) return status.error();
+    KERF_TRY(check(field, given, path));
   }
   fem::Material material = *preset;
   put_over(given, material);
-  if (const Status status = fem::validate(material, path); !status.ok()) return status.error();
+  KERF_TRY(fem::validate(material, path));
   return material;
 }
 

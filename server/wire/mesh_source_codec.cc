@@ -56,21 +56,17 @@ v1::RestShape encode_rest_shape(sheet::RestShape rest_shape) {
 }
 
 Result<sheet::MeshSource> decode_obj(v1::ObjMesh& message, const FileReader& read_file) {
-  Result<std::string> text =
-      read_content({std::move(*message.mutable_text()), message.file()}, read_file, "OBJ", "obj");
-  if (!text.ok()) return text.error();
-  const Result<sheet::RestShape> rest_shape = decode_rest_shape(message.rest_shape(), "obj.rest_shape");
-  if (!rest_shape.ok()) return rest_shape.error();
-  return sheet::MeshSource(sheet::ObjSource{obj_text(std::move(*text)), *rest_shape});
+  KERF_TRY_ASSIGN(std::string text,
+                  read_content({std::move(*message.mutable_text()), message.file()}, read_file, "OBJ", "obj"));
+  KERF_TRY_ASSIGN(const sheet::RestShape rest_shape, decode_rest_shape(message.rest_shape(), "obj.rest_shape"));
+  return sheet::MeshSource(sheet::ObjSource{obj_text(std::move(text)), rest_shape});
 }
 
 Result<sheet::MeshSource> decode_ply(v1::PlyMesh& message, const FileReader& read_file) {
-  Result<std::string> data =
-      read_content({std::move(*message.mutable_data()), message.file(), "data"}, read_file, "PLY", "ply");
-  if (!data.ok()) return data.error();
-  const Result<sheet::RestShape> rest_shape = decode_rest_shape(message.rest_shape(), "ply.rest_shape");
-  if (!rest_shape.ok()) return rest_shape.error();
-  return sheet::MeshSource(sheet::PlySource{std::move(*data), *rest_shape});
+  KERF_TRY_ASSIGN(std::string data,
+                  read_content({std::move(*message.mutable_data()), message.file(), "data"}, read_file, "PLY", "ply"));
+  KERF_TRY_ASSIGN(const sheet::RestShape rest_shape, decode_rest_shape(message.rest_shape(), "ply.rest_shape"));
+  return sheet::MeshSource(sheet::PlySource{std::move(data), rest_shape});
 }
 
 Status check_length(int length, int multiple, const std::string& path) {
@@ -81,12 +77,10 @@ Status check_length(int length, int multiple, const std::string& path) {
 }
 
 Result<sheet::MeshSource> decode_inline(const v1::InlineMesh& message) {
-  if (Status s = check_length(message.material_positions_size(), 2, "inline.material_positions"); !s.ok()) {
-    return s.error();
-  }
-  if (Status s = check_length(message.triangles_size(), 3, "inline.triangles"); !s.ok()) return s.error();
-  if (Status s = check_length(message.positions_size(), 3, "inline.positions"); !s.ok()) return s.error();
-  if (Status s = check_length(message.rest_positions_size(), 3, "inline.rest_positions"); !s.ok()) return s.error();
+  KERF_TRY(check_length(message.material_positions_size(), 2, "inline.material_positions"));
+  KERF_TRY(check_length(message.triangles_size(), 3, "inline.triangles"));
+  KERF_TRY(check_length(message.positions_size(), 3, "inline.positions"));
+  KERF_TRY(check_length(message.rest_positions_size(), 3, "inline.rest_positions"));
   sheet::ArraySource arrays;
   arrays.material_positions =
       Eigen::Map<const Eigen::Matrix2Xd>(message.material_positions().data(), 2, message.material_positions_size() / 2);
@@ -105,9 +99,8 @@ Result<sheet::OutlineSizing> decode_sizing(const v1::EdgeLength& message, const 
       sizing.place = decode_vector(message.point());
       break;
     case v1::EdgeLength::kCurve: {
-      Result<DecodedCurve> curve = decode_curve(message.curve(), path + ".curve", read_file);
-      if (!curve.ok()) return curve.error();
-      sizing.place = std::move(curve->curve);
+      KERF_TRY_ASSIGN(DecodedCurve curve, decode_curve(message.curve(), path + ".curve", read_file));
+      sizing.place = std::move(curve.curve);
       break;
     }
     case v1::EdgeLength::PLACE_NOT_SET:
@@ -121,20 +114,18 @@ Result<sheet::OutlineSizing> decode_sizing(const v1::EdgeLength& message, const 
 Result<sheet::MeshSource> decode_outline(const v1::OutlineMesh& message, const FileReader& read_file) {
   sheet::OutlineSource outline;
   if (!message.has_boundary()) return missing("outline.boundary");
-  Result<DecodedCurve> boundary = decode_curve(message.boundary(), "outline.boundary", read_file);
-  if (!boundary.ok()) return boundary.error();
-  outline.boundary = std::move(boundary->curve);
+  KERF_TRY_ASSIGN(DecodedCurve boundary, decode_curve(message.boundary(), "outline.boundary", read_file));
+  outline.boundary = std::move(boundary.curve);
   for (int i = 0; i < message.holes_size(); ++i) {
-    Result<DecodedCurve> hole = decode_curve(message.holes(i), "outline.holes[" + std::to_string(i) + "]", read_file);
-    if (!hole.ok()) return hole.error();
-    outline.holes.push_back(std::move(hole->curve));
+    KERF_TRY_ASSIGN(DecodedCurve hole,
+                    decode_curve(message.holes(i), "outline.holes[" + std::to_string(i) + "]", read_file));
+    outline.holes.push_back(std::move(hole.curve));
   }
   outline.edge_length = message.edge_length_m();
   for (int i = 0; i < message.sizes_size(); ++i) {
-    Result<sheet::OutlineSizing> sizing =
-        decode_sizing(message.sizes(i), "outline.sizes[" + std::to_string(i) + "]", read_file);
-    if (!sizing.ok()) return sizing.error();
-    outline.sizes.push_back(std::move(*sizing));
+    KERF_TRY_ASSIGN(sheet::OutlineSizing sizing,
+                    decode_sizing(message.sizes(i), "outline.sizes[" + std::to_string(i) + "]", read_file));
+    outline.sizes.push_back(std::move(sizing));
   }
   if (message.min_angle_deg() != 0.0) outline.min_angle_deg = message.min_angle_deg();
   return sheet::MeshSource(std::move(outline));

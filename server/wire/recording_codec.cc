@@ -103,20 +103,18 @@ class TickReader {
 
   // Appends the next one. False: the file ends within it.
   Result<bool> read_into(std::vector<sheet::RecordedTick>& entries) {
-    const Result<std::optional<std::string_view>> bytes = reader_.next();
-    if (!bytes.ok()) return bytes.error();
-    if (!*bytes) return false;
-    Result<sheet::RecordedTick> tick = decode(**bytes);
-    if (!tick.ok()) return tick.error();
-    if (const Status s = check(*tick, entries); !s.ok()) return s.error();
-    entries.push_back(std::move(*tick));
+    KERF_TRY_ASSIGN(const std::optional<std::string_view> bytes, reader_.next());
+    if (!bytes) return false;
+    KERF_TRY_ASSIGN(sheet::RecordedTick tick, decode(*bytes));
+    KERF_TRY(check(tick, entries));
+    entries.push_back(std::move(tick));
     return true;
   }
 
  private:
   Result<sheet::RecordedTick> decode(std::string_view bytes) const {
     v1::RecordedTick message;
-    if (const Status parsed = reader_.parse(bytes, bytes.size(), message); !parsed.ok()) return parsed.error();
+    KERF_TRY(reader_.parse(bytes, bytes.size(), message));
     return decode_tick(message, reader_.offset());
   }
 
@@ -164,8 +162,7 @@ Result<v1::RecordingHeader> read_header(RecordingReader& reader) {
   const Status parsed = reader.parse(**bytes, bytes_beside_mesh(**bytes), header);
   if (!parsed.ok() && parsed.error().reason == "RECORDING_TOO_LARGE") return parsed.error();
   if (!parsed.ok() || header.magic() != kMagic) return no_recording();
-  if (const Status known = check_format(header.format_version(), reader.is_checked()); !known.ok())
-    return known.error();
+  KERF_TRY(check_format(header.format_version(), reader.is_checked()));
   return header;
 }
 
@@ -197,21 +194,17 @@ std::string encode_recorded_tick(const sheet::RecordedTick& tick) {
 }
 
 Result<RecordingFile> decode_recording(std::string_view file, const RecordingLimits& limits) {
-  Result<RecordingReader> opened = RecordingReader::open(file);
-  if (!opened.ok()) return opened.error();
-  RecordingReader& reader = *opened;
-  Result<v1::RecordingHeader> header = read_header(reader);
-  if (!header.ok()) return header.error();
+  KERF_TRY_ASSIGN(RecordingReader reader, RecordingReader::open(file));
+  KERF_TRY_ASSIGN(v1::RecordingHeader header, read_header(reader));
   RecordingFile decoded;
-  decoded.build = header->build();
-  Result<sheet::SheetConfig> config = decode_scene(std::move(*header->mutable_scene()));
+  decoded.build = header.build();
+  Result<sheet::SheetConfig> config = decode_scene(std::move(*header.mutable_scene()));
   if (!config.ok()) return recording_damage("RECORDING_DAMAGED", 0, "the scene is refused: " + config.error().message);
   decoded.recording.config = std::move(*config);
   TickReader ticks(reader, limits);
   while (!reader.done() && decoded.recording.torn_bytes == 0) {
-    const Result<bool> whole = ticks.read_into(decoded.recording.entries);
-    if (!whole.ok()) return whole.error();
-    if (!*whole) decoded.recording.torn_bytes = static_cast<std::int64_t>(reader.bytes_from_offset());
+    KERF_TRY_ASSIGN(const bool whole, ticks.read_into(decoded.recording.entries));
+    if (!whole) decoded.recording.torn_bytes = static_cast<std::int64_t>(reader.bytes_from_offset());
   }
   return decoded;
 }

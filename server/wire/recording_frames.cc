@@ -50,7 +50,7 @@ std::string recording_frame(const google::protobuf::MessageLite& message) {
 
 Error recording_damage(const char* reason, std::size_t offset, const std::string& what) {
   const std::string at = "offset " + std::to_string(offset);
-  return {ErrorCode::kDataLoss, reason, "recording, " + at + ": " + what, at};
+  return data_loss(reason, "recording, " + at + ": " + what, at);
 }
 
 Error recording_too_large(std::size_t offset, const std::string& what, std::int64_t limit) {

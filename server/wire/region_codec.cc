@@ -69,18 +69,15 @@ v1::MaterialLine::Side encode_side(sheet::MaterialLine::Side side) {
 }
 
 Result<sheet::Region> decode_line(const v1::MaterialLine& message, const std::string& path) {
-  const Result<sheet::MaterialLine::Side> side = decode_side(message.side(), path + ".side");
-  if (!side) return side.error();
+  KERF_TRY_ASSIGN(const sheet::MaterialLine::Side side, decode_side(message.side(), path + ".side"));
   return sheet::Region(
-      sheet::MaterialLine{decode_vector(message.a()), decode_vector(message.b()), message.within_m(), *side});
+      sheet::MaterialLine{decode_vector(message.a()), decode_vector(message.b()), message.within_m(), side});
 }
 
 Result<sheet::Region> decode_along(const v1::MaterialCurve& message, const std::string& path) {
-  Result<DecodedCurve> curve = decode_curve(message.curve(), path + ".curve", {});
-  if (!curve) return curve.error();
-  const Result<sheet::MaterialLine::Side> side = decode_side(message.side(), path + ".side");
-  if (!side) return side.error();
-  return sheet::Region(sheet::MaterialCurve{std::move(curve->curve), message.within_m(), *side});
+  KERF_TRY_ASSIGN(DecodedCurve curve, decode_curve(message.curve(), path + ".curve", {}));
+  KERF_TRY_ASSIGN(const sheet::MaterialLine::Side side, decode_side(message.side(), path + ".side"));
+  return sheet::Region(sheet::MaterialCurve{std::move(curve.curve), message.within_m(), side});
 }
 
 void encode_line(const sheet::MaterialLine& line, v1::MaterialLine& message) {
@@ -121,9 +118,8 @@ Result<sheet::Region> decode_region(const v1::Region& region, const std::string&
 Result<std::vector<sheet::Region>> decode_pins(const RegionMessages& pins, const std::string& path) {
   std::vector<sheet::Region> decoded;
   for (int i = 0; i < pins.size(); ++i) {
-    Result<sheet::Region> pin = decode_region(pins[i], path + "[" + std::to_string(i) + "]");
-    if (!pin.ok()) return pin.error();
-    decoded.push_back(std::move(*pin));
+    KERF_TRY_ASSIGN(sheet::Region pin, decode_region(pins[i], path + "[" + std::to_string(i) + "]"));
+    decoded.push_back(std::move(pin));
   }
   return decoded;
 }

@@ -57,18 +57,14 @@ constexpr std::array<std::pair<v1::Fidelity, sheet::Fidelity>, 2> kFidelities{{
 }};
 
 Status decode_materials(const v1::Scene& scene, sheet::SheetConfig& config) {
-  const Result<fem::Material> own = decode_material(scene.material(), "material");
-  if (!own.ok()) return own.error();
-  config.material = *own;
+  KERF_TRY_ASSIGN(config.material, decode_material(scene.material(), "material"));
   for (int i = 0; i < scene.materials_size(); ++i) {
     const std::string path = "materials[" + std::to_string(i) + "]";
-    Result<sheet::Region> region = decode_region(scene.materials(i).region(), path + ".region");
-    if (!region.ok()) return region.error();
-    const Result<fem::Material> material = decode_material(scene.materials(i).material(), path + ".material");
-    if (!material.ok()) return material.error();
-    config.materials.push_back({std::move(*region), *material});
+    KERF_TRY_ASSIGN(sheet::Region region, decode_region(scene.materials(i).region(), path + ".region"));
+    KERF_TRY_ASSIGN(const fem::Material material, decode_material(scene.materials(i).material(), path + ".material"));
+    config.materials.push_back({std::move(region), material});
   }
-  if (Status s = decode_membrane_law(scene.membrane_law(), config.membrane_law); !s) return s;
+  KERF_TRY(decode_membrane_law(scene.membrane_law(), config.membrane_law));
   return decode_choice(kFidelities, scene.fidelity(), "fidelity", config.fidelity);
 }
 
@@ -76,9 +72,8 @@ Status decode_materials(const v1::Scene& scene, sheet::SheetConfig& config) {
 Status decode_lists(const v1::Scene& scene, const FileReader& read_file, sheet::SheetConfig& config) {
   for (int i = 0; i < scene.colliders_size(); ++i) {
     const std::string path = "colliders[" + std::to_string(i) + "]";
-    Result<contact::Collider> collider = decode_collider(scene.colliders(i), path);
-    if (!collider.ok()) return collider.error();
-    config.colliders.push_back(std::move(*collider));
+    KERF_TRY_ASSIGN(contact::Collider collider, decode_collider(scene.colliders(i), path));
+    config.colliders.push_back(std::move(collider));
   }
   for (int i = 0; i < scene.commands_size(); ++i) {
     Result<sheet::Command> command = decode_command(scene.commands(i).command(), read_file);
@@ -93,29 +88,23 @@ Status decode_lists(const v1::Scene& scene, const FileReader& read_file, sheet::
 Result<sheet::SheetConfig> decode_scene(v1::Scene scene, const FileReader& read_file) {
   sheet::SheetConfig config;
   config.sheet_id = scene.sheet_id();
-  Result<sheet::MeshSource> mesh = decode_mesh_source(scene, read_file);
-  if (!mesh.ok()) return mesh.error();
-  config.mesh = std::move(*mesh);
-  if (const Status status = decode_materials(scene, config); !status.ok()) return status.error();
+  KERF_TRY_ASSIGN(config.mesh, decode_mesh_source(scene, read_file));
+  KERF_TRY(decode_materials(scene, config));
   decode_placement(scene.placement(), config.placement);
-  Result<std::vector<sheet::Region>> pins = decode_pins(scene.pins(), "pins");
-  if (!pins.ok()) return pins.error();
-  config.pins = std::move(*pins);
+  KERF_TRY_ASSIGN(config.pins, decode_pins(scene.pins(), "pins"));
   if (scene.has_gravity_mps2()) config.gravity = decode_vector(scene.gravity_mps2());
   if (scene.has_wind()) config.wind = decode_wind(scene.wind());
   if (scene.has_tick_rate_hz()) config.tick_rate_hz = scene.tick_rate_hz();
-  if (const Status status = decode_integrator(scene.integrator(), config.integrator); !status.ok()) {
-    return status.error();
-  }
-  if (const Status status = decode_lists(scene, read_file, config); !status.ok()) return status.error();
-  if (const Status status = decode_conditions(scene, config); !status.ok()) return status.error();
-  if (const Status status = decode_analysis(scene, config); !status.ok()) return status.error();
+  KERF_TRY(decode_integrator(scene.integrator(), config.integrator));
+  KERF_TRY(decode_lists(scene, read_file, config));
+  KERF_TRY(decode_conditions(scene, config));
+  KERF_TRY(decode_analysis(scene, config));
   if (scene.max_vertices() != 0) config.max_vertices = scene.max_vertices();
   config.ticks = scene.ticks();
   config.repeat_after = scene.repeat_after_ticks();
   if (scene.has_rest_damping()) config.rest_damping = scene.rest_damping();
   config.description = scene.description();
-  if (const Status status = sheet::validate(config); !status.ok()) return status.error();
+  KERF_TRY(sheet::validate(config));
   return config;
 }
 
@@ -192,7 +181,7 @@ v1::Scene encode_scene(const sheet::SheetConfig& config) {
 
 Result<sheet::SheetConfig> decode_scene_file(std::string_view json, const FileReader& read_file) {
   v1::Scene scene;
-  if (const Status status = from_json(json, scene); !status.ok()) return status.error();
+  KERF_TRY(from_json(json, scene));
   return decode_scene(std::move(scene), read_file);
 }
 

@@ -99,18 +99,14 @@ Result<cut::View> decode_view(const v1::View& message, const std::string& path) 
     return invalid_argument("CHOICE_MISSING", "give a camera or two matrices, not both", path + ".camera");
   }
   if (message.has_camera()) {
-    if (Status s = decode_camera(message.camera(), path + ".camera", view); !s.ok()) return s.error();
+    KERF_TRY(decode_camera(message.camera(), path + ".camera", view));
   } else {
-    const Result<Eigen::Matrix4d> world_to_camera = decode_matrix(message.view(), path + ".view");
-    if (!world_to_camera.ok()) return world_to_camera.error();
-    const Result<Eigen::Matrix4d> projection = decode_matrix(message.projection(), path + ".projection");
-    if (!projection.ok()) return projection.error();
-    view.view = *world_to_camera;
-    view.projection = *projection;
+    KERF_TRY_ASSIGN(const Eigen::Matrix4d world_to_camera, decode_matrix(message.view(), path + ".view"));
+    KERF_TRY_ASSIGN(const Eigen::Matrix4d projection, decode_matrix(message.projection(), path + ".projection"));
+    view.view = world_to_camera;
+    view.projection = projection;
   }
-  const Result<cut::LayerRule> layers = decode_layers(message.layers(), path + ".layers");
-  if (!layers.ok()) return layers.error();
-  view.layers = *layers;
+  KERF_TRY_ASSIGN(view.layers, decode_layers(message.layers(), path + ".layers"));
   if (message.has_piece()) view.piece = message.piece();
   view.nearest_m = message.nearest_m();
   view.farthest_m = message.farthest_m();

@@ -126,20 +126,20 @@ Status check_host(const AccessPolicy& policy, std::string_view host) {
     const std::optional<Origin> origin = parse_origin(allowed);
     if (origin && origin->endpoint.host == endpoint->host) return Nothing{};
   }
-  return Error{ErrorCode::kFailedPrecondition, "HOST_NOT_ALLOWED",
-               "this server listens on the loopback interface and does not answer for '" + endpoint->host +
-                   "'; use its loopback address or name the origin with --allow-origin",
-               "Host"};
+  return failed_precondition("HOST_NOT_ALLOWED",
+                             "this server listens on the loopback interface and does not answer for '" +
+                                 endpoint->host + "'; use its loopback address or name the origin with --allow-origin",
+                             "Host");
 }
 
 Status check_origin(const AccessPolicy& policy, std::string_view origin, std::string_view host) {
   if (origin.empty()) return Nothing{};
   if (std::ranges::find(policy.allowed_origins, origin) != policy.allowed_origins.end()) return Nothing{};
   if (const std::optional<Origin> page = parse_origin(origin); page && is_own(policy, *page, host)) return Nothing{};
-  return Error{
-      ErrorCode::kFailedPrecondition, "ORIGIN_NOT_ALLOWED",
+  return failed_precondition(
+      "ORIGIN_NOT_ALLOWED",
       "pages from '" + std::string(origin.substr(0, 200)) + "' may not use this server; allow them with --allow-origin",
-      "Origin"};
+      "Origin");
 }
 
 }  // namespace kerf::ws

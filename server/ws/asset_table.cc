@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 Error unreadable(const fs::path& path, std::string_view why) {
-  return {ErrorCode::kNotFound, "VIEWER_UNREADABLE", "cannot read " + path.string() + ": " + std::string(why), {}};
+  return not_found("VIEWER_UNREADABLE", "cannot read " + path.string() + ": " + std::string(why));
 }
 
 std::optional<std::string> read_file(const fs::path& path) {
@@ -133,11 +133,9 @@ Result<AssetTable> AssetTable::read(const fs::path& directory) {
     if (!content) return unreadable(file.path(), "reading failed");
     bytes += content->size();
     if (files.size() == kMaxFiles || bytes > kMaxBytes) {
-      return Error{ErrorCode::kResourceExhausted,
-                   "VIEWER_TOO_LARGE",
-                   directory.string() + " holds more than " + std::to_string(kMaxFiles) + " files or " +
-                       std::to_string(kMaxBytes >> 20) + " MiB; give the folder of the built viewer",
-                   {}};
+      return resource_exhausted("VIEWER_TOO_LARGE",
+                                directory.string() + " holds more than " + std::to_string(kMaxFiles) + " files or " +
+                                    std::to_string(kMaxBytes >> 20) + " MiB; give the folder of the built viewer");
     }
     std::string path = "/" + file.path().lexically_relative(directory).generic_string();
     files.emplace(std::move(path), File{std::move(*content), file.last_write_time(ignored)});

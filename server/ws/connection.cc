@@ -66,11 +66,10 @@ HttpRequest to_request(Request& message) {
 }
 
 HttpResponse body_too_large() {
-  HttpResponse response = refusal({ErrorCode::kResourceExhausted,
-                                   "REQUEST_TOO_LARGE",
-                                   "the request's body is larger than what is taken here: send less in one call; a "
-                                   "mesh file to POST /sheets, at most 64 MiB",
-                                   {}});
+  HttpResponse response =
+      refusal(resource_exhausted("REQUEST_TOO_LARGE",
+                                 "the request's body is larger than what is taken here: send less in one call; a "
+                                 "mesh file to POST /sheets, at most 64 MiB"));
   response.status = 413;
   return response;
 }
@@ -79,8 +78,7 @@ HttpResponse body_too_large() {
 std::optional<HttpResponse> unreadable_request(const boost::system::error_code& error) {
   if (error == http::error::body_limit) return body_too_large();
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
-    HttpResponse response =
-        refusal({ErrorCode::kResourceExhausted, "HEADER_TOO_LARGE", "the request's header exceeds the limit", {}});
+    HttpResponse response = refusal(resource_exhausted("HEADER_TOO_LARGE", "the request's header exceeds the limit"));
     response.status = 431;
     return response;
   }
@@ -285,7 +283,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
         context_.router.respond(std::move(request), done, stop);
       } catch (const std::exception& error) {
         // Nothing may come out of here: the coroutine's frame is the handler's already.
-        done(refusal({ErrorCode::kInternal, "INTERNAL", error.what(), {}}));
+        done(refusal(internal_error("INTERNAL", error.what())));
       }
     };
     return asio::async_initiate<const asio::use_awaitable_t<>, void(HttpResponse)>(std::move(initiate),

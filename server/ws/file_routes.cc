@@ -44,18 +44,16 @@ Result<std::string> percent_decoded(std::string_view text, std::string_view name
 }
 
 Result<v1::SheetUpload> read_sheet_upload(const HttpRequest& request) {
-  const Result<std::string> format = query_parameter(request.target, "format");
-  if (!format) return format.error();
-  const Result<std::string> json = query_parameter(request.target, "request");
-  if (!json) return json.error();
+  KERF_TRY_ASSIGN(const std::string format, query_parameter(request.target, "format"));
+  KERF_TRY_ASSIGN(const std::string json, query_parameter(request.target, "request"));
   v1::SheetUpload start;
-  if (!json->empty()) {
-    if (const Status read = wire::from_json(*json, *start.mutable_sheet()); !read) return read.error();
+  if (!json.empty()) {
+    KERF_TRY(wire::from_json(json, *start.mutable_sheet()));
   }
   v1::Scene& scene = *start.mutable_sheet()->mutable_scene();
-  if (*format == "obj") {
+  if (format == "obj") {
     scene.mutable_obj();
-  } else if (*format == "ply") {
+  } else if (format == "ply") {
     scene.mutable_ply();
   } else {
     return invalid_argument("UNKNOWN_FORMAT", "format must be obj or ply", "format");
@@ -64,16 +62,14 @@ Result<v1::SheetUpload> read_sheet_upload(const HttpRequest& request) {
 }
 
 Result<v1::RecordingUpload> read_recording_upload(const HttpRequest& request) {
-  const Result<std::string> sheet = query_parameter(request.target, "sheet");
-  if (!sheet) return sheet.error();
-  const Result<std::string> paused = query_parameter(request.target, "paused");
-  if (!paused) return paused.error();
-  if (!paused->empty() && *paused != "true" && *paused != "false") {
+  KERF_TRY_ASSIGN(const std::string sheet, query_parameter(request.target, "sheet"));
+  KERF_TRY_ASSIGN(const std::string paused, query_parameter(request.target, "paused"));
+  if (!paused.empty() && paused != "true" && paused != "false") {
     return invalid_argument("UNKNOWN_VALUE", "paused must be true or false", "paused");
   }
   v1::RecordingUpload start;
-  start.set_sheet_id(*sheet);
-  start.set_paused(*paused == "true");
+  start.set_sheet_id(sheet);
+  start.set_paused(paused == "true");
   return start;
 }
 
@@ -82,7 +78,7 @@ template <typename Start>
 Result<std::unique_ptr<api::Upload>> begin_upload(
     api::Api& api, Result<Start> start, std::size_t num_bytes,
     Result<std::unique_ptr<api::Upload>> (api::Api::*method)(const Start&)) {
-  if (!start) return start.error();
+  KERF_TRY(start);
   start->set_num_bytes(static_cast<std::int64_t>(num_bytes));
   return (api.*method)(*start);
 }

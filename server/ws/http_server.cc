@@ -34,11 +34,9 @@ constexpr std::chrono::milliseconds kAcceptRetry{100};
 
 Error cannot_listen(const Endpoint& endpoint, const boost::system::error_code& error) {
   const bool taken = error == asio::error::address_in_use;
-  return {ErrorCode::kUnavailable,
-          taken ? "ADDRESS_IN_USE" : "CANNOT_LISTEN",
-          "cannot listen on " + format_endpoint(endpoint.host, endpoint.port) + " for HTTP: " + error.message() +
-              (taken ? "; stop the other program or choose another --http port" : ""),
-          {}};
+  return unavailable(taken ? "ADDRESS_IN_USE" : "CANNOT_LISTEN",
+                     "cannot listen on " + format_endpoint(endpoint.host, endpoint.port) + " for HTTP: " +
+                         error.message() + (taken ? "; stop the other program or choose another --http port" : ""));
 }
 
 }  // namespace

@@ -56,10 +56,7 @@ asio::awaitable<bool> write_part(beast::tcp_stream& stream, const std::string& p
 
 Error no_picture(const api::ImageSession& session) {
   if (std::optional<Error> failure = session.failure()) return *std::move(failure);
-  return {ErrorCode::kUnavailable,
-          "STREAM_ENDED",
-          "the sheet was deleted, or the server is stopping, before the first picture",
-          {}};
+  return unavailable("STREAM_ENDED", "the sheet was deleted, or the server is stopping, before the first picture");
 }
 
 }  // namespace

@@ -57,20 +57,18 @@ std::optional<Status> decode_view_key(std::string_view key, std::string_view val
   if (key == "height") return decode_pixels(key, value, [&](std::int32_t pixels) { view.set_height_px(pixels); });
   if (key == "quality") return decode_pixels(key, value, [&](std::int32_t q) { view.set_jpeg_quality(q); });
   if (key == "color") {
-    const Result<v1::ColorBy> color = decode_color(value);
-    if (!color.ok()) return color.error();
-    view.set_color_by(*color);
+    KERF_TRY_ASSIGN(const v1::ColorBy color, decode_color(value));
+    view.set_color_by(color);
     return Nothing{};
   }
   if (key != "wireframe" && key != "undeformed" && key != "dark") return std::nullopt;
-  const Result<bool> flag = decode_flag(key, value);
-  if (!flag.ok()) return flag.error();
+  KERF_TRY_ASSIGN(const bool flag, decode_flag(key, value));
   if (key == "wireframe") {
-    view.set_wireframe(*flag);
+    view.set_wireframe(flag);
   } else if (key == "dark") {
-    view.set_dark(*flag);
+    view.set_dark(flag);
   } else {
-    view.set_undeformed(*flag);
+    view.set_undeformed(flag);
   }
   return Nothing{};
 }
@@ -119,10 +117,9 @@ Result<v1::RenderImageRequest> decode_still_query(const PicturePath& path, std::
   v1::RenderImageRequest request;
   request.set_name(path.sheet_name);
   request.set_format(path.kind == PictureKind::kPng ? v1::RenderImageRequest::PNG : v1::RenderImageRequest::JPEG);
-  const Status status = decode_query(query, kStillKeys, [&](std::string_view key, std::string_view value) {
+  KERF_TRY(decode_query(query, kStillKeys, [&](std::string_view key, std::string_view value) {
     return decode_view_key(key, value, request);
-  });
-  if (!status.ok()) return status.error();
+  }));
   return request;
 }
 
@@ -130,15 +127,13 @@ Result<v1::WatchImagesStart> decode_stream_query(const PicturePath& path, std::s
   v1::WatchImagesStart start;
   start.set_name(path.sheet_name);
   start.set_codec(v1::IMAGE_JPEG);
-  const Status status =
-      decode_query(query, kStreamKeys, [&](std::string_view key, std::string_view value) -> std::optional<Status> {
-        if (key != "rate") return decode_view_key(key, value, *start.mutable_view());
-        const std::optional<double> rate = parse_number<double>(value);
-        if (!rate) return bad_query(key, value, "a number of pictures a second");
-        start.set_max_rate_hz(*rate);
-        return Nothing{};
-      });
-  if (!status.ok()) return status.error();
+  KERF_TRY(decode_query(query, kStreamKeys, [&](std::string_view key, std::string_view value) -> std::optional<Status> {
+    if (key != "rate") return decode_view_key(key, value, *start.mutable_view());
+    const std::optional<double> rate = parse_number<double>(value);
+    if (!rate) return bad_query(key, value, "a number of pictures a second");
+    start.set_max_rate_hz(*rate);
+    return Nothing{};
+  }));
   return start;
 }
 

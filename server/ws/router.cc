@@ -28,16 +28,13 @@ HttpResponse refusal_with_status(int status, const Error& error) {
 }
 
 Error no_such_path(std::string_view path) {
-  return {ErrorCode::kNotFound,
-          "PATH_NOT_FOUND",
-          "there is nothing at '" + std::string(path.substr(0, 200)) +
-              "'; POST /kerf.v1.SERVICE/METHOD with a JSON body calls a method",
-          {}};
+  return not_found("PATH_NOT_FOUND", "there is nothing at '" + std::string(path.substr(0, 200)) +
+                                         "'; POST /kerf.v1.SERVICE/METHOD with a JSON body calls a method");
 }
 
 HttpResponse method_not_allowed(std::string_view allowed) {
-  HttpResponse response = refusal_with_status(
-      405, {ErrorCode::kInvalidArgument, "METHOD_NOT_ALLOWED", "use " + std::string(allowed) + " here", {}});
+  HttpResponse response =
+      refusal_with_status(405, invalid_argument("METHOD_NOT_ALLOWED", "use " + std::string(allowed) + " here"));
   response.headers.emplace_back("Allow", allowed);
   return response;
 }
@@ -207,9 +204,8 @@ std::optional<Result<std::shared_ptr<api::ImageSession>>> Router::play(const Htt
   if (request.method != "GET" || !picture || picture->kind != PictureKind::kMjpeg) return std::nullopt;
   // Told by respond(), which is asked next.
   if (!check_host(access_, request.host)) return std::nullopt;
-  const Result<v1::WatchImagesStart> start = decode_stream_query(*picture, target.query);
-  if (!start.ok()) return start.error();
-  return api_.play_images(*start);
+  KERF_TRY_ASSIGN(const v1::WatchImagesStart start, decode_stream_query(*picture, target.query));
+  return api_.play_images(start);
 }
 
 Router::Upgrade Router::upgrade(const HttpRequest& request, std::string_view subprotocols) const {

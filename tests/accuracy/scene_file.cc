@@ -16,9 +16,8 @@ Result<sheet::SheetConfig> read_scene_file(const std::filesystem::path& file) {
 }
 
 Result<cli::SceneRun> run_scene_file(const std::filesystem::path& file) {
-  const Result<sheet::SheetConfig> config = read_scene_file(file);
-  if (!config) return config.error();
-  return cli::run_scene(*config, {});
+  KERF_TRY_ASSIGN(const sheet::SheetConfig config, read_scene_file(file));
+  return cli::run_scene(config, {});
 }
 
 }  // namespace kerf::accuracy
