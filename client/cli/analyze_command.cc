@@ -71,7 +71,7 @@ int analyze(const Session& session, const AnalyzeArguments& arguments) {
                        std::chrono::hours(24));
   }();
   if (!status.ok()) return refuse(status, session.server);
-  if (const Status written = write_csv(disk, arguments.csv, response.tables()); !written) {
+  if (const Status written = write_csv(disk, arguments.csv, response.tables()); !written.ok()) {
     return refuse(written.error());
   }
   if (session.json) {

@@ -73,7 +73,7 @@ int export_cuts(const Session& session, const v1::ListCutsResponse& all, const s
   for (const v1::ListCutsResponse::Entry& entry : all.cuts()) *batch.add_cuts() = entry.cut();
   host::RealDisk disk;
   const Status written = disk.write_file(path, to_script_json(batch) + "\n");
-  if (!written) return refuse(written.error());
+  if (!written.ok()) return refuse(written.error());
   if (session.json) {
     std::printf("%s\n", nlohmann::ordered_json{{"file", path}, {"cuts", batch.cuts_size()}}.dump(2).c_str());
   } else {
@@ -278,7 +278,7 @@ int cut_batch(const Session& session, const std::string& id, const std::string& 
   const Result<std::string> json = disk.read_file(file, kMaxBatchFileBytes);
   if (!json) return refuse(json.error());
   v1::CutBatch batch;
-  if (const Status parsed = wire::from_json(*json, batch); !parsed) {
+  if (const Status parsed = wire::from_json(*json, batch); !parsed.ok()) {
     Error error = parsed.error();
     error.message = file + ": " + error.message;
     return refuse(error);

@@ -79,12 +79,12 @@ int run_load(const Session& session, LoadArguments& arguments) {
     return load::run(
         arguments.plan, [&](const load::Progress& progress) { bar.show(progress.share, news_of(progress)); }, stopper);
   }();
-  if (!report) return refuse(report.error());
+  if (!report.ok()) return refuse(report.error());
   const std::string text = session.json ? load::to_json(*report) : load::to_text(*report);
   std::fwrite(text.data(), 1, text.size(), stdout);
   if (!arguments.html.empty()) {
     host::RealDisk disk;
-    if (const Status written = disk.write_file(arguments.html, load::to_html(*report)); !written) {
+    if (const Status written = disk.write_file(arguments.html, load::to_html(*report)); !written.ok()) {
       return refuse(written.error());
     }
   }

@@ -80,7 +80,7 @@ std::string summary(const v1::RunResult& result) {
 int run(const Session& session, const RunArguments& arguments) {
   host::RealDisk disk;
   Result<sheet::SheetConfig> config = read_scene(disk, arguments.scene);
-  if (!config) return refuse(config.error());
+  if (!config.ok()) return refuse(config.error());
   apply(arguments.integrator, config->integrator);
   apply_fidelity(arguments.fidelity, *config);
   if (arguments.membrane_law == "green") config->membrane_law = fem::MembraneLaw::kGreen;
@@ -94,18 +94,18 @@ int run(const Session& session, const RunArguments& arguments) {
                                  return true;
                                }});
   }();
-  if (!done) return refuse(done.error());
+  if (!done.ok()) return refuse(done.error());
 
   const std::string json = to_script_json(done->result);
   if (!arguments.out.empty()) {
     const Status written = disk.write_file(arguments.out, json + "\n");
-    if (!written) return refuse(written.error());
+    if (!written.ok()) return refuse(written.error());
   }
   if (!arguments.record.empty()) {
     const Status written = disk.write_file(arguments.record, done->recording);
-    if (!written) return refuse(written.error());
+    if (!written.ok()) return refuse(written.error());
   }
-  if (const Status written = write_csv(disk, arguments.csv, done->result.tables()); !written) {
+  if (const Status written = write_csv(disk, arguments.csv, done->result.tables()); !written.ok()) {
     return refuse(written.error());
   }
   std::printf("%s\n", (session.json ? json : summary(done->result)).c_str());
@@ -122,14 +122,14 @@ std::string describe_tear(std::int64_t torn_bytes) {
 int replay(const Session& session, const std::string& path) {
   host::RealDisk disk;
   const Result<std::string> bytes = disk.read_file(path, kMaxRecordingBytes);
-  if (!bytes) return refuse(bytes.error());
+  if (!bytes.ok()) return refuse(bytes.error());
   const Result<wire::RecordingFile> file = wire::decode_recording(*bytes);
-  if (!file) return refuse(file.error());
+  if (!file.ok()) return refuse(file.error());
   const Result<sheet::ReplayReport> report = [&] {
     const WaitingNote note(session, "replaying " + std::to_string(file->recording.entries.size()) + " entries");
     return sheet::replay(file->recording);
   }();
-  if (!report) return refuse(report.error());
+  if (!report.ok()) return refuse(report.error());
 
   nlohmann::ordered_json json{{"identical", !report->divergence.has_value()},
                               {"ticks", report->ticks},

@@ -44,7 +44,7 @@ int fetch(const Session& session, const std::string& id, const std::string& out)
 int play(const Session& session, const PlayArguments& arguments) {
   host::RealDisk disk;
   const Result<std::string> recording = disk.read_file(arguments.file, kMaxUploadedRecordingBytes);
-  if (!recording) return refuse(recording.error());
+  if (!recording.ok()) return refuse(recording.error());
   client::Client client(session.server);
   v1::Sheet sheet;
   const grpc::Status status = client::replay_recording(client, arguments.id, arguments.paused, *recording, sheet);

@@ -43,7 +43,7 @@ int read_material(const MaterialArguments& arguments, v1::Material& material) {
   }
   // What is no UTF-8 names no field and no preset, which the answer then says.
   const Status read = wire::from_json(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace), material);
-  return read ? kDone : refuse(read.error());
+  return read.ok() ? kDone : refuse(read.error());
 }
 
 int set_material(const Session& session, const MaterialArguments& arguments) {

@@ -30,7 +30,7 @@ struct RenderArguments {
 int write(const std::string& path, std::string_view content) {
   host::RealDisk disk;
   const Status written = disk.write_file(path, content);
-  return written ? kDone : refuse(written.error());
+  return written.ok() ? kDone : refuse(written.error());
 }
 
 int render(const Session& session, const RenderArguments& arguments) {

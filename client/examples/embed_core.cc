@@ -15,7 +15,7 @@ kerf::Result<sheet::Sheet> hang_cloth() {
   sheet::SheetConfig config;
   config.mesh = sheet::GridSource{.columns = 40, .rows = 40, .width = 1.0, .height = 1.0};
   const kerf::Result<kerf::fem::Material> silk = kerf::fem::find_preset("silk");
-  if (!silk) return silk.error();
+  if (!silk.ok()) return silk.error();
   config.material = *silk;
   config.pins.emplace_back(sheet::RegionEdge::kCorners);
   return sheet::Sheet::create(config);
@@ -42,7 +42,7 @@ int refuse(const kerf::Error& error) {
 
 int main(int argc, char** argv) {
   kerf::Result<sheet::Sheet> cloth = hang_cloth();
-  if (!cloth) return refuse(cloth.error());
+  if (!cloth.ok()) return refuse(cloth.error());
   for (int tick = 0; tick < 30; ++tick) cloth->step({});
 
   // A command takes effect at the start of the tick that it is given to: whole, or not at all.
@@ -50,7 +50,7 @@ int main(int argc, char** argv) {
   across.curve = kerf::cut::CubicBezier{{{-0.1, 0.4}, {0.3, 0.7}, {0.7, 0.2}, {1.1, 0.5}}};
   const sheet::TickReport report = cloth->step(std::array<sheet::Command, 1>{across});
   const kerf::Result<sheet::CommandReply>& reply = report.replies.front();
-  if (!reply) return refuse(reply.error());
+  if (!reply.ok()) return refuse(reply.error());
   std::printf("tick %lld: cut into %d pieces\n", static_cast<long long>(reply->tick), reply->cut->report.pieces);
 
   for (int tick = 0; tick < 29; ++tick) cloth->step({});

@@ -181,7 +181,7 @@ void try_cut(const std::shared_ptr<ApiCore>& core, const std::string& id, sheet:
                  const auto work = [core, id, encode, command, estimate, sheet = *copy]() -> Result<Response> {
                    if (core->stopping) return server_stopping();
                    const Result<host::CommandResult> result = result_on(*sheet, command, estimate);
-                   if (!result) return in_request(result.error());
+                   if (!result.ok()) return in_request(result.error());
                    return without_name(encode(id, *result));
                  };
                  in_background<Response>(core->analyst, reply, work, too_many_analyses(*core));

@@ -118,7 +118,7 @@ void declare(CLI::App& parser, Arguments& arguments) {
 
 Result<ws::Endpoint> listening_address(const std::string& text, const std::string& option, bool allow_remote) {
   Result<ws::Endpoint> endpoint = ws::parse_endpoint(text);
-  if (!endpoint) return invalid_argument("BAD_ADDRESS", option + ": " + endpoint.error().message, option);
+  if (!endpoint.ok()) return invalid_argument("BAD_ADDRESS", option + ": " + endpoint.error().message, option);
   if (!allow_remote && !ws::is_loopback(endpoint->host)) {
     return invalid_argument("REMOTE_NOT_ALLOWED",
                             option + ": other machines could reach " + text +

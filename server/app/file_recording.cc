@@ -32,7 +32,7 @@ FileRecording::~FileRecording() {
 
 void FileRecording::try_a_last_time() {
   const Status written = write_waiting();
-  if (written) return resume();
+  if (written.ok()) return resume();
   ++board_.errors;
   say("ends with its sheet, " + std::to_string(waiting_bytes_) + " bytes before its end: " + written.error().message);
 }
@@ -65,7 +65,7 @@ bool FileRecording::waits_too_much() const {
 
 void FileRecording::try_to_write() {
   const Status written = write_waiting();
-  if (written) {
+  if (written.ok()) {
     if (state_ == State::kPaused) resume();
     return;
   }

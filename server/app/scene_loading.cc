@@ -28,18 +28,18 @@ Error in_file(const std::filesystem::path& file, Error error) {
 
 Result<std::string> load(const std::filesystem::path& file, host::Disk& disk, host::Host& host) {
   const Result<std::string> json = disk.read_file(file.string(), wire::kMaxSceneFileBytes);
-  if (!json) return in_file(file, json.error());
+  if (!json.ok()) return in_file(file, json.error());
   const wire::FileReader read_file = [&](const std::string& path) {
     return disk.read_file((file.parent_path() / path).string(), sheet::kMaxMeshFileBytes);
   };
   Result<sheet::SheetConfig> config = wire::decode_scene_file(*json, read_file);
-  if (!config) return in_file(file, config.error());
+  if (!config.ok()) return in_file(file, config.error());
   const std::string stem = file.stem().string();
   const std::string id = config->sheet_id.empty() && sheet::is_valid_sheet_id(stem) ? stem : config->sheet_id;
   const Result<host::SheetStatus> status = wait_for<host::SheetStatus>([&](host::Callback<host::SheetStatus> done) {
     host.create_sheet(id, std::move(config).value(), true, std::move(done));
   });
-  if (!status) return in_file(file, status.error());
+  if (!status.ok()) return in_file(file, status.error());
   return status->id;
 }
 
@@ -60,7 +60,7 @@ Status resume_sheets(const std::vector<std::string>& ids, host::Host& host) {
     const Result<host::SheetStatus> status =
         wait_for<host::SheetStatus>([&](host::Callback<host::SheetStatus> done) { host.resume(id, std::move(done)); });
     // Whoever deleted it in the meantime, through a transport that listens already, was free to.
-    if (!status && status.error().code != ErrorCode::kNotFound) return status.error();
+    if (!status.ok() && status.error().code != ErrorCode::kNotFound) return status.error();
   }
   return Nothing{};
 }

@@ -66,7 +66,6 @@ class [[nodiscard]] Result {
   Result(Error error) : content_(std::in_place_index<1>, std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
   [[nodiscard]] bool ok() const { return content_.index() == 0; }
-  explicit operator bool() const { return ok(); }
 
   T& value() & {
     KERF_CHECK(ok(), "value() of a failed Result");

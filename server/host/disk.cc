@@ -66,8 +66,8 @@ class RealFile : public AppendFile {
   Status append(std::string_view bytes) override {
     KERF_TRY(drop_partial());
     const Status written = write_all(file_.number(), bytes, path_);
-    is_partial_ = !written;
-    if (written) {
+    is_partial_ = !written.ok();
+    if (written.ok()) {
       size_ += static_cast<off_t>(bytes.size());
     } else {
       (void)drop_partial();  // what remains is dropped by the next append
@@ -130,10 +130,10 @@ Status RealDisk::write_file(const std::string& named, std::string_view content) 
   Descriptor file(::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644));
   if (!file.is_open()) return io_error("create", beside, errno);
   Status written = write_all(file.number(), content, beside);
-  if (written && ::fsync(file.number()) != 0) written = io_error("sync", beside, errno);
+  if (written.ok() && ::fsync(file.number()) != 0) written = io_error("sync", beside, errno);
   file.close();
-  if (written && ::rename(beside.c_str(), path.c_str()) != 0) written = io_error("rename", beside, errno);
-  if (!written) {
+  if (written.ok() && ::rename(beside.c_str(), path.c_str()) != 0) written = io_error("rename", beside, errno);
+  if (!written.ok()) {
     ::unlink(beside.c_str());
     return written;
   }

@@ -85,18 +85,18 @@ void Host::Impl::create_sheet(std::string id, sheet::SheetConfig config, std::un
   creation->stop = stop;
   const Status queued = caught([&]() -> Status {
     Result<std::shared_ptr<VertexShare>> reserved = reserve(id, config, paused);
-    if (!reserved) return reserved.error();
+    KERF_TRY(reserved);
     creation->vertices = std::move(reserved).value();
     creation->id = std::move(id);
     if (!paused) creation->need = expected_need(config);
     const auto shared = std::make_shared<sheet::SheetConfig>(std::move(config));
     const bool posted = builders_.make_strand().post([this, creation, shared] {
       const Status handed_on = caught([&] { return build_and_hand_on(creation, std::move(*shared)); });
-      if (!handed_on) refuse(*creation, handed_on.error());
+      if (!handed_on.ok()) refuse(*creation, handed_on.error());
     });
     return posted ? Status(Nothing{}) : Status(stopping());
   });
-  if (!queued) refuse(*creation, queued.error());
+  if (!queued.ok()) refuse(*creation, queued.error());
 }
 
 Status Host::Impl::build_and_hand_on(const std::shared_ptr<Creation>& creation, sheet::SheetConfig config) {
@@ -105,7 +105,7 @@ Status Host::Impl::build_and_hand_on(const std::shared_ptr<Creation>& creation, 
   const Workers::Strand strand = workers_.make_strand();
   const bool posted = strand.post([this, creation, sheet, strand] {
     const Result<SheetStatus> begun = begin(*creation, std::move(*sheet), strand);
-    if (!begun) return refuse(*creation, begun.error());
+    if (!begun.ok()) return refuse(*creation, begun.error());
     creation->done(*begun);
   });
   return posted ? Status(Nothing{}) : Status(stopping());
@@ -123,7 +123,7 @@ Result<SheetStatus> Host::Impl::begin(Creation& creation, sheet::Sheet sheet, co
     creation.need.reset();
     return runner->status();
   });
-  if (!begun) runner->close(stopping_ ? sheet::SinkEnd::kHostStopping : sheet::SinkEnd::kSheetLost);
+  if (!begun.ok()) runner->close(stopping_ ? sheet::SinkEnd::kHostStopping : sheet::SinkEnd::kSheetLost);
   return begun;
 }
 
@@ -218,7 +218,7 @@ Result<std::shared_ptr<VertexShare>> Host::Impl::reserve(const std::string& id, 
   KERF_TRY(vertices_.take(taken));
   auto share = std::make_shared<VertexShare>(vertices_, taken);
   if (!paused) {
-    if (Status s = admission_.admit(load(), options_.workers); !s) {
+    if (Status s = admission_.admit(load(), options_.workers); !s.ok()) {
       board_.update([](HostMetrics& m) { ++m.overload_refusals; });
       return s.error();
     }
@@ -239,7 +239,7 @@ Result<sheet::Sheet> Host::Impl::build(sheet::SheetConfig config, const Creation
   const InterruptionScope scope([&, askings = 0]() mutable {
     wanted = check_wanted(creation);
     const bool looks = askings++ % kAskingsToALook == 0;
-    if (wanted && looks && !has_memory_for(0)) wanted = out_of_memory();
+    if (wanted.ok() && looks && !has_memory_for(0)) wanted = out_of_memory();
     return wanted.ok();
   });
   Result<sheet::Sheet> built =
@@ -330,10 +330,10 @@ void Host::Impl::submit(const std::string& id, sheet::Command command, Callback<
   Status accepted = Nothing{};
   if (!runner) {
     accepted = missing(id);
-  } else if (accepted = sheet::validate(command); accepted) {
+  } else if (accepted = sheet::validate(command); accepted.ok()) {
     accepted = runner->enqueue(std::move(command), done);
   }
-  if (accepted) return;
+  if (accepted.ok()) return;
   board_.update([](HostMetrics& m) { ++m.commands_refused; });
   done(accepted.error());
 }
@@ -341,7 +341,7 @@ void Host::Impl::submit(const std::string& id, sheet::Command command, Callback<
 void Host::Impl::schedule(const std::string& id, sheet::Command command, std::int64_t at_tick,
                           const Callback<std::int64_t>& done) {
   const auto answer = [this, done](Result<std::int64_t> number) {
-    if (!number) board_.update([](HostMetrics& m) { ++m.commands_refused; });
+    if (!number.ok()) board_.update([](HostMetrics& m) { ++m.commands_refused; });
     done(std::move(number));
   };
   if (const Status valid = sheet::validate(command); !valid) return answer(valid.error());

@@ -58,7 +58,7 @@ void SheetRunner::post(std::function<void(SheetRunner&)> work, std::function<voi
       work(*self);
       return Nothing{};
     });
-    if (done) return;
+    if (done.ok()) return;
     refuse(done.error());
     if (self->changing_) self->lose();
   });

@@ -96,7 +96,7 @@ bool SheetRunner::run_commands(bool advance, std::vector<Pending> pending) {
   if (!pending.empty()) {
     const TickEstimate after = tick_estimate();
     for (Result<CommandResult>& result : results) {
-      if (!result) continue;
+      if (!result.ok()) continue;
       result->timings.tick_before_us = tick_before_us;
       result->timings.tick_after_us = after.total_us();
       result->timings.budget_us = after.budget;
@@ -132,7 +132,7 @@ void SheetRunner::note_changes(const std::vector<Pending>& pending, const std::v
                                const sheet::TickReport& report) {
   for (std::size_t i = 0; i < commands.size(); ++i) {
     const Result<sheet::CommandReply>& reply = report.replies[i];
-    if (!reply || pending[i].is_repeat) continue;
+    if (!reply.ok() || pending[i].is_repeat) continue;
     const bool is_reset = std::holds_alternative<sheet::Reset>(commands[i]);
     is_changed_ = !is_reset;
     if (is_reset) ++resets_;
@@ -219,7 +219,7 @@ std::vector<Result<CommandResult>> SheetRunner::results_of(const sheet::TickRepo
   results.reserve(num_scheduled + pending.size());
   // `number`: which of the tick's commands, in the order in which they were done.
   const auto add = [&](const Result<sheet::CommandReply>& reply, Nanoseconds queued, std::size_t number) {
-    if (!reply) {
+    if (!reply.ok()) {
       results.emplace_back(reply.error());
       return;
     }
@@ -294,7 +294,7 @@ void SheetRunner::count(const sheet::TickReport& report, const std::vector<Resul
     m.commands += num_done;
     m.commands_refused += num_refused;
     for (const Result<CommandResult>& result : results) {
-      if (!result || !(result->reply.cut || !result->reply.batch.empty())) continue;
+      if (!result.ok() || !(result->reply.cut || !result->reply.batch.empty())) continue;
       m.cut_duration.add(1.0e-6 * (result->timings.cut_us + result->timings.update_us));
     }
     m.contact_phases += sheet_.contact_phases() - contact_phases_;

@@ -341,7 +341,7 @@ Result<TriangleMesh> import_surface(const IndexedMesh& input) {
     return SheetImport(with_rest).run();
   };
   Result<TriangleMesh> conformal = import_flattened(Flattening::kConformal);
-  return conformal ? std::move(conformal) : import_flattened(Flattening::kConvex);
+  return conformal.ok() ? std::move(conformal) : import_flattened(Flattening::kConvex);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct RawService<Service, First, Rest...> {
 template <typename Response>
 api::Reply<Response> finisher(Reactor* reactor, ByteBuffer* response) {
   return [reactor, response](Result<Response> reply) {
-    if (!reply) {
+    if (!reply.ok()) {
       reactor->Finish(to_status(reply.error()));
       return;
     }
@@ -54,7 +54,7 @@ api::Reply<Response> finisher(Reactor* reactor, ByteBuffer* response) {
 template <typename Request>
 std::optional<Request> parse(const ByteBuffer* bytes, Reactor* reactor) {
   Result<Request> request = parse_message<Request>(*bytes);
-  if (request) return std::move(request).value();
+  if (request.ok()) return std::move(request).value();
   reactor->Finish(to_status(request.error()));
   return std::nullopt;
 }

@@ -43,7 +43,7 @@ class StreamService final : public RawStream {
   grpc::ServerWriteReactor<grpc::ByteBuffer>* Subscribe(grpc::CallbackServerContext* context,
                                                         const grpc::ByteBuffer* request) override {
     const Result<v1::SubscribeRequest> message = parse_message<v1::SubscribeRequest>(*request);
-    if (!message) return new RefusedReactor(message.error());
+    if (!message.ok()) return new RefusedReactor(message.error());
     return new SubscribeReactor(api_.subscribe(*message), *context, hosting_);
   }
 

@@ -38,8 +38,8 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
     if (!patience_->moved()) return;
     if (!ok) return end();
     Result<Request> request = parse_message<Request>(message_);
-    const Status taken = request ? take(std::move(request).value()) : Status(request.error());
-    if (!taken) return refuse(taken.error());
+    const Status taken = request.ok() ? take(std::move(request).value()) : Status(request.error());
+    if (!taken.ok()) return refuse(taken.error());
     StartRead(&message_);
   }
 
@@ -69,7 +69,9 @@ class UploadReactor final : public grpc::ServerReadReactor<ByteBuffer> {
     // The reply may end the call, and this object with it, before finish() returns.
     const std::unique_ptr<api::Upload> upload = std::move(upload_);
     upload->finish(
-        [this](Result<v1::Sheet> sheet) { Finish(sheet ? serialise(*sheet, response_) : to_status(sheet.error())); },
+        [this](Result<v1::Sheet> sheet) {
+          Finish(sheet.ok() ? serialise(*sheet, response_) : to_status(sheet.error()));
+        },
         left_.get_token());
   }
 
@@ -114,12 +116,12 @@ class RecordingReactor final : public grpc::ServerWriteReactor<ByteBuffer> {
     // A write that is not taken ends in OnWriteDone, and the call with it.
     too_slow_->set([&context] { context.TryCancel(); });
     const Result<v1::GetSheetRecordingRequest> request = parse_message<v1::GetSheetRecordingRequest>(*bytes);
-    if (!request) {
+    if (!request.ok()) {
       Finish(to_status(request.error()));
       return;
     }
     api.get_sheet_recording(*request, [this](Result<std::shared_ptr<const std::string>> file) {
-      if (!file) return Finish(to_status(file.error()));
+      if (!file.ok()) return Finish(to_status(file.error()));
       file_ = std::move(file).value();
       patience_->begin([too_slow = too_slow_](Patience::Lapse) { too_slow->raise(); });
       write_next();

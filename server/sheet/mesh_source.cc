@@ -36,16 +36,16 @@ Result<BuiltMesh> build(const GridSource& grid, const Placement& placement, std:
   Result<mesh::TriangleMesh> built = grid.pattern == GridPattern::kJitteredDelaunay
                                          ? mesh::make_jittered_grid(config, grid.seed)
                                          : mesh::make_grid(config);
-  if (!built) return with_field(built.error(), "grid");
+  if (!built.ok()) return with_field(built.error(), "grid");
   Eigen::Matrix3Xd positions = place(*built, placement);
   return BuiltMesh{std::move(built).value(), std::move(positions)};
 }
 
 // A mesh file. Its positions are within the world's limits: those of its reader are tighter.
 Result<BuiltMesh> build(Result<mesh::ImportedSheet> parsed, const std::string& field) {
-  if (!parsed) return with_field(parsed.error(), field);
+  if (!parsed.ok()) return with_field(parsed.error(), field);
   Result<mesh::TriangleMesh> built = mesh::import_mesh(parsed->sheet);
-  if (!built) return with_field(built.error(), field);
+  if (!built.ok()) return with_field(built.error(), field);
   return BuiltMesh{std::move(built).value(), std::move(parsed->world)};
 }
 
@@ -63,7 +63,7 @@ Result<BuiltMesh> build(const ArraySource& arrays, const Placement& placement, s
   indexed.triangles = arrays.triangles;
   indexed.surface = arrays.rest_positions;
   Result<mesh::TriangleMesh> built = mesh::import_mesh(indexed);
-  if (!built) {
+  if (!built.ok()) {
     const std::string& field = built.error().field;
     return with_field(built.error(), field == "rest"      ? "inline.material_positions"
                                      : field == "surface" ? "inline.rest_positions"
@@ -99,7 +99,7 @@ Eigen::Matrix<double, 3, 2> BuiltMesh::gradient_at(const MaterialPoint& point) c
 
 Result<BuiltMesh> build_mesh(const MeshSource& source, const Placement& placement, std::int32_t max_vertices) {
   Result<BuiltMesh> built = std::visit([&](const auto& s) { return build(s, placement, max_vertices); }, source);
-  if (built) {
+  if (built.ok()) {
     KERF_CHECK(built->positions.cols() == built->mesh.num_vertices(), "importer lost or added vertices");
   }
   return built;

@@ -203,7 +203,7 @@ Result<mesh::TriangleMesh> mesh_outline(const OutlineSource& outline, std::int32
   KERF_TRY_ASSIGN(mesh::OutlineConfig config, OutlineFlattening(outline).run());
   config.max_vertices = max_vertices;
   Result<mesh::TriangleMesh> built = mesh::mesh_outline(config);
-  if (built) return built;
+  if (built.ok()) return built;
   Error error = built.error();
   if (error.field == "edge_length") error.field = "outline.edge_length_m";
   return error;

@@ -114,7 +114,7 @@ void Sheet::Impl::stamp(TickReport& report) const {
   add_shape_to(hash);
   hash.add(tick);
   const auto stamp_reply = [&](Result<CommandReply>& reply) {
-    if (!reply) return;
+    if (!reply.ok()) return;
     reply->tick = tick;
     reply->state_hash = hash.value();
   };

@@ -107,7 +107,7 @@ Status validate_schedule(const std::vector<ScheduledCommand>& commands) {
                               field + ".command.reset.repeats is for recordings; give the scene repeat_after_ticks",
                               field + ".command.reset.repeats");
     }
-    if (Status s = validate(commands[i].command); !s) {
+    if (Status s = validate(commands[i].command); !s.ok()) {
       Error error = s.error();
       error.field = field + ".command." + error.field;
       return error;

@@ -88,7 +88,7 @@ Result<std::vector<CutReply>> Sheet::Impl::do_cuts(std::span<const Cut> cuts, bo
     return cut_mesh(cuts, is_batch, done, context.observer);
   };
   Result<std::vector<CutReply>> replies = carry_out();
-  if (!replies || done.empty()) return replies;
+  if (!replies.ok() || done.empty()) return replies;
 
   const StageScope scope(context.observer, Stage::kModelUpdate, context.index);
   follow(done, context.observer);
@@ -137,8 +137,9 @@ Result<std::vector<CutReply>> Sheet::Impl::cut_mesh(std::span<const Cut> cuts, b
     }
     const double mass_before = cuts[i].width && !has_one_material() ? rest_mass() : 0.0;
     const Result<cut::CutPlan> plan = cut::plan(mesh, request);
-    Result<cut::CutOutcome> outcome = plan ? cut::apply(mesh, *plan, observer) : Result<cut::CutOutcome>(plan.error());
-    if (!outcome) {
+    Result<cut::CutOutcome> outcome =
+        plan.ok() ? cut::apply(mesh, *plan, observer) : Result<cut::CutOutcome>(plan.error());
+    if (!outcome.ok()) {
       for (auto cut = done.rbegin(); cut != done.rend(); ++cut) cut->edit.undo.undo(mesh);
       done.clear();
       return is_batch ? in_batch(outcome.error(), i) : outcome.error();

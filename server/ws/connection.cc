@@ -205,7 +205,7 @@ class HttpConnection : public Connection, public std::enable_shared_from_this<Ht
     if (limit.max_bytes > context_.api.limits().max_request_bytes) {
       Result<std::shared_ptr<const api::UploadRoom>> reserved =
           context_.api.reserve_upload(static_cast<std::int64_t>(told));
-      if (!reserved) return refusal(reserved.error());
+      if (!reserved.ok()) return refusal(reserved.error());
       room = std::move(reserved).value();
       stream_.expires_after(context_.options.upload_timeout);
     }

@@ -112,7 +112,7 @@ void FileRoutes::download(std::string_view path, std::function<void(HttpResponse
   v1::GetSheetRecordingRequest request;
   request.set_name(std::string(name));
   api_.get_sheet_recording(request, [file, done = std::move(done)](Result<std::shared_ptr<const std::string>> reply) {
-    if (!reply) return done(refusal(reply.error()));
+    if (!reply.ok()) return done(refusal(reply.error()));
     done({200,
           "application/octet-stream",
           *reply,
@@ -127,10 +127,10 @@ void FileRoutes::upload(HttpRequest request, std::function<void(HttpResponse)> d
   Result<std::unique_ptr<api::Upload>> upload =
       path == kSheets ? begin_upload(api_, read_sheet_upload(request), size, &api::Api::upload_sheet)
                       : begin_upload(api_, read_recording_upload(request), size, &api::Api::replay_recording);
-  if (!upload) return done(refusal(upload.error()));
+  if (!upload.ok()) return done(refusal(upload.error()));
   if (const Status taken = (*upload)->append(std::move(request.body)); !taken) return done(refusal(taken.error()));
   const auto answer = [done = std::move(done)](Result<v1::Sheet> sheet) {
-    if (!sheet) return done(refusal(sheet.error()));
+    if (!sheet.ok()) return done(refusal(sheet.error()));
     done({200,
           "application/json",
           std::make_shared<const std::string>(wire::to_json(*sheet)),

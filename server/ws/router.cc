@@ -170,7 +170,7 @@ void Router::call(HttpRequest request, std::string_view path, std::function<void
   const bool is_upload = files_.upload_limit(path) > 0;
   const auto method = methods_.find(path);
   if (method == methods_.end() && !is_upload) return done(refusal(no_such_path(path)));
-  if (const Status origin = check_origin(access_, request.origin, request.host); !origin) {
+  if (const Status origin = check_origin(access_, request.origin, request.host); !origin.ok()) {
     return done(refusal_with_status(403, origin.error()));
   }
   if (is_upload) return files_.upload(std::move(request), std::move(done), stop);
@@ -178,7 +178,7 @@ void Router::call(HttpRequest request, std::string_view path, std::function<void
   method->second->call(
       request.body.empty() ? std::string_view("{}") : std::string_view(request.body),
       [done = std::move(done)](Result<std::string> reply) {
-        if (!reply) return done(refusal(reply.error()));
+        if (!reply.ok()) return done(refusal(reply.error()));
         done({200,
               "application/json",
               std::make_shared<const std::string>(std::move(*reply)),
@@ -191,8 +191,8 @@ Router::BodyLimit Router::body_limit(const HttpRequest& head) const {
   const std::string_view path = split_target(head.target).path;
   const std::int64_t limit = head.method == "POST" ? files_.upload_limit(path) : 0;
   if (limit == 0) return {max_message_bytes_, std::nullopt};
-  if (const Status host = check_host(access_, head.host); !host) return {0, refused_host(host.error())};
-  if (const Status origin = check_origin(access_, head.origin, head.host); !origin) {
+  if (const Status host = check_host(access_, head.host); !host.ok()) return {0, refused_host(host.error())};
+  if (const Status origin = check_origin(access_, head.origin, head.host); !origin.ok()) {
     return {0, refusal_with_status(403, origin.error())};
   }
   return {limit, std::nullopt};
@@ -210,9 +210,9 @@ std::optional<Result<std::shared_ptr<api::ImageSession>>> Router::play(const Htt
 
 Router::Upgrade Router::upgrade(const HttpRequest& request, std::string_view subprotocols) const {
   const std::string_view path = split_target(request.target).path;
-  if (const Status host = check_host(access_, request.host); !host) return {{}, refused_host(host.error())};
+  if (const Status host = check_host(access_, request.host); !host.ok()) return {{}, refused_host(host.error())};
   if (path != "/watch" && path != "/images") return {{}, refusal(no_such_path(request.target))};
-  if (const Status origin = check_origin(access_, request.origin, request.host); !origin) {
+  if (const Status origin = check_origin(access_, request.origin, request.host); !origin.ok()) {
     return {{}, refusal_with_status(403, origin.error())};
   }
   if (!lists_token(subprotocols, kSubprotocol)) {

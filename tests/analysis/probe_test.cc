@@ -40,7 +40,7 @@ SheetConfig stretched(const Eigen::Matrix<double, 3, 2>& gradient) {
 
 std::map<std::string, double> measure(const sheet::Sheet& sheet, const std::vector<Probe>& requests) {
   Result<Probes> probes = Probes::create(requests, sheet);
-  if (!probes) {
+  if (!probes.ok()) {
     ADD_FAILURE() << probes.error().message;
     return {};
   }
@@ -339,7 +339,7 @@ TEST(Probes, RefuseWhatIsNotThereAndSayNaNOfWhatIsCutAway) {
   sheet::Sheet sheet = sheet::make(config);
   const auto refusal = [&](const Probe& probe) {
     const Result<Probes> probes = Probes::create({probe}, sheet);
-    return probes ? "made" : probes.error().reason + " " + probes.error().field;
+    return probes.ok() ? "made" : probes.error().reason + " " + probes.error().field;
   };
   EXPECT_EQ(refusal(at_points("a", Quantity::kPosition, {{0.5, 0.5}, {1.5, 0.5}})),
             "POINT_OUTSIDE probes[0].points[1]");

@@ -328,7 +328,7 @@ TEST_F(AnalysisApiTest, NamesWhatIsWrong) {
   ASSERT_TRUE(create_sheet("a", true).ok());
   const auto refusal = [&](const v1::AnalyzeSheetRequest& request) {
     const Result<v1::AnalyzeSheetResponse> reply = analyze(request);
-    return reply ? "done" : reply.error().reason + " " + reply.error().field;
+    return reply.ok() ? "done" : reply.error().reason + " " + reply.error().field;
   };
   EXPECT_EQ(refusal(resting("sheets/nobody")), "SHEET_NOT_FOUND name");
   v1::AnalyzeSheetRequest request = resting("sheets/a");

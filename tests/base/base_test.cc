@@ -13,6 +13,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -43,10 +44,43 @@ Result<int> half_of(int value) {
 TEST(Result, HoldsValueOrError) {
   EXPECT_EQ(*half_of(8), 4);
   const Result<int> refused = half_of(7);
-  ASSERT_FALSE(refused);
+  ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(refused.error().reason, "ODD");
   EXPECT_EQ(refused.error().field, "value");
+}
+
+// Asked by ok() alone: `if (result)` would be true of a Result<bool> that holds false.
+static_assert(!std::is_constructible_v<bool, Result<bool>>);
+
+Result<std::unique_ptr<int>> quarter_of(int value) {
+  KERF_TRY(half_of(value));
+  KERF_TRY_ASSIGN(const int half, half_of(value));
+  int quarter = 0;
+  KERF_TRY_ASSIGN(quarter, half_of(half));
+  return std::make_unique<int>(quarter);
+}
+
+TEST(Result, IsTriedForItsErrorOrItsValue) {
+  EXPECT_EQ(**quarter_of(12), 3);
+  EXPECT_EQ(quarter_of(7).error().message, half_of(7).error().message);
+  EXPECT_EQ(quarter_of(14).error().message, half_of(7).error().message);
+}
+
+TEST(Result, HasAnErrorOfEachCode) {
+  EXPECT_EQ(invalid_argument("R", "m").code, ErrorCode::kInvalidArgument);
+  EXPECT_EQ(not_found("R", "m").code, ErrorCode::kNotFound);
+  EXPECT_EQ(already_exists("R", "m").code, ErrorCode::kAlreadyExists);
+  EXPECT_EQ(resource_exhausted("R", "m").code, ErrorCode::kResourceExhausted);
+  EXPECT_EQ(failed_precondition("R", "m").code, ErrorCode::kFailedPrecondition);
+  EXPECT_EQ(aborted("R", "m").code, ErrorCode::kAborted);
+  EXPECT_EQ(unavailable("R", "m").code, ErrorCode::kUnavailable);
+  EXPECT_EQ(data_loss("R", "m").code, ErrorCode::kDataLoss);
+  const Error error = internal_error("REASON", "message", "field");
+  EXPECT_EQ(error.code, ErrorCode::kInternal);
+  EXPECT_EQ(error.reason, "REASON");
+  EXPECT_EQ(error.message, "message");
+  EXPECT_EQ(error.field, "field");
 }
 
 TEST(ResultDeathTest, ValueOfAFailureIsABug) {

@@ -25,7 +25,7 @@ TEST(Admission, ClosesAtTheLimitAndReopensWellBelowIt) {
   Admission admission(2.0);
   EXPECT_TRUE(admission.admit(1.99, 4));
   const Status refused = admission.admit(2.0, 4);
-  ASSERT_FALSE(refused);
+  ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(refused.error().reason, "OVERLOADED");
   EXPECT_NE(refused.error().message.find("8.00 of 4 workers"), std::string::npos) << refused.error().message;
@@ -87,7 +87,7 @@ class AdmissionTest : public HostTest {
     return sink;
   }
   void done(void (Host::*change)(const std::string&, Callback<SheetStatus>), const std::string& id) {
-    (host_.get()->*change)(id, [](const Result<SheetStatus>& result) { EXPECT_TRUE(result); });
+    (host_.get()->*change)(id, [](const Result<SheetStatus>& result) { EXPECT_TRUE(result.ok()); });
     host_->wait_idle();
   }
 };
@@ -132,7 +132,7 @@ TEST_F(AdmissionTest, OnlyWhatRunsCounts) {
   done(&Host::resume, "a");  // a sheet that is there is not refused
   EXPECT_GT(host_->load(), 0.55);
   EXPECT_EQ(try_to_create("c"), "OVERLOADED");
-  host_->delete_sheet("a", [](const Result<Nothing>& deleted) { EXPECT_TRUE(deleted); });
+  host_->delete_sheet("a", [](const Result<Nothing>& deleted) { EXPECT_TRUE(deleted.ok()); });
   host_->wait_idle();
   EXPECT_LT(host_->load(), 0.01);
   EXPECT_EQ(try_to_create("c"), "done");

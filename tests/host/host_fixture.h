@@ -37,7 +37,7 @@ class Answers {
   }
   [[nodiscard]] std::string reason(std::size_t i) const {
     const Result<T> result = at(i);
-    return result ? "done" : result.error().reason;
+    return result.ok() ? "done" : result.error().reason;
   }
 
  private:

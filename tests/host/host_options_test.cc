@@ -54,7 +54,7 @@ TEST_F(SmallHostTest, CutsKeepTheLimitOnVertices) {
   create("a", at_50_hz(scenes::hanging(3)), true);
   const std::optional<std::uint64_t> before = status("a").state_hash;
   const Result<CommandResult> refused = submit("a", scenes::circle_cut({0.5, 0.5}, 0.3));
-  ASSERT_FALSE(refused);
+  ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(refused.error().reason, "TOO_MANY_VERTICES");
   EXPECT_EQ(status("a").state_hash, before);
@@ -85,7 +85,7 @@ class BudgetHostTest : public HostTest {
     return try_to_create(id, at_50_hz(scenes::hanging(vertices_a_side)));
   }
   void remove(const std::string& id) {
-    host_->delete_sheet(id, [](const Result<Nothing>& deleted) { EXPECT_TRUE(deleted); });
+    host_->delete_sheet(id, [](const Result<Nothing>& deleted) { EXPECT_TRUE(deleted.ok()); });
     host_->wait_idle();
   }
   // Of a disk: how many vertices it has is not known before it is built.
@@ -299,7 +299,7 @@ TEST_F(FailingHostTest, ASheetThatFreezesIsRecordedInOrder) {
   run_for(3 * kTick);
   host_->stop();
   const Status order = sheet::check_order(recorder->recording().entries);
-  EXPECT_TRUE(order) << order.error().message;
+  EXPECT_TRUE(order.ok()) << order.error().message;
   EXPECT_GT(recorder->recording().entries.back().tick, 7) << "the reset let it go on";
 }
 
@@ -322,7 +322,7 @@ TEST_F(RecordingHostTest, WhatWasServedReplaysBitForBit) {
   const std::int64_t tick = status("a").tick;
   host_->stop();
   const Result<sheet::ReplayReport> report = sheet::replay(recorder_->recording());
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_FALSE(report->divergence.has_value());
   EXPECT_EQ(report->ticks, tick);
 }

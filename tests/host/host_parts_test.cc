@@ -224,7 +224,7 @@ void check_disk(Disk& disk, const std::string& folder) {
   EXPECT_EQ(disk.read_file(path, 6).value(), "second");
   EXPECT_EQ(disk.read_file(path, 5).error().reason, "FILE_TOO_LARGE");
   Result<std::unique_ptr<AppendFile>> file = disk.create_file(path);
-  ASSERT_TRUE(file);
+  ASSERT_TRUE(file.ok());
   ASSERT_TRUE((*file)->append("a"));
   ASSERT_TRUE((*file)->append(std::string("\0b", 2)));
   ASSERT_TRUE((*file)->sync());
@@ -263,7 +263,7 @@ TEST(Disk, AMemoryDiskRunsFullWithoutLosingWhatWasThere) {
   EXPECT_EQ(disk.write_file("a", "123456").error().reason, "DISK_FULL");
   EXPECT_EQ(disk.read_file("a", 10).value(), "12345");
   Result<std::unique_ptr<AppendFile>> file = disk.create_file("c");
-  ASSERT_TRUE(file);
+  ASSERT_TRUE(file.ok());
   EXPECT_TRUE((*file)->append("12345"));
   EXPECT_EQ((*file)->append("1").error().reason, "DISK_FULL");
   disk.set_capacity(11);
@@ -298,7 +298,7 @@ TEST(Disk, AFailedAppendLeavesNoPart) {
   const std::string path = folder / "file";
   RealDisk disk;
   Result<std::unique_ptr<AppendFile>> file = disk.create_file(path);
-  ASSERT_TRUE(file);
+  ASSERT_TRUE(file.ok());
   ASSERT_TRUE((*file)->append("12345678"));
   {
     const FileSizeLimit limit(10);

@@ -18,7 +18,7 @@ TEST_F(HostTest, ACommandWithATickIsDoneAtTheStartOfItInTheOrderOfTheCalls) {
     const auto* released = std::get_if<sheet::Release>(&command);
     told.push_back(id + " " + (released != nullptr ? released->grab_id : "other") + " " +
                    std::to_string(appointment.at_tick) + "#" + std::to_string(appointment.number) + " " +
-                   (result ? std::to_string(result->reply.tick) : result.error().reason));
+                   (result.ok() ? std::to_string(result->reply.tick) : result.error().reason));
   });
   Answers<std::int64_t> answers;
   host_->schedule("a", sheet::Grab{"x", 0, std::nullopt, 0.0}, 4, answers.callback());
@@ -126,7 +126,7 @@ TEST_F(HostTest, CommandsWithATickAreReplayed) {
   ASSERT_EQ(status("a").topology_version, 3);
   host_->stop();
   const Result<sheet::ReplayReport> report = sheet::replay(recorder->recording());
-  ASSERT_TRUE(report);
+  ASSERT_TRUE(report.ok());
   EXPECT_FALSE(report->divergence);
   EXPECT_GE(report->ticks, 12);
 }

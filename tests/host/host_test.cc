@@ -217,7 +217,7 @@ TEST_F(HostTest, ASheetAtRestCostsNothingUntilTouched) {
   EXPECT_EQ(host_->metrics().ticks, asleep.ticks);
 
   const Result<CommandResult> reply = submit("a", sheet::Grab{"hand", 0, std::nullopt, 0.0});
-  ASSERT_TRUE(reply);
+  ASSERT_TRUE(reply.ok());
   EXPECT_EQ(status("a").run_state, RunState::kRunning);
   EXPECT_EQ(status("a").stats.slipped_s, 0.0);
   EXPECT_LT(reply->timings.queued_us, 1.0);  // woken at once

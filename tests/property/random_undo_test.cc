@@ -71,7 +71,7 @@ class Trial {
  private:
   Sheet make() {
     Result<Sheet> made = property::random_moving_sheet(random_, frame_);
-    if (!made) ADD_FAILURE() << made.error().message;
+    if (!made.ok()) ADD_FAILURE() << made.error().message;
     return std::move(made).value();
   }
 

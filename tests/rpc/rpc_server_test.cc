@@ -332,7 +332,7 @@ TEST(RpcServer, HealthFollowsTheDrain) {
   api::Api api(host, nullptr, {}, clock);
   rpc::RpcServer server(api, clock);
   const Result<int> port = server.start("127.0.0.1:0");
-  ASSERT_TRUE(port);
+  ASSERT_TRUE(port.ok());
   const auto channel = grpc::CreateChannel("127.0.0.1:" + std::to_string(*port), grpc::InsecureChannelCredentials());
   EXPECT_EQ(health_of(channel, ""), kServing);
   EXPECT_EQ(health_of(channel, "kerf.v1.CutService"), kServing);

@@ -133,7 +133,7 @@ Recording record() {
 TEST(Recording, ReplaysBitForBit) {
   const Recording recording = record();
   const Result<ReplayReport> report = replay(recording);
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_FALSE(report->divergence.has_value()) << "tick " << report->divergence->tick;
   EXPECT_EQ(report->ticks, 37);
 }
@@ -143,7 +143,7 @@ TEST(Recording, NamesTheFirstTickThatDiffers) {
   recording.entries[9].state_hash ^= 1U;
   recording.entries[20].state_hash ^= 1U;
   const Result<ReplayReport> report = replay(recording);
-  ASSERT_TRUE(report);
+  ASSERT_TRUE(report.ok());
   ASSERT_TRUE(report->divergence.has_value());
   EXPECT_EQ(report->divergence->entry, 9U);
   EXPECT_EQ(report->divergence->tick, 9);
@@ -155,7 +155,7 @@ TEST(Recording, ACommandLeftOutDiverges) {
   Recording recording = record();
   recording.entries[13].commands.erase(recording.entries[13].commands.begin());
   const Result<ReplayReport> report = replay(recording);
-  ASSERT_TRUE(report);
+  ASSERT_TRUE(report.ok());
   ASSERT_TRUE(report->divergence.has_value());
   EXPECT_EQ(report->divergence->tick, 13);
 }
@@ -168,7 +168,7 @@ TEST(Recording, TicksLeftOutAreSteppedAllTheSame) {
   });
   ASSERT_LT(recording.entries.size(), whole.entries.size());
   const Result<ReplayReport> report = replay(recording);
-  ASSERT_TRUE(report);
+  ASSERT_TRUE(report.ok());
   EXPECT_FALSE(report->divergence.has_value());
   EXPECT_EQ(report->ticks, whole.entries.back().tick);
 }
@@ -197,7 +197,7 @@ TEST(Recording, RefusesTicksOutOfOrder) {
   Recording recording = record();
   recording.entries[5].tick = 40;
   const Result<ReplayReport> report = replay(recording);
-  ASSERT_FALSE(report);
+  ASSERT_FALSE(report.ok());
   EXPECT_EQ(report.error().reason, "RECORDING_ORDER");
 }
 

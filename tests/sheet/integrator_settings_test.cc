@@ -25,7 +25,7 @@ class DenseSolver : public testing::TestWithParam<LinearSolverKind> {};
 TEST_P(DenseSolver, TakesFiveHundredVerticesAndNoMore) {
   EXPECT_TRUE(Sheet::create(dense_scene(GetParam(), 25, 20)));
   const Result<Sheet> refused = Sheet::create(dense_scene(GetParam(), 3, 167));
-  ASSERT_FALSE(refused);
+  ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kResourceExhausted);
   EXPECT_EQ(refused.error().reason, "SOLVER_TOO_DENSE");
   EXPECT_EQ(refused.error().field, "integrator.solver");

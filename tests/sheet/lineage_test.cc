@@ -28,11 +28,11 @@ TEST(Lineage, ASheetBeginsWithOnePieceThatHasNoParent) {
 TEST(Lineage, APieceThatFallsApartEndsAndItsPartsAreItsChildren) {
   Sheet sheet = make(scenes::hanging(11));
   const Result<CommandReply> slit = apply(sheet, scenes::line_cut({0.3, 0.45}, {0.7, 0.45}));
-  ASSERT_TRUE(slit);
+  ASSERT_TRUE(slit.ok());
   EXPECT_TRUE(slit->cut->split_pieces.empty()) << "a slit divides nothing";
 
   const Result<CommandReply> halves = apply(sheet, scenes::line_cut({-0.1, 0.25}, {1.1, 0.25}));
-  ASSERT_TRUE(halves);
+  ASSERT_TRUE(halves.ok());
   ASSERT_EQ(halves->cut->split_pieces.size(), 1U);
   const SplitPiece& split = halves->cut->split_pieces[0];
   EXPECT_EQ(split.id, 1);
@@ -54,7 +54,7 @@ TEST(Lineage, APieceThatFallsApartEndsAndItsPartsAreItsChildren) {
 
   // One cut through the three pieces of another: each falls apart on its own.
   const Result<CommandReply> down = apply(sheet, scenes::line_cut({0.1, -0.1}, {0.1, 1.1}));
-  ASSERT_TRUE(down);
+  ASSERT_TRUE(down.ok());
   ASSERT_EQ(down->cut->split_pieces.size(), 2U);
   EXPECT_EQ(down->cut->split_pieces[0].id, 2);
   EXPECT_EQ(down->cut->split_pieces[1].id, 3);
@@ -72,7 +72,7 @@ TEST(Lineage, OfABatchHasEveryGeneration) {
   const Result<CommandReply> reply =
       apply(sheet, CutBatch{{scenes::line_cut({-0.1, 0.25}, {1.1, 0.25}), scenes::circle_cut({0.5, 0.6}, 0.2),
                              scenes::line_cut({0.5, 0.3}, {0.5, 0.95})}});
-  ASSERT_TRUE(reply) << reply.error().message;
+  ASSERT_TRUE(reply.ok()) << reply.error().message;
   const SplitPiece& first = reply->batch[0].split_pieces.at(0);
   ASSERT_EQ(first.children.size(), 2U);
   EXPECT_NEAR(first.children[0].area + first.children[1].area, 1.0, 1e-12);
@@ -102,7 +102,7 @@ TEST(Lineage, UndoEndsIdsAndRedoGivesThemBack) {
   EXPECT_EQ(ids(), halves);
   ASSERT_TRUE(apply(sheet, UndoCut{}));
   const Result<CommandReply> other = apply(sheet, scenes::line_cut({0.5, -0.1}, {0.5, 1.1}));
-  ASSERT_TRUE(other);
+  ASSERT_TRUE(other.ok());
   EXPECT_EQ(other->cut->number, 2) << "a number is not given twice";
   for (const std::int64_t id : ids()) EXPECT_GT(id, 3) << "nor is an id";
   ASSERT_TRUE(apply(sheet, Reset{}));

@@ -19,7 +19,7 @@ inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 inline Sheet make(SheetConfig config) {
   Result<Sheet> created = Sheet::create(std::move(config));
-  if (!created) ADD_FAILURE() << created.error().message;
+  if (!created.ok()) ADD_FAILURE() << created.error().message;
   return std::move(created).value();
 }
 
@@ -34,13 +34,13 @@ inline Result<CommandReply> apply(Sheet& sheet, Command command) {
 }
 
 inline std::string reason(const Result<CommandReply>& reply) {
-  return reply ? "done" : reply.error().reason;
+  return reply.ok() ? "done" : reply.error().reason;
 }
 
 // "made", or why a sheet of that configuration is refused and by which field.
 inline std::string refused(const SheetConfig& config) {
   const Result<Sheet> sheet = Sheet::create(config);
-  return sheet ? "made" : sheet.error().reason + " " + sheet.error().field;
+  return sheet.ok() ? "made" : sheet.error().reason + " " + sheet.error().field;
 }
 
 inline Constraint hold(Region region) {

@@ -20,7 +20,7 @@ std::string field_of(const std::function<void(SheetConfig&)>& spoil) {
   SheetConfig config = scenes::hanging(4);
   spoil(config);
   const Result<Sheet> created = Sheet::create(config);
-  if (created) return "accepted";
+  if (created.ok()) return "accepted";
   EXPECT_EQ(created.error().code, ErrorCode::kInvalidArgument);
   EXPECT_FALSE(created.error().message.empty());
   return created.error().field;
@@ -104,13 +104,13 @@ TEST(SheetConfig, InlineArraysOfACurvedSheet) {
   config.pins.clear();
   config.mesh = bent;
   const Result<Sheet> at_rest = Sheet::create(config);
-  ASSERT_TRUE(at_rest) << at_rest.error().message;
+  ASSERT_TRUE(at_rest.ok()) << at_rest.error().message;
   EXPECT_TRUE(at_rest->mesh().is_curved());
   EXPECT_EQ(Vector3d(at_rest->state().x.col(2)), Vector3d(1, 1, 0.3));
   bent.positions = 2.0 * bent.rest_positions;
   config.mesh = bent;
   const Result<Sheet> stretched = Sheet::create(config);
-  ASSERT_TRUE(stretched) << stretched.error().message;
+  ASSERT_TRUE(stretched.ok()) << stretched.error().message;
   EXPECT_EQ(Vector3d(stretched->state().x.col(2)), Vector3d(2, 2, 0.6));
   EXPECT_EQ(stretched->mesh(), at_rest->mesh());
 }
@@ -120,7 +120,7 @@ TEST(SheetConfig, ObjPlacesTheSheetItself) {
   config.pins.clear();
   config.mesh = ObjSource{"v 0 0 5\nv 1 0 5\nv 0 0 6\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"};
   const Result<Sheet> created = Sheet::create(config);
-  ASSERT_TRUE(created) << created.error().message;
+  ASSERT_TRUE(created.ok()) << created.error().message;
   EXPECT_EQ(created->mesh().num_solid_triangles(), 1);
   EXPECT_EQ(Vector3d(created->state().x.col(2)), Vector3d(0, 0, 6));
   EXPECT_EQ(field_of([](SheetConfig& c) { c.mesh = ObjSource{""}; }), "obj.text");
@@ -133,7 +133,7 @@ TEST(SheetConfig, PlyPlacesTheSheetItself) {
   config.pins.clear();
   config.mesh = PlySource{test::write_ply(test::square_with_hole(), test::PlyKind::kLittleEndian, 5.0)};
   const Result<Sheet> created = Sheet::create(config);
-  ASSERT_TRUE(created) << created.error().message;
+  ASSERT_TRUE(created.ok()) << created.error().message;
   EXPECT_EQ(created->mesh().num_boundary_loops(), 2);
   EXPECT_EQ(Vector3d(created->state().x.col(2)), Vector3d(3, 3, 5));
   config.mesh = ObjSource{test::write_obj(test::square_with_hole(), 5.0)};

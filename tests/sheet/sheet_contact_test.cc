@@ -21,7 +21,7 @@ class SheetContact : public ::testing::TestWithParam<IntegratorKind> {
   static Sheet make(SheetConfig config) {
     config.integrator.kind = GetParam();
     Result<Sheet> created = Sheet::create(std::move(config));
-    if (!created) ADD_FAILURE() << created.error().message;
+    if (!created.ok()) ADD_FAILURE() << created.error().message;
     return std::move(created).value();
   }
   // On a plane that gravity is inclined to, by an angle of this tangent.

@@ -71,7 +71,7 @@ TEST(Sheet, AllowsAtMost64Grabs) {
   Sheet sheet = make(scenes::hanging(10));
   for (int i = 0; i < 64; ++i) ASSERT_TRUE(apply(sheet, Grab{std::to_string(i), i, std::nullopt, 1.0}));
   const Result<CommandReply> reply = apply(sheet, Grab{"64", 64, std::nullopt, 1.0});
-  ASSERT_FALSE(reply);
+  ASSERT_FALSE(reply.ok());
   EXPECT_EQ(reply.error().code, ErrorCode::kResourceExhausted);
 }
 

@@ -47,7 +47,7 @@ std::vector<double> areas(const Sheet& sheet) {
 
 std::string reason_of(SheetConfig config) {
   const Result<Sheet> created = Sheet::create(std::move(config));
-  return created ? "made" : created.error().reason + " " + created.error().field;
+  return created.ok() ? "made" : created.error().reason + " " + created.error().field;
 }
 
 TEST(SheetMaterials, LaterEntriesWinAndTheRestHasTheSheetsOwn) {
@@ -132,7 +132,7 @@ TEST(SheetMaterials, AStripTakesTheMassOfWhatItCrosses) {
   Cut cut = scenes::line_cut({0.2, 0.5}, {0.8, 0.5});
   cut.width = 0.02;
   const Result<CommandReply> done = apply(sheet, cut);
-  ASSERT_TRUE(done) << done.error().message;
+  ASSERT_TRUE(done.ok()) << done.error().message;
   EXPECT_NEAR(*done->cut->removed_mass, before - sheet.model().total_mass(), 1e-12);
   const double expected = 0.02 * 0.3 * (0.2 + 1.5) + 0.5 * 3.14159 * 1e-4 * (0.2 + 1.5);
   EXPECT_NEAR(*done->cut->removed_mass, expected, 0.02 * expected);

@@ -53,7 +53,7 @@ std::string refusal(const std::function<void(OutlineSource&)>& spoil, std::int32
   config.max_vertices = max_vertices;
   config.analysis = StaticAnalysis{};
   const Result<Sheet> created = Sheet::create(config);
-  if (created) return "accepted";
+  if (created.ok()) return "accepted";
   EXPECT_FALSE(created.error().message.empty());
   EXPECT_EQ(created.error().message.find("cut.curve"), std::string::npos) << created.error().message;
   EXPECT_EQ(created.error().code,
@@ -241,17 +241,17 @@ TEST(SheetOutline, EdgesTooShortForDoublePrecisionAreRefusedWithTheConditionNumb
   OutlineSource outline = square_with_hole();
   outline.sizes = {{Vector2d(0.5, 0.1), 1e-9, 0.25}};
   const Result<Sheet> refused = Sheet::create(config_of(outline));
-  ASSERT_FALSE(refused);
+  ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(refused.error().reason, "SHEET_TOO_STIFF");
   EXPECT_NE(refused.error().message.find("condition number"), std::string::npos) << refused.error().message;
   // Stiffness over mass grows as the inverse square of the length.
   outline.sizes = {{Vector2d(0.5, 0.1), 1e-6, 0.25}};
   const Result<Sheet> bounded = Sheet::create(config_of(outline));
-  ASSERT_TRUE(bounded) << refused.error().message << bounded.error().message;
+  ASSERT_TRUE(bounded.ok()) << refused.error().message << bounded.error().message;
   EXPECT_NE(bounded->integrator_description().find("class B"), std::string::npos) << bounded->integrator_description();
   const Result<Sheet> accurate = Sheet::create(config_of(square_with_hole()));
-  ASSERT_TRUE(accurate);
+  ASSERT_TRUE(accurate.ok());
   EXPECT_NE(accurate->integrator_description().find("class A"), std::string::npos);
 }
 

@@ -91,7 +91,7 @@ TEST(Reset, IsTakenBackBitForBit) {
   run(sheet, 9);
   ASSERT_EQ(apply(sheet, UndoCut{})->undone->cuts.size(), 1U) << "the cut that the scene made since";
   const Result<CommandReply> undone = apply(sheet, UndoCut{});
-  ASSERT_TRUE(undone) << undone.error().message;
+  ASSERT_TRUE(undone.ok()) << undone.error().message;
   EXPECT_TRUE(undone->undone->reset);
   EXPECT_TRUE(undone->undone->cuts.empty());
   EXPECT_EQ(undone->undone->pieces, untouched.mesh().num_pieces());
@@ -122,7 +122,7 @@ TEST(Reset, IsAStepOfTheHistoryAmongCuts) {
   ASSERT_TRUE(apply(sheet, RedoCut{}));
   EXPECT_EQ(sheet.mesh().state_hash(), one_cut);
   const Result<CommandReply> again = apply(sheet, RedoCut{});
-  ASSERT_TRUE(again);
+  ASSERT_TRUE(again.ok());
   EXPECT_TRUE(again->undone->reset);
   EXPECT_EQ(pieces(), 1);
   for (int i = 0; i < 2; ++i) ASSERT_TRUE(apply(sheet, RedoCut{}));

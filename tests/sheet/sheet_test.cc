@@ -96,7 +96,7 @@ TEST(Sheet, ACutOnAPausedSheetIsDoneWithoutTime) {
   run(sheet, 5);
   const std::int32_t vertices = sheet.mesh().num_vertices();
   const Result<CommandReply> reply = apply(sheet, scenes::line_cut({-0.5, 0.55}, {1.5, 0.45}));
-  ASSERT_TRUE(reply) << reply.error().message;
+  ASSERT_TRUE(reply.ok()) << reply.error().message;
   EXPECT_EQ(reply->tick, 5);
   EXPECT_EQ(sheet.tick(), 5);
   EXPECT_EQ(reply->topology_version, 2);
@@ -116,7 +116,7 @@ TEST(Sheet, AMissChangesNothingAndSaysSo) {
   Sheet sheet = make(scenes::hanging(8));
   const std::uint64_t hash = sheet.state_hash();
   const Result<CommandReply> reply = apply(sheet, scenes::line_cut({2.0, 0.0}, {3.0, 1.0}));
-  ASSERT_TRUE(reply);
+  ASSERT_TRUE(reply.ok());
   EXPECT_EQ(reply->cut->status, cut::CutStatus::kNoIntersection);
   EXPECT_EQ(reply->cut->report.pieces, 1);
   EXPECT_EQ(sheet.state_hash(), hash);
@@ -235,7 +235,7 @@ TEST(Sheet, ResetGoesBackToTheStartAndTimeGoesOn) {
   EXPECT_EQ(sheet.mesh().num_pieces(), 3);
   const std::int32_t version = sheet.topology_version();
   const Result<CommandReply> reply = apply(sheet, Reset{});
-  ASSERT_TRUE(reply);
+  ASSERT_TRUE(reply.ok());
   EXPECT_EQ(sheet.shape_hash(), start);
   EXPECT_EQ(sheet.tick(), 35);
   EXPECT_EQ(sheet.topology_version(), version + 1);

@@ -40,7 +40,7 @@ TEST(UndoCut, RightAfterTheCutGivesTheSheetBackAsItWas) {
   const fem::Momentum momentum = sheet.model().momentum(before);
   ASSERT_TRUE(apply(sheet, slit()));
   const Result<CommandReply> undone = apply(sheet, UndoCut{});
-  ASSERT_TRUE(undone) << undone.error().message;
+  ASSERT_TRUE(undone.ok()) << undone.error().message;
   EXPECT_EQ(sheet.mesh().state_hash(), mesh);
   EXPECT_EQ(sheet.model().hash(), model);
   ASSERT_EQ(sheet.state().x.cols(), before.x.cols());
@@ -87,7 +87,7 @@ TEST(UndoCut, RedoMakesTheSameMeshAgain) {
   }
   for (std::size_t level = 3; level-- > 0;) {
     const Result<CommandReply> undone = apply(sheet, UndoCut{});
-    ASSERT_TRUE(undone);
+    ASSERT_TRUE(undone.ok());
     EXPECT_EQ(undone->undone->cuts, std::vector<std::int64_t>{static_cast<std::int64_t>(level) + 1});
     EXPECT_EQ(undone->undone->undo_steps, static_cast<std::int32_t>(level));
     EXPECT_EQ(undone->undone->redo_steps, static_cast<std::int32_t>(3 - level));
@@ -97,7 +97,7 @@ TEST(UndoCut, RedoMakesTheSameMeshAgain) {
   EXPECT_EQ(reason(apply(sheet, UndoCut{})), "NOTHING_TO_UNDO");
   for (std::size_t level = 1; level <= 3; ++level) {
     const Result<CommandReply> redone = apply(sheet, RedoCut{});
-    ASSERT_TRUE(redone);
+    ASSERT_TRUE(redone.ok());
     EXPECT_EQ(redone->undone->cuts, std::vector<std::int64_t>{static_cast<std::int64_t>(level)});
     EXPECT_EQ(redone->undone->pieces, sheet.mesh().num_pieces());
     EXPECT_EQ(sheet.mesh().state_hash(), meshes[level]);
@@ -110,7 +110,7 @@ TEST(UndoCut, ARefusalChangesNothing) {
   Sheet sheet = flying(8);
   const std::uint64_t hash = sheet.state_hash();
   const Result<CommandReply> undone = apply(sheet, UndoCut{});
-  ASSERT_FALSE(undone);
+  ASSERT_FALSE(undone.ok());
   EXPECT_EQ(undone.error().code, ErrorCode::kFailedPrecondition);
   EXPECT_EQ(reason(apply(sheet, RedoCut{})), "NOTHING_TO_REDO");
   EXPECT_EQ(sheet.state_hash(), hash);
@@ -202,7 +202,7 @@ TEST(UndoHistory, IsBoundInSteps) {
   EXPECT_EQ(history.num_done(), UndoHistory::kMaxSteps);
   for (std::int64_t number = limit + 1; number > 1; --number) {
     const Result<std::shared_ptr<const UndoStep>> step = history.take_done();
-    ASSERT_TRUE(step);
+    ASSERT_TRUE(step.ok());
     EXPECT_EQ((*step)->cuts[0].number, number);
   }
   EXPECT_EQ(history.take_done().error().reason, "UNDO_FORGOTTEN");
@@ -253,7 +253,7 @@ TEST(UndoCut, IsReplayedBitForBit) {
     tick({UndoCut{}, UndoCut{}});
   }
   const Result<ReplayReport> report = replay(recorder.recording());
-  ASSERT_TRUE(report) << report.error().message;
+  ASSERT_TRUE(report.ok()) << report.error().message;
   EXPECT_FALSE(report->divergence);
   EXPECT_EQ(report->ticks, 18);
 }
@@ -278,7 +278,7 @@ TEST(CutBatch, MakesTheMeshThatTheCutsOneByOneMake) {
   Sheet at_once = one_by_one;
   for (const Cut& cut : scenes::three_cuts()) ASSERT_TRUE(apply(one_by_one, cut));
   const Result<CommandReply> reply = apply(at_once, CutBatch{scenes::three_cuts()});
-  ASSERT_TRUE(reply) << reply.error().message;
+  ASSERT_TRUE(reply.ok()) << reply.error().message;
   EXPECT_EQ(at_once.mesh().state_hash(), one_by_one.mesh().state_hash());
   EXPECT_EQ(at_once.model().hash(), one_by_one.model().hash());
   EXPECT_LT((at_once.state().x - one_by_one.state().x).colwise().norm().maxCoeff(), 1e-12);
@@ -325,7 +325,7 @@ TEST(CutBatch, IsDoneWholeOrNotAtAllAndNamesTheCutThatFailed) {
   batch.cuts.push_back(scenes::line_cut({0.11, -0.1}, {0.13, 1.1}));
   batch.cuts.back().max_new_triangles = 1;
   const Result<CommandReply> refused = apply(sheet, batch);
-  ASSERT_FALSE(refused);
+  ASSERT_FALSE(refused.ok());
   EXPECT_EQ(refused.error().reason, "CUT_ELEMENT_BUDGET");
   EXPECT_EQ(refused.error().field, "cut_batch.cuts[3]");
   EXPECT_EQ(sheet.state_hash(), hash);
@@ -335,7 +335,7 @@ TEST(CutBatch, IsDoneWholeOrNotAtAllAndNamesTheCutThatFailed) {
 
   batch.cuts[1].tolerance = 7.0;
   const Result<CommandReply> invalid = apply(sheet, batch);
-  ASSERT_FALSE(invalid);
+  ASSERT_FALSE(invalid.ok());
   EXPECT_EQ(invalid.error().field, "cut_batch.cuts[1].tolerance");
   EXPECT_EQ(sheet.state_hash(), hash);
 }
@@ -363,7 +363,7 @@ TEST(CutBatch, HoldsAKirigamiOfAThousandCuts) {
   Sheet sheet = make(scenes::hanging(30));
   const std::uint64_t before = sheet.mesh().state_hash();
   const Result<CommandReply> reply = apply(sheet, batch);
-  ASSERT_TRUE(reply) << reply.error().message;
+  ASSERT_TRUE(reply.ok()) << reply.error().message;
   ASSERT_EQ(reply->batch.size(), 1000U);
   for (const CutReply& cut : reply->batch) EXPECT_EQ(cut.status, cut::CutStatus::kApplied);
   EXPECT_EQ(sheet.mesh().num_pieces(), 1);
@@ -377,7 +377,7 @@ TEST(CutBatch, OfMissesOnlyIsNoStep) {
   const std::uint64_t hash = sheet.state_hash();
   const Cut miss = scenes::line_cut({2.0, 0.0}, {3.0, 1.0});
   const Result<CommandReply> reply = apply(sheet, CutBatch{{miss, miss}});
-  ASSERT_TRUE(reply);
+  ASSERT_TRUE(reply.ok());
   EXPECT_EQ(reply->batch.size(), 2U);
   EXPECT_EQ(reply->batch[1].status, cut::CutStatus::kNoIntersection);
   EXPECT_EQ(sheet.state_hash(), hash);

@@ -84,7 +84,7 @@ int main(int argc, char** argv) {
     config.integrator.solver = kerf::sheet::LinearSolverKind::kDirect;
   }
   kerf::Result<Sheet> made = Sheet::create(config);
-  if (!made) {
+  if (!made.ok()) {
     std::fprintf(stderr, "%s\n", made.error().message.c_str());
     return 2;
   }

@@ -89,7 +89,7 @@ Error refusal(const std::function<void(sheet::SheetConfig&)>& spoil) {
   config.mesh = sheet::GridSource{4, 4, 1.0, 1.0, sheet::GridPattern::kUniformDiagonals, 0};
   spoil(config);
   const Result<sheet::Sheet> sheet = sheet::Sheet::create(config);
-  return sheet ? Error{} : sheet.error();
+  return sheet.ok() ? Error{} : sheet.error();
 }
 
 TEST(FieldNames, OfSheetsThatCannotBeMadeAreThoseOfTheProto) {

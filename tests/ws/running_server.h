@@ -25,8 +25,8 @@ inline app::Config test_config() {
 
 inline std::unique_ptr<app::Server> start_server(const app::Config& config = test_config()) {
   Result<std::unique_ptr<app::Server>> server = app::Server::start(config, [](std::string_view) {});
-  EXPECT_TRUE(server) << server.error().message;
-  return server ? std::move(server).value() : nullptr;
+  EXPECT_TRUE(server.ok()) << server.error().message;
+  return server.ok() ? std::move(server).value() : nullptr;
 }
 
 // The number after the last colon.

@@ -20,17 +20,17 @@ namespace fs = std::filesystem;
 
 TEST(Endpoint, AcceptsHostAndPortOnly) {
   const Result<Endpoint> v4 = parse_endpoint("127.0.0.1:8080");
-  ASSERT_TRUE(v4);
+  ASSERT_TRUE(v4.ok());
   EXPECT_EQ(v4->host, "127.0.0.1");
   EXPECT_EQ(v4->port, 8080);
   const Result<Endpoint> v6 = parse_endpoint("[::1]:0");
-  ASSERT_TRUE(v6);
+  ASSERT_TRUE(v6.ok());
   EXPECT_EQ(v6->host, "::1");
   EXPECT_EQ(format_endpoint(v6->host, 9), "[::1]:9");
   for (const char* bad : {"", ":", "127.0.0.1", "127.0.0.1:", "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:+1",
                           "127.0.0.1:80x", "::1:80", "[::1]", "[::1:80", "[nonsense]:80", "a b:80", "host:8:8"}) {
     const Result<Endpoint> endpoint = parse_endpoint(bad);
-    ASSERT_FALSE(endpoint) << bad;
+    ASSERT_FALSE(endpoint.ok()) << bad;
     EXPECT_EQ(endpoint.error().reason, "BAD_ADDRESS") << bad;
   }
 }
@@ -51,11 +51,11 @@ TEST(Access, OnLoopbackAnswersOnlyForNamesOfThisMachine) {
     EXPECT_TRUE(check_host(policy, host)) << host;
   }
   const Status rebound = check_host(policy, "evil.example.org:8080");
-  ASSERT_FALSE(rebound);
+  ASSERT_FALSE(rebound.ok());
   EXPECT_EQ(rebound.error().reason, "HOST_NOT_ALLOWED");
   for (const char* host : {"", "a b", "host:port", "user@localhost", "localhost/path"}) {
     const Status malformed = check_host(policy, host);
-    ASSERT_FALSE(malformed) << host;
+    ASSERT_FALSE(malformed.ok()) << host;
     EXPECT_EQ(malformed.error().code, ErrorCode::kInvalidArgument) << host;
   }
   EXPECT_TRUE(check_host({false, {}}, "anything.example.org"));
@@ -76,7 +76,7 @@ TEST(Access, LetsInItsOwnPagesAndThoseThatAreAllowed) {
         "http://127.0.0.1.evil.org", "http://localhost@evil.org", "https://viewer.example.org:444",
         "http://viewer.example.org", "chrome-extension://abc"}) {
     const Status refused = check_origin(loopback, origin, "127.0.0.1:8080");
-    ASSERT_FALSE(refused) << origin;
+    ASSERT_FALSE(refused.ok()) << origin;
     EXPECT_EQ(refused.error().reason, "ORIGIN_NOT_ALLOWED") << origin;
   }
 }
@@ -102,7 +102,7 @@ TEST_F(AssetTableTest, ServesWhatWasThereWhenItWasRead) {
   write("viewer/assets/app-1a2b.js", std::string("let a\0b", 7));
   write("viewer/empty.css", "");
   const Result<AssetTable> table = AssetTable::read(folder_ / "viewer");
-  ASSERT_TRUE(table) << table.error().message;
+  ASSERT_TRUE(table.ok()) << table.error().message;
   write("viewer/index.html", "<p>two</p>");
   const Asset* index = table->find("/");
   ASSERT_NE(index, nullptr);
@@ -121,7 +121,7 @@ TEST_F(AssetTableTest, ServesWhatWasThereWhenItWasRead) {
   EXPECT_TRUE(style->original.bytes->empty());
 
   const Result<AssetTable> again = AssetTable::read(folder_ / "viewer");
-  ASSERT_TRUE(again);
+  ASSERT_TRUE(again.ok());
   EXPECT_NE(again->find("/")->original.etag, index->original.etag);
   EXPECT_EQ(again->find("/assets/app-1a2b.js")->original.etag, script->original.etag);
 }
@@ -134,7 +134,7 @@ TEST_F(AssetTableTest, KnowsNoPathOutOfTheFolder) {
   fs::create_symlink(folder_ / "secret.txt", folder_ / "viewer" / "link.txt");
   fs::create_directory_symlink(folder_.path(), folder_ / "viewer" / "up");
   const Result<AssetTable> table = AssetTable::read(folder_ / "viewer");
-  ASSERT_TRUE(table);
+  ASSERT_TRUE(table.ok());
   EXPECT_EQ(table->num_files(), 1U);
   for (const char* path : {"/../secret.txt", "/..%2fsecret.txt", "/%2e%2e/secret.txt", "//secret.txt", "/./index.html",
                            "/assets/../index.html", "/link.txt", "/up/secret.txt", "/.git/config", "/.hidden", "",
@@ -146,11 +146,11 @@ TEST_F(AssetTableTest, KnowsNoPathOutOfTheFolder) {
 
 TEST_F(AssetTableTest, RefusesAFolderThatIsNoViewer) {
   const Result<AssetTable> missing = AssetTable::read(folder_ / "none");
-  ASSERT_FALSE(missing);
+  ASSERT_FALSE(missing.ok());
   EXPECT_EQ(missing.error().reason, "VIEWER_UNREADABLE");
   write("viewer/main.js", "x");
   const Result<AssetTable> no_index = AssetTable::read(folder_ / "viewer");
-  ASSERT_FALSE(no_index);
+  ASSERT_FALSE(no_index.ok());
   EXPECT_NE(no_index.error().message.find("index.html"), std::string::npos);
 }
 

@@ -49,7 +49,7 @@ constexpr int kMostRounds = 9;
 
 template <typename T>
 T value_or_throw(Result<T> result, const std::string& what) {
-  if (!result) throw std::runtime_error(what + ": " + result.error().field + ": " + result.error().message);
+  if (!result.ok()) throw std::runtime_error(what + ": " + result.error().field + ": " + result.error().message);
   return std::move(result).value();
 }
 

@@ -14,7 +14,7 @@ std::string refused(const std::function<void(Plan&)>& change) {
   Plan plan;
   change(plan);
   const Status status = check(plan);
-  return status ? "" : status.error().message;
+  return status.ok() ? "" : status.error().message;
 }
 
 TEST(Plan, TheUsualOneIsRight) {
