@@ -1,435 +1,252 @@
-import { call } from './api';
-import { SheetService, Sheet_RunState } from './gen/kerf/v1/sheets_pb';
-import type { Sheet } from './gen/kerf/v1/sheets_pb';
-import { Surface } from './geometry/surface';
-import { NewestAnswer } from './newest_answer';
-import { pieceCentre } from './scene/piece_highlight';
-import { SheetScene } from './scene/sheet_scene';
+import { installHooks } from './hooks';
 import { Stage } from './scene/stage';
-import { FrameClock, unixTimeMs } from './stream/frame_clock';
-import type { Rejection } from './gen/kerf/v1/stream_pb';
-import { SettingsFollower } from './stream/settings_follower';
-import { RemoteWatch } from './stream/remote_watch';
+import { LiveSheet } from './sheet/live_sheet';
+import type { StreamWishes } from './sheet/live_sheet';
+import { ShownSheet } from './sheet/shown_sheet';
 import type { FrameCopy, SheetCopy } from './stream/sheet_copy';
-import type { ConnectionState } from './stream/connection';
-import type { RecordingProgress } from './stream/stream_recorder';
 import type { Pace } from './stream/watch';
-import { startWorker } from './stream/workers';
-import { CutTool } from './tools/cut_tool';
-import { GrabTool } from './tools/grab_tool';
-import { KeyboardPointer } from './tools/keyboard_pointer';
-import { PinTool } from './tools/pin_tool';
-import { PointerRouter } from './tools/pointer_router';
-import type { NoticeKind, Tool, ToolId, Viewer } from './tools/tool';
-import { ViewTool } from './tools/view_tool';
 import { AdaptiveDrawing } from './ui/adaptive_drawing';
-import { showState } from './ui/connection_chip';
-import type { ShownState } from './ui/connection_chip';
-import { CutPanel } from './ui/cut_panel';
-import { errorText } from './ui/error_text';
+import { ConnectionChip } from './ui/connection_chip';
+import { element } from './ui/dom';
+import { DrawingLoop } from './ui/drawing_loop';
+import { FileDrop } from './ui/file_drop';
 import { FirstHint } from './ui/first_hint';
 import { HistoryControls } from './ui/history_controls';
 import { ImageMode } from './ui/image_mode';
+import { bindKeys } from './ui/keys';
 import { Notices } from './ui/notices';
 import { PhysicsPanel } from './ui/physics/physics_panel';
 import { PiecePanel } from './ui/piece_panel';
-import { SidePanels } from './ui/side_panels';
-import { Choice, element, setLiveControls } from './ui/dom';
 import { RecordingControl } from './ui/recording_control';
 import { ReplayBar } from './ui/replay_bar';
-import { isStill } from './ui/run_text';
 import { SaveMenu } from './ui/save_menu';
+import { ServerRecordings } from './ui/server_recordings';
 import { SheetLook } from './ui/sheet_look';
 import { SheetNews } from './ui/sheet_news';
-import { SlowSheet } from './ui/slow_sheet';
+import { SheetOpener } from './ui/sheet_opener';
+import { SheetChoice } from './ui/sheets/sheet_choice';
+import { SidePanels } from './ui/side_panels';
 import { SimulationControls } from './ui/simulation_controls';
+import { SlowSheet } from './ui/slow_sheet';
 import { StatisticsPanel } from './ui/statistics_panel';
 import { StatusLine } from './ui/status_line';
 import { SvgFiles } from './ui/svg_files';
+import { markTabbedFocus } from './ui/tabbed_focus';
 import { Theme } from './ui/theme';
+import { ToolChoice } from './ui/tool_choice';
 import { Transfer } from './ui/transfer';
 
-/** The viewer of one sheet: what the server sends goes in, pictures and the tools' calls come out. */
-export class App implements Viewer {
-  readonly overlay = element('overlay');
-  readonly stage: Stage;
-  readonly controls: SimulationControls;
-  readonly history = new HistoryControls(this);
-  readonly cutTool: CutTool;
-  readonly grabTool: GrabTool;
-  readonly theme: Theme;
-  readonly svgFiles = new SvgFiles(this);
-  readonly panels = new SidePanels();
-  readonly pieces = new PiecePanel(this);
-  readonly keyboardPointer: KeyboardPointer;
-  sheetName = '';
-  surface: Surface | undefined;
-  watch: RemoteWatch | undefined;
-  sheet: Sheet | undefined;
-  tool: Tool;
-  framesDrawn = 0;
-
-  // Holds the connection and decodes frames.
-  private worker: Worker | undefined = this.startWorker();
+/** Makes the parts of the viewer and joins them. Each part sees of the others only the interface that it names. */
+export class App {
   private readonly canvas = element<HTMLCanvasElement>('canvas');
-  private readonly sheetScene: SheetScene;
-  readonly look: SheetLook;
-  readonly notices = new Notices(element('notices'));
-  private readonly news = new SheetNews((kind, text) => this.notify(kind, text));
+  private readonly notices = new Notices(element('notices'));
+
+  // The sheet: where its frames and settings come from, and where they go.
+  private readonly live: LiveSheet = new LiveSheet(
+    () => this.wishes,
+    {
+      onState: () => this.connection.update(),
+      onFrame: (copy, frame) => this.receiveLive(copy, frame),
+      onSettings: (sheet) => this.shown.set(sheet),
+      onRejection: (rejection) => this.tools.grab.rejected(rejection),
+      onRecording: (progress, parts) => this.recording.took(progress, parts),
+      onFailed: (why) => {
+        this.notices.notify('error', why);
+        this.recording.lose();
+      },
+    },
+    this.notices,
+  );
+  private readonly stage = new Stage(this.canvas);
+  private readonly shown: ShownSheet = new ShownSheet(this.stage, {
+    onSource: () => this.look.reset(),
+    onSettings: (sheet, before) => {
+      this.news.sawSettings(sheet, before);
+      this.controls.show();
+      this.physics.show(sheet);
+    },
+  });
+  private readonly recording = new RecordingControl(this.live, this.shown, this.notices);
+  private readonly replayBar: ReplayBar = new ReplayBar(
+    {
+      onOpened: (sheet) => this.opener.showReplay(sheet),
+      onFrame: (copy, frame) => this.receive(copy, frame),
+      onClosed: () => this.opener.leaveReplay(),
+    },
+    this.notices,
+  );
+
+  // The look of the sheet.
+  private readonly theme = new Theme(element('theme'), (isDark) => this.stage.setDark(isDark));
+  private readonly look: SheetLook = new SheetLook({
+    view: this.shown.view,
+    shown: this.shown,
+    live: this.live,
+    stage: this.stage,
+    notices: this.notices,
+    isPictureShown: () => this.imageMode.isShown,
+  });
+  private readonly statistics = new StatisticsPanel();
+  private readonly panels = new SidePanels();
+  private readonly imageMode: ImageMode = new ImageMode({
+    live: this.live,
+    stage: this.stage,
+    look: this.look,
+    theme: this.theme,
+    statistics: this.statistics,
+    notices: this.notices,
+    isPicking: () => this.tools.tool.id !== 'view' || this.panels.open === 'pieces',
+    showConnections: () => this.connection.update(),
+    setMeshDrawn: (isDrawn) => this.shown.setDrawn(isDrawn),
+  });
+  private readonly connection = new ConnectionChip({
+    live: this.live,
+    imageMode: this.imageMode,
+    replayBar: this.replayBar,
+  });
+  private readonly news = new SheetNews((kind, text) => this.notices.notify(kind, text));
   private readonly slowness = new SlowSheet(
-    (kind, text) => this.notify(kind, text),
-    async () => ((await this.answers.fetch()) && this.sheet?.tickEstimate?.advice) || '',
+    (kind, text) => this.notices.notify(kind, text),
+    async () => ((await this.live.fetch()) && this.shown.sheet?.tickEstimate?.advice) || '',
   );
+
+  // Controls of the sheet.
   private readonly firstHint = new FirstHint(element('first-hint'), element('first-hint-close'));
-  private readonly status = new StatusLine();
-  private readonly physics = new PhysicsPanel(this);
-  readonly statistics = new StatisticsPanel();
-  readonly imageMode = new ImageMode(this);
-  private readonly drawing = new AdaptiveDrawing(this);
-  readonly recording = new RecordingControl(this);
-  readonly replayBar = new ReplayBar(this);
-  readonly transfer = new Transfer(this);
-  readonly saveMenu = new SaveMenu(this);
-  private readonly tools: Record<ToolId, Tool>;
-  readonly cutPanel: CutPanel;
-  private readonly toolChoice: Choice<ToolId>;
-  private clock = new FrameClock();
-  private hasNewFrame = false;
-  // What is drawn next came since the last drawing.
-  private hasArrived = false;
-  private isFitted = false;
-  // Ignores failures: the stream tells about a lost connection or a sheet that is gone.
-  private readonly answers = new NewestAnswer<Sheet>(
-    () => call(SheetService.method.getSheet, { name: this.sheetName }),
-    (sheet) => this.told(sheet),
+  private readonly tools: ToolChoice = new ToolChoice(
+    {
+      stage: this.stage,
+      overlay: element('overlay'),
+      shown: this.shown,
+      live: this.live,
+      notices: this.notices,
+    },
+    this.replayBar,
+    { onTried: () => this.firstHint.close(), onFileWanted: () => this.svgFiles.choose() },
   );
-  private readonly settings = new SettingsFollower(() => this.answers.fetch());
+  private readonly svgFiles = new SvgFiles(this.tools, this.notices, () => this.stage.focus());
+  private readonly controls = new SimulationControls(this.live, this.shown, this.notices, () =>
+    this.imageMode.isOn ? 2 : 1,
+  );
+  private readonly history = new HistoryControls(this.live, this.notices);
+  private readonly physics = new PhysicsPanel(this.live, this.shown, this.notices);
+  private readonly pieces = new PiecePanel(this.live, this.shown);
+  private readonly opener = new SheetOpener({
+    live: this.live,
+    shown: this.shown,
+    tools: this.tools,
+    recording: this.recording,
+    imageMode: this.imageMode,
+    replayBar: this.replayBar,
+    panels: this.panels,
+    connection: this.connection,
+  });
+  private readonly sheets = new SheetChoice({
+    live: this.live,
+    opener: this.opener,
+    replayBar: this.replayBar,
+    connection: this.connection,
+    panels: this.panels,
+    notices: this.notices,
+    focusStage: () => this.stage.focus(),
+  });
+
+  // Files.
+  private readonly transfer = new Transfer(this.notices);
+  private readonly saveMenu = new SaveMenu({
+    stage: this.stage,
+    shown: this.shown,
+    live: this.live,
+    look: this.look,
+    imageMode: this.imageMode,
+    recording: this.recording,
+    replayBar: this.replayBar,
+    transfer: this.transfer,
+    notices: this.notices,
+  });
+  private readonly serverRecordings = new ServerRecordings(
+    { live: this.live, shown: this.shown, transfer: this.transfer, notices: this.notices },
+    (name) => this.sheets.open(name),
+  );
+
+  private readonly loop = new DrawingLoop({
+    stage: this.stage,
+    shown: this.shown,
+    live: this.live,
+    replayBar: this.replayBar,
+    look: this.look,
+    imageMode: this.imageMode,
+    tools: this.tools,
+    pieces: this.pieces,
+    quality: new AdaptiveDrawing({
+      stage: this.stage,
+      live: this.live,
+      imageMode: this.imageMode,
+      notices: this.notices,
+    }),
+    status: new StatusLine(),
+    statistics: this.statistics,
+  });
 
   constructor() {
-    this.stage = new Stage(this.canvas);
-    this.theme = new Theme(element('theme'), (isDark) => this.stage.setDark(isDark));
-    this.sheetScene = new SheetScene(this.stage);
-    this.look = new SheetLook(this, this.sheetScene.view);
-    this.cutTool = new CutTool(this, () => this.cutPanel?.update(this.tool === this.cutTool));
-    this.grabTool = new GrabTool(this);
-    this.tools = { view: new ViewTool(), cut: this.cutTool, grab: this.grabTool, pin: new PinTool(this) };
-    this.tool = this.tools.view;
-    this.cutPanel = new CutPanel(
-      this.cutTool,
-      () => this.focusStage(),
-      () => this.svgFiles.choose(),
-    );
-    this.toolChoice = new Choice<ToolId>(element('tools'), 'tool', (id) => this.choose(id));
-    this.controls = new SimulationControls(this);
-    this.keyboardPointer = new KeyboardPointer(this, () => this.tool);
     this.panels.add('pieces', this.pieces);
-    new PointerRouter(
-      element('stage'),
-      this.canvas,
-      this.stage,
-      () => this.tool,
-      () => this.keyboardPointer.hide(),
-    );
+    this.panels.add('sheets', this.sheets);
     document.addEventListener('visibilitychange', () => {
-      this.watch?.setPace(this.pace);
-      if (!document.hidden) this.watch?.retryNow();
-      this.imageMode.seen();
+      this.live.pageSeen();
+      this.imageMode.pageSeen();
     });
-    this.choose('view');
-    requestAnimationFrame((nowMs) => this.draw(nowMs));
+    new FileDrop({
+      mesh: (file) => void this.sheets.dialog.open(file),
+      frames: (file) => void this.replayBar.open(file),
+      run: (file) => void this.serverRecordings.play(file),
+      drawing: (file) => void this.svgFiles.take(file),
+    });
+    bindKeys({
+      tools: this.tools,
+      controls: this.controls,
+      history: this.history,
+      look: this.look,
+      imageMode: this.imageMode,
+      shown: this.shown,
+      theme: this.theme,
+      stage: this.stage,
+      statistics: this.statistics,
+      saveMenu: this.saveMenu,
+      svgFiles: this.svgFiles,
+      panels: this.panels,
+      replayBar: this.replayBar,
+    });
+    markTabbedFocus(this.canvas);
+    const { live, shown, stage, look, tools, replayBar, recording, imageMode, loop } = this;
+    installHooks({ live, shown, stage, look, tools, replayBar, recording, imageMode, loop }, this.canvas);
+  }
+
+  /** Begins to draw, and opens the sheet that the address names, or else the first; waits until the server can be reached. */
+  async start(): Promise<void> {
+    this.loop.start();
+    await this.sheets.start();
+  }
+
+  private get wishes(): StreamWishes {
+    return { strains: this.look.isByStrain, pace: this.pace };
   }
 
   private get pace(): Pace {
-    // A recording is of every tick, whatever is seen meanwhile.
+    // A recording has every tick, however the sheet is seen meanwhile.
     if (this.recording.isOn) return { isPaused: false, maxRateHz: 0 };
     return { isPaused: document.hidden, maxRateHz: this.imageMode.isShown ? this.imageMode.meshRateHz : 0 };
   }
 
-  /** Another stream of the same sheet. `goesOn`: from the triangles that are here. */
-  restartWatch(goesOn: boolean): void {
-    if (!this.watch) return;
-    this.watch.close();
-    this.watch = this.startWatch(this.sheetName, goesOn);
+  private receiveLive(copy: SheetCopy, frame: FrameCopy): void {
+    this.receive(copy, frame);
+    const { stats, arrivedMs } = frame;
+    if (!stats || !this.live.isWatched) return;
+    const { sheetName } = this.live;
+    this.news.saw(sheetName, copy.epoch, stats);
+    void this.slowness.saw(sheetName, stats, arrivedMs);
   }
 
-  choose(id: ToolId): void {
-    this.keyboardPointer.hide();
-    if (this.replayBar.isOpen && id !== 'view') {
-      this.notify('info', 'A recording cannot be changed: close it to return to the live sheet');
-      return;
-    }
-    if (id === 'cut' || id === 'grab') this.firstHint.close();
-    if (this.tool !== this.tools[id]) this.tool.leave();
-    this.tool = this.tools[id];
-    this.tool.enter();
-    this.toolChoice.show(id);
-    this.cutPanel.update(this.tool === this.cutTool);
-    this.canvas.style.cursor = this.tool.cursor;
-  }
-
-  /** Gives the keyboard to the tool. */
-  focusStage(): void {
-    this.canvas.focus({ preventScroll: true });
-  }
-
-  /** Watches no sheet; nothing of the last one stays. A recording that is shown, or read, goes on. */
-  close(): void {
-    if (this.replayBar.hasFile) {
-      this.sheetName = '';
-      return;
-    }
-    this.letGo();
-    this.imageMode.clear();
-    this.sheetScene.object.visible = false;
-    this.stage.invalidate();
-  }
-
-  // The last sheet stays in the picture until the next one comes.
-  private letGo(): void {
-    this.tool.leave();
-    this.recording.stop();
-    this.watch?.close();
-    this.watch = undefined;
-    this.imageMode.close();
-    this.settings.reset();
-    this.sheetName = '';
-    this.surface = undefined;
-    this.hasNewFrame = false;
-    this.sheet = undefined;
-    this.isFitted = false;
-  }
-
-  /** @param name  sheets/{sheet} */
-  open(name: string): void {
-    this.letGo();
-    this.replayBar.leave();
-    this.sheetName = name;
-    this.watch = this.startWatch(name, false);
-    this.imageMode.follow();
-    void this.refreshSheet();
-  }
-
-  /** Opens it unless a recording is shown, or read; what comes after that. */
-  offer(name: string): void {
-    if (this.replayBar.hasFile) this.sheetName = name;
-    else this.open(name);
-  }
-
-  /** Shows the frames of a recording in place of the live sheet. */
-  showReplay(sheet: Sheet): void {
-    // Where closing it leads back to.
-    const { sheetName } = this;
-    this.letGo();
-    this.imageMode.leave();
-    this.sheetName = sheetName;
-    this.choose('view');
-    // The other panels are the live sheet's.
-    if (this.panels.open !== 'sheets') this.panels.close();
-    setLiveControls(false);
-    this.setSheet(sheet);
-    this.showConnection('replay', '');
-  }
-
-  /** Of a WebSocket of the server that this page is from. */
-  streamUrl(path: 'watch' | 'images'): string {
-    const { protocol, host } = location;
-    return `${protocol === 'https:' ? 'wss' : 'ws'}://${host}/${path}`;
-  }
-
-  private startWorker(): Worker {
-    return startWorker('watch', (why) => {
-      const told = `The viewer can no longer receive the sheet: ${why}. Open the sheet again, or reload the page`;
-      this.worker = undefined;
-      this.watch?.fail(told);
-      this.notify('error', told);
-      this.recording.lose();
-    });
-  }
-
-  private startWatch(name: string, goesOn: boolean): RemoteWatch {
-    this.worker ??= this.startWorker();
-    const events = {
-      onState: (state: ConnectionState) => {
-        // The first frame of the next connection asks again.
-        if (state !== 'live') this.settings.reset();
-        this.tellConnection();
-      },
-      onFrame: (copy: SheetCopy, frame: FrameCopy) => this.receive(copy, frame),
-      onRejection: (rejection: Rejection) => this.grabTool.rejected(rejection),
-      onRecording: (progress: RecordingProgress, parts: ArrayBuffer[] | undefined) => {
-        this.recording.took(progress, parts);
-        // One that is full may end while nobody looks.
-        this.watch?.setPace(this.pace);
-      },
-    };
-    const options = { strains: this.look.isByStrain, goesOn, pace: this.pace };
-    return new RemoteWatch(this.worker, this.streamUrl('watch'), name, events, options);
-  }
-
-  fit(): void {
-    if (this.surface) this.sheetScene.fit(this.surface, this.sheet?.scene?.colliders ?? []);
-  }
-
-  /** Streams of the sheet to this page: the mesh, and pictures where they are shown. */
-  get numStreams(): number {
-    return this.imageMode.isOn ? 2 : 1;
-  }
-
-  get topologyVersion(): number | undefined {
-    return this.surface?.mirror.topologyVersion;
-  }
-
-  highlight(label: number | undefined): void {
-    this.sheetScene.view.highlight(label);
-    this.showAgain();
-  }
-
-  centre(label: number): void {
-    const { surface } = this;
-    if (surface) this.stage.lookAt(pieceCentre(surface.mirror, label));
-  }
-
-  notify(kind: NoticeKind, text: string, details?: readonly string[]): void {
-    this.notices.add(kind, text, details);
-  }
-
-  async attempt<T>(run: () => Promise<T>, what = ''): Promise<T | undefined> {
-    try {
-      return await run();
-    } catch (error) {
-      this.notify('error', `${what}${errorText(error as Error)}`);
-      return undefined;
-    }
-  }
-
-  async refreshSheet(): Promise<void> {
-    await this.answers.refresh();
-  }
-
-  /** Runs a call that changes the sheet and is answered by it. */
-  command(run: () => Promise<Sheet>): Promise<void> {
-    return this.answers.command(() => this.attempt(run));
-  }
-
-  // Ignores an answer of a sheet that is no longer shown.
-  private told(sheet: Sheet): void {
-    if (this.watch && sheet.name === this.sheetName) this.setSheet(sheet);
-  }
-
-  private setSheet(sheet: Sheet): void {
-    if (sheet.runState === Sheet_RunState.FAILED && this.sheet?.runState !== Sheet_RunState.FAILED) {
-      this.notify('error', 'The sheet is frozen at its last good tick. Reset it to go on.');
-    }
-    this.sheet = sheet;
-    this.controls.show();
-    this.physics.show(sheet);
-    this.sheetScene.set(sheet);
-    this.showAgain();
-  }
-
-  /** Says how the connections of the live sheet are: the mesh's, or the pictures' where that is well. */
-  tellConnection(): void {
-    if (!this.watch) return;
-    const { state, detail } = (this.watch.state === 'live' && this.imageMode.trouble) || this.watch;
-    this.showConnection(state, detail);
-  }
-
-  showConnection(state: ShownState, detail: string): void {
-    // Whether there is a server does not matter to a recording.
-    if (!this.replayBar.isOpen || state === 'replay') showState(state, detail);
-  }
-
-  /** Sheet and colliders are drawn here, or are in the picture that the server draws. */
-  setMeshDrawn(isDrawn: boolean): void {
-    this.sheetScene.setDrawn(isDrawn);
-    this.showAgain();
-  }
-
-  /** Draws what is here once more, in a look that may have changed. */
-  showAgain(): void {
-    this.hasNewFrame = this.surface !== undefined;
-    this.stage.invalidate();
-  }
-
-  /** A frame of the live stream, or of a recording. */
-  receive(copy: SheetCopy, { stats, arrivedMs, delivery }: FrameCopy): void {
-    if (this.surface?.mirror !== copy) {
-      // A new connection, perhaps to another server: neither its clock nor its settings need be the old ones.
-      this.surface = new Surface(copy);
-      this.clock = new FrameClock();
-      this.settings.reset();
-      this.look.reset();
-    }
-    if (stats) {
-      this.clock.arrived(stats.publishedUnixUs, arrivedMs);
-      if (this.watch) {
-        this.settings.saw(stats.settingsVersion);
-        this.news.saw(this.sheetName, copy.epoch, stats);
-        void this.slowness.saw(this.sheetName, stats, arrivedMs);
-      }
-    }
+  private receive(copy: SheetCopy, { delivery, stats }: FrameCopy): void {
+    this.shown.receive(copy);
     if (!this.imageMode.isOn) this.statistics.arrived(delivery, stats);
-    this.sheetScene.object.visible = true;
-    this.hasNewFrame = true;
-    this.hasArrived = true;
-    this.stage.invalidate();
-    // Frames of a recording come to a hidden page, too, where no drawing acknowledges them.
-    if (document.hidden) this.watch?.acknowledge();
-  }
-
-  private draw(nowMs: number): void {
-    requestAnimationFrame((nextMs) => this.draw(nextMs));
-    this.watch?.setPace(this.pace);
-    if (this.watch?.copy?.advance(nowMs) || this.replayBar.advance(nowMs)) this.showAgain();
-    const { imageMode } = this;
-    // A drawing on the sheet is faint where a fold hides it, in pictures of the server as well.
-    if (this.sheetScene.setHiding(imageMode.isShown && this.cutTool.isOnSheet)) this.showAgain();
-    const isStale = this.drawing.begin(nowMs, this.stage.advance());
-    if (isStale) {
-      if (this.surface && this.hasNewFrame) this.takeFrame(this.surface);
-      this.tool.update();
-      this.stage.draw();
-      imageMode.look();
-    }
-    // Under a picture of the server what is drawn here is not the sheet.
-    const isDrawn = imageMode.draw() || (isStale && !imageMode.isShown);
-    if (isDrawn) this.drawn(nowMs);
-    const mesh = this.surface?.mirror;
-    const figures = mesh && imageMode.isShown ? imageMode.figures(mesh) : mesh;
-    this.status.update(figures, this.ageMs, nowMs);
-    this.statistics.update(figures, imageMode.isShown ? imageMode.format : 'mesh', nowMs);
-  }
-
-  private drawn(nowMs: number): void {
-    this.framesDrawn += 1;
-    this.status.drawn(nowMs);
-    this.statistics.drawn(nowMs, this.hasArrived || this.imageMode.isShown ? this.ageMs : undefined);
-    this.hasArrived = false;
-  }
-
-  /** The sheet that is shown moves by itself. */
-  get isMoving(): boolean {
-    if (!this.watch) return this.replayBar.playing?.isPlaying ?? false;
-    return this.watch.state === 'live' && !isStill(this.surface?.mirror.stats);
-  }
-
-  // A sheet that does not move sends nothing: its last frame is not old, it is the present.
-  private get ageMs(): number | undefined {
-    if (this.imageMode.isShown) return this.imageMode.ageMs;
-    if (!this.watch || !this.isMoving) return undefined;
-    return this.clock.ageMs(unixTimeMs());
-  }
-
-  private takeFrame(surface: Surface): void {
-    this.hasNewFrame = false;
-    if (!this.isFitted) {
-      this.fit();
-      // Once more when the colliders are known.
-      this.isFitted = this.sheet !== undefined;
-    }
-    this.sheetScene.update(surface);
-    this.look.color();
-    this.watch?.acknowledge();
-    this.pieces.update();
   }
 }

@@ -1,8 +1,25 @@
-import type { App } from './app';
 import { ImageCodec } from './gen/kerf/v1/render_pb';
+import type { Stage } from './scene/stage';
+import type { OpenSheet, ShownState } from './sheet/open_sheet';
 import { meshHash } from './stream/mesh_hash';
+import type { Replay } from './stream/replay';
+import type { ImageMode } from './ui/image_mode';
+import type { SheetLook } from './ui/sheet_look';
 
-/** Of the picture of the server that is shown; undefined while the mesh is drawn here. */
+/** The parts of the viewer that the hooks read. */
+export interface HookedParts {
+  readonly live: Pick<OpenSheet, 'sheetName'> & { readonly watch: { readonly state: string } | undefined };
+  readonly shown: ShownState;
+  readonly stage: Pick<Stage, 'camera' | 'project'>;
+  readonly look: Pick<SheetLook, 'isWireframe' | 'isByPiece' | 'pieceId'>;
+  readonly tools: { readonly tool: { readonly id: string } };
+  readonly replayBar: { readonly isOpen: boolean; readonly playing: Replay | undefined };
+  readonly recording: { readonly isOn: boolean };
+  readonly imageMode: Pick<ImageMode, 'isShown' | 'tick' | 'numShown' | 'size' | 'codec' | 'state' | 'camera'>;
+  readonly loop: { readonly framesDrawn: number };
+}
+
+/** The picture of the server that is shown. */
 interface PictureHooks {
   readonly tick: number;
   /** Pictures that were shown since the mode was chosen. */
@@ -11,13 +28,13 @@ interface PictureHooks {
   readonly height: number;
   readonly codec: string;
   readonly connection: string;
-  /** It is seen from where the page's camera is. */
+  /** Its camera is where the page's camera is. */
   readonly isOfView: boolean;
 }
 
 /**
- * window.kerf: what the browser test (tests/e2e) reads, and nothing that changes anything. Not an interface for
- * programs: those speak kerf.v1 with the server.
+ * window.kerf, which the browser test (tests/e2e) reads and which changes nothing. It is no interface for programs: those
+ * speak kerf.v1 with the server.
  */
 export interface Hooks {
   readonly connection: string;
@@ -37,9 +54,10 @@ export interface Hooks {
   readonly tool: string;
   readonly pinnedVertices: readonly number[];
   readonly framesDrawn: number;
-  /** Of the recording that is shown; undefined without. */
+  /** The recording that is shown; undefined without one. */
   readonly replay: { index: number; numFrames: number; isPlaying: boolean; atMs: number; durationMs: number } | undefined;
   readonly isRecording: boolean;
+  /** Undefined while the mesh is drawn here. */
   readonly picture: PictureHooks | undefined;
   /** See meshHash(); empty before the first frame. */
   readonly meshHash: string;
@@ -57,85 +75,85 @@ declare global {
   }
 }
 
-export function installHooks(app: App, canvas: HTMLCanvasElement): void {
-  const world = (x: number, y: number) => app.surface?.toWorld({ x, y });
+export function installHooks(parts: HookedParts, canvas: HTMLCanvasElement): void {
+  const world = (x: number, y: number) => parts.shown.surface?.toWorld({ x, y });
   window.kerf = {
     get connection() {
-      return app.replayBar.isOpen ? 'replay' : (app.watch?.state ?? 'connecting');
+      return parts.replayBar.isOpen ? 'replay' : (parts.live.watch?.state ?? 'connecting');
     },
     get sheet() {
-      return app.sheetName;
+      return parts.live.sheetName;
     },
     get tick() {
-      return app.surface?.mirror.tick ?? -1;
+      return parts.shown.surface?.mirror.tick ?? -1;
     },
     get topologyVersion() {
-      return app.surface?.mirror.topologyVersion ?? -1;
+      return parts.shown.surface?.mirror.topologyVersion ?? -1;
     },
     get pieces() {
-      return app.surface?.mirror.numPieces ?? 0;
+      return parts.shown.surface?.mirror.numPieces ?? 0;
     },
     get numVertices() {
-      return app.surface?.mirror.numVertices ?? 0;
+      return parts.shown.surface?.mirror.numVertices ?? 0;
     },
     get numTriangles() {
-      return app.surface?.mirror.stats?.numTriangles ?? 0;
+      return parts.shown.surface?.mirror.stats?.numTriangles ?? 0;
     },
     get skipped() {
-      return Number(app.surface?.mirror.stats?.skipped ?? 0);
+      return Number(parts.shown.surface?.mirror.stats?.skipped ?? 0);
     },
     get isPaused() {
-      return app.surface?.mirror.stats?.paused ?? false;
+      return parts.shown.surface?.mirror.stats?.paused ?? false;
     },
     get isWireframe() {
-      return app.look.isWireframe;
+      return parts.look.isWireframe;
     },
     get numStrains() {
-      return app.surface?.mirror.strains?.length ?? 0;
+      return parts.shown.surface?.mirror.strains?.length ?? 0;
     },
     get isByPiece() {
-      return app.look.isByPiece;
+      return parts.look.isByPiece;
     },
     get tool() {
-      return app.tool.id;
+      return parts.tools.tool.id;
     },
     get pinnedVertices() {
-      return app.sheet?.pinnedVertices ?? [];
+      return parts.shown.sheet?.pinnedVertices ?? [];
     },
     get replay() {
-      const { playing } = app.replayBar;
+      const { playing } = parts.replayBar;
       if (!playing) return undefined;
       const { index, numFrames, isPlaying, atMs, durationMs } = playing;
       return { index, numFrames, isPlaying, atMs, durationMs };
     },
     get isRecording() {
-      return app.recording.isOn;
+      return parts.recording.isOn;
     },
     get picture() {
-      const { isShown, tick, numShown, size, codec, state, camera } = app.imageMode;
+      const { isShown, tick, numShown, size, codec, state, camera } = parts.imageMode;
       if (!isShown) return undefined;
       const { x, y, z } = camera?.eye ?? { x: NaN, y: NaN, z: NaN };
-      const isOfView = Math.hypot(...app.stage.camera.position.clone().sub({ x, y, z })) < 1e-9;
+      const isOfView = Math.hypot(...parts.stage.camera.position.clone().sub({ x, y, z })) < 1e-9;
       return { tick, numShown, ...size, codec: ImageCodec[codec], connection: state ?? 'none', isOfView };
     },
     get meshHash() {
-      return app.surface ? meshHash(app.surface.mirror) : '';
+      return parts.shown.surface ? meshHash(parts.shown.surface.mirror) : '';
     },
     get framesDrawn() {
-      return app.framesDrawn;
+      return parts.loop.framesDrawn;
     },
     toWorld(x, y) {
       const at = world(x, y);
       return at && { x: at.x, y: at.y, z: at.z };
     },
     pieceAt(x, y) {
-      const { surface } = app;
+      const { surface } = parts.shown;
       const place = surface?.locator.find({ x, y });
-      return place && app.look.pieceId(surface!.mirror.pieces[place.slot]);
+      return place && parts.look.pieceId(surface!.mirror.pieces[place.slot]);
     },
     toClient(x, y) {
       const at = world(x, y);
-      const px = at && app.stage.project(at);
+      const px = at && parts.stage.project(at);
       const bounds = canvas.getBoundingClientRect();
       return px && { x: bounds.left + px.x, y: bounds.top + px.y };
     },

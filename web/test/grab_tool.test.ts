@@ -17,7 +17,7 @@ interface Sent {
 describe('GrabTool', () => {
   let sent: Sent[];
   let notices: string[];
-  let viewer: { watch: object; notify: Viewer['notify'] };
+  let live: { watch: object };
   let tool: GrabTool;
   let isTaken = false;
   // Vertices whose positions were asked for.
@@ -42,7 +42,7 @@ describe('GrabTool', () => {
     tool.release();
   }
 
-  /** How many releases were sent, a second after these refusals. */
+  /** The number of releases that were sent, a second after these refusals. */
   function releasesAfter(...refusals: string[]): number {
     refusals.forEach(reject);
     vi.advanceTimersByTime(1000);
@@ -65,8 +65,8 @@ describe('GrabTool', () => {
       locator: { min: { x: 0, y: 0 }, max: { x: 1, y: 1 } },
     };
     const stage = { scene: new Scene(), camera: new PerspectiveCamera(), invalidate: () => {} };
-    viewer = { watch: connection(), notify: (_, text) => notices.push(text) };
-    Object.assign(viewer, { surface, stage });
+    live = { watch: connection() };
+    const viewer = { stage, shown: { surface }, live, notices: { notify: (_: string, text: string) => notices.push(text) } };
     tool = new GrabTool(viewer as unknown as Viewer);
   });
 
@@ -100,7 +100,7 @@ describe('GrabTool', () => {
   it('leaves a release alone whose stream has ended', () => {
     pull();
     reject('QUEUE_FULL');
-    viewer.watch = connection();
+    live.watch = connection();
     expect(releasesAfter()).toBe(1);
   });
 

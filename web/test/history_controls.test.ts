@@ -33,7 +33,7 @@ describe('HistoryControls', () => {
   const settled = () => new Promise((resolve) => setTimeout(resolve));
 
   it('makes every press a step, in the order of the presses, and no more than anybody means', async () => {
-    const controls = new HistoryControls(viewer, send);
+    const controls = new HistoryControls(viewer, viewer, send);
     const run = controls.run('undo');
     await controls.run('undo');
     await controls.run('redo');
@@ -49,7 +49,7 @@ describe('HistoryControls', () => {
   });
 
   it('makes one more of a held key while a call is under way, and none after a refusal', async () => {
-    const controls = new HistoryControls(viewer, send);
+    const controls = new HistoryControls(viewer, viewer, send);
     const run = controls.run('undo');
     for (let i = 0; i < 5; ++i) await controls.run('undo', true);
     answer(1);
@@ -66,7 +66,7 @@ describe('HistoryControls', () => {
   });
 
   it('sends one call at a time and tells what came of it', async () => {
-    const controls = new HistoryControls(viewer, send);
+    const controls = new HistoryControls(viewer, viewer, send);
     const first = controls.run('undo');
     answer(1);
     await first;

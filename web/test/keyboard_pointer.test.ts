@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it, vi } from 'vitest';
 import { KeyboardPointer } from '../src/tools/keyboard_pointer';
 import type { Pointer, Tool, Viewer } from '../src/tools/tool';
 
-// What of the page the cross needs.
+// The part of an element that the cross uses.
 const element = () => ({ className: '', hidden: false, textContent: '', style: {}, append: () => {} });
 vi.stubGlobal('document', { createElement: element });
 
@@ -26,7 +26,7 @@ describe('KeyboardPointer', () => {
   beforeEach(() => {
     done = [];
     isTaken = false;
-    const viewer = { overlay: { append: () => {} }, stage, surface: undefined } as unknown as Viewer;
+    const viewer = { overlay: { append: () => {} }, stage, shown: {} } as unknown as Viewer;
     pointer = new KeyboardPointer(viewer, () => tool);
   });
 

@@ -5,7 +5,7 @@ import type { call } from '../src/api';
 import { ListPiecesResponseSchema } from '../src/gen/kerf/v1/cuts_pb';
 import { PiecePanel } from '../src/ui/piece_panel';
 
-// What of the page a list needs. Whatever leaves the tree, if only to come back, loses the keyboard.
+// The part of an element that a list uses. An element that leaves the tree, if only to come back, loses the keyboard.
 class FakeElement extends EventTarget {
   static active: FakeElement | null = null;
   readonly style = {};
@@ -95,7 +95,7 @@ describe('PiecePanel', () => {
         return FakeElement.active;
       },
     });
-    panel = new PiecePanel(viewer, send);
+    panel = new PiecePanel(viewer, viewer, send);
   });
   afterEach(() => {
     vi.unstubAllGlobals();
@@ -153,7 +153,7 @@ describe('PiecePanel', () => {
     expect(names()).toEqual(['Piece 3', 'Piece 2', 'Piece 4']);
     expect(FakeElement.active).toBe(second);
     expect(viewer.highlight).toHaveBeenLastCalledWith(4);
-    // What is moved in the list, too.
+    // An element that is moved in the list loses it, too.
     viewer.topologyVersion = 3;
     listed([2n, 2, 0.7], [3n, 0, 0.6], [4n, 1, 0.2]);
     panel.update();

@@ -8,7 +8,8 @@ import { HeldCalls } from './support/held_calls';
 describe('PinTool', () => {
   let server: HeldCalls;
   let notices: string[];
-  let viewer: { sheetName: string; sheet: { pinnedVertices: number[] } | undefined };
+  let live: { sheetName: string };
+  let shown: { sheet: { pinnedVertices: number[] } | undefined };
   let told: () => void;
   let tool: PinTool;
   // Far from where the pins are seen, so that it is the vertex that is picked.
@@ -22,14 +23,16 @@ describe('PinTool', () => {
   beforeEach(() => {
     server = new HeldCalls();
     notices = [];
-    const uses = {
-      surface: { pick: ({ vertex }: { vertex: number }) => ({ vertex }), hasMaterial: () => false },
+    const surface = { pick: ({ vertex }: { vertex: number }) => ({ vertex }), hasMaterial: () => false };
+    live = { sheetName: 'sheets/a' };
+    shown = { sheet: { pinnedVertices: [3] } };
+    Object.assign(live, { refresh: () => new Promise<void>((resolve) => (told = resolve)) });
+    Object.assign(shown, { surface });
+    const reporter = {
       notify: (_: string, text: string) => notices.push(text),
       attempt: (run: () => Promise<unknown>) => run().catch(() => undefined),
-      refreshSheet: () => new Promise<void>((resolve) => (told = resolve)),
     };
-    viewer = { sheetName: 'sheets/a', sheet: { pinnedVertices: [3] }, ...uses };
-    tool = new PinTool(viewer as unknown as Viewer);
+    tool = new PinTool({ live, shown, notices: reporter } as unknown as Viewer);
   });
 
   it('keeps what was asked for before, whatever has been answered', async () => {
@@ -62,10 +65,10 @@ describe('PinTool', () => {
 
   it('pins on each sheet what was tapped there, and on none whose pins are not known yet', async () => {
     tap(5);
-    viewer.sheetName = 'sheets/b';
-    viewer.sheet = undefined;
+    live.sheetName = 'sheets/b';
+    shown.sheet = undefined;
     tap(6);
-    viewer.sheet = { pinnedVertices: [1] };
+    shown.sheet = { pinnedVertices: [1] };
     tap(7);
     await server.answer();
     await server.answer();

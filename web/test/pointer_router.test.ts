@@ -32,7 +32,7 @@ describe('PointerRouter', () => {
       release: () => void done.push('release'),
     } as unknown as Tool;
     const stage = { sizePx: new Vector2(400, 300), rayAt: () => new Ray() } as unknown as Stage;
-    const viewer = { overlay: { append: () => {} }, stage, surface: undefined } as unknown as Viewer;
+    const viewer = { overlay: { append: () => {} }, stage, shown: {} } as unknown as Viewer;
     cross = new KeyboardPointer(viewer, () => tool);
     new PointerRouter(
       canvas as unknown as HTMLElement,

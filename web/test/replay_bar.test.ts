@@ -1,5 +1,4 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import type { App } from '../src/app';
 import { ReplayBar } from '../src/ui/replay_bar';
 
 class FakeWorker {
@@ -25,11 +24,10 @@ class FakeWorker {
 describe('ReplayBar', () => {
   let page: Record<string, { hidden: boolean; click(): void }>;
   let bar: ReplayBar;
-  let app: { watch: object | undefined };
+  let numClosed: number;
   const notices: string[] = [];
-  const opened: string[] = [];
 
-  // One whose bytes come when `read` is called.
+  // Makes a file whose bytes come when `read` is called.
   function slowFile(numBytes: number): { file: File; read: () => Promise<void> } {
     let resolve: (bytes: ArrayBuffer) => void;
     const bytes = new Promise<ArrayBuffer>((give) => (resolve = give));
@@ -50,20 +48,14 @@ describe('ReplayBar', () => {
   beforeEach(() => {
     page = {};
     FakeWorker.made = [];
-    notices.length = opened.length = 0;
+    notices.length = numClosed = 0;
     vi.stubGlobal('Worker', FakeWorker);
     vi.stubGlobal('document', {
       getElementById: (id: string) => (page[id] ??= fakeElement()),
       querySelectorAll: () => [],
     });
-    const shown = {
-      watch: {},
-      sheetName: 'sheets/a',
-      open: (name: string) => void opened.push(name),
-      notify: (kind: string, text: string) => void notices.push(`${kind}: ${text}`),
-    };
-    app = shown;
-    bar = new ReplayBar(app as unknown as App);
+    const events = { onOpened: () => {}, onFrame: () => {}, onClosed: () => void (numClosed += 1) };
+    bar = new ReplayBar(events, { notify: (kind, text) => void notices.push(`${kind}: ${text}`) });
   });
   afterEach(() => vi.unstubAllGlobals());
 
@@ -95,17 +87,16 @@ describe('ReplayBar', () => {
     expect(FakeWorker.made[0].opened).toEqual([20]);
     giveUp();
     expect([FakeWorker.made[0].isEnded, page.replay.hidden]).toEqual([true, true]);
-    // The live sheet has gone on meanwhile.
-    expect([bar.key('Escape'), opened, notices]).toEqual([false, [], []]);
+    expect([bar.key('Escape'), notices]).toEqual([false, []]);
   });
 
   it('goes back to the live sheet while another recording is read, so that keys reach what is seen', async () => {
     const first = slowFile(10);
     await Promise.all([bar.open(first.file), first.read()]);
-    app.watch = undefined;
+    numClosed = 0;
     const second = slowFile(20);
     const opening = bar.open(second.file);
-    expect([opened, bar.hasFile]).toEqual([['sheets/a'], true]);
+    expect([numClosed, bar.hasFile]).toEqual([1, true]);
     await Promise.all([opening, second.read()]);
     expect(FakeWorker.made.map(({ opened }) => opened)).toEqual([[10], [20]]);
   });

@@ -3,7 +3,7 @@ import { beforeEach, describe, expect, it } from 'vitest';
 import { SheetSchema } from '../src/gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../src/gen/kerf/v1/sheets_pb';
 import { NewestAnswer } from '../src/newest_answer';
-import type { Viewer } from '../src/tools/tool';
+import type { Reporter } from '../src/notifier';
 import { GravityControl } from '../src/ui/physics/gravity_control';
 import { WindControl } from '../src/ui/physics/wind_control';
 import { SpeedControl } from '../src/ui/speed_control';
@@ -25,25 +25,27 @@ describe.each([
 ])('%s', (_, id, event, Control) => {
   let server: HeldCalls;
   let input: FakeElement;
-  let viewer: { sheetName: string; refreshes: number; refreshSheet: () => Promise<unknown> };
+  let live: { sheetName: string; refresh: () => Promise<void> };
+  let numRefreshes: number;
   let control: { show(sheet: Sheet): void };
 
   beforeEach(() => {
     input = fakePage()(id);
     server = new HeldCalls();
-    const uses = { attempt: (run: () => Promise<unknown>) => run(), refreshSheet: async () => (viewer.refreshes += 1) };
-    viewer = { sheetName: 'sheets/a', refreshes: 0, ...uses };
-    control = new Control(viewer as unknown as Viewer);
+    numRefreshes = 0;
+    live = { sheetName: 'sheets/a', refresh: async () => void (numRefreshes += 1) };
+    const reporter: Reporter = { attempt: (run) => run(), notify: () => {} };
+    control = new Control(live, reporter);
   });
 
   it('of a sheet goes to that sheet, though another one is shown by then', async () => {
     input.enter('0.5', event);
     input.enter('0.25', event);
-    viewer.sheetName = 'sheets/b';
+    live.sheetName = 'sheets/b';
     input.enter('2', event);
     for (let left = 3; left > 0; --left) await server.answer();
     expect(server.calls.map(({ request }) => request.name)).toEqual(['sheets/a', 'sheets/a', 'sheets/b']);
-    expect(viewer.refreshes).toBe(1);
+    expect(numRefreshes).toBe(1);
   });
 
   it('stays as it was set, though an answer from before the change comes after it', async () => {
@@ -52,7 +54,7 @@ describe.each([
       () => new Promise((resolve) => tell.push(resolve)),
       (sheet) => control.show(sheet),
     );
-    viewer.refreshSheet = () => answers.refresh();
+    live.refresh = async () => void (await answers.refresh());
     void answers.fetch();
     input.enter('0.5', event);
     await server.answer();

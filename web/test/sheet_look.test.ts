@@ -1,7 +1,6 @@
 import { beforeEach, describe, expect, it, vi } from 'vitest';
-import type { App } from '../src/app';
-import type { SheetView } from '../src/scene/sheet_view';
 import { SheetLook } from '../src/ui/sheet_look';
+import type { LookedAt } from '../src/ui/sheet_look';
 import { fakePage } from './support/fake_page';
 import type { FakeElement } from './support/fake_page';
 
@@ -9,7 +8,7 @@ describe('SheetLook of a recording', () => {
   let byId: (id: string) => FakeElement;
   let look: SheetLook;
   let notices: string[];
-  let app: { imageMode: { isShown: boolean } };
+  let isPictureShown: boolean;
   let mirror: { topologyVersion: number; numPieces: number; strains: Float32Array | undefined };
   const view = { colorByPiece: vi.fn(), colorByStrain: vi.fn() };
   /** label -> id, as what is there now was coloured. */
@@ -22,17 +21,17 @@ describe('SheetLook of a recording', () => {
     byId = fakePage();
     notices = [];
     mirror = { topologyVersion: 0, numPieces: 2, strains: undefined };
-    const made = {
-      surface: { mirror },
-      imageMode: { isShown: false },
-      notify: (_: string, text: string) => notices.push(text),
-      restartWatch: () => {},
-      showAgain: () => {},
-    };
-    app = made;
+    isPictureShown = false;
     view.colorByPiece.mockReset();
     view.colorByStrain.mockReset();
-    look = new SheetLook(app as unknown as App, view as unknown as SheetView);
+    const parts = {
+      view,
+      shown: { surface: { mirror }, showAgain: () => {} },
+      live: { sheetName: '', isWatched: false, restart: () => {} },
+      notices: { notify: (_: string, text: string) => void notices.push(text) },
+      isPictureShown: () => isPictureShown,
+    };
+    look = new SheetLook(parts as unknown as LookedAt);
   });
 
   it('colours pieces by ids, which are 1 and more', () => {
@@ -66,8 +65,8 @@ describe('SheetLook of a recording', () => {
     expect([byId('strain-scale').hidden, byId('strain-missing').hidden]).toEqual([false, true]);
     const ticks = () => byId('strain-ticks').options.map((tick) => (tick as FakeElement).textContent);
     expect(ticks()).toEqual(['−20', '−10', '0', '10', '20 %']);
-    // Beside pictures of the server, which come with their scale.
-    app.imageMode.isShown = true;
+    // Pictures of the server come with a scale of their own.
+    isPictureShown = true;
     look.strainScale.show(0.005);
     look.color();
     expect(ticks().at(-1)).toBe('0.5 %');

@@ -1,4 +1,5 @@
 import { expect, test, vi } from 'vitest';
+import { Sheet_RunState } from '../src/gen/kerf/v1/sheets_pb';
 import { SheetNews } from '../src/ui/sheet_news';
 
 function news() {
@@ -29,4 +30,15 @@ test('another epoch of the same sheet says that it was made again', () => {
   each.saw('sheets/a', '1', { resets: 2, resetsUndone: 0 });
   each.saw('sheets/a', '2', { resets: 0, resetsUndone: 0 });
   expect(notify.mock.calls).toEqual([['warning', expect.stringContaining('restarted')]]);
+});
+
+test('a sheet that fails is told of once', () => {
+  const { news: each, notify } = news();
+  const [running, failed] = [{ runState: Sheet_RunState.RUNNING }, { runState: Sheet_RunState.FAILED }];
+  each.sawSettings(running, undefined);
+  each.sawSettings(failed, running);
+  each.sawSettings(failed, failed);
+  expect(notify.mock.calls).toEqual([['error', expect.stringContaining('frozen at its last good tick')]]);
+  each.sawSettings(failed, undefined);
+  expect(notify).toHaveBeenCalledTimes(2);
 });

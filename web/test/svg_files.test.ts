@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
-import type { App } from '../src/app';
 import { SvgFiles } from '../src/ui/svg_files';
+import type { DrawingTools } from '../src/ui/svg_files';
 import { fakePage } from './support/fake_page';
 
 describe('SvgFiles', () => {
@@ -20,17 +20,16 @@ describe('SvgFiles', () => {
     laid = [];
     told = [];
     isReplaying = false;
-    const cutTool = { lay: ({ name }: { name: string }) => laid.push(name) > 0 };
-    const app = {
+    const cut = { lay: ({ name }: { name: string }) => laid.push(name) > 0 };
+    const tools: DrawingTools & { tool: object } = {
       tool: {},
-      cutTool,
+      cut,
       choose: () => {
-        if (!isReplaying) app.tool = cutTool;
+        if (!isReplaying) tools.tool = cut;
       },
-      focusStage: () => {},
-      notify: (_: string, text: string) => void told.push(text),
     };
-    files = new SvgFiles(app as unknown as App);
+    const notices = { notify: (_: string, text: string) => void told.push(text) };
+    files = new SvgFiles(tools, notices, () => {});
   });
 
   afterEach(() => vi.unstubAllGlobals());

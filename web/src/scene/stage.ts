@@ -17,9 +17,9 @@ import { GroundMaterial } from './ground_material';
 
 const kFovDeg = 36;
 const kViewDirection = new Vector3(0.5, -1, 0.62).normalize();
-// Part of the picture's height or width that the sheet fills at first; it will swing and fall.
+// The sheet fills this part of the picture's height or width at first; it will swing and fall.
 const kFilled = 0.88;
-// Radians from straight above or below, where "up" would turn over, and the server could not tell what is right.
+// Radians that the camera keeps from straight above or below, where "up" would turn over and "right" be undefined.
 const kLeastPolar = 0.01;
 const kLightDirection = new Vector3(-0.45, -0.5, 1).normalize();
 
@@ -29,9 +29,9 @@ export class Stage {
   readonly camera = new PerspectiveCamera(kFovDeg, 1, 0.01, 100);
   readonly controls: OrbitControls;
   readonly ground = new GroundMaterial();
-  /** Of the canvas, CSS pixels. */
+  /** Size of the canvas, CSS pixels. */
   readonly sizePx = new Vector2(1, 1);
-  /** What is seen behind all that is drawn, as large as the canvas. */
+  /** A picture behind all that is drawn, as large as the canvas. */
   backdrop: CanvasImageSource | undefined;
 
   private readonly renderer: WebGLRenderer;
@@ -65,6 +65,11 @@ export class Stage {
     this.isStale = true;
   }
 
+  /** Gives the keyboard to the canvas, and so to the tool. */
+  focus(): void {
+    this.canvas.focus({ preventScroll: true });
+  }
+
   /** Moves the camera on; true if something changed since the last draw(). */
   advance(): boolean {
     this.controls.update();
@@ -76,7 +81,7 @@ export class Stage {
     this.renderer.render(this.scene, this.camera);
   }
 
-  /** Draws from now on this finely; false where it did so before. */
+  /** Sets how finely it draws; false if that is no change. */
   setQuality(quality: Quality): boolean {
     const { scale, hasShadows } = this.quality;
     if (quality.scale === scale && quality.hasShadows === hasShadows) return false;
@@ -86,7 +91,7 @@ export class Stage {
     return true;
   }
 
-  /** Name of what draws, as the browser has it; empty where it does not say. */
+  /** The browser's name for the graphics card or program that draws; empty where it does not say. */
   get graphics(): string {
     const context = this.renderer.getContext();
     const info = context.getExtension('WEBGL_debug_renderer_info');
@@ -103,7 +108,7 @@ export class Stage {
     this.renderer.setSize(this.sizePx.x, this.sizePx.y, false);
     this.sun.castShadow = true;
     this.draw();
-    // What was drawn is there until this task ends.
+    // The canvas keeps its picture until this task ends.
     copy.width = this.canvas.width;
     copy.height = this.canvas.height;
     const context = copy.getContext('2d')!;

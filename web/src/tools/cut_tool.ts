@@ -3,11 +3,11 @@ import { Vector2 } from 'three';
 import { call } from '../api';
 import { CutResult_Status, CutService } from '../gen/kerf/v1/cuts_pb';
 import type { CutSchema } from '../gen/kerf/v1/scene_pb';
-import type { Point2 } from '../geometry/locator';
 import { svgOutline } from '../geometry/svg_outline';
+import type { OpenSheet } from '../sheet/open_sheet';
+import { ChosenPiece } from './chosen_piece';
+import { CutDisplay } from './cut_display';
 import { CutForecast } from './cut_forecast';
-import { CutHandles } from './cut_handles';
-import { CutPreview } from './cut_preview';
 import { cutDetails, cutText, warningText } from './cut_text';
 import { MaterialPlane, PicturePlane, cutView, frontHalf } from './drawing_plane';
 import type { CutTarget, DepthRange, DrawingPlane } from './drawing_plane';
@@ -17,24 +17,25 @@ import type { CutMode } from './drawings/kinds';
 import { PictureDrawing } from './drawings/picture_drawing';
 import type { Picture } from './drawings/picture_drawing';
 import { pressVerb } from './press_verb';
-import { SheetPreview } from './sheet_preview';
-import { stripAlong } from './strip_preview';
 import type { Pointer, Tool, Viewer } from './tool';
 
-/** Perforation: metres of the sheet that are cut and left in turn. */
+type CutViewer = Pick<Viewer, 'overlay' | 'stage' | 'shown' | 'notices'> & { live: Pick<OpenSheet, 'sheetName'> };
+
+/** A perforation: metres of the sheet that are cut and left in turn. */
 export interface Dashes {
   isOn: boolean;
   cutM: number;
   leftM: number;
 }
 
-/** Weights go from this to its inverse, and a key makes a step of them. */
+/** Weights go from this to its inverse. */
 export const kLeastWeight = 0.05;
+// A key changes a weight by this factor.
 const kWeightStep = 1.25;
 
 /**
- * Draws something and cuts along it: what is seen under it on the picture or, if asked, the material, with which the
- * drawing then moves. It need not stay on the sheet: a cut from border to border starts and ends beside it.
+ * Draws something and cuts along it, either through the sheet seen under it on the picture or, on request, through the
+ * material, with which the drawing then moves. A cut from border to border starts and ends beside the sheet.
  */
 export class CutTool implements Tool {
   readonly id = 'cut';
@@ -47,36 +48,27 @@ export class CutTool implements Tool {
   private drawing: Drawing = newDrawing('curve');
   private chosenHandle = -1;
   private readonly underWay = new Set<Drawing>(); // being cut; meanwhile another may be drawn and cut
-  private isChoosing = false;
-  // Material point of the chosen piece: its label may be another one after each cut.
-  private pieceMark: Point2 | undefined;
+  private readonly chosenPiece: ChosenPiece;
   private last: { drawing: Drawing; mode: CutMode; target: CutTarget; sizePx: Vector2 } | undefined;
   private readonly picture = new PicturePlane();
   private readonly material: MaterialPlane;
-  private readonly preview: CutPreview;
-  private readonly sheetPreview = new SheetPreview();
+  private readonly display: CutDisplay;
   private readonly forecast: CutForecast;
-  private readonly handles: CutHandles;
-  private readonly marker = document.createElement('div');
   private readonly drawnSizePx = new Vector2();
 
   /** @param changed  called when the prompt or the possible actions may have changed */
   constructor(
-    private readonly viewer: Viewer,
+    private readonly viewer: CutViewer,
     private readonly changed: () => void,
   ) {
     this.material = new MaterialPlane(viewer);
-    this.marker.className = 'piece-marker';
-    this.marker.hidden = true;
-    viewer.overlay.append(this.marker);
-    this.preview = new CutPreview(viewer.overlay);
-    viewer.stage.scene.add(this.sheetPreview.object);
-    this.forecast = new CutForecast(changed);
-    this.handles = new CutHandles(
-      viewer.overlay,
+    this.chosenPiece = new ChosenPiece(viewer);
+    this.display = new CutDisplay(
+      viewer,
       (index) => this.chooseHandle(index),
       (index, px) => this.moveHandle(index, px),
     );
+    this.forecast = new CutForecast(changed);
   }
 
   get mode(): CutMode {
@@ -90,7 +82,7 @@ export class CutTool implements Tool {
 
   /** Lays a drawing on the sheet; false while there is none. */
   lay(picture: Omit<Picture, 'outline'>): boolean {
-    const { locator } = this.viewer.surface ?? {};
+    const { locator } = this.viewer.shown.surface ?? {};
     if (!locator) return false;
     this.setMode('svg');
     this.drawing = new PictureDrawing({ ...picture, outline: svgOutline(picture.text) }, locator);
@@ -98,20 +90,19 @@ export class CutTool implements Tool {
     return true;
   }
 
-  /** A drawing of a file lies on the material. */
+  /** The chosen target; a drawing from a file always lies on the material. */
   get target(): CutTarget {
     return this.currentMode === 'svg' ? 'material' : this.currentTarget;
   }
 
-  /** Whether a piece was chosen by a tap; otherwise that is cut which is seen where the line first meets the sheet. */
+  /** A piece was chosen by a tap; without one, the piece seen where the line first meets the sheet is cut. */
   get hasPiece(): boolean {
-    return this.pieceMark !== undefined;
+    return this.chosenPiece.isChosen;
   }
 
-  /** The next tap chooses the piece; where one is chosen, it is forgotten. */
+  /** Lets the next tap choose the piece; forgets it instead if one is chosen. */
   choosePiece(): void {
-    this.isChoosing = !this.isChoosing && !this.hasPiece;
-    this.pieceMark = undefined;
+    this.chosenPiece.toggle();
     this.refresh();
   }
 
@@ -119,7 +110,7 @@ export class CutTool implements Tool {
     return this.last !== undefined && !this.isStarted;
   }
 
-  /** Lays the drawing that was cut last again: where it was on the picture or on the material. */
+  /** Lays the drawing that was cut last again, in its old place on the picture or on the material. */
   again(): void {
     if (!this.hasLast) return;
     const { drawing, mode, target, sizePx } = this.last!;
@@ -130,12 +121,13 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
-  /** A drawing that is started is taken along to where it lies now. */
+  /** Chooses a target; a drawing that is started is taken along to where it lies now. */
   setTarget(target: CutTarget): void {
     const from = this.plane;
     this.currentTarget = target;
-    this.isChoosing = false;
-    if (target === 'depth' && this.viewer.surface) Object.assign(this.depth, frontHalf(this.viewer.surface, this.viewer.stage.camera));
+    this.chosenPiece.isChoosing = false;
+    const { surface } = this.viewer.shown;
+    if (target === 'depth' && surface) Object.assign(this.depth, frontHalf(surface, this.viewer.stage.camera));
     const to = this.plane;
     const isKept = from === to || this.drawing.map((point) => {
       const px = from.toPx(point);
@@ -159,7 +151,7 @@ export class CutTool implements Tool {
   }
 
   get prompt(): string {
-    return this.isChoosing ? `${pressVerb()} the piece to cut` : this.drawing.prompt;
+    return this.chosenPiece.isChoosing ? `${pressVerb()} the piece to cut` : this.drawing.prompt;
   }
 
   /** Says that the cut would end real time, and at what cost; else empty. */
@@ -184,7 +176,7 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
-  /** Of the strip that is taken away, metres of the sheet; 0: none. */
+  /** Width of the strip that is taken away, metres of the sheet; 0: none. */
   get widthM(): number {
     return this.currentWidthM;
   }
@@ -204,15 +196,14 @@ export class CutTool implements Tool {
   }
 
   leave(): void {
-    this.isChoosing = false;
-    this.pieceMark = undefined;
+    this.chosenPiece.forget();
     this.cancel();
-    // Nobody else takes it off the canvas.
+    // Takes the drawing off the canvas: only the chosen tool is updated before a drawing.
     this.update();
   }
 
   press(pointer: Pointer): boolean {
-    if (this.isChoosing) return false;
+    if (this.chosenPiece.isChoosing) return false;
     const point = this.plane.at(pointer.px);
     const isTaken = point !== undefined && this.drawing.press(point);
     this.refresh();
@@ -230,16 +221,15 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
-  // A press that is taken began a drawing anew, but that of a picture's box, which only moved.
+  // A press that is taken began a new drawing, except for one on a picture's box, which only moved it.
   abandon(): void {
     this.drawing.release(this.plane.tremor);
     if (this.currentMode !== 'svg') this.cancel();
   }
 
   tap(pointer: Pointer): void {
-    if (this.isChoosing) {
-      this.pieceMark = this.viewer.surface?.pick(pointer.ray)?.material;
-      this.isChoosing = !this.pieceMark;
+    if (this.chosenPiece.isChoosing) {
+      this.chosenPiece.take(pointer.ray);
       this.refresh();
       return;
     }
@@ -248,10 +238,11 @@ export class CutTool implements Tool {
     this.refresh();
   }
 
-  /** Gives up what is going on: the choice of a piece, or the drawing; false if there is neither. */
+  /** Gives up the choice of a piece, or else the drawing; false if there is neither. */
   escape(): boolean {
-    if (!this.isChoosing && !this.isStarted) return false;
-    if (this.isChoosing) this.isChoosing = false;
+    const { chosenPiece } = this;
+    if (!chosenPiece.isChoosing && !this.isStarted) return false;
+    if (chosenPiece.isChoosing) chosenPiece.isChoosing = false;
     else this.cancel();
     this.refresh();
     return true;
@@ -265,7 +256,7 @@ export class CutTool implements Tool {
     return true;
   }
 
-  /** A step up or down of the chosen point's weight; false if none has one. */
+  /** Moves the chosen point's weight a step up or down; false if no chosen point has one. */
   stepWeight(direction: 1 | -1): boolean {
     if (!this.weighted) return false;
     this.setWeight(this.weighted.weight * kWeightStep ** direction);
@@ -281,23 +272,21 @@ export class CutTool implements Tool {
   async cut(): Promise<void> {
     if (!this.isReady) return;
     const { drawing } = this;
-    if (this.target === 'piece' && this.hasPiece && this.piece === undefined) {
-      this.viewer.notify('error', 'Nothing was cut: the chosen piece is gone there; choose another');
+    const { notices } = this.viewer;
+    if (this.target === 'piece' && this.hasPiece && this.chosenPiece.label === undefined) {
+      notices.notify('error', 'Nothing was cut: the chosen piece is gone there; choose another');
       return;
     }
     this.underWay.add(drawing);
     this.refresh();
     const { widthM } = this;
     const request = this.request();
-    const result = await this.viewer.attempt(
-      () => call(CutService.method.createCut, request),
-      'Nothing was cut: ',
-    );
+    const result = await notices.attempt(() => call(CutService.method.createCut, request), 'Nothing was cut: ');
     this.underWay.delete(drawing);
     if (result) {
       const kind = result.status === CutResult_Status.APPLIED ? 'success' : 'info';
-      this.viewer.notify(kind, cutText(result, widthM > 0), cutDetails(result));
-      if (result.warnings.length > 0) this.viewer.notify('warning', warningText(result));
+      notices.notify(kind, cutText(result, widthM > 0), cutDetails(result));
+      if (result.warnings.length > 0) notices.notify('warning', warningText(result));
       if (drawing === this.drawing) {
         const { mode, target } = this;
         this.last = { drawing, mode, target, sizePx: this.viewer.stage.sizePx.clone() };
@@ -310,17 +299,15 @@ export class CutTool implements Tool {
   update(): void {
     this.followSize();
     if (this.isReady) this.forecast.follow(this.circumstances);
-    this.showMarker();
-    if (this.plane === this.material) this.showOnSheet();
-    else this.showOnPicture();
-    const { plane, drawing } = this;
-    this.handles.show(
-      drawing.handles.map((point, i) => ({
-        px: plane.toPx(point),
-        text: drawing.handleText(i),
-        isChosen: drawing.weights !== undefined && i === this.chosenHandle,
-      })),
-    );
+    this.display.show({
+      drawing: this.drawing,
+      plane: this.plane,
+      isOnMaterial: this.plane === this.material,
+      dashLengths: this.dashLengths,
+      widthM: this.widthM,
+      chosenHandle: this.chosenHandle,
+      mark: this.target === 'piece' ? this.chosenPiece.place : undefined,
+    });
   }
 
   private get plane(): DrawingPlane {
@@ -328,7 +315,7 @@ export class CutTool implements Tool {
   }
 
   private request() {
-    return { parent: this.viewer.sheetName, cut: this.requested() };
+    return { parent: this.viewer.live.sheetName, cut: this.requested() };
   }
 
   private requested(): MessageInitShape<typeof CutSchema> {
@@ -338,63 +325,18 @@ export class CutTool implements Tool {
   private get view(): ReturnType<typeof cutView> | undefined {
     const { stage } = this.viewer;
     const { target } = this;
-    return target === 'material' ? undefined : cutView(stage.camera, stage.sizePx, target, this.depth, this.piece);
+    return target === 'material' ? undefined : cutView(stage.camera, stage.sizePx, target, this.depth, this.chosenPiece.label);
   }
 
-  // Names what a cut goes through beside the drawing: the triangles, and on the picture what is seen there.
+  // Names all that decides what a cut goes through, apart from the drawing: the triangles and, on the picture, the view.
   private get circumstances(): string {
-    return `${this.viewer.surface?.mirror.topologyVersion} ${JSON.stringify(this.view)}`;
-  }
-
-  // Label of the chosen piece; undefined if none is, or it has no material at its mark any more.
-  private get piece(): number | undefined {
-    const { surface } = this.viewer;
-    const place = this.pieceMark && surface?.locator.find(this.pieceMark);
-    return place && surface!.mirror.pieces[place.slot];
-  }
-
-  private showMarker(): void {
-    const { surface, stage } = this.viewer;
-    const mark = this.target === 'piece' && this.piece !== undefined ? this.pieceMark : undefined;
-    const world = mark && surface?.toWorld(mark);
-    const px = world && stage.project(world);
-    this.marker.hidden = !px;
-    if (px) this.marker.style.transform = `translate(${px.x.toFixed(1)}px, ${px.y.toFixed(1)}px)`;
+    return `${this.viewer.shown.surface?.mirror.topologyVersion} ${JSON.stringify(this.view)}`;
   }
 
   // Metres of material.
   private get dashLengths(): number[] {
     const { isOn, cutM, leftM } = this.dashes;
     return isOn ? [cutM, leftM] : [];
-  }
-
-  // On a sheet that is seen face-on in the middle of the view.
-  private get metresPerPx(): number {
-    const { stage } = this.viewer;
-    return stage.metresPerPx(stage.controls.target);
-  }
-
-  private showOnSheet(): void {
-    const { surface } = this.viewer;
-    if (!surface) return this.sheetPreview.hide();
-    const { dashLengths, widthM } = this;
-    this.preview.show([]);
-    this.sheetPreview.show(surface, () => ({ lines: this.drawing.lines(), dashLengths, widthM }));
-  }
-
-  // Lengths are those in the middle of the view.
-  private showOnPicture(): void {
-    this.sheetPreview.hide();
-    const lines = this.drawing.lines();
-    const dashPx = this.dashLengths.map((metres) => metres / this.metresPerPx);
-    const curves = lines.filter((line) => !line.isGuide).map((line) => line.points);
-    const strip = stripAlong(curves, this.widthM / this.metresPerPx, dashPx);
-    const toPx = (point: Point2) => this.picture.toPx(point);
-    this.preview.show(
-      lines.map(({ points, isGuide }) => ({ points: points.map(toPx), isGuide })),
-      dashPx,
-      strip.map((polygon) => polygon.map(toPx)),
-    );
   }
 
   // A picture of another size shows the same things at the same distances from its middle, in parts of its height.
@@ -423,7 +365,7 @@ export class CutTool implements Tool {
   }
 
   private refresh(): void {
-    this.sheetPreview.changed();
+    this.display.changed();
     this.forecast.ask(this.isReady ? () => this.request() : undefined);
     this.viewer.stage.invalidate();
     this.changed();

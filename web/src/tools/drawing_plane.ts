@@ -7,7 +7,7 @@ import type { Point2 } from '../geometry/locator';
 import type { Surface } from '../geometry/surface';
 import type { Viewer } from './tool';
 
-/** What a cut goes through: layers of the sheet as it is seen, or the material, wherever it is. */
+/** Names what a cut goes through: layers of the sheet as it is seen, or the material, wherever it is. */
 export type CutTarget = 'seen' | 'all' | 'piece' | 'depth' | 'material';
 
 /** Metres from the camera along its axis. */
@@ -58,17 +58,17 @@ export function frontHalf(surface: Surface, camera: PerspectiveCamera): DepthRan
   return { nearestM, farthestM: Math.max(nearestM, Math.ceil(500 * (nearest + farthest)) / 1e3) };
 }
 
-/** Where a drawing lies: how its coordinates and the canvas belong together. */
+/** The plane that a drawing lies on: it joins the drawing's coordinates and the canvas. */
 export interface DrawingPlane {
-  /** The point under one of the canvas, CSS pixels. */
+  /** The plane's point under a point of the canvas, CSS pixels. */
   at(px: Vector2): Point2 | undefined;
   toPx(point: Point2): Vector2 | undefined;
-  /** How far a hand strays without meaning it. */
+  /** The distance that a hand strays unintentionally, in the plane's unit. */
   readonly tremor: number;
 }
 
 const kTremorPx = 1.5;
-// Of a drawing on the material, in parts of the sheet's diagonal.
+// The same on the material, in parts of the sheet's diagonal.
 const kTremorPart = 0.002;
 
 /** The picture: the drawing stays where it is on the canvas, and the sheet moves below it. */
@@ -86,15 +86,16 @@ export class PicturePlane implements DrawingPlane {
 
 /** The material: the drawing moves with the sheet. A point beside the sheet is as far beside its nearest border. */
 export class MaterialPlane implements DrawingPlane {
-  constructor(private readonly viewer: Pick<Viewer, 'surface' | 'stage'>) {}
+  constructor(private readonly viewer: Pick<Viewer, 'shown' | 'stage'>) {}
 
   get tremor(): number {
-    const { locator } = this.viewer.surface ?? {};
+    const { locator } = this.viewer.shown.surface ?? {};
     return locator ? kTremorPart * Math.hypot(locator.max.x - locator.min.x, locator.max.y - locator.min.y) : 0;
   }
 
   at(px: Vector2): Point2 | undefined {
-    const { surface, stage } = this.viewer;
+    const { stage } = this.viewer;
+    const { surface } = this.viewer.shown;
     return (
       surface?.pick(stage.rayAt(px))?.material ??
       surface?.pickBeside(px, stage.camera, stage.sizePx, (at) => stage.metresPerPx(at))
@@ -102,7 +103,8 @@ export class MaterialPlane implements DrawingPlane {
   }
 
   toPx(point: Point2): Vector2 | undefined {
-    const { surface, stage } = this.viewer;
+    const { stage } = this.viewer;
+    const { surface } = this.viewer.shown;
     const world = surface?.toWorld(point);
     return world && stage.project(world);
   }

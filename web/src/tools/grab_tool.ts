@@ -1,15 +1,15 @@
 import { Plane, Vector3 } from 'three';
 import { FatLines } from '../scene/fat_lines';
 import type { Rejection } from '../gen/kerf/v1/stream_pb';
-import type { RemoteWatch } from '../stream/remote_watch';
+import type { GestureStream } from '../sheet/open_sheet';
 import { springLook } from './spring_look';
 import type { Pointer, Tool, Viewer } from './tool';
 
 interface ActiveGrab {
   id: string;
   vertex: number;
-  watch: RemoteWatch;
-  /** Through the grabbed point, facing the camera: where the pointer moves the target. */
+  watch: NonNullable<GestureStream['watch']>;
+  /** Passes through the grabbed point and faces the camera; the pointer moves the target on it. */
   plane: Plane;
   target: Vector3;
   isTargetNew: boolean;
@@ -29,7 +29,7 @@ export class GrabTool implements Tool {
   private readonly retrying = new Set<string>();
   private readonly idPrefix = `web-${crypto.getRandomValues(new Uint32Array(1))[0].toString(36)}`;
 
-  constructor(private readonly viewer: Viewer) {
+  constructor(private readonly viewer: Pick<Viewer, 'stage' | 'shown' | 'live' | 'notices'>) {
     viewer.stage.scene.add(this.spring.object);
     this.spring.begin(0);
   }
@@ -40,16 +40,18 @@ export class GrabTool implements Tool {
     this.release();
   }
 
-  /** Of one vertex at a time: what is held otherwise is let go. */
+  /** Takes hold of a vertex, and lets go of any other. */
   press(pointer: Pointer): boolean {
     this.release();
-    const { surface, watch, stage } = this.viewer;
+    const { stage } = this.viewer;
+    const { surface } = this.viewer.shown;
+    const { watch } = this.viewer.live;
     const hit = surface?.pick(pointer.ray);
     if (!surface || !watch || !hit) return false;
     const target = surface.vertexPosition(hit.vertex);
     const id = `${this.idPrefix}-${++this.count}`;
     if (!watch.send({ case: 'grab', value: { grabId: id, point: { case: 'vertex', value: hit.vertex }, target } })) {
-      this.viewer.notify('error', 'Not connected: the sheet cannot be pulled');
+      this.viewer.notices.notify('error', 'Not connected: the sheet cannot be pulled');
       return false;
     }
     const plane = new Plane().setFromNormalAndCoplanarPoint(stage.camera.getWorldDirection(new Vector3()), target);
@@ -87,7 +89,8 @@ export class GrabTool implements Tool {
 
   update(): void {
     const { active } = this;
-    const { surface, watch } = this.viewer;
+    const { surface } = this.viewer.shown;
+    const { watch } = this.viewer.live;
     if (!active || !surface) return;
     // The grab ended with its stream, or its vertex with a reset.
     if (watch !== active.watch || watch.state !== 'live' || active.vertex >= surface.mirror.numVertices) {
@@ -111,14 +114,13 @@ export class GrabTool implements Tool {
     const { active } = this;
     const isFull = reason === 'QUEUE_FULL';
     if (active?.id !== grabId) {
-      // Let go here already: it must not go on pulling there.
+      // It is let go here already, and must not keep pulling there.
       if (isFull) this.retryRelease(grabId);
       else if (reason !== 'GRAB_NOT_FOUND') this.refused(message || reason);
       return;
     }
     if (isFull) {
-      // A target was lost; the next drawing sends it anew. If it was the grab itself, the server then knows no such
-      // grab.
+      // The next drawing sends the lost target again. If the grab itself was lost, the server then knows no such grab.
       active.isTargetNew = true;
       this.viewer.stage.invalidate();
       return;
@@ -128,17 +130,18 @@ export class GrabTool implements Tool {
   }
 
   private refused(why: string): void {
-    this.viewer.notify('error', `The server refused the pull: ${why}`);
+    this.viewer.notices.notify('error', `The server refused the pull: ${why}`);
   }
 
-  // On the stream that refused it; with another one the grab is gone.
+  // Uses the stream that refused the release; with another one the grab is gone.
   private retryRelease(grabId: string): void {
-    const { watch } = this.viewer;
+    const { live } = this.viewer;
+    const { watch } = live;
     if (this.retrying.has(grabId)) return;
     this.retrying.add(grabId);
     setTimeout(() => {
       this.retrying.delete(grabId);
-      if (watch === this.viewer.watch) watch?.send({ case: 'release', value: { grabId } });
+      if (watch === live.watch) watch?.send({ case: 'release', value: { grabId } });
     }, kReleaseRetryMs);
   }
 

@@ -5,17 +5,17 @@ import type { Pointer, Tool, Viewer } from './tool';
 export const kCrossStep = 16;
 export const kCrossFineStep = 2;
 
-/** A cross on the picture that keys move: what a mouse does with the tool, without one. */
+/** A cross on the picture that keys move: it does with the tool all that a mouse does. */
 export class KeyboardPointer {
   private px: Vector2 | undefined;
   private isHolding = false;
-  // Moved since it last did something: Enter then means this place, and not what is drawn already.
+  // It has moved since it last did something: Enter then means this place, and not the drawing.
   private isFresh = false;
   private readonly cross = document.createElement('div');
   private readonly place = document.createElement('output');
 
   constructor(
-    private readonly viewer: Pick<Viewer, 'overlay' | 'stage' | 'surface'>,
+    private readonly viewer: Pick<Viewer, 'overlay' | 'stage' | 'shown'>,
     private readonly tool: () => Tool,
   ) {
     this.cross.className = 'cross';
@@ -24,7 +24,7 @@ export class KeyboardPointer {
     viewer.overlay.append(this.cross);
   }
 
-  /** Shows the cross, in the middle at first, and moves it by CSS pixels; what is held goes along. */
+  /** Shows the cross, in the middle at first, and moves it by CSS pixels, with anything that it holds. */
   move(dx: number, dy: number): void {
     const { sizePx } = this.viewer.stage;
     const from = this.px ?? sizePx.clone().multiplyScalar(0.5);
@@ -52,7 +52,7 @@ export class KeyboardPointer {
     return true;
   }
 
-  /** Takes the cross away and lets go of what it holds; false if there is none. */
+  /** Takes the cross away and lets go with it; false if there is none. */
   hide(): boolean {
     if (!this.px) return false;
     if (this.isHolding) this.tool().release();
@@ -67,7 +67,7 @@ export class KeyboardPointer {
   }
 
   private show(px: Vector2): void {
-    const material = this.viewer.surface?.pick(this.viewer.stage.rayAt(px))?.material;
+    const material = this.viewer.shown.surface?.pick(this.viewer.stage.rayAt(px))?.material;
     const text = material ? `${material.x.toFixed(3)}, ${material.y.toFixed(3)} m` : 'beside the sheet';
     this.cross.hidden = false;
     this.cross.style.transform = `translate(${px.x.toFixed(1)}px, ${px.y.toFixed(1)}px)`;

@@ -13,7 +13,7 @@ interface PinWish {
   /** sheets/{sheet} */
   name: string;
   pinned: ReadonlySet<number>;
-  /** The vertex that it was changed by. */
+  /** The vertex that was added or removed last. */
   vertex: number;
 }
 
@@ -22,14 +22,14 @@ export class PinTool implements Tool {
   readonly id = 'pin';
   readonly cursor = 'cell';
 
-  // Not answered yet, or not told since.
+  // Not answered yet, or not in the settings since.
   private wish: PinWish | undefined;
   private readonly newest = new Newest<PinWish>(
     (name, wish) => this.send(name, wish),
     () => this.answered(),
   );
 
-  constructor(private readonly viewer: Viewer) {}
+  constructor(private readonly viewer: Pick<Viewer, 'stage' | 'shown' | 'live' | 'notices'>) {}
 
   enter(): void {}
   leave(): void {}
@@ -42,13 +42,14 @@ export class PinTool implements Tool {
   update(): void {}
 
   tap(pointer: Pointer): void {
-    const vertex = this.pinNear(pointer.px) ?? this.viewer.surface?.pick(pointer.ray)?.vertex;
+    const vertex = this.pinNear(pointer.px) ?? this.viewer.shown.surface?.pick(pointer.ray)?.vertex;
     if (vertex !== undefined) this.toggle(vertex);
   }
 
   // The balls on the pins reach beyond the sheet, and a pin is more often meant than its neighbour.
   private pinNear(px: Vector2): number | undefined {
-    const { surface, stage, sheet } = this.viewer;
+    const { stage } = this.viewer;
+    const { surface, sheet } = this.viewer.shown;
     let nearest = kPinReachPx;
     let found: number | undefined;
     for (const vertex of sheet?.pinnedVertices ?? []) {
@@ -61,7 +62,8 @@ export class PinTool implements Tool {
 
   // All pins are set at once, so those that were asked for before count, whatever has been answered.
   private toggle(vertex: number): void {
-    const { sheetName: name, sheet } = this.viewer;
+    const { sheetName: name } = this.viewer.live;
+    const { sheet } = this.viewer.shown;
     const before = this.wish?.name === name ? this.wish.pinned : sheet?.pinnedVertices;
     if (!before) return;
     const pinned = new Set(before);
@@ -74,17 +76,17 @@ export class PinTool implements Tool {
     const vertices = [...pinned].sort((a, b) => a - b);
     const pins =
       vertices.length === 0 ? [] : [create(RegionSchema, { region: { case: 'vertices', value: { vertices } } })];
-    const done = await this.viewer.attempt(() =>
+    const done = await this.viewer.notices.attempt(() =>
       call(InteractionService.method.setSheetPins, { name, setPins: { pins } }),
     );
     if (!done) return;
     const what = pinned.has(vertex) ? 'pinned' : 'released';
-    this.viewer.notify('info', `Vertex ${vertex} ${what} (${vertices.length} pinned)`);
+    this.viewer.notices.notify('info', `Vertex ${vertex} ${what} (${vertices.length} pinned)`);
   }
 
   private async answered(): Promise<void> {
     const { wish } = this;
-    await this.viewer.refreshSheet();
+    await this.viewer.live.refresh();
     if (wish === this.wish) this.wish = undefined;
   }
 }

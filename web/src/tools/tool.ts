@@ -1,8 +1,7 @@
 import type { Ray, Vector2 } from 'three';
-import type { Sheet } from '../gen/kerf/v1/sheets_pb';
-import type { Surface } from '../geometry/surface';
+import type { Reporter } from '../notifier';
 import type { Stage } from '../scene/stage';
-import type { RemoteWatch } from '../stream/remote_watch';
+import type { GestureStream, OpenSheet, ShownState } from '../sheet/open_sheet';
 
 export type ToolId = 'view' | 'cut' | 'grab' | 'pin';
 
@@ -12,7 +11,7 @@ export interface Pointer {
   ray: Ray;
 }
 
-/** What a press or a drag means while the tool is chosen; its keys are in ui/shortcuts.ts. What a tool does not take moves the view. */
+/** Gives gestures a meaning while it is chosen; one that it does not take moves the view. Its keys are in ui/shortcuts.ts. */
 export interface Tool {
   readonly id: ToolId;
   /** CSS cursor over the canvas. */
@@ -23,33 +22,20 @@ export interface Tool {
   press(pointer: Pointer): boolean;
   drag(pointer: Pointer): void;
   release(): void;
-  /** A second finger came: the gesture that press() took is the view's, and what it began is undone. */
+  /** A second finger came: the gesture that press() took is the view's now, and its beginning is undone. */
   abandon(): void;
   /** The pointer went down and up in one place, and press() did not take it. */
   tap(pointer: Pointer): void;
-  /** Before each drawing: the sheet may have moved. */
+  /** Follows the sheet, which may have moved, before each drawing. */
   update(): void;
 }
 
-export type NoticeKind = 'info' | 'success' | 'warning' | 'error';
-
-/** What tools may use of the viewer. */
+/** The parts of the viewer that tools use. */
 export interface Viewer {
   readonly stage: Stage;
-  /** Covers the canvas exactly; takes handles. */
+  /** Covers the canvas exactly, and takes handles. */
   readonly overlay: HTMLElement;
-  /** sheets/{sheet} */
-  readonly sheetName: string;
-  readonly surface: Surface | undefined;
-  readonly watch: RemoteWatch | undefined;
-  /** As last told by the server. */
-  readonly sheet: Sheet | undefined;
-  /** @param details  shown on request */
-  notify(kind: NoticeKind, text: string, details?: readonly string[]): void;
-  /**
-   * Runs a call; its failure becomes a notice. Undefined if it failed.
-   * @param what  begins the notice: "Nothing was cut: "
-   */
-  attempt<T>(call: () => Promise<T>, what?: string): Promise<T | undefined>;
-  refreshSheet(): Promise<void>;
+  readonly shown: ShownState;
+  readonly live: OpenSheet & GestureStream;
+  readonly notices: Reporter;
 }

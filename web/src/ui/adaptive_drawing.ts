@@ -1,17 +1,26 @@
-import type { App } from '../app';
 import { DrawingQuality } from '../scene/drawing_quality';
+import type { Stage } from '../scene/stage';
 
-// Names that browsers have for drawing without a graphics card.
+/** The parts of the viewer that are drawn more or less finely. */
+export interface AdaptedParts {
+  readonly stage: Pick<Stage, 'graphics' | 'setQuality'>;
+  readonly live: { readonly isWatched: boolean };
+  /** Pictures of the server. */
+  readonly imageMode: { readonly isOn: boolean; toggle(): Promise<void> };
+  readonly notices: { offer(text: string, label: string, accept: () => void): () => void };
+}
+
+// Matches the names that browsers have for drawing without a graphics card.
 const kSoftware = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
-/** @param graphics  name of what draws, as the browser has it */
+/** @param graphics  see Stage.graphics */
 export function slowDrawingText(graphics: string): string {
   return `Drawing is slow ${kSoftware.test(graphics) ? 'without a graphics card' : 'in this browser'}.`;
 }
 
 /**
- * Draws as finely as this machine can often enough. If even the coarsest pictures come too seldom, it says why, once, and
- * offers those of the server.
+ * Draws as finely as this machine can at a good rate. If even the coarsest pictures come too seldom, it says why, once,
+ * and offers those of the server.
  */
 export class AdaptiveDrawing {
   private readonly quality = new DrawingQuality();
@@ -21,35 +30,37 @@ export class AdaptiveDrawing {
   private hasOffered = false;
   private closeOffer: (() => void) | undefined;
 
-  constructor(private readonly app: App) {
-    // Nothing is drawn while nobody looks: no picture takes that long.
+  constructor(private readonly parts: AdaptedParts) {
+    // Nothing is drawn in a hidden page: that time is no picture's.
     document.addEventListener('visibilitychange', () => (this.drawnMs = undefined));
   }
 
   /**
    * Begins the drawing loop's turn at `nowMs`.
-   * @param isChanged  what is seen has changed since the last turn
+   * @param isChanged  the view has changed since the last turn
+   * @param isMoving   the sheet moves by itself
    * @returns whether there is anything to draw
    */
-  begin(nowMs: number, isChanged: boolean): boolean {
-    const { app, quality } = this;
+  begin(nowMs: number, isChanged: boolean, isMoving: boolean): boolean {
+    const { quality } = this;
+    const { imageMode, stage } = this.parts;
     if (this.isFixed) return isChanged;
     if (this.drawnMs !== undefined) quality.took(nowMs - this.drawnMs);
     // Little is drawn here over pictures of the server.
-    const isOwn = !app.imageMode.isOn;
+    const isOwn = !imageMode.isOn;
     this.drawnMs = isChanged && isOwn ? nowMs : undefined;
     if (isChanged) quality.moved(nowMs);
-    const isRefined = app.stage.setQuality(quality.at(nowMs, isOwn && app.isMoving));
+    const isRefined = stage.setQuality(quality.at(nowMs, isOwn && isMoving));
     if (!isOwn) this.closeOffer?.();
     else if (quality.isTooSlow) this.offer();
     return isChanged || isRefined;
   }
 
   private offer(): void {
-    const { app } = this;
-    if (this.hasOffered || !app.watch) return;
+    const { imageMode, live, notices, stage } = this.parts;
+    if (this.hasOffered || !live.isWatched) return;
     this.hasOffered = true;
-    const text = slowDrawingText(app.stage.graphics);
-    this.closeOffer = app.notices.offer(text, 'Let the server draw', () => void app.imageMode.toggle());
+    const text = slowDrawingText(stage.graphics);
+    this.closeOffer = notices.offer(text, 'Let the server draw', () => void imageMode.toggle());
   }
 }

@@ -4,6 +4,21 @@ import { element, setText } from './dom';
 /** `replay`: a recording is shown. */
 export type ShownState = ConnectionState | 'replay';
 
+interface StateOfConnection {
+  readonly state: ConnectionState;
+  /** Says why, for people; empty when all is well. */
+  readonly detail: string;
+}
+
+/** The connections that the chip speaks of. */
+export interface ConnectedParts {
+  /** The mesh's connection is undefined without a live sheet. */
+  readonly live: { readonly watch: StateOfConnection | undefined };
+  /** The trouble of the connection that pictures come by is undefined while all is well. */
+  readonly imageMode: { readonly trouble: StateOfConnection | undefined };
+  readonly replayBar: { readonly isOpen: boolean };
+}
+
 const kStateText: Record<ShownState, string> = {
   connecting: 'Connecting',
   live: 'Live',
@@ -12,12 +27,30 @@ const kStateText: Record<ShownState, string> = {
   replay: 'Playing a recording',
 };
 
-/** @param detail  see ConnectionEvents.onState() */
-export function showState(state: ShownState, detail: string): void {
-  const chip = element('connection');
-  chip.dataset.state = state;
-  setText(chip.querySelector('b')!, kStateText[state]);
-  const line = element('connection-detail');
-  line.hidden = detail === '';
-  setText(line, detail);
+/** Shows the state of the connections in the header. */
+export class ConnectionChip {
+  constructor(private readonly parts: ConnectedParts) {}
+
+  /** Shows the connection of the live sheet's mesh or, where that is well, the trouble with its pictures. */
+  update(): void {
+    const { live, imageMode } = this.parts;
+    if (!live.watch) return;
+    const { state, detail } = (live.watch.state === 'live' && imageMode.trouble) || live.watch;
+    this.show(state, detail);
+  }
+
+  /**
+   * Shows a state; while a recording is shown, only that one.
+   * @param detail  see ConnectionEvents.onState()
+   */
+  show(state: ShownState, detail: string): void {
+    // A recording needs no server.
+    if (this.parts.replayBar.isOpen && state !== 'replay') return;
+    const chip = element('connection');
+    chip.dataset.state = state;
+    setText(chip.querySelector('b')!, kStateText[state]);
+    const line = element('connection-detail');
+    line.hidden = detail === '';
+    setText(line, detail);
+  }
 }

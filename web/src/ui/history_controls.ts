@@ -2,18 +2,19 @@ import type { DescMethodUnary, MessageShape } from '@bufbuild/protobuf';
 import { call } from '../api';
 import { CutService } from '../gen/kerf/v1/cuts_pb';
 import type { UndoCutRequestSchema, UndoResultSchema } from '../gen/kerf/v1/cuts_pb';
-import type { Viewer } from '../tools/tool';
+import type { Reporter } from '../notifier';
+import type { OpenSheet } from '../sheet/open_sheet';
 
 export type HistoryStep = 'undo' | 'redo';
 
-// Nothing of a reset: SheetNews says that to everybody.
-function told(step: HistoryStep, { cuts, pieces, reset }: MessageShape<typeof UndoResultSchema>): string | undefined {
+// Says nothing about a reset, which SheetNews reports to every viewer.
+function stepText(step: HistoryStep, { cuts, pieces, reset }: MessageShape<typeof UndoResultSchema>): string | undefined {
   if (reset) return undefined;
   const what = cuts.length === 1 ? 'Cut' : `${cuts.length} cuts`;
   return `${what} ${step === 'undo' ? 'undone' : 'made again'}: ${pieces} ${pieces === 1 ? 'piece' : 'pieces'}`;
 }
 
-// More presses than that while one step is under way are nobody's intent.
+// More presses than this while one step is under way are unintended.
 const kMostWaiting = 8;
 
 interface AskedStep {
@@ -22,15 +23,16 @@ interface AskedStep {
 }
 
 /**
- * Undo and redo of the sheet's cuts: one under way, and those asked for meanwhile in their order, so that each press is a
- * step. Of a held key one waits at most: it does not fill the server's queue, and ends when it is let go.
+ * Undo and redo of the sheet's cuts. Each press is a step: one is under way, and the others wait in their order. A held
+ * key has at most one step waiting, so that it does not fill the server's queue and ends when it is let go.
  */
 export class HistoryControls {
   private isSending = false;
   private readonly waiting: AskedStep[] = [];
 
   constructor(
-    private readonly viewer: Pick<Viewer, 'sheetName' | 'attempt' | 'notify'>,
+    private readonly live: Pick<OpenSheet, 'sheetName'>,
+    private readonly reporter: Reporter,
     private readonly send: typeof call = call,
   ) {}
 
@@ -38,7 +40,7 @@ export class HistoryControls {
   async run(step: HistoryStep, isHeld = false): Promise<void> {
     const { waiting } = this;
     if (waiting.length >= (isHeld ? 1 : kMostWaiting)) return;
-    waiting.push({ step, sheetName: this.viewer.sheetName });
+    waiting.push({ step, sheetName: this.live.sheetName });
     if (this.isSending) return;
     this.isSending = true;
     for (let next = waiting.shift(); next; next = waiting.shift()) {
@@ -56,9 +58,9 @@ export class HistoryControls {
       typeof UndoResultSchema
     >;
     const refused = step === 'undo' ? 'Nothing was undone: ' : 'Nothing was made again: ';
-    const result = await this.viewer.attempt(() => this.send(method, { parent }), refused);
-    const text = result && told(step, result);
-    if (text) this.viewer.notify('success', text);
+    const result = await this.reporter.attempt(() => this.send(method, { parent }), refused);
+    const text = result && stepText(step, result);
+    if (text) this.reporter.notify('success', text);
     return result !== undefined;
   }
 }

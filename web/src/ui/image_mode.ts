@@ -1,33 +1,57 @@
-import type { App } from '../app';
 import type { Camera } from '../gen/kerf/v1/geometry_pb';
 import { ColorBy, ImageCodec } from '../gen/kerf/v1/render_pb';
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
+import type { Notifier } from '../notifier';
 import { pictureSize, pictureView } from '../scene/picture_view';
+import type { Stage } from '../scene/stage';
+import type { OpenSheet } from '../sheet/open_sheet';
 import type { ConnectionState } from '../stream/connection';
 import { FrameClock, unixTimeMs } from '../stream/frame_clock';
 import type { ImageView, Refusal, ShownPicture } from '../stream/image_watch';
 import { decodesVideo } from '../stream/picture_decoder';
 import { RemoteImages } from '../stream/remote_images';
 import type { SheetFigures } from '../stream/sheet_copy';
+import { streamUrl } from '../stream/stream_url';
 import type { Pace } from '../stream/watch';
 import { startWorker } from '../stream/workers';
 import { element } from './dom';
+import type { SheetLook } from './sheet_look';
+import type { StatisticsPanel } from './statistics_panel';
+import type { StrainScale } from './strain_scale';
 
-// How often the mesh comes beside pictures: for tools that pick vertices, and else for figures and the next tool.
+// Rate of the mesh beside pictures while its places are needed, and while only its figures are.
 const kPickingRateHz = 10;
 const kIdleRateHz = 1;
 
+/** The parts of the viewer that pictures are asked for, and seen in. */
+export interface PictureParts {
+  readonly live: Pick<OpenSheet, 'sheetName'> & { readonly isWatched: boolean };
+  readonly stage: Pick<Stage, 'backdrop' | 'camera' | 'controls' | 'sizePx'>;
+  readonly look: Pick<SheetLook, 'isByPiece' | 'isByStrain' | 'isWireframe'> & {
+    readonly strainScale: Pick<StrainScale, 'show'>;
+  };
+  readonly theme: { readonly isDark: boolean };
+  readonly statistics: Pick<StatisticsPanel, 'arrived' | 'reset'>;
+  readonly notices: Notifier;
+  /** A tool or a panel needs places on the mesh. */
+  isPicking(): boolean;
+  /** Shows the state of the connections, which has changed. */
+  showConnections(): void;
+  /** Draws the mesh here, or leaves it to the picture. */
+  setMeshDrawn(isDrawn: boolean): void;
+}
+
 /**
- * The sheet in pictures that the server draws, in place of the mesh that is drawn here. The mesh goes on coming, seldom, so
- * that tools have what they pick from; what tools and pins draw lies over the picture.
+ * The sheet in pictures that the server draws, in place of the mesh that is drawn here. The mesh still comes, seldom, so
+ * that tools can pick from it; tools and pins draw over the picture.
  */
 export class ImageMode {
-  /** Of the picture that is shown; -1 before the first. */
+  /** Tick of the picture that is shown; -1 before the first. */
   tick = -1;
   /** Pictures that were shown since the mode was chosen. */
   numShown = 0;
   codec = ImageCodec.IMAGE_CODEC_UNSPECIFIED;
-  /** That the picture that is shown was drawn with. */
+  /** The camera of the picture that is shown. */
   camera: Camera | undefined;
 
   private readonly canvas = element<HTMLCanvasElement>('picture');
@@ -41,7 +65,7 @@ export class ImageMode {
   private canVideo: boolean | undefined;
   private isChosen = false;
 
-  constructor(private readonly app: App) {}
+  constructor(private readonly parts: PictureParts) {}
 
   get isOn(): boolean {
     return this.isChosen;
@@ -56,20 +80,20 @@ export class ImageMode {
     return this.images?.state;
   }
 
-  /** What the connection that pictures come by has to say; undefined while all is well. */
+  /** State of the connection that pictures come by, with the reason; undefined while all is well. */
   get trouble(): { state: ConnectionState; detail: string } | undefined {
     const { images } = this;
     if (!images || images.detail === '') return undefined;
     return { state: images.state, detail: `No pictures: ${images.detail}` };
   }
 
-  /** Of the shown picture's tick; undefined where the sheet does not move or no picture is live. */
+  /** Age of the shown picture's tick, milliseconds; undefined where the sheet does not move or no picture is live. */
   get ageMs(): number | undefined {
     const isMoving = this.stats !== undefined && !this.stats.paused && !this.stats.sleeping;
     return isMoving && this.state === 'live' ? this.clock.ageMs(unixTimeMs()) : undefined;
   }
 
-  /** For people. */
+  /** Codec and size, for people. */
   get format(): string {
     const { width, height } = this.canvas;
     return `${this.codec === ImageCodec.IMAGE_VP8 ? 'VP8' : 'JPEG'}, ${width} × ${height}`;
@@ -79,13 +103,12 @@ export class ImageMode {
     return { width: this.canvas.width, height: this.canvas.height };
   }
 
-  /** Of the mesh, while pictures are seen. */
+  /** Rate of the mesh's frames while pictures are seen. */
   get meshRateHz(): number {
-    const { tool, panels } = this.app;
-    return tool.id !== 'view' || panels.open === 'pieces' ? kPickingRateHz : kIdleRateHz;
+    return this.parts.isPicking() ? kPickingRateHz : kIdleRateHz;
   }
 
-  /** Of the sheet as the picture shows it, as far as that is told; the rest is the mesh's. */
+  /** Figures of the sheet as the picture shows it; the number of vertices is the mesh's. */
   figures({ numVertices }: SheetFigures): SheetFigures {
     const { tick, stats } = this;
     return { tick, numVertices, numPieces: stats?.pieces ?? 0, stats };
@@ -96,14 +119,14 @@ export class ImageMode {
       this.leave();
       return;
     }
-    if (!this.app.watch) {
-      this.app.notify('info', 'The server draws pictures of live sheets only');
+    if (!this.parts.live.isWatched) {
+      this.parts.notices.notify('info', 'The server draws pictures of live sheets only');
       return;
     }
     this.setChosen(true);
     this.canVideo ??= await decodesVideo();
     // It may have been left meanwhile, or have followed another sheet.
-    if (this.app.watch && !this.images) this.follow();
+    if (this.parts.live.isWatched && !this.images) this.follow();
   }
 
   leave(): void {
@@ -113,7 +136,7 @@ export class ImageMode {
     this.setShown(false);
   }
 
-  /** Watches the app's sheet, from now on. */
+  /** Watches the live sheet from now on. */
   follow(): void {
     if (!this.isChosen || this.canVideo === undefined) return;
     this.close();
@@ -122,12 +145,12 @@ export class ImageMode {
     const view = this.view();
     this.sentView = JSON.stringify(view);
     const events = {
-      onState: () => this.app.tellConnection(),
-      onPicture: (shown: ShownPicture) => this.app.statistics.arrived(shown.delivery, shown.stats),
+      onState: () => this.parts.showConnections(),
+      onPicture: (shown: ShownPicture) => this.parts.statistics.arrived(shown.delivery, shown.stats),
       onRefused: (refusal: Refusal, message: string) => this.refused(refusal, message),
     };
     const options = { codec: this.codec, view, pace: this.pace };
-    this.images = new RemoteImages(this.worker, this.app.streamUrl('images'), this.app.sheetName, events, options);
+    this.images = new RemoteImages(this.worker, streamUrl('images'), this.parts.live.sheetName, events, options);
   }
 
   /** Watches no sheet; the last picture stays. */
@@ -144,8 +167,8 @@ export class ImageMode {
     if (this.isShown) this.setShown(false);
   }
 
-  /** The page is seen, or not any more. */
-  seen(): void {
+  /** The page is shown, or hidden. */
+  pageSeen(): void {
     this.images?.setPace(this.pace);
     if (!document.hidden) this.images?.retryNow();
   }
@@ -178,7 +201,7 @@ export class ImageMode {
     this.camera = camera;
     this.numShown += 1;
     if (!this.isShown) this.setShown(true);
-    if (strainEnd > 0) this.app.look.strainScale.show(strainEnd);
+    if (strainEnd > 0) this.parts.look.strainScale.show(strainEnd);
   }
 
   private setChosen(isChosen: boolean): void {
@@ -186,17 +209,17 @@ export class ImageMode {
     this.numShown = 0;
     this.tick = -1;
     this.button.setAttribute('aria-pressed', String(isChosen));
-    this.app.statistics.reset();
-    this.app.tellConnection();
+    this.parts.statistics.reset();
+    this.parts.showConnections();
   }
 
   private setShown(isShown: boolean): void {
     this.canvas.hidden = !isShown;
-    this.app.stage.backdrop = isShown ? this.canvas : undefined;
-    this.app.setMeshDrawn(!isShown);
+    this.parts.stage.backdrop = isShown ? this.canvas : undefined;
+    this.parts.setMeshDrawn(!isShown);
   }
 
-  // What the server or this browser lacks for one codec it may have for the other; without a renderer there is none.
+  // Tries the other codec, which server and browser may have both; without a renderer there are no pictures.
   private refused(refusal: Refusal, message: string): void {
     if (refusal !== 'RENDERER_UNAVAILABLE' && this.codec === ImageCodec.IMAGE_VP8) {
       this.canVideo = false;
@@ -214,7 +237,7 @@ export class ImageMode {
 
   private giveUp(why: string): void {
     this.leave();
-    this.app.notify('error', `No pictures, so the mesh is shown: ${why}`);
+    this.parts.notices.notify('error', `No pictures, so the mesh is shown: ${why}`);
   }
 
   private get pace(): Pace {
@@ -222,7 +245,7 @@ export class ImageMode {
   }
 
   private view(): ImageView {
-    const { stage, look, theme } = this.app;
+    const { stage, look, theme } = this.parts;
     const colorBy = look.isByPiece ? ColorBy.PIECES : look.isByStrain ? ColorBy.STRAINS : ColorBy.SIDES;
     const size = pictureSize(stage.sizePx, Math.min(devicePixelRatio, 2));
     const wanted = { wireframe: look.isWireframe, colorBy, dark: theme.isDark };

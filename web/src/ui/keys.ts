@@ -1,10 +1,18 @@
-import type { App } from '../app';
+import type { ToolId } from '../tools/tool';
 import { element } from './dom';
 import { Help } from './help';
 import { chordOf, shortcutGroups, shortcutsFor } from './shortcuts';
-import type { Shortcut } from './shortcuts';
+import type { KeyedParts, Shortcut } from './shortcuts';
 
-// A tip names the key, and so does what screen readers are told.
+/** The parts of the viewer that decide what keys mean, with those that keys act on. */
+export type KeyBindingParts = KeyedParts & {
+  readonly stage: { focus(): void };
+  readonly tools: { readonly tool: { readonly id: ToolId } };
+  /** True if the chord is one of a recording that is shown. */
+  readonly replayBar: { key(chord: string): boolean };
+};
+
+// Names the key in the button's tip, and to screen readers.
 function annotate({ button, chords, isClicked, run }: Shortcut): void {
   const target = button && document.querySelector<HTMLElement>(button);
   if (!target) return;
@@ -14,8 +22,7 @@ function annotate({ button, chords, isClicked, run }: Shortcut): void {
   if (isClicked) target.addEventListener('click', () => run());
 }
 
-// Typing in a list searches it and in a field fills it; a button and a box are pressed by Space and Enter, and sliders
-// and choices are moved by arrows.
+// Leaves typing to lists and fields, Space and Enter to buttons and boxes, arrows to sliders and choices.
 function isForControl({ target, key }: KeyboardEvent): boolean {
   const control = target as HTMLElement;
   if (control.closest('select, textarea, input:not([type=checkbox], [type=radio], [type=range])')) return true;
@@ -23,10 +30,10 @@ function isForControl({ target, key }: KeyboardEvent): boolean {
   return control.closest('[role=radio], input') !== null && key.startsWith('Arrow');
 }
 
-/** Keys and the buttons that do the same. */
-export function bindKeys(app: App): void {
+/** Binds keys, and the buttons that do the same. */
+export function bindKeys(parts: KeyBindingParts): void {
   const help = new Help(element<HTMLDialogElement>('help'));
-  const groups = shortcutGroups(app, () => help.open());
+  const groups = shortcutGroups(parts, () => help.open());
   help.fill(groups);
   for (const { shortcuts } of groups) shortcuts.forEach(annotate);
 
@@ -34,17 +41,17 @@ export function bindKeys(app: App): void {
   // with the Tab key (a click of detail 0) keep it, and a menu that was opened has it.
   addEventListener('click', (event) => {
     const button = (event.target as HTMLElement).closest('.card button');
-    if (event.detail > 0 && button && !button.matches('[aria-haspopup][aria-expanded=true]')) app.focusStage();
+    if (event.detail > 0 && button && !button.matches('[aria-haspopup][aria-expanded=true]')) parts.stage.focus();
   });
 
   addEventListener('keydown', (event) => {
     if (event.defaultPrevented || document.querySelector('dialog[open]') || isForControl(event)) return;
-    // Of a recording that is played, in place of the live sheet.
-    if (app.replayBar.key(chordOf(event))) {
+    // While a recording is shown, keys act on it in place of the live sheet.
+    if (parts.replayBar.key(chordOf(event))) {
       event.preventDefault();
       return;
     }
-    for (const shortcut of shortcutsFor(groups, app.tool.id, chordOf(event))) {
+    for (const shortcut of shortcutsFor(groups, parts.tools.tool.id, chordOf(event))) {
       // A held key does most things once.
       if (event.repeat && !shortcut.isRepeated) event.preventDefault();
       else if (shortcut.run(event.repeat) !== false) event.preventDefault();

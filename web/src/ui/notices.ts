@@ -1,15 +1,15 @@
-import type { NoticeKind } from '../tools/tool';
+import type { NoticeKind, Reporter } from '../notifier';
 import { icon, make } from './dom';
+import { errorText } from './error_text';
 
 const kMaxShown = 4;
 const kShownMs: Record<NoticeKind, number> = { info: 4000, success: 6000, warning: 12000, error: 9000 };
 
-/** Short messages that go away by themselves, or when clicked, and offers that stay. One whose details are open stays, too. */
-export class Notices {
+/** Short messages that go away by themselves or when clicked, unless their details are open; and offers, which stay. */
+export class Notices implements Reporter {
   constructor(private readonly container: HTMLElement) {}
 
-  /** @param details  lines that open on request; without any there is nothing to open */
-  add(kind: NoticeKind, text: string, details: readonly string[] = []): void {
+  notify(kind: NoticeKind, text: string, details: readonly string[] = []): void {
     // Says once, and for longer, a text that is shown already.
     this.container.querySelector(`.notice[data-text="${CSS.escape(text)}"]`)?.remove();
     const notice = make('div', { className: 'card notice' }, text);
@@ -31,9 +31,18 @@ export class Notices {
     });
   }
 
+  async attempt<T>(run: () => Promise<T>, what = ''): Promise<T | undefined> {
+    try {
+      return await run();
+    } catch (error) {
+      this.notify('error', `${what}${errorText(error as Error)}`);
+      return undefined;
+    }
+  }
+
   /**
    * Shows a line with a button until it is closed, or the button is pressed.
-   * @returns what closes it
+   * @returns a function that closes it
    */
   offer(text: string, label: string, accept: () => void): () => void {
     const accepting = make('button', { type: 'button', className: 'primary' }, label);

@@ -2,6 +2,7 @@ import { call } from '../api';
 import { CutService } from '../gen/kerf/v1/cuts_pb';
 import type { Piece } from '../gen/kerf/v1/cuts_pb';
 import { pieceColor } from '../scene/piece_colors';
+import type { OpenSheet } from '../sheet/open_sheet';
 import { areaText, massText } from '../tools/cut_text';
 import { element, make, setText } from './dom';
 import { errorText } from './error_text';
@@ -9,14 +10,14 @@ import { KeptRows } from './kept_rows';
 import type { KeptRow } from './kept_rows';
 import type { Panel } from './side_panels';
 
-// Of more pieces the largest.
+// Lists this many pieces, the largest.
 const kMaxShown = 200;
 const kPageSize = 1000;
 const kRetryMs = 1000;
 
-export interface PieceViewer {
-  readonly sheetName: string;
-  /** Of what is shown; undefined before the first frame. */
+/** The sheet that is shown, for a list of its pieces. */
+export interface ShownPieces {
+  /** Undefined before the first frame. */
   readonly topologyVersion: number | undefined;
   /** Lights one piece up, by its label in the frames; undefined: none. */
   highlight(label: number | undefined): void;
@@ -31,18 +32,19 @@ interface Row extends KeptRow {
   label: number;
 }
 
-/** All pieces of the sheet with their sizes, while the panel is open; asked for anew after each change of topology. */
+/** All pieces of the sheet with their sizes, while the panel is open. Asks the server after each change of topology. */
 export class PiecePanel implements Panel {
   private readonly rows = new KeptRows(element('piece-list'), (id: bigint) => this.create(id));
   private readonly error = element('piece-error');
-  // Of the piece that is lit up.
+  // The piece that is lit up.
   private litId: bigint | undefined;
   private isOpen = false;
   private isAsking = false;
-  private shown: { sheet: string; version: number } | undefined;
+  private listed: { sheet: string; version: number } | undefined;
 
   constructor(
-    private readonly viewer: PieceViewer,
+    private readonly live: Pick<OpenSheet, 'sheetName'>,
+    private readonly shown: ShownPieces,
     private readonly send: typeof call = call,
   ) {}
 
@@ -58,34 +60,35 @@ export class PiecePanel implements Panel {
 
   /** Cheap where nothing changed: called with each frame. */
   update(): void {
-    const { sheetName: sheet, topologyVersion: version } = this.viewer;
+    const { sheetName: sheet } = this.live;
+    const { topologyVersion: version } = this.shown;
     if (!this.isOpen || this.isAsking || version === undefined) return;
-    if (this.shown?.sheet === sheet && this.shown.version === version) return;
+    if (this.listed?.sheet === sheet && this.listed.version === version) return;
     this.isAsking = true;
     this.fetch(sheet).then(
-      (told) => {
-        this.shown = told === undefined ? undefined : { sheet, version: told };
+      (listed) => {
+        this.listed = listed === undefined ? undefined : { sheet, version: listed };
         this.isAsking = false;
         this.error.hidden = true;
         // A sheet that stands still has no frame that would ask again.
-        if (told === undefined) this.update();
+        if (listed === undefined) this.update();
       },
       (error: Error) => this.failed(error),
     );
   }
 
   private failed(error: Error): void {
-    this.shown = undefined;
+    this.listed = undefined;
     setText(this.error, `The list is not up to date: ${errorText(error)}`);
     this.error.hidden = false;
-    // Not with each frame; and a sheet that stands still has none.
+    // Waits, so as not to ask with each frame; a sheet that stands still has no frame that would ask again.
     setTimeout(() => {
       this.isAsking = false;
       this.update();
     }, kRetryMs);
   }
 
-  // Topology version that is shown now; undefined where a cut came between two pages.
+  // Gives the topology version that is listed now; undefined where a cut came between two pages.
   private async fetch(parent: string): Promise<number | undefined> {
     const pieces: Piece[] = [];
     let version: number | undefined;
@@ -118,7 +121,7 @@ export class PiecePanel implements Panel {
   private light(id: bigint | undefined): void {
     const row = id === undefined ? undefined : this.rows.get(id);
     this.litId = row && id;
-    this.viewer.highlight(row?.label);
+    this.shown.highlight(row?.label);
   }
 
   private create(id: bigint): Row {
@@ -130,7 +133,7 @@ export class PiecePanel implements Panel {
     const row: Row = { item: make('li', {}, button), size, origin, label: -1 };
     for (const event of ['pointerenter', 'focus']) button.addEventListener(event, () => this.light(id));
     for (const event of ['pointerleave', 'blur']) button.addEventListener(event, () => this.light(undefined));
-    button.addEventListener('click', () => this.viewer.centre(row.label));
+    button.addEventListener('click', () => this.shown.centre(row.label));
     return row;
   }
 }

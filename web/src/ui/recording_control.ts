@@ -1,12 +1,21 @@
+import type { Notifier } from '../notifier';
+import type { OpenSheet, ShownState } from '../sheet/open_sheet';
 import { encodeHeader } from '../stream/recording_format';
+import type { RemoteWatch } from '../stream/remote_watch';
 import type { RecordingProgress } from '../stream/stream_recorder';
-import type { App } from '../app';
 import { element, setText } from './dom';
 import { fileName, saveFile } from './download';
 import { bytesText } from './statistics_text';
 
-/** Of a recorded file, bytes. At 10,000 vertices and 60 frames a second some one and a half minutes. */
+/** The largest file, bytes: about one and a half minutes of 10,000 vertices at 60 frames a second. */
 const kLimitBytes = 128 * 1024 * 1024;
+
+/** The live sheet, whose stream is recorded. */
+export interface RecordedSheet extends Pick<OpenSheet, 'sheetName'> {
+  readonly watch: Pick<RemoteWatch, 'state' | 'record' | 'stopRecording'> | undefined;
+  /** Starts another stream of the same sheet, with all triangles. */
+  restart(goesOn: false): void;
+}
 
 /** Records the frames of the sheet that is shown, and saves them as a file when it is stopped or full. */
 export class RecordingControl {
@@ -14,7 +23,11 @@ export class RecordingControl {
   private sheetName = '';
   private isStopping = false;
 
-  constructor(private readonly app: App) {
+  constructor(
+    private readonly live: RecordedSheet,
+    private readonly shown: ShownState,
+    private readonly notices: Notifier,
+  ) {
     this.chip.addEventListener('click', () => this.stop());
   }
 
@@ -23,33 +36,34 @@ export class RecordingControl {
   }
 
   start(): void {
-    const { app } = this;
     if (this.isOn) return;
-    if (!app.watch || app.watch.state === 'ended' || !app.sheet || !app.surface) {
-      app.notify('error', 'Nothing is shown that could be recorded');
+    const { watch, sheetName } = this.live;
+    const { sheet, surface } = this.shown;
+    if (!watch || watch.state === 'ended' || !sheet || !surface) {
+      this.notices.notify('error', 'Nothing is shown that could be recorded');
       return;
     }
-    this.sheetName = app.sheetName;
+    this.sheetName = sheetName;
     this.isStopping = false;
-    app.watch.record(encodeHeader(app.sheet), kLimitBytes);
+    watch.record(encodeHeader(sheet), kLimitBytes);
     // A recording begins with everything.
-    app.restartWatch(false);
+    this.live.restart(false);
     this.chip.hidden = false;
     this.show({ numFrames: 0, numBytes: 0, durationMs: 0, isFull: false });
   }
 
-  /** The file comes by and by. */
+  /** Ends the recording; its file comes later. */
   stop(): void {
     if (!this.isOn || this.isStopping) return;
     this.isStopping = true;
-    this.app.watch?.stopRecording();
+    this.live.watch?.stopRecording();
   }
 
-  /** What was recorded is gone. */
+  /** The recorded frames are gone. */
   lose(): void {
     if (!this.isOn) return;
     this.chip.hidden = true;
-    this.app.notify('error', 'The recording is lost');
+    this.notices.notify('error', 'The recording is lost');
   }
 
   /** @param parts  the file, once it is finished */
@@ -69,13 +83,13 @@ export class RecordingControl {
 
   private save({ numFrames, durationMs, isFull }: RecordingProgress, parts: ArrayBuffer[]): void {
     if (numFrames === 0) {
-      this.app.notify('warning', 'Nothing was recorded: no frame came');
+      this.notices.notify('warning', 'Nothing was recorded: no frame came');
       return;
     }
-    const tick = this.app.surface?.mirror.tick ?? 0;
+    const tick = this.shown.surface?.mirror.tick ?? 0;
     const saved = saveFile(parts, fileName(this.sheetName, tick, 'kerfstream'), 'application/octet-stream');
     const seconds = (durationMs / 1000).toFixed(1);
     const limit = isFull ? `; it ended there at the limit of ${bytesText(kLimitBytes)}` : '';
-    this.app.notify(isFull ? 'warning' : 'success', `${saved}: ${numFrames} frames, ${seconds} s${limit}`);
+    this.notices.notify(isFull ? 'warning' : 'success', `${saved}: ${numFrames} frames, ${seconds} s${limit}`);
   }
 }

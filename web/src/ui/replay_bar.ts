@@ -1,18 +1,27 @@
-import type { App } from '../app';
+import type { Sheet } from '../gen/kerf/v1/sheets_pb';
+import type { Notifier } from '../notifier';
 import { Replay } from '../stream/replay';
 import type { FrameCopy, SheetCopy } from '../stream/sheet_copy';
 import { startWorker } from '../stream/workers';
 import { element, setLiveControls, setText } from './dom';
 import { bytesText } from './statistics_text';
 
-/** Of a file that is read into memory, bytes. Four times what this viewer records. */
+/** The largest file that is read into memory, bytes: four times the limit of this viewer's recordings. */
 const kMaxFileBytes = 512 * 1024 * 1024;
 
-// What these do to the live sheet they do not while a recording is shown.
+// Keys that change the live sheet, and do nothing while a recording is shown.
 const kLiveChords = new Set(['R', '<', '>', '0', 'Ctrl+Z', 'Ctrl+Shift+Z', 'Ctrl+Y', 'M', 'J']);
 
 export function isRecordingFile(file: File): boolean {
   return file.name.toLowerCase().endsWith('.kerfstream');
+}
+
+export interface ReplayEvents {
+  /** A recording was read and checked, and is shown from now on. */
+  onOpened(sheet: Sheet): void;
+  onFrame(copy: SheetCopy, frame: FrameCopy): void;
+  /** The recording, or its file, was given up: the live sheet is to be seen again. */
+  onClosed(): void;
 }
 
 /** Plays a recording in place of the live sheet: files, buttons, slider, keys. Needs no server. */
@@ -25,10 +34,13 @@ export class ReplayBar {
   private readonly progress = element<HTMLProgressElement>('replay-progress');
   private worker: Worker | undefined;
   private replay: Replay | undefined;
-  // What is read or shown: of what was chosen before it nothing comes any more.
+  // The file that is read or shown; nothing comes from files that were chosen before it.
   private file: File | undefined;
 
-  constructor(private readonly app: App) {
+  constructor(
+    private readonly events: ReplayEvents,
+    private readonly notices: Notifier,
+  ) {
     this.input.addEventListener('change', () => {
       const file = this.input.files?.[0];
       // The same file may be chosen again.
@@ -69,7 +81,7 @@ export class ReplayBar {
   }
 
   async open(file: File): Promise<void> {
-    const refuse = (why: string) => this.app.notify('error', `${file.name} cannot be played: ${why}`);
+    const refuse = (why: string) => this.notices.notify('error', `${file.name} cannot be played: ${why}`);
     if (file.size > kMaxFileBytes) {
       return refuse(`it has ${bytesText(file.size)}, and at most ${bytesText(kMaxFileBytes)} are read`);
     }
@@ -77,7 +89,7 @@ export class ReplayBar {
       refuse(why);
       this.close();
     };
-    // What keys and controls reach is what is seen.
+    // Keys and controls then reach the sheet that is seen.
     this.close();
     this.file = file;
     this.bar.hidden = false;
@@ -89,22 +101,18 @@ export class ReplayBar {
     const events = {
       onProgress: (share: number) => (this.progress.value = share),
       onOpened: (replay: Replay) => this.opened(replay, file.name),
-      onFrame: (copy: SheetCopy, frame: FrameCopy) => this.app.receive(copy, frame),
+      onFrame: (copy: SheetCopy, frame: FrameCopy) => this.events.onFrame(copy, frame),
       onFailed: fail,
     };
     this.replay = new Replay(this.worker, events, bytes);
   }
 
-  /** Back to the live sheet, if there is one; while a file is read it goes on. */
   private close(): void {
-    const { app } = this;
     this.leave();
-    if (app.watch) return;
-    if (app.sheetName !== '') app.open(app.sheetName);
-    else app.close();
+    this.events.onClosed();
   }
 
-  /** Whatever is played ends. */
+  /** Ends the recording that is read or shown, if there is one. */
   leave(): void {
     this.worker?.terminate();
     this.worker = undefined;
@@ -126,7 +134,7 @@ export class ReplayBar {
     return true;
   }
 
-  /** Goes on to `nowMs`; true if what is shown has changed. */
+  /** Plays up to `nowMs`; true if another frame is shown. */
   advance(nowMs: number): boolean {
     const { replay } = this;
     if (!replay || !this.isOpen) return false;
@@ -146,11 +154,11 @@ export class ReplayBar {
     this.setChecking(false);
     this.position.max = String(replay.durationMs);
     this.setSpeed();
-    this.app.showReplay(replay.sheet!);
+    this.events.onOpened(replay.sheet!);
     replay.togglePlaying();
     if (replay.numTornBytes > 0) {
       const bytes = bytesText(replay.numTornBytes);
-      this.app.notify('warning', `${fileName} is incomplete: ${bytes} after the last whole frame were skipped`);
+      this.notices.notify('warning', `${fileName} is incomplete: ${bytes} after the last whole frame were skipped`);
     }
   }
 

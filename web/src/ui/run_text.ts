@@ -1,10 +1,10 @@
 import { Replay_State } from '../gen/kerf/v1/sheets_pb';
 import type { Replay } from '../gen/kerf/v1/sheets_pb';
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
-import type { NoticeKind } from '../tools/tool';
+import type { NoticeKind } from '../notifier';
 import { speedOf } from './speeds';
 
-/** What to say of a sheet that has played a server's recording to where it goes no further. */
+/** A notice about a sheet that has played a server's recording to its end, or as far as it can; undefined before. */
 export function runEndText({ state, endTick, divergedTick }: Replay): [kind: NoticeKind, text: string] | undefined {
   if (state === Replay_State.DONE) {
     return ['success', `Played to its end at tick ${endTick}, bit for bit as recorded. Resume it to let the sheet run on its own`];

@@ -1,26 +1,47 @@
-import type { App } from '../app';
+import type { Reporter } from '../notifier';
 import { meshFile } from '../scene/mesh_file';
 import type { MeshFormat } from '../scene/mesh_file';
 import { pictureOf } from '../scene/picture';
+import type { Stage } from '../scene/stage';
 import { drawStrainLegend } from '../scene/strain_legend';
+import type { StrainLegend } from '../scene/strain_legend';
+import type { OpenSheet, ShownState } from '../sheet/open_sheet';
 import { element, setText } from './dom';
 import { fileName, saveFile } from './download';
 import { Menu } from './menu';
 
-/** What is shown, as a file: pictures, meshes, recordings of frames. ServerRecordings has the items of the server’s recordings. */
+/** The parts of the viewer that files are made of. */
+export interface SavedParts {
+  readonly stage: Pick<Stage, 'picture'>;
+  readonly shown: Pick<ShownState, 'surface'>;
+  readonly live: Pick<OpenSheet, 'sheetName'> & { readonly isWatched: boolean };
+  readonly look: { readonly strainScale: { readonly legend: StrainLegend | undefined } };
+  /** Pictures of the server. */
+  readonly imageMode: { readonly isShown: boolean; readonly tick: number };
+  readonly recording: { readonly isOn: boolean; start(): void; stop(): void };
+  readonly replayBar: { readonly sheetName: string | undefined; choose(): void };
+  readonly transfer: { readonly isOn: boolean };
+  readonly notices: Reporter;
+}
+
+/**
+ * Saves the sheet as it is seen: pictures, meshes, recordings of frames. The menu's items of the server’s recordings are
+ * those of ServerRecordings.
+ */
 export class SaveMenu {
   private readonly menu: Menu;
   private readonly record = element<HTMLButtonElement>('save-recording');
 
-  constructor(private readonly app: App) {
+  constructor(private readonly parts: SavedParts) {
+    const { recording, replayBar } = parts;
     this.menu = new Menu(element<HTMLButtonElement>('save-open'), element('save-menu'), () => this.opening());
     const on = (id: string, act: () => void) => element(id).addEventListener('click', act);
     on('save-png', () => void this.savePicture(1));
     on('save-png-2', () => void this.savePicture(2));
     on('save-obj', () => void this.saveMesh('obj'));
     on('save-glb', () => void this.saveMesh('glb'));
-    on('save-recording', () => (app.recording.isOn ? app.recording.stop() : app.recording.start()));
-    on('open-recording', () => app.replayBar.choose());
+    on('save-recording', () => (recording.isOn ? recording.stop() : recording.start()));
+    on('open-recording', () => replayBar.choose());
   }
 
   toggle(): void {
@@ -28,44 +49,43 @@ export class SaveMenu {
   }
 
   private opening(): void {
-    const { app } = this;
-    setText(this.record.querySelector('span')!, app.recording.isOn ? 'Stop recording and save' : 'Record the frames');
-    this.record.disabled = app.watch === undefined;
-    // Of a live sheet, and one file at a time.
-    element<HTMLButtonElement>('save-run').disabled = app.watch === undefined || app.transfer.isOn;
-    element<HTMLButtonElement>('play-run').disabled = app.transfer.isOn;
+    const { live, recording, shown, transfer } = this.parts;
+    setText(this.record.querySelector('span')!, recording.isOn ? 'Stop recording and save' : 'Record the frames');
+    this.record.disabled = !live.isWatched;
+    // Only a live sheet has a run, and one file is transferred at a time.
+    element<HTMLButtonElement>('save-run').disabled = !live.isWatched || transfer.isOn;
+    element<HTMLButtonElement>('play-run').disabled = transfer.isOn;
     for (const id of ['save-png', 'save-png-2', 'save-obj', 'save-glb']) {
-      element<HTMLButtonElement>(id).disabled = app.surface === undefined;
+      element<HTMLButtonElement>(id).disabled = shown.surface === undefined;
     }
   }
 
   private nameOf(tick: number, extension: string): string {
-    const { app } = this;
-    return fileName(app.replayBar.sheetName ?? app.sheetName, tick, extension);
+    const { live, replayBar } = this.parts;
+    return fileName(replayBar.sheetName ?? live.sheetName, tick, extension);
   }
 
   private async savePicture(scale: number): Promise<void> {
-    const { app } = this;
-    const { surface, imageMode } = app;
+    const { imageMode, look, notices, shown, stage } = this.parts;
     // Beside pictures of the server the mesh comes seldom.
-    const tick = imageMode.isShown ? imageMode.tick : (surface?.mirror.tick ?? 0);
+    const tick = imageMode.isShown ? imageMode.tick : (shown.surface?.mirror.tick ?? 0);
     const name = this.nameOf(tick, scale === 1 ? 'png' : `${scale}x.png`);
-    const { legend } = app.look.strainScale;
-    await app.attempt(async () => {
-      const drawn = app.stage.picture(scale);
+    const { legend } = look.strainScale;
+    await notices.attempt(async () => {
+      const drawn = stage.picture(scale);
       const blob = await pictureOf(drawn, (context) => legend && drawStrainLegend(context, legend, drawn.height, scale));
-      app.notify('success', saveFile([blob], name, 'image/png'));
+      notices.notify('success', saveFile([blob], name, 'image/png'));
     }, 'The picture was not saved: ');
   }
 
   private async saveMesh(format: MeshFormat): Promise<void> {
-    const { app } = this;
-    const { surface } = app;
+    const { notices, shown } = this.parts;
+    const { surface } = shown;
     if (!surface) return;
     const name = this.nameOf(surface.mirror.tick, format);
-    await app.attempt(async () => {
+    await notices.attempt(async () => {
       const { content, mediaType } = await meshFile(surface.mirror, name.replace(/\.\w+$/, ''), format);
-      app.notify('success', saveFile([content], name, mediaType));
+      notices.notify('success', saveFile([content], name, mediaType));
     }, 'The mesh was not saved: ');
   }
 }

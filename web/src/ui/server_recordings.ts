@@ -1,24 +1,34 @@
 import { fetchFile, sendFile } from '../api';
-import type { App } from '../app';
 import { SheetSchema } from '../gen/kerf/v1/sheets_pb';
+import type { Notifier } from '../notifier';
 import { serverInfo } from '../server_info';
+import type { OpenSheet, ShownState } from '../sheet/open_sheet';
 import { listSheets, sheetId } from '../sheets';
 import { countText, sizeText } from '../tools/cut_text';
 import { element } from './dom';
 import { fileName, saveFile } from './download';
 import { freeId, idFrom } from './sheets/sheet_ids';
+import type { Transfer } from './transfer';
 
 export function isRunFile(file: File): boolean {
   return file.name.toLowerCase().endsWith('.rec');
 }
 
-/** What the server keeps of a sheet's run: saved as a file, and played by it as a new sheet. */
+/** The parts of the viewer that send and fetch the server's recordings. */
+export interface RecordingParts {
+  readonly live: Pick<OpenSheet, 'sheetName'>;
+  readonly shown: Pick<ShownState, 'surface'>;
+  readonly transfer: Pick<Transfer, 'run'>;
+  readonly notices: Notifier;
+}
+
+/** The server's recording of a sheet's run: saved as a file, and played by the server as a new sheet. */
 export class ServerRecordings {
   private readonly input = element<HTMLInputElement>('run-file');
 
   /** @param opened  sheets/{sheet} that plays one */
   constructor(
-    private readonly app: App,
+    private readonly parts: RecordingParts,
     private readonly opened: (name: string) => void,
   ) {
     element('save-run').addEventListener('click', () => void this.save());
@@ -32,10 +42,10 @@ export class ServerRecordings {
   }
 
   async play(file: File): Promise<void> {
-    const { app } = this;
+    const { notices, transfer } = this.parts;
     const failed = `${file.name} is not played: `;
-    if (!isRunFile(file)) return app.notify('error', `${failed}a recording of the server’s ends in .rec`);
-    const sheet = await app.transfer.run(`Sending ${file.name}`, failed, async (options) => {
+    if (!isRunFile(file)) return notices.notify('error', `${failed}a recording of the server’s ends in .rec`);
+    const sheet = await transfer.run(`Sending ${file.name}`, failed, async (options) => {
       const limit = Number((await serverInfo()).limits?.maxRecordingUploadBytes ?? 0);
       if (file.size > limit) throw new Error(`it has ${sizeText(file.size)}, and the server takes ${sizeText(limit)}`);
       const taken = (await listSheets()).map(({ name }) => sheetId(name));
@@ -47,16 +57,16 @@ export class ServerRecordings {
     const ticks = countText(Number(sheet.replay?.endTick ?? 0), 'tick');
     const torn = Number(sheet.replay?.tornBytes ?? 0);
     const left = torn > 0 ? `; its last ${countText(torn, 'byte')}, a torn entry, left out` : '';
-    app.notify('success', `${sheetId(sheet.name)} plays ${file.name}, ${ticks}${left}: it takes no commands until the end`);
+    notices.notify('success', `${sheetId(sheet.name)} plays ${file.name}, ${ticks}${left}: it takes no commands until the end`);
   }
 
   private async save(): Promise<void> {
-    const { app } = this;
-    const { sheetName } = app;
-    const name = fileName(sheetName, app.surface?.mirror.tick ?? 0, 'rec');
-    const parts = await app.transfer.run(`Fetching ${name}`, 'The recording was not saved: ', (options) =>
+    const { live, notices, shown, transfer } = this.parts;
+    const { sheetName } = live;
+    const name = fileName(sheetName, shown.surface?.mirror.tick ?? 0, 'rec');
+    const parts = await transfer.run(`Fetching ${name}`, 'The recording was not saved: ', (options) =>
       fetchFile(`/${sheetName}.rec`, options),
     );
-    if (parts) app.notify('success', saveFile(parts, name, 'application/octet-stream'));
+    if (parts) notices.notify('success', saveFile(parts, name, 'application/octet-stream'));
   }
 }

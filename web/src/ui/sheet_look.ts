@@ -1,53 +1,70 @@
-import type { App } from '../app';
+import type { Notifier } from '../notifier';
 import type { SheetView } from '../scene/sheet_view';
+import type { Stage } from '../scene/stage';
+import type { OpenSheet, ShownState } from '../sheet/open_sheet';
 import { PieceIds } from '../stream/piece_ids';
 import { element } from './dom';
 import { StrainScale } from './strain_scale';
 
-/** How the sheet is drawn: wireframe, a colour for each piece, or colours by strain. */
+/** The parts of the viewer that a look is seen in. */
+export interface LookedAt {
+  readonly view: Pick<SheetView, 'isWireframe' | 'setWireframe' | 'colorByPiece' | 'colorByStrain'>;
+  readonly shown: Pick<ShownState, 'surface'> & {
+    /** Draws the sheet once more, in its new look. */
+    showAgain(): void;
+  };
+  readonly live: Pick<OpenSheet, 'sheetName'> & {
+    readonly isWatched: boolean;
+    /** Starts another stream of the same sheet, from the triangles that are here. */
+    restart(goesOn: true): void;
+  };
+  readonly stage: Pick<Stage, 'invalidate'>;
+  readonly notices: Notifier;
+  /** A picture of the server is seen in place of the mesh. */
+  isPictureShown(): boolean;
+}
+
+/** The look of the sheet: wireframe, a colour for each piece, or colours by strain. */
 export class SheetLook {
   isByPiece = false;
   isByStrain = false;
   readonly strainScale = new StrainScale();
 
   private readonly pieceIds: PieceIds;
-  // Of a recording, by topology version.
+  // The ids of a recording's pieces in one topology version.
   private numbered: { version: number; ids: ReadonlyMap<number, number> } | undefined;
 
-  constructor(
-    private readonly app: App,
-    private readonly view: SheetView,
-  ) {
-    this.pieceIds = new PieceIds(() => app.showAgain());
+  constructor(private readonly parts: LookedAt) {
+    this.pieceIds = new PieceIds(() => parts.shown.showAgain());
   }
 
   get isWireframe(): boolean {
-    return this.view.isWireframe;
+    return this.parts.view.isWireframe;
   }
 
   toggleWireframe(): void {
-    this.view.setWireframe(!this.isWireframe);
+    this.parts.view.setWireframe(!this.isWireframe);
     element('wireframe').setAttribute('aria-pressed', String(this.isWireframe));
-    this.app.stage.invalidate();
+    this.parts.stage.invalidate();
   }
 
   toggleByPiece(): void {
     this.isByPiece = !this.isByPiece;
     element('by-piece').setAttribute('aria-pressed', String(this.isByPiece));
     if (this.isByPiece && this.isByStrain) this.toggleByStrain();
-    this.app.showAgain();
+    this.parts.shown.showAgain();
   }
 
-  /** The server computes strains for whoever asks alone: another stream, which goes on from what is here. */
+  /** Starts another stream: the server sends strains only to those who ask for them. */
   toggleByStrain(): void {
     this.isByStrain = !this.isByStrain;
     element('by-strain').setAttribute('aria-pressed', String(this.isByStrain));
     this.strainScale.setShown(this.isByStrain);
     if (this.isByPiece && this.isByStrain) this.toggleByPiece();
-    this.app.restartWatch(true);
-    this.app.showAgain();
+    this.parts.live.restart(true);
+    this.parts.shown.showAgain();
     if (this.isByStrain && this.lacksStrains) {
-      this.app.notify('info', 'No strains were recorded here: colours by strain were not on at that time');
+      this.parts.notices.notify('info', 'No strains were recorded here: colours by strain were not on at that time');
     }
   }
 
@@ -56,7 +73,7 @@ export class SheetLook {
     return this.idsOfPieces()?.get(label);
   }
 
-  /** What is known of pieces is not of the sheet that comes. */
+  /** Forgets all that is known of pieces: another sheet or connection comes. */
   reset(): void {
     this.pieceIds.reset();
     this.numbered = undefined;
@@ -64,32 +81,34 @@ export class SheetLook {
 
   /** Colours the sheet's newest state, which the view has. */
   color(): void {
+    const { view } = this.parts;
     if (!this.isByStrain) {
-      this.view.colorByPiece(this.isByPiece ? this.idsOfPieces() : null);
+      view.colorByPiece(this.isByPiece ? this.idsOfPieces() : null);
       return;
     }
     if (this.lacksStrains) {
-      this.view.colorByPiece(null);
+      view.colorByPiece(null);
       this.strainScale.showMissing();
       return;
     }
-    const end = this.view.colorByStrain();
-    // The server has a scale of its own for its pictures, which come with it.
-    if (end !== undefined && !this.app.imageMode.isShown) this.strainScale.show(end);
+    const end = view.colorByStrain();
+    // The server's pictures come with a scale of their own.
+    if (end !== undefined && !this.parts.isPictureShown()) this.strainScale.show(end);
   }
 
-  // What is shown is of a recording, and was recorded without strains. Live they are on their way.
+  // A recording is shown that has no strains. Those of a live sheet are on their way.
   private get lacksStrains(): boolean {
-    const { surface, watch } = this.app;
-    return surface !== undefined && !watch && !surface.mirror.strains;
+    const { surface } = this.parts.shown;
+    return surface !== undefined && !this.parts.live.isWatched && !surface.mirror.strains;
   }
 
-  // Recordings have no ids, which count from 1: there, each number of a piece, which count from 0, makes one.
+  // Makes ids, which count from 1, of the labels in a recording, which count from 0: it has no ids.
   private idsOfPieces(): ReadonlyMap<number, number> | undefined {
-    const { surface, watch, sheetName } = this.app;
+    const { surface } = this.parts.shown;
+    const { isWatched, sheetName } = this.parts.live;
     if (!surface) return undefined;
     const { topologyVersion, numPieces } = surface.mirror;
-    if (watch) return this.pieceIds.at(sheetName, topologyVersion);
+    if (isWatched) return this.pieceIds.at(sheetName, topologyVersion);
     if (this.numbered?.version !== topologyVersion) {
       const ids = new Map(Array.from({ length: numPieces }, (_, label) => [label, label + 1]));
       this.numbered = { version: topologyVersion, ids };

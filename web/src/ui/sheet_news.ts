@@ -1,5 +1,7 @@
+import { Sheet_RunState } from '../gen/kerf/v1/sheets_pb';
+import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
-import type { NoticeKind } from '../tools/tool';
+import type { NoticeKind } from '../notifier';
 
 type SeenStats = Pick<FrameStats, 'resets' | 'resetsUndone'>;
 
@@ -10,7 +12,7 @@ interface Seen {
   resetsUndone: number;
 }
 
-/** Says what somebody, or a restart of the server, did to the sheet as a whole, to everybody who watches it. */
+/** Reports changes of the sheet as a whole, made by any viewer or by a restart of the server. */
 export class SheetNews {
   private seen: Seen | undefined;
 
@@ -31,6 +33,16 @@ export class SheetNews {
       this.notify('info', 'The sheet was reset; Undo brings back what was there');
     } else if (resetsUndone > before.resetsUndone) {
       this.notify('info', 'The reset was undone');
+    }
+  }
+
+  /**
+   * Takes the settings of the sheet that is shown.
+   * @param before  the settings until now; undefined for the first ones of a sheet
+   */
+  sawSettings({ runState }: Pick<Sheet, 'runState'>, before: Pick<Sheet, 'runState'> | undefined): void {
+    if (runState === Sheet_RunState.FAILED && before?.runState !== Sheet_RunState.FAILED) {
+      this.notify('error', 'The sheet is frozen at its last good tick. Reset it to go on.');
     }
   }
 }

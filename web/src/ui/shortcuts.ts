@@ -1,9 +1,57 @@
-import type { App } from '../app';
+import type { Stage } from '../scene/stage';
+import type { CutTool } from '../tools/cut_tool';
 import type { CutMode } from '../tools/drawings/kinds';
 import type { CutTarget } from '../tools/drawing_plane';
 import { kCrossFineStep, kCrossStep } from '../tools/keyboard_pointer';
+import type { KeyboardPointer } from '../tools/keyboard_pointer';
 import { pressVerb } from '../tools/press_verb';
 import type { ToolId } from '../tools/tool';
+import type { HistoryStep } from './history_controls';
+import type { SheetLook } from './sheet_look';
+import type { SidePanels } from './side_panels';
+import type { SimulationControls } from './simulation_controls';
+
+type KeyedCutTool = Pick<
+  CutTool,
+  | 'isReady'
+  | 'dashes'
+  | 'cut'
+  | 'escape'
+  | 'removeLast'
+  | 'again'
+  | 'setDashes'
+  | 'setMode'
+  | 'setTarget'
+  | 'stepWeight'
+>;
+
+interface Toggled {
+  toggle(): void;
+}
+
+/** The parts of the viewer that keys act on. */
+export interface KeyedParts {
+  readonly tools: {
+    choose(id: ToolId): void;
+    readonly cut: KeyedCutTool;
+    readonly grab: { escape(): boolean };
+    readonly cutPanel: { askWidth(): void };
+    readonly keyboardPointer: Pick<KeyboardPointer, 'move' | 'press' | 'hide'>;
+  };
+  readonly controls: Pick<SimulationControls, 'togglePause' | 'step' | 'reset'> & {
+    readonly speed: Pick<SimulationControls['speed'], 'set' | 'step'>;
+  };
+  readonly history: { run(step: HistoryStep, isHeld?: boolean): Promise<void> };
+  readonly look: Pick<SheetLook, 'toggleWireframe' | 'toggleByPiece' | 'toggleByStrain'>;
+  readonly imageMode: { toggle(): Promise<void> };
+  readonly shown: { fit(): void };
+  readonly theme: { next(): void };
+  readonly stage: Pick<Stage, 'orbit' | 'pan' | 'zoom'>;
+  readonly statistics: Toggled;
+  readonly saveMenu: Toggled;
+  readonly svgFiles: { choose(): void };
+  readonly panels: Pick<SidePanels, 'toggle' | 'close'>;
+}
 
 /** One thing that keys do. */
 export interface Shortcut {
@@ -13,12 +61,12 @@ export interface Shortcut {
   readonly what: string;
   /** CSS selector of the button that does the same: its tip names the key. */
   readonly button?: string;
-  /** The button is pressed by nobody else's listener. */
+  /** No other listener acts on a press of the button. */
   readonly isClicked?: boolean;
   /** A held key does it again and again. */
   readonly isRepeated?: boolean;
   /**
-   * False: there was nothing to do, and the key is somebody else's.
+   * False: there was nothing to do, and the next meaning of the key counts.
    * @param isHeld  the key has done it already and is not let go
    */
   run(isHeld?: boolean): boolean | void;
@@ -26,7 +74,7 @@ export interface Shortcut {
 
 export interface ShortcutGroup {
   readonly title: string;
-  /** What there is besides keys. */
+  /** Says what can be done without keys. */
   readonly intro?: string;
   /** Keys that mean this only while one of these tools is chosen. */
   readonly tools?: readonly ToolId[];
@@ -42,41 +90,41 @@ export function chordOf(event: Pick<KeyboardEvent, 'key' | 'ctrlKey' | 'metaKey'
   return `${event.ctrlKey || event.metaKey ? 'Ctrl+' : ''}${event.altKey ? 'Alt+' : ''}${shift}${name}`;
 }
 
-/** What a chord does while `tool` is chosen: the tool's own keys first. */
+/** Gives all meanings of a chord while `tool` is chosen: those of the tool's own keys first. */
 export function shortcutsFor(groups: readonly ShortcutGroup[], tool: ToolId, chord: string): Shortcut[] {
   const isOwn = (group: ShortcutGroup) => group.tools?.includes(tool);
   const ordered = [...groups.filter(isOwn), ...groups.filter((group) => group.tools === undefined)];
   return ordered.flatMap((group) => group.shortcuts.filter((shortcut) => shortcut.chords.includes(chord)));
 }
 
-function chooseTool(app: App, chord: string, tool: ToolId, what: string): Shortcut {
-  return { chords: [chord], what, button: `[data-tool=${tool}]`, run: () => app.choose(tool) };
+function chooseTool(parts: KeyedParts, chord: string, tool: ToolId, what: string): Shortcut {
+  return { chords: [chord], what, button: `[data-tool=${tool}]`, run: () => parts.tools.choose(tool) };
 }
 
-function toolGroup(app: App): ShortcutGroup {
+function toolGroup(parts: KeyedParts): ShortcutGroup {
   const press = pressVerb().toLowerCase();
   return {
     title: 'Tools',
     intro: 'A drag that the tool does not use moves the view.',
     shortcuts: [
-      chooseTool(app, 'V', 'view', 'View: drag to orbit, right-drag or two fingers to move, wheel or pinch to zoom'),
-      chooseTool(app, 'C', 'cut', 'Cut: draw on the picture and adjust; what is seen under the line is cut'),
-      chooseTool(app, 'G', 'grab', 'Grab: drag a vertex, and the sheet follows on a spring'),
-      chooseTool(app, 'P', 'pin', `Pin: ${press} a vertex to hold it where it is, ${press} again to let go`),
+      chooseTool(parts, 'V', 'view', 'View: drag to orbit, right-drag or two fingers to move, wheel or pinch to zoom'),
+      chooseTool(parts, 'C', 'cut', 'Cut: draw on the picture and adjust; what is seen under the line is cut'),
+      chooseTool(parts, 'G', 'grab', 'Grab: drag a vertex, and the sheet follows on a spring'),
+      chooseTool(parts, 'P', 'pin', `Pin: ${press} a vertex to hold it where it is, ${press} again to let go`),
     ],
   };
 }
 
-function setMode(app: App, chord: string, mode: CutMode, what: string): Shortcut {
-  return { chords: [chord], what, button: `[data-mode=${mode}]`, run: () => app.cutTool.setMode(mode) };
+function setMode(parts: KeyedParts, chord: string, mode: CutMode, what: string): Shortcut {
+  return { chords: [chord], what, button: `[data-mode=${mode}]`, run: () => parts.tools.cut.setMode(mode) };
 }
 
-function setTarget(app: App, chord: string, target: CutTarget, what: string): Shortcut {
-  return { chords: [chord], what, run: () => app.cutTool.setTarget(target) };
+function setTarget(parts: KeyedParts, chord: string, target: CutTarget, what: string): Shortcut {
+  return { chords: [chord], what, run: () => parts.tools.cut.setTarget(target) };
 }
 
-function cutGroups(app: App): ShortcutGroup[] {
-  const { cutTool } = app;
+function cutGroups(parts: KeyedParts): ShortcutGroup[] {
+  const { cut: cutTool, cutPanel } = parts.tools;
   return [
     {
       title: 'Cutting',
@@ -97,7 +145,7 @@ function cutGroups(app: App): ShortcutGroup[] {
           chords: ['T'],
           what: 'Width to remove: the cut takes away a strip of so many millimetres, and whole pieces inside it',
           button: '#cut-width',
-          run: () => app.cutPanel.askWidth(),
+          run: () => cutPanel.askWidth(),
         },
         { chords: ['+'], what: 'More weight for the chosen point of a curve', run: () => cutTool.stepWeight(1) },
         { chords: ['-'], what: 'Less weight for that point', run: () => cutTool.stepWeight(-1) },
@@ -107,16 +155,16 @@ function cutGroups(app: App): ShortcutGroup[] {
       title: 'What is drawn',
       tools: ['cut'],
       shortcuts: [
-        setMode(app, 'B', 'curve', 'Bézier curve of three or four points'),
-        setMode(app, 'I', 'lines', 'Straight lines'),
-        setMode(app, 'L', 'freehand', 'Freehand line'),
-        setMode(app, 'O', 'circle', 'Circle'),
-        setMode(app, 'E', 'ellipse', 'Ellipse'),
+        setMode(parts, 'B', 'curve', 'Bézier curve of three or four points'),
+        setMode(parts, 'I', 'lines', 'Straight lines'),
+        setMode(parts, 'L', 'freehand', 'Freehand line'),
+        setMode(parts, 'O', 'circle', 'Circle'),
+        setMode(parts, 'E', 'ellipse', 'Ellipse'),
         {
-          ...setMode(app, 'S', 'svg', 'SVG file: chosen, or dropped on the sheet, then moved and scaled'),
+          ...setMode(parts, 'S', 'svg', 'SVG file: chosen, or dropped on the sheet, then moved and scaled'),
           run: () => {
             cutTool.setMode('svg');
-            app.svgFiles.choose();
+            parts.svgFiles.choose();
           },
         },
       ],
@@ -125,18 +173,18 @@ function cutGroups(app: App): ShortcutGroup[] {
       title: 'What is cut',
       tools: ['cut'],
       shortcuts: [
-        setTarget(app, '1', 'seen', 'What is seen under the line'),
-        setTarget(app, '2', 'all', 'Every layer'),
-        setTarget(app, '3', 'piece', 'One piece: the one seen where the line first meets the sheet, or one that you choose'),
-        setTarget(app, '4', 'depth', 'What lies between two distances from the camera'),
-        setTarget(app, '5', 'material', 'The material: the line then moves with the sheet'),
+        setTarget(parts, '1', 'seen', 'What is seen under the line'),
+        setTarget(parts, '2', 'all', 'Every layer'),
+        setTarget(parts, '3', 'piece', 'One piece: the one seen where the line first meets the sheet, or one that you choose'),
+        setTarget(parts, '4', 'depth', 'What lies between two distances from the camera'),
+        setTarget(parts, '5', 'material', 'The material: the line then moves with the sheet'),
       ],
     },
   ];
 }
 
-function simulationGroup(app: App): ShortcutGroup {
-  const { controls, history } = app;
+function simulationGroup(parts: KeyedParts): ShortcutGroup {
+  const { controls, history } = parts;
   return {
     title: 'Simulation',
     shortcuts: [
@@ -179,40 +227,40 @@ function simulationGroup(app: App): ShortcutGroup {
   };
 }
 
-function viewGroup(app: App, openHelp: () => void): ShortcutGroup {
+function viewGroup(parts: KeyedParts, openHelp: () => void): ShortcutGroup {
   return {
     title: 'What is shown',
     shortcuts: [
-      { chords: ['W'], what: 'Wireframe', button: '#wireframe', isClicked: true, run: () => app.look.toggleWireframe() },
+      { chords: ['W'], what: 'Wireframe', button: '#wireframe', isClicked: true, run: () => parts.look.toggleWireframe() },
       {
         chords: ['K'],
         what: 'A colour for each piece, kept until that piece is cut',
         button: '#by-piece',
         isClicked: true,
-        run: () => app.look.toggleByPiece(),
+        run: () => parts.look.toggleByPiece(),
       },
-      { chords: ['X'], what: 'Colours by strain', button: '#by-strain', isClicked: true, run: () => app.look.toggleByStrain() },
+      { chords: ['X'], what: 'Colours by strain', button: '#by-strain', isClicked: true, run: () => parts.look.toggleByStrain() },
       {
         chords: ['Q'],
         what: 'Show pictures drawn by the server instead of the mesh, or the mesh again',
         button: '#image-mode',
         isClicked: true,
-        run: () => void app.imageMode.toggle(),
+        run: () => void parts.imageMode.toggle(),
       },
-      { chords: ['F'], what: 'Show the whole sheet', button: '#fit', isClicked: true, run: () => app.fit() },
+      { chords: ['F'], what: 'Show the whole sheet', button: '#fit', isClicked: true, run: () => parts.shown.fit() },
       {
         chords: ['H'],
         what: 'Light, dark, or the system’s theme',
         button: '#theme',
         isClicked: true,
-        run: () => app.theme.next(),
+        run: () => parts.theme.next(),
       },
       { chords: ['?'], what: 'This page', button: '#help-open', isClicked: true, run: openHelp },
     ],
   };
 }
 
-function streamGroup(app: App): ShortcutGroup {
+function streamGroup(parts: KeyedParts): ShortcutGroup {
   return {
     title: 'Stream and files',
     intro: 'While a recording plays: Space plays or pauses, . and , go one frame forward or back, Escape closes it.',
@@ -222,26 +270,26 @@ function streamGroup(app: App): ShortcutGroup {
         what: 'Statistics of the last seconds: frames, bytes, ages, ticks',
         button: '#statistics-toggle',
         isClicked: true,
-        run: () => app.statistics.toggle(),
+        run: () => parts.statistics.toggle(),
       },
       {
         chords: ['Ctrl+S'],
         what: 'Save a picture, a mesh or a recording, or play one',
         button: '#save-open',
         isClicked: true,
-        run: () => app.saveMenu.toggle(),
+        run: () => parts.saveMenu.toggle(),
       },
     ],
   };
 }
 
-function panelGroup(app: App): ShortcutGroup {
+function panelGroup(parts: KeyedParts): ShortcutGroup {
   const panel = (chord: string, id: string, what: string): Shortcut => ({
     chords: [chord],
     what,
     button: `[data-panel=${id}]`,
     isClicked: true,
-    run: () => app.panels.toggle(id),
+    run: () => parts.panels.toggle(id),
   });
   return {
     title: 'Panels',
@@ -249,16 +297,16 @@ function panelGroup(app: App): ShortcutGroup {
       panel('A', 'sheets', 'All sheets: open, delete, make new ones'),
       panel('M', 'physics', 'Gravity, wind, pins and material'),
       panel('J', 'pieces', 'All pieces with their sizes'),
-      { chords: ['Escape'], what: 'Close the panel', run: () => app.panels.close() },
+      { chords: ['Escape'], what: 'Close the panel', run: () => parts.panels.close() },
     ],
   };
 }
 
-function grabGroup(app: App): ShortcutGroup {
+function grabGroup(parts: KeyedParts): ShortcutGroup {
   return {
     title: 'Grabbing',
     tools: ['grab'],
-    shortcuts: [{ chords: ['Escape'], what: 'Let go', run: () => app.grabTool.escape() }],
+    shortcuts: [{ chords: ['Escape'], what: 'Let go', run: () => parts.tools.grab.escape() }],
   };
 }
 
@@ -275,8 +323,8 @@ const kArrows: readonly [key: string, word: string, right: number, up: number][]
   ['ArrowDown', 'down', 0, -1],
 ];
 
-function viewKeys(app: App): ShortcutGroup {
-  const { stage } = app;
+function viewKeys(parts: KeyedParts): ShortcutGroup {
+  const { stage } = parts;
   const turn = kArrows.map(([key, word, right, up]) => ({
     chords: [key],
     what: `Turn the view ${word}`,
@@ -301,8 +349,8 @@ function viewKeys(app: App): ShortcutGroup {
   };
 }
 
-function crossKeys(app: App): ShortcutGroup {
-  const { keyboardPointer } = app;
+function crossKeys(parts: KeyedParts): ShortcutGroup {
+  const { keyboardPointer } = parts.tools;
   const moves = ([prefix, step, how]: [string, number, string]) =>
     kArrows.map(([key, word, right, up]) => ({
       chords: [`${prefix}${key}`],
@@ -323,8 +371,8 @@ function crossKeys(app: App): ShortcutGroup {
   };
 }
 
-/** Every key there is: what keys.ts listens for and what the help shows. Of keys that two groups have, the first counts. */
-export function shortcutGroups(app: App, openHelp: () => void): ShortcutGroup[] {
-  const always = [toolGroup(app), simulationGroup(app), viewGroup(app, openHelp), panelGroup(app), streamGroup(app)];
-  return [...always, viewKeys(app), crossKeys(app), ...cutGroups(app), grabGroup(app)];
+/** Every key there is, for keys.ts and for the help. If two groups have the same key, the first one counts. */
+export function shortcutGroups(parts: KeyedParts, openHelp: () => void): ShortcutGroup[] {
+  const always = [toolGroup(parts), simulationGroup(parts), viewGroup(parts, openHelp), panelGroup(parts), streamGroup(parts)];
+  return [...always, viewKeys(parts), crossKeys(parts), ...cutGroups(parts), grabGroup(parts)];
 }

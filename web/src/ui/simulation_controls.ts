@@ -2,7 +2,8 @@ import { call } from '../api';
 import { Replay_State, Sheet_RunState, SheetService } from '../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import { Newest } from '../newest';
-import type { Viewer } from '../tools/tool';
+import type { Reporter } from '../notifier';
+import type { OpenSheet, ShownState } from '../sheet/open_sheet';
 import { confirmed } from './confirmation';
 import { element, setText } from './dom';
 import { runEndText } from './run_text';
@@ -14,10 +15,13 @@ interface PauseWish {
   isPaused: boolean;
 }
 
-/** Runs a call that changes the sheet and is answered by it. */
-type Command = (run: () => Promise<Sheet>) => Promise<void>;
+/** The live sheet, for calls that change it. */
+interface CommandedSheet extends OpenSheet {
+  /** Runs a call that is answered by the sheet's settings. */
+  command(run: () => Promise<Sheet>): Promise<void>;
+}
 
-/** Pause, step, reset and how fast it runs. */
+/** Pause, step, reset and speed. */
 export class SimulationControls {
   private readonly pauseButton = element<HTMLButtonElement>('pause');
 
@@ -29,22 +33,28 @@ export class SimulationControls {
   private readonly pauses = new Newest<boolean>(
     async (name, isPaused) => {
       const { pauseSheet, resumeSheet } = SheetService.method;
-      await this.viewer.command(() => (isPaused ? call(pauseSheet, { name }) : call(resumeSheet, { name })));
+      await this.live.command(() => (isPaused ? call(pauseSheet, { name }) : call(resumeSheet, { name })));
     },
     async () => void (this.wish = undefined),
   );
 
-  constructor(private readonly viewer: Viewer & { readonly numStreams: number; command: Command }) {
-    this.speed = new SpeedControl(viewer);
+  /** @param numStreams  gives the number of streams of the sheet that come to this page */
+  constructor(
+    private readonly live: CommandedSheet,
+    private readonly shown: Pick<ShownState, 'sheet'>,
+    private readonly reporter: Reporter,
+    private readonly numStreams: () => number,
+  ) {
+    this.speed = new SpeedControl(live, reporter);
   }
 
   private get isPaused(): boolean {
-    return this.viewer.sheet?.runState === Sheet_RunState.PAUSED;
+    return this.shown.sheet?.runState === Sheet_RunState.PAUSED;
   }
 
   /** Shows the run state and the speed. */
   show(): void {
-    const { sheet } = this.viewer;
+    const { sheet } = this.shown;
     if (sheet) {
       this.speed.show(sheet);
       this.showRun(sheet);
@@ -54,16 +64,16 @@ export class SimulationControls {
     this.pauseButton.querySelector('use')!.setAttribute('href', this.isPaused ? '#icon-play' : '#icon-pause');
   }
 
-  // That a recording has been played is told once, to whoever saw it being played.
+  // Says once that a recording has been played, if this page has shown it playing.
   private showRun({ name, replay }: Sheet): void {
     const end = replay && runEndText(replay);
-    if (end && this.playing === name) this.viewer.notify(...end);
+    if (end && this.playing === name) this.reporter.notify(...end);
     this.playing = replay?.state === Replay_State.PLAYING ? name : undefined;
   }
 
-  /** The other of what was asked for last: two quick presses are two changes, whatever has been answered. */
+  /** Asks for the opposite of the last request: two quick presses are two changes, even before an answer. */
   togglePause(): void {
-    const { sheetName: name } = this.viewer;
+    const { sheetName: name } = this.live;
     const isPaused = this.wish?.name === name ? this.wish.isPaused : this.isPaused;
     this.wish = { name, isPaused: !isPaused };
     this.pauses.put(name, this.wish.isPaused);
@@ -71,8 +81,8 @@ export class SimulationControls {
 
   /** One tick; a running sheet is paused first. */
   async step(): Promise<void> {
-    const { sheetName: name } = this.viewer;
-    await this.viewer.command(async () => {
+    const { sheetName: name } = this.live;
+    await this.live.command(async () => {
       if (!this.isPaused) await call(SheetService.method.pauseSheet, { name });
       return call(SheetService.method.stepSheet, { name, ticks: 1 });
     });
@@ -80,13 +90,13 @@ export class SimulationControls {
 
   /** Asks first where others watch the sheet. */
   async reset(): Promise<void> {
-    const { sheetName: name } = this.viewer;
+    const { sheetName: name } = this.live;
     const { getSheet, resetSheet } = SheetService.method;
-    const sheet = await this.viewer.attempt(() => call(getSheet, { name }));
+    const sheet = await this.reporter.attempt(() => call(getSheet, { name }));
     if (!sheet) return;
-    const others = sheet.viewers - this.viewer.numStreams;
+    const others = sheet.viewers - this.numStreams();
     const question = `${others === 1 ? 'Somebody else watches' : `${others} others watch`} this sheet. Reset it for everybody?`;
     if (others > 0 && !(await confirmed(question, 'Reset'))) return;
-    await this.viewer.command(() => call(resetSheet, { name }));
+    await this.live.command(() => call(resetSheet, { name }));
   }
 }

@@ -1,5 +1,5 @@
 import type { FrameStats } from '../gen/kerf/v1/stream_pb';
-import type { NoticeKind } from '../tools/tool';
+import type { NoticeKind } from '../notifier';
 import { isBehind } from './run_text';
 
 type SeenStats = Pick<FrameStats, 'realTimeFactor' | 'speed' | 'paused' | 'sleeping'>;

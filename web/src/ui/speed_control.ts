@@ -2,7 +2,8 @@ import { call } from '../api';
 import { SheetService } from '../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../gen/kerf/v1/sheets_pb';
 import { Newest } from '../newest';
-import type { Viewer } from '../tools/tool';
+import type { Reporter } from '../notifier';
+import type { OpenSheet } from '../sheet/open_sheet';
 import { element } from './dom';
 import { kSpeeds, nextSpeed, speedOf, speedText } from './speeds';
 
@@ -12,11 +13,14 @@ export class SpeedControl {
   private readonly newest: Newest<number>;
   private speed = 1;
 
-  constructor(private readonly viewer: Viewer) {
+  constructor(
+    private readonly live: OpenSheet,
+    reporter: Reporter,
+  ) {
     this.newest = new Newest(
       (name, speed) =>
-        viewer.attempt(() => call(SheetService.method.setSheetSpeed, { name, speed }), 'The speed was not changed: '),
-      () => viewer.refreshSheet(),
+        reporter.attempt(() => call(SheetService.method.setSheetSpeed, { name, speed }), 'The speed was not changed: '),
+      () => live.refresh(),
     );
     this.select.addEventListener('change', () => this.set(Number(this.select.value)));
   }
@@ -28,7 +32,7 @@ export class SpeedControl {
   set(speed: number): void {
     if (speed === this.speed) return;
     this.showSpeed(speed);
-    this.newest.put(this.viewer.sheetName, speed);
+    this.newest.put(this.live.sheetName, speed);
   }
 
   step(direction: 1 | -1): void {

@@ -1,15 +1,30 @@
-import type { App } from '../app';
 import { svgFault } from '../geometry/svg_fault';
+import type { Notifier } from '../notifier';
 import { element } from './dom';
 
-// kerf.v1.Svg.
+/** The tools, of which the cut tool takes a drawing. */
+export interface DrawingTools {
+  readonly tool: object;
+  readonly cut: {
+    /** False while there is no sheet. */
+    lay(picture: { name: string; text: string }): boolean;
+  };
+  choose(id: 'cut'): void;
+}
+
+// The limit of kerf.v1.Svg.
 const kMaxBytes = 512 * 1024;
 
 /** SVG files that are dropped on the sheet (see FileDrop) or chosen: the cut tool lays them on it. */
 export class SvgFiles {
   private readonly input = element<HTMLInputElement>('svg-file');
 
-  constructor(private readonly app: App) {
+  /** @param done  gives the keyboard to the canvas */
+  constructor(
+    private readonly tools: DrawingTools,
+    private readonly notices: Notifier,
+    private readonly done: () => void,
+  ) {
     this.input.addEventListener('change', () => {
       const file = this.input.files?.[0];
       if (file) void this.take(file);
@@ -24,7 +39,7 @@ export class SvgFiles {
   }
 
   async take(file: File): Promise<void> {
-    const refuse = (why: string) => this.app.notify('error', `${file.name} ${why}`);
+    const refuse = (why: string) => this.notices.notify('error', `${file.name} ${why}`);
     if (!file.name.toLowerCase().endsWith('.svg') && file.type !== 'image/svg+xml') return refuse('is no SVG drawing');
     if (file.size > kMaxBytes) {
       return refuse(`has ${Math.ceil(file.size / 1024)} KiB; the server takes drawings of at most ${kMaxBytes / 1024}`);
@@ -33,10 +48,11 @@ export class SvgFiles {
     if (text === undefined) return refuse('cannot be read');
     const fault = svgFault(text);
     if (fault) return refuse(fault);
-    this.app.choose('cut');
-    // Refused while a recording is shown.
-    if (this.app.tool !== this.app.cutTool) return;
-    if (!this.app.cutTool.lay({ name: file.name, text })) return refuse('waits for a sheet: there is none yet');
-    this.app.focusStage();
+    const { tools } = this;
+    tools.choose('cut');
+    // The tool is refused while a recording is shown.
+    if (tools.tool !== tools.cut) return;
+    if (!tools.cut.lay({ name: file.name, text })) return refuse('waits for a sheet: there is none yet');
+    this.done();
   }
 }

@@ -1,9 +1,9 @@
 import type { TransferOptions } from '../api';
-import type { NoticeKind } from '../tools/tool';
+import type { Notifier } from '../notifier';
 import { element, setText } from './dom';
 import { errorText } from './error_text';
 
-// A shorter one is over before it could be read about.
+// A shorter transfer is over before anybody could read about it.
 const kShownAfterMs = 200;
 
 /** A file on its way to or from the server: one at a time, shown in the header while it takes long, cancelled there. */
@@ -12,7 +12,7 @@ export class Transfer {
   private readonly progress = element<HTMLProgressElement>('transfer-progress');
   private running: AbortController | undefined;
 
-  constructor(private readonly notices: { notify(kind: NoticeKind, text: string): void }) {
+  constructor(private readonly notices: Notifier) {
     element('transfer-cancel').addEventListener('click', () => this.running?.abort());
   }
 
@@ -21,7 +21,7 @@ export class Transfer {
   }
 
   /**
-   * What `work` gives; undefined where it failed or was cancelled, which a notice tells.
+   * Gives the result of `work`; undefined, with a notice, where it failed or was cancelled.
    * @param text    "Sending fall.rec"
    * @param failed  begins the notice: "fall.rec is not played: "
    */
@@ -51,7 +51,7 @@ export class Transfer {
   private show(text: string, part: number): void {
     this.chip.hidden = false;
     setText(element('transfer-text'), text);
-    // All of it is there: now the server is at work, and nobody knows for how long.
+    // All of it is there, and the server is at work for an unknown time.
     if (part < 1) this.progress.value = part;
     else this.progress.removeAttribute('value');
   }

@@ -2,10 +2,11 @@ import { call } from '../../api';
 import { InteractionService } from '../../gen/kerf/v1/interaction_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 import { Newest } from '../../newest';
-import type { Viewer } from '../../tools/tool';
+import type { Reporter } from '../../notifier';
+import type { OpenSheet } from '../../sheet/open_sheet';
 import { element, setText } from '../dom';
 
-// kerf.v1.Scene.gravity_mps2 when the scene gives none.
+// The default of kerf.v1.Scene.gravity_mps2.
 const kDefaultMps2 = 9.81;
 
 /** Downward acceleration, metres per second squared. */
@@ -14,16 +15,19 @@ export class GravityControl {
   private readonly value = element('gravity-value');
   private readonly newest: Newest<number>;
 
-  constructor(private readonly viewer: Viewer) {
+  constructor(
+    private readonly live: OpenSheet,
+    reporter: Reporter,
+  ) {
     this.newest = new Newest(
       (name, mps2) =>
-        viewer.attempt(() =>
+        reporter.attempt(() =>
           call(InteractionService.method.setSheetGravity, {
             name,
             setGravity: { gravityMps2: { x: 0, y: 0, z: -mps2 } },
           }),
         ),
-      () => viewer.refreshSheet(),
+      () => live.refresh(),
     );
     this.slider.addEventListener('input', () => this.set(this.slider.valueAsNumber));
     for (const button of document.querySelectorAll<HTMLElement>('[data-gravity]')) {
@@ -43,7 +47,7 @@ export class GravityControl {
 
   private set(mps2: number): void {
     this.showValue(mps2);
-    this.newest.put(this.viewer.sheetName, mps2);
+    this.newest.put(this.live.sheetName, mps2);
   }
 
   private showValue(mps2: number): void {

@@ -4,7 +4,7 @@ import type { Material } from '../../gen/kerf/v1/scene_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 import { Newest } from '../../newest';
 import { serverInfo } from '../../server_info';
-import type { Viewer } from '../../tools/tool';
+import type { OpenSheet, ShownState } from '../../sheet/open_sheet';
 import { element, setText } from '../dom';
 import { errorText } from '../error_text';
 import { areaMassText, presetOf } from '../material_text';
@@ -15,16 +15,16 @@ interface Change {
   /** Numbers, or a preset. */
   material: Material;
   part: number | undefined;
-  /** Where a refusal is told. */
+  /** Shows why the server refused it. */
   refused(text: string): void;
 }
 
 const kWhole = '';
-// Of kerf.v1.SetMaterial.part: what no part has.
+// The value of kerf.v1.SetMaterial.part for all that is in no part.
 const kOwn = '-1';
 const kOwnNumbers = '';
 
-/** What the sheet, or a part of it, is made of: a preset, or numbers of one's own, in force as they are dragged. */
+/** The material of the sheet or of one of its parts: a preset, or numbers, which are in force as they are dragged. */
 export class MaterialControl {
   private readonly preset = element<HTMLSelectElement>('material-preset');
   private readonly part = element<HTMLSelectElement>('material-part');
@@ -34,13 +34,16 @@ export class MaterialControl {
   private presets: readonly Material[] = [];
   private material: Material | undefined;
   private sheetName = '';
-  // The server's, as it was shown last; undefined: this page has asked for another since.
+  // The server's material, as it was shown last; undefined: this page has asked for another since.
   private told: string | undefined;
 
-  constructor(private readonly viewer: Viewer) {
+  constructor(
+    private readonly live: OpenSheet,
+    shown: Pick<ShownState, 'sheet'>,
+  ) {
     this.newest = new Newest(
       (name, change) => this.send(name, change),
-      () => viewer.refreshSheet(),
+      () => live.refresh(),
     );
     this.sliders = kMaterialQuantities.map((quantity) => {
       const slider: QuantitySlider = new QuantitySlider(quantity, (value) => {
@@ -50,7 +53,7 @@ export class MaterialControl {
     });
     element('material-rows').append(...this.sliders.map(({ row }) => row));
     this.preset.addEventListener('change', () => this.choosePreset());
-    this.part.addEventListener('change', () => this.viewer.sheet && this.show(this.viewer.sheet));
+    this.part.addEventListener('change', () => shown.sheet && this.show(shown.sheet));
   }
 
   show(sheet: Sheet): void {
@@ -93,7 +96,7 @@ export class MaterialControl {
     const { material, presets } = this;
     const chosen = presets.find(({ preset }) => preset === this.preset.value);
     if (!material || !chosen) return this.showNumbers();
-    // Fibres stay as they run.
+    // The direction of the fibres stays.
     this.put({ ...chosen, directionRad: material.directionRad }, (text) => {
       setText(this.error, text);
       this.error.hidden = false;
@@ -106,19 +109,19 @@ export class MaterialControl {
     this.material = material;
     this.showNumbers();
     const part = this.part.value === kWhole ? undefined : Number(this.part.value);
-    this.newest.put(this.viewer.sheetName, { material, part, refused });
+    this.newest.put(this.live.sheetName, { material, part, refused });
   }
 
   private async send(name: string, { material, part, refused }: Change): Promise<void> {
     try {
       await call(InteractionService.method.setSheetMaterial, { name, setMaterial: { material, part } });
     } catch (error) {
-      if (name !== this.viewer.sheetName) return;
+      if (name !== this.live.sheetName) return;
       refused(materialRefusal(errorText(error as Error)));
     }
   }
 
-  // Without them there are still numbers; the next settings ask again.
+  // The next settings ask again where this fails; numbers can be set without presets.
   private async fetchPresets(): Promise<void> {
     const info = await serverInfo().catch(() => undefined);
     if (!info || this.presets.length > 0) return;

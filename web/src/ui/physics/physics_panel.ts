@@ -1,21 +1,22 @@
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
-import type { Viewer } from '../../tools/tool';
+import type { Reporter } from '../../notifier';
+import type { OpenSheet, ShownState } from '../../sheet/open_sheet';
 import { GravityControl } from './gravity_control';
 import { MaterialControl } from './material_control';
 import { PinChoice } from './pin_choice';
 import { SofteningNote } from './softening_note';
 import { WindControl } from './wind_control';
 
-/** What acts on the sheet: gravity, wind, pins; and what it is made of. */
+/** Gravity, wind and pins, which act on the sheet, and its material. */
 export class PhysicsPanel {
   private readonly parts: readonly { show(sheet: Sheet): void }[];
 
-  constructor(viewer: Viewer) {
+  constructor(live: OpenSheet, shown: Pick<ShownState, 'sheet'>, reporter: Reporter) {
     this.parts = [
-      new GravityControl(viewer),
-      new WindControl(viewer),
-      new PinChoice(viewer),
-      new MaterialControl(viewer),
+      new GravityControl(live, reporter),
+      new WindControl(live, reporter),
+      new PinChoice(live, reporter),
+      new MaterialControl(live, shown),
       new SofteningNote(),
     ];
   }

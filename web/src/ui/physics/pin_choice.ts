@@ -1,13 +1,17 @@
 import { call } from '../../api';
 import { InteractionService } from '../../gen/kerf/v1/interaction_pb';
-import type { Viewer } from '../../tools/tool';
+import type { Reporter } from '../../notifier';
+import type { OpenSheet } from '../../sheet/open_sheet';
 import { countText } from '../../tools/cut_text';
 import { element, setText } from '../dom';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 
-/** Holds a whole edge, the corners or nothing, where it is at that moment: in place of all pins. */
+/** Replaces all pins: holds a whole edge, the corners or nothing, where it is at that moment. */
 export class PinChoice {
-  constructor(private readonly viewer: Viewer) {
+  constructor(
+    private readonly live: OpenSheet,
+    private readonly reporter: Reporter,
+  ) {
     const select = element<HTMLSelectElement>('pin-choice');
     element('pin-apply').addEventListener('click', () => void this.pin(Number(select.value)));
   }
@@ -19,11 +23,11 @@ export class PinChoice {
   /** @param edge  Region.Edge; 0: nothing is held */
   private async pin(edge: number): Promise<void> {
     const pins = edge === 0 ? [] : [{ region: { case: 'edge' as const, value: edge } }];
-    const { viewer } = this;
-    const done = await viewer.attempt(
-      () => call(InteractionService.method.setSheetPins, { name: viewer.sheetName, setPins: { pins } }),
+    const { live } = this;
+    const done = await this.reporter.attempt(
+      () => call(InteractionService.method.setSheetPins, { name: live.sheetName, setPins: { pins } }),
       'The pins were not changed: ',
     );
-    if (done) await viewer.refreshSheet();
+    if (done) await live.refresh();
   }
 }

@@ -5,10 +5,11 @@ import type { Vec3 } from '../../gen/kerf/v1/geometry_pb';
 import type { Wind, WindSchema } from '../../gen/kerf/v1/scene_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 import { Newest } from '../../newest';
-import type { Viewer } from '../../tools/tool';
+import type { Reporter } from '../../notifier';
+import type { OpenSheet } from '../../sheet/open_sheet';
 import { element, setText } from '../dom';
 
-/** Where to, degrees from x to y (0..360), how steeply up, degrees, and how fast, m/s. */
+/** The direction, degrees from x to y (0..360), the rise above the horizon, degrees, and the speed, m/s. */
 export interface WindSetting {
   azimuthDeg: number;
   risingDeg: number;
@@ -16,7 +17,7 @@ export interface WindSetting {
 }
 
 const kDegree = Math.PI / 180;
-// Below this a direction is no direction.
+// A slower wind has no direction.
 const kStillMps = 1e-9;
 
 export function windVelocity({ azimuthDeg, risingDeg, speedMps }: WindSetting): { x: number; y: number; z: number } {
@@ -28,7 +29,7 @@ export function windVelocity({ azimuthDeg, risingDeg, speedMps }: WindSetting): 
   };
 }
 
-/** The same the other way round; still air keeps the direction of `before`. */
+/** The inverse of windVelocity(); still air keeps the direction of `before`. */
 export function windSetting({ x, y, z }: Pick<Vec3, 'x' | 'y' | 'z'>, before: WindSetting): WindSetting {
   const speedMps = Math.hypot(x, y, z);
   if (speedMps < kStillMps) return { ...before, speedMps: 0 };
@@ -39,28 +40,28 @@ export function windSetting({ x, y, z }: Pick<Vec3, 'x' | 'y' | 'z'>, before: Wi
   };
 }
 
-/** Air, and which way it moves; without air nothing is dragged along. */
+/** Air and its wind; without air the sheet has no drag. */
 export class WindControl {
   private readonly isOn = element<HTMLInputElement>('wind-on');
   private readonly speed = element<HTMLInputElement>('wind-speed');
   private readonly azimuth = element<HTMLInputElement>('wind-azimuth');
   private readonly rising = element<HTMLInputElement>('wind-rising');
   private readonly newest: Newest<MessageInitShape<typeof WindSchema> | undefined>;
-  // Density and drag of the scene's own air are kept.
+  // The scene's own density and drag, which stay.
   private air: Pick<Wind, 'airDensityKgpm3' | 'dragCoefficient'> | undefined;
 
-  constructor(viewer: Viewer) {
+  constructor(live: OpenSheet, reporter: Reporter) {
     this.newest = new Newest(
       (name, wind) =>
-        viewer.attempt(() => call(InteractionService.method.setSheetWind, { name, setWind: { wind } })),
-      () => viewer.refreshSheet(),
+        reporter.attempt(() => call(InteractionService.method.setSheetWind, { name, setWind: { wind } })),
+      () => live.refresh(),
     );
     for (const input of [this.isOn, this.speed, this.azimuth, this.rising]) {
       input.addEventListener('input', () => {
-        // A breeze that is asked for needs air.
+        // A wind needs air.
         if (input !== this.isOn) this.isOn.checked = true;
         this.showValues();
-        this.newest.put(viewer.sheetName, this.wind());
+        this.newest.put(live.sheetName, this.wind());
       });
     }
   }

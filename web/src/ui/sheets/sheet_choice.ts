@@ -1,15 +1,18 @@
 import { call } from '../../api';
 import type { ApiError } from '../../api';
-import type { App } from '../../app';
 import { SheetService } from '../../gen/kerf/v1/sheets_pb';
 import type { Sheet } from '../../gen/kerf/v1/sheets_pb';
 import { NewestAnswer } from '../../newest_answer';
+import type { Reporter } from '../../notifier';
+import type { OpenSheet } from '../../sheet/open_sheet';
 import { listSheets, sheetId } from '../../sheets';
 import { confirmed } from '../confirmation';
+import type { ConnectionChip } from '../connection_chip';
 import { element } from '../dom';
 import { errorText } from '../error_text';
 import { Polling } from '../polling';
-import type { Panel } from '../side_panels';
+import type { SheetOpener } from '../sheet_opener';
+import type { Panel, SidePanels } from '../side_panels';
 import { NewSheetDialog } from './new_sheet_dialog';
 import { SheetList } from './sheet_list';
 import { SheetPicker } from './sheet_picker';
@@ -18,20 +21,32 @@ const kRetryMs = 1000;
 // While the panel is open.
 const kListPeriodMs = 1500;
 
-/** Which sheet is watched: asked for in the address, picked, opened in the panel of all sheets, made or deleted. */
+/** The parts of the viewer that show a chosen sheet. */
+export interface ChoosingParts {
+  readonly live: Pick<OpenSheet, 'sheetName'>;
+  readonly opener: Pick<SheetOpener, 'open' | 'offer' | 'close'>;
+  readonly replayBar: { readonly hasFile: boolean };
+  readonly connection: Pick<ConnectionChip, 'show'>;
+  readonly panels: Pick<SidePanels, 'open' | 'toggle'>;
+  readonly notices: Reporter;
+  /** Gives the keyboard to the canvas. */
+  focusStage(): void;
+}
+
+/** Chooses the sheet that is watched: by the address, the picker or the panel of all sheets, where they are made and deleted. */
 export class SheetChoice implements Panel {
   readonly dialog = new NewSheetDialog((name) => {
     this.open(name);
-    this.app.focusStage();
+    this.parts.focusStage();
   });
   private readonly picker: SheetPicker;
   private readonly list: SheetList;
   private sheets: readonly Sheet[] = [];
-  // Keeps the list while the server cannot be reached, which the connection says.
+  // Keeps the list while the server cannot be reached; the connection says so.
   private readonly answers = new NewestAnswer(listSheets, (sheets) => this.show(sheets));
   private readonly polling = new Polling(() => this.answers.fetch(), kListPeriodMs);
 
-  constructor(private readonly app: App) {
+  constructor(private readonly parts: ChoosingParts) {
     this.picker = new SheetPicker(
       (name) => this.open(name),
       () => void this.answers.fetch(),
@@ -57,9 +72,9 @@ export class SheetChoice implements Panel {
     const sheets = await this.reachable();
     const names = sheets.map((sheet) => sheet.name);
     const asked = new URLSearchParams(location.search).get('sheet');
-    // A sheet that was asked for and is not there is opened all the same: the server says what is wrong.
+    // Opens a sheet that was asked for even if it is not there: the server then says what is wrong.
     const name = asked ? `sheets/${asked}` : names.includes('sheets/demo') ? 'sheets/demo' : names[0];
-    if (name) this.app.offer(name);
+    if (name) this.parts.opener.offer(name);
     this.show(sheets);
     if (!name) this.showNone();
   }
@@ -69,32 +84,34 @@ export class SheetChoice implements Panel {
     const url = new URL(location.href);
     url.searchParams.set('sheet', sheetId(name));
     history.replaceState(null, '', url);
-    this.app.open(name);
+    this.parts.opener.open(name);
     void this.answers.fetch();
   }
 
   private async remove(name: string): Promise<void> {
     const question = `Delete the sheet ${sheetId(name)}? It ends for everybody who watches it, and cannot be brought back.`;
     if (!(await confirmed(question, 'Delete'))) return;
-    const done = await this.app.attempt(() => call(SheetService.method.deleteSheet, { name }), 'Nothing was deleted: ');
-    if (!done) return;
-    this.app.notify('info', `Deleted ${sheetId(name)}`);
+    const { live, notices } = this.parts;
+    const deletion = () => call(SheetService.method.deleteSheet, { name });
+    if (!(await notices.attempt(deletion, 'Nothing was deleted: '))) return;
+    notices.notify('info', `Deleted ${sheetId(name)}`);
     const isListed = await this.answers.refresh();
-    if (name !== this.app.sheetName || !isListed) return;
+    if (name !== live.sheetName || !isListed) return;
     if (this.sheets.length > 0) this.open(this.sheets[0].name);
     else this.showNone();
   }
 
   private showNone(): void {
-    this.app.close();
-    if (this.app.replayBar.hasFile) return;
-    this.app.showConnection('ended', 'This server has no sheets: make one under Sheets, New sheet');
-    if (this.app.panels.open !== 'sheets') this.app.panels.toggle('sheets');
+    const { opener, replayBar, connection, panels } = this.parts;
+    opener.close();
+    if (replayBar.hasFile) return;
+    connection.show('ended', 'This server has no sheets: make one under Sheets, New sheet');
+    if (panels.open !== 'sheets') panels.toggle('sheets');
   }
 
   private show(sheets: readonly Sheet[]): void {
     this.sheets = sheets;
-    const { sheetName } = this.app;
+    const { sheetName } = this.parts.live;
     this.picker.show(
       sheets.map((sheet) => sheet.name),
       sheetName || undefined,
@@ -108,7 +125,7 @@ export class SheetChoice implements Panel {
       try {
         return await listSheets();
       } catch (error) {
-        this.app.showConnection('lost', `${errorText(error as ApiError)}; trying again`);
+        this.parts.connection.show('lost', `${errorText(error as ApiError)}; trying again`);
         await new Promise((resolve) => setTimeout(resolve, kRetryMs));
       }
     }

@@ -1,0 +1,163 @@
+import { call } from '../api';
+import { SheetService } from '../gen/kerf/v1/sheets_pb';
+import type { Sheet } from '../gen/kerf/v1/sheets_pb';
+import type { Rejection } from '../gen/kerf/v1/stream_pb';
+import { NewestAnswer } from '../newest_answer';
+import type { Reporter } from '../notifier';
+import { FrameClock, unixTimeMs } from '../stream/frame_clock';
+import type { RemoteWatch } from '../stream/remote_watch';
+import { SettingsFollower } from '../stream/settings_follower';
+import type { FrameCopy, SheetCopy } from '../stream/sheet_copy';
+import { SheetStream } from '../stream/sheet_stream';
+import type { RecordingProgress } from '../stream/stream_recorder';
+import type { Pace } from '../stream/watch';
+import type { OpenSheet } from './open_sheet';
+
+/** The stream that the viewer wants now. */
+export interface StreamWishes {
+  strains: boolean;
+  pace: Pace;
+}
+
+export interface LiveSheetEvents {
+  /** The connection has another state. */
+  onState(): void;
+  onFrame(copy: SheetCopy, frame: FrameCopy): void;
+  onSettings(sheet: Sheet): void;
+  onRejection(rejection: Rejection): void;
+  /** @param parts  the file, once it is finished */
+  onRecording(progress: RecordingProgress, parts: ArrayBuffer[] | undefined): void;
+  /** The stream has ended, and what it recorded is lost. `why` is a sentence for people. */
+  onFailed(why: string): void;
+}
+
+/** The live sheet that is open: its stream, and its settings as the server has them. */
+export class LiveSheet implements OpenSheet {
+  sheetName = '';
+
+  private readonly stream: SheetStream;
+  // Ignores failures: the stream says that the connection is lost or the sheet is gone.
+  private readonly answers = new NewestAnswer<Sheet>(
+    () => call(SheetService.method.getSheet, { name: this.sheetName }),
+    (sheet) => this.answered(sheet),
+  );
+  private readonly settings = new SettingsFollower(() => this.answers.fetch());
+  private clock = new FrameClock();
+  // A new one comes with each connection.
+  private copy: SheetCopy | undefined;
+
+  /** @param wishes  is asked whenever a stream starts or its pace may change */
+  constructor(
+    private readonly wishes: () => StreamWishes,
+    private readonly events: LiveSheetEvents,
+    private readonly reporter: Reporter,
+  ) {
+    this.stream = new SheetStream({
+      onState: (state) => {
+        // The first frame of the next connection asks again.
+        if (state !== 'live') this.settings.reset();
+        events.onState();
+      },
+      onFrame: (copy, frame) => this.received(copy, frame),
+      onRejection: (rejection) => events.onRejection(rejection),
+      onRecording: (progress, parts) => {
+        events.onRecording(progress, parts);
+        // A full recording ends in a hidden page as well, where no drawing sets the pace.
+        this.followPace();
+      },
+      onFailed: (why) => events.onFailed(why),
+    });
+  }
+
+  /** The stream; undefined without a live sheet, and while a recording is shown. */
+  get watch(): RemoteWatch | undefined {
+    return this.stream.watch;
+  }
+
+  get isWatched(): boolean {
+    return this.watch !== undefined;
+  }
+
+  /** Age of the newest frame, milliseconds; undefined before the first. */
+  get ageMs(): number | undefined {
+    return this.clock.ageMs(unixTimeMs());
+  }
+
+  /** @param name  sheets/{sheet} */
+  open(name: string): void {
+    this.sheetName = name;
+    this.startStream(false);
+  }
+
+  /** Watches no sheet any more. The name stays. */
+  close(): void {
+    this.stream.close();
+    this.settings.reset();
+  }
+
+  /** Starts another stream of the same sheet. `goesOn`: it continues from the triangles that are here. */
+  restart(goesOn: boolean): void {
+    if (this.isWatched) this.startStream(goesOn);
+  }
+
+  /** The page is shown, or hidden. */
+  pageSeen(): void {
+    this.followPace();
+    if (!document.hidden) this.watch?.retryNow();
+  }
+
+  /** Asks for frames as often as they are wanted now. Cheap where nothing has changed. */
+  followPace(): void {
+    this.watch?.setPace(this.wishes().pace);
+  }
+
+  /** Moves the vertices to where they are at `nowMs`; true if any has moved. */
+  advance(nowMs: number): boolean {
+    return this.watch?.copy?.advance(nowMs) ?? false;
+  }
+
+  /** Tells the server that the newest frame has been used. */
+  acknowledge(): void {
+    this.watch?.acknowledge();
+  }
+
+  /** Asks for the settings; false if that failed. */
+  fetch(): Promise<boolean> {
+    return this.answers.fetch();
+  }
+
+  async refresh(): Promise<void> {
+    await this.answers.refresh();
+  }
+
+  /** Runs a call that changes the sheet and is answered by its settings. */
+  command(run: () => Promise<Sheet>): Promise<void> {
+    return this.answers.command(() => this.reporter.attempt(run));
+  }
+
+  private startStream(goesOn: boolean): void {
+    this.stream.start(this.sheetName, { ...this.wishes(), goesOn });
+  }
+
+  // Ignores the answer for a sheet that is no longer shown.
+  private answered(sheet: Sheet): void {
+    if (this.isWatched && sheet.name === this.sheetName) this.events.onSettings(sheet);
+  }
+
+  private received(copy: SheetCopy, frame: FrameCopy): void {
+    if (copy !== this.copy) {
+      // A new connection, perhaps to another server, has another clock and may have other settings.
+      this.copy = copy;
+      this.clock = new FrameClock();
+      this.settings.reset();
+    }
+    const { stats, arrivedMs } = frame;
+    if (stats) {
+      this.clock.arrived(stats.publishedUnixUs, arrivedMs);
+      if (this.isWatched) this.settings.saw(stats.settingsVersion);
+    }
+    this.events.onFrame(copy, frame);
+    // No drawing acknowledges the frames that a recording makes come to a hidden page.
+    if (document.hidden) this.acknowledge();
+  }
+}

@@ -1,0 +1,130 @@
+import type { Sheet } from '../gen/kerf/v1/sheets_pb';
+import { Surface } from '../geometry/surface';
+import { pieceCentre } from '../scene/piece_highlight';
+import { SheetScene } from '../scene/sheet_scene';
+import type { SheetView } from '../scene/sheet_view';
+import type { Stage } from '../scene/stage';
+import type { SheetCopy } from '../stream/sheet_copy';
+import type { ShownState } from './open_sheet';
+
+export interface ShownSheetEvents {
+  /** Frames come from another connection or recording. */
+  onSource(): void;
+  /** The settings are others than `before`, which is undefined for the first ones of a sheet. */
+  onSettings(sheet: Sheet, before: Sheet | undefined): void;
+}
+
+/** The sheet that is seen, of the live stream or of a recording: its newest frame, its settings, and its scene. */
+export class ShownSheet implements ShownState {
+  surface: Surface | undefined;
+  sheet: Sheet | undefined;
+
+  private readonly scene: SheetScene;
+  // The scene does not have the newest frame, or not in its present look.
+  private isStale = false;
+  // A frame has come since the last drawing.
+  private hasArrived = false;
+  private isFitted = false;
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly events: ShownSheetEvents,
+  ) {
+    this.scene = new SheetScene(stage);
+  }
+
+  get view(): SheetView {
+    return this.scene.view;
+  }
+
+  get topologyVersion(): number | undefined {
+    return this.surface?.mirror.topologyVersion;
+  }
+
+  /** Takes a frame of the live stream or of a recording. */
+  receive(copy: SheetCopy): void {
+    if (this.surface?.mirror !== copy) {
+      this.surface = new Surface(copy);
+      this.events.onSource();
+    }
+    this.scene.object.visible = true;
+    this.isStale = true;
+    this.hasArrived = true;
+    this.stage.invalidate();
+  }
+
+  set(sheet: Sheet): void {
+    const before = this.sheet;
+    this.sheet = sheet;
+    this.events.onSettings(sheet, before);
+    this.scene.set(sheet);
+    this.showAgain();
+  }
+
+  /** Forgets the sheet, which stays in the picture until the next one comes. */
+  clear(): void {
+    this.surface = undefined;
+    this.sheet = undefined;
+    this.isStale = false;
+    this.isFitted = false;
+  }
+
+  /** Takes the last sheet out of the picture. */
+  hide(): void {
+    this.scene.object.visible = false;
+    this.stage.invalidate();
+  }
+
+  /** Looks at the whole of it. */
+  fit(): void {
+    if (this.surface) this.scene.fit(this.surface, this.sheet?.scene?.colliders ?? []);
+  }
+
+  /** Lights one piece up, by its label in the frames; undefined: none. */
+  highlight(label: number | undefined): void {
+    this.view.highlight(label);
+    this.showAgain();
+  }
+
+  /** Moves the view so that the piece is in the middle. */
+  centre(label: number): void {
+    if (this.surface) this.stage.lookAt(pieceCentre(this.surface.mirror, label));
+  }
+
+  /** Draws sheet and colliders here, or leaves them to the server's picture. */
+  setDrawn(isDrawn: boolean): void {
+    this.scene.setDrawn(isDrawn);
+    this.showAgain();
+  }
+
+  /** Lets sheet and solids hide things that lie over the server's picture, or not. */
+  setHiding(isHiding: boolean): void {
+    if (this.scene.setHiding(isHiding)) this.showAgain();
+  }
+
+  /** Draws the newest frame once more, in a look that may have changed. */
+  showAgain(): void {
+    this.isStale = this.surface !== undefined;
+    this.stage.invalidate();
+  }
+
+  /** Brings the newest frame into the scene; false if it is there already. */
+  update(): boolean {
+    if (!this.surface || !this.isStale) return false;
+    this.isStale = false;
+    if (!this.isFitted) {
+      this.fit();
+      // Fits once more when the colliders are known.
+      this.isFitted = this.sheet !== undefined;
+    }
+    this.scene.update(this.surface);
+    return true;
+  }
+
+  /** Notes that a picture was drawn; true if a frame has come since the last one. */
+  drawn(): boolean {
+    const { hasArrived } = this;
+    this.hasArrived = false;
+    return hasArrived;
+  }
+}

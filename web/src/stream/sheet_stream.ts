@@ -1,0 +1,49 @@
+import { RemoteWatch } from './remote_watch';
+import type { RemoteWatchEvents, RemoteWatchOptions } from './remote_watch';
+import { streamUrl } from './stream_url';
+import { startWorker } from './workers';
+
+export interface SheetStreamEvents extends RemoteWatchEvents {
+  /** The worker has failed, and what it recorded is lost. `why` is a sentence for people. */
+  onFailed(why: string): void;
+}
+
+/** The stream of one sheet at a time, in a worker that the next stream starts again after a failure. */
+export class SheetStream {
+  private current: RemoteWatch | undefined;
+  private worker: Worker | undefined;
+
+  constructor(private readonly events: SheetStreamEvents) {
+    // Loads while the page finds out which sheet to open.
+    this.worker = this.startWorker();
+  }
+
+  /** Undefined where no sheet is watched. */
+  get watch(): RemoteWatch | undefined {
+    return this.current;
+  }
+
+  /**
+   * Watches a sheet in place of the last one.
+   * @param name  sheets/{sheet}
+   */
+  start(name: string, options: RemoteWatchOptions): void {
+    this.close();
+    this.worker ??= this.startWorker();
+    this.current = new RemoteWatch(this.worker, streamUrl('watch'), name, this.events, options);
+  }
+
+  close(): void {
+    this.current?.close();
+    this.current = undefined;
+  }
+
+  private startWorker(): Worker {
+    return startWorker('watch', (why) => {
+      const failure = `The viewer can no longer receive the sheet: ${why}. Open the sheet again, or reload the page`;
+      this.worker = undefined;
+      this.current?.fail(failure);
+      this.events.onFailed(failure);
+    });
+  }
+}

@@ -1,0 +1,47 @@
+import type { Ray } from 'three';
+import type { Point2 } from '../geometry/locator';
+import type { Viewer } from './tool';
+
+/** The one piece to cut, if the user has chosen it by a tap. */
+export class ChosenPiece {
+  /** The next tap chooses it. */
+  isChoosing = false;
+
+  // A material point of the piece, whose label may change with each cut.
+  private mark: Point2 | undefined;
+
+  constructor(private readonly viewer: Pick<Viewer, 'shown'>) {}
+
+  get isChosen(): boolean {
+    return this.mark !== undefined;
+  }
+
+  /** Label of the piece; undefined if none is chosen, or it has no material at its mark any more. */
+  get label(): number | undefined {
+    const { surface } = this.viewer.shown;
+    const place = this.mark && surface?.locator.find(this.mark);
+    return place && surface!.mirror.pieces[place.slot];
+  }
+
+  /** The mark, as a material point; undefined where there is no label. */
+  get place(): Point2 | undefined {
+    return this.label === undefined ? undefined : this.mark;
+  }
+
+  /** Lets the next tap choose it; forgets the piece instead if one is chosen. */
+  toggle(): void {
+    this.isChoosing = !this.isChoosing && !this.isChosen;
+    this.mark = undefined;
+  }
+
+  /** Takes the piece that the ray hits; beside the sheet the choice stays open. */
+  take(ray: Ray): void {
+    this.mark = this.viewer.shown.surface?.pick(ray)?.material;
+    this.isChoosing = !this.mark;
+  }
+
+  forget(): void {
+    this.isChoosing = false;
+    this.mark = undefined;
+  }
+}

@@ -1,0 +1,80 @@
+import { CutTool } from '../tools/cut_tool';
+import { GrabTool } from '../tools/grab_tool';
+import { KeyboardPointer } from '../tools/keyboard_pointer';
+import { PinTool } from '../tools/pin_tool';
+import { PointerRouter } from '../tools/pointer_router';
+import type { Tool, ToolId, Viewer } from '../tools/tool';
+import { ViewTool } from '../tools/view_tool';
+import { CutPanel } from './cut_panel';
+import { Choice, element } from './dom';
+
+export interface ToolChoiceEvents {
+  /** A tool that changes the sheet was taken in hand. */
+  onTried(): void;
+  /** The cut tool is asked for a drawing in a file. */
+  onFileWanted(): void;
+}
+
+/** The tools, one of which is chosen and gets the gestures of mouse, fingers and keys on the canvas. */
+export class ToolChoice {
+  readonly cut: CutTool;
+  readonly grab: GrabTool;
+  readonly cutPanel: CutPanel;
+  readonly keyboardPointer: KeyboardPointer;
+
+  private readonly canvas = element<HTMLCanvasElement>('canvas');
+  private readonly tools: Record<ToolId, Tool>;
+  private readonly buttons: Choice<ToolId>;
+  private chosen: Tool;
+
+  /** @param replayBar  says whether a recording is shown, which no tool can change */
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly replayBar: { readonly isOpen: boolean },
+    private readonly events: ToolChoiceEvents,
+  ) {
+    this.cut = new CutTool(viewer, () => this.updateCutPanel());
+    this.grab = new GrabTool(viewer);
+    this.tools = { view: new ViewTool(), cut: this.cut, grab: this.grab, pin: new PinTool(viewer) };
+    this.chosen = this.tools.view;
+    this.cutPanel = new CutPanel(
+      this.cut,
+      () => viewer.stage.focus(),
+      () => events.onFileWanted(),
+    );
+    this.buttons = new Choice<ToolId>(element('tools'), 'tool', (id) => this.choose(id));
+    this.keyboardPointer = new KeyboardPointer(viewer, () => this.chosen);
+    new PointerRouter(
+      element('stage'),
+      this.canvas,
+      viewer.stage,
+      () => this.chosen,
+      () => this.keyboardPointer.hide(),
+    );
+    this.choose('view');
+  }
+
+  get tool(): Tool {
+    return this.chosen;
+  }
+
+  /** Takes a tool in place of the one that is chosen. While a recording is shown only the view can be moved. */
+  choose(id: ToolId): void {
+    this.keyboardPointer.hide();
+    if (id !== 'view' && this.replayBar.isOpen) {
+      this.viewer.notices.notify('info', 'A recording cannot be changed: close it to return to the live sheet');
+      return;
+    }
+    if (id === 'cut' || id === 'grab') this.events.onTried();
+    if (this.chosen !== this.tools[id]) this.chosen.leave();
+    this.chosen = this.tools[id];
+    this.chosen.enter();
+    this.buttons.show(id);
+    this.updateCutPanel();
+    this.canvas.style.cursor = this.chosen.cursor;
+  }
+
+  private updateCutPanel(): void {
+    this.cutPanel.update(this.chosen === this.cut);
+  }
+}
