@@ -1,5 +1,5 @@
-// Reads every import of src/, types included, and compares it with the table of who may import whom. A file that is in no
-// row fails, so that a new folder has to be thought about; so do a row without files and a circle of files.
+// Reads every import of src/, types included, and compares it with the table of who may import whom. A file in no row
+// fails, so that a new folder has to be thought about. A row without files fails as well, and so does a circle of files.
 
 import { readFileSync, readdirSync } from 'node:fs';
 import { posix } from 'node:path';

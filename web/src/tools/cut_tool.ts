@@ -34,8 +34,8 @@ export const kLeastWeight = 0.05;
 const kWeightStep = 1.25;
 
 /**
- * Draws something and cuts along it, either through the sheet seen under it on the picture or, on request, through the
- * material, with which the drawing then moves. A cut from border to border starts and ends beside the sheet.
+ * Draws something and cuts along it: through the sheet seen under it on the picture or, on request, through the material.
+ * On the material the drawing moves with the sheet. A cut from border to border starts and ends beside the sheet.
  */
 export class CutTool implements Tool {
   readonly id = 'cut';
